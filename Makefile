@@ -1,0 +1,133 @@
+# All commands of the project; `make` alone lists them.
+#
+#   make PYTHON=python3.12 ...      another interpreter (makes .venv anew)
+#   make UV= ...                    plain pip instead of uv: slower, the same versions
+#   make reproduce SNAKEMAKE_ARGS="--cores 1"
+#   make test PYTEST_ARGS="-n 2 -k kernel"
+#   make lock LOCK_ARGS=--upgrade
+
+PYTHON := python3
+UV := .venv/bin/uv
+SNAKEMAKE_ARGS ?=
+PYTEST_ARGS ?=
+LOCK_ARGS ?=
+
+SHELL := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DEFAULT_GOAL := help
+.NOTPARALLEL:
+
+# Without bytecode Snakemake starts three times slower, and module paths of the caller's
+# shell have no business in a locked environment.
+unexport PYTHONDONTWRITEBYTECODE PYTHONHOME PYTHONPATH VIRTUAL_ENV
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+
+# Rules that call `python` must find the environment's. Not exported for all recipes: the
+# interpreter that makes .venv must not be looked for inside it.
+ACTIVE = PATH="$(CURDIR)/.venv/bin:$$PATH"
+
+LOCKED := .venv/.environment pyproject.toml requirements/build.txt requirements/run.txt
+INSTALLER := $(filter .venv/bin/uv,$(UV))
+
+# An environment holds absolute paths, so one that was copied or moved along with the project
+# still points to the old place; it is made anew, as is one of another interpreter than asked for.
+ifneq ($(wildcard .venv/.origin),)
+STALE := $(shell { read -r place; read -r python; } < .venv/.origin; \
+	[ "$$place" = "$$PWD" ] $(if $(filter command,$(origin PYTHON)),&& [ "$$python" = "$(PYTHON)" ]) \
+	|| echo stale)
+endif
+
+.PHONY: help reproduce test lint types bench lock clean distclean stale
+
+help: ## list these targets
+	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1|\2/p' Makefile | column -t -s '|'
+
+reproduce: .venv/.run ## run the whole study into results/ and say what was built
+	@$(ACTIVE) .venv/bin/snakemake $(SNAKEMAKE_ARGS)
+	@.venv/bin/python -m microimpact.summary results
+
+test: .venv/.test ## run the tests
+	@$(ACTIVE) .venv/bin/pytest $(PYTEST_ARGS)
+
+lint: .venv/.test ## check style, workflow and the order of imports
+	.venv/bin/ruff check .
+	.venv/bin/ruff format --check .
+	.venv/bin/snakefmt --check Snakefile workflow
+	$(ACTIVE) .venv/bin/snakemake --lint
+	.venv/bin/lint-imports --no-cache
+
+types: .venv/.test ## check types, strictly
+	.venv/bin/mypy
+
+bench: .venv-benchmark/.benchmark ## compare speed and error with other solvers
+	.venv-benchmark/bin/python -m benchmarks.compare
+
+lock: .venv/bin/uv ## renew requirements/*.txt from pyproject.toml and requirements/*.in
+	$(call compile,pyproject.toml,run)
+	$(call compile,requirements/bootstrap.in,bootstrap)
+	$(call compile,requirements/build.in -c requirements/run.txt,build)
+	$(call compile,pyproject.toml requirements/test.in -c requirements/run.txt,test)
+	$(call compile,pyproject.toml requirements/benchmark.in -c requirements/run.txt,benchmark)
+
+clean: ## remove results and everything else that was generated
+	[ ! -d results ] || find results -mindepth 1 -maxdepth 1 ! -name README.md -exec rm -rf {} +
+	rm -rf build dist .snakemake .hypothesis .mypy_cache .pytest_cache .ruff_cache
+
+distclean: clean ## remove the environments, too
+	rm -rf .venv .venv-benchmark
+
+# One set of versions for all interpreters and platforms, so that results do not depend on them.
+# No index address is written: hashes pin the files wherever they come from.
+compile = .venv/bin/uv pip compile --quiet --universal --python-version 3.11 \
+	--fork-strategy fewest --generate-hashes --no-emit-index-url \
+	--custom-compile-command "make lock" $(LOCK_ARGS) $(1) -o requirements/$(2).txt
+
+fail = { echo "make: $(1)" >&2; exit 1; }
+
+.venv/.environment: requirements/bootstrap.txt $(STALE)
+	@command -v "$(PYTHON)" > /dev/null \
+		|| $(call fail,no '$(PYTHON)' here. Python 3.11 or later is needed; on Debian: apt install git make python3-venv)
+	@"$(PYTHON)" -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
+		|| $(call fail,'$(PYTHON)' is older than 3.11. Name a newer one: make PYTHON=python3.12 ...)
+	@"$(PYTHON)" -c 'import ensurepip, venv' 2> /dev/null \
+		|| $(call fail,'$(PYTHON)' cannot make environments. On Debian: apt install git make python3-venv)
+	@echo "Making .venv ..."
+	@"$(PYTHON)" -m venv --clear .venv
+	@printf '%s\n' "$$PWD" "$(PYTHON)" > .venv/.origin
+	@touch $@
+
+.venv/bin/uv: | .venv/.environment
+	@.venv/bin/python -m pip install --quiet --require-hashes --only-binary :all: \
+		-r requirements/bootstrap.txt \
+		|| $(call fail,uv could not be installed. Without it: make UV= ...)
+
+# $(call install,ENVIRONMENT,GROUP)  All that is locked for the group, then the package itself.
+# The stamps go first, lest an interrupted change pass for a finished one.
+ifneq ($(UV),)
+install = rm -f $(1)/.run $(1)/.test; \
+	"$(UV)" pip sync --python $(1)/bin/python --require-hashes --compile-bytecode \
+		--build-constraints requirements/build.txt requirements/bootstrap.txt requirements/$(2).txt; \
+	"$(UV)" pip install --quiet --python $(1)/bin/python --no-deps --compile-bytecode \
+		--build-constraints requirements/build.txt --editable .
+else
+install = rm -f $(1)/.run $(1)/.test; \
+	$(1)/bin/python -m pip install --require-hashes --no-deps -r requirements/build.txt; \
+	$(1)/bin/python -m pip install --require-hashes --no-deps --no-build-isolation \
+		-r requirements/$(2).txt; \
+	$(1)/bin/python -m pip install --quiet --no-deps --no-build-isolation --editable .
+endif
+
+# The test group contains the run group: once there, it serves both and is kept.
+.venv/.run: $(LOCKED) | $(INSTALLER)
+	@if [ -e .venv/.test ]; then \
+		$(call install,.venv,test); touch .venv/.run .venv/.test; \
+	else \
+		$(call install,.venv,run); touch .venv/.run; \
+	fi
+
+.venv/.test: $(LOCKED) requirements/test.txt | $(INSTALLER)
+	@$(call install,.venv,test); touch .venv/.run .venv/.test
+
+.venv-benchmark/.benchmark: $(LOCKED) requirements/benchmark.txt | $(INSTALLER)
+	@.venv/bin/python -m venv --clear .venv-benchmark
+	@$(call install,.venv-benchmark,benchmark); touch $@

@@ -1,0 +1,40 @@
+"""Regenerate the figures and tables of a study of microparticle impact from declared inputs.
+
+snakemake                                         everything, into results/
+snakemake fig17                                   one figure and what it rests on
+snakemake fig17 --configfile config/examples/high-friction.yaml
+snakemake --configfile config/ci.yaml             everything, small, into build/ci/
+
+One way for the data: config branch -> study -> results/data, results/tables -> figure.
+"""
+
+from snakemake.utils import min_version
+
+min_version("9.12")
+
+
+configfile: "config/config.yaml"
+
+
+report: "workflow/report/overview.rst"
+
+
+# Read with --software-deployment-method apptainer only; the rules run in the present environment.
+container: "docker://python:3.11-slim-bookworm"
+
+
+include: "workflow/rules/common.smk"
+include: "workflow/rules/inputs.smk"
+include: "workflow/rules/models.smk"
+include: "workflow/rules/figures.smk"
+
+
+rule all:
+    """Every file that any rule makes."""
+    default_target: True
+    input:
+        lambda wildcards: everything(),
+
+
+onsuccess:
+    write_stamp(workflow.pathvars.apply("<results>/run.json"), config, PROJECT)

@@ -1,0 +1,121 @@
+"""Checked numbers: scalars and arrays that are finite and in range, or one clear error."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+Real = float | FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Range:
+    """An interval of finite numbers; each bound is open unless said to be closed."""
+
+    lower: float = -math.inf
+    upper: float = math.inf
+    lower_closed: bool = False
+    upper_closed: bool = False
+
+    def contains(self, values: FloatArray) -> BoolArray:
+        """Tell for each value whether it lies inside."""
+        above = values >= self.lower if self.lower_closed else values > self.lower
+        below = values <= self.upper if self.upper_closed else values < self.upper
+        inside: BoolArray = above & below
+        return inside
+
+    def __str__(self) -> str:
+        if math.isinf(self.lower) and math.isinf(self.upper):
+            return "finite"
+        if math.isinf(self.upper):
+            return f"finite and {'>=' if self.lower_closed else '>'} {self.lower:g}"
+        left = "[" if self.lower_closed else "("
+        right = "]" if self.upper_closed else ")"
+        return f"in {left}{self.lower:g}, {self.upper:g}{right}"
+
+
+FINITE = Range()
+POSITIVE = Range(lower=0.0)
+NON_NEGATIVE = Range(lower=0.0, lower_closed=True)
+
+
+def checked(name: str, value: object, allowed: Range = FINITE) -> Real:
+    """Return ``value`` as a float or a read-only float array.
+
+    Parameters
+    ----------
+    name
+        Name of the argument, for the error message.
+    value
+        A real number or an array of them, any shape.
+    allowed
+        The admissible range.
+
+    Raises
+    ------
+    TypeError
+        If ``value`` does not hold real numbers (text, booleans, None, complex).
+    ValueError
+        If a number is not finite or not in range.
+    """
+    try:
+        array = np.asarray(value)
+    except ValueError:
+        array = np.asarray(None)
+    if array.dtype.kind not in "iuf":
+        raise TypeError(f"{name} must be a real number or an array of them, got {value!r}")
+    array = array.astype(np.float64)
+    good = np.isfinite(array) & allowed.contains(array)
+    if not np.all(good):
+        first = np.argwhere(~good)[0]
+        where = f" at index {', '.join(map(str, first))}" if array.ndim else ""
+        offender = array[tuple(first)]
+        raise ValueError(f"{name} must be {_finite(allowed)}, got {offender:g}{where}")
+    if array.ndim == 0:
+        return float(array)
+    array.setflags(write=False)
+    return array
+
+
+def _finite(allowed: Range) -> str:
+    text = str(allowed)
+    return text if text.startswith("finite") else f"finite and {text}"
+
+
+def common_shape(named: Mapping[str, object]) -> tuple[int, ...]:
+    """Return the broadcast shape of named numbers or arrays.
+
+    Raises
+    ------
+    ValueError
+        If the shapes do not broadcast; the message gives each name with its shape.
+    """
+    shapes = {name: np.shape(value) for name, value in named.items()}  # type: ignore[call-overload]
+    try:
+        return np.broadcast_shapes(*shapes.values())
+    except ValueError:
+        listed = ", ".join(f"{name} {shape}" for name, shape in shapes.items() if shape)
+        raise ValueError(f"shapes do not broadcast: {listed}") from None
+
+
+def choice(name: str, value: object, allowed: tuple[str, ...]) -> str:
+    """Return ``value`` if it is one of ``allowed``.
+
+    Raises
+    ------
+    TypeError
+        If it is not text.
+    ValueError
+        If it is another text.
+    """
+    if not isinstance(value, str):
+        raise TypeError(f"{name} must be one of {', '.join(map(repr, allowed))}, got {value!r}")
+    if value not in allowed:
+        raise ValueError(f"{name} must be one of {', '.join(map(repr, allowed))}, got {value!r}")
+    return value

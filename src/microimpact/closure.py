@@ -1,0 +1,109 @@
+"""Which files a module depends on: its import closure, parents and data files included."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterable, Iterator
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+
+import grimp
+
+PACKAGE = __name__.partition(".")[0]
+
+
+@cache
+def _graph() -> grimp.ImportGraph:
+    # Imports for type checkers only cannot change what a module computes.
+    return grimp.build_graph(PACKAGE, cache_dir=None, exclude_type_checking_imports=True)
+
+
+@cache
+def _root() -> Path:
+    spec = find_spec(PACKAGE)
+    if spec is None or spec.origin is None:
+        raise ModuleNotFoundError(f"package {PACKAGE} not found")
+    return Path(spec.origin).parent
+
+
+def closure(modules: Iterable[str]) -> list[str]:
+    """Return the names of all package modules that the given ones depend on.
+
+    Parameters
+    ----------
+    modules
+        Full module names.
+
+    Returns
+    -------
+    list of str
+        Sorted names: the modules, all they import at any depth and anywhere in
+        their text (also inside functions), and the packages these stand in with
+        all that those import.
+
+    Raises
+    ------
+    ModuleNotFoundError
+        If a module is not part of the package.
+    """
+    graph, found, waiting = _graph(), set[str](), list(modules)
+    while waiting:
+        module = waiting.pop()
+        if module in found:
+            continue
+        if module not in graph.modules:
+            raise ModuleNotFoundError(f"no module named {module!r} in {_root()}")
+        found.add(module)
+        waiting += graph.find_modules_directly_imported_by(module)
+        if "." in module:
+            waiting.append(module.rpartition(".")[0])
+    return sorted(found)
+
+
+def source_files(*modules: str, scripts: Iterable[Path | str] = ()) -> list[str]:
+    """Return the files that decide what modules and scripts do.
+
+    Parameters
+    ----------
+    modules
+        Full module names.
+    scripts
+        Python files outside the package; what they import from it counts too.
+
+    Returns
+    -------
+    list of str
+        Absolute paths: the scripts, the source of the closure, and the data files
+        that stand beside its modules (other than the typing marker).
+    """
+    imported = [name for script in scripts for name in imports_of(Path(script))]
+    files = {str(Path(script).resolve()) for script in scripts}
+    folders = set[Path]()
+    for module in closure([*modules, *imported]):
+        stem = _root().joinpath(*module.split(".")[1:])
+        package = stem / "__init__.py"
+        file = package if package.exists() else stem.with_suffix(".py")
+        files.add(str(file))
+        folders.add(file.parent)
+    files.update(str(data) for folder in folders for data in _data_files(folder))
+    return sorted(files)
+
+
+def _data_files(folder: Path) -> Iterator[Path]:
+    for path in folder.iterdir():
+        known = path.suffix in {".py", ".pyc", ".pyi"} or path.name == "py.typed"
+        if path.is_file() and not known and not path.name.startswith("."):
+            yield path
+
+
+def imports_of(script: Path) -> list[str]:
+    """Return the package modules that a Python file names in its import statements."""
+    found = set[str]()
+    for node in ast.walk(ast.parse(script.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found.update(alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            found.add(node.module)
+            found.update(f"{node.module}.{alias.name}" for alias in node.names)
+    return sorted(found & _graph().modules)

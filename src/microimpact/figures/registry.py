@@ -1,0 +1,168 @@
+"""The figure registry: what ``config/figures.yaml`` says of each figure, checked."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, ValidationError
+
+from microimpact.parameters import Finite, Name, build, explain, nearest
+
+Range = tuple[Finite, Finite]
+Place = Literal[
+    "best",
+    "upper left",
+    "upper center",
+    "upper right",
+    "center left",
+    "center",
+    "center right",
+    "lower left",
+    "lower center",
+    "lower right",
+]
+
+
+class RegistryError(ValueError):
+    """A registry with problems: one line each, beginning with the dotted key."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SeriesSpec:
+    """How one series is called in the legend and drawn."""
+
+    label: Name
+    line: Literal["solid", "dashed", "dotted", "dashdot"] = "solid"
+    colour: Annotated[int, Field(ge=0, le=6)] | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PanelSpec:
+    """Axes of one panel, and its series in the order of the legend."""
+
+    x_label: Name
+    y_label: Name
+    x_range: Range
+    y_range: Range
+    title: str = ""
+    x_ticks: tuple[Finite, ...] = ()
+    y_ticks: tuple[Finite, ...] = ()
+    legend: str = ""
+    legend_place: Place = "best"
+    series: dict[str, SeriesSpec] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DataSpec:
+    """Units of one table of figure data, as they stand in its column names."""
+
+    x: Name
+    y: Name
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FigureSpec:
+    """One figure: words, code that draws it, study and tables it comes from, panels."""
+
+    name: Annotated[str, Field(pattern=r"^fig\d\d$")]
+    title: Name
+    caption: Name
+    module: Annotated[str, Field(pattern=r"^microimpact\.figures\.\w+$")]
+    function: Name = "draw"
+    study: Name
+    data: dict[str, DataSpec]
+    width: Literal["single", "double"] = "single"
+    height_mm: Annotated[float, Field(gt=0, le=240)] = 65.0
+    panels: dict[str, PanelSpec]
+
+    def __post_init__(self) -> None:
+        """Refuse an empty axis."""
+        for name, panel in self.panels.items():
+            for axis in ("x_range", "y_range"):
+                low, high = getattr(panel, axis)
+                if low >= high:
+                    raise ValueError(f"panels.{name}.{axis}: [{low}, {high}] must ascend")
+
+
+def figure_spec(name: str, entry: object) -> FigureSpec:
+    """Return the entry of one figure.
+
+    Raises
+    ------
+    RegistryError
+        Naming the dotted key of every problem, one line each.
+    """
+    if not isinstance(entry, Mapping):
+        raise RegistryError(f"{name}: {entry!r} must be a mapping")
+    try:
+        return build(FigureSpec, {"name": name, **entry})
+    except ValidationError as error:
+        raise RegistryError("\n".join(explain(error, FigureSpec, name))) from None
+
+
+def registry(entries: Mapping[str, Mapping[str, Any]]) -> dict[str, FigureSpec]:
+    """Return all figures of a registry, in order of their names.
+
+    Raises
+    ------
+    RegistryError
+        Naming the dotted key of every problem in any figure, one line each.
+    """
+    found, problems = {}, []
+    for name in sorted(entries, key=_order):
+        try:
+            found[name] = figure_spec(name, entries[name])
+        except RegistryError as error:
+            problems.append(str(error))
+    if problems:
+        raise RegistryError("\n".join(problems))
+    return found
+
+
+_PLACE = re.compile(r"\[\[(\w+)(?::([^\]]*))?\]\]")
+
+
+def filled(
+    entries: Mapping[str, Mapping[str, Any]], branches: Mapping[str, Mapping[str, Any]]
+) -> dict[str, Any]:
+    """Put values of each figure's study into its words.
+
+    ``[[friction]]`` or ``[[friction:.2f]]`` in any text of an entry stands for the parameter
+    of that name, so that no word on a figure contradicts a changed configuration.
+
+    Raises
+    ------
+    RegistryError
+        If a study is not known, or has no parameter of that name.
+    """
+    result = {}
+    for name, entry in entries.items():
+        study = entry.get("study")
+        if study is not None and study not in branches:
+            raise RegistryError(f"{name}.study: {study!r} is no study{nearest(study, branches)}")
+        result[name] = _fill(entry, branches[study] if study else {}, name)
+    return result
+
+
+def _fill(node: Any, values: Mapping[str, Any], key: str) -> Any:
+    if isinstance(node, Mapping):
+        return {name: _fill(child, values, f"{key}.{name}") for name, child in node.items()}
+    if isinstance(node, list):
+        return [_fill(child, values, f"{key}[{i}]") for i, child in enumerate(node)]
+    if not isinstance(node, str):
+        return node
+
+    def value(place: re.Match[str]) -> str:
+        if place[1] not in values:
+            raise RegistryError(f"{key}: no parameter {place[1]!r}{nearest(place[1], values)}")
+        return format(values[place[1]], place[2] or "")
+
+    return _PLACE.sub(value, node)
+
+
+def _order(name: object) -> tuple[int, str]:
+    digits = re.findall(r"\d+", str(name))
+    return (int(digits[0]) if digits else 0, str(name))

@@ -1,0 +1,180 @@
+"""One look for all figures, and one way to save them that gives the same bytes each time."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib import style as matplotlib_style
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from microimpact.figures.registry import FigureSpec, PanelSpec, SeriesSpec
+from microimpact.files import write_file
+
+STYLE_FILE = Path(__file__).with_name("microimpact.mplstyle")
+
+WIDTH_MM = {"single": 86.0, "double": 174.0}
+MM_PER_INCH = 25.4
+
+# How a mark tells what it rests on; lines are computed, marks come from elsewhere.
+EVIDENCE: dict[str, dict[str, Any]] = {
+    "computed": {"linestyle": "solid"},
+    "calibrated": {"linestyle": "solid", "marker": "s", "markevery": 0.1},
+    "printed": {"linestyle": "none", "marker": "D", "markerfacecolor": "white"},
+    "virtual experiment": {"linestyle": "none", "marker": "o"},
+    "digitised": {"linestyle": "none", "marker": "x"},
+}
+EVIDENCE_LABEL = {
+    "computed": "computed",
+    "calibrated": "computed, calibrated",
+    "printed": "printed in the article",
+    "virtual experiment": "virtual experiment",
+    "digitised": "digitised from the article",
+}
+
+
+@contextmanager
+def context() -> Iterator[None]:
+    """Return the context (also a decorator) in which figures are drawn and saved."""
+    with matplotlib_style.context(STYLE_FILE):
+        yield
+
+
+def new_figure(spec: FigureSpec) -> tuple[Figure, dict[str, Axes]]:
+    """Return an empty figure with its panels side by side, by name, axes set up."""
+    size = WIDTH_MM[spec.width] / MM_PER_INCH, spec.height_mm / MM_PER_INCH
+    figure = Figure(figsize=size)
+    row = figure.subplots(1, len(spec.panels), squeeze=False)[0]
+    axes = dict(zip(spec.panels, row, strict=True))
+    for letter, (name, panel) in zip("abcdefgh", spec.panels.items(), strict=False):
+        prefix = f"({letter}) " if len(spec.panels) > 1 else ""
+        _set_axes(axes[name], panel, prefix)
+    return figure, axes
+
+
+def _set_axes(ax: Axes, panel: PanelSpec, prefix: str) -> None:
+    ax.set(xlabel=panel.x_label, ylabel=panel.y_label, xlim=panel.x_range, ylim=panel.y_range)
+    if prefix or panel.title:
+        ax.set_title(f"{prefix}{panel.title}")
+    if panel.x_ticks:
+        ax.set_xticks(panel.x_ticks)
+    if panel.y_ticks:
+        ax.set_yticks(panel.y_ticks)
+
+
+def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> None:
+    """Draw all series of one panel, each in the manner of its evidence, with a legend.
+
+    Parameters
+    ----------
+    ax
+        Axes of the panel.
+    table
+        Tidy figure data, of any number of panels.
+    panel
+        Words and styles; a series it does not name is drawn under its own name.
+    name
+        Which panel of the data to draw.
+    """
+    x, y = table.columns[3], table.columns[4]
+    rows = table[table["panel"] == name]
+    if rows.empty:
+        raise ValueError(f"figure data: no rows for panel {name!r}")
+    present = dict.fromkeys(rows["series"])
+    names = [s for s in panel.series if s in present]
+    names += [s for s in present if s not in panel.series]
+    for number, series in enumerate(names):
+        own = panel.series.get(series, SeriesSpec(label=series))
+        colour = f"C{number if own.colour is None else own.colour}"
+        label: str | None = own.label
+        for evidence, part in rows[rows["series"] == series].groupby("evidence", sort=False):
+            _draw_series(ax, part, (x, y), str(evidence), own.line, colour, label)
+            label = None  # one entry per series; the key below the figure names the evidence
+    ax.set_xlim(widened(ax.get_xlim(), rows[x].to_numpy(float)))
+    ax.set_ylim(widened(ax.get_ylim(), rows[[y, "y_low", "y_high"]].to_numpy(float)))
+    ax.legend(title=panel.legend, loc=panel.legend_place)
+
+
+def widened(limits: tuple[float, float], values: NDArray[np.float64]) -> tuple[float, float]:
+    """Return the ends of an axis, moved out where values of a changed configuration lie outside."""
+    low, high = min(np.nanmin(values), limits[0]), max(np.nanmax(values), limits[1])
+    margin = 0.05 * (high - low)
+    return (
+        low - margin if low < limits[0] else limits[0],
+        high + margin if high > limits[1] else limits[1],
+    )
+
+
+def _draw_series(
+    ax: Axes,
+    rows: pd.DataFrame,
+    columns: tuple[str, str],
+    evidence: str,
+    line: str,
+    colour: str,
+    label: str | None,
+) -> None:
+    x, y = (rows[column].to_numpy() for column in columns)
+    look = {**EVIDENCE[evidence], "color": colour}
+    is_line = look["linestyle"] != "none"
+    if is_line:
+        look["linestyle"] = line
+    bounds = rows[["y_low", "y_high"]].to_numpy(float).T
+    error = None if np.isnan(bounds).any() else np.abs(bounds - y)
+    # A mark that lies on the frame is shown whole.
+    ax.errorbar(x, y, yerr=error, label=label, clip_on=is_line, zorder=3, **look)
+
+
+def evidence_key(figure: Figure, evidence: Iterable[str]) -> None:
+    """Say below the figure which marks are computed, printed, measured on virtual particles."""
+    present = [name for name in EVIDENCE if name in set(evidence)]
+    handles = [
+        Line2D([], [], color="black", label=EVIDENCE_LABEL[name], **_key_look(name))
+        for name in present
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+
+
+def _key_look(evidence: str) -> dict[str, Any]:
+    return {key: value for key, value in EVIDENCE[evidence].items() if key != "markevery"}
+
+
+def line_figure(
+    tables: Mapping[str, pd.DataFrame], spec: FigureSpec
+) -> tuple[Figure, dict[str, Axes]]:
+    """Draw every panel of a figure from its tables, and the key of evidence.
+
+    Returns
+    -------
+    tuple
+        The figure and its axes by panel, for what a figure adds of its own.
+    """
+    figure, axes = new_figure(spec)
+    table = pd.concat([tables[name] for name in spec.data], ignore_index=True)
+    for name, panel in spec.panels.items():
+        draw_panel(axes[name], table, panel, name)
+    evidence_key(figure, table["evidence"])
+    return figure, axes
+
+
+def save(figure: Figure, *paths: Path | str) -> None:
+    """Save a figure in the format of each suffix; equal figures give equal bytes.
+
+    Each file is written in one step; neither dates nor program versions go into it.
+    """
+    for path in map(Path, paths):
+        buffer = io.BytesIO()
+        kind = path.suffix.removeprefix(".")
+        # A key with the value None is left out of the file.
+        metadata = {"svg": {"Date": None, "Creator": None}, "png": {"Software": None}}.get(kind)
+        with context():
+            figure.savefig(buffer, format=kind, metadata=metadata)
+        write_file(path, buffer.getvalue())

@@ -1,0 +1,1 @@
+"""Physics of one impact: pure functions, arrays in and out, SI units."""

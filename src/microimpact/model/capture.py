@@ -1,0 +1,119 @@
+"""Capture velocity by running the film backwards.
+
+The state of a sphere that has just escaped, at rest with no compression, determines the impact that
+led to it: its initial speed is the capture velocity, found by one integration.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from scipy.optimize import elementwise
+
+from microimpact.arrays import FloatArray, Real
+from microimpact.model import kernel
+from microimpact.model.contact import Contact
+from microimpact.model.normal import integrate
+
+# The exit at rest is a degenerate point of the regular form. On the branch that leaves it,
+# s = r^2 and u = r^3 y with y regular in r; at this r its neglected terms are below rounding.
+BRANCH_START = 1e-3
+
+# Speeds beyond this many velocity scales are not looked at.
+LARGEST_LOG_SPEED = 50.0
+SEARCH = {"xatol": 1e-14, "xrtol": 1e-14, "fatol": 0.0, "frtol": 0.0}
+
+
+def threshold(hertz_group: FloatArray, adhesion_group: FloatArray, damped_attachment: bool) -> FloatArray:
+    """Capture velocity in velocity scales from the damping groups (flat arrays).
+
+    Infinite where no speed rebounds.
+    """
+    problems = np.zeros((hertz_group.size, kernel.PROBLEM_COLUMNS))
+    r = BRANCH_START
+    y = math.sqrt(4.0 / 3.0) + 4.0 / 9.0 * adhesion_group * r**3 - 0.4 / math.sqrt(4.0 / 3.0) * r**4
+    problems[:, kernel.START_S] = r**2
+    problems[:, kernel.START_U] = r**3 * y
+    problems[:, kernel.ADHESION] = 1.0
+    problems[:, kernel.HERTZ_DAMPING] = -hertz_group
+    problems[:, kernel.DAMPING_1] = -adhesion_group
+    if damped_attachment:
+        problems[:, kernel.DAMPING_2] = -adhesion_group
+    results = integrate(problems, ledger=True)
+    escaped = results[:, kernel.STATUS] == kernel.ESCAPED
+    return np.where(escaped, np.inf, -results[:, kernel.END_U])
+
+
+def capture_velocity(contact: Contact) -> FloatArray:
+    """Normal speed below which the sphere is captured.
+
+    Parameters
+    ----------
+    contact
+        The contact, its fields of any shape.
+
+    Returns
+    -------
+    ndarray
+        m/s, in the contact's shape. Zero without adhesion or without damping, infinite where no
+        speed rebounds.
+
+    Raises
+    ------
+    RuntimeError
+        If an integration failed.
+    """
+    shape = contact.shape
+
+    def flat(value: Real) -> FloatArray:
+        return np.broadcast_to(np.asarray(value, dtype=np.float64), shape).ravel()
+
+    scale = flat(contact.velocity_scale)
+    hertz, adhesion = (flat(group) for group in contact.groups)
+    exponent = flat(contact.adhesion_rate_exponent)
+    found = np.zeros(scale.size)
+    damped = (scale > 0.0) & ((hertz > 0.0) | (adhesion > 0.0))
+    rated = damped & (exponent > 0.0) & (adhesion > 0.0)
+    plain = damped & ~rated
+    if np.any(plain):
+        found[plain] = threshold(hertz[plain], adhesion[plain], contact.damped_attachment)
+    if np.any(rated):
+        assert contact.reference_velocity is not None
+        reference = flat(contact.reference_velocity) / scale
+        found[rated] = _rated_threshold(
+            hertz[rated], adhesion[rated], exponent[rated], reference[rated], contact.damped_attachment
+        )
+    return (found * scale).reshape(shape)[()]  # type: ignore[no-any-return]
+
+
+def _rated_threshold(
+    hertz: FloatArray,
+    adhesion: FloatArray,
+    exponent: FloatArray,
+    reference: FloatArray,
+    damped_attachment: bool,
+) -> FloatArray:
+    """Solve ``w = threshold(C_H, C_A (w_N/w)^n)``: the right side falls with w, so one w does."""
+
+    def excess(
+        log_w: FloatArray, c_h: FloatArray, c_a: FloatArray, n: FloatArray, w_n: FloatArray
+    ) -> FloatArray:
+        group = np.minimum(c_a * np.exp(n * (np.log(w_n) - log_w)), 1e3)
+        limit = threshold(np.ravel(c_h), np.ravel(group), damped_attachment).reshape(log_w.shape)
+        return np.where(np.isinf(limit), -1.0, np.tanh(log_w - np.log(limit)))
+
+    possible = np.isfinite(
+        np.where(hertz > 0.0, threshold(hertz, np.zeros_like(hertz), damped_attachment), 0.0)
+    )
+    found = np.full(hertz.size, np.inf)
+    if not np.any(possible):
+        return found
+    arguments = tuple(a[possible] for a in (hertz, adhesion, exponent, reference))
+    ends = tuple(np.full(int(possible.sum()), end) for end in (-LARGEST_LOG_SPEED, LARGEST_LOG_SPEED))
+    solution = elementwise.find_root(excess, ends, args=arguments, tolerances=SEARCH)
+    beyond = excess(ends[1], *arguments) <= 0.0
+    if not np.all(solution.success | beyond):
+        raise RuntimeError("the search for a capture velocity did not converge")
+    found[possible] = np.where(beyond, np.inf, np.exp(solution.x))
+    return found

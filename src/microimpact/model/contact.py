@@ -1,0 +1,248 @@
+"""A particle-surface contact: stiffness, ring force, scales and damping (Eqs. 20-24, 30, 31)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, fields
+from typing import Any, Self
+
+import numpy as np
+
+from microimpact.arrays import NON_NEGATIVE, POSITIVE, Real, checked, choice, common_shape
+from microimpact.materials import Material
+
+STIFFNESS_MODELS = ("hertz", "reduced")
+
+# Eq. (31) with the static equilibrium radius a_c^3 = 6 pi w_A r^2 / K is a constant share of K.
+REDUCED_STIFFNESS_SHARE = 1.0 - 2.5 * (5.0 / 9.0) ** 1.5 / 6.0
+
+
+def hertz_stiffness(particle: Material, surface: Material) -> Real:
+    """Hertz stiffness K in Pa, Eqs. (20), (21): ``K = 4 / (3 pi (k_1 + k_2))``.
+
+    The square printed in Eq. (20) is a misprint: it would not be a pressure.
+    """
+    k_1, k_2 = (
+        (1.0 - np.square(m.poissons_ratio)) / (np.pi * m.youngs_modulus)
+        for m in (particle, surface)
+    )
+    return 4.0 / (3.0 * np.pi * (k_1 + k_2))
+
+
+def ring_force_from_work(work_of_adhesion: Real, radius: Real, stiffness: Real) -> Real:
+    """Ring force f_0 in N/m, Eq. (30): equal contact radius to JKR's at zero load."""
+    return (9.0 * stiffness * radius * np.square(work_of_adhesion) / (2.0 * np.pi)) ** (1.0 / 3.0)
+
+
+def work_from_ring_force(ring_force: Real, radius: Real, stiffness: Real) -> Real:
+    """Work of adhesion w_A in J/m2 that Eq. (30) turns into ``ring_force``."""
+    return np.sqrt(2.0 * np.pi * np.power(ring_force, 3) / (9.0 * stiffness * radius))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Contact:
+    """A sphere on a surface, with adhesion, damping and friction.
+
+    Every number may be an array; the fields broadcast with each other and with the speeds, angles
+    and spins of a simulation. Give either ``work_of_adhesion`` or ``ring_force``: the other is
+    resolved by Eq. (30).
+
+    Parameters
+    ----------
+    particle, surface
+        The two materials.
+    diameter
+        Diameter of the sphere, m.
+    work_of_adhesion
+        Dupre energy w_A, J/m2.
+    ring_force
+        Adhesion force f_0 per length of the contact's edge, N/m.
+    hertz_damping, adhesion_damping
+        Damping coefficients c_H and c_A of Eq. (19), s/m.
+    friction
+        Coulomb coefficient f.
+    stiffness_model
+        ``"hertz"``: K of Eq. (20). ``"reduced"``: Eq. (31) as printed, in place of K.
+    adhesion_rate_exponent
+        n in ``c_A (v_N/|v_n|)^n``, constant within an impact.
+    reference_velocity
+        v_N, m/s; needed where n is not zero.
+    surface_radius
+        Radius of curvature of the surface, m (Eq. 22); infinite for a plane.
+    damped_attachment
+        Whether adhesion is damped during approach too (the article: no).
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a field is not a number, out of range, or the fields do not broadcast.
+    """
+
+    particle: Material
+    surface: Material
+    diameter: Real
+    work_of_adhesion: Real | None = None
+    ring_force: Real | None = None
+    hertz_damping: Real = 0.0
+    adhesion_damping: Real = 0.0
+    friction: Real = 0.15
+    stiffness_model: str = "hertz"
+    adhesion_rate_exponent: Real = 0.0
+    reference_velocity: Real | None = None
+    surface_radius: Real = math.inf
+    damped_attachment: bool = False
+    adhesion_input: str = field(init=False, default="")
+
+    def __post_init__(self) -> None:
+        for name in ("particle", "surface"):
+            if not isinstance(getattr(self, name), Material):
+                raise TypeError(f"{name} must be a Material, got {getattr(self, name)!r}")
+        if (self.work_of_adhesion is None) == (self.ring_force is None):
+            number = "neither" if self.ring_force is None else "both"
+            raise ValueError(f"give either work_of_adhesion or ring_force, got {number}")
+        if not isinstance(self.damped_attachment, bool):
+            raise TypeError(f"damped_attachment must be True or False, got {self.damped_attachment!r}")
+        choice("stiffness_model", self.stiffness_model, STIFFNESS_MODELS)
+        given = "ring_force" if self.work_of_adhesion is None else "work_of_adhesion"
+        self._set("adhesion_input", given)
+        self._check("diameter", POSITIVE)
+        for name in (given, "hertz_damping", "adhesion_damping", "friction"):
+            self._check(name, NON_NEGATIVE)
+        self._check("adhesion_rate_exponent", NON_NEGATIVE)
+        if self.reference_velocity is not None:
+            self._check("reference_velocity", POSITIVE)
+        elif np.any(self.adhesion_rate_exponent):
+            raise ValueError("reference_velocity is needed where adhesion_rate_exponent is not zero")
+        if not (np.ndim(self.surface_radius) == 0 and self.surface_radius == math.inf):
+            self._check("surface_radius", POSITIVE)
+        common_shape(self._arrays())
+        if given == "ring_force":
+            self._set(
+                "work_of_adhesion",
+                work_from_ring_force(self.ring_force, self.hertz_radius, self.hertz_stiffness),  # type: ignore[arg-type]
+            )
+        else:
+            self._set(
+                "ring_force",
+                ring_force_from_work(self.work_of_adhesion, self.hertz_radius, self.hertz_stiffness),  # type: ignore[arg-type]
+            )
+
+    def _set(self, name: str, value: object) -> None:
+        object.__setattr__(self, name, value)
+
+    def _check(self, name: str, allowed: Any) -> None:
+        self._set(name, checked(name, getattr(self, name), allowed))
+
+    def _arrays(self) -> dict[str, object]:
+        named = {
+            f.name: getattr(self, f.name)
+            for f in fields(self)
+            if f.name not in {"particle", "surface", "stiffness_model", "adhesion_input"}
+        }
+        for role in ("particle", "surface"):
+            for name in ("youngs_modulus", "poissons_ratio", "density"):
+                named[f"{role}.{name}"] = getattr(getattr(self, role), name)
+        return {name: value for name, value in named.items() if value is not None}
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Broadcast shape of the fields."""
+        return common_shape(self._arrays())
+
+    def replace(self, **changes: Any) -> Contact:
+        """Return a contact with some fields changed; the given adhesion input is kept."""
+        kept = {f.name: getattr(self, f.name) for f in fields(self) if f.init}
+        del kept["ring_force" if self.adhesion_input == "work_of_adhesion" else "work_of_adhesion"]
+        if {"work_of_adhesion", "ring_force"} & set(changes):
+            kept.pop(self.adhesion_input)
+        return Contact(**(kept | changes))
+
+    @classmethod
+    def from_zeta(
+        cls, *, zeta_hertz: object, zeta_adhesion: object, reference_velocity: object, **fields: Any
+    ) -> Contact:
+        """Build a contact from the dissipation parameters of Eqs. (23), (24).
+
+        ``c = zeta (m / (r^3 K v_N^(1/2)))^(2/5)``; the printed exponent 5/2 is a misprint, and the
+        constant is 1.
+
+        Parameters
+        ----------
+        zeta_hertz, zeta_adhesion
+            Nondimensional damping of material and adhesion.
+        reference_velocity
+            The nominal normal velocity v_N, m/s.
+        **fields
+            The other fields of `Contact`.
+        """
+        bare = cls(reference_velocity=reference_velocity, **fields)  # type: ignore[arg-type]
+        zeta_h = checked("zeta_hertz", zeta_hertz, NON_NEGATIVE)
+        zeta_a = checked("zeta_adhesion", zeta_adhesion, NON_NEGATIVE)
+        unit = bare.damping_unit
+        return bare.replace(hertz_damping=zeta_h * unit, adhesion_damping=zeta_a * unit)
+
+    @property
+    def damping_unit(self) -> Real:
+        """Damping in s/m of zeta = 1 at the reference velocity (Eqs. 23, 24)."""
+        if self.reference_velocity is None:
+            raise ValueError("reference_velocity is needed for the dissipation parameters zeta")
+        group = np.power(self.hertz_radius, 3) * self.stiffness * np.sqrt(self.reference_velocity)
+        return np.power(self.mass / group, 0.4)
+
+    @property
+    def hertz_stiffness(self) -> Real:
+        """K of Eq. (20), Pa."""
+        return hertz_stiffness(self.particle, self.surface)
+
+    @property
+    def stiffness(self) -> Real:
+        """Stiffness of the chosen model, Pa."""
+        if self.stiffness_model == "hertz":
+            return self.hertz_stiffness
+        adhesive = np.asarray(getattr(self, self.adhesion_input)) > 0.0
+        return np.where(adhesive, REDUCED_STIFFNESS_SHARE, 1.0)[()] * self.hertz_stiffness
+
+    @property
+    def radius(self) -> Real:
+        """Radius of the sphere, m."""
+        return self.diameter / 2.0
+
+    @property
+    def hertz_radius(self) -> Real:
+        """Effective radius r of Eq. (22), m; the sphere's on a plane."""
+        return 1.0 / (1.0 / self.radius + 1.0 / np.asarray(self.surface_radius))[()]
+
+    @property
+    def mass(self) -> Real:
+        """Mass of the sphere, kg."""
+        return self.particle.density * np.pi * np.power(self.diameter, 3) / 6.0
+
+    @property
+    def equilibrium_compression(self) -> Real:
+        """Compression at which Hertz and ring force balance, ``2 pi f_0 / K``, m."""
+        return 2.0 * np.pi * self.ring_force / self.stiffness  # type: ignore[operator]
+
+    @property
+    def equilibrium_contact_radius(self) -> Real:
+        """Contact radius at that compression, m."""
+        return np.sqrt(self.hertz_radius * self.equilibrium_compression)
+
+    @property
+    def velocity_scale(self) -> Real:
+        """Speed V whose kinetic energy is that of the equilibrium compression, m/s."""
+        energy = np.sqrt(self.hertz_radius) * self.stiffness * self.equilibrium_compression**2.5
+        return np.sqrt(energy / self.mass)
+
+    @property
+    def groups(self) -> tuple[Real, Real]:
+        """Damping groups (C_H, C_A) = (c_H V, c_A V), the latter at the reference velocity."""
+        scale = self.velocity_scale
+        return self.hertz_damping * scale, self.adhesion_damping * scale
+
+    def adhesion_damping_at(self, speed: Real) -> Real:
+        """Adhesion damping in s/m of an impact with normal speed ``speed`` (m/s, positive)."""
+        if self.reference_velocity is None:
+            return self.adhesion_damping
+        ratio = self.reference_velocity / np.asarray(speed)
+        with np.errstate(over="ignore"):
+            return self.adhesion_damping * np.power(ratio, self.adhesion_rate_exponent)

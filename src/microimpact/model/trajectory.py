@@ -1,0 +1,217 @@
+"""Dense trajectory of one impact: compression, velocity, spin and every force against time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from microimpact.arrays import FINITE, POSITIVE, FloatArray, checked, choice
+from microimpact.model import kernel
+from microimpact.model.contact import Contact
+from microimpact.model.impact import ANGLE, FRICTION_BASES, SLIP_PER_IMPULSE, velocity_components
+from microimpact.model.normal import integrate, scaled_problems
+from microimpact.model.rigid_body import INERTIA
+
+MOST_STEPS = 20_000
+
+# A captured sphere is followed for this many times its first compression.
+CAPTURED_PERIODS = 8.0
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
+
+
+@dataclass(frozen=True, slots=True)
+class Trajectory:
+    """One impact against time; every array has the shape (points,), SI units.
+
+    Attributes
+    ----------
+    time
+        From touch, evenly spaced to separation (or into the adhesive well, where captured), s.
+    compression
+        Approach of the sphere beyond touch, -n, m.
+    velocity, tangential_velocity
+        Normal velocity (negative: approaching) and tangential velocity of the centre, m/s.
+    spin, slip
+        Spin, rad/s, and velocity of the contact point along the surface, m/s.
+    hertz_force, hertz_damping_force, adhesion_force, adhesion_damping_force
+        The four terms of Eq. (19), N, positive away from the surface.
+    normal_force, friction_force
+        Their sum, and the tangential force of Eq. (27) as corrected, N.
+    captured
+        Whether the sphere stays.
+    """
+
+    time: FloatArray
+    compression: FloatArray
+    velocity: FloatArray
+    tangential_velocity: FloatArray
+    spin: FloatArray
+    slip: FloatArray
+    hertz_force: FloatArray
+    hertz_damping_force: FloatArray
+    adhesion_force: FloatArray
+    adhesion_damping_force: FloatArray
+    normal_force: FloatArray
+    friction_force: FloatArray
+    captured: bool
+
+
+@dataclass(frozen=True, slots=True)
+class _Path:
+    """Scaled state at the sampled times: s, u, and impulses so far."""
+
+    time: FloatArray
+    s: FloatArray
+    u: FloatArray
+    compressive: FloatArray
+    hertz: FloatArray
+
+
+def trajectory(
+    contact: Contact,
+    speed: object,
+    angle: object = 90.0,
+    spin: object = 0.0,
+    points: int = 400,
+    friction_basis: str = "compressive",
+) -> Trajectory:
+    """Follow one impact in time.
+
+    Parameters
+    ----------
+    contact
+        One contact (no arrays).
+    speed, angle, spin, friction_basis
+        As in `simulate`; single numbers.
+    points
+        Number of times, at least 2.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not a single number, or out of range.
+    RuntimeError
+        If the integration failed.
+    """
+    basis = choice("friction_basis", friction_basis, FRICTION_BASES)
+    if isinstance(points, bool) or not isinstance(points, int | np.integer):
+        raise TypeError(f"points must be a whole number, got {points!r}")
+    if points < 2:
+        raise ValueError(f"points must be at least 2, got {points}")
+    speed = checked("speed", speed, POSITIVE)
+    angle = checked("angle", angle, ANGLE)
+    spin = checked("spin", spin, FINITE)
+    for name, value in {"speed": speed, "angle": angle, "spin": spin}.items():
+        if np.ndim(value):
+            raise ValueError(f"{name} must be a single number, got an array of {np.shape(value)}")
+    if contact.shape:
+        raise ValueError(f"contact must be a single one, got fields of shape {contact.shape}")
+    v_n, v_t = velocity_components(speed, angle)
+    problems, scales, _ = scaled_problems(contact, -v_n)
+    problem, result = problems[0], integrate(problems, ledger=True)[0]
+    captured = bool(result[kernel.STATUS] == kernel.CAPTURED)
+    if problem[kernel.DOOMED]:
+        # the kernel drops the damping of a hopeless rebound; the path needs it
+        damping = contact.adhesion_damping_at(-v_n) * scales.velocity[0]
+        problem[kernel.DAMPING_2] = float(damping)
+    end = CAPTURED_PERIODS * result[kernel.TURNING_TIME] if captured else result[kernel.DURATION]
+    path = _sample(problem, float(end), captured, points)
+    return _dimensional(contact, problem, path, v_t, spin, basis, captured, scales)
+
+
+def _sample(problem: FloatArray, end: float, captured: bool, points: int) -> _Path:
+    series = np.zeros((MOST_STEPS, 2, kernel.ORDER + 1))
+    ends = np.zeros((MOST_STEPS, 3))
+    # An impact that rebounds ends at s = 0, not by the clock, whose last digit is rounding.
+    steps = kernel.record(problem, end if captured else np.inf, series, ends)
+    if steps < 0:
+        raise RuntimeError(f"more than {MOST_STEPS} steps; the impact in scaled form: {problem}")
+    series, ends = series[:steps], ends[:steps]
+    stops = np.cumsum(ends[:, 1])
+    time = np.linspace(0.0, end if captured else stops[-1], points)
+    step = np.minimum(np.searchsorted(stops, time), steps - 1)
+    local = time - (stops - ends[:, 1])[step]
+    s_series, u_series = series[step, 0], series[step, 1]
+    tau = _invert(s_series, ends[step, 0], local)
+    s, u = _value(s_series, tau), _value(u_series, tau)
+    # the force has one sign within a step, so u falls through a compressive one
+    drop = series[:, 1, 0] - _value(series[:, 1], ends[:, 0])
+    compressive = np.concatenate([[0.0], np.cumsum(np.maximum(drop, 0.0))])[step]
+    compressive = compressive + np.maximum(u_series[:, 0] - u, 0.0)
+    hertz = np.concatenate([[0.0], np.cumsum(ends[:, 2])])[step]
+    for node, weight in zip(0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS, strict=True):
+        hertz = hertz + weight * tau * _value(s_series, node * tau) ** 4
+    return _Path(time, np.maximum(s, 0.0), u, compressive, hertz)
+
+
+def _value(series: FloatArray, tau: FloatArray) -> FloatArray:
+    value = np.zeros_like(tau)
+    for k in range(series.shape[1] - 1, -1, -1):
+        value = value * tau + series[:, k]
+    return value
+
+
+def _invert(s_series: FloatArray, upper: FloatArray, time: FloatArray) -> FloatArray:
+    """Find tau at which the contact time, the integral of s, has the given value: by bisection."""
+    orders = np.arange(1, s_series.shape[1] + 1)
+    clock = np.concatenate([np.zeros((time.size, 1)), s_series / orders], axis=1)
+    low, high = np.zeros_like(upper), upper.copy()
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        late = _value(clock, middle) > time
+        high, low = np.where(late, middle, high), np.where(late, low, middle)
+    return 0.5 * (low + high)
+
+
+def _dimensional(
+    contact: Contact,
+    problem: FloatArray,
+    path: _Path,
+    v_t: float,
+    spin: float,
+    basis: str,
+    captured: bool,
+    scales: object,
+) -> Trajectory:
+    length, velocity, mass = (float(getattr(scales, name)[0]) for name in ("length", "velocity", "mass"))
+    force = mass * velocity**2 / length
+    s, u = path.s, path.u
+    beta = problem[kernel.ADHESION]
+    damping = np.where(u > 0.0, problem[kernel.DAMPING_1], problem[kernel.DAMPING_2])
+    terms = (
+        s**3 * force,
+        s**3 * problem[kernel.HERTZ_DAMPING] * u * force,
+        -beta * s * force,
+        beta * s * damping * u * force,
+    )
+    normal = sum(terms[1:], terms[0])
+    supports = {"compressive": np.maximum(normal, 0.0), "hertz": terms[0], "net": normal}[basis]
+    impulse = {
+        "compressive": path.compressive,
+        "hertz": path.hertz,
+        "net": problem[kernel.START_U] - u,
+    }[basis] * velocity
+    radius, friction = contact.radius, contact.friction
+    slip_0 = v_t - radius * spin
+    used = SLIP_PER_IMPULSE * friction * impulse
+    # the first passage decides: what has rolled once rolls on
+    rolling = np.maximum.accumulate(used) >= abs(slip_0)
+    slip = np.where(rolling, 0.0, slip_0 - np.sign(slip_0) * used)
+    change = (slip_0 - slip) / SLIP_PER_IMPULSE
+    return Trajectory(
+        time=path.time * length / velocity,
+        compression=s**2 * length,
+        velocity=-u * velocity,
+        tangential_velocity=v_t - change,
+        spin=spin + change / (INERTIA * radius),
+        slip=slip,
+        hertz_force=terms[0],
+        hertz_damping_force=terms[1],
+        adhesion_force=terms[2],
+        adhesion_damping_force=terms[3],
+        normal_force=normal,
+        friction_force=np.where(rolling, 0.0, -np.sign(slip_0) * friction * supports),
+        captured=captured,
+    )

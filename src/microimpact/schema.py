@@ -1,0 +1,149 @@
+"""JSON schemas (draft 2020-12) of the configuration, of overlays and of the figure registry.
+
+They are generated from the same dataclasses that check the files, for editors and for readers:
+
+    python -m microimpact.schema workflow/schemas
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter
+
+from microimpact.config import General, study_names, study_params
+from microimpact.figures.registry import FigureSpec
+from microimpact.files import write_file
+from microimpact.parameters import adapter
+from microimpact.provenance import EVIDENCE
+
+DIALECT = "https://json-schema.org/draft/2020-12/schema"
+
+Schema = dict[str, Any]
+
+
+def schemas() -> dict[str, Schema]:
+    """Return the schemas by file name."""
+    return {
+        "config.schema.json": config_schema(complete=True),
+        "overlay.schema.json": config_schema(complete=False),
+        "figures.schema.json": figures_schema(),
+    }
+
+
+def config_schema(*, complete: bool) -> Schema:
+    """Return the schema of a configuration.
+
+    Parameters
+    ----------
+    complete
+        If false, that of an overlay, in which any key may be left out.
+    """
+    names = study_names()
+    kinds: list[tuple[str, TypeAdapter[Any]]] = [("", adapter(General))]
+    kinds += [(name, adapter(study_params(name))) for name in names]
+    refs, bundle = TypeAdapter.json_schemas([(key, "validation", kind) for key, kind in kinds])
+    definitions = bundle.get("$defs", {})
+    branches = {key: _resolved(refs[key, "validation"], definitions) for key, _ in kinds}
+    top = branches.pop("")
+    schema = {
+        "$schema": DIALECT,
+        "title": "Configuration" if complete else "Overlay of the configuration",
+        "type": "object",
+        "additionalProperties": False,
+        "properties": _declarable(top, complete)["properties"]
+        | {name: _declarable(branch, complete) for name, branch in branches.items()},
+    }
+    if complete:
+        schema["required"] = [*top.get("required", []), *names]
+    schema["$defs"] = {
+        "evidence": {"enum": list(EVIDENCE)},
+        "source": {"type": "string", "minLength": 1},
+    }
+    return schema
+
+
+def figures_schema() -> Schema:
+    """Return the schema of the figure registry."""
+    entry = adapter(FigureSpec).json_schema()
+    definitions = entry.pop("$defs", {})
+    entry = _resolved(entry, definitions)
+    entry["properties"].pop("name")
+    entry["required"].remove("name")
+    return {
+        "$schema": DIALECT,
+        "title": "Figure registry",
+        "type": "object",
+        "additionalProperties": False,
+        "patternProperties": {r"^fig\d\d$": entry},
+    }
+
+
+def _resolved(node: Any, definitions: Schema) -> Any:
+    """Replace references by what they refer to; leave out generated titles and defaults."""
+    if isinstance(node, list):
+        return [_resolved(item, definitions) for item in node]
+    if not isinstance(node, dict):
+        return node
+    if "$ref" in node:
+        return _resolved(definitions[node["$ref"].rpartition("/")[2]], definitions)
+    resolved = {}
+    for key, value in node.items():
+        if key == "properties":
+            resolved[key] = {name: _resolved(v, definitions) for name, v in value.items()}
+        elif key not in {"title", "default"}:
+            resolved[key] = _resolved(value, definitions)
+    return resolved
+
+
+def _declarable(node: Schema, complete: bool) -> Schema:
+    """Let every number or choice below an object stand bare or with its provenance."""
+    if node.get("type") == "object" and "properties" in node:
+        inner = {name: _declarable(v, complete) for name, v in node["properties"].items()}
+        node = {**node, "properties": inner}
+        if not complete:
+            node.pop("required", None)
+        return node
+    if "properties" in node.get("items", {}):
+        return {**node, "items": _declarable(node["items"], complete)}
+    if node.get("type") == "string" and "enum" not in node:
+        return node
+    return {"anyOf": [node, _declaration(node, complete)]}
+
+
+def _declaration(node: Schema, complete: bool) -> Schema:
+    part = "values" if node.get("type") == "array" else "value"
+    schema: Schema = {
+        "type": "object",
+        "additionalProperties": False,
+        "properties": {
+            part: node,
+            "evidence": {"$ref": "#/$defs/evidence"},
+            "source": {"$ref": "#/$defs/source"},
+        },
+    }
+    if complete:
+        schema["required"] = [part, "evidence", "source"]
+    return schema
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Write the schemas into a folder."""
+    parser = argparse.ArgumentParser(prog="python -m microimpact.schema", description=main.__doc__)
+    parser.add_argument("folder", type=Path, help="where to write them: workflow/schemas")
+    folder = parser.parse_args(arguments).folder
+    for name, schema in schemas().items():
+        write_file(folder / name, text(schema))
+
+
+def text(schema: Schema) -> str:
+    """Return a schema as it stands in its file."""
+    return json.dumps(schema, indent=2) + "\n"
+
+
+if __name__ == "__main__":
+    main()

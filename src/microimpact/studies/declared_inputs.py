@@ -1,0 +1,60 @@
+"""Table of every declared number with its unit, evidence class and source."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import pandas as pd
+
+COLUMNS = ["file", "key", "value", "low", "high", "unit", "evidence", "source"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params:
+    """No parameter: the table shows those of all other analyses."""
+
+
+def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+    """Return the table of declared inputs.
+
+    Parameters
+    ----------
+    params
+        Not used.
+    inputs
+        ``declared``: rows of the merged configuration (key, value, unit, evidence, source);
+        ``materials``, ``contacts``, ``printed_values``: the declared tables in full.
+
+    Returns
+    -------
+    mapping
+        ``inputs``: columns file, key, value, low, high, unit, evidence, source.
+    """
+    printed, materials, contacts = (
+        inputs[name].copy() for name in ("printed_values", "materials", "contacts")
+    )
+    materials["key"] = materials["material"] + "." + materials["property"]
+    contacts["key"] = (
+        contacts["particle"] + " on " + contacts["surface"] + "." + contacts["property"]
+    )
+    printed["evidence"] = "printed"
+    printed["source"] = printed["where"]
+    parts = {
+        "config": inputs["declared"],
+        "materials": materials,
+        "contacts": contacts,
+        "printed_values": printed,
+    }
+    rows = [part.assign(file=name).reindex(columns=COLUMNS) for name, part in parts.items()]
+    table = pd.concat([row.astype(object) for row in rows], ignore_index=True)
+    for column in ("value", "low", "high"):
+        table[column] = table[column].map(_text)
+    return {"inputs": table}
+
+
+def _text(value: object) -> object:
+    """Return a whole number without a point, all else as it is."""
+    if isinstance(value, float) and value.is_integer() and abs(value) < 1e15:
+        return int(value)
+    return value

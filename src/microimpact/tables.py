@@ -1,0 +1,116 @@
+"""Tables on disk: CSV files written in one step, read back exactly, with checked headers."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike
+
+from microimpact.files import write_file
+
+RESULT_EVIDENCE = ("computed", "printed", "virtual experiment", "digitised", "calibrated")
+
+
+class TableError(ValueError):
+    """A table file that does not have the agreed form."""
+
+
+def series_frame(
+    *,
+    panel: str,
+    series: str,
+    evidence: str,
+    x: ArrayLike,
+    y: ArrayLike,
+    x_unit: str,
+    y_unit: str,
+    y_low: ArrayLike = np.nan,
+    y_high: ArrayLike = np.nan,
+) -> pd.DataFrame:
+    """Return one series of a figure in the tidy form of the figure data.
+
+    Parameters
+    ----------
+    panel, series
+        Where the series is drawn and what it is called in the legend.
+    evidence
+        One of `RESULT_EVIDENCE`.
+    x, y
+        Coordinates, which broadcast to shape (n,).
+    x_unit, y_unit
+        Units as they stand in column names: ``deg``, ``m_per_s``, ``1`` for a pure number.
+    y_low, y_high
+        Ends of the interval around y, if there is one.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns as named by `figure_columns`, n rows.
+
+    Raises
+    ------
+    ValueError
+        If the evidence is not one of the known classes.
+    """
+    if evidence not in RESULT_EVIDENCE:
+        raise ValueError(f"evidence: {evidence!r} must be one of {', '.join(RESULT_EVIDENCE)}")
+    columns = np.broadcast_arrays(*(np.atleast_1d(np.asarray(a, float)) for a in (x, y)))
+    n = columns[0].size
+    values = [panel, series, evidence, *columns, y_low, y_high]
+    names = figure_columns(x_unit, y_unit)
+    return pd.DataFrame(dict(zip(names, values, strict=True)), index=range(n))
+
+
+def figure_columns(x_unit: str, y_unit: str) -> list[str]:
+    """Return the column names of figure data in the given units."""
+    return ["panel", "series", "evidence", f"x_{x_unit}", f"y_{y_unit}", "y_low", "y_high"]
+
+
+def write_table(table: pd.DataFrame, path: Path | str) -> None:
+    """Write a table as CSV so that no reader ever meets half of it.
+
+    Numbers are written with as many digits as bring back the same number.
+    """
+    write_file(path, table.to_csv(index=False, lineterminator="\n"))
+
+
+def read_table(path: Path | str, columns: Sequence[str] | None = None) -> pd.DataFrame:
+    """Read a CSV table; empty fields are missing values, all else is taken as it stands.
+
+    Parameters
+    ----------
+    path
+        The file.
+    columns
+        The header it must have, in this order; any header if not given.
+
+    Raises
+    ------
+    TableError
+        Naming the file and the missing, misnamed or unexpected columns.
+    """
+    table = parse_table(Path(path).read_text(encoding="utf-8"))
+    if columns is not None:
+        check_columns(list(table.columns), columns, str(path))
+    return table
+
+
+def parse_table(text: str) -> pd.DataFrame:
+    """Return the table that a CSV text holds, read as `read_table` does."""
+    return pd.read_csv(io.StringIO(text), keep_default_na=False, na_values=[""])
+
+
+def check_columns(found: Sequence[str], expected: Sequence[str], name: str) -> None:
+    """Raise `TableError` unless the header is the expected one."""
+    if list(found) == list(expected):
+        return
+    missing = [column for column in expected if column not in found]
+    surplus = [column for column in found if column not in expected]
+    parts = [f"column {m!r} is missing" for m in missing]
+    parts += [f"column {s!r} is not expected" for s in surplus]
+    detail = ", ".join(parts) or f"columns stand in another order than {', '.join(expected)}"
+    raise TableError(f"{name}: {detail}")

@@ -1,0 +1,74 @@
+"""Studies and figures as the workflow runs them, in this process."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+from microimpact.config import load, validate
+from microimpact.figures.registry import filled, registry
+from microimpact.figures.style import save
+from microimpact.parameters import build
+from microimpact.selection import read_all
+from microimpact.tables import parse_table
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="session")
+def settings():
+    base = load(ROOT / "config/config.yaml")
+    return validate(base, base)
+
+
+@pytest.fixture(scope="session")
+def run_study(settings):
+    """Return a function that runs a study with shipped parameters, or some of its own."""
+    declared = read_all(*(str(ROOT / path) for path in settings.general.tables))
+
+    def run(name, **changes):
+        study = import_module(f"microimpact.studies.{name}")
+        branch = {**settings.branches[name], **changes}
+        inputs = {key: parse_table(text) for key, text in declared.named_in(branch).items()}
+        return study.run(build(study.Params, branch), inputs)
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def figures(settings):
+    return registry(filled(load(ROOT / "config/figures.yaml"), settings.branches))
+
+
+@pytest.fixture
+def draw(figures, tmp_path):
+    """Return a function that draws a figure twice, demands equal bytes, and returns it."""
+
+    def drawn(name, tables):
+        spec = figures[name]
+        function = getattr(import_module(spec.module), spec.function)
+        for turn in ("one", "two"):
+            figure = function({key: tables[key] for key in spec.data}, spec)
+            save(figure, tmp_path / f"{turn}.svg", tmp_path / f"{turn}.png")
+        for kind in ("svg", "png"):
+            first, second = (tmp_path / f"{turn}.{kind}" for turn in ("one", "two"))
+            assert first.read_bytes() == second.read_bytes()
+        tree = ET.parse(tmp_path / "one.svg")
+        assert not tree.findall(".//{http://purl.org/dc/elements/1.1/}date")
+        return figure
+
+    return drawn
+
+
+def legend_texts(figure):
+    """Return all texts of the legends of a figure, those of its panels included."""
+    legends = [*figure.legends, *(ax.get_legend() for ax in figure.axes)]
+    return [text.get_text() for legend in legends for text in legend.get_texts()]
+
+
+@pytest.fixture(name="legend_texts")
+def _legend_texts():
+    return legend_texts

@@ -1,0 +1,82 @@
+"""A copy of the project, built once, in which files may be edited."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PARTS = ("Snakefile", "config", "profiles", "src", "workflow")
+SMALL = ("--configfile", "config/ci.yaml")
+
+
+@dataclass
+class Project:
+    """A project folder and ways to run and to edit it."""
+
+    root: Path
+
+    def snakemake(self, *arguments, check=True):
+        environment = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
+        done = subprocess.run(
+            [sys.executable, "-m", "snakemake", "--cores", "1", *arguments],
+            cwd=self.root,
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        done.text = done.stdout + done.stderr
+        if check and done.returncode:
+            raise AssertionError(done.text)
+        return done
+
+    def planned(self, *arguments):
+        """Return the names of the rules that a run would execute."""
+        text = self.snakemake("--dry-run", *arguments).text
+        table = text.partition("Job stats:")[2].partition("total")[0]
+        return set(re.findall(r"^(\w+) +\d+$", table, flags=re.MULTILINE)) - {"all"}
+
+    def files(self, *, under="."):
+        """Return all files below a folder, relative to the project."""
+        folder = self.root / under
+        return {p.relative_to(self.root).as_posix() for p in folder.rglob("*") if p.is_file()}
+
+    @contextmanager
+    def edited(self, path, edit):
+        """Apply a function to the text of a file while the context lasts."""
+        file = self.root / path
+        before = file.read_text(encoding="utf-8")
+        after = edit(before)
+        assert after != before, f"the edit changed nothing in {path}"
+        file.write_text(after, encoding="utf-8")
+        try:
+            yield
+        finally:
+            file.write_text(before, encoding="utf-8")
+
+
+def copied(target):
+    for part in PARTS:
+        if (ROOT / part).is_dir():
+            ignore = shutil.ignore_patterns("__pycache__", "build")
+            shutil.copytree(ROOT / part, target / part, ignore=ignore)
+        else:
+            shutil.copy2(ROOT / part, target / part)
+    return Project(target)
+
+
+@pytest.fixture(scope="session")
+def project(tmp_path_factory):
+    """The project, built small into build/ci."""
+    project = copied(tmp_path_factory.mktemp("project"))
+    project.first_run = project.snakemake(*SMALL).text
+    return project

@@ -1,0 +1,195 @@
+"""The workflow: what it builds, what it builds again, what it refuses."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+
+import pytest
+import yaml
+
+SMALL = ("--configfile", "config/ci.yaml")
+OUT = "build/ci"
+
+pytestmark = [pytest.mark.workflow, pytest.mark.slow]
+
+
+def commented(text):
+    return text + "\n# edited\n"
+
+
+def figures(project):
+    return set(yaml.safe_load((project.root / "config/figures.yaml").read_text()))
+
+
+def test_everything_is_built_in_its_own_results_root(project):
+    built = project.files(under=OUT)
+    for name in figures(project):
+        for file in (f"figures/{name}.svg", f"figures/{name}.png", f"logs/{name}.log"):
+            assert f"{OUT}/{file}" in built
+    assert f"{OUT}/tables/inputs.csv" in built
+    assert f"{OUT}/data/fig14.csv" in built
+    assert not (project.root / "results").exists()
+    assert not [name for name in built if "/." in name]
+
+
+def test_a_second_call_does_nothing(project):
+    assert "Nothing to be done" in project.snakemake(*SMALL).text
+
+
+def test_a_touch_does_nothing(project):
+    for part in ("Snakefile", "config", "profiles", "src", "workflow"):
+        path = project.root / part
+        for file in [path, *path.rglob("*")]:
+            os.utime(file)
+    assert "Nothing to be done" in project.snakemake(*SMALL).text
+
+
+def test_the_run_stamp(project):
+    stamp = json.loads((project.root / OUT / "run.json").read_text())
+    assert stamp["config"]["pathvars"] == {"results": OUT}
+    assert stamp["config"]["coulomb_friction"]["points"] == 36
+    assert stamp["seed"] == stamp["config"]["seed"]["value"]
+    assert stamp["git"] == {"commit": None, "dirty": None}
+    assert stamp["python"] == platform.python_version()
+    assert stamp["packages"]["numpy"]
+    assert stamp["date"].endswith("+00:00")
+
+
+@pytest.mark.parametrize(
+    ("path", "reruns", "spares"),
+    [
+        ("src/microimpact/figures/restitution.py", {"fig14"}, {"fig17", "restitution_trends"}),
+        (
+            "src/microimpact/model/rigid_body.py",
+            {"coulomb_friction", "fig17"},
+            {"restitution_trends", "fig14", "declared_inputs"},
+        ),
+        (
+            "src/microimpact/model/restitution.py",
+            {"restitution_trends", "fig14"},
+            {"coulomb_friction", "fig17", "declared_inputs"},
+        ),
+        (
+            "src/microimpact/figures/microimpact.mplstyle",
+            {"fig14", "fig17"},
+            {"restitution_trends", "coulomb_friction", "declared_inputs"},
+        ),
+        (
+            "workflow/scripts/draw_figure.py",
+            {"fig14", "fig17"},
+            {"restitution_trends", "coulomb_friction", "declared_inputs"},
+        ),
+        (
+            "src/microimpact/tables.py",
+            {"restitution_trends", "coulomb_friction", "declared_inputs", "fig14", "fig17"},
+            set(),
+        ),
+    ],
+)
+def test_an_edit_reruns_what_it_can_affect(project, path, reruns, spares):
+    with project.edited(path, commented):
+        planned = project.planned(*SMALL)
+    assert reruns <= planned
+    assert not spares & planned
+
+
+@pytest.mark.parametrize("path", ["cli.py", "config.py", "schema.py", "summary.py", "closure.py"])
+def test_code_that_decides_no_number_reruns_nothing(project, path):
+    if not (project.root / "src/microimpact" / path).exists():
+        pytest.skip("no such module yet")
+    with project.edited(f"src/microimpact/{path}", commented):
+        assert project.planned(*SMALL) == set()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        # a value: its study, what is drawn from it, and the table of inputs
+        (
+            "adhesion_exponent: {value: 1.0,",
+            "adhesion_exponent: {value: 1.1,",
+            {"restitution_trends", "fig14", "declared_inputs"},
+        ),
+        # words of provenance: the table of inputs alone
+        ("schematic: R level at low speed", "schematic", {"declared_inputs"}),
+        # one number written otherwise: nothing
+        ("body_speed_m_per_s: {value: 30.0,", "body_speed_m_per_s: {value: 30,", set()),
+    ],
+)
+def test_a_change_of_configuration_reruns_its_chain(project, old, new, expected):
+    with project.edited("config/config.yaml", lambda text: text.replace(old, new)):
+        assert project.planned(*SMALL) == expected
+
+
+def test_a_change_of_the_registry_redraws_one_figure(project):
+    with project.edited("config/figures.yaml", lambda t: t.replace("Coefficient\n", "Value\n", 1)):
+        assert project.planned(*SMALL) == {"fig14"}
+
+
+def test_a_parameter_in_the_words_of_a_figure_redraws_it(project, tmp_path):
+    overlay = tmp_path / "overlay.yaml"
+    overlay.write_text("coulomb_friction: {spin_friction: 0.3}\n")
+    planned = project.planned("--configfile", "config/ci.yaml", str(overlay))
+    assert planned == {"coulomb_friction", "fig17", "declared_inputs"}
+
+
+def test_one_figure_has_a_target_of_its_own(project):
+    planned = project.planned("fig14", "--config", "pathvars={results: build/other}")
+    assert planned == {"restitution_trends", "fig14"}
+
+
+def test_every_example_is_valid(project):
+    for path in sorted((project.root / "config/examples").glob("*.yaml")):
+        assert project.planned("--configfile", str(path))
+
+
+@pytest.mark.parametrize(
+    ("overlay", "expected"),
+    [
+        (
+            {"coulomb_frction": {}},
+            "coulomb_frction: unknown key (did you mean 'coulomb_friction'?)",
+        ),
+        (
+            {"coulomb_friction": {"spin_fricton": 1}, "seed": "x"},
+            "coulomb_friction.spin_fricton: unknown key (did you mean 'spin_friction'?)",
+        ),
+        ({"coulomb_friction": {"anchors": ["impulse_ratio"]}}, "no rows for 'impulse_ratio'"),
+        ({"materials": "config/contacts.csv"}, "config/contacts.csv: the header is"),
+        ({"contacts": "config/nothing.csv"}, "config/nothing.csv"),
+    ],
+)
+def test_bad_input_is_one_clear_error_and_writes_nothing(project, tmp_path, overlay, expected):
+    path = tmp_path / "overlay.yaml"
+    path.write_text(yaml.safe_dump({**overlay, "pathvars": {"results": "build/refused"}}))
+    done = project.snakemake("--configfile", str(path), check=False)
+    assert done.returncode
+    assert expected in done.text
+    assert "Traceback" not in done.text
+    assert not (project.root / "build/refused").exists()
+
+
+def test_a_nested_number_on_the_command_line_is_explained(project):
+    argument = "coulomb_friction={spin_friction: 0.3}"
+    done = project.snakemake("--dry-run", "--config", argument, check=False)
+    assert done.returncode
+    assert "coulomb_friction.spin_friction: '0.3' must be a valid number" in done.text
+    assert "--configfile" in done.text
+
+
+def test_a_failing_study_of_the_copy_is_named_and_leaves_no_table(project):
+    """The copy runs its own code, not that of the checkout the package is installed from."""
+    path = "src/microimpact/studies/restitution_trends.py"
+    broken = "\n\ndef run(params, inputs):\n    raise ValueError('speed out of reach')\n"
+    root = ("--config", "pathvars={results: build/broken}")
+    with project.edited(path, lambda text: text + broken):
+        done = project.snakemake("fig14", *root, check=False)
+    assert done.returncode
+    assert "restitution_trends: speed out of reach" in done.text
+    assert not (project.root / "build/broken/data").is_dir() or not project.files(
+        under="build/broken/data"
+    )
+    log = project.root / "build/broken/logs/restitution_trends.log"
+    assert "speed out of reach" in log.read_text()

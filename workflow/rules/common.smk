@@ -1,0 +1,57 @@
+"""What all rules share: the checked configuration, declared rows, and source files.
+
+Makes no file. A configuration, declared table or registry with problems ends the run here,
+with one line per problem, before anything is written.
+"""
+
+import os
+import sys
+from pathlib import Path
+
+from snakemake.exceptions import WorkflowError
+
+PROJECT = Path(workflow.basedir)
+
+# A project that was copied or cloned uses its own package, here and in its jobs.
+sys.path.insert(0, str(PROJECT / "src"))
+os.environ.update(
+    PYTHONPATH=os.pathsep.join(filter(None, [str(PROJECT / "src"), os.environ.get("PYTHONPATH")]))
+)
+
+from microimpact import closure, selection
+from microimpact.config import load, validate
+from microimpact.figures.registry import filled, registry
+from microimpact.materials import materials_from_rows
+from microimpact.runstamp import write_stamp
+
+RUN_STUDY = PROJECT / "workflow/scripts/run_study.py"
+DRAW_FIGURE = PROJECT / "workflow/scripts/draw_figure.py"
+
+try:
+    SETTINGS = validate(config, load(PROJECT / "config/config.yaml"))
+    DECLARED = selection.read_all(*SETTINGS.general.tables)
+    materials_from_rows(DECLARED.materials.rows)
+    ROWS = {name: DECLARED.named_in(branch) for name, branch in SETTINGS.branches.items()}
+    FIGURE_ENTRIES = filled(load(SETTINGS.general.figures), SETTINGS.branches)
+    FIGURES = registry(FIGURE_ENTRIES)
+except (ValueError, OSError) as error:
+    raise WorkflowError(f"problems in the declared inputs:\n{error}") from None
+
+
+def study_code(study):
+    """Return the files that decide what a study computes."""
+    return _relative(closure.source_files(f"microimpact.studies.{study}", scripts=[RUN_STUDY]))
+
+
+def figure_code(name):
+    """Return the files that decide how a figure is drawn."""
+    return _relative(closure.source_files(FIGURES[name].module, scripts=[DRAW_FIGURE]))
+
+
+def _relative(paths):
+    return [os.path.relpath(path) for path in paths]
+
+
+def everything():
+    """Return every output of every rule that makes files without wildcards."""
+    return [path for rule in workflow.rules if not rule.wildcard_names for path in rule.output]

@@ -1,0 +1,18 @@
+"""Declared inputs: results/tables/inputs.csv."""
+
+
+rule declared_inputs:
+    """tables/inputs.csv: every declared number with unit, evidence class and source."""
+    input:
+        code=study_code("declared_inputs"),
+    output:
+        inputs="<results>/tables/inputs.csv",
+    log:
+        "<results>/logs/declared_inputs.log",
+    benchmark:
+        "<results>/benchmarks/declared_inputs.tsv"
+    params:
+        branch=lookup(dpath="declared_inputs", within=SETTINGS.branches),
+        rows=DECLARED.everything(SETTINGS.declared),
+    script:
+        "../scripts/run_study.py"

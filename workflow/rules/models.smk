@@ -1,0 +1,38 @@
+"""Models: data of Figs. 14 and 17 in results/data.
+
+One rule per analysis, of the name of its study and of its branch in the configuration.
+"""
+
+
+rule restitution_trends:
+    """data/fig14.csv: R, rho and e against the impact speed (Eqs. 32-34)."""
+    input:
+        code=study_code("restitution_trends"),
+    output:
+        fig14="<results>/data/fig14.csv",
+    log:
+        "<results>/logs/restitution_trends.log",
+    benchmark:
+        "<results>/benchmarks/restitution_trends.tsv"
+    params:
+        branch=lookup(dpath="restitution_trends", within=SETTINGS.branches),
+        rows=ROWS["restitution_trends"],
+    script:
+        "../scripts/run_study.py"
+
+
+rule coulomb_friction:
+    """data/fig17.csv: impulse ratio against angle for Coulomb friction (Eqs. 1-12)."""
+    input:
+        code=study_code("coulomb_friction"),
+    output:
+        fig17="<results>/data/fig17.csv",
+    log:
+        "<results>/logs/coulomb_friction.log",
+    benchmark:
+        "<results>/benchmarks/coulomb_friction.tsv"
+    params:
+        branch=lookup(dpath="coulomb_friction", within=SETTINGS.branches),
+        rows=ROWS["coulomb_friction"],
+    script:
+        "../scripts/run_study.py"

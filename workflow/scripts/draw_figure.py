@@ -1,0 +1,43 @@
+"""Draw the figure that bears the rule's name from its tables, as SVG and PNG."""
+
+import sys
+import traceback
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from microimpact.figures.registry import figure_spec
+from microimpact.figures.style import save
+from microimpact.tables import figure_columns, read_table
+
+
+def main(job: Any) -> str:
+    """Draw one figure and return a line on what was written.
+
+    The rule gives the registry entry as ``params.entry`` and the tables as named inputs.
+    """
+    spec = figure_spec(job.rule, job.params.entry)
+    tables = {
+        name: read_table(job.input[name], figure_columns(unit.x, unit.y))
+        for name, unit in spec.data.items()
+    }
+    draw = getattr(import_module(spec.module), spec.function)
+    save(draw(tables, spec), job.output.svg, job.output.png)
+    return f"{job.rule}: drawn from {', '.join(tables)}\n"
+
+
+def logged(job: Any) -> int:
+    """Draw the figure with a log; a failure leaves its full account there."""
+    log = Path(job.log[0])
+    log.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        log.write_text(main(job))
+    except Exception as error:
+        log.write_text(traceback.format_exc())
+        print(f"{job.rule}: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(logged(snakemake))  # type: ignore[name-defined]  # noqa: F821
