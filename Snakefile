@@ -26,6 +26,7 @@ container: "docker://python:3.11-slim-bookworm"
 include: "workflow/rules/common.smk"
 include: "workflow/rules/inputs.smk"
 include: "workflow/rules/models.smk"
+include: "workflow/rules/impact.smk"
 include: "workflow/rules/figures.smk"
 
 

@@ -39,7 +39,7 @@ _HOME = {
     "trajectory": "model.trajectory",
 }
 
-__all__ = sorted(_HOME)
+__all__ = list(_HOME)
 
 
 def __getattr__(name: str) -> object:

@@ -7,6 +7,7 @@ All problems of a configuration are reported together, one line each.
 
 from __future__ import annotations
 
+import json
 import pkgutil
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
@@ -18,6 +19,7 @@ import yaml
 from pydantic import Field, ValidationError
 
 from microimpact import studies
+from microimpact.memory import Memory
 from microimpact.parameters import (
     AngleDegrees,
     Count,
@@ -118,7 +120,9 @@ def study_params(study: str) -> type:
     return params
 
 
-def validate(config: Mapping[str, Any], base: Mapping[str, Any]) -> Settings:
+def validate(
+    config: Mapping[str, Any], base: Mapping[str, Any], memory: Memory | None = None
+) -> Settings:
     """Check a merged configuration.
 
     Parameters
@@ -127,6 +131,8 @@ def validate(config: Mapping[str, Any], base: Mapping[str, Any]) -> Settings:
         The merged configuration, with the provenance of its values.
     base
         The configuration as shipped: what differs from it is the user's.
+    memory
+        Branches found valid before; their studies need not be imported.
 
     Returns
     -------
@@ -148,15 +154,30 @@ def validate(config: Mapping[str, Any], base: Mapping[str, Any]) -> Settings:
     values = {key: plain(node) for key, node in config.items()}
     given = {key: values[key] for key in general_keys if key in values}
     general = _checked(General, given, "", found)
-    branches = {name: _checked(study_params(name), values.get(name), name, found) for name in names}
+    branches = {name: _branch(name, values.get(name), found, memory) for name in names}
     found = malformed + [line for line in found if not _follows(line, malformed)]
     if found or general is None:
         raise ConfigError("\n".join(found))
     return Settings(
         general=general,
-        branches={name: asdict(params) for name, params in branches.items()},
+        branches={name: branch for name, branch in branches.items() if branch is not None},
         declared=tuple(declared(config, base)),
     )
+
+
+def _branch(
+    name: str, values: object, found: list[str], memory: Memory | None
+) -> dict[str, Any] | None:
+    """Return the checked values of a branch as JSON would hold them: lists, not tuples."""
+    if memory is not None and (known := memory.recall(name, values)) is not None:
+        return known
+    params = _checked(study_params(name), values, name, found)
+    if params is None:
+        return None
+    branch: dict[str, Any] = json.loads(json.dumps(asdict(params)))
+    if memory is not None:
+        memory.keep(name, values, branch)
+    return branch
 
 
 def _follows(line: str, malformed: list[str]) -> bool:

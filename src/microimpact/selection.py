@@ -182,14 +182,17 @@ class DeclaredTables:
         }
         return {name: text for name, text in tables.items() if text.count("\n") > 1}
 
-    def everything(self, declared: Iterable[Declared] = ()) -> dict[str, str]:
+    def contact_rows(self) -> dict[str, str]:
+        """Return all materials and all contacts as CSV."""
+        return {"materials": self.materials.text(), "contacts": self.contacts.text()}
+
+    def everything(self, declared: Iterable[Declared]) -> dict[str, str]:
         """Return all rows of all tables, and those declared in the configuration, as CSV."""
         columns = tuple(field.name for field in fields(Declared))
         rows = tuple({name: as_text(getattr(d, name)) for name in columns} for d in declared)
         return {
             "declared": DeclaredTable("", columns, rows).text(),
-            "materials": self.materials.text(),
-            "contacts": self.contacts.text(),
+            **self.contact_rows(),
             "printed_values": self.printed_values.text(),
         }
 

@@ -48,8 +48,10 @@ def summary(results: Path, figures: Mapping[str, FigureSpec]) -> Table:
     if not found:
         raise FileNotFoundError(f"nothing was built in {results}")
     table = Table(title=f"Built in {results}", title_justify="left")
-    for name, justify in (("name", "left"), ("what", "left"), ("files", "left"), ("size", "right")):
-        table.add_column(name, justify=justify)  # type: ignore[arg-type]
+    table.add_column("name", no_wrap=True)
+    table.add_column("what")
+    table.add_column("files", no_wrap=True)
+    table.add_column("size", justify="right", no_wrap=True)
     for name, paths in found.items():
         title = figures[name].title if name in figures else name.replace("_", " ")
         files = "\n".join(str(path.relative_to(results)) for path in paths)

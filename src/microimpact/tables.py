@@ -65,6 +65,11 @@ def series_frame(
     return pd.DataFrame(dict(zip(names, values, strict=True)), index=range(n))
 
 
+def result_evidence(quantity: str, calibration_targets: Sequence[str]) -> str:
+    """Return the evidence class of a computed number: calibrated, if it fixed an input."""
+    return "calibrated" if quantity in calibration_targets else "computed"
+
+
 def figure_columns(x_unit: str, y_unit: str) -> list[str]:
     """Return the column names of figure data in the given units."""
     return ["panel", "series", "evidence", f"x_{x_unit}", f"y_{y_unit}", "y_low", "y_high"]

@@ -66,7 +66,8 @@ def draw(figures, tmp_path):
 def legend_texts(figure):
     """Return all texts of the legends of a figure, those of its panels included."""
     legends = [*figure.legends, *(ax.get_legend() for ax in figure.axes)]
-    return [text.get_text() for legend in legends for text in legend.get_texts()]
+    present = [legend for legend in legends if legend is not None]
+    return [text.get_text() for legend in present for text in legend.get_texts()]
 
 
 @pytest.fixture(name="legend_texts")

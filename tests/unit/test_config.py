@@ -11,6 +11,7 @@ import pytest
 
 from microimpact import config as module
 from microimpact.config import ConfigError, load, study_names, validate
+from microimpact.memory import Memory
 from microimpact.schema import schemas, text
 
 ROOT = Path(__file__).parents[2]
@@ -45,7 +46,7 @@ def test_shipped_configuration_is_valid_and_every_number_has_evidence_and_source
 
 def test_values_are_plain_and_typed():
     branch = validate(BASE, BASE).branches["coulomb_friction"]
-    assert branch["friction"] == (0.05, 0.10, 0.15, 0.20)
+    assert branch["friction"] == [0.05, 0.10, 0.15, 0.20]
     assert isinstance(branch["points"], int)
     one = validate(changed(coulomb_friction={"restitution": 1}), BASE)
     assert isinstance(one.branches["coulomb_friction"]["restitution"], float)
@@ -108,6 +109,24 @@ def test_all_problems_are_listed():
     found = "\n".join(lines(config))
     for key in ("restitution:", "frictoin:", "points.valu:", "restitution_trends.points:", "sed:"):
         assert key in found
+
+
+def test_a_branch_found_valid_is_not_checked_again(tmp_path, monkeypatch):
+    path = tmp_path / "deep/valid.json"
+    first = validate(BASE, BASE, memory := Memory(path))
+    memory.save()
+    monkeypatch.setattr(module, "study_params", lambda study: pytest.fail(f"imported {study}"))
+    assert validate(BASE, BASE, Memory(path)).branches == first.branches
+    path.write_text("damaged")
+    assert Memory(path).recall("coulomb_friction", {}) is None
+
+
+def test_another_value_is_checked_whatever_is_remembered(tmp_path):
+    path = tmp_path / "valid.json"
+    validate(BASE, BASE, memory := Memory(path))
+    memory.save()
+    with pytest.raises(ConfigError, match=r"coulomb_friction\.restitution: 2"):
+        validate(changed(coulomb_friction={"restitution": 2}), BASE, Memory(path))
 
 
 def test_a_missing_key_and_a_missing_branch_are_named():

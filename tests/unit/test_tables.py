@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -84,6 +85,20 @@ def test_an_unknown_name_is_refused_with_the_nearest(tmp_path):
     table = material_table(tmp_path, "silicon,density,2330,kg/m3,,,textbook,handbook")
     with pytest.raises(selection.SelectionError, match=r"no rows for 'silcon'.*'silicon'"):
         table.where([("silcon",)], "material")
+
+
+def test_a_pair_and_an_anchor_that_are_not_declared_are_refused():
+    root = Path(__file__).parents[2] / "config"
+    files = ("materials.csv", "contacts.csv", "printed_values.csv")
+    declared = selection.read_all(*(str(root / name) for name in files))
+    pair = {"particle": "stainless-steel-316", "surface": "glass"}
+    with pytest.raises(
+        selection.SelectionError, match="no rows for 'stainless-steel-316 on glass'"
+    ):
+        declared.named_in(pair)
+    with pytest.raises(selection.SelectionError, match="no rows for 'friction'"):
+        declared.named_in({"anchors": ["friction"]})
+    assert declared.named_in({"points": 3}) == {}
 
 
 @pytest.mark.parametrize(

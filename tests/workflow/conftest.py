@@ -67,8 +67,8 @@ class Project:
 def copied(target):
     for part in PARTS:
         if (ROOT / part).is_dir():
-            ignore = shutil.ignore_patterns("__pycache__", "build")
-            shutil.copytree(ROOT / part, target / part, ignore=ignore)
+            # Compiled code comes along: dates are kept, so it stays valid and saves half a minute.
+            shutil.copytree(ROOT / part, target / part)
         else:
             shutil.copy2(ROOT / part, target / part)
     return Project(target)

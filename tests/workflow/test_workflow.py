@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import os
 import platform
+import re
+from contextlib import ExitStack
 
 import pytest
 import yaml
@@ -95,11 +97,11 @@ def test_an_edit_reruns_what_it_can_affect(project, path, reruns, spares):
     assert not spares & planned
 
 
-@pytest.mark.parametrize("path", ["cli.py", "config.py", "schema.py", "summary.py", "closure.py"])
-def test_code_that_decides_no_number_reruns_nothing(project, path):
-    if not (project.root / "src/microimpact" / path).exists():
-        pytest.skip("no such module yet")
-    with project.edited(f"src/microimpact/{path}", commented):
+def test_code_that_decides_no_number_reruns_nothing(project):
+    with ExitStack() as edits:
+        for name in ("cli.py", "config.py", "schema.py", "summary.py", "closure.py"):
+            if (project.root / "src/microimpact" / name).exists():
+                edits.enter_context(project.edited(f"src/microimpact/{name}", commented))
         assert project.planned(*SMALL) == set()
 
 
@@ -121,6 +123,49 @@ def test_code_that_decides_no_number_reruns_nothing(project, path):
 def test_a_change_of_configuration_reruns_its_chain(project, old, new, expected):
     with project.edited("config/config.yaml", lambda text: text.replace(old, new)):
         assert project.planned(*SMALL) == expected
+
+
+@pytest.mark.parametrize(
+    ("path", "row", "value", "reruns", "spares"),
+    [
+        (
+            "config/materials.csv",
+            "molybdenum,density",
+            "10000",
+            {"force_history", "fig20"},
+            {"oblique_impact", "fig18", "fig21"},
+        ),
+        (
+            "config/materials.csv",
+            "silicon,youngs_modulus",
+            "150",
+            {"oblique_impact", "fig18", "fig21"},
+            {"force_history", "fig20"},
+        ),
+        (
+            "config/contacts.csv",
+            "stainless-steel-316,silicon,friction",
+            "0.2",
+            {"oblique_impact", "fig18", "fig21"},
+            {"force_history", "fig20"},
+        ),
+        (
+            "config/printed_values.csv",
+            "impulse_ratio_normal_incidence_no_spin",
+            "0.01",
+            {"coulomb_friction", "fig17"},
+            {"oblique_impact", "force_history", "contact_properties"},
+        ),
+    ],
+)
+def test_a_declared_row_reruns_the_analyses_that_name_it(project, path, row, value, reruns, spares):
+    def edit(text):
+        return re.sub(rf"^({row},)[^,]*", rf"\g<1>{value}", text, flags=re.MULTILINE)
+
+    with project.edited(path, edit):
+        planned = project.planned(*SMALL)
+    assert reruns | {"declared_inputs"} <= planned
+    assert not (spares | {"restitution_trends"}) & planned
 
 
 def test_a_change_of_the_registry_redraws_one_figure(project):
@@ -149,25 +194,38 @@ def test_every_example_is_valid(project):
     ("overlay", "expected"),
     [
         (
-            {"coulomb_frction": {}},
-            "coulomb_frction: unknown key (did you mean 'coulomb_friction'?)",
+            {"coulomb_frction": {}, "coulomb_friction": {"spin_fricton": 1}, "seed": "x"},
+            [
+                "\ncoulomb_frction: unknown key (did you mean 'coulomb_friction'?)\n",
+                "\ncoulomb_friction.spin_fricton: unknown key (did you mean 'spin_friction'?)\n",
+                "\nseed: 'x' must be a valid integer\n",
+            ],
         ),
+        ({"materials": "config/contacts.csv"}, ["config/contacts.csv: the header is"]),
+        ({"contacts": "config/nothing.csv"}, ["config/nothing.csv"]),
         (
-            {"coulomb_friction": {"spin_fricton": 1}, "seed": "x"},
-            "coulomb_friction.spin_fricton: unknown key (did you mean 'spin_friction'?)",
+            {"oblique_impact": {"surface": "silicn"}},
+            ["no rows for 'silicn' (did you mean 'silicon'?)"],
         ),
-        ({"coulomb_friction": {"anchors": ["impulse_ratio"]}}, "no rows for 'impulse_ratio'"),
-        ({"materials": "config/contacts.csv"}, "config/contacts.csv: the header is"),
-        ({"contacts": "config/nothing.csv"}, "config/nothing.csv"),
     ],
 )
-def test_bad_input_is_one_clear_error_and_writes_nothing(project, tmp_path, overlay, expected):
+def test_bad_input_is_one_line_a_problem_and_writes_nothing(project, tmp_path, overlay, expected):
     path = tmp_path / "overlay.yaml"
     path.write_text(yaml.safe_dump({**overlay, "pathvars": {"results": "build/refused"}}))
     done = project.snakemake("--configfile", str(path), check=False)
     assert done.returncode
-    assert expected in done.text
+    for line in expected:
+        assert line in done.text
     assert "Traceback" not in done.text
+    assert not (project.root / "build/refused").exists()
+
+
+def test_a_wrong_unit_is_one_clear_error_and_writes_nothing(project):
+    root = ("--config", "pathvars={results: build/refused}")
+    with project.edited("config/materials.csv", lambda text: text.replace("193,GPa", "193,GN")):
+        done = project.snakemake(*root, check=False)
+    assert done.returncode
+    assert "youngs_modulus: unit 'GN' must be one of" in done.text
     assert not (project.root / "build/refused").exists()
 
 

@@ -22,15 +22,22 @@ from microimpact import closure, selection
 from microimpact.config import load, validate
 from microimpact.figures.registry import filled, registry
 from microimpact.materials import materials_from_rows
+from microimpact.memory import Memory
+from microimpact.model.pairs import pairs_from_rows
 from microimpact.runstamp import write_stamp
 
 RUN_STUDY = PROJECT / "workflow/scripts/run_study.py"
 DRAW_FIGURE = PROJECT / "workflow/scripts/draw_figure.py"
 
+# Beside Snakemake's own records: it spares the import of all studies at each start.
+VALID = Memory(Path(".snakemake/microimpact-valid.json"))
+
 try:
-    SETTINGS = validate(config, load(PROJECT / "config/config.yaml"))
+    SETTINGS = validate(config, load(PROJECT / "config/config.yaml"), VALID)
+    VALID.save()
     DECLARED = selection.read_all(*SETTINGS.general.tables)
     materials_from_rows(DECLARED.materials.rows)
+    pairs_from_rows(DECLARED.contacts.rows)
     ROWS = {name: DECLARED.named_in(branch) for name, branch in SETTINGS.branches.items()}
     FIGURE_ENTRIES = filled(load(SETTINGS.general.figures), SETTINGS.branches)
     FIGURES = registry(FIGURE_ENTRIES)
@@ -54,4 +61,5 @@ def _relative(paths):
 
 def everything():
     """Return every output of every rule that makes files without wildcards."""
-    return [path for rule in workflow.rules if not rule.wildcard_names for path in rule.output]
+    # Bare paths: a report flag on an input of `all` would hide that of the figure's own rule.
+    return [str(path) for rule in workflow.rules if not rule.wildcard_names for path in rule.output]

@@ -41,7 +41,12 @@ class SeriesSpec:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PanelSpec:
-    """Axes of one panel, and its series in the order of the legend."""
+    """Axes of one panel, and its series in the order of the legend.
+
+    `shows` names the panel of the data if it is not the one of the same name, as for an
+    enlarged view. A legend `above` stands over all panels, clear of every curve. Axes grow
+    where data lie outside; the upright one does not if `fixed`.
+    """
 
     x_label: Name
     y_label: Name
@@ -51,7 +56,9 @@ class PanelSpec:
     x_ticks: tuple[Finite, ...] = ()
     y_ticks: tuple[Finite, ...] = ()
     legend: str = ""
-    legend_place: Place = "best"
+    legend_place: Place | Literal["above", "none"] = "best"
+    shows: str = ""
+    fixed: bool = False
     series: dict[str, SeriesSpec] = field(default_factory=dict)
 
 
@@ -125,9 +132,7 @@ def registry(entries: Mapping[str, Mapping[str, Any]]) -> dict[str, FigureSpec]:
 _PLACE = re.compile(r"\[\[(\w+)(?::([^\]]*))?\]\]")
 
 
-def filled(
-    entries: Mapping[str, Mapping[str, Any]], branches: Mapping[str, Mapping[str, Any]]
-) -> dict[str, Any]:
+def filled(entries: Mapping[str, Any], branches: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
     """Put values of each figure's study into its words.
 
     ``[[friction]]`` or ``[[friction:.2f]]`` in any text of an entry stands for the parameter
@@ -140,7 +145,7 @@ def filled(
     """
     result = {}
     for name, entry in entries.items():
-        study = entry.get("study")
+        study = entry.get("study") if isinstance(entry, Mapping) else None
         if study is not None and study not in branches:
             raise RegistryError(f"{name}.study: {study!r} is no study{nearest(study, branches)}")
         result[name] = _fill(entry, branches[study] if study else {}, name)

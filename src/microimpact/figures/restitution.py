@@ -31,7 +31,5 @@ def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     (table,) = tables.values()
     line = table[table["series"] == "capture velocity"]
     capture = float(line.iloc[:, 3].max())
-    ax = axes["trends"]
-    ax.axvspan(0.0, capture, color="0.93", linewidth=0)
-    ax.text(capture / 2, 0.5, "captured", rotation=90, ha="center", va="center")
+    style.shade_capture(axes["trends"], capture)
     return figure

@@ -85,7 +85,7 @@ def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> No
         Which panel of the data to draw.
     """
     x, y = table.columns[3], table.columns[4]
-    rows = table[table["panel"] == name]
+    rows = table[table["panel"] == (panel.shows or name)]
     if rows.empty:
         raise ValueError(f"figure data: no rows for panel {name!r}")
     present = dict.fromkeys(rows["series"])
@@ -99,8 +99,12 @@ def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> No
             _draw_series(ax, part, (x, y), str(evidence), own.line, colour, label)
             label = None  # one entry per series; the key below the figure names the evidence
     ax.set_xlim(widened(ax.get_xlim(), rows[x].to_numpy(float)))
-    ax.set_ylim(widened(ax.get_ylim(), rows[[y, "y_low", "y_high"]].to_numpy(float)))
-    ax.legend(title=panel.legend, loc=panel.legend_place)
+    if not panel.fixed:
+        ax.set_ylim(widened(ax.get_ylim(), rows[[y, "y_low", "y_high"]].to_numpy(float)))
+    place = panel.legend_place
+    if place == "above" or place == "none":  # noqa: PLR1714 (a set would not narrow the type)
+        return
+    ax.legend(title=panel.legend, loc=place)
 
 
 def widened(limits: tuple[float, float], values: NDArray[np.float64]) -> tuple[float, float]:
@@ -133,6 +137,13 @@ def _draw_series(
     ax.errorbar(x, y, yerr=error, label=label, clip_on=is_line, zorder=3, **look)
 
 
+def shade_capture(ax: Axes, limit: float) -> None:
+    """Shade the part of an axis from zero to a limit in which the sphere does not rebound."""
+    ax.axvspan(0.0, limit, color="0.93", linewidth=0, zorder=0)
+    low, high = ax.get_ylim()
+    ax.text(limit / 2, (low + high) / 2, "captured", rotation=90, ha="center", va="center")
+
+
 def evidence_key(figure: Figure, evidence: Iterable[str]) -> None:
     """Say below the figure which marks are computed, printed, measured on virtual particles."""
     present = [name for name in EVIDENCE if name in set(evidence)]
@@ -140,7 +151,9 @@ def evidence_key(figure: Figure, evidence: Iterable[str]) -> None:
         Line2D([], [], color="black", label=EVIDENCE_LABEL[name], **_key_look(name))
         for name in present
     ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+    wide = figure.get_figwidth() * MM_PER_INCH > WIDTH_MM["single"] + 1
+    columns = min(len(handles), 5 if wide else 3)
+    figure.legend(handles=handles, loc="outside lower center", ncols=columns)
 
 
 def _key_look(evidence: str) -> dict[str, Any]:
@@ -161,6 +174,9 @@ def line_figure(
     table = pd.concat([tables[name] for name in spec.data], ignore_index=True)
     for name, panel in spec.panels.items():
         draw_panel(axes[name], table, panel, name)
+        if panel.legend_place == "above":
+            handles, labels = axes[name].get_legend_handles_labels()
+            figure.legend(handles, labels, loc="outside upper center", ncols=len(labels))
     evidence_key(figure, table["evidence"])
     return figure, axes
 

@@ -7,6 +7,7 @@ led to it: its initial speed is the capture velocity, found by one integration.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from scipy.optimize import elementwise
@@ -22,10 +23,12 @@ BRANCH_START = 1e-3
 
 # Speeds beyond this many velocity scales are not looked at.
 LARGEST_LOG_SPEED = 50.0
-SEARCH = {"xatol": 1e-14, "xrtol": 1e-14, "fatol": 0.0, "frtol": 0.0}
+SEARCH: Any = {"xatol": 1e-14, "xrtol": 1e-14, "fatol": 0.0, "frtol": 0.0}
 
 
-def threshold(hertz_group: FloatArray, adhesion_group: FloatArray, damped_attachment: bool) -> FloatArray:
+def threshold(
+    hertz_group: FloatArray, adhesion_group: FloatArray, damped_attachment: bool
+) -> FloatArray:
     """Capture velocity in velocity scales from the damping groups (flat arrays).
 
     Infinite where no speed rebounds.
@@ -81,10 +84,9 @@ def capture_velocity(contact: Contact) -> FloatArray:
     if np.any(rated):
         assert contact.reference_velocity is not None
         reference = flat(contact.reference_velocity) / scale
-        found[rated] = _rated_threshold(
-            hertz[rated], adhesion[rated], exponent[rated], reference[rated], contact.damped_attachment
-        )
-    return (found * scale).reshape(shape)[()]  # type: ignore[no-any-return]
+        groups = hertz[rated], adhesion[rated], exponent[rated], reference[rated]
+        found[rated] = _rated_threshold(*groups, damped_attachment=contact.damped_attachment)
+    return (found * scale).reshape(shape)[()]
 
 
 def _rated_threshold(
@@ -92,6 +94,7 @@ def _rated_threshold(
     adhesion: FloatArray,
     exponent: FloatArray,
     reference: FloatArray,
+    *,
     damped_attachment: bool,
 ) -> FloatArray:
     """Solve ``w = threshold(C_H, C_A (w_N/w)^n)``: the right side falls with w, so one w does."""
@@ -110,9 +113,9 @@ def _rated_threshold(
     if not np.any(possible):
         return found
     arguments = tuple(a[possible] for a in (hertz, adhesion, exponent, reference))
-    ends = tuple(np.full(int(possible.sum()), end) for end in (-LARGEST_LOG_SPEED, LARGEST_LOG_SPEED))
-    solution = elementwise.find_root(excess, ends, args=arguments, tolerances=SEARCH)
-    beyond = excess(ends[1], *arguments) <= 0.0
+    top = np.full(int(possible.sum()), LARGEST_LOG_SPEED)
+    solution = elementwise.find_root(excess, (-top, top), args=arguments, tolerances=SEARCH)
+    beyond = excess(top, *arguments) <= 0.0
     if not np.all(solution.success | beyond):
         raise RuntimeError("the search for a capture velocity did not converge")
     found[possible] = np.where(beyond, np.inf, np.exp(solution.x))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, fields
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
@@ -101,31 +101,38 @@ class Contact:
             number = "neither" if self.ring_force is None else "both"
             raise ValueError(f"give either work_of_adhesion or ring_force, got {number}")
         if not isinstance(self.damped_attachment, bool):
-            raise TypeError(f"damped_attachment must be True or False, got {self.damped_attachment!r}")
+            raise TypeError(
+                f"damped_attachment must be True or False, got {self.damped_attachment!r}"
+            )
         choice("stiffness_model", self.stiffness_model, STIFFNESS_MODELS)
         given = "ring_force" if self.work_of_adhesion is None else "work_of_adhesion"
         self._set("adhesion_input", given)
+        self._check_numbers(given)
+        radius, stiffness = self.hertz_radius, self.hertz_stiffness
+        if self.ring_force is not None:
+            self._set("work_of_adhesion", work_from_ring_force(self.ring_force, radius, stiffness))
+        elif self.work_of_adhesion is not None:
+            self._set("ring_force", ring_force_from_work(self.work_of_adhesion, radius, stiffness))
+
+    def _check_numbers(self, adhesion_input: str) -> None:
         self._check("diameter", POSITIVE)
-        for name in (given, "hertz_damping", "adhesion_damping", "friction"):
+        for name in (
+            adhesion_input,
+            "hertz_damping",
+            "adhesion_damping",
+            "friction",
+            "adhesion_rate_exponent",
+        ):
             self._check(name, NON_NEGATIVE)
-        self._check("adhesion_rate_exponent", NON_NEGATIVE)
         if self.reference_velocity is not None:
             self._check("reference_velocity", POSITIVE)
         elif np.any(self.adhesion_rate_exponent):
-            raise ValueError("reference_velocity is needed where adhesion_rate_exponent is not zero")
+            raise ValueError(
+                "reference_velocity is needed where adhesion_rate_exponent is not zero"
+            )
         if not (np.ndim(self.surface_radius) == 0 and self.surface_radius == math.inf):
             self._check("surface_radius", POSITIVE)
         common_shape(self._arrays())
-        if given == "ring_force":
-            self._set(
-                "work_of_adhesion",
-                work_from_ring_force(self.ring_force, self.hertz_radius, self.hertz_stiffness),  # type: ignore[arg-type]
-            )
-        else:
-            self._set(
-                "ring_force",
-                ring_force_from_work(self.work_of_adhesion, self.hertz_radius, self.hertz_stiffness),  # type: ignore[arg-type]
-            )
 
     def _set(self, name: str, value: object) -> None:
         object.__setattr__(self, name, value)

@@ -165,7 +165,7 @@ def planar(
     rotational = -change * radius * (omega + after_spin)
 
     def shaped(values: Real) -> FloatArray:
-        return np.broadcast_to(np.asarray(values, dtype=np.float64), shape)[()]  # type: ignore[no-any-return]
+        return np.broadcast_to(np.asarray(values, dtype=np.float64), shape)[()]
 
     return Impact(
         coefficient_of_restitution=shaped(e),
@@ -220,15 +220,13 @@ def simulate(
     speed = checked("speed", speed, POSITIVE)
     angle = checked("angle", angle, ANGLE)
     spin = checked("spin", spin, FINITE)
-    common_shape(
-        {"contact": np.empty(contact.shape), "speed": speed, "angle": angle, "spin": spin}
-    )
+    common_shape({"contact": np.empty(contact.shape), "speed": speed, "angle": angle, "spin": spin})
     v_n, v_t = velocity_components(speed, angle)
     return planar(contact, v_n, v_t, spin, friction_basis)
 
 
 def velocity_components(speed: Real, angle: Real) -> tuple[Real, Real]:
-    """Normal (negative) and tangential velocity of a sphere that comes in at an angle in degrees."""
+    """Normal (negative) and tangential velocity at an angle of incidence in degrees."""
     angle = np.asarray(angle)
     # cos(90 degrees) must be exactly zero: the complement goes through the sine.
     along = np.sin(np.radians(90.0 - angle))
@@ -297,7 +295,7 @@ def spatial(
     rotational = -radius * np.sum(turn * (w + after_w), axis=-1)
 
     def shaped(values: Real) -> FloatArray:
-        return np.broadcast_to(np.asarray(values, dtype=np.float64), shape)[()]  # type: ignore[no-any-return]
+        return np.broadcast_to(np.asarray(values, dtype=np.float64), shape)[()]
 
     return SpatialImpact(
         coefficient_of_restitution=shaped(e),

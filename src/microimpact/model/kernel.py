@@ -10,9 +10,9 @@ the damping groups. A *leg* runs at constant ``C_A``: the first ends at the turn
 second where contact ends, s = 0. Running the film backwards is the same problem with the signs of
 the damping groups changed, so one integrator serves impacts and the backward map.
 
-Each step is a Taylor expansion of order ``ORDER``. ``LANES`` impacts advance side by side, each with
-its own step, so that the convolutions compile to SIMD code; a finished lane takes the next impact.
-An impact's numbers do not depend on its neighbours.
+Each step is a Taylor expansion of order ``ORDER``. ``LANES`` impacts advance side by side, each
+with its own step, so that the convolutions compile to SIMD code; a finished lane takes the next
+impact. An impact's numbers do not depend on its neighbours.
 
 All compiled functions stand in this one module: Numba's on-disk cache looks only at the file of the
 function it loads and would keep stale callees from another one. Loops are bounded ``for`` loops on
@@ -60,9 +60,9 @@ RESULT_COLUMNS = 13
 
 REBOUND, CAPTURED, ESCAPED, FAILED = 0.0, 1.0, 2.0, 3.0
 
-# What is computed besides the path. PLAIN: contact time and compressive impulse. LEDGER: impulse and
-# work of each term too. SHALLOW: as LEDGER, for speeds so small against the depth of the adhesive
-# well that the energy must be taken from the works, not from the difference of large numbers.
+# What is computed besides the path. PLAIN: contact time and compressive impulse. LEDGER: impulse
+# and work of each term too. SHALLOW: as LEDGER, for speeds so small against the depth of the
+# adhesive well that the energy must be taken from the works, not from a small difference.
 PLAIN, LEDGER, SHALLOW = 0, 1, 2
 
 _NODES, _WEIGHTS = (a.copy() for a in np.polynomial.legendre.leggauss(10))
@@ -214,7 +214,13 @@ def integrate(problems: FloatArray, mode: int, results: FloatArray) -> None:
     """Integrate every row of ``problems`` into the same row of ``results``."""
     count = problems.shape[0]
     shape = (ORDER + 1, LANES)
-    s, u, p, g, m = (np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(shape))
+    s, u, p, g, m = (
+        np.zeros(shape),
+        np.zeros(shape),
+        np.zeros(shape),
+        np.zeros(shape),
+        np.zeros(shape),
+    )
     total = np.zeros((RESULT_COLUMNS, LANES))
     beta, damping_h, damping_a = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
     h, new_s, new_u, row = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
@@ -348,12 +354,22 @@ def record(problem: FloatArray, end_time: float, series: FloatArray, ends: Float
     approach and rebound. Returns the number of steps, or -1 where ``series`` is too short.
     """
     shape = (ORDER + 1, LANES)
-    s, u, p, g, m = (np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(shape))
+    s, u, p, g, m = (
+        np.zeros(shape),
+        np.zeros(shape),
+        np.zeros(shape),
+        np.zeros(shape),
+        np.zeros(shape),
+    )
     beta, damping_h, damping_a = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
     h, row, total = np.zeros(LANES), np.zeros(LANES), np.zeros((RESULT_COLUMNS, LANES))
     s[0, :], u[0, :] = 0.0, 1.0
     s[0, 0], u[0, 0] = problem[START_S], problem[START_U]
-    beta[0], damping_h[0], damping_a[0] = problem[ADHESION], problem[HERTZ_DAMPING], problem[DAMPING_1]
+    beta[0], damping_h[0], damping_a[0] = (
+        problem[ADHESION],
+        problem[HERTZ_DAMPING],
+        problem[DAMPING_1],
+    )
     approaching = True
     pulling = _pulls(s[0, 0], u[0, 0], beta[0], damping_h[0], damping_a[0])
     for step in range(series.shape[0]):
@@ -368,7 +384,9 @@ def record(problem: FloatArray, end_time: float, series: FloatArray, ends: Float
         elif turned:
             h[0] = _root(u, 0, h[0], False)
         # a step ends where the force changes sign, so that within a step it has one sign
-        now_pulling = _pulls(_value(s, 0, h[0]), _value(u, 0, h[0]), beta[0], damping_h[0], damping_a[0])
+        now_pulling = _pulls(
+            _value(s, 0, h[0]), _value(u, 0, h[0]), beta[0], damping_h[0], damping_a[0]
+        )
         if now_pulling != pulling:
             h[0] = _root(u, 0, h[0], True)
             ended, turned, pulling = False, False, now_pulling

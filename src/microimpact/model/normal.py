@@ -81,10 +81,11 @@ class Ledger:
     Attributes
     ----------
     kinetic_before, kinetic_after, stored
-        Kinetic energy before and after, and energy stored in Hertz and ring force (0 on separation).
+        Kinetic energy before and after; energy stored in Hertz and ring force (0 on separation).
     hertz_work, adhesion_work
         Energy dissipated by the material and by the adhesion damping.
-    hertz_impulse, adhesion_impulse, hertz_damping_impulse, adhesion_damping_impulse
+    hertz_impulse, adhesion_impulse
+    hertz_damping_impulse, adhesion_damping_impulse
         Impulse of each term of Eq. (19), positive away from the surface.
     energy_residual, momentum_residual
         Imbalance, relative.
@@ -156,9 +157,7 @@ def integrate(problems: FloatArray, *, ledger: bool) -> FloatArray:
     RuntimeError
         If an integration did not come to an end.
     """
-    shallow = (problems[:, kernel.ADHESION] == 1.0) & (
-        problems[:, kernel.START_U] < SHALLOW_SPEED
-    )
+    shallow = (problems[:, kernel.ADHESION] == 1.0) & (problems[:, kernel.START_U] < SHALLOW_SPEED)
     results = np.zeros((problems.shape[0], kernel.RESULT_COLUMNS))
     for chosen, mode in (
         (~shallow, kernel.LEDGER if ledger else kernel.PLAIN),

@@ -10,6 +10,7 @@ bare formula would rise again.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from microimpact.arrays import NON_NEGATIVE, POSITIVE, FloatArray, checked, common_shape
 

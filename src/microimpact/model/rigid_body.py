@@ -1,8 +1,8 @@
 """The rigid body model of planar impact, Eqs. (1)-(18): algebra of impulses and momentum.
 
 Signs are the article's: the normal n points away from the surface, so an approaching sphere has
-v_n < 0; a sphere that rolls along t has ``v_t = r omega``; the signed impulse ratio mu of Eq. (2) is
-negative where friction opposes v_t > 0.
+v_n < 0; a sphere that rolls along t has ``v_t = r omega``; the signed impulse ratio mu of Eq. (2)
+is negative where friction opposes v_t > 0.
 """
 
 from __future__ import annotations
@@ -135,7 +135,7 @@ def energy_loss(
     )
 
 
-def adhesion_work(v_n: object, R: object, rho: object) -> Real:  # noqa: N803
+def adhesion_work(v_n: object, R: object, rho: object) -> Real:
     """Energy lost to adhesion per unit mass, Eq. (18): ``v_n^2 R^2 rho (2 - rho) / 2``, m2/s2.
 
     Parameters
@@ -148,28 +148,28 @@ def adhesion_work(v_n: object, R: object, rho: object) -> Real:  # noqa: N803
         Adhesion coefficient of Eq. (10).
     """
     v_n = checked("v_n", v_n, FINITE)
-    R = checked("R", R, UNIT_INTERVAL)  # noqa: N806
+    R = checked("R", R, UNIT_INTERVAL)
     rho = checked("rho", rho, UNIT_INTERVAL)
     return 0.5 * np.square(v_n) * np.square(R) * rho * (2.0 - rho)
 
 
-def deformation_impulse(v_n: object, R: object) -> Real:  # noqa: N803
+def deformation_impulse(v_n: object, R: object) -> Real:
     """Total impulse of deformation per unit mass, Eq. (9): ``-(1 + R) v_n``, m/s."""
     v_n = checked("v_n", v_n, APPROACHING)
-    R = checked("R", R, UNIT_INTERVAL)  # noqa: N806
+    R = checked("R", R, UNIT_INTERVAL)
     return -(1.0 + R) * v_n
 
 
-def adhesion_impulse(v_n: object, R: object, rho: object) -> Real:  # noqa: N803
+def adhesion_impulse(v_n: object, R: object, rho: object) -> Real:
     """Rebound impulse of adhesion per unit mass, Eq. (10): ``rho R v_n``, m/s (negative)."""
     v_n = checked("v_n", v_n, APPROACHING)
-    R = checked("R", R, UNIT_INTERVAL)  # noqa: N806
+    R = checked("R", R, UNIT_INTERVAL)
     rho = checked("rho", rho, UNIT_INTERVAL)
     return rho * R * v_n
 
 
-def restitution_with_adhesion(R: object, rho: object) -> Real:  # noqa: N803
+def restitution_with_adhesion(R: object, rho: object) -> Real:
     """Coefficient of restitution, root of Eq. (16): ``e = R (1 - rho)``."""
-    R = checked("R", R, UNIT_INTERVAL)  # noqa: N806
+    R = checked("R", R, UNIT_INTERVAL)
     rho = checked("rho", rho, UNIT_INTERVAL)
     return R * (1.0 - rho)

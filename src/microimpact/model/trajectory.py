@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from microimpact.arrays import FINITE, POSITIVE, FloatArray, checked, choice
+from microimpact.arrays import FINITE, POSITIVE, FloatArray, Real, checked, choice
 from microimpact.model import kernel
 from microimpact.model.contact import Contact
 from microimpact.model.impact import ANGLE, FRICTION_BASES, SLIP_PER_IMPULSE, velocity_components
-from microimpact.model.normal import integrate, scaled_problems
+from microimpact.model.normal import Scales, integrate, scaled_problems
 from microimpact.model.rigid_body import INERTIA
 
 MOST_STEPS = 20_000
@@ -169,13 +169,13 @@ def _dimensional(
     contact: Contact,
     problem: FloatArray,
     path: _Path,
-    v_t: float,
-    spin: float,
+    v_t: Real,
+    spin: Real,
     basis: str,
     captured: bool,
-    scales: object,
+    scales: Scales,
 ) -> Trajectory:
-    length, velocity, mass = (float(getattr(scales, name)[0]) for name in ("length", "velocity", "mass"))
+    length, velocity, mass = scales.length[0], scales.velocity[0], scales.mass[0]
     force = mass * velocity**2 / length
     s, u = path.s, path.u
     beta = problem[kernel.ADHESION]

@@ -49,11 +49,11 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     rows = [part.assign(file=name).reindex(columns=COLUMNS) for name, part in parts.items()]
     table = pd.concat([row.astype(object) for row in rows], ignore_index=True)
     for column in ("value", "low", "high"):
-        table[column] = table[column].map(_text)
+        table[column] = pd.Series([_whole(v) for v in table[column]], dtype=object)
     return {"inputs": table}
 
 
-def _text(value: object) -> object:
+def _whole(value: object) -> object:
     """Return a whole number without a point, all else as it is."""
     if isinstance(value, float) and value.is_integer() and abs(value) < 1e15:
         return int(value)

@@ -1,0 +1,243 @@
+"""The command ``microimpact``: impacts, capture velocities and materials at the prompt."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import click
+import numpy as np
+
+from microimpact.materials import declared_file, materials_from_rows, read_rows
+
+if TYPE_CHECKING:
+    from microimpact.materials import Material
+    from microimpact.model.contact import Contact
+
+Command = Callable[..., None]
+
+# Result field -> label, unit, factor from SI.
+_IMPACT = {
+    "coefficient_of_restitution": ("coefficient of restitution", "", 1.0),
+    "captured": ("captured", "", 1.0),
+    "impulse_ratio": ("impulse ratio (-mu)", "", 1.0),
+    "rolling": ("rolling at separation", "", 1.0),
+    "normal_velocity": ("normal velocity after", "m/s", 1.0),
+    "tangential_velocity": ("tangential velocity after", "m/s", 1.0),
+    "spin": ("spin after", "rad/s", 1.0),
+    "contact_time": ("contact time", "ns", 1e9),
+    "maximum_compression": ("maximum compression", "nm", 1e9),
+    "energy_loss": ("energy loss, total", "", 1.0),
+    "translational_energy_loss": ("energy loss, translational", "", 1.0),
+}
+
+
+def main() -> None:
+    """Run the command; bad input ends with one line and exit code 2."""
+    try:
+        commands.main(standalone_mode=False)
+    except click.ClickException as error:
+        error.show()
+        sys.exit(error.exit_code)
+    except click.Abort:
+        sys.exit(130)
+    except (ValueError, TypeError) as error:
+        click.echo(f"microimpact: {error}", err=True)
+        sys.exit(2)
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(package_name="microimpact")
+def commands() -> None:
+    """Impact, rebound and capture of microparticles on surfaces.
+
+    Pairs of particle and surface come from the declared tables (see 'microimpact materials'); every
+    number can be replaced by an option. Input is refused with one line that says what is allowed.
+    """
+
+
+def _contact_options(command: Command) -> Command:
+    options = (
+        click.option("--particle", required=True, help="Material of the sphere."),
+        click.option("--surface", required=True, help="Material of the surface."),
+        click.option("--diameter-um", type=float, help="Diameter, um; default: the pair's."),
+        click.option("--work-of-adhesion", type=float, help="w_A, J/m2."),
+        click.option("--ring-force", type=float, help="f_0, N/m, in place of w_A."),
+        click.option("--hertz-damping", type=float, help="c_H, s/m."),
+        click.option("--adhesion-damping", type=float, help="c_A, s/m."),
+        click.option("--adhesion-rate-exponent", type=float, help="n in c_A (v_N/v_n)^n."),
+        click.option("--reference-velocity", type=float, help="v_N, m/s."),
+        click.option("--friction", type=float, help="Coulomb coefficient f."),
+        click.option(
+            "--stiffness-model", default="hertz", show_default=True, help="hertz or reduced."
+        ),
+        click.option("--json", "as_json", is_flag=True, help="Print JSON in SI units."),
+    )
+    for option in reversed(options):
+        command = option(command)
+    return command
+
+
+@commands.command("simulate")
+@_contact_options
+@click.option("--speed", type=float, required=True, help="Speed before impact, m/s.")
+@click.option(
+    "--angle", type=float, default=90.0, show_default=True, help="From the surface, degrees."
+)
+@click.option("--spin", type=float, default=0.0, show_default=True, help="Before impact, rad/s.")
+@click.option(
+    "--friction-basis",
+    default="compressive",
+    show_default=True,
+    help="Force that supports friction: compressive, hertz or net.",
+)
+def simulate_command(
+    speed: float, angle: float, spin: float, friction_basis: str, as_json: bool, **pair: Any
+) -> None:
+    """Simulate one impact."""
+    from microimpact.model.impact import simulate
+
+    contact = _contact(**pair)
+    outcome = simulate(contact, speed, angle, spin, friction_basis)
+    values = {name: getattr(outcome, name).item() for name in _IMPACT}
+    if as_json:
+        _print_json(_inputs(contact, speed=speed, angle=angle, spin=spin) | values)
+        return
+    title = (
+        f"{contact.particle.name} on {contact.surface.name}, {contact.diameter * 1e6:g} um, "
+        f"{speed:g} m/s at {angle:g} deg"
+    )
+    rows = [
+        (label, _text(values[name], factor), unit)
+        for name, (label, unit, factor) in _IMPACT.items()
+    ]
+    _print_table(title, ("", "value", "unit"), rows)
+
+
+@commands.command("capture")
+@_contact_options
+def capture_command(as_json: bool, **pair: Any) -> None:
+    """Find the capture velocity of a sphere, and the scales of its contact."""
+    from microimpact.model.capture import capture_velocity
+
+    contact = _contact(**pair)
+    found = float(capture_velocity(contact))
+    if as_json:
+        _print_json(_inputs(contact) | {"capture_velocity": found})
+        return
+    hertz_group, adhesion_group = contact.groups
+    rows = [
+        ("capture velocity", _text(found), "m/s"),
+        ("velocity scale V", _text(contact.velocity_scale), "m/s"),
+        ("damping group C_H", _text(hertz_group), ""),
+        ("damping group C_A", _text(adhesion_group), ""),
+        ("stiffness K", _text(contact.stiffness, 1e-9), "GPa"),
+        ("ring force f_0", _text(contact.ring_force), "N/m"),
+        ("work of adhesion w_A", _text(contact.work_of_adhesion), "J/m2"),
+        ("equilibrium contact radius", _text(contact.equilibrium_contact_radius, 1e9), "nm"),
+    ]
+    title = f"{contact.particle.name} on {contact.surface.name}, {contact.diameter * 1e6:g} um"
+    _print_table(title, ("", "value", "unit"), rows)
+    if np.isinf(found):
+        click.echo("No speed rebounds: the contact is overdamped.")
+
+
+@commands.command("materials")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON in SI units.")
+def materials_command(as_json: bool) -> None:
+    """List the declared materials and pairs."""
+    materials, pairs = _declared()
+    if as_json:
+        listed = {
+            name: {
+                "youngs_modulus": m.youngs_modulus,
+                "poissons_ratio": m.poissons_ratio,
+                "density": m.density,
+            }
+            for name, m in materials.items()
+        }
+        declared = [{"particle": p, "surface": s} | dict(pairs[p, s]) for p, s in pairs]
+        _print_json({"materials": listed, "pairs": declared})
+        return
+    _print_table(
+        "Materials",
+        ("material", "Young's modulus (GPa)", "Poisson's ratio", "density (kg/m3)"),
+        [
+            (
+                name,
+                _text(m.youngs_modulus, 1e-9),
+                _text(m.poissons_ratio),
+                _text(m.density),
+            )
+            for name, m in materials.items()
+        ],
+    )
+    _print_table(
+        "Declared pairs (SI units)",
+        ("particle", "surface", "properties"),
+        [
+            (p, s, ", ".join(f"{name} {value:g}" for name, value in properties.items()))
+            for (p, s), properties in pairs.items()
+        ],
+    )
+
+
+def _declared() -> tuple[dict[str, Material], Mapping[tuple[str, str], Mapping[str, float]]]:
+    from microimpact.model.pairs import pairs_from_rows
+
+    materials = materials_from_rows(read_rows(declared_file("materials.csv")))
+    return materials, pairs_from_rows(read_rows(declared_file("contacts.csv")))
+
+
+def _contact(particle: str, surface: str, diameter_um: float | None, **changes: Any) -> Contact:
+    from microimpact.model.pairs import pair_contact
+
+    diameter = None if diameter_um is None else diameter_um * 1e-6
+    return pair_contact(particle, surface, *_declared(), diameter=diameter, **changes)
+
+
+def _inputs(contact: Contact, **more: float) -> dict[str, Any]:
+    names = ("diameter", "work_of_adhesion", "ring_force", "hertz_damping", "adhesion_damping")
+    return (
+        {"particle": contact.particle.name, "surface": contact.surface.name}
+        | {name: float(getattr(contact, name)) for name in names}
+        | {"friction": float(contact.friction)}
+        | more
+    )
+
+
+def _text(value: Any, factor: float = 1.0) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return f"{value * factor:.6g}"
+
+
+def _print_json(values: Mapping[str, Any]) -> None:
+    """Print JSON; an infinite number, which JSON does not have, as the text "Infinity"."""
+
+    def plain(node: Any) -> Any:
+        if isinstance(node, float) and not np.isfinite(node):
+            return "Infinity"
+        if isinstance(node, Mapping):
+            return {key: plain(child) for key, child in node.items()}
+        return [plain(child) for child in node] if isinstance(node, list) else node
+
+    click.echo(json.dumps(plain(values), indent=2, allow_nan=False))
+
+
+def _print_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(*columns)
+    table.columns[0].no_wrap = True
+    for row in rows:
+        table.add_row(*row)
+    click.echo(title)
+    Console().print(table)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,111 @@
+"""Declared particle-surface pairs: rows of ``contacts.csv`` to `Contact`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from microimpact.materials import Material, Row, find_material, quantity, suggestion
+from microimpact.model.contact import Contact
+from microimpact.units import (
+    ENERGY_PER_AREA,
+    FORCE_PER_LENGTH,
+    LENGTH,
+    NUMBER,
+    SLOWNESS,
+    SPEED,
+)
+
+UNITS = {
+    "diameter": LENGTH,
+    "surface_radius": LENGTH,
+    "work_of_adhesion": ENERGY_PER_AREA,
+    "ring_force": FORCE_PER_LENGTH,
+    "hertz_damping": SLOWNESS,
+    "adhesion_damping": SLOWNESS,
+    "zeta_hertz": NUMBER,
+    "zeta_adhesion": NUMBER,
+    "friction": NUMBER,
+    "adhesion_rate_exponent": NUMBER,
+    "reference_velocity": SPEED,
+}
+
+Pair = tuple[str, str]
+Pairs = Mapping[Pair, Mapping[str, float]]
+
+
+def pairs_from_rows(rows: Iterable[Row]) -> dict[Pair, dict[str, float]]:
+    """Collect the properties of every declared pair, in SI units.
+
+    Raises
+    ------
+    ValueError
+        If a property is unknown or declared twice, or has a wrong unit or value.
+    """
+    found: dict[Pair, dict[str, float]] = {}
+    for row in rows:
+        pair = row["particle"], row["surface"]
+        where = f"contact {pair[0]!r} on {pair[1]!r}"
+        properties = found.setdefault(pair, {})
+        if row["property"] in properties:
+            raise ValueError(f"{where}: {row['property']} is declared twice")
+        properties[row["property"]] = quantity(row, UNITS, where)
+    return found
+
+
+def pair_contact(
+    particle: str,
+    surface: str,
+    materials: Mapping[str, Material],
+    pairs: Pairs,
+    **changes: Any,
+) -> Contact:
+    """Build the contact of two declared materials.
+
+    Parameters
+    ----------
+    particle, surface
+        Names of the materials.
+    materials, pairs
+        The declared ones.
+    **changes
+        Fields of `Contact`, or ``zeta_hertz`` and ``zeta_adhesion``, that replace the pair's;
+        a None is no change. A pair that is not declared needs its adhesion, damping and diameter.
+
+    Raises
+    ------
+    ValueError
+        If a material is unknown, or the pair is not declared and the changes do not suffice.
+    """
+    bodies: dict[str, Any] = {
+        "particle": find_material(particle, materials),
+        "surface": find_material(surface, materials),
+    }
+    declared = dict(pairs.get((particle, surface), {}))
+    given = {name: value for name, value in changes.items() if value is not None}
+    alternatives = (
+        {"work_of_adhesion", "ring_force"},
+        {"hertz_damping", "zeta_hertz"},
+        {"adhesion_damping", "zeta_adhesion"},
+    )
+    for names in alternatives:
+        if names & set(given):
+            for name in names:
+                declared.pop(name, None)
+    fields = declared | given
+    missing = ["diameter"] if "diameter" not in fields else []
+    missing += [" or ".join(sorted(names)) for names in alternatives if not names & set(fields)]
+    if missing:
+        known = [" on ".join(pair) for pair in pairs]
+        name = f"{particle} on {surface}"
+        state = "is incomplete" if (particle, surface) in pairs else "is not declared"
+        raise ValueError(
+            f"the pair {name!r} {state}; give {', '.join(missing)}{suggestion(name, known)}"
+        )
+    if {"zeta_hertz", "zeta_adhesion"} & set(fields):
+        if {"hertz_damping", "adhesion_damping"} & set(fields):
+            raise ValueError(
+                f"the pair {particle!r} on {surface!r}: give both zetas or both dampings"
+            )
+        return Contact.from_zeta(**bodies, **fields)
+    return Contact(**bodies, **fields)

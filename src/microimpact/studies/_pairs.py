@@ -1,0 +1,37 @@
+"""The contact that a study's parameters name, from the declared rows handed to it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import pandas as pd
+
+from microimpact.materials import Material, materials_from_rows
+from microimpact.model.contact import Contact
+from microimpact.model.pairs import Pairs, pair_contact, pairs_from_rows
+
+
+def declared_contact(
+    inputs: Mapping[str, pd.DataFrame], particle: str, surface: str, **changes: Any
+) -> Contact:
+    """Return the contact of a declared pair.
+
+    Parameters
+    ----------
+    inputs
+        ``materials`` and ``contacts``, declared rows as tables.
+    particle, surface
+        Names of the materials.
+    **changes
+        Fields of `Contact` in place of the declared ones.
+    """
+    return pair_contact(particle, surface, *declared(inputs), **changes)
+
+
+def declared(inputs: Mapping[str, pd.DataFrame]) -> tuple[dict[str, Material], Pairs]:
+    """Return the declared materials and pairs of a study's inputs."""
+    rows: dict[str, Any] = {
+        name: inputs[name].to_dict("records") for name in ("materials", "contacts")
+    }
+    return materials_from_rows(rows["materials"]), pairs_from_rows(rows["contacts"])

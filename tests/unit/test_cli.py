@@ -1,0 +1,113 @@
+"""The command line: readable tables, JSON in SI units, one line for bad input."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from microimpact import cli
+
+STEEL = ("--particle", "stainless-steel-316", "--surface", "silicon")
+UNDECLARED = ("--particle", "stainless-steel-316", "--surface", "mica", "--diameter-um", "10")
+
+
+@pytest.fixture
+def microimpact(capsys, monkeypatch):
+    """Return a function that runs the command in this process."""
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["microimpact", *arguments])
+        try:
+            cli.main()
+            code = 0
+        except SystemExit as end:
+            code = end.code
+        printed = capsys.readouterr()
+        return SimpleNamespace(returncode=code, stdout=printed.out, stderr=printed.err)
+
+    return run
+
+
+def test_it_is_installed_as_a_command():
+    command = Path(sys.executable).with_name("microimpact")
+    done = subprocess.run([command, "--version"], capture_output=True, text=True, check=True)
+    assert done.stdout.startswith("microimpact, version")
+
+
+def test_simulate_as_table_and_as_json_agree(microimpact):
+    arguments = ("simulate", *STEEL, "--diameter-um", "62", "--speed", "1.66", "--angle", "50")
+    table, found = microimpact(*arguments), microimpact(*arguments, "--json")
+    assert table.returncode == found.returncode == 0, table.stderr + found.stderr
+    values = json.loads(found.stdout)
+    assert values["diameter"] == pytest.approx(62e-6)
+    assert values["speed"] == 1.66
+    assert f"{values['coefficient_of_restitution']:.6g}" in table.stdout
+    assert values["captured"] is False
+    assert values["rolling"] is True
+
+
+def test_capture_uses_the_declared_pair_and_its_overrides(microimpact):
+    declared = json.loads(microimpact("capture", *STEEL, "--json").stdout)
+    weaker = json.loads(
+        microimpact("capture", *STEEL, "--work-of-adhesion", "0.2", "--json").stdout
+    )
+    assert 0 < weaker["capture_velocity"] < declared["capture_velocity"]
+    assert weaker["adhesion_damping"] == declared["adhesion_damping"]
+
+
+def test_an_overdamped_contact_never_rebounds(microimpact):
+    found = microimpact("capture", *STEEL, "--hertz-damping", "30")
+    assert "inf" in found.stdout
+    assert "No speed rebounds" in found.stdout
+    as_json = microimpact("capture", *STEEL, "--hertz-damping", "30", "--json")
+    assert json.loads(as_json.stdout)["capture_velocity"] == "Infinity"
+
+
+def test_captured_impact_prints_an_infinite_contact_time(microimpact):
+    found = microimpact("simulate", *STEEL, "--speed", "0.05", "--json")
+    values = json.loads(found.stdout)
+    assert values["captured"] is True
+    assert values["contact_time"] == "Infinity"
+
+
+def test_an_undeclared_pair_works_with_its_numbers_given(microimpact):
+    numbers = ("--work-of-adhesion", "0.2", "--hertz-damping", "0", "--adhesion-damping", "0.3")
+    assert microimpact("simulate", *UNDECLARED, *numbers, "--speed", "1").returncode == 0
+
+
+def test_materials_lists_materials_and_pairs(microimpact):
+    found = microimpact("materials")
+    assert "ammonium-fluorescein" in found.stdout
+    listed = json.loads(microimpact("materials", "--json").stdout)
+    assert listed["materials"]["silicon"]["density"] == 2330.0
+    assert {"particle", "surface", "friction"} <= set(listed["pairs"][0])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("simulate", "--particle", "steel", "--surface", "silicon", "--speed", "1"), "'steel'"),
+        (("simulate", *UNDECLARED, "--speed", "1"), "is not declared; give"),
+        (("simulate", *STEEL, "--speed", "-1"), "speed must be finite and > 0, got -1"),
+        (("simulate", *STEEL, "--speed", "nan"), "speed"),
+        (("simulate", *STEEL, "--speed", "abc"), "abc"),
+        (("simulate", *STEEL, "--speed", "1", "--angle", "91"), "angle"),
+        (("simulate", *STEEL, "--speed", "1", "--friction-basis", "x"), "friction_basis"),
+        (("capture", *STEEL, "--ring-force", "3", "--work-of-adhesion", "1"), "got both"),
+        (("capture", *STEEL, "--adhesion-rate-exponent", "1"), "reference_velocity"),
+        (("capture", *STEEL, "--diameter-um", "0"), "diameter"),
+        (("capture", *STEEL, "--friction", "-0.1"), "friction"),
+        (("fly",), "fly"),
+    ],
+)
+def test_bad_input_ends_with_one_clear_line(microimpact, arguments, words):
+    found = microimpact(*arguments)
+    assert found.returncode == 2
+    assert found.stdout == ""
+    assert words in found.stderr
+    assert "Traceback" not in found.stderr
