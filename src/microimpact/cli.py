@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
-from microimpact.materials import declared_file, materials_from_rows, read_rows
+from microimpact.materials import declared_file, materials_from_rows
+from microimpact.selection import CONTACT_COLUMNS, MATERIAL_COLUMNS, read_declared
 
 if TYPE_CHECKING:
     from microimpact.materials import Material
@@ -187,8 +188,14 @@ def materials_command(as_json: bool) -> None:
 def _declared() -> tuple[dict[str, Material], Mapping[tuple[str, str], Mapping[str, float]]]:
     from microimpact.model.pairs import pairs_from_rows
 
-    materials = materials_from_rows(read_rows(declared_file("materials.csv")))
-    return materials, pairs_from_rows(read_rows(declared_file("contacts.csv")))
+    materials, contacts = (
+        read_declared(str(declared_file(name)), columns, numbers).rows
+        for name, columns, numbers in (
+            ("materials.csv", MATERIAL_COLUMNS, ("value", "low", "high")),
+            ("contacts.csv", CONTACT_COLUMNS, ("value",)),
+        )
+    )
+    return materials_from_rows(materials), pairs_from_rows(contacts)
 
 
 def _contact(particle: str, surface: str, diameter_um: float | None, **changes: Any) -> Contact:

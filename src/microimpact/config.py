@@ -19,7 +19,7 @@ import yaml
 from pydantic import Field, ValidationError
 
 from microimpact import studies
-from microimpact.memory import Memory
+from microimpact.nearest import nearest
 from microimpact.parameters import (
     AngleDegrees,
     Count,
@@ -30,7 +30,6 @@ from microimpact.parameters import (
     Positive,
     build,
     explain,
-    nearest,
 )
 from microimpact.provenance import Declared, declared, plain, problems
 
@@ -120,9 +119,7 @@ def study_params(study: str) -> type:
     return params
 
 
-def validate(
-    config: Mapping[str, Any], base: Mapping[str, Any], memory: Memory | None = None
-) -> Settings:
+def validate(config: Mapping[str, Any], base: Mapping[str, Any]) -> Settings:
     """Check a merged configuration.
 
     Parameters
@@ -131,8 +128,6 @@ def validate(
         The merged configuration, with the provenance of its values.
     base
         The configuration as shipped: what differs from it is the user's.
-    memory
-        Branches found valid before; their studies need not be imported.
 
     Returns
     -------
@@ -154,7 +149,7 @@ def validate(
     values = {key: plain(node) for key, node in config.items()}
     given = {key: values[key] for key in general_keys if key in values}
     general = _checked(General, given, "", found)
-    branches = {name: _branch(name, values.get(name), found, memory) for name in names}
+    branches = {name: _branch(name, values.get(name), found) for name in names}
     found = malformed + [line for line in found if not _follows(line, malformed)]
     if found or general is None:
         raise ConfigError("\n".join(found))
@@ -165,18 +160,12 @@ def validate(
     )
 
 
-def _branch(
-    name: str, values: object, found: list[str], memory: Memory | None
-) -> dict[str, Any] | None:
+def _branch(name: str, values: object, found: list[str]) -> dict[str, Any] | None:
     """Return the checked values of a branch as JSON would hold them: lists, not tuples."""
-    if memory is not None and (known := memory.recall(name, values)) is not None:
-        return known
     params = _checked(study_params(name), values, name, found)
     if params is None:
         return None
     branch: dict[str, Any] = json.loads(json.dumps(asdict(params)))
-    if memory is not None:
-        memory.keep(name, values, branch)
     return branch
 
 

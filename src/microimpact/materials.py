@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import csv
-import difflib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from microimpact.arrays import POSITIVE, Range, Real, checked, common_shape
+from microimpact.nearest import nearest
 from microimpact.units import DENSITY, NUMBER, PRESSURE, si_factor
 
 POISSON_RANGE = Range(lower=-1.0, upper=0.5, upper_closed=True)
@@ -61,26 +60,6 @@ def declared_file(name: str) -> Path:
     return packaged if packaged.exists() else package.parents[1] / "config" / name
 
 
-def read_rows(path: str | Path) -> list[dict[str, str]]:
-    """Read a CSV file as one mapping per line.
-
-    Raises
-    ------
-    ValueError
-        If the file is missing or a line has too few or too many fields.
-    """
-    try:
-        with Path(path).open(encoding="utf-8", newline="") as file:
-            reader = csv.DictReader(file)
-            rows = [(reader.line_num, row) for row in reader]
-    except OSError as problem:
-        raise ValueError(f"{path}: cannot be read ({problem.strerror})") from None
-    for line, row in rows:
-        if None in row or None in row.values():
-            raise ValueError(f"{path}, line {line}: wrong number of fields")
-    return [row for _, row in rows]
-
-
 def quantity(row: Row, units: Mapping[str, dict[str, float]], where: str) -> float:
     """Return the SI value of one declared row (keys property, value, unit).
 
@@ -91,20 +70,13 @@ def quantity(row: Row, units: Mapping[str, dict[str, float]], where: str) -> flo
     """
     name = row["property"]
     if name not in units:
-        raise ValueError(f"{where}: property {name!r} unknown{suggestion(name, units)}")
+        raise ValueError(f"{where}: property {name!r} unknown{nearest(name, units)}")
     where = f"{where}, {name}"
     try:
         value = float(row["value"])
     except ValueError:
         raise ValueError(f"{where}: value {row['value']!r} must be a number") from None
     return value * si_factor(row["unit"], units[name], where)
-
-
-def suggestion(name: str, known: Iterable[str]) -> str:
-    """Return the nearest known name, or all of them, as the end of an error message."""
-    names = sorted(known)
-    close = difflib.get_close_matches(name, names, n=1)
-    return f" (did you mean {close[0]!r}?)" if close else f" (known: {', '.join(names)})"
 
 
 def materials_from_rows(rows: Iterable[Row]) -> dict[str, Material]:
@@ -143,5 +115,5 @@ def find_material(name: str, materials: Mapping[str, Material]) -> Material:
         If it is not declared; the message names the nearest.
     """
     if name not in materials:
-        raise ValueError(f"unknown material {name!r}{suggestion(name, materials)}")
+        raise ValueError(f"unknown material {name!r}{nearest(name, materials)}")
     return materials[name]

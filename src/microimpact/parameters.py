@@ -8,7 +8,6 @@ where a number belongs. `explain` turns a failure into one line per key.
 
 from __future__ import annotations
 
-import difflib
 import json
 import types
 import typing
@@ -18,6 +17,8 @@ from functools import cache
 from typing import Annotated, Any, TypeVar, cast
 
 from pydantic import ConfigDict, Field, TypeAdapter, ValidationError, with_config
+
+from microimpact.nearest import nearest
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -126,15 +127,6 @@ def _hint(value: object, problem: str) -> str:
         " (it is text: write it without quotes, an exponent as in 1.0e-6 or 1.0e+6, in a file"
         " given by --configfile; nested values on --config always arrive as text)"
     )
-
-
-def nearest(key: str, known: Iterable[str]) -> str:
-    """Return `` (did you mean ...?)`` with the most similar known key, or all of them."""
-    names = sorted(known)
-    close = difflib.get_close_matches(key, names, n=1, cutoff=0.5)
-    if close:
-        return f" (did you mean '{close[0]}'?)"
-    return f" (known here: {', '.join(names)})" if names else " (no key is known here)"
 
 
 def _keys(kind: Any, location: Iterable[str | int]) -> list[str]:

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from microimpact.parameters import nearest
+from microimpact.nearest import nearest
 
 EVIDENCE = (
     "printed",  # stands in the article's text

@@ -15,7 +15,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from microimpact.parameters import nearest
+from microimpact.nearest import nearest
 from microimpact.provenance import EVIDENCE, Declared, as_text, finite_number
 
 Row = dict[str, str]

@@ -103,10 +103,10 @@ class PhasePath:
 
     @property
     def steep(self):
-        """Whether, beyond equilibrium, u changes faster than s, relatively."""
+        """Whether |u| falls with s and, relatively, changes faster than s."""
         p = self.s**2
         slope = 2 * p * ((self.b - p) / self.u - self.b * self.c_a - self.c_h * p)
-        return p > self.b and abs(slope) * self.s > abs(self.u)
+        return -slope * self.s * self.u > self.u**2
 
     @property
     def energy(self):

@@ -11,7 +11,6 @@ import pytest
 
 from microimpact import config as module
 from microimpact.config import ConfigError, load, study_names, validate
-from microimpact.memory import Memory
 from microimpact.schema import schemas, text
 
 ROOT = Path(__file__).parents[2]
@@ -109,24 +108,6 @@ def test_all_problems_are_listed():
     found = "\n".join(lines(config))
     for key in ("restitution:", "frictoin:", "points.valu:", "restitution_trends.points:", "sed:"):
         assert key in found
-
-
-def test_a_branch_found_valid_is_not_checked_again(tmp_path, monkeypatch):
-    path = tmp_path / "deep/valid.json"
-    first = validate(BASE, BASE, memory := Memory(path))
-    memory.save()
-    monkeypatch.setattr(module, "study_params", lambda study: pytest.fail(f"imported {study}"))
-    assert validate(BASE, BASE, Memory(path)).branches == first.branches
-    path.write_text("damaged")
-    assert Memory(path).recall("coulomb_friction", {}) is None
-
-
-def test_another_value_is_checked_whatever_is_remembered(tmp_path):
-    path = tmp_path / "valid.json"
-    validate(BASE, BASE, memory := Memory(path))
-    memory.save()
-    with pytest.raises(ConfigError, match=r"coulomb_friction\.restitution: 2"):
-        validate(changed(coulomb_friction={"restitution": 2}), BASE, Memory(path))
 
 
 def test_a_missing_key_and_a_missing_branch_are_named():

@@ -22,19 +22,14 @@ from microimpact import closure, selection
 from microimpact.config import load, validate
 from microimpact.figures.registry import filled, registry
 from microimpact.materials import materials_from_rows
-from microimpact.memory import Memory
 from microimpact.model.pairs import pairs_from_rows
 from microimpact.runstamp import write_stamp
 
 RUN_STUDY = PROJECT / "workflow/scripts/run_study.py"
 DRAW_FIGURE = PROJECT / "workflow/scripts/draw_figure.py"
 
-# Beside Snakemake's own records: it spares the import of all studies at each start.
-VALID = Memory(Path(".snakemake/microimpact-valid.json"))
-
 try:
-    SETTINGS = validate(config, load(PROJECT / "config/config.yaml"), VALID)
-    VALID.save()
+    SETTINGS = validate(config, load(PROJECT / "config/config.yaml"))
     DECLARED = selection.read_all(*SETTINGS.general.tables)
     materials_from_rows(DECLARED.materials.rows)
     pairs_from_rows(DECLARED.contacts.rows)

@@ -9,7 +9,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError
 
-from microimpact.parameters import Finite, Name, build, explain, nearest
+from microimpact.nearest import nearest
+from microimpact.parameters import Finite, Name, build, explain
 
 Range = tuple[Finite, Finite]
 Place = Literal[

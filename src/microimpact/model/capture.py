@@ -10,7 +10,6 @@ import math
 from typing import Any
 
 import numpy as np
-from scipy.optimize import elementwise
 
 from microimpact.arrays import FloatArray, Real
 from microimpact.model import kernel
@@ -98,6 +97,8 @@ def _rated_threshold(
     damped_attachment: bool,
 ) -> FloatArray:
     """Solve ``w = threshold(C_H, C_A (w_N/w)^n)``: the right side falls with w, so one w does."""
+    # SciPy's optimizers take longer to import than all else here.
+    from scipy.optimize import elementwise
 
     def excess(
         log_w: FloatArray, c_h: FloatArray, c_a: FloatArray, n: FloatArray, w_n: FloatArray

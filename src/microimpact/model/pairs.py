@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from microimpact.materials import Material, Row, find_material, quantity, suggestion
+from microimpact.materials import Material, Row, find_material, quantity
 from microimpact.model.contact import Contact
+from microimpact.nearest import nearest
 from microimpact.units import (
     ENERGY_PER_AREA,
     FORCE_PER_LENGTH,
@@ -100,7 +101,7 @@ def pair_contact(
         name = f"{particle} on {surface}"
         state = "is incomplete" if (particle, surface) in pairs else "is not declared"
         raise ValueError(
-            f"the pair {name!r} {state}; give {', '.join(missing)}{suggestion(name, known)}"
+            f"the pair {name!r} {state}; give {', '.join(missing)}{nearest(name, known)}"
         )
     if {"zeta_hertz", "zeta_adhesion"} & set(fields):
         if {"hertz_damping", "adhesion_damping"} & set(fields):
