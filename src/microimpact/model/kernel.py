@@ -11,8 +11,10 @@ second where contact ends, s = 0. Running the film backwards is the same problem
 the damping groups changed, so one integrator serves impacts and the backward map.
 
 Each step is a Taylor expansion of order ``ORDER``. ``LANES`` impacts advance side by side, each
-with its own step, so that the convolutions compile to SIMD code; a finished lane takes the next
-impact. An impact's numbers do not depend on its neighbours.
+with its own step; a finished lane takes the next impact. An impact's numbers do not depend on its
+neighbours. The loops over lanes compile to SIMD code with sums kept in registers because the loops
+within them have lengths known to the compiler, and because arrays that are not ``LANES`` wide are
+refused, which makes the distance of rows known as well.
 
 All compiled functions stand in this one module: Numba's on-disk cache looks only at the file of the
 function it loads and would keep stale callees from another one. Loops are bounded ``for`` loops on
@@ -31,9 +33,17 @@ if TYPE_CHECKING:
     from microimpact.arrays import FloatArray
 
 ORDER = 20
-LANES = 16
+LANES = 32
 TOLERANCE = 1e-14
 MAX_STEPS = 2_000_000
+
+# The expansion is done in three parts, each with sums of one length; the rows of zeros in front of
+# every series take up the difference.
+THIRD = -(-ORDER // 3)
+PAD = THIRD - 1
+
+# Newton's last correction, relative: the error that it leaves is about its square.
+ROOT_TOLERANCE = 1e-9
 
 # Columns of a problem: start of the first leg, strength of adhesion, damping groups of both legs.
 # An impact that is DOOMED (no speed at all rebounds) is followed to the turning point only.
@@ -65,97 +75,140 @@ REBOUND, CAPTURED, ESCAPED, FAILED = 0.0, 1.0, 2.0, 3.0
 # adhesive well that the energy must be taken from the works, not from a small difference.
 PLAIN, LEDGER, SHALLOW = 0, 1, 2
 
+_INVERSE = 1.0 / np.arange(1.0, ORDER + 2.0)
+
+# A float's bits, read as an integer, are nearly its logarithm to base 2, in units of 2^-52 and from
+# this origin on. The largest error, 0.0861, is laid so that steps never come out too long.
+_BITS_OF_ONE = (1023.0 - 0.0861) * 2.0**52
+
 _NODES, _WEIGHTS = (a.copy() for a in np.polynomial.legendre.leggauss(10))
 _NODES = 0.5 * (_NODES + 1.0)
 _WEIGHTS = 0.5 * _WEIGHTS
 
 _jit = njit(cache=True, nogil=True, error_model="numpy")
+_jit_inline = njit(inline="always")
 _jit_contract = njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "nsz"})
 
 
-@_jit_contract
-def _square(a, k, out):  # type: ignore[no-untyped-def]
-    """Coefficient ``k`` of the square of series ``a``, every lane."""
-    lanes = LANES
-    for lane in range(lanes):
-        out[lane] = 0.0
-    for j in range((k + 1) // 2):
-        for lane in range(lanes):
-            out[lane] += a[j, lane] * a[k - j, lane]
-    for lane in range(lanes):
-        out[lane] *= 2.0
-    if k % 2 == 0:
-        for lane in range(lanes):
-            out[lane] += a[k // 2, lane] * a[k // 2, lane]
+@_jit_inline
+def _coefficients(first, stop, beta, damping_h, damping_a, s, u, p, m):  # type: ignore[no-untyped-def]
+    """Coefficients ``first`` to ``stop`` of p and m and the next ones of s and u, every lane.
+
+    Every sum has as many terms as the longest, a number known to the compiler; the rows of zeros
+    in front of each series make the surplus vanish. Squares are summed from the middle outwards.
+    """
+    for k in range(first, stop):
+        row, middle = PAD + k, PAD + k // 2
+        below, above = PAD + (k - 1) // 2, PAD + k // 2 + 1
+        even, inverse = 1.0 - k % 2, 1.0 / (k + 1)
+        for lane in range(LANES):
+            half = 0.0
+            for j in range(stop // 2):
+                half += s[below - j, lane] * s[above + j, lane]
+            p[row, lane] = 2.0 * half + even * s[middle, lane] * s[middle, lane]
+        for lane in range(LANES):
+            half = 0.0
+            for j in range(stop // 2):
+                half += p[below - j, lane] * p[above + j, lane]
+            square = 2.0 * half + even * p[middle, lane] * p[middle, lane]
+            pull = beta[lane] * p[row, lane]
+            m[k, lane] = damping_a[lane] * pull + damping_h[lane] * square
+            s[row + 1, lane] = 0.5 * inverse * u[row, lane]
+            u[row + 1, lane] = pull - square
+        for lane in range(LANES):
+            damping = 0.0
+            for j in range(stop):
+                damping += m[j, lane] * u[row - j, lane]
+            u[row + 1, lane] = inverse * (u[row + 1, lane] - damping)
 
 
 @_jit_contract
-def _expand(beta, damping_h, damping_a, s, u, p, g, m, row):  # type: ignore[no-untyped-def]
-    """Taylor coefficients of s and u from their values in row 0 (p = s^2, g = s^4)."""
-    lanes = LANES
-    for k in range(ORDER):
-        _square(s, k, row)
-        for lane in range(lanes):
-            p[k, lane] = row[lane]
-        _square(p, k, row)
-        for lane in range(lanes):
-            g[k, lane] = row[lane]
-            m[k, lane] = beta[lane] * damping_a[lane] * p[k, lane] + damping_h[lane] * row[lane]
-            row[lane] = 0.0
-        for j in range(k + 1):
-            for lane in range(lanes):
-                row[lane] += m[j, lane] * u[k - j, lane]
-        inverse = 1.0 / (k + 1)
-        for lane in range(lanes):
-            s[k + 1, lane] = 0.5 * inverse * u[k, lane]
-            u[k + 1, lane] = inverse * (beta[lane] * p[k, lane] - g[k, lane] - row[lane])
+def _expand(beta, damping_h, damping_a, s, u, p, m):  # type: ignore[no-untyped-def]
+    """Taylor coefficients of s and u from their values in row PAD (p = s^2, m = damping)."""
+    if not (s.shape[1] == u.shape[1] == p.shape[1] == m.shape[1] == LANES):
+        return  # never: tells the compiler the distance of rows
+    _coefficients(0, THIRD, beta, damping_h, damping_a, s, u, p, m)
+    _coefficients(THIRD, 2 * THIRD, beta, damping_h, damping_a, s, u, p, m)
+    _coefficients(2 * THIRD, ORDER, beta, damping_h, damping_a, s, u, p, m)
 
 
 @_jit_contract
 def _evaluate(c, h, out):  # type: ignore[no-untyped-def]
     """Value of each lane's series at its step ``h``."""
-    lanes = LANES
+    if c.shape[1] != LANES:
+        return
+    for lane in range(LANES):
+        value = c[ORDER, lane]
+        for k in range(ORDER):
+            value = value * h[lane] + c[ORDER - 1 - k, lane]
+        out[lane] = value
+
+
+@_jit_contract
+def _contact_times(s, h, out):  # type: ignore[no-untyped-def]
+    """Contact time, the integral of s, of each lane's step ``h``."""
+    if s.shape[1] != LANES:
+        return
+    for lane in range(LANES):
+        value = s[ORDER, lane] * _INVERSE[ORDER]
+        for k in range(ORDER):
+            value = value * h[lane] + s[ORDER - 1 - k, lane] * _INVERSE[ORDER - 1 - k]
+        out[lane] = value * h[lane]
+
+
+@_jit_contract
+def _step_sizes(s, u, last, before, h):  # type: ignore[no-untyped-def]
+    """Step of each lane at which the last two terms of both series fall to the tolerance.
+
+    The roots that this takes are rounded downwards by up to 6 %, for a step need not be exact:
+    numbers' bits serve as their logarithms.
+    """
+    lanes = h.size
     for lane in range(lanes):
-        out[lane] = c[ORDER, lane]
+        scale = 1.0 / (TOLERANCE * max(abs(s[0, lane]), abs(u[0, lane])))
+        last[lane] = scale * max(abs(s[ORDER, lane]), abs(u[ORDER, lane]))
+        before[lane] = scale * max(abs(s[ORDER - 1, lane]), abs(u[ORDER - 1, lane]))
+    last_bits, before_bits, bits = last.view(np.int64), before.view(np.int64), h.view(np.int64)
+    for lane in range(lanes):
+        log_step = min(
+            (_BITS_OF_ONE - last_bits[lane]) * (1.0 / ORDER),
+            (_BITS_OF_ONE - before_bits[lane]) * (1.0 / (ORDER - 1)),
+        )
+        bits[lane] = int(_BITS_OF_ONE + log_step)
+
+
+@_jit
+def _contact_time(s, lane, h):  # type: ignore[no-untyped-def]
+    """Integral of one lane's s from 0 to ``h``."""
+    value = s[ORDER, lane] * _INVERSE[ORDER]
     for k in range(ORDER - 1, -1, -1):
-        for lane in range(lanes):
-            out[lane] = out[lane] * h[lane] + c[k, lane]
+        value = value * h + _INVERSE[k] * s[k, lane]
+    return value * h
 
 
 @_jit
-def _step_size(s, u, lane):  # type: ignore[no-untyped-def]
-    """Step at which the last two terms of both series fall to the tolerance."""
-    scale = TOLERANCE * max(abs(s[0, lane]), abs(u[0, lane]))
-    last = max(abs(s[ORDER, lane]), abs(u[ORDER, lane]))
-    before = max(abs(s[ORDER - 1, lane]), abs(u[ORDER - 1, lane]))
-    log_step = math.inf
-    if last > 0.0:
-        log_step = math.log(scale / last) / ORDER
-    if before > 0.0:
-        log_step = min(log_step, math.log(scale / before) / (ORDER - 1))
-    return math.exp(log_step)
+def _newton(x, value, slope, lower, upper):  # type: ignore[no-untyped-def]
+    """Newton's next guess after ``x``, or the middle of the bracket where that leaves it."""
+    new = x - value / slope if slope != 0.0 else lower
+    return new if lower < new <= upper else 0.5 * (lower + upper)
 
 
 @_jit
-def _root(c, lane, upper, derivative):  # type: ignore[no-untyped-def]
-    """Zero in (0, upper] of a lane's series (or of its derivative): Newton within a bracket."""
+def _root(c, lane, upper):  # type: ignore[no-untyped-def]
+    """Zero in (0, upper] of one lane's series: Newton within a bracket."""
     lower, x = 0.0, upper
-    sign = c[1, lane] if derivative else c[0, lane]
+    sign = c[0, lane]
     for _ in range(80):
-        value, slope = 0.0, 0.0
-        for k in range(ORDER, -1, -1):
-            if derivative and k == 0:
-                break
+        value, slope = c[ORDER, lane], 0.0
+        for k in range(ORDER - 1, -1, -1):
             slope = slope * x + value
-            value = value * x + (k * c[k, lane] if derivative else c[k, lane])
+            value = value * x + c[k, lane]
         if value * sign > 0.0:
             lower = x
         else:
             upper = x
-        new = x - value / slope if slope != 0.0 else 0.5 * (lower + upper)
-        if not (lower <= new <= upper):
-            new = 0.5 * (lower + upper)
-        if abs(new - x) <= 2.3e-16 * abs(new):
+        new = _newton(x, value, slope, lower, upper)
+        if abs(new - x) <= ROOT_TOLERANCE * abs(new):
             return new
         x = new
     return x
@@ -182,10 +235,33 @@ def _pulls(s, u, beta, damping_h, damping_a):  # type: ignore[no-untyped-def]
     return beta * (1.0 - damping_a * u) > s * s * (1.0 + damping_h * u)
 
 
+@_jit
+def _balance(s, u, lane, upper, beta, damping_h, damping_a, pulled):  # type: ignore[no-untyped-def]
+    """Instant in (0, upper] at which one lane's force, ``pulled`` before, changes its sign.
+
+    Not a zero of du/dtau, which vanishes wherever s does, too.
+    """
+    lower, x = 0.0, upper
+    for _ in range(80):
+        at_s, at_u = _value(s, lane, x), _value(u, lane, x)
+        p, hertz = at_s * at_s, 1.0 + damping_h * at_u
+        pull = beta * (1.0 - damping_a * at_u) - p * hertz
+        slope = -(beta * damping_a + p * damping_h) * p * pull - at_s * at_u * hertz
+        if (pull > 0.0) == pulled:
+            lower = x
+        else:
+            upper = x
+        new = _newton(x, pull, slope, lower, upper)
+        if abs(new - x) <= ROOT_TOLERANCE * abs(new):
+            return new
+        x = new
+    return x
+
+
 @_jit_contract
 def _quadratures(s, u, h, beta, damping_h, damping_a, row_s, row_u, x, total):  # type: ignore[no-untyped-def]
     """Add each term's impulse and work over the step, by Gauss-Legendre on the series."""
-    lanes = LANES
+    lanes = beta.size
     for node in range(_NODES.size):
         for lane in range(lanes):
             x[lane] = _NODES[node] * h[lane]
@@ -213,14 +289,9 @@ def _never_turns(s, u, damping_h, damping_a):  # type: ignore[no-untyped-def]
 def integrate(problems: FloatArray, mode: int, results: FloatArray) -> None:
     """Integrate every row of ``problems`` into the same row of ``results``."""
     count = problems.shape[0]
-    shape = (ORDER + 1, LANES)
-    s, u, p, g, m = (
-        np.zeros(shape),
-        np.zeros(shape),
-        np.zeros(shape),
-        np.zeros(shape),
-        np.zeros(shape),
-    )
+    shape = (PAD + ORDER + 1, LANES)
+    padded_s, padded_u, p, m = np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(shape)
+    s, u = padded_s[PAD:], padded_u[PAD:]
     total = np.zeros((RESULT_COLUMNS, LANES))
     beta, damping_h, damping_a = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
     h, new_s, new_u, row = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
@@ -236,14 +307,17 @@ def integrate(problems: FloatArray, mode: int, results: FloatArray) -> None:
             if owner[lane] >= 0:
                 continue
             if waiting < count:
-                row_in = problems[waiting]
                 owner[lane], leg[lane] = waiting, 1
+                beta[lane] = problems[waiting, ADHESION]
+                damping_h[lane] = problems[waiting, HERTZ_DAMPING]
+                damping_a[lane] = problems[waiting, DAMPING_1]
+                s[0, lane], u[0, lane] = problems[waiting, START_S], problems[waiting, START_U]
                 waiting += 1
                 active += 1
-                beta[lane], damping_h[lane] = row_in[ADHESION], row_in[HERTZ_DAMPING]
-                damping_a[lane] = row_in[DAMPING_1]
-                s[0, lane], u[0, lane] = row_in[START_S], row_in[START_U]
-                total[:, lane] = 0.0
+                for column in range(RESULT_COLUMNS):
+                    total[column, lane] = 0.0
+                for k in range(1, ORDER + 1):  # what is left there must be finite
+                    s[k, lane] = u[k, lane] = p[PAD + k, lane] = m[k, lane] = 0.0
                 mark[lane] = u[0, lane]
                 total[LOWEST_U, lane] = u[0, lane]
                 pulling[lane] = _pulls(
@@ -256,31 +330,22 @@ def integrate(problems: FloatArray, mode: int, results: FloatArray) -> None:
         if active == 0:
             break
 
-        _expand(beta, damping_h, damping_a, s, u, p, g, m, row)
-        for lane in range(LANES):
-            h[lane] = _step_size(s, u, lane) if owner[lane] >= 0 else 0.0
+        _expand(beta, damping_h, damping_a, padded_s, padded_u, p, m)
+        _step_sizes(s, u, new_s, new_u, h)
         _evaluate(s, h, new_s)
         _evaluate(u, h, new_u)
+        _contact_times(s, h, row)
         for lane in range(LANES):
             event[lane] = False
             if owner[lane] < 0:
                 continue
-            if leg[lane] == 1 and new_u[lane] <= 0.0:
-                h[lane] = _root(u, lane, h[lane], False)
+            turning = leg[lane] == 1
+            if (new_u[lane] if turning else new_s[lane]) <= 0.0:
                 event[lane] = True
-            elif leg[lane] == 2 and new_s[lane] <= 0.0:
-                h[lane] = _root(s, lane, h[lane], False)
-                event[lane] = True
-        _evaluate(s, h, new_s)
-        _evaluate(u, h, new_u)
-        # contact time is the integral of s
-        for lane in range(LANES):
-            row[lane] = s[ORDER, lane] / (ORDER + 1)
-        for k in range(ORDER - 1, -1, -1):
-            for lane in range(LANES):
-                row[lane] = row[lane] * h[lane] + s[k, lane] / (k + 1)
-        for lane in range(LANES):
-            total[DURATION, lane] += row[lane] * h[lane]
+                h[lane] = _root(u if turning else s, lane, h[lane])
+                new_s[lane], new_u[lane] = _value(s, lane, h[lane]), _value(u, lane, h[lane])
+                row[lane] = _contact_time(s, lane, h[lane])
+            total[DURATION, lane] += row[lane]
         if mode != PLAIN:
             _quadratures(s, u, h, beta, damping_h, damping_a, m[0], m[1], row, total)
 
@@ -295,7 +360,10 @@ def integrate(problems: FloatArray, mode: int, results: FloatArray) -> None:
                     end_s = 0.0
             now_pulling = _pulls(end_s, end_u, beta[lane], damping_h[lane], damping_a[lane])
             if now_pulling != pulling[lane]:
-                extremum = _value(u, lane, _root(u, lane, h[lane], True))
+                instant = _balance(
+                    s, u, lane, h[lane], beta[lane], damping_h[lane], damping_a[lane], pulling[lane]
+                )
+                extremum = _value(u, lane, instant)
                 if now_pulling:
                     total[COMPRESSIVE_IMPULSE, lane] += mark[lane] - extremum
                     total[LOWEST_U, lane] = min(total[LOWEST_U, lane], extremum)
@@ -340,7 +408,8 @@ def integrate(problems: FloatArray, mode: int, results: FloatArray) -> None:
                     if not pulling[lane]:
                         total[COMPRESSIVE_IMPULSE, lane] += mark[lane] - end_u
                 total[STATUS, lane] = status
-                results[owner[lane], :] = total[:, lane]
+                for column in range(RESULT_COLUMNS):
+                    results[owner[lane], column] = total[column, lane]
                 owner[lane] = -1
                 active -= 1
 
@@ -353,14 +422,9 @@ def record(problem: FloatArray, end_time: float, series: FloatArray, ends: Float
     length in tau, its contact time and its Hertz impulse. A captured impact goes on through legs of
     approach and rebound. Returns the number of steps, or -1 where ``series`` is too short.
     """
-    shape = (ORDER + 1, LANES)
-    s, u, p, g, m = (
-        np.zeros(shape),
-        np.zeros(shape),
-        np.zeros(shape),
-        np.zeros(shape),
-        np.zeros(shape),
-    )
+    shape = (PAD + ORDER + 1, LANES)
+    padded_s, padded_u, p, m = np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(shape)
+    s, u = padded_s[PAD:], padded_u[PAD:]
     beta, damping_h, damping_a = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
     h, row, total = np.zeros(LANES), np.zeros(LANES), np.zeros((RESULT_COLUMNS, LANES))
     s[0, :], u[0, :] = 0.0, 1.0
@@ -373,32 +437,30 @@ def record(problem: FloatArray, end_time: float, series: FloatArray, ends: Float
     approaching = True
     pulling = _pulls(s[0, 0], u[0, 0], beta[0], damping_h[0], damping_a[0])
     for step in range(series.shape[0]):
-        _expand(beta, damping_h, damping_a, s, u, p, g, m, row)
-        h[0] = _step_size(s, u, 0)
+        _expand(beta, damping_h, damping_a, padded_s, padded_u, p, m)
+        _step_sizes(s, u, m[0], m[1], h)
         ended = False
         new_u, new_s = _value(u, 0, h[0]), _value(s, 0, h[0])
         turned = new_u <= 0.0 if approaching else new_u >= 0.0
         if not approaching and new_s <= 0.0:
-            h[0] = _root(s, 0, h[0], False)
+            h[0] = _root(s, 0, h[0])
             ended, turned = True, False
         elif turned:
-            h[0] = _root(u, 0, h[0], False)
+            h[0] = _root(u, 0, h[0])
         # a step ends where the force changes sign, so that within a step it has one sign
         now_pulling = _pulls(
             _value(s, 0, h[0]), _value(u, 0, h[0]), beta[0], damping_h[0], damping_a[0]
         )
         if now_pulling != pulling:
-            h[0] = _root(u, 0, h[0], True)
+            h[0] = _balance(s, u, 0, h[0], beta[0], damping_h[0], damping_a[0], pulling)
             ended, turned, pulling = False, False, now_pulling
         series[step, 0, :], series[step, 1, :] = s[:, 0], u[:, 0]
         new_u, new_s = _value(u, 0, h[0]), _value(s, 0, h[0])
-        time = s[ORDER, 0] / (ORDER + 1)
-        for k in range(ORDER - 1, -1, -1):
-            time = time * h[0] + s[k, 0] / (k + 1)
+        time = _contact_time(s, 0, h[0])
         total[:, 0] = 0.0
         _quadratures(s, u, h, beta, damping_h, damping_a, m[0], m[1], row, total)
-        ends[step, 0], ends[step, 1], ends[step, 2] = h[0], time * h[0], total[HERTZ_IMPULSE, 0]
-        end_time -= time * h[0]
+        ends[step, 0], ends[step, 1], ends[step, 2] = h[0], time, total[HERTZ_IMPULSE, 0]
+        end_time -= time
         if ended or end_time <= 0.0:
             return step + 1
         s[0, 0], u[0, 0] = new_s, new_u
