@@ -20,8 +20,9 @@ from microimpact.model.normal import integrate
 # s = r^2 and u = r^3 y with y regular in r; at this r its neglected terms are below rounding.
 BRANCH_START = 1e-3
 
-# Speeds beyond this many velocity scales are not looked at.
+# Logarithms of the speed, in velocity scales, and of a damping group, beyond which is nothing new.
 LARGEST_LOG_SPEED = 50.0
+LARGEST_LOG_GROUP = 7.0
 SEARCH: Any = {"xatol": 1e-14, "xrtol": 1e-14, "fatol": 0.0, "frtol": 0.0}
 
 
@@ -103,7 +104,8 @@ def _rated_threshold(
     def excess(
         log_w: FloatArray, c_h: FloatArray, c_a: FloatArray, n: FloatArray, w_n: FloatArray
     ) -> FloatArray:
-        group = np.minimum(c_a * np.exp(n * (np.log(w_n) - log_w)), 1e3)
+        log_group = np.log(c_a) + n * (np.log(w_n) - log_w)
+        group = np.exp(np.minimum(log_group, LARGEST_LOG_GROUP))
         limit = threshold(np.ravel(c_h), np.ravel(group), damped_attachment).reshape(log_w.shape)
         return np.where(np.isinf(limit), -1.0, np.tanh(log_w - np.log(limit)))
 

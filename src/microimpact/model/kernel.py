@@ -197,7 +197,7 @@ def _newton(x, value, slope, lower, upper):  # type: ignore[no-untyped-def]
 def _root(c, lane, upper):  # type: ignore[no-untyped-def]
     """Zero in (0, upper] of one lane's series: Newton within a bracket."""
     lower, x = 0.0, upper
-    sign = c[0, lane]
+    sign = c[0, lane] if c[0, lane] != 0.0 else c[1, lane]
     for _ in range(80):
         value, slope = c[ORDER, lane], 0.0
         for k in range(ORDER - 1, -1, -1):
@@ -283,6 +283,28 @@ def _never_turns(s, u, damping_h, damping_a):  # type: ignore[no-untyped-def]
     if 1.0 + damping_h * u <= 0.0:
         return True
     return damping_a < 0.0 and -damping_a * u > 2.0 * s * s and s > 2.0 + 4.0 / damping_a**2
+
+
+@_jit
+def _rests(s, u, beta):  # type: ignore[no-untyped-def]
+    """True at equilibrium, to ten digits; steps are then still shorter than the last swing."""
+    return abs(s * s - beta) <= 1e-10 * beta and abs(u) <= 1e-10 * beta**1.25
+
+
+@_jit
+def _settles(s, u, beta, damping_h, damping_a):  # type: ignore[no-untyped-def]
+    """True where an overdamped approach creeps to equilibrium and never turns.
+
+    In the adhesive scale the creep follows ``u = (1 - x)/D``, ``D = C_A + C_H x``. Where
+    ``s D^3 > 4 (D + C_H)`` no path leaves the strip between rest and twice that speed.
+    """
+    unit = beta**1.25
+    hertz, speed, x = damping_h * unit, u / unit, s * s / beta
+    drag = damping_a * unit + hertz * x
+    if _rests(s, u, beta):
+        return True
+    creeps = x < 1.0 and speed * drag < 2.0 * (1.0 - x)
+    return creeps and math.sqrt(x) * drag**3 > 4.0 * (drag + hertz)
 
 
 @_jit
@@ -382,6 +404,12 @@ def integrate(problems: FloatArray, mode: int, results: FloatArray) -> None:
                         status = CAPTURED
                 elif _never_turns(end_s, end_u, damping_h[lane], damping_a[lane]):
                     status = ESCAPED
+                elif problems[owner[lane], DOOMED] != 0.0 and _settles(
+                    end_s, end_u, beta[lane], damping_h[lane], damping_a[lane]
+                ):
+                    status = CAPTURED
+                    total[TURNING_S, lane] = math.sqrt(beta[lane])
+                    total[TURNING_TIME, lane] = math.inf
             elif event[lane]:
                 status = REBOUND
                 if mode == SHALLOW:
@@ -416,7 +444,7 @@ def integrate(problems: FloatArray, mode: int, results: FloatArray) -> None:
 
 @_jit
 def record(problem: FloatArray, end_time: float, series: FloatArray, ends: FloatArray) -> int:
-    """Follow one problem to the end of contact or to ``end_time``, keeping every step's series.
+    """Follow one problem to the end of contact, to ``end_time`` or to rest, step by step.
 
     ``series`` (n, 2, ORDER + 1) receives the coefficients of s and u, ``ends`` (n, 3) each step's
     length in tau, its contact time and its Hertz impulse. A captured impact goes on through legs of
@@ -461,7 +489,7 @@ def record(problem: FloatArray, end_time: float, series: FloatArray, ends: Float
         _quadratures(s, u, h, beta, damping_h, damping_a, m[0], m[1], row, total)
         ends[step, 0], ends[step, 1], ends[step, 2] = h[0], time, total[HERTZ_IMPULSE, 0]
         end_time -= time
-        if ended or end_time <= 0.0:
+        if ended or end_time <= 0.0 or _rests(new_s, new_u, beta[0]):
             return step + 1
         s[0, 0], u[0, 0] = new_s, new_u
         if turned:

@@ -20,9 +20,15 @@ from microimpact.model.contact import Contact
 HOPELESS_HERTZ_GROUP = 0.49
 HOPELESS_ADHESION_GROUP = 1.17
 
-# Below this speed, in velocity scales, the kinetic energy is a small difference of large ones.
+# The kinetic energy is a small difference of large ones below this speed, in velocity scales, and
+# after a rebound with less than this restitution from below one velocity scale: there it is taken
+# from the works of damping.
 SHALLOW_SPEED = 0.1
+SLOW_REBOUND = 0.05
 SMALLEST_SPEED = 1e-30
+
+# Depth of the well of Hertz and ring force, in the adhesive scale.
+WELL_DEPTH = 4.0 / 15.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,9 +53,10 @@ class NormalImpact:
     contact_time
         From touch to separation, s; infinite where captured.
     compression_time
-        From touch to the greatest compression, s.
+        From touch to the greatest compression, s; infinite where an overdamped sphere creeps
+        towards equilibrium and never turns.
     maximum_compression
-        m.
+        m; in that case the compression at equilibrium.
     compressive_impulse
         Integral of the compressive part of the normal force over the contact, N s.
     peak_net_impulse
@@ -76,7 +83,9 @@ class Ledger:
     """Where energy and momentum went, up to separation or to the moment capture is decided.
 
     Works in J and impulses in N s, each positive as named. The residuals are what the separately
-    integrated entries leave unexplained, relative to the largest of them.
+    integrated entries leave unexplained, relative to the scale of the path: the energy before
+    impact or the depth of the well, the Hertz impulse or the momentum before impact, whichever is
+    larger.
 
     Attributes
     ----------
@@ -157,18 +166,14 @@ def integrate(problems: FloatArray, *, ledger: bool) -> FloatArray:
     RuntimeError
         If an integration did not come to an end.
     """
-    shallow = (problems[:, kernel.ADHESION] == 1.0) & (problems[:, kernel.START_U] < SHALLOW_SPEED)
+    start, adhesion = problems[:, kernel.START_U], problems[:, kernel.ADHESION]
+    shallow = (adhesion == 1.0) & (start < SHALLOW_SPEED)
     results = np.zeros((problems.shape[0], kernel.RESULT_COLUMNS))
-    for chosen, mode in (
-        (~shallow, kernel.LEDGER if ledger else kernel.PLAIN),
-        (shallow, kernel.SHALLOW),
-    ):
-        if np.all(chosen):
-            kernel.integrate(problems, mode, results)
-        elif np.any(chosen):
-            part = np.zeros((int(chosen.sum()), kernel.RESULT_COLUMNS))
-            kernel.integrate(np.ascontiguousarray(problems[chosen]), mode, part)
-            results[chosen] = part
+    _run(problems, shallow, kernel.SHALLOW, results)
+    _run(problems, ~shallow, kernel.LEDGER if ledger else kernel.PLAIN, results)
+    slow = (results[:, kernel.STATUS] == kernel.REBOUND) & (adhesion == 1.0)
+    slow &= ~shallow & (-results[:, kernel.END_U] < SLOW_REBOUND * start)
+    _run(problems, slow, kernel.SHALLOW, results)
     failed = np.flatnonzero(results[:, kernel.STATUS] == kernel.FAILED)
     if failed.size:
         raise RuntimeError(
@@ -176,6 +181,15 @@ def integrate(problems: FloatArray, *, ledger: bool) -> FloatArray:
             f"the first in scaled form: {problems[failed[0]].tolist()}"
         )
     return results
+
+
+def _run(problems: FloatArray, chosen: BoolArray, mode: int, results: FloatArray) -> None:
+    if np.all(chosen):
+        kernel.integrate(problems, mode, results)
+    elif np.any(chosen):
+        part = np.zeros((int(chosen.sum()), kernel.RESULT_COLUMNS))
+        kernel.integrate(np.ascontiguousarray(problems[chosen]), mode, part)
+        results[chosen] = part
 
 
 def normal_impact(contact: Contact, speed: Real, *, ledger: bool = False) -> NormalImpact:
@@ -223,7 +237,9 @@ def _ledger(
     problems: FloatArray, results: FloatArray, scales: Scales, shape: tuple[int, ...]
 ) -> Ledger:
     start, end = problems[:, kernel.START_U], results[:, kernel.END_U]
-    s, turning = results[:, kernel.END_S], results[:, kernel.TURNING_S]
+    s = results[:, kernel.END_S]
+    settled = np.isinf(results[:, kernel.TURNING_TIME])
+    turning = np.where(settled, s, results[:, kernel.TURNING_S])
     beta = problems[:, kernel.ADHESION]
     stored = 0.4 * s**5 - 2.0 / 3.0 * beta * s**3
     lost = results[:, kernel.HERTZ_WORK] + results[:, kernel.ADHESION_WORK]
@@ -252,6 +268,6 @@ def _ledger(
         adhesion_impulse=shaped(-ring * impulse),
         hertz_damping_impulse=shaped(hertz_damping * impulse),
         adhesion_damping_impulse=shaped(adhesion_damping * impulse),
-        energy_residual=shaped(energy_error / np.maximum(energy_in, np.abs(stored))),
+        energy_residual=shaped(energy_error / np.maximum(energy_in, WELL_DEPTH * beta**2.5)),
         momentum_residual=shaped(momentum_error / np.maximum(hertz, start)),
     )

@@ -9,9 +9,7 @@ import numpy as np
 
 from microimpact.arrays import Real
 from microimpact.model.contact import Contact
-
-# Depth of the well of Hertz and ring force at equilibrium, in units of sqrt(r) K delta_e^(5/2).
-WELL_DEPTH = 4.0 / 15.0
+from microimpact.model.normal import WELL_DEPTH
 
 
 def jkr_sticking_velocity(contact: Contact) -> Real:

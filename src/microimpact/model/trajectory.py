@@ -15,7 +15,8 @@ from microimpact.model.rigid_body import INERTIA
 
 MOST_STEPS = 20_000
 
-# A captured sphere is followed for this many times its first compression.
+# A captured sphere is followed for this many times its first compression, or the time after which
+# an overdamped one is known to creep.
 CAPTURED_PERIODS = 8.0
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
@@ -116,7 +117,9 @@ def trajectory(
         # the kernel drops the damping of a hopeless rebound; the path needs it
         damping = contact.adhesion_damping_at(-v_n) * scales.velocity[0]
         problem[kernel.DAMPING_2] = float(damping)
-    end = CAPTURED_PERIODS * result[kernel.TURNING_TIME] if captured else result[kernel.DURATION]
+    end = result[kernel.DURATION]
+    if captured:
+        end = CAPTURED_PERIODS * min(result[kernel.TURNING_TIME], end)
     path = _sample(problem, float(end), captured, points)
     return _dimensional(contact, problem, path, v_t, spin, basis, captured, scales)
 
