@@ -33,6 +33,8 @@ class Range:
     def __str__(self) -> str:
         if math.isinf(self.lower) and math.isinf(self.upper):
             return "finite"
+        if math.isinf(self.lower):
+            return f"finite and {'<=' if self.upper_closed else '<'} {self.upper:g}"
         if math.isinf(self.upper):
             return f"finite and {'>=' if self.lower_closed else '>'} {self.lower:g}"
         left = "[" if self.lower_closed else "("
@@ -68,15 +70,18 @@ def checked(name: str, value: object, allowed: Range = FINITE) -> Real:
         array = np.asarray(value)
     except ValueError:
         array = np.asarray(None)
+    if array.dtype.kind == "O" and all(type(number) is int for number in array.flat):
+        array = array.astype(np.float64)  # whole numbers beyond 64 bits
     if array.dtype.kind not in "iuf":
         raise TypeError(f"{name} must be a real number or an array of them, got {value!r}")
-    array = array.astype(np.float64)
+    with np.errstate(over="ignore"):
+        array = array.astype(np.float64)
     good = np.isfinite(array) & allowed.contains(array)
     if not np.all(good):
         first = np.argwhere(~good)[0]
         where = f" at index {', '.join(map(str, first))}" if array.ndim else ""
-        offender = array[tuple(first)]
-        raise ValueError(f"{name} must be {_finite(allowed)}, got {offender:g}{where}")
+        shortest = repr(float(array[tuple(first)])).removesuffix(".0")
+        raise ValueError(f"{name} must be {_finite(allowed)}, got {shortest}{where}")
     if array.ndim == 0:
         return float(array)
     array.setflags(write=False)

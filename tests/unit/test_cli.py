@@ -93,7 +93,10 @@ def test_materials_lists_materials_and_pairs(microimpact):
     [
         (("simulate", "--particle", "steel", "--surface", "silicon", "--speed", "1"), "'steel'"),
         (("simulate", *UNDECLARED, "--speed", "1"), "is not declared; give"),
-        (("simulate", *STEEL, "--speed", "-1"), "speed must be finite and > 0, got -1"),
+        (
+            ("simulate", *STEEL, "--speed", "-1"),
+            "speed must be finite and in (0, 2.99792e+08), got -1",
+        ),
         (("simulate", *STEEL, "--speed", "nan"), "speed"),
         (("simulate", *STEEL, "--speed", "abc"), "abc"),
         (("simulate", *STEEL, "--speed", "1", "--angle", "91"), "angle"),

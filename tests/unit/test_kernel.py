@@ -85,7 +85,7 @@ def test_the_recorded_path_ends_where_the_integration_ends():
     row = problem(2.0, c_h=0.05, c_a=0.3)
     result = integrate(row[None], ledger=True)[0]
     series, ends = np.zeros((200, 2, kernel.ORDER + 1)), np.zeros((200, 3))
-    count = kernel.record(row, np.inf, series, ends)
+    count = kernel.record(row, False, np.inf, series, ends)
     assert 0 < count < 60
     assert ends[:count, 1].sum() == pytest.approx(result[kernel.DURATION], rel=1e-13)
     assert ends[:count, 2].sum() == pytest.approx(result[kernel.HERTZ_IMPULSE], rel=1e-13)
@@ -95,4 +95,4 @@ def test_the_recorded_path_ends_where_the_integration_ends():
 
 def test_a_record_that_does_not_fit_says_so():
     series, ends = np.zeros((3, 2, kernel.ORDER + 1)), np.zeros((3, 3))
-    assert kernel.record(problem(2.0), np.inf, series, ends) == -1
+    assert kernel.record(problem(2.0), False, np.inf, series, ends) == -1

@@ -37,7 +37,7 @@ def test_slow_rebounds_end_there_too(scaled, basis):
     for w in (1e-3, 0.03):
         impact = simulate(contact, w * contact.velocity_scale, 45.0, friction_basis=basis)
         path = trajectory(contact, w * contact.velocity_scale, 45.0, friction_basis=basis)
-        assert path.velocity[-1] == pytest.approx(impact.normal_velocity, rel=1e-8)
+        assert path.velocity[-1] == pytest.approx(impact.normal_velocity, rel=1e-12)
 
 
 def test_what_has_rolled_rolls_on_while_adhesion_pulls(scaled):

@@ -13,7 +13,7 @@ import numpy as np
 
 from microimpact.arrays import FloatArray, Real
 from microimpact.model import kernel
-from microimpact.model.contact import Contact
+from microimpact.model.contact import Contact, require_contact
 from microimpact.model.normal import integrate
 
 # The exit at rest is a degenerate point of the regular form. On the branch that leaves it,
@@ -67,6 +67,7 @@ def capture_velocity(contact: Contact) -> FloatArray:
     RuntimeError
         If an integration failed.
     """
+    require_contact(contact)
     shape = contact.shape
 
     def flat(value: Real) -> FloatArray:

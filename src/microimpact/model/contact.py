@@ -39,6 +39,12 @@ def work_from_ring_force(ring_force: Real, radius: Real, stiffness: Real) -> Rea
     return np.sqrt(2.0 * np.pi * np.power(ring_force, 3) / (9.0 * stiffness * radius))
 
 
+def require_contact(value: object) -> None:
+    """Raise a TypeError unless ``value`` is a contact."""
+    if not isinstance(value, Contact):
+        raise TypeError(f"contact must be a Contact, got {value!r}")
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Contact:
     """A sphere on a surface, with adhesion, damping and friction.
@@ -108,11 +114,21 @@ class Contact:
         given = "ring_force" if self.work_of_adhesion is None else "work_of_adhesion"
         self._set("adhesion_input", given)
         self._check_numbers(given)
+        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+            self._resolve_adhesion()
+
+    def _resolve_adhesion(self) -> None:
         radius, stiffness = self.hertz_radius, self.hertz_stiffness
         if self.ring_force is not None:
             self._set("work_of_adhesion", work_from_ring_force(self.ring_force, radius, stiffness))
         elif self.work_of_adhesion is not None:
             self._set("ring_force", ring_force_from_work(self.work_of_adhesion, radius, stiffness))
+        sums = np.array([np.sum(self.mass), np.sum(self.stiffness), np.sum(self.velocity_scale)])
+        if not (np.all(np.isfinite(sums)) and np.all(np.asarray(self.mass) > 0.0)):
+            raise ValueError(
+                "diameter, density, stiffness and adhesion are beyond double precision together: "
+                f"mass {self.mass} kg, velocity scale {self.velocity_scale} m/s"
+            )
 
     def _check_numbers(self, adhesion_input: str) -> None:
         self._check("diameter", POSITIVE)

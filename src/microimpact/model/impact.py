@@ -14,7 +14,6 @@ import numpy as np
 
 from microimpact.arrays import (
     FINITE,
-    POSITIVE,
     BoolArray,
     FloatArray,
     Range,
@@ -23,11 +22,14 @@ from microimpact.arrays import (
     choice,
     common_shape,
 )
-from microimpact.model.contact import Contact
+from microimpact.model.contact import Contact, require_contact
 from microimpact.model.normal import NormalImpact, normal_impact
 from microimpact.model.rigid_body import APPROACHING, INERTIA
 
 FRICTION_BASES = ("compressive", "hertz", "net")
+# Squares of faster spheres' energies would leave double precision long after physics is left.
+SPEED_OF_LIGHT = 299_792_458.0
+SPEED = Range(lower=0.0, upper=SPEED_OF_LIGHT)
 ANGLE = Range(lower=0.0, upper=90.0, upper_closed=True)
 
 # Slip lost per unit of tangential impulse and mass: 1 + 1/INERTIA.
@@ -43,7 +45,7 @@ class Impact:
     coefficient_of_restitution
         e of Eq. (1); 0 where captured.
     impulse_ratio
-        Tangential over normal impulse, positive where friction slows the sphere: -mu of Eq. (2).
+        -mu of Eq. (2): tangential over normal impulse, positive where friction acts against +t.
     captured
         True where the sphere stays on the surface; it then ends rolling, with V_n = 0.
     contact_time
@@ -144,6 +146,7 @@ def planar(
     RuntimeError
         If an integration failed.
     """
+    require_contact(contact)
     basis = choice("friction_basis", friction_basis, FRICTION_BASES)
     v_n = checked("v_n", v_n, APPROACHING)
     v_t = checked("v_t", v_t, FINITE)
@@ -216,8 +219,9 @@ def simulate(
     RuntimeError
         If an integration failed.
     """
+    require_contact(contact)
     choice("friction_basis", friction_basis, FRICTION_BASES)
-    speed = checked("speed", speed, POSITIVE)
+    speed = checked("speed", speed, SPEED)
     angle = checked("angle", angle, ANGLE)
     spin = checked("spin", spin, FINITE)
     common_shape({"contact": np.empty(contact.shape), "speed": speed, "angle": angle, "spin": spin})
@@ -261,6 +265,7 @@ def spatial(
     RuntimeError
         If an integration failed.
     """
+    require_contact(contact)
     basis = choice("friction_basis", friction_basis, FRICTION_BASES)
     vectors = {}
     for name, value in {"velocity": velocity, "spin": spin}.items():

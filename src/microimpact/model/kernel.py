@@ -443,13 +443,17 @@ def integrate(problems: FloatArray, mode: int, results: FloatArray) -> None:
 
 
 @_jit
-def record(problem: FloatArray, end_time: float, series: FloatArray, ends: FloatArray) -> int:
+def record(
+    problem: FloatArray, shallow: bool, end_time: float, series: FloatArray, ends: FloatArray
+) -> int:
     """Follow one problem to the end of contact, to ``end_time`` or to rest, step by step.
 
     ``series`` (n, 2, ORDER + 1) receives the coefficients of s and u, ``ends`` (n, 3) each step's
     length in tau, its contact time and its Hertz impulse. A captured impact goes on through legs of
-    approach and rebound. Returns the number of steps, or -1 where ``series`` is too short.
+    approach and rebound. ``shallow`` takes the energy of a rebound from the works, as the mode of
+    that name does. Returns the number of steps, or -1 where ``series`` is too short.
     """
+    energy = 0.5 * problem[START_U] ** 2
     shape = (PAD + ORDER + 1, LANES)
     padded_s, padded_u, p, m = np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(shape)
     s, u = padded_s[PAD:], padded_u[PAD:]
@@ -489,6 +493,9 @@ def record(problem: FloatArray, end_time: float, series: FloatArray, ends: Float
         _quadratures(s, u, h, beta, damping_h, damping_a, m[0], m[1], row, total)
         ends[step, 0], ends[step, 1], ends[step, 2] = h[0], time, total[HERTZ_IMPULSE, 0]
         end_time -= time
+        energy -= total[HERTZ_WORK, 0] + total[ADHESION_WORK, 0]
+        if shallow and not approaching and energy >= 0.0 and new_s * new_s < 0.5 * beta[0]:
+            new_u = -math.sqrt(2.0 * (energy - _well_energy(new_s, beta[0])))
         if ended or end_time <= 0.0 or _rests(new_s, new_u, beta[0]):
             return step + 1
         s[0, 0], u[0, 0] = new_s, new_u

@@ -158,6 +158,13 @@ def scaled_problems(contact: Contact, speed: Real) -> tuple[FloatArray, Scales, 
     return problems, Scales(length, velocity, mass), shape
 
 
+def is_shallow(problems: FloatArray) -> BoolArray:
+    """Tell for each problem (last axis) whether its energy must be taken from the works."""
+    slow = problems[..., kernel.START_U] < SHALLOW_SPEED
+    shallow: BoolArray = (problems[..., kernel.ADHESION] == 1.0) & slow
+    return shallow
+
+
 def integrate(problems: FloatArray, *, ledger: bool) -> FloatArray:
     """Run the kernel, each problem in the mode it needs.
 
@@ -167,7 +174,7 @@ def integrate(problems: FloatArray, *, ledger: bool) -> FloatArray:
         If an integration did not come to an end.
     """
     start, adhesion = problems[:, kernel.START_U], problems[:, kernel.ADHESION]
-    shallow = (adhesion == 1.0) & (start < SHALLOW_SPEED)
+    shallow = is_shallow(problems)
     results = np.zeros((problems.shape[0], kernel.RESULT_COLUMNS))
     _run(problems, shallow, kernel.SHALLOW, results)
     _run(problems, ~shallow, kernel.LEDGER if ledger else kernel.PLAIN, results)

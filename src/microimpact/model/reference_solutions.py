@@ -61,7 +61,7 @@ def adhesion_energy(contact: Contact) -> Real:
 
 def hertz_contact_time(contact: Contact, speed: Real) -> Real:
     """Contact time of an elastic impact without adhesion, s: ``2.9433 delta_m / v``."""
-    return 2.9432750 * hertz_compression(contact, speed) / np.asarray(speed)
+    return 2.9432751843247043 * hertz_compression(contact, speed) / np.asarray(speed)
 
 
 def hertz_compression(contact: Contact, speed: Real) -> Real:

@@ -8,12 +8,13 @@ import numpy as np
 
 from microimpact.arrays import FINITE, POSITIVE, FloatArray, Real, checked, choice
 from microimpact.model import kernel
-from microimpact.model.contact import Contact
+from microimpact.model.contact import Contact, require_contact
 from microimpact.model.impact import ANGLE, FRICTION_BASES, SLIP_PER_IMPULSE, velocity_components
-from microimpact.model.normal import Scales, integrate, scaled_problems
+from microimpact.model.normal import Scales, integrate, is_shallow, scaled_problems
 from microimpact.model.rigid_body import INERTIA
 
-MOST_STEPS = 20_000
+# Room for the series of so many steps, widened where it does not suffice.
+STEPS, MOST_STEPS = 256, 1_000_000
 
 # A captured sphere is followed for this many times its first compression, or the time after which
 # an overdamped one is known to creep.
@@ -96,6 +97,7 @@ def trajectory(
     RuntimeError
         If the integration failed.
     """
+    require_contact(contact)
     basis = choice("friction_basis", friction_basis, FRICTION_BASES)
     if isinstance(points, bool) or not isinstance(points, int | np.integer):
         raise TypeError(f"points must be a whole number, got {points!r}")
@@ -125,12 +127,17 @@ def trajectory(
 
 
 def _sample(problem: FloatArray, end: float, captured: bool, points: int) -> _Path:
-    series = np.zeros((MOST_STEPS, 2, kernel.ORDER + 1))
-    ends = np.zeros((MOST_STEPS, 3))
-    # An impact that rebounds ends at s = 0, not by the clock, whose last digit is rounding.
-    steps = kernel.record(problem, end if captured else np.inf, series, ends)
-    if steps < 0:
-        raise RuntimeError(f"more than {MOST_STEPS} steps; the impact in scaled form: {problem}")
+    room, steps = STEPS, -1
+    while steps < 0:
+        if room > MOST_STEPS:
+            raise RuntimeError(
+                f"more than {MOST_STEPS} steps; the impact in scaled form: {problem}"
+            )
+        series, ends = np.zeros((room, 2, kernel.ORDER + 1)), np.zeros((room, 3))
+        # An impact that rebounds ends at s = 0, not by the clock, whose last digit is rounding.
+        stop = end if captured else np.inf
+        steps = kernel.record(problem, bool(is_shallow(problem)), stop, series, ends)
+        room *= 8
     series, ends = series[:steps], ends[:steps]
     stops = np.cumsum(ends[:, 1])
     time = np.linspace(0.0, end if captured else stops[-1], points)
