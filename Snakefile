@@ -27,6 +27,7 @@ include: "workflow/rules/common.smk"
 include: "workflow/rules/inputs.smk"
 include: "workflow/rules/models.smk"
 include: "workflow/rules/impact.smk"
+include: "workflow/rules/estimation.smk"
 include: "workflow/rules/figures.smk"
 
 

@@ -16,7 +16,7 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from microimpact.config import General, study_names, study_params
-from microimpact.figures.registry import FigureSpec
+from microimpact.figures.registry import FIGURE_NAME, FigureSpec
 from microimpact.files import write_file
 from microimpact.parameters import adapter
 from microimpact.provenance import EVIDENCE
@@ -79,7 +79,7 @@ def figures_schema() -> Schema:
         "title": "Figure registry",
         "type": "object",
         "additionalProperties": False,
-        "patternProperties": {r"^fig\d\d$": entry},
+        "patternProperties": {FIGURE_NAME: entry},
     }
 
 

@@ -27,6 +27,10 @@ Place = Literal[
 ]
 
 
+# A figure of the article by its number, or one of our own.
+FIGURE_NAME = r"^(fig\d\d|[a-z]+(_[a-z]+)*)$"
+
+
 class RegistryError(ValueError):
     """A registry with problems: one line each, beginning with the dotted key."""
 
@@ -75,7 +79,7 @@ class DataSpec:
 class FigureSpec:
     """One figure: words, code that draws it, study and tables it comes from, panels."""
 
-    name: Annotated[str, Field(pattern=r"^fig\d\d$")]
+    name: Annotated[str, Field(pattern=FIGURE_NAME)]
     title: Name
     caption: Name
     module: Annotated[str, Field(pattern=r"^microimpact\.figures\.\w+$")]
@@ -130,14 +134,15 @@ def registry(entries: Mapping[str, Mapping[str, Any]]) -> dict[str, FigureSpec]:
     return found
 
 
-_PLACE = re.compile(r"\[\[(\w+)(?::([^\]]*))?\]\]")
+_PLACE = re.compile(r"\[\[([\w.]+)(?::([^\]]*))?\]\]")
 
 
 def filled(entries: Mapping[str, Any], branches: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
     """Put values of each figure's study into its words.
 
     ``[[friction]]`` or ``[[friction:.2f]]`` in any text of an entry stands for the parameter
-    of that name, so that no word on a figure contradicts a changed configuration.
+    of that name, ``[[targets.speed]]`` for one within another, so that no word on a figure
+    contradicts a changed configuration.
 
     Raises
     ------
@@ -162,13 +167,18 @@ def _fill(node: Any, values: Mapping[str, Any], key: str) -> Any:
         return node
 
     def value(place: re.Match[str]) -> str:
-        if place[1] not in values:
-            raise RegistryError(f"{key}: no parameter {place[1]!r}{nearest(place[1], values)}")
-        return format(values[place[1]], place[2] or "")
+        found: Any = values
+        for part in place[1].split("."):
+            if not isinstance(found, Mapping) or part not in found:
+                known = found if isinstance(found, Mapping) else ()
+                raise RegistryError(f"{key}: no parameter {place[1]!r}{nearest(part, known)}")
+            found = found[part]
+        return format(found, place[2] or "")
 
     return _PLACE.sub(value, node)
 
 
 def _order(name: object) -> tuple[int, str]:
+    """Order the article's figures by number, and ours after them by name."""
     digits = re.findall(r"\d+", str(name))
-    return (int(digits[0]) if digits else 0, str(name))
+    return (int(digits[0]) if digits else 1000, str(name))

@@ -10,6 +10,7 @@ import pandas as pd
 from microimpact.materials import Material, materials_from_rows
 from microimpact.model.contact import Contact
 from microimpact.model.pairs import Pairs, pair_contact, pairs_from_rows
+from microimpact.nearest import nearest
 
 
 def declared_contact(
@@ -27,6 +28,31 @@ def declared_contact(
         Fields of `Contact` in place of the declared ones.
     """
     return pair_contact(particle, surface, *declared(inputs), **changes)
+
+
+def calibrated_contact(inputs: Mapping[str, pd.DataFrame], case: str) -> Contact:
+    """Return the contact of a calibrated case.
+
+    Parameters
+    ----------
+    inputs
+        ``calibration``, the table of that study, and ``materials``, declared rows.
+    case
+        Name of the case.
+
+    Raises
+    ------
+    ValueError
+        If there is no such case; the message names the nearest.
+    """
+    table = inputs["calibration"]
+    rows = table[(table["case"] == case) & (table["role"] == "parameter")]
+    if rows.empty:
+        raise ValueError(f"no calibrated case {case!r}{nearest(case, set(table['case']))}")
+    fields = dict(zip(rows["quantity"], rows["value"].astype(float), strict=True))
+    materials: Any = inputs["materials"].to_dict("records")
+    particle, surface = rows["particle"].iloc[0], rows["surface"].iloc[0]
+    return pair_contact(particle, surface, materials_from_rows(materials), {}, **fields)
 
 
 def declared(inputs: Mapping[str, pd.DataFrame]) -> tuple[dict[str, Material], Pairs]:

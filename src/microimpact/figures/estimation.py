@@ -1,0 +1,37 @@
+"""Figures of estimated parameters: the family of steel on silicon, and fitted restitution."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from microimpact.figures import style
+from microimpact.figures.registry import FigureSpec
+
+
+@style.context()
+def draw_ridge(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+    """Draw how flat e is over the family, and the members at its ends.
+
+    Parameters
+    ----------
+    tables
+        ``ridge``: deviation from the plateau against work of adhesion. ``ridge_curves``: e against
+        speed. One panel each.
+    spec
+        Registry entry.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Two panels, the first with a logarithmic abscissa.
+    """
+    figure, axes = style.new_figure(spec)
+    axes["ridge"].set_xscale("log")
+    for table in tables.values():
+        for panel in table["panel"].unique():
+            style.draw_panel(axes[panel], table, spec.panels[panel], panel)
+    style.evidence_key(figure, pd.concat(tables.values())["evidence"])
+    return figure

@@ -1,0 +1,223 @@
+"""Parameters estimated from impacts: the article's two-stage method (3.2.1), and its kin.
+
+At a high speed the material damping is chosen to meet the measured restitution; with it the
+adhesion damping is chosen at a low speed; and so on in turn until both targets hold. Here the low
+target is the capture velocity, where restitution is zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from microimpact.arrays import POSITIVE, Range, checked
+from microimpact.model.capture import capture_velocity
+from microimpact.model.contact import Contact
+from microimpact.model.impact import simulate
+from microimpact.model.trajectory import trajectory
+
+OPEN_UNIT_INTERVAL = Range(lower=0.0, upper=1.0)
+
+MOST_TURNS = 200
+TOLERANCE = 1e-10
+
+# Damping per 1/speed beyond which nothing rebounds any more.
+LARGEST_DAMPING = 1e3
+
+
+class NoSolutionError(ValueError):
+    """No admissible parameter meets the target."""
+
+
+@dataclass(frozen=True, slots=True)
+class TwoStage:
+    """Result of the two-stage method.
+
+    Attributes
+    ----------
+    contact
+        The contact with the estimated damping coefficients.
+    turns
+        How often both stages were run.
+    """
+
+    contact: Contact
+    turns: int
+
+
+def two_stage(
+    contact: Contact, high_speed: float, restitution: float, capture_speed: float
+) -> TwoStage:
+    """Estimate both damping coefficients of a contact.
+
+    Parameters
+    ----------
+    contact
+        One contact; its damping coefficients are not used.
+    high_speed
+        Normal speed of the first stage, m/s.
+    restitution
+        Restitution measured there, in (0, 1).
+    capture_speed
+        Capture velocity of the second stage, m/s.
+
+    Raises
+    ------
+    NoSolutionError
+        If no pair of non-negative coefficients meets both; the message says which end fails.
+    ValueError, TypeError
+        If a target is not a number or out of range.
+    """
+    high_speed = float(checked("high_speed", high_speed, POSITIVE))
+    restitution = float(checked("restitution", restitution, OPEN_UNIT_INTERVAL))
+    capture_speed = float(checked("capture_speed", capture_speed, POSITIVE))
+    if capture_speed >= high_speed:
+        raise ValueError(
+            f"capture_speed must be below high_speed {high_speed:g}, got {capture_speed:g}"
+        )
+    current = contact.replace(hertz_damping=0.0, adhesion_damping=0.0)
+    for turn in range(1, MOST_TURNS + 1):
+        before = float(current.hertz_damping)
+        current = hertz_damping_for(current, high_speed, restitution)
+        current = adhesion_damping_for(current, capture_speed)
+        if abs(float(current.hertz_damping) - before) <= TOLERANCE / high_speed:
+            return TwoStage(current, turn)
+    raise NoSolutionError(f"the two stages do not settle within {MOST_TURNS} turns")
+
+
+def hertz_damping_for(contact: Contact, speed: float, restitution: float) -> Contact:
+    """Choose c_H to meet a restitution at a normal speed.
+
+    Raises
+    ------
+    NoSolutionError
+        If restitution is below the target even without material damping.
+    """
+
+    def excess(damping: float) -> float:
+        changed = contact.replace(hertz_damping=damping)
+        return float(simulate(changed, speed).coefficient_of_restitution) - restitution
+
+    if excess(0.0) < 0.0:
+        raise NoSolutionError(
+            f"the adhesion damping alone brings e at {speed:g} m/s down to "
+            f"{excess(0.0) + restitution:.4g}, below the target {restitution:g}"
+        )
+    return contact.replace(hertz_damping=_falling_root(excess, LARGEST_DAMPING / speed))
+
+
+def adhesion_damping_for(contact: Contact, capture_speed: float) -> Contact:
+    """Choose c_A to meet a capture velocity.
+
+    An impact at the capture velocity knows its damping at that speed only, whatever the exponent of
+    its rate: that damping is sought, and referred back to the reference velocity.
+
+    Raises
+    ------
+    NoSolutionError
+        If the material damping alone captures faster spheres already.
+    """
+    rateless = contact.replace(adhesion_rate_exponent=0.0)
+
+    def shortfall(damping: float) -> float:
+        found = float(capture_velocity(rateless.replace(adhesion_damping=damping)))
+        return (capture_speed - found) / (capture_speed + found) if found < float("inf") else -1.0
+
+    if shortfall(0.0) < 0.0:
+        raise NoSolutionError(
+            f"without adhesion damping the capture velocity is already "
+            f"{float(capture_velocity(rateless.replace(adhesion_damping=0.0))):.4g} m/s, "
+            f"above the target {capture_speed:g}"
+        )
+    damping = _falling_root(shortfall, LARGEST_DAMPING / capture_speed)
+    growth = contact.replace(adhesion_damping=1.0).adhesion_damping_at(capture_speed)
+    return contact.replace(adhesion_damping=damping / growth)
+
+
+def work_of_adhesion_for(contact: Contact, capture_speed: float) -> Contact:
+    """Choose w_A to meet a capture velocity at given damping coefficients.
+
+    Raises
+    ------
+    NoSolutionError
+        If no work of adhesion up to 1000 J/m2 does.
+    """
+
+    def shortfall(work: float) -> float:
+        found = float(capture_velocity(contact.replace(work_of_adhesion=work)))
+        return (capture_speed - found) / (capture_speed + found) if found < float("inf") else -1.0
+
+    if shortfall(1e3) > 0.0:
+        raise NoSolutionError(
+            f"no work of adhesion up to 1000 J/m2 gives a capture velocity of {capture_speed:g} m/s"
+        )
+    return contact.replace(work_of_adhesion=_falling_root(shortfall, 1e3))
+
+
+def dissipation_ratio_for(contact: Contact, speed: float, ratio: float) -> Contact:
+    """Choose c_A to meet the ratio of the peaks of adhesion dissipation and adhesion (Fig. 20).
+
+    Raises
+    ------
+    NoSolutionError
+        If the sphere would be captured first.
+    """
+
+    def shortfall(damping: float) -> float:
+        return ratio - peak_ratios(contact.replace(adhesion_damping=damping), speed)[1]
+
+    # More damping than this cannot be needed: the peak of the dissipation is below c_A v F_A.
+    largest = 10.0 * ratio / speed
+    if shortfall(largest) > 0.0:
+        raise NoSolutionError(
+            f"no adhesion damping up to {largest:g} s/m gives a dissipation ratio of {ratio:g}"
+        )
+    return contact.replace(adhesion_damping=_falling_root(shortfall, largest))
+
+
+def hertz_damping_for_adhesion_ratio(
+    contact: Contact, speed: float, adhesion_ratio: float, dissipation_ratio: float
+) -> Contact:
+    """Choose c_H and c_A to meet the ratios of adhesion to Hertz and of dissipation to adhesion.
+
+    Raises
+    ------
+    NoSolutionError
+        If adhesion is stronger against Hertz even without material damping.
+    """
+
+    def changed(damping: float) -> Contact:
+        damped = contact.replace(hertz_damping=damping)
+        return dissipation_ratio_for(damped, speed, dissipation_ratio)
+
+    def shortfall(damping: float) -> float:
+        return adhesion_ratio - peak_ratios(changed(damping), speed)[0]
+
+    if shortfall(0.0) < 0.0:
+        raise NoSolutionError(
+            f"the peak of adhesion over that of Hertz is {adhesion_ratio - shortfall(0.0):.4g} even"
+            f" without material damping, above the target {adhesion_ratio:g}"
+        )
+    return changed(_falling_root(shortfall, LARGEST_DAMPING / speed))
+
+
+def peak_ratios(contact: Contact, speed: float, points: int = 2000) -> tuple[float, float]:
+    """Ratios of peaks in a normal impact: adhesion to Hertz force, adhesion damping to adhesion."""
+    path = trajectory(contact, speed, points=points)
+    adhesion = float((-path.adhesion_force).max())
+    dissipation = float(abs(path.adhesion_damping_force).max())
+    return adhesion / float(path.hertz_force.max()), dissipation / adhesion
+
+
+def _falling_root(function: Callable[[float], float], largest: float) -> float:
+    """Zero of a falling function with a value >= 0 at 0, sought from small arguments upwards."""
+    from scipy.optimize import brentq
+
+    if function(0.0) == 0.0:
+        return 0.0
+    upper = 1e-6 * largest
+    while function(upper) > 0.0:
+        upper *= 4.0
+        if upper > largest:
+            raise NoSolutionError(f"no solution up to {largest:g}")
+    return float(brentq(function, 0.0, upper, xtol=1e-300, rtol=1e-13))

@@ -1,0 +1,82 @@
+"""Calibration: steel on silicon as a family, fluorescein on molybdenum as an interval."""
+
+from __future__ import annotations
+
+import pytest
+
+
+@pytest.fixture(scope="module")
+def tables(run_study):
+    return run_study("calibration")
+
+
+@pytest.fixture(scope="module")
+def members(tables):
+    return tables["calibration_family"]
+
+
+def test_every_target_is_met(tables):
+    rows = tables["calibration"].query("role == 'target'")
+    fitted = rows[rows["quantity"] != "adhesion_over_hertz"]
+    band = fitted["case"].str.contains("least|greatest")
+    assert fitted[~band]["value"].to_numpy() == pytest.approx(
+        fitted[~band]["target"].to_numpy(), abs=1e-7
+    )
+    # the ends of the molybdenum band: 10 % off the printed ratio
+    ends = fitted[band]["value"].to_numpy() / fitted[band]["target"].to_numpy()
+    assert sorted(ends) == pytest.approx([0.9, 1.1], rel=1e-6)
+
+
+def test_every_parameter_is_there_and_calibrated(tables):
+    table = tables["calibration"]
+    for case, rows in table.groupby("case"):
+        names = set(rows.query("role == 'parameter'")["quantity"])
+        assert {"diameter", "work_of_adhesion", "adhesion_damping"} <= names, case
+    assert set(table["evidence"]) == {"calibrated"}
+
+
+def test_a_small_work_of_adhesion_has_no_solution_and_says_why(members):
+    weak = members.query("rate_exponent == 0 and work_of_adhesion_J_per_m2 <= 0.5")
+    assert not weak["solved"].any()
+    assert weak["reason"].str.contains("adhesion damping alone").all()
+
+
+def test_a_rate_dependent_damping_needs_less_adhesion(members):
+    solved = members[members["solved"].astype(bool)]
+    least = solved.groupby("rate_exponent")["work_of_adhesion_J_per_m2"].min()
+    assert least.is_monotonic_decreasing
+    assert least[0.0] > 3.0
+    assert least[1.0] < 0.1
+
+
+def test_each_exponent_has_a_member_that_is_flat(members):
+    flat = members[members["plateau_of_e_holds"] == True]  # noqa: E712
+    assert set(flat["rate_exponent"]) == {0.0, 0.5, 1.0}
+
+
+def test_no_member_has_the_printed_contact_times(members):
+    solved = members[members["solved"].astype(bool)]
+    assert not solved["contact_times_hold"].any()
+    assert solved["shortest_contact_ns"].between(220, 260).all()
+
+
+def test_share_of_adhesion_in_the_loss_is_not_identified(members):
+    flat = members[members["plateau_of_e_holds"] == True]  # noqa: E712
+    assert flat["adhesion_share_of_loss"].max() > 0.9
+    assert flat["adhesion_share_of_loss"].min() < 0.35
+
+
+def test_molybdenum_interval(tables):
+    table = tables["molybdenum_capture"].set_index("diameter_um")
+    assert table.index.tolist() == [2.58, 3.44, 4.9, 6.89]
+    assert (table["low_m_per_s"] < table["capture_velocity_m_per_s"]).all()
+    assert (table["capture_velocity_m_per_s"] < table["high_m_per_s"]).all()
+    # nominal from c_H = 0 and a dissipation ratio of 1/5
+    assert table.loc[4.9, "capture_velocity_m_per_s"] == pytest.approx(1.274, abs=2e-3)
+    assert table["printed_inside"].tolist() == [False, False, True, False]
+
+
+def test_drawn(draw, tables, legend_texts):
+    figure = draw("ridge", tables)
+    assert [ax.get_xscale() for ax in figure.axes] == ["log", "linear"]
+    assert {"computed, calibrated", "printed in the article"} <= set(legend_texts(figure))
