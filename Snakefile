@@ -28,6 +28,7 @@ include: "workflow/rules/inputs.smk"
 include: "workflow/rules/models.smk"
 include: "workflow/rules/impact.smk"
 include: "workflow/rules/estimation.smk"
+include: "workflow/rules/capture.smk"
 include: "workflow/rules/figures.smk"
 
 

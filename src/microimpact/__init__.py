@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from microimpact.model.impact import simulate as simulate
     from microimpact.model.impact import spatial as spatial
     from microimpact.model.restitution import restitution as restitution
+    from microimpact.model.restitution_fit import bootstrap_v_c as bootstrap_v_c
+    from microimpact.model.restitution_fit import fit_restitution as fit_restitution
     from microimpact.model.rigid_body import rigid_body_rebound as rigid_body_rebound
     from microimpact.model.trajectory import Trajectory as Trajectory
     from microimpact.model.trajectory import trajectory as trajectory
@@ -30,7 +32,9 @@ _HOME = {
     "Impact": "model.impact",
     "SpatialImpact": "model.impact",
     "Trajectory": "model.trajectory",
+    "bootstrap_v_c": "model.restitution_fit",
     "capture_velocity": "model.capture",
+    "fit_restitution": "model.restitution_fit",
     "planar": "model.impact",
     "restitution": "model.restitution",
     "rigid_body_rebound": "model.rigid_body",

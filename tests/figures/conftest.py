@@ -26,13 +26,17 @@ def settings():
 
 @pytest.fixture(scope="session")
 def run_study(settings):
-    """Return a function that runs a study with shipped parameters, or some of its own."""
+    """Return a function that runs a study with shipped parameters, or some of its own.
+
+    Tables of earlier studies may be given by name.
+    """
     declared = read_all(*(str(ROOT / path) for path in settings.general.tables))
 
-    def run(name, **changes):
+    def run(name, tables=None, /, **changes):
         study = import_module(f"microimpact.studies.{name}")
         branch = {**settings.branches[name], **changes}
         inputs = {key: parse_table(text) for key, text in declared.named_in(branch).items()}
+        inputs |= tables or {}
         return study.run(build(study.Params, branch), inputs)
 
     return run

@@ -19,7 +19,8 @@ def changed(**keys):
 
 def test_figures_come_in_order_with_words_of_their_own():
     specs = registry(ENTRIES)
-    assert list(specs) == sorted(specs)
+    # the article's by number, then the project's own
+    assert list(specs) == sorted(specs, key=lambda name: (not name.startswith("fig"), name))
     for spec in specs.values():
         assert len(spec.caption) > 80
         assert spec.panels
@@ -48,9 +49,16 @@ def test_an_empty_axis_is_refused():
         figure_spec("fig14", entry)
 
 
-def test_a_name_that_is_no_figure_is_refused():
-    with pytest.raises(RegistryError, match="fig4"):
-        figure_spec("fig4", changed())
+@pytest.mark.parametrize(
+    "name", ["fig4", "fig123", "Ridge", "capture-laws", "capture__laws", "capture_", "laws2"]
+)
+def test_a_name_that_is_no_figure_is_refused(name):
+    with pytest.raises(RegistryError, match=name):
+        figure_spec(name, changed())
+
+
+def test_a_figure_of_the_projects_own_has_a_name_of_words():
+    assert figure_spec("capture_laws", changed()).name == "capture_laws"
 
 
 def test_parameters_fill_the_words():

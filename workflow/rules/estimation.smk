@@ -20,3 +20,23 @@ rule calibration:
         rows=ROWS["calibration"],
     script:
         "../scripts/run_study.py"
+
+
+rule restitution_fits:
+    """data/fig15.csv, data/fig16.csv: simulated e and its fits; tables/restitution_fits.csv."""
+    input:
+        code=study_code("restitution_fits"),
+        calibration="<results>/tables/calibration.csv",
+    output:
+        fig15="<results>/data/fig15.csv",
+        fig16="<results>/data/fig16.csv",
+        restitution_fits="<results>/tables/restitution_fits.csv",
+    log:
+        "<results>/logs/restitution_fits.log",
+    benchmark:
+        "<results>/benchmarks/restitution_fits.tsv"
+    params:
+        branch=lookup(dpath="restitution_fits", within=SETTINGS.branches),
+        rows=ROWS["restitution_fits"],
+    script:
+        "../scripts/run_study.py"

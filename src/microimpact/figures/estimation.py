@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import pandas as pd
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec
@@ -34,4 +35,31 @@ def draw_ridge(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
         for panel in table["panel"].unique():
             style.draw_panel(axes[panel], table, spec.panels[panel], panel)
     style.evidence_key(figure, pd.concat(tables.values())["evidence"])
+    return figure
+
+
+@style.context()
+def draw_fits(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+    """Draw simulated restitution with its fits, and the printed capture velocities.
+
+    Parameters
+    ----------
+    tables
+        ``fig15`` or ``fig16``: e against the normal impact speed.
+    spec
+        Registry entry.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One panel with a logarithmic axis of speed, marked in plain numbers.
+    """
+    figure, axes = style.line_figure(tables, spec)
+    for ax in axes.values():
+        limits = ax.get_xlim()
+        ax.set_xscale("log")
+        ax.set_xlim(limits)
+        ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        ax.xaxis.set_minor_formatter(NullFormatter())
     return figure

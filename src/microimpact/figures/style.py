@@ -48,12 +48,17 @@ def context() -> Iterator[None]:
         yield
 
 
-def new_figure(spec: FigureSpec) -> tuple[Figure, dict[str, Axes]]:
-    """Return an empty figure with its panels side by side, by name, axes set up."""
+def new_figure(spec: FigureSpec, columns: int | None = None) -> tuple[Figure, dict[str, Axes]]:
+    """Return an empty figure with its panels, by name, axes set up.
+
+    The panels stand side by side, or in rows of so many columns.
+    """
     size = WIDTH_MM[spec.width] / MM_PER_INCH, spec.height_mm / MM_PER_INCH
     figure = Figure(figsize=size)
-    row = figure.subplots(1, len(spec.panels), squeeze=False)[0]
-    axes = dict(zip(spec.panels, row, strict=True))
+    columns = columns or len(spec.panels)
+    rows = -(-len(spec.panels) // columns)
+    places = [figure.add_subplot(rows, columns, i + 1) for i in range(len(spec.panels))]
+    axes = dict(zip(spec.panels, places, strict=True))
     for letter, (name, panel) in zip("abcdefgh", spec.panels.items(), strict=False):
         prefix = f"({letter}) " if len(spec.panels) > 1 else ""
         _set_axes(axes[name], panel, prefix)
@@ -98,17 +103,25 @@ def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> No
         for evidence, part in rows[rows["series"] == series].groupby("evidence", sort=False):
             _draw_series(ax, part, (x, y), str(evidence), own.line, colour, label)
             label = None  # one entry per series; the key below the figure names the evidence
-    ax.set_xlim(widened(ax.get_xlim(), rows[x].to_numpy(float)))
+    log_x, log_y = ax.get_xscale() == "log", ax.get_yscale() == "log"
+    ax.set_xlim(widened(ax.get_xlim(), rows[x].to_numpy(float), log=log_x))
     if not panel.fixed:
-        ax.set_ylim(widened(ax.get_ylim(), rows[[y, "y_low", "y_high"]].to_numpy(float)))
+        heights = rows[[y, "y_low", "y_high"]].to_numpy(float)
+        ax.set_ylim(widened(ax.get_ylim(), heights, log=log_y))
     place = panel.legend_place
     if place == "above" or place == "none":  # noqa: PLR1714 (a set would not narrow the type)
         return
     ax.legend(title=panel.legend, loc=place)
 
 
-def widened(limits: tuple[float, float], values: NDArray[np.float64]) -> tuple[float, float]:
+def widened(
+    limits: tuple[float, float], values: NDArray[np.float64], *, log: bool = False
+) -> tuple[float, float]:
     """Return the ends of an axis, moved out where values of a changed configuration lie outside."""
+    if log:
+        low, high = np.log10(limits)
+        low, high = widened((low, high), np.log10(values))
+        return float(10.0**low), float(10.0**high)
     low, high = min(np.nanmin(values), limits[0]), max(np.nanmax(values), limits[1])
     margin = 0.05 * (high - low)
     return (

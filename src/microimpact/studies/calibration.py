@@ -31,7 +31,7 @@ from microimpact.studies._family import (
     ridge,
     solved,
 )
-from microimpact.studies._pairs import declared_contact
+from microimpact.studies._pairs import declared_contact, resized
 
 PARAMETERS = {
     "diameter": "m",
@@ -122,7 +122,7 @@ def capture_intervals(ratios: ForceRatios, inputs: Mapping[str, pd.DataFrame]) -
     rows = []
     for diameter in sorted({ratios.diameter_um, *ratios.other_diameters_um}):
         low, nominal, high = (
-            float(capture_velocity(_resized(contact, diameter))) for contact in corners
+            float(capture_velocity(resized(contact, diameter * 1e-6))) for contact in corners
         )
         printed = ratios.printed_capture_velocity_m_per_s
         rows.append(
@@ -155,11 +155,6 @@ def _corners(
             elastic, speed, ratios.adhesion_over_hertz * (1 + band), wanted * (1 + band)
         ),
     )
-
-
-def _resized(contact: Contact, diameter_um: float) -> Contact:
-    """Return the contact at another size: w_A and the damping coefficients stay."""
-    return contact.replace(diameter=diameter_um * 1e-6, work_of_adhesion=contact.work_of_adhesion)
 
 
 def _rows(
