@@ -1,13 +1,12 @@
 """Draw the figure that bears the rule's name from its tables, as SVG and PNG."""
 
 import sys
-import traceback
 from importlib import import_module
-from pathlib import Path
 from typing import Any
 
 from microimpact.figures.registry import figure_spec
 from microimpact.figures.style import save
+from microimpact.job import logged
 from microimpact.tables import figure_columns, read_table
 
 
@@ -26,18 +25,5 @@ def main(job: Any) -> str:
     return f"{job.rule}: drawn from {', '.join(tables)}\n"
 
 
-def logged(job: Any) -> int:
-    """Draw the figure with a log; a failure leaves its full account there."""
-    log = Path(job.log[0])
-    log.parent.mkdir(parents=True, exist_ok=True)
-    try:
-        log.write_text(main(job))
-    except Exception as error:
-        log.write_text(traceback.format_exc())
-        print(f"{job.rule}: {error}", file=sys.stderr)
-        return 1
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(logged(snakemake))  # type: ignore[name-defined]  # noqa: F821
+    sys.exit(logged(main, snakemake))  # type: ignore[name-defined]  # noqa: F821

@@ -2,13 +2,12 @@
 
 import sys
 import time
-import traceback
 from importlib import import_module
-from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
+from microimpact.job import logged
 from microimpact.parameters import build
 from microimpact.tables import parse_table, read_table, write_table
 
@@ -35,18 +34,5 @@ def main(job: Any) -> str:
     return f"{job.rule}: rows written: {rows}; {time.perf_counter() - begin:.2f} s\n"
 
 
-def logged(job: Any) -> int:
-    """Run the study with a log; a failure leaves its full account there."""
-    log = Path(job.log[0])
-    log.parent.mkdir(parents=True, exist_ok=True)
-    try:
-        log.write_text(main(job))
-    except Exception as error:
-        log.write_text(traceback.format_exc())
-        print(f"{job.rule}: {error}", file=sys.stderr)
-        return 1
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(logged(snakemake))  # type: ignore[name-defined]  # noqa: F821
+    sys.exit(logged(main, snakemake))  # type: ignore[name-defined]  # noqa: F821
