@@ -120,8 +120,7 @@ def adhesion_damping_for(contact: Contact, capture_speed: float) -> Contact:
     rateless = contact.replace(adhesion_rate_exponent=0.0)
 
     def shortfall(damping: float) -> float:
-        found = float(capture_velocity(rateless.replace(adhesion_damping=damping)))
-        return (capture_speed - found) / (capture_speed + found) if found < float("inf") else -1.0
+        return _capture_shortfall(rateless.replace(adhesion_damping=damping), capture_speed)
 
     if shortfall(0.0) < 0.0:
         raise NoSolutionError(
@@ -144,8 +143,7 @@ def work_of_adhesion_for(contact: Contact, capture_speed: float) -> Contact:
     """
 
     def shortfall(work: float) -> float:
-        found = float(capture_velocity(contact.replace(work_of_adhesion=work)))
-        return (capture_speed - found) / (capture_speed + found) if found < float("inf") else -1.0
+        return _capture_shortfall(contact.replace(work_of_adhesion=work), capture_speed)
 
     if shortfall(1e3) > 0.0:
         raise NoSolutionError(
@@ -160,13 +158,13 @@ def dissipation_ratio_for(contact: Contact, speed: float, ratio: float) -> Conta
     Raises
     ------
     NoSolutionError
-        If the sphere would be captured first.
+        If no damping in the range looked through does.
     """
 
     def shortfall(damping: float) -> float:
         return ratio - peak_ratios(contact.replace(adhesion_damping=damping), speed)[1]
 
-    # More damping than this cannot be needed: the peak of the dissipation is below c_A v F_A.
+    # The ratio is below c_A v, so c_A exceeds ratio/v; it is looked for up to ten times that.
     largest = 10.0 * ratio / speed
     if shortfall(largest) > 0.0:
         raise NoSolutionError(
@@ -207,6 +205,12 @@ def peak_ratios(contact: Contact, speed: float, points: int = 2000) -> tuple[flo
     adhesion = float((-path.adhesion_force).max())
     dissipation = float(abs(path.adhesion_damping_force).max())
     return adhesion / float(path.hertz_force.max()), dissipation / adhesion
+
+
+def _capture_shortfall(contact: Contact, capture_speed: float) -> float:
+    """How far the capture velocity is below a wanted one: 1 for none, -1 for an infinite one."""
+    found = float(capture_velocity(contact))
+    return (capture_speed - found) / (capture_speed + found) if found < float("inf") else -1.0
 
 
 def _falling_root(function: Callable[[float], float], largest: float) -> float:

@@ -1,4 +1,4 @@
-"""Closed forms from the literature, to stand beside the model: capture velocities and Hertz impact.
+"""Closed forms from the literature, to stand beside the model: capture velocities, restitution.
 
 Used by the studies and by the tests alike. Arguments are SI numbers or arrays that broadcast.
 """
@@ -128,14 +128,3 @@ def adhesion_energy(contact: Contact) -> Real:
     """Depth of the contact's adhesive well, J."""
     delta = contact.equilibrium_compression
     return WELL_DEPTH * np.sqrt(contact.hertz_radius) * contact.stiffness * np.power(delta, 2.5)
-
-
-def hertz_contact_time(contact: Contact, speed: Real) -> Real:
-    """Contact time of an elastic impact without adhesion, s: ``2.9433 delta_m / v``."""
-    return 2.9432751843247043 * hertz_compression(contact, speed) / np.asarray(speed)
-
-
-def hertz_compression(contact: Contact, speed: Real) -> Real:
-    """Greatest compression of an elastic impact without adhesion, m."""
-    hertz = np.sqrt(contact.hertz_radius) * contact.stiffness
-    return np.power(1.25 * contact.mass * np.square(speed) / hertz, 0.4)
