@@ -102,11 +102,11 @@ def explain(error: ValidationError, kind: type, key: str) -> list[str]:
 
 
 def _line(item: Mapping[str, Any], kind: type, key: str) -> str:
-    location = item["loc"]
+    location = _without_tags(kind, item["loc"])
     dotted = key + "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in location)
     dotted = dotted.removeprefix(".")
     if item["type"] in {"extra_forbidden", "unexpected_keyword_argument"}:
-        return f"{dotted}: unknown key{nearest(str(location[-1]), _keys(kind, location[:-1]))}"
+        return f"{dotted}: unknown key{nearest(str(location[-1]), _keys(kind, item['loc'][:-1]))}"
     if item["type"] in {"missing", "missing_keyword_only_argument", "missing_argument"}:
         return f"{dotted}: missing"
     wanted = item["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
@@ -140,10 +140,29 @@ def _keys(kind: Any, location: Iterable[str | int]) -> list[str]:
     return [field.name for field in fields(kind)]
 
 
+def _without_tags(kind: Any, location: Iterable[str | int]) -> list[str | int]:
+    """Return a location as it stands in the file: the validator adds which variant it took."""
+    parts: list[str | int] = []
+    for part in location:
+        if _variant(kind, part) is None:
+            parts.append(part)
+        kind = _member(kind, part)
+    return parts
+
+
+def _variant(kind: Any, tag: str | int) -> type | None:
+    """Return the dataclass of a union whose ``kind`` is the tag."""
+    if typing.get_origin(kind) not in {typing.Union, types.UnionType}:
+        return None
+    members = [a for a in typing.get_args(kind) if is_dataclass(a) and isinstance(a, type)]
+    kinds = {typing.get_args(typing.get_type_hints(m).get("kind", Name)): m for m in members}
+    return kinds.get((tag,))
+
+
 def _member(kind: Any, part: str | int) -> Any:
     if isinstance(kind, type) and is_dataclass(kind):
         return typing.get_type_hints(kind).get(str(part), object)
     if typing.get_origin(kind) in {typing.Union, types.UnionType}:
-        return kind
+        return _variant(kind, part) or kind
     arguments = [a for a in typing.get_args(kind) if a is not Ellipsis]
     return arguments[-1] if arguments else object

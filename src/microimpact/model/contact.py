@@ -39,6 +39,11 @@ def work_from_ring_force(ring_force: Real, radius: Real, stiffness: Real) -> Rea
     return np.sqrt(2.0 * np.pi * np.power(ring_force, 3) / (9.0 * stiffness * radius))
 
 
+def resized(contact: Contact, diameter: Real) -> Contact:
+    """Return the contact at other diameters (m): w_A, c_H and c_A stay, f_0 follows Eq. (30)."""
+    return contact.replace(diameter=diameter, work_of_adhesion=contact.work_of_adhesion)
+
+
 def require_contact(value: object) -> None:
     """Raise a TypeError unless ``value`` is a contact."""
     if not isinstance(value, Contact):

@@ -7,11 +7,12 @@ from typing import Any
 
 import pandas as pd
 
-from microimpact.arrays import Real
 from microimpact.materials import Material, materials_from_rows
-from microimpact.model.contact import Contact
+from microimpact.model.contact import Contact, resized
 from microimpact.model.pairs import Pairs, pair_contact, pairs_from_rows
 from microimpact.nearest import nearest
+
+__all__ = ["calibrated_contact", "declared", "declared_contact", "resized"]
 
 
 def declared_contact(
@@ -54,11 +55,6 @@ def calibrated_contact(inputs: Mapping[str, pd.DataFrame], case: str) -> Contact
     materials: Any = inputs["materials"].to_dict("records")
     particle, surface = rows["particle"].iloc[0], rows["surface"].iloc[0]
     return pair_contact(particle, surface, materials_from_rows(materials), {}, **fields)
-
-
-def resized(contact: Contact, diameter: Real) -> Contact:
-    """Return the contact at other diameters (m): w_A, c_H and c_A stay, f_0 follows Eq. (30)."""
-    return contact.replace(diameter=diameter, work_of_adhesion=contact.work_of_adhesion)
 
 
 def declared(inputs: Mapping[str, pd.DataFrame]) -> tuple[dict[str, Material], Pairs]:

@@ -1,0 +1,1 @@
+"""The virtual laboratory: particles and surfaces, true impacts, instruments, data reduction."""

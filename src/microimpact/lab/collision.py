@@ -1,0 +1,197 @@
+"""Impacts on a rough surface: facets, weighted by how often they are hit, and second contacts.
+
+A rough surface (or a rough particle) is a plane of the same contact whose local normal differs from
+the nominal one. Slopes are normal, with one standard deviation per axis; a facet is hit in
+proportion to its area as seen along the motion, ``(-v.n)+ / n_z``, so that facets that face the
+particle are hit more often and those turned away never. A particle that still moves towards the
+surface after its first contact meets another facet.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import special
+
+from microimpact.arrays import BoolArray, FloatArray
+from microimpact.lab.distributions import uniforms
+from microimpact.lab.events import IntArray
+from microimpact.model.contact import Contact
+from microimpact.model.impact import spatial
+
+MOST_CONTACTS = 5
+NEWTON_STEPS = 60
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rebound:
+    """State after the last contact, in the frame of the nominal surface (normal along z).
+
+    Attributes
+    ----------
+    velocity, spin
+        m/s and rad/s, shape (n, 3).
+    captured
+        True where the particle stays: a contact did not end, or `MOST_CONTACTS` were not enough
+        to leave the surface; shape (n,).
+    contacts
+        Contacts made, shape (n,).
+    """
+
+    velocity: FloatArray
+    spin: FloatArray
+    captured: BoolArray
+    contacts: IntArray
+
+
+def collide(
+    contact: Contact,
+    velocity: FloatArray,
+    spin: FloatArray,
+    slope_sd: float,
+    rng: np.random.Generator,
+    *,
+    planar_slopes: bool = False,
+    most_contacts: int = MOST_CONTACTS,
+) -> Rebound:
+    """Let n particles hit a surface.
+
+    Parameters
+    ----------
+    contact
+        The contact, of one sphere or of n spheres.
+    velocity, spin
+        Before impact, m/s and rad/s, shape (n, 3); velocity[:, 2] < 0.
+    slope_sd
+        Standard deviation of the surface's slope along each axis (tangent of the angle); 0 is
+        smooth.
+    rng
+        Source of the facets.
+    planar_slopes
+        Whether facets slope along the motion only, as in the plane of the article's Fig. 22.
+    most_contacts
+        Contacts after which a particle that does not leave counts as captured.
+    """
+    n = len(velocity)
+    velocity, spin = np.array(velocity, dtype=float), np.array(spin, dtype=float)
+    captured, contacts = np.zeros(n, dtype=bool), np.zeros(n, dtype=np.int64)
+    moving = np.arange(n)
+    for _ in range(most_contacts):
+        # All n are drawn for, so that the facets of one particle do not depend on another's fate.
+        frames = facet_frames(velocity, slope_sd, rng, planar_slopes)[moving]
+        after, turn, stays = _on_facets(_of(contact, moving, n), velocity, spin, frames, moving)
+        velocity[moving], spin[moving] = after, turn
+        captured[moving] = stays
+        contacts[moving] += 1
+        moving = moving[~stays & (after[:, 2] <= 0.0)]
+        if moving.size == 0:
+            break
+    captured[moving] = True
+    return Rebound(velocity=velocity, spin=spin, captured=captured, contacts=contacts)
+
+
+def _of(contact: Contact, index: IntArray, n: int) -> Contact:
+    """Return the contacts of some of n particles; a single contact serves all."""
+    if contact.shape != (n,):
+        return contact
+    names = (contact.adhesion_input, "diameter", "hertz_damping", "adhesion_damping", "friction")
+    return contact.replace(
+        **{name: np.broadcast_to(getattr(contact, name), (n,))[index] for name in names}
+    )
+
+
+def _on_facets(
+    contact: Contact, velocity: FloatArray, spin: FloatArray, frames: FloatArray, index: IntArray
+) -> tuple[FloatArray, FloatArray, BoolArray]:
+    """Velocity, spin and capture after one contact on facets given by their frames (m, 3, 3)."""
+    outcome = spatial(
+        contact,
+        np.einsum("mij,mj->mi", frames, velocity[index]),
+        np.einsum("mij,mj->mi", frames, spin[index]),
+    )
+    back = np.swapaxes(frames, 1, 2)
+    return (
+        np.einsum("mij,mj->mi", back, outcome.velocity),
+        np.einsum("mij,mj->mi", back, outcome.spin),
+        np.asarray(outcome.captured),
+    )
+
+
+def facet_frames(
+    velocity: FloatArray, slope_sd: float, rng: np.random.Generator, planar_slopes: bool = False
+) -> FloatArray:
+    """Return the frames of the facets hit: rows t1, t2 and normal, shape (n, 3, 3).
+
+    Parameters
+    ----------
+    velocity
+        Of approach, m/s, shape (n, 3).
+    slope_sd
+        Standard deviation of the slope along each axis.
+    rng
+        Source of the facets; two uniform numbers per particle, also on a smooth surface.
+    """
+    n = len(velocity)
+    facing, across = uniforms(rng, (2, n))
+    along = np.hypot(velocity[:, 0], velocity[:, 1])
+    direction = np.where(
+        along[:, None] > 0.0, velocity[:, :2] / np.where(along, along, 1.0)[:, None], [1.0, 0.0]
+    )
+    rise = slope_sd * weighted_slope(facing, -velocity[:, 2], slope_sd * along)
+    side = np.zeros(n) if planar_slopes else slope_sd * special.ndtri(across)
+    left = np.stack([-direction[:, 1], direction[:, 0]], axis=1)
+    # The surface z = rise s + side q, with s along the motion, has the normal (-rise, -side, 1).
+    normal = np.empty((n, 3))
+    normal[:, :2] = -rise[:, None] * direction - side[:, None] * left
+    normal[:, 2] = 1.0
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    first = np.zeros((n, 3))
+    first[:, 0], first[:, 2] = normal[:, 2], -normal[:, 0]
+    first /= np.linalg.norm(first, axis=1)[:, None]
+    return np.stack([first, np.cross(normal, first), normal], axis=1)
+
+
+def weighted_slope(u: FloatArray, normal_speed: FloatArray, slope_speed: FloatArray) -> FloatArray:
+    """Return the slope of the facet hit, along the motion, in standard deviations.
+
+    With x the slope and ``c = normal_speed / slope_speed`` its density is proportional to
+    ``(c + x)+ phi(x)``; that is the area of facets of slope x as seen along the motion. The
+    distribution function, ``c (Phi(x) - Phi(-c)) + phi(c) - phi(x)`` over its value at infinity, is
+    inverted by Newton steps kept inside a bracket.
+
+    Parameters
+    ----------
+    u
+        Uniform numbers in (0, 1), shape (n,).
+    normal_speed
+        Speed towards the nominal surface, m/s; negative: leaving it, and caught up by a facet.
+    slope_speed
+        Speed along the surface times the standard deviation of the slope, m/s; 0 gives the plain
+        normal distribution.
+    """
+    plain = special.ndtri(u)
+    weighted = slope_speed > 0.0
+    c = np.where(weighted, normal_speed / np.where(weighted, slope_speed, 1.0), np.inf)
+    # Beyond this the weight is flat to rounding, and c * Phi would lose what matters.
+    weighted &= c < 1e8
+    c = np.where(weighted, c, 0.0)
+    total = c * special.ndtr(c) + _phi(c)
+    low, high = -c, np.maximum(-c, 0.0) + 10.0
+    x = np.clip(plain, low, high)
+    for _ in range(NEWTON_STEPS):
+        excess = c * (special.ndtr(x) - special.ndtr(-c)) + _phi(c) - _phi(x) - u * total
+        low, high = np.where(excess < 0.0, x, low), np.where(excess > 0.0, x, high)
+        slope = (c + x) * _phi(x)
+        step = x - excess / np.where(slope > 0.0, slope, np.inf)
+        inside = (step > low) & (step < high)
+        moved = np.where(inside, step, 0.5 * (low + high))
+        if np.all(np.abs(moved - x) <= 1e-14 * (1.0 + np.abs(x))):
+            break
+        x = moved
+    return np.where(weighted, x, plain)
+
+
+def _phi(x: FloatArray) -> FloatArray:
+    density: FloatArray = np.exp(-0.5 * np.square(x)) / np.sqrt(2.0 * np.pi)
+    return density

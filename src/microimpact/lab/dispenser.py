@@ -1,0 +1,144 @@
+"""Particles on their way: sizes, release, fall, and spin picked up in the needle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import constants
+
+from microimpact.arrays import FloatArray
+from microimpact.lab.distributions import Distribution, HalfNormal, mean, sample
+from microimpact.parameters import Finite, NonNegative, Positive
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Dispenser:
+    """The needle and the rotor that taps it.
+
+    Attributes
+    ----------
+    exit_speed_m_per_s
+        Spread of the downward speed at the needle's end (half-normal).
+    lateral_speed_m_per_s, lateral_position_mm
+        Spread per horizontal axis (normal).
+    taps_per_s, particles_per_tap
+        Rate of taps and mean number of particles that a tap frees (Poisson).
+    release_delay_ms
+        Mean delay after a tap (exponential).
+    """
+
+    exit_speed_m_per_s: NonNegative
+    lateral_speed_m_per_s: NonNegative
+    lateral_position_mm: NonNegative
+    taps_per_s: Positive
+    particles_per_tap: Positive
+    release_delay_ms: NonNegative
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InitialSpin:
+    """Spin before impact as a share of the speed: r omega / v.
+
+    Attributes
+    ----------
+    sd
+        Standard deviation per axis, mean zero: the wall of the needle is touched on any side.
+    mean
+        Mean about the tilt axis, positive in the sense of rolling down the target.
+    """
+
+    sd: NonNegative
+    mean: Finite
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Falling:
+    """Particles as they arrive at the target, in its frame (see `lab.events.Impacts`)."""
+
+    time: FloatArray
+    diameter: FloatArray
+    position: FloatArray
+    velocity: FloatArray
+    spin: FloatArray
+
+
+def drop_height(speed: float, dispenser: Dispenser) -> float:
+    """Return the height in m from which particles arrive at a nominal speed (m/s), free of drag.
+
+    Raises
+    ------
+    ValueError
+        If the particles leave the needle faster than that.
+    """
+    exit_speed = mean(HalfNormal(sd=dispenser.exit_speed_m_per_s))
+    if speed <= exit_speed:
+        raise ValueError(
+            f"speed must be above the mean speed at the needle, {exit_speed:.3g} m/s, got {speed:g}"
+        )
+    return (speed**2 - exit_speed**2) / (2.0 * constants.g)
+
+
+def release(
+    n: int,
+    *,
+    angle: float,
+    height: float,
+    diameter_um: Distribution,
+    dispenser: Dispenser,
+    spin: InitialSpin,
+    rng: np.random.Generator,
+) -> Falling:
+    """Let n particles fall on the target.
+
+    Parameters
+    ----------
+    n
+        Number of particles.
+    angle
+        Nominal angle of incidence from the surface, degrees.
+    height
+        From the needle to the target, m.
+    diameter_um
+        Distribution of the diameter, um.
+    dispenser, spin
+        Spreads of release and of initial spin.
+    rng
+        Source of the draws.
+    """
+    tilt = np.radians(90.0 - angle)
+    diameter = sample(diameter_um, rng, n) * 1e-6
+    start = sample(HalfNormal(sd=dispenser.exit_speed_m_per_s), rng, n)
+    fall = np.hypot(start, np.sqrt(2.0 * constants.g * height))
+    duration = (fall - start) / constants.g
+    lateral = dispenser.lateral_speed_m_per_s * rng.standard_normal((n, 2))
+    place = dispenser.lateral_position_mm * 1e-3 * rng.standard_normal((n, 2))
+    place += lateral * duration[:, None]
+    # Horizontal across the tilt axis and vertical, seen from the target.
+    horizontal = np.array([np.cos(tilt), 0.0, np.sin(tilt)])
+    down = np.array([np.sin(tilt), 0.0, -np.cos(tilt)])
+    velocity = fall[:, None] * down + lateral[:, :1] * horizontal
+    velocity[:, 1] += lateral[:, 1]
+    # Steered away from a nearly vertical target, a particle would never arrive.
+    velocity[:, 2] = np.minimum(velocity[:, 2], -1e-6)
+    share = spin.sd * rng.standard_normal((n, 3))
+    share[:, 1] += spin.mean
+    return Falling(
+        time=_arrivals(n, dispenser, rng),
+        diameter=diameter,
+        position=np.stack([place[:, 0] / np.cos(tilt), place[:, 1]], axis=1),
+        velocity=velocity,
+        spin=share * (fall / (0.5 * diameter))[:, None],
+    )
+
+
+def _arrivals(n: int, dispenser: Dispenser, rng: np.random.Generator) -> FloatArray:
+    """Times of n arrivals in s, in order: taps at a steady rate, each freeing a few particles."""
+    taps: list[FloatArray] = []
+    found, tap = 0, 0
+    while found < n:
+        freed = rng.poisson(dispenser.particles_per_tap)
+        delay = dispenser.release_delay_ms * 1e-3 * rng.standard_exponential(freed)
+        taps.append(tap / dispenser.taps_per_s + delay)
+        found, tap = found + freed, tap + 1
+    return np.sort(np.concatenate(taps)[:n])

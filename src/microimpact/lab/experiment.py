@@ -1,0 +1,97 @@
+"""One experiment: particles of one kind dropped on one target at one angle and speed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from microimpact.lab.collision import collide
+from microimpact.lab.dispenser import Dispenser, InitialSpin, drop_height, release
+from microimpact.lab.distributions import Distribution
+from microimpact.lab.events import Impacts
+from microimpact.model.contact import Contact, resized
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Target:
+    """A contact and how rough it is.
+
+    Attributes
+    ----------
+    contact
+        Of particles of one size; its work of adhesion and damping hold for every size.
+    slope_sd
+        Standard deviation of the local slope per axis, of surface and particle together.
+    planar_slopes
+        Whether facets slope along the motion only.
+    """
+
+    contact: Contact
+    slope_sd: float
+    planar_slopes: bool = False
+
+
+def combined_slope(surface: float, particle: float) -> float:
+    """Return the slope between two rough bodies, each with its own independent slopes."""
+    return float(np.hypot(surface, particle))
+
+
+def true_impacts(
+    n: int,
+    *,
+    target: Target,
+    angle: float,
+    speed: float,
+    diameter_um: Distribution,
+    dispenser: Dispenser,
+    spin: InitialSpin,
+    rng: np.random.Generator,
+) -> Impacts:
+    """Drop n particles and let them hit the target.
+
+    Parameters
+    ----------
+    n
+        Number of particles.
+    target
+        Contact and roughness.
+    angle
+        Nominal angle of incidence from the surface, degrees.
+    speed
+        Nominal speed at the target, m/s; it sets the drop height.
+    diameter_um
+        Distribution of the diameter, um.
+    dispenser, spin
+        Spreads of release and of initial spin.
+    rng
+        Source of the draws.
+    """
+    falling = release(
+        n,
+        angle=angle,
+        height=drop_height(speed, dispenser),
+        diameter_um=diameter_um,
+        dispenser=dispenser,
+        spin=spin,
+        rng=rng,
+    )
+    rebound = collide(
+        resized(target.contact, falling.diameter),
+        falling.velocity,
+        falling.spin,
+        target.slope_sd,
+        rng,
+        planar_slopes=target.planar_slopes,
+    )
+    return Impacts(
+        time=falling.time,
+        diameter=falling.diameter,
+        position=falling.position,
+        velocity=falling.velocity,
+        spin=falling.spin,
+        rebound_velocity=rebound.velocity,
+        rebound_spin=rebound.spin,
+        captured=rebound.captured,
+        contacts=rebound.contacts,
+    )
