@@ -9,6 +9,7 @@ from microimpact import capture_velocity, simulate
 from microimpact.model.calibration import (
     NoSolutionError,
     adhesion_damping_for,
+    damping_factor_for,
     dissipation_ratio_for,
     hertz_damping_for,
     hertz_damping_for_adhesion_ratio,
@@ -105,3 +106,13 @@ def test_targets_out_of_range(bare, arguments, name):
 def test_a_target_that_is_no_number(bare):
     with pytest.raises(TypeError, match="restitution"):
         two_stage(bare, HIGH, "0.7", CAPTURE)
+
+
+def test_one_factor_on_both_dampings_meets_a_restitution(contact):
+    found = damping_factor_for(contact, HIGH, 0.55)
+    assert simulate(found, HIGH).coefficient_of_restitution == pytest.approx(0.55, abs=1e-10)
+    assert found.adhesion_damping / found.hertz_damping == pytest.approx(
+        contact.adhesion_damping / contact.hertz_damping, rel=1e-12
+    )
+    with pytest.raises(NoSolutionError):
+        damping_factor_for(contact.replace(hertz_damping=0.0, adhesion_damping=0.0), HIGH, 0.55)

@@ -106,6 +106,29 @@ def hertz_damping_for(contact: Contact, speed: float, restitution: float) -> Con
     return contact.replace(hertz_damping=_falling_root(excess, LARGEST_DAMPING / speed))
 
 
+def damping_factor_for(contact: Contact, speed: float, restitution: float) -> Contact:
+    """Scale c_H and c_A by one factor to meet a restitution at a normal speed.
+
+    Raises
+    ------
+    NoSolutionError
+        If no factor up to 1000 does.
+    """
+
+    def scaled(factor: float) -> Contact:
+        return contact.replace(
+            hertz_damping=factor * contact.hertz_damping,
+            adhesion_damping=factor * contact.adhesion_damping,
+        )
+
+    def excess(factor: float) -> float:
+        e = float(simulate(scaled(factor), speed).coefficient_of_restitution)
+        # Zero below capture is flat; any negative number tells the search that it went too far.
+        return e - restitution if e > 0.0 else -1.0
+
+    return scaled(_falling_root(excess, LARGEST_DAMPING))
+
+
 def adhesion_damping_for(contact: Contact, capture_speed: float) -> Contact:
     """Choose c_A to meet a capture velocity.
 

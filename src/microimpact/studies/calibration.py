@@ -2,7 +2,7 @@
 
 Steel on silicon by the two-stage method, over the family of works of adhesion and rate exponents
 that the article leaves open; ammonium fluorescein on molybdenum from the force ratios of Fig. 20,
-as an interval; other pairs by their work of adhesion alone.
+as an interval; other pairs by their work of adhesion or by their damping alone.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 
 from microimpact.model.calibration import (
+    damping_factor_for,
     dissipation_ratio_for,
     hertz_damping_for_adhesion_ratio,
     peak_ratios,
@@ -69,12 +70,24 @@ class WorkTarget:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class RestitutionTarget:
+    """A pair of which one restitution is known: one factor on both its damping coefficients."""
+
+    case: Name
+    particle: Name
+    surface: Name
+    speed_m_per_s: Positive
+    restitution: Fraction
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
     """What is calibrated, and on which printed numbers."""
 
     two_stage: TwoStageTargets
     force_ratios: ForceRatios
     by_work_of_adhesion: tuple[WorkTarget, ...]
+    by_restitution: tuple[RestitutionTarget, ...]
 
 
 def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
@@ -100,6 +113,7 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
         *_member_rows(targets, inputs),
         *_ratio_rows(ratios, inputs),
         *(row for target in params.by_work_of_adhesion for row in _work_rows(target, inputs)),
+        *(row for known in params.by_restitution for row in _damping_rows(known, inputs)),
     ]
     members = family(targets, inputs)
     return {
@@ -223,3 +237,12 @@ def _work_rows(target: WorkTarget, inputs: Mapping[str, pd.DataFrame]) -> list[d
         )
     }
     return _rows(f"{target.particle}-{target.surface}", found, met)
+
+
+def _damping_rows(
+    target: RestitutionTarget, inputs: Mapping[str, pd.DataFrame]
+) -> list[dict[str, object]]:
+    contact = declared_contact(inputs, target.particle, target.surface)
+    found = damping_factor_for(contact, target.speed_m_per_s, target.restitution)
+    e = float(simulate(found, target.speed_m_per_s).coefficient_of_restitution)
+    return _rows(target.case, found, {"coefficient_of_restitution": (e, target.restitution, "-")})
