@@ -1,0 +1,1 @@
+"""What the study asserts about the article: declared criteria, and what came of them."""
