@@ -1,0 +1,96 @@
+"""Figures of the particle trajectory imaging system: a frame with its track, and its errors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
+
+from microimpact.figures import style
+from microimpact.figures.registry import FigureSpec
+
+# Errors up to this are drawn on a linear scale, larger ones on a logarithmic one.
+LINEAR_PERCENT = 0.1
+
+
+@style.context()
+def draw_frame(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+    """Draw a part of a frame with the centroids and paths found in it.
+
+    Parameters
+    ----------
+    tables
+        ``ptis_frame``: centroids, paths and line of the surface, px. ``ptis_pixels``: grey levels
+        over columns, one series per row of the frame.
+    spec
+        Registry entry, of one panel.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One panel; rows count downwards, as in the camera.
+    """
+    figure, axes = style.new_figure(spec)
+    ((name, panel),) = spec.panels.items()
+    ax, track = axes[name], tables["ptis_frame"]
+    image, extent = grey_levels(tables["ptis_pixels"])
+    shown = ax.imshow(image, cmap="gray", vmin=0, vmax=255, extent=extent, zorder=0)
+    figure.colorbar(shown, ax=ax, label="Grey level (counts)", shrink=0.85)
+    style.draw_panel(ax, track, panel, name)
+    ax.set(xlim=extent[:2], ylim=extent[2:], aspect="equal")
+    # Open and small: the dashes show behind their centroids.
+    for marks in (line for line in ax.lines if line.get_marker() == "o"):
+        marks.set(markersize=3.0, markerfacecolor="none", markeredgewidth=0.8)
+    for path in (line for line in ax.lines if line.get_linestyle() != "None"):
+        path.set_linewidth(0.8)
+    # Marks inside the axes would be lost on the picture.
+    ax.tick_params(which="both", direction="out", top=False, right=False)
+    handles, labels = ax.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=3)
+    style.evidence_key(figure, track["evidence"])
+    return figure
+
+
+def grey_levels(pixels: pd.DataFrame) -> tuple[np.ndarray, tuple[float, float, float, float]]:
+    """Return an image and its extent (left, right, bottom, top) from rows of grey levels."""
+    rows = pixels.assign(row=pixels["series"].astype(int))
+    table = rows.pivot_table(index="row", columns="x_px", values="y_counts", sort=True)
+    lines, columns = table.index.to_numpy(float), table.columns.to_numpy(float)
+    left, right = columns[0] - 0.5, columns[-1] + 0.5
+    top, bottom = lines[0] - 0.5, lines[-1] + (lines[1] - lines[0]) - 0.5
+    return table.to_numpy(), (left, right, bottom, top)
+
+
+@style.context()
+def draw_accuracy(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+    """Draw bias and scatter of the measured speed against the speed, one panel per leg.
+
+    Parameters
+    ----------
+    tables
+        ``ptis_accuracy``: mean relative error in per cent, with the standard deviation of single
+        events to either side.
+    spec
+        Registry entry.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Panels with a logarithmic axis of speed, and one of the error that is linear about zero.
+    """
+    figure, axes = style.new_figure(spec)
+    for ax in axes.values():
+        ax.set_xscale("log")
+        # Linear about zero, so that errors of either sign and any size show.
+        ax.set_yscale("symlog", linthresh=LINEAR_PERCENT)
+        for axis in (ax.xaxis, ax.yaxis):
+            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−")))
+        ax.axhline(0.0, color="0.6", linewidth=0.6, zorder=1)
+    (table,) = tables.values()
+    for name, panel in spec.panels.items():
+        style.draw_panel(axes[name], table, panel, name)
+    style.evidence_key(figure, table["evidence"])
+    return figure

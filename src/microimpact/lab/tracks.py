@@ -1,0 +1,244 @@
+"""Measurement of a frame: dashes, and the two legs of a track (Section 2.1).
+
+Dashes are found by their light, and their centroids are used, never their ends: the size of the
+sphere lengthens a dash by its diameter and leaves its centroid alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from microimpact.arrays import BoolArray, FloatArray
+from microimpact.lab.frames import BRIGHTEST
+from microimpact.lab.ptis import Setup
+from microimpact.lab.track_fit import (
+    FEW,
+    OVERLAP,
+    SATURATED,
+    TOUCHING,
+    Rejection,
+    Track,
+    reduce_legs,
+)
+
+# Detection: a frame is smoothed by this Gaussian (px); what exceeds both so many deviations of the
+# smoothed noise and this share of the brightest spot is light of a dash.
+SMOOTHING_PX = 1.0
+DETECTION = 6.0
+LEAST_BRIGHTNESS = 0.1
+# Spots are widened by this much to hold the light of their wings.
+WINGS_PX = 2
+# A spot with more of its pixels than this at the end of the scale is saturated.
+MOST_SATURATED = 0.2
+# Light this close to the line of the surface (px) may be that of a dash bent by the impact.
+SURFACE_PX = 2.0
+# Light of a whole dash, relative to the others of its leg; light of one dash and no more; and how
+# slender dashes in a row are, unlike dashes side by side.
+WHOLE = 0.05
+SINGLE = 1.3
+SLENDER = 5.0
+# Incident tracks are as steep as this, and straight to so many pixels.
+INCIDENT_CONE_DEG = 5.0
+STRAIGHT_PX = 1.5
+# Consecutive dashes must move on sideways by this much to be put in order.
+LEAST_STEP_PX = 1.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spots:
+    """Connected patches of light in a frame, n of them.
+
+    Attributes
+    ----------
+    place
+        Centroid, column and row in lines of the camera, shape (n, 2).
+    light
+        Counts above the background.
+    length, width
+        Standard deviations of the light along its longest direction and across it, px.
+    height
+        Of the centroid above the line of the surface, px.
+    clear
+        False where a spot touches the line of the surface or the edge of the frame.
+    saturated
+        True where the camera's scale ends.
+    """
+
+    place: FloatArray
+    light: FloatArray
+    length: FloatArray
+    width: FloatArray
+    height: FloatArray
+    clear: BoolArray
+    saturated: BoolArray
+
+
+def measure(
+    frame: NDArray[np.uint8], setup: Setup, *, with_gravity: bool = True
+) -> Track | Rejection:
+    """Measure one frame.
+
+    Parameters
+    ----------
+    frame
+        Grey levels, as from `frames.render`.
+    setup
+        What is known of the instrument.
+    with_gravity
+        Whether the legs are fitted by paths under gravity or by straight lines at constant speed.
+    """
+    legs = sort_legs(find_spots(frame, setup), setup)
+    if isinstance(legs, Rejection):
+        return legs
+    return reduce_legs(*legs, setup, with_gravity=with_gravity)
+
+
+def find_spots(frame: NDArray[np.uint8], setup: Setup) -> Spots:
+    """Find the patches of light in a frame."""
+    lines = setup.instrument.frame_px[1] // frame.shape[0]
+    levels = np.cumsum(np.bincount(frame.ravel(), minlength=BRIGHTEST + 1))
+    # Most of a frame is dark: its median is the background, its lower half tells the noise.
+    low, background = np.searchsorted(levels, frame.size * np.array([0.1587, 0.5]))
+    light = frame.astype(np.float32) - np.float32(background)
+    smooth = ndimage.gaussian_filter(light, SMOOTHING_PX, truncate=3.0)
+    noise = max(float(background - low), 1.0) / (2.0 * np.sqrt(np.pi) * SMOOTHING_PX)
+    threshold = max(DETECTION * noise, LEAST_BRIGHTNESS * float(smooth.max()))
+    labels, n = ndimage.label(smooth > threshold, structure=np.ones((3, 3)))
+    seen = labels > 0
+    # Wings below the threshold count too: cut off, they would draw centroids to pixel centres.
+    labels = ndimage.maximum_filter(labels, 2 * WINGS_PX + 1)
+    rows, columns = np.nonzero(labels)
+    spot = labels[rows, columns] - 1
+    weight = light[rows, columns].astype(float)
+    place = np.stack([columns, lines * rows + 0.5 * (lines - 1)], axis=1)
+
+    def total(values: FloatArray | BoolArray) -> FloatArray:
+        sums: FloatArray = np.bincount(spot, values, minlength=n).astype(float)
+        return sums
+
+    whole = total(weight)
+    centre = np.stack([total(weight * place[:, k]) for k in (0, 1)], axis=1) / whole[:, None]
+    off = place - centre[spot]
+    second = [total(weight * off[:, j] * off[:, k]) / whole for j, k in ((0, 0), (1, 1), (0, 1))]
+    mean = 0.5 * (second[0] + second[1])
+    apart = np.hypot(0.5 * (second[0] - second[1]), second[2])
+    near = (rows == 0) | (rows == frame.shape[0] - 1)
+    near |= (columns == 0) | (columns == frame.shape[1] - 1) | (setup.height(place) < SURFACE_PX)
+    bright = seen[rows, columns]
+    full = frame[rows, columns] == BRIGHTEST
+    return Spots(
+        place=centre,
+        light=whole,
+        length=np.sqrt(mean + apart),
+        width=np.sqrt(np.maximum(mean - apart, 0.0)),
+        height=setup.height(centre),
+        clear=total(near & bright) == 0,
+        saturated=total(full) > MOST_SATURATED * total(bright),
+    )
+
+
+def sort_legs(spots: Spots, setup: Setup) -> tuple[FloatArray, FloatArray] | Rejection:
+    """Sort spots into the incident and the rebound leg, whole dashes alone.
+
+    Spheres fall: the incident leg is the longest steep row of spots. The rest is the rebound,
+    whose horizontal velocity is constant and tells its order.
+
+    Returns
+    -------
+    tuple or Rejection
+        Columns and rows of both legs, each (m, 2) in order of time.
+    """
+    if not np.any(spots.clear):
+        return FEW
+    usable = spots.clear & ~spots.saturated & (spots.height > _crowded(spots))
+    if np.count_nonzero(usable) < 2 * setup.instrument.least_dashes:
+        return _why(spots, np.ones_like(spots.clear))
+    single = usable & (np.abs(spots.light / np.median(spots.light[usable]) - 1.0) < 0.5)
+    on_line = _steep_row(spots.place, single)
+    if on_line is None:
+        return FEW
+    legs = []
+    for mine, axis in ((on_line, 1), (~on_line, 0)):
+        order = np.flatnonzero(mine)
+        order = order[np.argsort(spots.place[order, axis])]
+        good = usable[order] & _whole(spots.light[order], usable[order])
+        run = order[longest_run(good)]
+        if run.size < setup.instrument.least_dashes:
+            return _why(spots, mine)
+        legs.append(spots.place[run])
+    incident, rebound = legs
+    if not told_apart(rebound):
+        return OVERLAP
+    if abs(rebound[-1, 0] - incident[-1, 0]) < abs(rebound[0, 0] - incident[-1, 0]):
+        rebound = rebound[::-1]
+    return incident, rebound
+
+
+def _crowded(spots: Spots) -> float:
+    """Return the height up to which dashes run together, and may not be told apart; px."""
+    merged = spots.clear & (spots.light > SINGLE * np.median(spots.light[spots.clear]))
+    return float(spots.height[merged].max(initial=-np.inf))
+
+
+def _steep_row(place: FloatArray, single: BoolArray) -> BoolArray | None:
+    """Return which spots lie on the steep line through most single ones."""
+    index = np.flatnonzero(single)
+    first, second = np.triu_indices(index.size, 1)
+    a, b = place[index[first]], place[index[second]]
+    steep = is_steep(b - a)
+    if not np.any(steep):
+        return None
+    a, b = a[steep, None], b[steep, None]
+    slope = (b[..., 0] - a[..., 0]) / (b[..., 1] - a[..., 1])
+    off = np.abs(place[:, 0] - a[..., 0] - slope * (place[:, 1] - a[..., 1]))
+    near = off < STRAIGHT_PX
+    spread = np.where(near & single, off, 0.0).sum(axis=1)
+    best = np.lexsort((spread, -np.count_nonzero(near & single, axis=1)))[0]
+    row: BoolArray = near[best]
+    return row
+
+
+def is_steep(way: FloatArray) -> BoolArray:
+    """Tell which ways, columns and rows (..., 2), are as steep as an incident track."""
+    across, down = np.moveaxis(np.abs(way), -1, 0)
+    steep: BoolArray = across < np.tan(np.radians(INCIDENT_CONE_DEG)) * down
+    return steep
+
+
+def told_apart(rebound: FloatArray) -> bool:
+    """Tell whether a rebound, (m, 2), is no second incident track and its dashes have an order."""
+    if is_steep(rebound[-1] - rebound[0]):
+        return False
+    return bool(np.abs(np.diff(rebound[:, 0])).min() >= LEAST_STEP_PX)
+
+
+def _whole(light: FloatArray, usable: BoolArray) -> BoolArray:
+    """Tell which dashes of a leg have the light of one whole pulse."""
+    if not np.any(usable):
+        return usable
+    whole: BoolArray = np.abs(light / np.median(light[usable]) - 1.0) < WHOLE
+    return whole
+
+
+def longest_run(good: BoolArray) -> slice:
+    """Return the longest stretch of true values."""
+    steps = np.flatnonzero(np.diff(np.concatenate([[False], good, [False]])))
+    if steps.size == 0:
+        return slice(0, 0)
+    begins, ends = steps[::2], steps[1::2]
+    longest = int(np.argmax(ends - begins))
+    return slice(int(begins[longest]), int(ends[longest]))
+
+
+def _why(spots: Spots, concerned: BoolArray) -> Rejection:
+    """Say why spots do not make a leg."""
+    several = concerned & (spots.light > SINGLE * np.median(spots.light[spots.clear]))
+    if np.any(several & (spots.length < SLENDER * spots.width)):
+        return OVERLAP
+    if np.any(several):
+        return TOUCHING
+    return SATURATED if np.any(spots.saturated & spots.clear & concerned) else FEW

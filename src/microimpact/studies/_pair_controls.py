@@ -1,0 +1,103 @@
+"""Streams in which a search for pairs must fail, or is made hard."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Annotated
+
+import numpy as np
+import pandas as pd
+from pydantic import Field
+
+from microimpact.arrays import BoolArray
+from microimpact.lab.distributions import generator
+from microimpact.lab.pairing import search
+from microimpact.lab.pdpa import Stream, Truth
+from microimpact.lab.pdpa_observation import Observation, Quality, judge, ratio
+from microimpact.parameters import Positive
+from microimpact.studies._doppler import Setup, dropped, observed
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Control:
+    """Nominal speed of the impacts, and how many times as many arrive in the crowded stream."""
+
+    speed_m_per_s: Positive
+    crowding: Annotated[float, Field(gt=1)]
+
+
+Change = Callable[[Observation, np.random.Generator], tuple[Stream, Truth]]
+
+
+def pairing_controls(
+    setup: Setup, params: Control, experiments: int, particles: int, key: int
+) -> pd.DataFrame:
+    """Return how the search fares with changed streams of the same experiments.
+
+    ``pairs_per_incident`` is the rate at which a falling record is given a partner; where there
+    are none to be found, it is the rate of false pairs.
+    """
+    often = setup.dispenser.particles_per_tap * params.crowding
+    crowded = replace(setup, dispenser=replace(setup.dispenser, particles_per_tap=often))
+    cases: tuple[tuple[str, Setup, Change], ...] = (
+        ("as recorded", setup, _as_recorded),
+        ("times of rebounds permuted", setup, _times_permuted),
+        ("rebounds left out", setup, _without_rebounds),
+        (f"{params.crowding:g} times the arrivals", crowded, _as_recorded),
+    )
+    rows = []
+    for name, case, change in cases:
+        found = list(_judged(case, params.speed_m_per_s, change, experiments, particles, key))
+        total = {
+            count: sum(getattr(quality, count) for quality in found)
+            for count in ("pairs", "true_pairs", "recorded_pairs", "unpaired_incidents")
+        }
+        rows.append(
+            {
+                "stream": name,
+                "speed_m_per_s": params.speed_m_per_s,
+                "probe_height_mm": setup.instrument.probe_height_mm,
+                "experiments": experiments,
+                **total,
+                "precision": ratio(total["true_pairs"], total["pairs"]),
+                "recall": ratio(total["true_pairs"], total["recorded_pairs"]),
+                "pairs_per_incident": ratio(
+                    total["pairs"], total["pairs"] + total["unpaired_incidents"]
+                ),
+                "converged": sum(quality.converged for quality in found) / experiments,
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _judged(
+    setup: Setup, speed: float, change: Change, experiments: int, particles: int, key: int
+) -> Iterator[Quality]:
+    for i in range(experiments):
+        impacts = dropped(setup, speed, particles, (key, i, 0))
+        found = observed(setup, impacts, speed, (key, i, 1))
+        stream, truth = change(found, generator(setup.seed, key, i, 2))
+        instrument = setup.instrument
+        estimate = 1e-3 * instrument.probe_height_mm * (1.0 + instrument.initial_estimate_error)
+        pairing = search(stream, estimate, instrument)
+        height = found.quality.height
+        yield judge(pairing, stream, truth, found.crossing, impacts.captured, height)
+
+
+def _as_recorded(found: Observation, _: np.random.Generator) -> tuple[Stream, Truth]:
+    return found.stream, found.truth
+
+
+def _times_permuted(found: Observation, rng: np.random.Generator) -> tuple[Stream, Truth]:
+    rising = np.flatnonzero(found.stream.velocity > 0.0)
+    time = found.stream.time.copy()
+    time[rising] = time[rng.permutation(rising)]
+    return replace(found.stream, time=time), found.truth
+
+
+def _without_rebounds(found: Observation, _: np.random.Generator) -> tuple[Stream, Truth]:
+    """Leave out what rose; false records stay, and rise as often as they fall."""
+    stays: BoolArray = (found.truth.impact < 0) | (found.stream.velocity < 0.0)
+    truth = replace(found.truth, leg=found.truth.leg[stays], impact=found.truth.impact[stays])
+    return found.stream.take(stays), truth

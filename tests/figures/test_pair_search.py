@@ -1,0 +1,136 @@
+"""Pair search: quality over height and speed, controls, correction, and slow rebounds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+
+@pytest.fixture(scope="module")
+def run_small(run_study, settings):
+    calibration = {"calibration": run_study("calibration")["calibration"]}
+    branch = settings.branches["pair_search"]
+
+    def run(**changes):
+        small = {
+            "heights_mm": [1.0, 5.0],
+            "speeds_m_per_s": [0.3, 0.5, 0.75, 1.66],
+            "experiments": 8,
+            "correction": {
+                **branch["correction"],
+                "speeds_m_per_s": [0.2, 0.5, 1.6],
+                "particles": 500,
+            },
+            "slow": {"speeds_m_per_s": [0.2, 0.3, 0.35, 0.5], "particles": 1500},
+        }
+        return run_study("pair_search", calibration, **(small | changes))
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def tables(run_small):
+    return run_small()
+
+
+def test_fast_impacts_are_paired_whatever_the_height(tables):
+    fast = tables["pairing_quality"].query("speed_m_per_s >= 0.75")
+    assert (fast["precision"] > 0.98).all()
+    assert (fast["recall"] > 0.95).all()
+    at_most = fast.query("speed_m_per_s > 1")[["precision_change_points", "recall_change_points"]]
+    assert (at_most < 2.5).to_numpy().all()
+
+
+def test_at_the_speed_of_pile_up_height_decides(tables):
+    slow = tables["pairing_quality"].query("speed_m_per_s == 0.3").set_index("probe_height_mm")
+    # from 5 mm no rebound, and no needle above the probe volume
+    assert slow.loc[5.0, "recorded_pairs"] == 0
+    assert 0.5 < slow.loc[1.0, "censored_fraction"] < 0.9
+    middle = tables["pairing_quality"].query("speed_m_per_s == 0.5").set_index("probe_height_mm")
+    assert middle.loc[5.0, "censored_fraction"] > 0.5 > middle.loc[1.0, "censored_fraction"]
+
+
+def test_shares_and_losses_agree(tables):
+    quality, losses = tables["pairing_quality"], tables["pairing_losses"]
+    place = ["probe_height_mm", "speed_m_per_s"]
+    assert (losses.groupby(place)["impacts"].sum() == 8 * 60).all()
+    for _, row in quality.dropna().iterrows():
+        for share in ("precision", "recall", "recall_of_seen_rebounds", "recall_of_rebounds"):
+            assert row[f"{share}_low"] <= row[share] <= row[f"{share}_high"]
+        assert row["recall_of_rebounds"] <= row["recall_of_seen_rebounds"]
+
+
+def test_the_height_is_found(tables):
+    found = tables["pairing_quality"].query("converged == 1")
+    bias = found["height_bias_um"] / found["height_bias_standard_error_um"]
+    assert (bias.abs() < 4).all()
+    assert found["height_error_rms_in_standard_errors"].between(0.4, 1.8).all()
+
+
+def test_no_pairs_where_there_are_none(tables):
+    controls = tables["pairing_controls"].set_index("stream")
+    right = controls.loc["as recorded"]
+    assert right["precision"] > 0.99
+    assert controls.loc["times of rebounds permuted", "precision"] < 0.3
+    assert controls.loc["times of rebounds permuted", "pairs"] < 0.35 * right["pairs"]
+    assert controls.loc["rebounds left out", "pairs_per_incident"] < 0.005
+    assert controls.loc["10 times the arrivals", "recorded_pairs"] < right["recorded_pairs"]
+
+
+def test_correction_follows_its_closed_form(tables):
+    table = tables["surface_correction"].set_index(["quantity", "speed_m_per_s", "restitution"])
+    assert table.loc[("v", 1.6, 0.7), "closed_form"] + 1.6 == pytest.approx(1.73, abs=0.005)
+    assert table.loc[("e", 1.6, 0.7), "closed_form"] + 0.7 == pytest.approx(0.722, abs=0.0005)
+    assert table.loc[("e", 0.5, 0.4), "closed_form"] + 0.4 == pytest.approx(0.456, abs=0.0005)
+    seen = table[(table["events"] > 300) & (table.index.get_level_values(1) > 0.2)]
+    assert len(seen) >= 12
+    for form, expected in (("printed", seen["closed_form"]), ("exact", 0.0)):
+        pull = (seen[form] - expected) / seen[f"{form}_standard_error"]
+        assert (pull.abs() < 4).all()
+
+
+def test_a_rebound_below_the_probe_volume_leaves_no_event(tables):
+    table = tables["surface_correction"]
+    hidden = table[table["true"].where(table["quantity"] == "V") < np.sqrt(2 * 9.80665e-3)]
+    assert len(hidden) > 0
+    assert (hidden["events"] == 0).all()
+    assert hidden["closed_form"].isna().all()
+
+
+def test_slow_rebounds_are_hidden_and_the_mean_is_too_high(tables):
+    slow = tables["slow_rebounds"].set_index("speed_m_per_s")
+    assert slow["captured_fraction"].is_monotonic_decreasing
+    assert slow["observable_fraction"].is_monotonic_increasing
+    assert slow.loc[0.2, "observable_fraction"] == 0.0
+    assert slow.loc[0.2, "least_observable_e"] == pytest.approx(0.70, abs=0.005)
+    assert slow.loc[0.3, "least_observable_e"] == pytest.approx(0.467, abs=0.005)
+    assert slow.loc[0.3, "bias_observable"] > 0.1
+    assert slow.loc[0.35, "bias_observable"] > 0.03
+    assert slow.loc[0.35, "bias_measured"] == pytest.approx(
+        slow.loc[0.35, "bias_observable"],
+        abs=0.01 + 4 * slow.loc[0.35, "mean_e_measured_standard_error"],
+    )
+    assert abs(slow.loc[0.5, "bias_observable"]) < 0.005
+
+
+def test_results_are_repeated_by_the_seed(run_small, tables, settings):
+    again = run_small()
+    for name, table in tables.items():
+        assert table.equals(again[name]), name
+
+
+def test_a_probe_volume_that_nothing_hits_is_refused(run_small, settings):
+    branch = settings.branches["pair_search"]
+    dispenser = {**branch["dispenser"], "lateral_position_mm": 50.0}
+    with pytest.raises(ValueError, match=r"particles: at .* fall through the probe volume"):
+        run_small(dispenser=dispenser, particles=2)
+
+
+def test_drawn(draw, tables, legend_texts):
+    figure = draw("doppler_pairs", tables)
+    panels = [ax for ax in figure.axes if ax.axison]
+    assert [ax.get_xscale() for ax in panels] == ["linear", "log", "log", "log", "log"]
+    texts = legend_texts(figure)
+    assert {"accepted pair", "exact correction", "virtual experiment", "computed"} <= set(texts)
+    pairs = [line for line in panels[0].lines if len(line.get_xdata()) == 2]
+    assert len(pairs) >= 2
