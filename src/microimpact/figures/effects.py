@@ -1,0 +1,127 @@
+"""Probability plots of the effects of designed experiments (Figs. 24 and 25)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
+
+from microimpact.figures import style
+from microimpact.figures.registry import FigureSpec, PanelSpec
+
+# Marks of the responses: face and shape. Lines of the margins.
+MARKS = {"v_c": ("full", "o"), "v_c by Eq. 34": ("none", "^"), "ln v_c": ("none", "s")}
+MARGINS = {"margin": "dashed", "simultaneous margin": "dotted"}
+MARGIN_COLOUR = "0.45"
+LABEL_SIZE = 7.5
+LABEL_GAP = 5.0
+
+
+@style.context()
+def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+    """Draw a normal plot of effects, and a half-normal one with a logarithmic abscissa.
+
+    Parameters
+    ----------
+    tables
+        ``fig24`` or ``fig25``: one series per response and effect, and the margins, as
+        ``response: effect``.
+    spec
+        Registry entry; each panel names the responses it shows, the margins belong to the first.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Two panels.
+    """
+    figure, axes = style.new_figure(spec)
+    (table,) = tables.values()
+    parts = table["series"].str.split(": ", n=1, expand=True)
+    table = table.assign(response=parts[0], word=parts[1])
+    for name, panel in spec.panels.items():
+        rows = table[table["panel"] == name]
+        if rows.empty:
+            raise ValueError(f"figure data: no rows for panel {name!r}")
+        _draw_panel(axes[name], rows, panel, half=name == "half_normal")
+    handles = {
+        label: handle
+        for ax in axes.values()
+        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)
+    }
+    figure.legend(
+        handles.values(),
+        handles.keys(),
+        title="computed",
+        loc="outside lower center",
+        ncols=len(handles),
+    )
+    return figure
+
+
+def _draw_panel(ax: Axes, rows: pd.DataFrame, panel: PanelSpec, *, half: bool) -> None:
+    x, y = rows.columns[3], rows.columns[4]
+    responses = [name for name in MARKS if name in panel.series]
+    own = rows[rows["response"].isin(responses)]
+    is_margin = own["word"].isin(MARGINS)
+    if half:
+        ax.set_xscale("log")
+        ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    else:
+        ax.axhline(0.0, color="0.85", linewidth=0.6, zorder=0)
+        ax.axvline(0.0, color="0.85", linewidth=0.6, zorder=0)
+    ax.set_xlim(style.widened(ax.get_xlim(), own[x].to_numpy(float), log=half))
+    ax.set_ylim(style.widened(ax.get_ylim(), own[y].to_numpy(float)))
+    margins = own[is_margin & (own["response"] == responses[0])]
+    for word, line in MARGINS.items():
+        for i, place in enumerate(margins.loc[margins["word"] == word, x]):
+            label = panel.series[word].label if i == 0 else None
+            ax.axvline(place, color=MARGIN_COLOUR, linestyle=line, linewidth=0.9, label=label)
+    limit = float(margins.loc[margins["word"] == "margin", x].max())
+    for response in responses:
+        points = own[~is_margin & (own["response"] == response)]
+        spec = panel.series[response]
+        colour = f"C{spec.colour or 0}"
+        face, marker = MARKS[response]
+        look: dict[str, Any] = {"marker": marker, "fillstyle": face, "color": colour}
+        ax.plot(points[x], points[y], label=spec.label, linestyle="none", zorder=3, **look)
+        first = response == responses[0]
+        if half or first:
+            named = points[points["word"].isin(_named(points, x, limit, half=half))]
+            _label(ax, named, (x, y), colour, outward=not half, leftward=not first)
+
+
+def _named(points: pd.DataFrame, x: str, limit: float, *, half: bool) -> set[str]:
+    """Effects worth a label: factors, what is beyond the margin, and three pairs to compare."""
+    beyond = points.loc[points[x].abs() > limit, "word"]
+    return {*"ABCDE", *beyond, *(("BC", "BD", "CD") if half else ())}
+
+
+def _label(
+    ax: Axes,
+    points: pd.DataFrame,
+    columns: tuple[str, str],
+    colour: str,
+    *,
+    outward: bool,
+    leftward: bool,
+) -> None:
+    """Write the effects beside their points: away from zero, or all to one side."""
+    x, y = columns
+    for word, place, height in zip(points["word"], points[x], points[y], strict=True):
+        left = place < 0.0 if outward else leftward
+        ax.annotate(
+            word,
+            (place, height),
+            xytext=(-LABEL_GAP if left else LABEL_GAP, 0.0),
+            textcoords="offset points",
+            ha="right" if left else "left",
+            va="center",
+            fontsize=LABEL_SIZE,
+            color=colour,
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.4},
+            zorder=2.5,
+        )

@@ -1,0 +1,161 @@
+"""Figs. 24 and 25: effects of five factors on the capture velocity, and what the text says."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+STEEL = ["steel-silicon, n = 0", "steel-silicon, n = 1"]
+
+
+@pytest.fixture(scope="module")
+def calibration(run_study, settings):
+    targets = settings.branches["calibration"]["two_stage"]
+    small = {**targets, "works_of_adhesion_J_per_m2": [0.7, 3.5]}
+    return {"calibration": run_study("calibration", two_stage=small)["calibration"]}
+
+
+@pytest.fixture(scope="module")
+def sampling(settings):
+    return {**settings.branches["doe"]["sampling"], "replicates": 2}
+
+
+@pytest.fixture(scope="module")
+def tables(run_study, calibration, sampling):
+    return run_study("doe", calibration, sampling=sampling)
+
+
+@pytest.fixture(scope="module")
+def effects(tables):
+    table = tables["doe_effects"]
+    keys = ["case", "variation", "design", "response", "effect"]
+    return table.set_index(keys)["effect_percent"].sort_index()
+
+
+@pytest.fixture(scope="module")
+def statements(tables):
+    keys = ["case", "variation", "response", "quantity"]
+    return tables["doe_statements"].set_index(keys)["value"].sort_index()
+
+
+def test_radius_and_work_of_adhesion_act_against_each_other(effects):
+    for case in STEEL:
+        for variation in ("realistic", "uniform"):
+            for response in ("v_c", "ln v_c", "v_c by Eq. 34"):
+                own = effects[case, variation, "fraction", response]
+                assert own["C"] < 0 < own["B"]
+                assert own["A"] < 0 < own["D"]
+
+
+def test_uniform_levels_rank_b_and_c_before_a_and_d(effects):
+    for case in STEEL:
+        own = effects[case, "uniform", "full", "v_c"].abs()
+        assert own["B"] == pytest.approx(own["C"], rel=1e-9)
+        assert own["B"] > 1.2 * max(own["A"], own["D"])
+        assert min(own["A"], own["D"]) > 20 * own["E"]
+
+
+def test_realistic_levels_do_not_put_b_before_d(effects, statements):
+    # the printed numbers fix w_A better than zeta_A: B is third, whatever the rate exponent
+    for case in STEEL:
+        own = effects[case, "realistic", "fraction", "v_c"].abs()
+        assert own["C"] > own["D"] > own["B"]
+        declared = statements[case, "realistic", "v_c", "log_range_of_B_over_that_of_D"]
+        assert declared < statements[case, "realistic", "v_c", "log_range_at_which_B_equals_D"]
+
+
+def test_log_effects_are_elasticities_times_log_ranges(tables, effects):
+    slopes = tables["doe_elasticities"].set_index(["case", "factor"])["at_fixed_zeta"]
+    for case in STEEL:
+        for letter in "ABCDE":
+            found = effects[case, "uniform", "full", "ln v_c", letter]
+            log_range = np.log(1.05 / 0.95)
+            assert found == pytest.approx(100 * slopes[case, letter] * log_range, rel=0.01)
+
+
+def test_bd_is_below_bc_and_no_larger_than_cd(statements):
+    for case in STEEL:
+        for response in ("v_c", "ln v_c"):
+            ratio = statements[case, "uniform", response, "BD_over_CD"]
+            assert ratio == pytest.approx(1.0, rel=1e-9)
+        assert statements[case, "uniform", "v_c", "BD_over_BC"] < 0.9
+        assert statements[case, "uniform", "v_c", "BD_over_margin"] < 0.5
+
+
+def test_interactions_all_but_vanish_in_the_logarithm(effects):
+    for case in STEEL:
+        raw = effects[case, "uniform", "fraction", "v_c"]
+        logs = effects[case, "uniform", "fraction", "ln v_c"]
+        for word in ("BC", "BD", "CD"):
+            assert abs(logs[word]) < 0.25 * abs(raw[word])
+
+
+def test_quarter_fractions_show_a_factor_for_bd(tables, effects):
+    table = tables["doe_bd_aliasing"]
+    for (case, variation), rows in table.groupby(["case", "variation"]):
+        assert len(rows) == 60
+        on_factor = rows[rows["main_effect"] != "none"]
+        assert len(on_factor) == 36
+        assert (on_factor["main_effect"].value_counts() == 12).all()
+        size = effects[case, variation, "full", "v_c"]
+        assert rows["BD_percent"].to_numpy() == pytest.approx(size["BD"], rel=1e-12)
+    row = table[(table["variation"] == "uniform") & (table["main_effect"] == "C")]
+    assert (row["apparent_percent"].abs() > 5 * row["BD_percent"].abs()).all()
+
+
+def test_small_and_adhesive_spheres_are_captured_most(statements):
+    for case in STEEL:
+        for variation in ("realistic", "uniform"):
+            own = statements[case, variation, "v_c"]
+            assert own["v_c_of_small_and_adhesive_over_next_group"] > 1.05
+            assert own["exponent_of_work_plus_that_of_radius"] == pytest.approx(0.0, abs=1e-12)
+    assert 1.25 < statements[STEEL[0], "uniform", "v_c", "exponent_of_work_over_radius"] < 1.5
+    # a damping that falls with the speed of impact brings the exponent below the range
+    assert statements[STEEL[1], "uniform", "v_c", "exponent_of_work_over_radius"] < 1.0
+
+
+def test_capture_velocities_are_exact_and_fits_follow_them(tables, statements):
+    assert (statements.xs("solver_error", level="quantity") < 1e-8).all()
+    design = tables["doe_design"]
+    fraction = design[design["in_fraction"]]
+    assert len(fraction) == 4 * 16
+    ratio = fraction["fitted_capture_velocity_m_per_s"] / fraction["capture_velocity_m_per_s"]
+    # data from above capture: fits of Eq. 34 come out low, by a share that hardly varies
+    assert ratio.between(0.93, 1.03).all()
+    assert ratio.std() < 0.02
+    assert design[~design["in_fraction"]]["fitted_capture_velocity_m_per_s"].isna().all()
+    center = design[design["run"] == 0]
+    assert center["capture_velocity_m_per_s"].to_numpy() == pytest.approx(0.18, rel=1e-6)
+
+
+def test_an_uncapturable_run_is_named(run_study, calibration, sampling, settings):
+    cases = [dict(case) for case in settings.branches["doe"]["cases"]]
+    cases[0]["realistic"] = {**cases[0]["realistic"], "adhesion_dissipation": [0.1, 10.0]}
+    with pytest.raises(ValueError, match=r"n = 0', realistic levels: run \d+ has no finite") as e:
+        run_study("doe", calibration, sampling=sampling, cases=cases)
+    assert "\n" not in str(e.value)
+
+
+def test_another_generator(run_study, calibration, sampling, settings):
+    cases = settings.branches["doe"]["cases"][:1]
+    generator = "a b c ab ac"
+    found = run_study("doe", calibration, sampling=sampling, cases=cases, generator=generator)
+    table = found["doe_effects"]
+    own = table[(table["variation"] == "uniform") & (table["response"] == "v_c by Eq. 34")]
+    assert own["effect"].tolist() == ["A", "B", "C", "D", "E", "BC", "BE"]
+    assert set(found["doe_aliases"]["resolution"]) == {3}
+
+
+@pytest.mark.parametrize(("name", "labelled"), [("fig24", "CD"), ("fig25", "ABCDE")])
+def test_drawn(draw, tables, legend_texts, name, labelled):
+    figure = draw(name, tables)
+    normal, half = figure.axes
+    assert half.get_xscale() == "log"
+    assert {"$v_c$, exact", "Lenth's margin", "simultaneous margin"} <= set(legend_texts(figure))
+    words = [text.get_text() for text in normal.texts]
+    assert set(labelled) <= set(words)
+    assert {"BC", "BD", "CD"} <= {text.get_text() for text in half.texts}
+    figure.draw_without_rendering()
+    boxes = [text.get_window_extent() for ax in figure.axes for text in ax.texts]
+    for i, box in enumerate(boxes):
+        assert not any(box.overlaps(other) for other in boxes[:i])

@@ -1,0 +1,100 @@
+"""Sobol' indices of the capture velocity, beside the effects of the designed experiments."""
+
+from __future__ import annotations
+
+import pytest
+
+STEEL = ["steel-silicon, n = 0", "steel-silicon, n = 1"]
+
+
+@pytest.fixture(scope="module")
+def earlier(run_study, settings):
+    targets = settings.branches["calibration"]["two_stage"]
+    small = {**targets, "works_of_adhesion_J_per_m2": [0.7, 3.5]}
+    calibration = {"calibration": run_study("calibration", two_stage=small)["calibration"]}
+    sampling = {**settings.branches["doe"]["sampling"], "replicates": 2}
+    found = run_study("doe", calibration, sampling=sampling)
+    return calibration | {name: found[name] for name in ("doe_levels", "doe_effects")}
+
+
+@pytest.fixture(scope="module")
+def tables(run_study, earlier):
+    small = {"samples": 256, "calibrated_samples": 64, "resamples": 100}
+    return run_study("sensitivity", earlier, **small)
+
+
+def test_ranking_survives(tables):
+    table = tables["sensitivity_indices"]
+    for (_, variation, _), rows in table.groupby(["case", "variation", "response"]):
+        own = rows.set_index("factor")
+        # apart from factors whose indices agree within their intervals
+        ranked = own.sort_values("effect_percent", key=abs, ascending=False)
+        low, high = ranked["total_low"].to_numpy(), ranked["total_high"].to_numpy()
+        assert (low[1:] <= high[:-1]).all(), variation
+        assert own.loc["E", "total"] < 0.01
+
+
+def test_logarithmic_indices_are_the_shares_of_squared_effects(tables):
+    table = tables["sensitivity_indices"]
+    rows = table[(table["response"] == "ln v_c") & (table["variation"] == "uniform")]
+    assert rows["first"].to_numpy() == pytest.approx(rows["effect_first"].to_numpy(), abs=0.05)
+    assert rows["total"].to_numpy() == pytest.approx(rows["effect_total"].to_numpy(), abs=0.03)
+
+
+def test_nothing_was_left_out(tables):
+    for name in ("sensitivity_indices", "sensitivity_groups"):
+        assert (tables[name]["points_without_finite_v_c"] == 0).all()
+        assert (tables[name]["points_without_calibration"] == 0).all()
+
+
+def test_calibration_takes_the_weight_off_the_parameters(tables):
+    keys = ["case", "variation", "kind", "input"]
+    groups = tables["sensitivity_groups"].set_index(keys).sort_index()
+    for case in STEEL:
+        alone = groups.loc[case, "realistic", "group", "uncertainty"]["total_low"]
+        together = groups.loc[case, "calibrated", "group", "uncertainty"]["total_high"]
+        assert alone > 0.2
+        assert together < 0.05
+        # the stiffness is taken up by w_A altogether
+        assert groups.loc[case, "calibrated", "input", "stiffness"]["total"] < 1e-12
+        spread = groups.loc[case, :, "group", "variability"]["standard_deviation_percent"]
+        assert spread["calibrated"] < spread["realistic"]
+
+
+def test_work_of_adhesion_and_damping_go_against_each_other(tables):
+    table = tables["sensitivity_parameters"].set_index(["case", "factor"])
+    for case in STEEL:
+        assert table.loc[(case, "D"), "rank_correlation_with_B"] < -0.8
+
+
+def test_intervals_narrow(tables):
+    table = tables["sensitivity_convergence"]
+    table = table[(table["factor"] == "C") & (table["variation"] == "uniform")]
+    for _, rows in table.groupby("case"):
+        width = (rows["total_high"] - rows["total_low"]).to_numpy()
+        assert rows["samples"].tolist() == [32, 64, 128, 256]
+        assert width[-1] < 0.6 * width[0]
+
+
+def test_a_case_without_levels_is_named(run_study, earlier):
+    levels = earlier["doe_levels"]
+    some = {**earlier, "doe_levels": levels[levels["case"] != STEEL[1]]}
+    with pytest.raises(ValueError, match="n = 1' has no levels"):
+        run_study("sensitivity", some, samples=32, calibrated_samples=32, resamples=20)
+
+
+def test_draws_outside_the_admissible_are_named(run_study, earlier):
+    small = {"samples": 32, "calibrated_samples": 32, "resamples": 20}
+    with pytest.raises(ValueError, match="restitution_deviation: draws"):
+        run_study("sensitivity", earlier, **small, restitution_deviation=0.3)
+    with pytest.raises(ValueError, match="capture_velocity_deviation_m_per_s: draws"):
+        run_study("sensitivity", earlier, **small, capture_velocity_deviation_m_per_s=0.2)
+
+
+def test_drawn(draw, tables, legend_texts):
+    figure = draw("sobol", tables)
+    assert len(figure.axes) == 6
+    assert figure.axes[-1].get_xscale() == "log"
+    texts = set(legend_texts(figure))
+    assert {"total index", "first-order index", "share of squared effects"} <= texts
+    assert "computed" in texts
