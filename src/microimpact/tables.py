@@ -12,7 +12,14 @@ from numpy.typing import ArrayLike
 
 from microimpact.files import write_file
 
-RESULT_EVIDENCE = ("computed", "printed", "virtual experiment", "digitised", "calibrated")
+RESULT_EVIDENCE = (
+    "computed",
+    "printed",
+    "virtual experiment",
+    "digitised",
+    "calibrated",
+    "assumed",
+)
 
 
 class TableError(ValueError):
