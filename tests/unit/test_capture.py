@@ -6,7 +6,11 @@ from scipy.integrate import solve_ivp
 
 from microimpact.model.capture import capture_velocity
 from microimpact.model.impact import simulate
-from microimpact.model.normal import HOPELESS_ADHESION_GROUP, HOPELESS_HERTZ_GROUP
+from microimpact.model.normal import (
+    HOPELESS_ADHESION_GROUP,
+    HOPELESS_HERTZ_GROUP,
+    normal_impact,
+)
 
 CRITICAL_HERTZ = 0.487408
 CRITICAL_ADHESION = 1.162799
@@ -146,3 +150,17 @@ def test_a_rated_threshold_meets_its_own_damping(scaled, exponent):
 def test_a_rated_contact_without_hope_is_infinite(scaled):
     contact = scaled(0.6, 0.1, adhesion_rate_exponent=1.0, reference_velocity=1.0)
     assert np.isinf(capture_velocity(contact))
+
+
+@pytest.mark.parametrize("ledger", [False, True])
+def test_rounding_decides_at_the_threshold_itself_and_nothing_fails(scaled, ledger):
+    """There s falls towards zero for ever; the integration must end all the same."""
+    rng = np.random.default_rng(5)
+    contact = scaled(rng.uniform(0.0, 0.05, 4000), rng.uniform(0.05, 0.9, 4000))
+    limit = capture_velocity(contact)
+    for ulps in (-2, -1, 0, 1, 2):
+        speed = limit * (1.0 + ulps * np.finfo(float).eps)
+        impact = normal_impact(contact, speed, ledger=ledger)
+        e = impact.coefficient_of_restitution[~impact.captured]
+        assert np.all(np.isfinite(e))
+        assert np.all((e >= 0.0) & (e < 1e-5))

@@ -42,6 +42,9 @@ MAX_STEPS = 2_000_000
 THIRD = -(-ORDER // 3)
 PAD = THIRD - 1
 
+# Depth of the well, relative to the energy of approach, in which a rebound may stop short of s = 0.
+NOTHING_LEFT = 1e-30
+
 # Newton's last correction, relative: the error that it leaves is about its square.
 ROOT_TOLERANCE = 1e-9
 
@@ -416,6 +419,13 @@ def integrate(problems: FloatArray, mode: int, results: FloatArray) -> None:
                     end_u = -math.sqrt(2.0 * max(energy[lane] - lost, 0.0))
             elif end_u >= 0.0:
                 status = CAPTURED
+            elif beta[lane] * end_s**3 < NOTHING_LEFT * energy[lane]:
+                # At the threshold s falls towards zero for ever: what is left decides.
+                rest = 0.5 * end_u * end_u + _well_energy(end_s, beta[lane])
+                if mode == SHALLOW:
+                    rest = energy[lane] - lost
+                status = REBOUND if rest >= 0.0 else CAPTURED
+                end_s, end_u = 0.0, -math.sqrt(2.0 * max(rest, 0.0))
             elif mode == SHALLOW:
                 if energy[lane] < lost:
                     status = CAPTURED
