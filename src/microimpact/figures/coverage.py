@@ -1,0 +1,84 @@
+"""Figure of bias, error and coverage of the capture velocity that Eq. (34) finds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, NullFormatter
+
+from microimpact.figures import style
+from microimpact.figures.registry import FigureSpec, PanelSpec
+
+COLUMNS = 2
+# Factor between the abscissae of neighbouring series where marks would hide each other.
+APART = 1.012
+GUIDE: dict[str, Any] = {"linewidth": 0.6, "alpha": 0.7, "zorder": 2}
+
+
+@style.context()
+def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+    """Draw panels in two columns, one for each true curve, with thin lines to guide the eye.
+
+    Parameters
+    ----------
+    tables
+        One table, a panel per quantity and true curve, as ``quantity, truth``.
+    spec
+        Registry entry; panels of ``coverage`` have their series moved apart, those of ``rms`` a
+        logarithmic ordinate.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The panels, one legend above.
+    """
+    (table,) = tables.values()
+    figure, axes = style.new_figure(spec, COLUMNS)
+    for name, panel in spec.panels.items():
+        ax, rows = axes[name], table[table["panel"] == name]
+        ax.set_xscale("log")
+        if name.startswith("rms"):
+            ax.set_yscale("log")
+        if name.startswith("bias"):
+            ax.axhline(0.0, color="0.6", linewidth=0.6, zorder=1)
+        if name.startswith("coverage"):
+            rows = _apart(rows, panel)
+        style.draw_panel(ax, rows, panel, name)
+        _guide(ax, rows, panel)
+        _plain_ticks(ax, panel)
+    first = list(axes.values())[-1]
+    handles, labels = first.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=4)
+    style.evidence_key(figure, table["evidence"])
+    return figure
+
+
+def _apart(rows: pd.DataFrame, panel: PanelSpec) -> pd.DataFrame:
+    """Move every series of marks sideways, by its place in the legend."""
+    names = [name for name in panel.series if name in set(rows["series"])]
+    places = {name: i - (len(names) - 1) / 2 for i, name in enumerate(names)}
+    x = rows.columns[3]
+    marks = rows["evidence"] == "virtual experiment"
+    place = rows["series"].map(places).fillna(0.0).where(marks, 0.0)
+    return rows.assign(**{x: rows[x] * APART ** place.to_numpy(float)})
+
+
+def _guide(ax: Axes, rows: pd.DataFrame, panel: PanelSpec) -> None:
+    x, y = rows.columns[3], rows.columns[4]
+    for name, part in rows[rows["evidence"] == "virtual experiment"].groupby("series"):
+        own = panel.series.get(str(name))
+        if own is not None and own.colour is not None:
+            line = "dashed" if own.open else "solid"
+            ax.plot(part[x], part[y], color=f"C{own.colour}", linestyle=line, **GUIDE)
+
+
+def _plain_ticks(ax: Axes, panel: PanelSpec) -> None:
+    """Write speeds as plain numbers at the levels of the registry."""
+    ax.set_xticks(np.array(panel.x_ticks))
+    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    ax.xaxis.set_minor_formatter(NullFormatter())

@@ -1,0 +1,239 @@
+"""Fits of Eq. (34) to many data sets at once.
+
+The minimum that `microimpact.model.restitution_fit.fit_restitution` seeks, in the same variables
+and within the same bounds, for studies that need very many fits: one damped Gauss-Newton search
+(Levenberg and Marquardt) advances all data sets together, each with a damping of its own. What
+one data set gives does not depend on the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from microimpact.arrays import NON_NEGATIVE, POSITIVE, BoolArray, FloatArray, checked
+from microimpact.model.restitution_descent import Found, descend
+from microimpact.model.restitution_search import AT_REBOUND, CLOSEST, ON_BOUND, V_C, Q
+from microimpact.model.restitution_sets import (
+    BEST_STARTS,
+    DataSets,
+    bounds,
+    data_sets,
+    ranges,
+    searches,
+    stacked_sets,
+    start_points,
+)
+
+__all__ = [
+    "BatchFit",
+    "DataSets",
+    "data_sets",
+    "fit_batch",
+    "interval_batch",
+    "profile_batch",
+    "stacked_fits",
+    "stacked_sets",
+]
+
+# Steps in which an end of an interval is sought.
+STEPS = 8
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BatchFit:
+    """Fits of r data sets.
+
+    Attributes
+    ----------
+    parameters
+        k, p, kappa, q, v_c (r, 5); speeds in m/s.
+    chi_square
+        Weighted sum of squares (r,).
+    capture_on_bound
+        Whether v_c ended at 0, at the slowest rebounding speed or at a captured one (r,).
+    on_bound
+        Whether any free parameter ended on a bound (r,).
+    converged
+        Whether the search ended by its tolerance (r,).
+    """
+
+    parameters: FloatArray
+    chi_square: FloatArray
+    capture_on_bound: BoolArray
+    on_bound: BoolArray
+    converged: BoolArray
+
+    def take(self, rows: slice) -> BatchFit:
+        """Return some of the fits."""
+        return BatchFit(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
+
+    @property
+    def v_c(self) -> FloatArray:
+        """Capture velocities (r,), m/s."""
+        return self.parameters[:, V_C]
+
+
+def fit_batch(sets: DataSets, starts: int = 2) -> BatchFit:
+    """Fit Eq. (34) to every data set by weighted least squares.
+
+    Parameters
+    ----------
+    sets
+        From `data_sets`.
+    starts
+        Number of searches for each data set, 1 to 5; the lowest counts.
+
+    Raises
+    ------
+    ValueError
+        If ``starts`` is out of range.
+    """
+    if not 1 <= starts <= len(BEST_STARTS):
+        raise ValueError(f"starts must be 1 to {len(BEST_STARTS)}, got {starts}")
+    return stacked_fits([_fit_part(part, starts) for part in sets.parts()])
+
+
+def stacked_fits(fits: Sequence[BatchFit]) -> BatchFit:
+    """Return the fits of several batches as those of one."""
+    names = [field.name for field in fields(BatchFit)]
+    return BatchFit(
+        **{name: np.concatenate([getattr(fit, name) for fit in fits]) for name in names}
+    )
+
+
+def profile_batch(sets: DataSets, fit: BatchFit, v_c: ArrayLike) -> FloatArray:
+    """Return the least chi-square (r,) of every data set for a given v_c.
+
+    Parameters
+    ----------
+    sets, fit
+        The data and their fit, from which the search starts, beside one start of its own.
+    v_c
+        Capture velocity, one number or (r,), m/s; infinite chi-square where it is above the
+        slowest rebound.
+    """
+    given = np.broadcast_to(checked("v_c", v_c, NON_NEGATIVE), sets.unit.shape) / sets.unit
+    logs, gap = _logs(sets, fit), np.maximum(1.0 - given, CLOSEST)
+    chi_square, _ = _profile(sets, gap, logs, restart=True)
+    return np.where(given > 1.0, np.inf, chi_square)
+
+
+def interval_batch(sets: DataSets, fit: BatchFit, rise: ArrayLike) -> FloatArray:
+    """Return ends (r, 2) of the profile intervals of v_c, m/s.
+
+    An end is sought between the fit and the end of the admissible range, so a profile is taken to
+    rise on either side. An end that the range sets is 0 or the slowest rebound.
+
+    Parameters
+    ----------
+    sets, fit
+        The data and their fit.
+    rise
+        Admissible rise of chi-square above the minimum, positive, of a shape that broadcasts to
+        (r,).
+    """
+    limit = np.broadcast_to(np.sqrt(checked("rise", rise, POSITIVE)), sets.unit.shape)
+    best = np.maximum(1.0 - fit.v_c / sets.unit, CLOSEST)
+    ends = []
+    for outermost, end in ((np.ones_like(best), 0.0), (np.minimum(best, AT_REBOUND), 1.0)):
+        gap, held = _crossing(sets, fit, best, outermost, limit)
+        ends.append(np.where(held, end, 1.0 - gap))
+    return np.stack(ends, axis=1) * sets.unit[:, None]
+
+
+def _crossing(
+    sets: DataSets, fit: BatchFit, inside: FloatArray, outside: FloatArray, limit: FloatArray
+) -> tuple[FloatArray, BoolArray]:
+    """Gap (r,) at which the root of the rise of chi-square is the limit; whether it never is.
+
+    The root is nearly linear in v_c. False position, which halves the value at an end that stays
+    (Illinois), does not get caught where it is not.
+    """
+
+    def excess(
+        gap: FloatArray, logs: FloatArray, *, restart: bool
+    ) -> tuple[FloatArray, FloatArray]:
+        chi_square, found = _profile(sets, gap, logs, restart=restart)
+        return np.sqrt(np.maximum(chi_square - fit.chi_square, 0.0)) - limit, found
+
+    logs = _logs(sets, fit)
+    low, (high, _) = -limit, excess(outside, logs, restart=True)
+    held = high <= 0.0
+    high = np.maximum(high, np.finfo(float).tiny)
+    last = np.zeros(len(limit))
+    gap = inside
+    for _ in range(STEPS):
+        gap = (inside * high - outside * low) / (high - low)
+        value, found = excess(gap, logs, restart=False)
+        within = value <= 0.0
+        side = np.where(within, 1.0, -1.0)
+        high = np.where(within, np.where(last == side, 0.5 * high, high), value)
+        low = np.where(within, value, np.where(last == side, 0.5 * low, low))
+        inside, outside = np.where(within, gap, inside), np.where(within, outside, gap)
+        logs, last = np.where(within[:, None], found, logs), side
+    return gap, held
+
+
+def _fit_part(sets: DataSets, starts: int) -> BatchFit:
+    pieces = ranges(sets)
+    width = pieces.upper - pieces.lower
+    low, high = bounds(sets, pieces.owner, np.log(CLOSEST * width), np.log(width))
+    search = searches(sets, pieces.owner, pieces.upper)
+    points = (start_points(sets, pieces.owner, i, width) for i in BEST_STARTS[:starts])
+    found = _lowest([descend(search, point, low, high) for point in points])
+    # The lowest of all pieces of each data set.
+    order = np.lexsort((found.chi_square, pieces.owner))
+    piece = order[np.unique(pieces.owner[order], return_index=True)[1]]
+    x = found.x[piece]
+    near = (x - low[piece] < ON_BOUND) | (high[piece] - x < ON_BOUND)
+    gap, span = np.exp(x[:, V_C]), width[piece]
+    # As in the single fit: v_c is held to be on a bound much closer to it than the others.
+    near[:, V_C] = (gap < (1.0 + ON_BOUND) * CLOSEST * span) | (gap > (1.0 - CLOSEST) * span)
+    near[:, Q] &= sets.q is None
+    parameters = np.exp(x)
+    parameters[:, V_C] = np.maximum(pieces.upper[piece] - gap, pieces.lower[piece])
+    parameters[:, [0, 2, V_C]] *= sets.unit[:, None]
+    return BatchFit(
+        parameters=parameters,
+        chi_square=found.chi_square[piece],
+        capture_on_bound=near[:, V_C],
+        on_bound=np.asarray(near.any(axis=1)),
+        converged=found.converged[piece],
+    )
+
+
+def _profile(
+    sets: DataSets, gap: FloatArray, logs: FloatArray, *, restart: bool = False
+) -> tuple[FloatArray, FloatArray]:
+    """Least chi-square (r,) at v_c = 1 - gap, and ln(k, p, kappa, q) (r, 4) there."""
+    found, row = [], 0
+    for part in sets.parts():
+        rows = slice(row, row + len(part.unit))
+        row = rows.stop
+        owner, fixed = np.arange(len(part.unit)), np.log(gap[rows])
+        search = searches(part, owner, np.ones(len(owner)))
+        box = bounds(part, owner, fixed, fixed)
+        points = [np.column_stack([logs[rows], fixed])]
+        points += [start_points(part, owner, BEST_STARTS[0], np.exp(fixed))] if restart else []
+        found.append(_lowest([descend(search, point, *box) for point in points]))
+    chi_square = np.concatenate([part.chi_square for part in found])
+    return chi_square, np.concatenate([part.x[:, :V_C] for part in found])
+
+
+def _lowest(results: list[Found]) -> Found:
+    """Of searches in the same ranges, the lowest for each data set."""
+    best = np.argmin([result.chi_square for result in results], axis=0)
+    rows = np.arange(len(best))
+    return Found(*(np.stack(field)[best, rows] for field in zip(*results, strict=True)))
+
+
+def _logs(sets: DataSets, fit: BatchFit) -> FloatArray:
+    """ln(k, p, kappa, q) (r, 4) in units of the slowest rebound."""
+    parameters = fit.parameters[:, :V_C].copy()
+    parameters[:, [0, 2]] /= sets.unit[:, None]
+    logs: FloatArray = np.log(parameters)
+    return logs

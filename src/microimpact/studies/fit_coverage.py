@@ -1,0 +1,291 @@
+"""How well Eq. (34) finds the capture velocity from data that never reach capture (Section 3.3)."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from itertools import product
+from typing import Annotated
+
+import numpy as np
+import pandas as pd
+from pydantic import Field
+from scipy.special import chdtri, fdtri
+
+from microimpact.arrays import BoolArray, FloatArray
+from microimpact.model.restitution_batch import (
+    BatchFit,
+    DataSets,
+    data_sets,
+    fit_batch,
+    interval_batch,
+    profile_batch,
+    stacked_fits,
+    stacked_sets,
+)
+from microimpact.parameters import Count, Name, Positive
+from microimpact.studies._fit_intervals import Methods, Sample, intervals
+from microimpact.studies._fit_tables import figure_data, statements
+from microimpact.studies._fit_truths import (
+    MEASUREMENTS,
+    TRUTHS,
+    TruthName,
+    Truths,
+    Variant,
+    observed,
+    standard_deviations,
+    standard_noise,
+)
+from microimpact.studies._pairs import calibrated_contact
+
+AboveCapture = Annotated[float, Field(gt=1, allow_inf_nan=False)]
+Open = Annotated[float, Field(gt=0, lt=1)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params:
+    """The design: the first variant at all levels, the others at the reference levels.
+
+    Speeds are in capture velocities of the nominal sphere, so none may be 1 or less.
+    """
+
+    seed: Annotated[int, Field(ge=0)]
+    case: Name
+    particle: Name
+    surface: Name
+    fixed_exponent: Positive
+    lowest_speeds_in_v_c: tuple[AboveCapture, ...]
+    highest_speed_in_v_c: AboveCapture
+    noise_of_e: tuple[Positive, ...]
+    points: tuple[Annotated[int, Field(ge=8)], ...]
+    reference_noise_of_e: Positive
+    reference_points: Annotated[int, Field(ge=8)]
+    variants: tuple[Variant, ...]
+    sizes: Annotated[int, Field(ge=3)]
+    replicates: Count
+    interval_replicates: Count
+    starts: Annotated[int, Field(ge=1, le=5)]
+    confidence: Annotated[float, Field(ge=0.5, lt=1)]
+    tolerated_error: Open
+    methods: Methods
+
+    def __post_init__(self) -> None:
+        """Refuse a design without its reference, or with speeds out of order."""
+        for name in ("lowest_speeds_in_v_c", "noise_of_e", "points", "variants"):
+            if not getattr(self, name):
+                raise ValueError(f"{name}: must hold at least one value")
+        lowest = max(*self.lowest_speeds_in_v_c, *self.methods.lowest_speeds_in_v_c, 1.0)
+        if lowest >= self.highest_speed_in_v_c:
+            raise ValueError(
+                f"highest_speed_in_v_c: {self.highest_speed_in_v_c:g} must be above every lowest "
+                f"speed, of which the largest is {lowest:g}"
+            )
+        for name in ("noise_of_e", "points"):
+            reference, levels = getattr(self, f"reference_{name}"), getattr(self, name)
+            if reference not in levels:
+                raise ValueError(f"reference_{name}: {reference:g} must be one of {levels}")
+        for name in ("interval_replicates", "methods"):
+            value = getattr(self, name)
+            fewer = value.replicates if isinstance(value, Methods) else value
+            if fewer > self.replicates:
+                key = "methods.replicates" if isinstance(value, Methods) else name
+                raise ValueError(f"{key}: {fewer} must not exceed replicates, {self.replicates}")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cell:
+    """One combination of the factors; the exponent q is None where it is free."""
+
+    truth: TruthName
+    variant: Variant
+    noise: float
+    points: int
+    lowest: float
+    q: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Measured:
+    """Speeds (n,) in v_c, measured e (r, n), which are there, and the deviations (n,) assumed."""
+
+    ratio: FloatArray
+    e: FloatArray
+    present: BoolArray
+    deviation: FloatArray
+
+
+def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+    """Measure bias, error and coverage of v_c in every cell of the design.
+
+    Parameters
+    ----------
+    params
+        Parameters of the study.
+    inputs
+        ``calibration``, ``restitution_fits``: tables of those studies; ``materials``: declared
+        rows. The true Eq. (34) is the fit of the case with q fixed.
+
+    Returns
+    -------
+    mapping
+        ``fit_coverage``: errors of v_c and coverage of its profile interval, per cell.
+        ``fit_intervals``: coverage by method of interval. ``fit_coverage_statements``: what
+        follows, as quantities. ``capture_recovery``: data of the figure.
+
+    Raises
+    ------
+    ValueError
+        If noise hides so many rebounds that too few are left to fit.
+    """
+    truths = _truths(params, inputs)
+    table = _coverage(params, truths)
+    methods = pd.DataFrame(list(_method_rows(params, truths)))
+    reference = (params.variants[0].variant, params.reference_noise_of_e, params.reference_points)
+    return {
+        "fit_coverage": table,
+        "fit_intervals": methods,
+        "fit_coverage_statements": statements(table, methods, reference, params.tolerated_error),
+        "capture_recovery": figure_data(table, reference, params.confidence),
+    }
+
+
+def _truths(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Truths:
+    fits = inputs["restitution_fits"]
+    fit = fits[(fits["case"] == params.case) & (fits["exponent"] == "fixed")]
+    if fit.empty:
+        raise ValueError(f"case: {params.case!r} must be one with a fit in restitution_fits")
+    names = ("k_m_per_s", "p", "kappa_m_per_s", "q", "v_c_m_per_s")
+    k, p, kappa, q, v_c = (float(fit[name].iloc[0]) for name in names)
+    contact = calibrated_contact(inputs, params.case)
+    return Truths(contact=contact, constants=(k, p, kappa, q, v_c), sizes=params.sizes)
+
+
+def _coverage(params: Params, truths: Truths) -> pd.DataFrame:
+    """Rows of all cells. Intervals are sought for some fits, of many cells together."""
+    cells, rows = list(_cells(params)), []
+    parts: dict[tuple[int, float | None], list[tuple[int, DataSets, BatchFit]]] = defaultdict(list)
+    first = slice(0, params.interval_replicates)
+    for number, cell in enumerate(cells):
+        sets, fit = _fitted(params, truths, cell, params.replicates)
+        rows.append(_row(params, cell, sets, fit))
+        parts[cell.points, cell.q].append((number, sets.take(first), fit.take(first)))
+    limit = float(chdtri(1.0, 1.0 - params.confidence))
+    for part in parts.values():
+        numbers, some_sets, some_fits = zip(*part, strict=True)
+        ends = interval_batch(stacked_sets(some_sets), stacked_fits(some_fits), limit)
+        widths = np.diff(ends).reshape(len(part), -1)
+        for number, width in zip(numbers, widths, strict=True):
+            rows[number]["median_width"] = float(np.median(width))
+    return pd.DataFrame(rows)
+
+
+def _cells(params: Params) -> Iterator[Cell]:
+    for number, variant in enumerate(params.variants):
+        noise = params.noise_of_e if number == 0 else (params.reference_noise_of_e,)
+        points = params.points if number == 0 else (params.reference_points,)
+        factors = (
+            TRUTHS,
+            noise,
+            points,
+            params.lowest_speeds_in_v_c,
+            (None, params.fixed_exponent),
+        )
+        for truth, sigma, count, lowest, q in product(*factors):
+            yield Cell(truth=truth, variant=variant, noise=sigma, points=count, lowest=lowest, q=q)
+
+
+def _measured(params: Params, truths: Truths, cell: Cell, replicates: int) -> Measured:
+    ratio = np.geomspace(cell.lowest, params.highest_speed_in_v_c, cell.points)
+    curve = truths.mean_restitution(cell.truth, ratio, cell.variant)
+    deviation = standard_deviations(cell.noise, ratio, curve, cell.variant)
+    noise = standard_noise(params.seed, MEASUREMENTS, cell.points, replicates)
+    e, present = observed(curve, deviation * noise, cell.variant.selection)
+    assumed = deviation if cell.variant.weights == "true" else np.full(ratio.shape, cell.noise)
+    return Measured(ratio=ratio, e=e, present=present, deviation=assumed)
+
+
+def _fitted(
+    params: Params, truths: Truths, cell: Cell, replicates: int
+) -> tuple[DataSets, BatchFit]:
+    data = _measured(params, truths, cell, replicates)
+    try:
+        sets = data_sets(data.ratio, data.e, data.present / data.deviation, cell.q)
+    except ValueError as error:
+        raise ValueError(f"noise_of_e: {cell.noise:g} hides too many rebounds: {error}") from None
+    return sets, fit_batch(sets, params.starts)
+
+
+def _factors(cell: Cell) -> dict[str, object]:
+    return {
+        "truth": cell.truth,
+        "variant": cell.variant.variant,
+        "noise_of_e": cell.noise,
+        "points": cell.points,
+        "lowest_speed_in_v_c": cell.lowest,
+        "exponent": "free" if cell.q is None else "fixed",
+    }
+
+
+def _row(params: Params, cell: Cell, sets: DataSets, fit: BatchFit) -> dict[str, object]:
+    error = fit.v_c - 1.0
+    rise = profile_batch(sets, fit, 1.0) - fit.chi_square
+    limit = float(chdtri(1.0, 1.0 - params.confidence))
+    covered = np.mean(rise <= limit)
+    freedom = np.sum(sets.weight > 0.0, axis=1) - sets.free
+    variance = fit.chi_square / freedom
+    estimated = np.mean(rise <= variance * fdtri(1.0, freedom, params.confidence))
+    at_zero = fit.capture_on_bound & (fit.v_c < 0.5)
+    return {
+        **_factors(cell),
+        "replicates": params.replicates,
+        "bias": float(np.mean(error)),
+        "median_error": float(np.median(error)),
+        "rms_error": float(np.sqrt(np.mean(error**2))),
+        "coverage": float(covered),
+        "coverage_standard_error": _standard_error(float(covered), params.replicates),
+        "coverage_sigma_estimated": float(estimated),
+        "median_width": np.nan,
+        "width_replicates": params.interval_replicates,
+        "v_c_on_bound": float(np.mean(fit.capture_on_bound)),
+        "v_c_at_zero": float(np.mean(at_zero)),
+        "any_on_bound": float(np.mean(fit.on_bound)),
+        "converged": float(np.mean(fit.converged)),
+        "reduced_chi_square": float(np.mean(variance)),
+        "evidence": "virtual experiment",
+    }
+
+
+def _standard_error(share: float, count: int) -> float:
+    """Binomial standard error of a share; never zero, as a share of half a case more or less."""
+    inside = min(max(share, 0.5 / count), 1.0 - 0.5 / count)
+    return float(np.sqrt(inside * (1.0 - inside) / count))
+
+
+def _method_rows(params: Params, truths: Truths) -> Iterator[dict[str, object]]:
+    lowest = params.methods.lowest_speeds_in_v_c
+    for truth, speed, q in product(TRUTHS, lowest, (None, params.fixed_exponent)):
+        cell = Cell(
+            truth=truth,
+            variant=params.variants[0],
+            noise=params.reference_noise_of_e,
+            points=params.reference_points,
+            lowest=speed,
+            q=q,
+        )
+        sets, fit = _fitted(params, truths, cell, params.methods.replicates)
+        ratio = sets.v[0] * sets.unit[0]
+        sample = Sample(ratio=ratio, noise=cell.noise, sets=sets, fit=fit)
+        found = intervals(sample, params.methods, params.seed, params.confidence)
+        for method, ends in found.items():
+            covered = float(np.mean((ends[:, 0] <= 1.0) & (ends[:, 1] >= 1.0)))
+            yield {
+                **_factors(cell),
+                "method": method,
+                "replicates": params.methods.replicates,
+                "resamples": params.methods.resamples if "bootstrap" in method else 0,
+                "coverage": covered,
+                "coverage_standard_error": _standard_error(covered, params.methods.replicates),
+                "median_width": float(np.median(np.diff(ends))),
+                "evidence": "virtual experiment",
+            }
