@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
@@ -15,7 +17,7 @@ from pydantic import Field
 from scipy import special
 
 from microimpact.arrays import FloatArray
-from microimpact.parameters import Finite, NonNegative, Positive
+from microimpact.parameters import Finite, Name, NonNegative, Positive
 
 # Uniform numbers stay this far inside (0, 1): the quantiles of 0 and 1 may be infinite.
 SMALLEST_PROBABILITY = 2.0**-54
@@ -169,13 +171,68 @@ class Sample:
 
     def quantile(self, u: FloatArray) -> FloatArray:
         """Return the values below which a share ``u`` of all draws lies."""
-        ordered = np.sort(np.asarray(self.values_seen, dtype=float))
-        index = np.minimum((np.asarray(u) * ordered.size).astype(int), ordered.size - 1)
-        return np.asarray(ordered[index])
+        return _drawn_from(np.sort(np.asarray(self.values_seen, dtype=float)), u)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SampleFile:
+    """Values measured elsewhere, in a file, drawn with replacement.
+
+    The file holds one number per line; what follows a ``#`` is a comment.
+    """
+
+    path: Name
+    kind: Literal["sample_file"] = "sample_file"
+
+    def __post_init__(self) -> None:
+        """Refuse a file that is missing, empty or not of that form."""
+        _values_in(self.path)
+
+    def quantile(self, u: FloatArray) -> FloatArray:
+        """Return the values below which a share ``u`` of all draws lies."""
+        return _drawn_from(_values_in(self.path), u)
+
+
+def _drawn_from(ordered: FloatArray, u: FloatArray) -> FloatArray:
+    index = np.minimum((np.asarray(u) * ordered.size).astype(int), ordered.size - 1)
+    return np.asarray(ordered[index])
+
+
+@cache
+def _values_in(path: str) -> FloatArray:
+    """Values of a sample file in ascending order."""
+    try:
+        lines = Path(path).read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise ValueError(f"path: {path}: cannot be read as text: {error}") from None
+    values = []
+    for number, line in enumerate(lines, start=1):
+        text = line.partition("#")[0].strip()
+        if not text:
+            continue
+        try:
+            values.append(float(text))
+        except ValueError:
+            values.append(math.nan)
+        if not math.isfinite(values[-1]):
+            raise ValueError(f"path: {path}, line {number}: {text!r} must be one finite number")
+    if not values:
+        raise ValueError(f"path: {path}: must hold at least one number, got none")
+    ordered = np.sort(np.asarray(values))
+    ordered.setflags(write=False)
+    return ordered
 
 
 Distribution = Annotated[
-    Constant | Uniform | Normal | TruncatedNormal | HalfNormal | LogNormal | Histogram | Sample,
+    Constant
+    | Uniform
+    | Normal
+    | TruncatedNormal
+    | HalfNormal
+    | LogNormal
+    | Histogram
+    | Sample
+    | SampleFile,
     Field(discriminator="kind"),
 ]
 

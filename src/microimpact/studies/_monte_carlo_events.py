@@ -1,0 +1,168 @@
+"""Estimates over ensembles of impacts.
+
+Events come in replicates: batches of a fixed size, each with random numbers of its own. A replicate
+is a pure function of the ensemble, the angle and its number, so that neither the order in which
+replicates are computed nor the place matters; only one is held in memory. The scatter of their
+means gives the error of every estimate, whatever the method of sampling.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from microimpact.arrays import BoolArray, FloatArray
+from microimpact.lab.distributions import Distribution, generator
+from microimpact.lab.sampling import joint_shares
+from microimpact.lab.slopes import STEEPEST, HitSlopes
+from microimpact.model.facets import facet_normals
+from microimpact.studies._monte_carlo import Draws, Ensemble
+
+# Columns of the sums of a replicate.
+FACING_AWAY, CAPTURED, NOT_LEAVING, ACCEPTED, E, E_SQUARED, MU, MU_SQUARED = range(8)
+
+
+class Estimate(NamedTuple):
+    """Means over accepted events, standard errors of these, standard deviations of events.
+
+    The impulse ratio is -mu, as drawn in the article. Shares are of all events.
+    """
+
+    restitution: float
+    restitution_error: float
+    restitution_sd: float
+    impulse_ratio: float
+    impulse_ratio_error: float
+    impulse_ratio_sd: float
+    accepted: float
+    facing_away: float
+    captured: float
+    not_leaving: float
+
+
+def estimate(ensemble: Ensemble, angle_deg: float, key: int = 0) -> Estimate:
+    """Return measured coefficients at one nominal angle.
+
+    Parameters
+    ----------
+    ensemble
+        The ensemble.
+    angle_deg
+        Nominal angle of incidence from the surface.
+    key
+        Number of the random streams: other keys, independent estimates.
+    """
+    sums = [
+        replicate_sums(ensemble, angle_deg, key, number)
+        for number in range(ensemble.plan.replicates)
+    ]
+    return summary(np.stack(sums), ensemble.plan.events)
+
+
+def summary(sums: FloatArray, events: int) -> Estimate:
+    """Return the estimate of replicates, in their order; means are NaN if no event is accepted."""
+    total = sums.sum(axis=0)
+    shares = total / (len(sums) * events)
+    if not total[ACCEPTED]:
+        return Estimate(*[np.nan] * 6, *(float(shares[i]) for i in (3, 0, 1, 2)))
+    numbers: list[float] = []
+    for first, squares in ((E, E_SQUARED), (MU, MU_SQUARED)):
+        average = total[first] / total[ACCEPTED]
+        # Scatter of a ratio of sums, as the number accepted varies between replicates.
+        scatter = sums[:, first] - average * sums[:, ACCEPTED]
+        error = np.sqrt(np.sum(scatter**2) * len(sums) / (len(sums) - 1)) / total[ACCEPTED]
+        variance = total[squares] / total[ACCEPTED] - average**2
+        numbers += [float(average), float(error), float(np.sqrt(max(variance, 0.0)))]
+    return Estimate(*numbers, *(float(shares[i]) for i in (3, 0, 1, 2)))
+
+
+def replicate_sums(ensemble: Ensemble, angle_deg: float, key: int, number: int) -> FloatArray:
+    """Return counts of rejections, and sums of e and -mu and of their squares, shape (8,)."""
+    plan, distributions = ensemble.plan, ensemble.process.distributions
+    shares = joint_shares(
+        distributions | _further_slopes(ensemble),
+        plan.events,
+        generator(ensemble.seed[0], *ensemble.seed[1:], key, number),
+        correlation=ensemble.correlation,
+        method=plan.method,
+        generator=plan.generator,
+    )
+    draws = {name: d.quantile(shares[name]) for name, d in distributions.items()}
+    before, spin_speed = _approach(draws, angle_deg)
+    after, faced, captured = _contacts(ensemble, shares, draws, before, spin_speed)
+    left = after[:, 2] > 0.0 if ensemble.rules.must_leave else np.ones_like(faced)
+    accepted = faced & ~captured & left
+    change = after[accepted] - before[accepted]
+    e, mu = -after[accepted, 2] / before[accepted, 2], -change[:, 0] / change[:, 2]
+    counts = (~faced, faced & captured, faced & ~captured & ~left, accepted)
+    sums = (np.sum(values) for values in (*counts, e, e**2, mu, mu**2))
+    return np.array([float(value) for value in sums])
+
+
+def _approach(draws: Draws, angle_deg: float) -> tuple[FloatArray, FloatArray]:
+    """Velocity and r omega before impact, in the frame of the nominal surface, shape (n, 3)."""
+    angle, speed = np.radians(angle_deg + draws["angle_offset_deg"]), draws["speed_m_per_s"]
+    none = np.zeros_like(speed)
+    velocity = np.stack([speed * np.cos(angle), none, -speed * np.sin(angle)], axis=1)
+    return velocity, np.stack([none, draws["spin_ratio"] * speed, none], axis=1)
+
+
+def _further_slopes(ensemble: Ensemble) -> dict[str, Distribution]:
+    """Slopes of the facets after the first, independent of all else."""
+    return {
+        _name(axis, contact): getattr(ensemble.process, axis)
+        for contact in range(1, ensemble.rules.most_contacts)
+        for axis in ("slope", "cross_slope")
+    }
+
+
+def _name(axis: str, contact: int) -> str:
+    return f"{axis}, contact {contact + 1}" if contact else axis
+
+
+def _contacts(
+    ensemble: Ensemble,
+    shares: Draws,
+    draws: Draws,
+    velocity: FloatArray,
+    spin_speed: FloatArray,
+) -> tuple[FloatArray, BoolArray, BoolArray]:
+    """Velocity after the last contact, who met a facet at all, and who stays."""
+    velocity, spin_speed = velocity.copy(), spin_speed.copy()
+    faced, captured = np.zeros((2, len(velocity)), dtype=bool)
+    moving = np.flatnonzero(velocity[:, 2] < 0.0)
+    for contact in range(ensemble.rules.most_contacts):
+        normal = _facets(
+            ensemble,
+            velocity[moving],
+            shares[_name("slope", contact)][moving],
+            shares[_name("cross_slope", contact)][moving],
+        )
+        into = np.vecdot(velocity[moving], normal)
+        if not ensemble.rules.must_face:
+            normal, into = -np.sign(into)[:, None] * normal, -np.abs(into)
+        moving, normal = moving[into < 0.0], normal[into < 0.0]
+        faced[moving] = True
+        local = {name: values[moving] for name, values in draws.items()}
+        rebound = ensemble.impact(local, velocity[moving], spin_speed[moving], normal)
+        velocity[moving], spin_speed[moving], captured[moving] = rebound
+        moving = moving[~rebound.captured & (rebound.velocity[:, 2] <= 0.0)]
+        if not moving.size:
+            break
+    return velocity, faced, captured
+
+
+def _facets(
+    ensemble: Ensemble, velocity: FloatArray, along: FloatArray, across: FloatArray
+) -> FloatArray:
+    """Normals of the facets met, from the shares of their slopes; shape (n, 3)."""
+    process = ensemble.process
+    if ensemble.rules.flux_weighted:
+        speed = np.hypot(velocity[:, 0], velocity[:, 1])
+        # Upright motion meets all facets alike; no slope can be hit where none faces the sphere.
+        tangent = -velocity[:, 2] / np.maximum(speed, np.finfo(float).tiny)
+        slope = np.maximum(HitSlopes.of(process.slope).quantile(along, tangent), -STEEPEST)
+    else:
+        slope = process.slope.quantile(along)
+    return facet_normals(velocity, slope, process.cross_slope.quantile(across))

@@ -1,0 +1,34 @@
+"""Monte Carlo analysis of impacts on a rough surface (Section 4.2)."""
+
+
+def sample_files(node):
+    """Return the files of measured values that a branch draws from."""
+    if isinstance(node, list):
+        return [path for item in node for path in sample_files(item)]
+    if not isinstance(node, dict):
+        return []
+    own = [node["path"]] if node.get("kind") == "sample_file" else []
+    return own + sample_files(list(node.values()))
+
+
+rule monte_carlo:
+    """data/fig23.csv; tables/monte_carlo*.csv and slope_inference.csv."""
+    input:
+        code=study_code("monte_carlo") + sample_files(SETTINGS.branches["monte_carlo"]),
+        calibration="<results>/tables/calibration.csv",
+    output:
+        fig23="<results>/data/fig23.csv",
+        monte_carlo="<results>/tables/monte_carlo.csv",
+        monte_carlo_sampling="<results>/tables/monte_carlo_sampling.csv",
+        monte_carlo_ablation="<results>/tables/monte_carlo_ablation.csv",
+        monte_carlo_statements="<results>/tables/monte_carlo_statements.csv",
+        slope_inference="<results>/tables/slope_inference.csv",
+    log:
+        "<results>/logs/monte_carlo.log",
+    benchmark:
+        "<results>/benchmarks/monte_carlo.tsv"
+    params:
+        branch=lookup(dpath="monte_carlo", within=SETTINGS.branches),
+        rows=ROWS["monte_carlo"],
+    script:
+        "../scripts/run_study.py"
