@@ -29,6 +29,13 @@ include: "workflow/rules/models.smk"
 include: "workflow/rules/impact.smk"
 include: "workflow/rules/estimation.smk"
 include: "workflow/rules/capture.smk"
+include: "workflow/rules/coverage.smk"
+include: "workflow/rules/design.smk"
+include: "workflow/rules/experiments.smk"
+include: "workflow/rules/roughness.smk"
+include: "workflow/rules/laboratory.smk"
+include: "workflow/rules/schematics.smk"
+include: "workflow/rules/monte_carlo.smk"
 include: "workflow/rules/figures.smk"
 
 

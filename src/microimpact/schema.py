@@ -1,4 +1,4 @@
-"""JSON schemas (draft 2020-12) of the configuration, of overlays and of the figure registry.
+"""JSON schemas (draft 2020-12) of configuration, overlays, figure registry and claims.
 
 They are generated from the same dataclasses that check the files, for editors and for readers:
 
@@ -18,10 +18,14 @@ from pydantic import TypeAdapter
 from microimpact.config import General, study_names, study_params
 from microimpact.figures.registry import FIGURE_NAME, FigureSpec
 from microimpact.files import write_file
+from microimpact.ledgers.criteria import CLAIM_NAME, Claim
 from microimpact.parameters import adapter
 from microimpact.provenance import EVIDENCE
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
+
+# How a schema says that one of several things may stand somewhere.
+UNIONS = ("anyOf", "oneOf")
 
 Schema = dict[str, Any]
 
@@ -32,6 +36,7 @@ def schemas() -> dict[str, Schema]:
         "config.schema.json": config_schema(complete=True),
         "overlay.schema.json": config_schema(complete=False),
         "figures.schema.json": figures_schema(),
+        "claims.schema.json": claims_schema(),
     }
 
 
@@ -83,6 +88,22 @@ def figures_schema() -> Schema:
     }
 
 
+def claims_schema() -> Schema:
+    """Return the schema of the file of claims."""
+    entry = adapter(Claim).json_schema()
+    definitions = entry.pop("$defs", {})
+    entry = _resolved(entry, definitions)
+    entry["properties"].pop("id")
+    entry["required"].remove("id")
+    return {
+        "$schema": DIALECT,
+        "title": "Claims of the article",
+        "type": "object",
+        "additionalProperties": False,
+        "patternProperties": {CLAIM_NAME: entry},
+    }
+
+
 def _resolved(node: Any, definitions: Schema) -> Any:
     """Replace references by what they refer to; leave out generated titles and defaults."""
     if isinstance(node, list):
@@ -102,17 +123,27 @@ def _resolved(node: Any, definitions: Schema) -> Any:
 
 def _declarable(node: Schema, complete: bool) -> Schema:
     """Let every number or choice below an object stand bare or with its provenance."""
+    for union in UNIONS:
+        if union in node and _structured(node):
+            return {**node, union: [_declarable(member, complete) for member in node[union]]}
     if node.get("type") == "object" and "properties" in node:
         inner = {name: _declarable(v, complete) for name, v in node["properties"].items()}
         node = {**node, "properties": inner}
         if not complete:
             node.pop("required", None)
         return node
-    if "properties" in node.get("items", {}):
+    if _structured(node.get("items", {})):
         return {**node, "items": _declarable(node["items"], complete)}
     if node.get("type") == "string" and "enum" not in node:
         return node
     return {"anyOf": [node, _declaration(node, complete)]}
+
+
+def _structured(node: Schema) -> bool:
+    """Tell whether an object with keys of its own may stand there."""
+    return "properties" in node or any(
+        _structured(member) for union in UNIONS for member in node.get(union, [])
+    )
 
 
 def _declaration(node: Schema, complete: bool) -> Schema:

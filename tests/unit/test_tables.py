@@ -91,9 +91,9 @@ def test_a_pair_and_an_anchor_that_are_not_declared_are_refused():
     root = Path(__file__).parents[2] / "config"
     files = ("materials.csv", "contacts.csv", "printed_values.csv")
     declared = selection.read_all(*(str(root / name) for name in files))
-    pair = {"particle": "stainless-steel-316", "surface": "glass"}
+    pair = {"particle": "stainless-steel-316", "surface": "mica"}
     with pytest.raises(
-        selection.SelectionError, match="no rows for 'stainless-steel-316 on glass'"
+        selection.SelectionError, match="no rows for 'stainless-steel-316 on mica'"
     ):
         declared.named_in(pair)
     with pytest.raises(selection.SelectionError, match="no rows for 'friction'"):

@@ -37,11 +37,12 @@ class RegistryError(ValueError):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SeriesSpec:
-    """How one series is called in the legend and drawn."""
+    """How one series is called in the legend and drawn; marks are solid unless `open`."""
 
     label: Name
     line: Literal["solid", "dashed", "dotted", "dashdot"] = "solid"
     colour: Annotated[int, Field(ge=0, le=6)] | None = None
+    open: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

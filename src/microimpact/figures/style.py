@@ -31,6 +31,7 @@ EVIDENCE: dict[str, dict[str, Any]] = {
     "printed": {"linestyle": "none", "marker": "D", "markerfacecolor": "white"},
     "virtual experiment": {"linestyle": "none", "marker": "o"},
     "digitised": {"linestyle": "none", "marker": "x"},
+    "assumed": {"linestyle": "none", "marker": "+"},
 }
 EVIDENCE_LABEL = {
     "computed": "computed",
@@ -38,6 +39,7 @@ EVIDENCE_LABEL = {
     "printed": "printed in the article",
     "virtual experiment": "virtual experiment",
     "digitised": "digitised from the article",
+    "assumed": "assumed",
 }
 
 
@@ -93,6 +95,11 @@ def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> No
     rows = table[table["panel"] == (panel.shows or name)]
     if rows.empty:
         raise ValueError(f"figure data: no rows for panel {name!r}")
+    log_x, log_y = ax.get_xscale() == "log", ax.get_yscale() == "log"
+    ax.set_xlim(widened(ax.get_xlim(), rows[x].to_numpy(float), log=log_x))
+    if not panel.fixed:
+        heights = rows[[y, "y_low", "y_high"]].to_numpy(float)
+        ax.set_ylim(widened(ax.get_ylim(), heights, log=log_y))
     present = dict.fromkeys(rows["series"])
     names = [s for s in panel.series if s in present]
     names += [s for s in present if s not in panel.series]
@@ -101,13 +108,8 @@ def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> No
         colour = f"C{number if own.colour is None else own.colour}"
         label: str | None = own.label
         for evidence, part in rows[rows["series"] == series].groupby("evidence", sort=False):
-            _draw_series(ax, part, (x, y), str(evidence), own.line, colour, label)
+            _draw_series(ax, part, (x, y), str(evidence), own, colour, label)
             label = None  # one entry per series; the key below the figure names the evidence
-    log_x, log_y = ax.get_xscale() == "log", ax.get_yscale() == "log"
-    ax.set_xlim(widened(ax.get_xlim(), rows[x].to_numpy(float), log=log_x))
-    if not panel.fixed:
-        heights = rows[[y, "y_low", "y_high"]].to_numpy(float)
-        ax.set_ylim(widened(ax.get_ylim(), heights, log=log_y))
     place = panel.legend_place
     if place == "above" or place == "none":  # noqa: PLR1714 (a set would not narrow the type)
         return
@@ -135,7 +137,7 @@ def _draw_series(
     rows: pd.DataFrame,
     columns: tuple[str, str],
     evidence: str,
-    line: str,
+    spec: SeriesSpec,
     colour: str,
     label: str | None,
 ) -> None:
@@ -143,11 +145,17 @@ def _draw_series(
     look = {**EVIDENCE[evidence], "color": colour}
     is_line = look["linestyle"] != "none"
     if is_line:
-        look["linestyle"] = line
+        look["linestyle"] = spec.line
+    elif spec.open:
+        look["markerfacecolor"] = "white"
     bounds = rows[["y_low", "y_high"]].to_numpy(float).T
     error = None if np.isnan(bounds).any() else np.abs(bounds - y)
-    # A mark that lies on the frame is shown whole.
-    ax.errorbar(x, y, yerr=error, label=label, clip_on=is_line, zorder=3, **look)
+    # A mark that lies on the frame is shown whole; one beyond it, and the bars, end at the frame.
+    low, high = ax.get_ylim()
+    marks = y if is_line else np.where((y < low) | (y > high), np.nan, y)
+    drawn = ax.errorbar(x, marks, yerr=error, label=label, clip_on=is_line, zorder=3, **look)
+    for bar in (*drawn.lines[1], *drawn.lines[2]):
+        bar.set_clip_on(True)
 
 
 def shade_capture(ax: Axes, limit: float) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,6 +62,11 @@ class Falling:
     position: FloatArray
     velocity: FloatArray
     spin: FloatArray
+
+    def within(self, distance: float) -> Falling:
+        """Return those that arrive no further than a distance (m) from the middle."""
+        near = np.hypot(self.position[:, 0], self.position[:, 1]) <= distance
+        return Falling(**{name: getattr(self, name)[near] for name in self.__dataclass_fields__})
 
 
 def drop_height(speed: float, dispenser: Dispenser) -> float:
@@ -134,11 +140,10 @@ def release(
 
 def _arrivals(n: int, dispenser: Dispenser, rng: np.random.Generator) -> FloatArray:
     """Times of n arrivals in s, in order: taps at a steady rate, each freeing a few particles."""
-    taps: list[FloatArray] = []
-    found, tap = 0, 0
-    while found < n:
-        freed = rng.poisson(dispenser.particles_per_tap)
-        delay = dispenser.release_delay_ms * 1e-3 * rng.standard_exponential(freed)
-        taps.append(tap / dispenser.taps_per_s + delay)
-        found, tap = found + freed, tap + 1
-    return np.sort(np.concatenate(taps)[:n])
+    freed = np.zeros(0, dtype=np.int64)
+    while freed.sum() < n:
+        taps = math.ceil(n / dispenser.particles_per_tap)
+        freed = np.concatenate([freed, rng.poisson(dispenser.particles_per_tap, taps)])
+    tap = np.repeat(np.arange(freed.size), freed)[:n]
+    delay = dispenser.release_delay_ms * 1e-3 * rng.standard_exponential(n)
+    return np.sort(tap / dispenser.taps_per_s + delay)

@@ -51,6 +51,10 @@ class Impacts:
     def __len__(self) -> int:
         return len(self.time)
 
+    def select(self, which: slice | IntArray | BoolArray) -> Impacts:
+        """Return some of the impacts."""
+        return Impacts(**{name: getattr(self, name)[which] for name in self.__dataclass_fields__})
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Measured:
@@ -73,6 +77,10 @@ class Measured:
 
     def __len__(self) -> int:
         return len(self.event)
+
+    def select(self, which: slice | IntArray | BoolArray) -> Measured:
+        """Return some of the events."""
+        return Measured(**{name: getattr(self, name)[which] for name in self.__dataclass_fields__})
 
     @property
     def coefficient_of_restitution(self) -> FloatArray:

@@ -47,6 +47,7 @@ def true_impacts(
     dispenser: Dispenser,
     spin: InitialSpin,
     rng: np.random.Generator,
+    within: float = np.inf,
 ) -> Impacts:
     """Drop n particles and let them hit the target.
 
@@ -66,6 +67,9 @@ def true_impacts(
         Spreads of release and of initial spin.
     rng
         Source of the draws.
+    within
+        Particles that arrive further than this (m) from the middle are out of sight of any
+        instrument and left out.
     """
     falling = release(
         n,
@@ -75,7 +79,7 @@ def true_impacts(
         dispenser=dispenser,
         spin=spin,
         rng=rng,
-    )
+    ).within(within)
     rebound = collide(
         resized(target.contact, falling.diameter),
         falling.velocity,

@@ -1,7 +1,8 @@
-"""What the chopped light sheet shows of one sphere: pieces of its path, pulse by pulse."""
+"""What the chopped light sheet shows of spheres: pieces of their paths, pulse by pulse."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,18 +14,21 @@ from microimpact.lab.events import Impacts, IntArray
 from microimpact.lab.ptis import Setup, Systematics
 
 INCIDENT, REBOUND, LATER = 0, 1, 2
+LEGS = 3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Flight:
-    """Path of a sphere's centre in three legs: falling, rebounding, and after a second bounce.
+    """Paths of the centres of n spheres: falling, rebounding, and after a second bounce.
+
+    Leg 3 i + `INCIDENT`, `REBOUND` or `LATER` is of sphere i.
 
     Attributes
     ----------
     begin, end
-        Of each leg, s after impact, shape (3,); an empty leg ends where it begins.
+        Of each leg, s after impact, shape (3 n,); an empty leg ends where it begins.
     start, origin, velocity
-        Each leg passes `origin` (3, 3), m, with `velocity` (3, 3), m/s, at the time `start` (3,).
+        Each leg passes `origin` (3 n, 3), m, with `velocity` (3 n, 3), m/s, at the time `start`.
     gravity
         m/s2, shape (3,).
     """
@@ -43,37 +47,48 @@ class Flight:
 
 
 def flight(impacts: Impacts, i: int, setup: Setup) -> Flight:
-    """Return the path of one sphere.
+    """Return the path of one sphere."""
+    return flights(impacts.select(slice(i, i + 1)), setup)
+
+
+def flights(impacts: Impacts, setup: Setup) -> Flight:
+    """Return the paths of all spheres.
 
     No sphere was ever slower than at rest: the first leg begins where it would have been. A
     second bounce is taken to keep the share of the normal velocity that the first one kept.
     """
     pull = setup.gravity
-    before, after = impacts.velocity[i], impacts.rebound_velocity[i]
-    fallen = max(float(before @ pull), 0.0) / gravity**2
-    aloft = 0.0 if impacts.captured[i] else 2.0 * after[2] / -pull[2]
-    kept = after[2] / -before[2]
-    origin = np.array([*impacts.position[i], 0.5 * impacts.diameter[i]])
-    landing = origin + after * aloft + 0.5 * pull * aloft**2
-    again = (after + pull * aloft) * [1.0, 1.0, -kept]
+    before, after = impacts.velocity, impacts.rebound_velocity
+    fallen = np.maximum(before @ pull, 0.0) / gravity**2
+    aloft = np.where(impacts.captured, 0.0, 2.0 * after[:, 2] / -pull[2])
+    kept = after[:, 2] / -before[:, 2]
+    origin = np.column_stack([impacts.position, 0.5 * impacts.diameter])
+    time, never = aloft[:, None], np.zeros(len(impacts))
+    landing = origin + after * time + 0.5 * pull * time**2
+    again = after + pull * time
+    again[:, 2] *= -kept
+
+    def legs(*of: FloatArray) -> FloatArray:
+        return np.stack(of, axis=1).reshape(LEGS * len(impacts), *of[0].shape[1:])
+
     return Flight(
-        begin=np.array([-fallen, 0.0, aloft]),
-        end=np.array([0.0, aloft, aloft * (1.0 + kept)]),
-        start=np.array([0.0, 0.0, aloft]),
-        origin=np.stack([origin, origin, landing]),
-        velocity=np.stack([before, after, again]),
+        begin=legs(-fallen, never, aloft),
+        end=legs(never, aloft, aloft * (1.0 + kept)),
+        start=legs(never, never, aloft),
+        origin=legs(origin, origin, landing),
+        velocity=legs(before, after, again),
         gravity=pull,
     )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Exposure:
-    """What each pulse lights of the path of one sphere, m pieces in order of time.
+    """What each pulse lights of the paths of n spheres: m pieces, by sphere and in order of time.
 
     Attributes
     ----------
     leg
-        `INCIDENT`, `REBOUND` or `LATER`.
+        Of the `flight`, shape (m,).
     start, end
         s after impact; of the part in the sheet (none if not `start` < `end`), in whatever field.
     whole
@@ -85,11 +100,11 @@ class Exposure:
     in_field
         True where the pulse lies in the field that holds the impact.
     field
-        Beginning and end of that field, s after impact.
+        Beginning and end of that field, s after impact, each of shape (n,).
     peak
-        Grey level of the brightest dash above the background.
+        Grey level of the brightest dash above the background, shape (n,).
     flight
-        The path.
+        The paths.
     """
 
     leg: IntArray
@@ -99,9 +114,17 @@ class Exposure:
     in_sheet: BoolArray
     in_view: BoolArray
     in_field: BoolArray
-    field: tuple[float, float]
-    peak: float
+    field: tuple[FloatArray, FloatArray]
+    peak: FloatArray
     flight: Flight
+
+    def __len__(self) -> int:
+        return len(self.peak)
+
+    @property
+    def event(self) -> IntArray:
+        """Whose each piece is, shape (m,)."""
+        return self.leg // LEGS
 
 
 def expose(
@@ -126,22 +149,41 @@ def expose(
     jitter
         Whether the pulses come at irregular times.
     """
+    return exposures(impacts.select(slice(i, i + 1)), setup, errors, [rng], jitter=jitter)
+
+
+def exposures(
+    impacts: Impacts,
+    setup: Setup,
+    errors: Systematics,
+    rngs: Sequence[Generator],
+    *,
+    jitter: bool = True,
+) -> Exposure:
+    """Light all events, as `expose` does one; each draws from its own generator."""
     instrument = setup.instrument
     rate, exposure = setup.chop_rate * (1.0 + errors.rate), 1.0 / instrument.fields_per_s
-    begin = -exposure * rng.random()
-    phase = rng.random()
-    peak = rng.uniform(instrument.least_peak_counts, instrument.largest_peak_counts)
     most = int(np.ceil(exposure * rate)) + 1
-    noise = instrument.jitter * rng.standard_normal(2 * most + 1) * jitter
-    opens = ((np.arange(-most, most + 1) + phase + noise) / rate)[:, None]
-    closes = opens + instrument.duty / rate
-    path = flight(impacts, i, setup)
-    number, leg = np.nonzero(np.maximum(opens, path.begin) < np.minimum(closes, path.end))
-    opens, closes = opens[number, 0], closes[number, 0]
+    uniform, noise = np.empty((len(impacts), 3)), np.empty((len(impacts), 2 * most + 1))
+    for i, rng in enumerate(rngs):
+        rng.random(out=uniform[i])
+        rng.standard_normal(out=noise[i])
+    begin, phase = -exposure * uniform[:, 0], uniform[:, 1:2]
+    least, largest = instrument.least_peak_counts, instrument.largest_peak_counts
+    peak = least + (largest - least) * uniform[:, 2]
+    pulse = np.arange(-most, most + 1) + phase + instrument.jitter * noise * jitter
+    opening = pulse / rate
+    closing = opening + instrument.duty / rate
+    path = flights(impacts, setup)
+    first, last = (time.reshape(-1, 1, LEGS) for time in (path.begin, path.end))
+    lit = np.maximum(opening[..., None], first) < np.minimum(closing[..., None], last)
+    event, number, leg = np.nonzero(lit)
+    opens, closes = opening[event, number], closing[event, number]
+    leg = LEGS * event + leg
     begins, ends = np.maximum(opens, path.begin[leg]), np.minimum(closes, path.end[leg])
     entry, leaving = _in_sheet(path, 0.5e-3 * instrument.sheet_thickness_mm)
     start, end = np.maximum(begins, entry[leg]), np.minimum(ends, leaving[leg])
-    spot = 0.5 * impacts.diameter[i] / setup.pixel + 1.5 * instrument.blur_px
+    spot = 0.5 * impacts.diameter[event] / setup.pixel + 1.5 * instrument.blur_px
     return Exposure(
         leg=leg,
         start=start,
@@ -151,7 +193,7 @@ def expose(
         in_view=np.all(
             [_inside(setup, errors, path.at(leg, t), spot) for t in (start, end)], axis=0
         ),
-        in_field=(opens >= begin) & (closes <= begin + exposure),
+        in_field=(opens >= begin[event]) & (closes <= begin[event] + exposure),
         field=(begin, begin + exposure),
         peak=peak - instrument.background_counts,
         flight=path,
@@ -169,8 +211,10 @@ def _in_sheet(path: Flight, half: float) -> tuple[FloatArray, FloatArray]:
     return np.clip(entry, path.begin, path.end), np.clip(leaving, path.begin, path.end)
 
 
-def _inside(setup: Setup, errors: Systematics, position: FloatArray, margin: float) -> BoolArray:
-    place = setup.columns_rows(position, errors)
+def _inside(
+    setup: Setup, errors: Systematics, position: FloatArray, margin: FloatArray
+) -> BoolArray:
+    place, margin = setup.columns_rows(position, errors), margin[:, None]
     size = np.asarray(setup.instrument.frame_px)
     inside: BoolArray = np.all((place >= margin) & (place <= size - 1 - margin), axis=-1)
     return inside

@@ -47,7 +47,24 @@ def render(
         Grey levels, shape (rows, columns); half the rows where the camera interlaces.
     """
     exposure = expose(impacts, i, setup, errors, rng)
-    light = image(exposure, float(impacts.diameter[i]), setup, errors)
+    return photograph(exposure, float(impacts.diameter[i]), setup, errors, rng)
+
+
+def photograph(
+    exposure: Exposure, diameter: float, setup: Setup, errors: Systematics, rng: Generator
+) -> NDArray[np.uint8]:
+    """Return the frame, as `render` does, of the exposure of one event.
+
+    Parameters
+    ----------
+    exposure
+        Drawn with the generator of the event.
+    diameter
+        Of the sphere, m.
+    setup, errors, rng
+        As in `render`.
+    """
+    light = image(exposure, diameter, setup, errors)
     instrument = setup.instrument
     if instrument.interlace:
         light = 0.5 * (light[::2] + light[1::2])

@@ -11,8 +11,8 @@ from numpy.random import Generator
 
 from microimpact.arrays import FloatArray
 from microimpact.lab.events import Impacts, IntArray, Measured
-from microimpact.lab.exposure import INCIDENT, REBOUND, Exposure, expose
-from microimpact.lab.frames import render
+from microimpact.lab.exposure import INCIDENT, LEGS, REBOUND, Exposure, expose
+from microimpact.lab.frames import photograph
 from microimpact.lab.ptis import Setup, Systematics, draw_systematics, event_generator
 from microimpact.lab.track_fit import Rejection
 from microimpact.lab.tracks import measure
@@ -94,19 +94,24 @@ def _observed(
     """Return the velocities of one event, as in `Track`, or why there are none."""
     if impacts.captured[i]:
         return CAPTURED
-    frame = render(impacts, i, setup, errors, event_generator(rng, event))
+    own = event_generator(rng, event)
+    exposure = expose(impacts, i, setup, errors, own)
+    (reason,) = unseen(exposure, setup)
+    if reason:
+        # Of these a frame gives 1 in 400 a velocity, from dashes of which a little is missing.
+        return reason
+    frame = photograph(exposure, float(impacts.diameter[i]), setup, errors, own)
     track = measure(frame, setup, with_gravity=with_gravity)
-    if not isinstance(track, Rejection):
-        return track.velocities
-    exposure = expose(impacts, i, setup, errors, event_generator(rng, event))
-    return unseen(exposure, setup) or f"{UNMEASURABLE}: {track.reason}"
+    return f"{UNMEASURABLE}: {track.reason}" if isinstance(track, Rejection) else track.velocities
 
 
-def unseen(exposure: Exposure, setup: Setup) -> str:
+def unseen(exposure: Exposure, setup: Setup) -> list[str]:
     """Say what keeps a leg from having enough whole dashes in the frame; nothing if it has.
 
-    The first that does of: time, light sheet, field of view, and where the field ends.
+    For each event, the first that does of: time, light sheet, field of view, and where the field
+    ends.
     """
+    reasons = np.full(len(exposure), "", dtype=object)
     seen = np.ones(len(exposure.leg), dtype=bool)
     for condition, reason in (
         (exposure.whole, TOO_SLOW),
@@ -115,10 +120,10 @@ def unseen(exposure: Exposure, setup: Setup) -> str:
         (exposure.in_field, SPLIT),
     ):
         seen = seen & condition
-        dashes = [np.count_nonzero(seen & (exposure.leg == leg)) for leg in (INCIDENT, REBOUND)]
-        if min(dashes) < setup.instrument.least_dashes:
-            return reason
-    return ""
+        dashes = np.bincount(exposure.leg[seen], minlength=LEGS * len(exposure)).reshape(-1, LEGS)
+        too_few = dashes[:, [INCIDENT, REBOUND]].min(axis=1) < setup.instrument.least_dashes
+        reasons[too_few & (reasons == "")] = reason
+    return list(reasons)
 
 
 def observation(outcomes: Iterable[FloatArray | str]) -> Observation:

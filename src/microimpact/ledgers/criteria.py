@@ -19,6 +19,8 @@ from microimpact.config import load
 from microimpact.nearest import nearest
 from microimpact.parameters import Finite, Name, NonNegative, build, explain
 
+CLAIM_NAME = r"^C\d{2,3}$"
+
 Kind = Literal["model", "virtual experiment", "arithmetic", "contradiction"]
 Test = Literal["within", "at_least", "at_most", "between", "outside"]
 Verdict = Literal[
@@ -131,7 +133,7 @@ class Claim:
         The control of the test; ``break`` in the file.
     """
 
-    id: Annotated[str, Field(pattern=r"^C\d{2,3}$")]
+    id: Annotated[str, Field(pattern=CLAIM_NAME)]
     where: Name
     statement: Name
     kind: Kind

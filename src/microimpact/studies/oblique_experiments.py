@@ -1,0 +1,223 @@
+"""Oblique impacts as the article's laboratory measures them, by trajectory imaging (Figs. 6-12)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike
+from pydantic import Field
+
+from microimpact.lab.dispenser import Dispenser
+from microimpact.lab.distributions import generator
+from microimpact.lab.oblique_incidence import Collected, Method, collect, quantities, reduced
+from microimpact.lab.ptis import Instrument
+from microimpact.lab.reduction import Mean
+from microimpact.model.contact import Contact
+from microimpact.parameters import AngleDegrees, Count, Fraction, Name
+from microimpact.studies._oblique_series import (
+    Series,
+    coulomb_curve,
+    recipe,
+    series_contact,
+    smooth_curves,
+)
+from microimpact.tables import series_frame
+
+FIGURES = {
+    "fig06": ("restitution", "impulse_ratio", "energy_loss"),
+    "fig07": ("restitution", "impulse_ratio", "energy_loss"),
+    "fig08": ("restitution",),
+    "fig09": ("impulse_ratio",),
+    "fig10": ("energy_loss",),
+    "fig11": ("restitution", "impulse_ratio", "energy_loss"),
+    "fig12": ("restitution", "impulse_ratio", "energy_loss"),
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mark:
+    """A printed number drawn beside the points: a value or both ends of a range, at angles."""
+
+    figures: tuple[Name, ...]
+    panel: Name
+    name: Name
+    anchors: tuple[Name, ...]
+    angles_deg: tuple[AngleDegrees, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params:
+    """All series over all angles."""
+
+    seed: Annotated[int, Field(ge=0)]
+    angles_deg: tuple[Annotated[float, Field(gt=0, lt=90)], ...]
+    events: Annotated[int, Field(ge=2)]
+    fewest_events: Annotated[int, Field(ge=2)]
+    most_dropped: Count
+    method: Method
+    series: tuple[Series, ...]
+    dispenser: Dispenser
+    instrument: Instrument
+    coulomb_restitution: Fraction
+    points: Annotated[int, Field(ge=10)]
+    marks: tuple[Mark, ...]
+
+    def __post_init__(self) -> None:
+        """Refuse figures that this study does not make."""
+        named = [*(s.figures for s in self.series), *(m.figures for m in self.marks)]
+        for figure in (name for names in named for name in names):
+            if figure not in FIGURES:
+                raise ValueError(f"figures: {figure!r} must be one of {', '.join(FIGURES)}")
+
+
+class Point(NamedTuple):
+    """One plotted point: series, quantity, nominal angle (degrees) and mean."""
+
+    series: str
+    quantity: str
+    angle: float
+    mean: Mean
+
+
+def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+    """Run every series at every angle, observe, reduce.
+
+    Parameters
+    ----------
+    params
+        Parameters of the study.
+    inputs
+        ``calibration``: calibrated contacts; ``materials``: declared rows; ``anchors``: printed
+        values.
+
+    Returns
+    -------
+    mapping
+        ``fig06`` to ``fig12``: restitution, impulse ratio and translational energy loss against
+        the angle of incidence in degrees. ``oblique_experiments``: one row per experiment.
+    """
+    contacts = {series.name: series_contact(series, inputs) for series in params.series}
+    rows, points = [], []
+    for i, series in enumerate(params.series):
+        for k, angle in enumerate(params.angles_deg):
+            outcome = collect(
+                recipe(
+                    series,
+                    contacts[series.name],
+                    params.dispenser,
+                    params.instrument,
+                    params.method,
+                ),
+                angle,
+                params.events,
+                params.most_dropped,
+                generator(params.seed, i, k),
+            )
+            enough = len(outcome.measured) >= params.fewest_events
+            found = reduced(outcome.measured, _angle_error(params)) if enough else {}
+            rows.append(experiment_row(series, angle, outcome, found))
+            points += [Point(series.name, name, angle, of) for name, of in found.items()]
+    printed = inputs["anchors"].set_index("key")
+    figures = {figure: figure_data(params, figure, points, contacts, printed) for figure in FIGURES}
+    return {**figures, "oblique_experiments": pd.DataFrame(rows)}
+
+
+def _angle_error(params: Params) -> float:
+    return params.instrument.angle_error_deg
+
+
+def experiment_row(
+    series: Series, angle: float, outcome: Collected, found: Mapping[str, Mean]
+) -> dict[str, Any]:
+    """Return one experiment as a row of the table: what was seen, measured, and true."""
+    arrived = outcome.captured + outcome.rebounded
+    row: dict[str, Any] = {
+        "series": series.name,
+        "angle_deg": angle,
+        "dropped": outcome.dropped,
+        "events": len(outcome.measured),
+        "captured_share": outcome.captured / arrived if arrived else np.nan,
+        "unobserved_share": 1.0 - outcome.fates.get("measured", 0) / max(1, outcome.rebounded),
+    }
+    for name in quantities(outcome.measured):
+        of = found.get(name)
+        row[name] = of.value if of else np.nan
+        row[f"{name}_low"] = of.low if of else np.nan
+        row[f"{name}_high"] = of.high if of else np.nan
+        row[f"{name}_sd"] = of.sd if of else np.nan
+    true = outcome.true_restitution
+    row["true_restitution"] = float(np.mean(true)) if true.size else np.nan
+    row["evidence"] = "virtual experiment"
+    return row
+
+
+def figure_data(
+    params: Params,
+    figure: str,
+    points: list[Point],
+    contacts: Mapping[str, Contact],
+    printed: pd.DataFrame,
+) -> pd.DataFrame:
+    """Return the data of one figure: points, smooth curves, Coulomb friction, printed marks."""
+    frames = [*_points(params, figure, points), *_curves(params, figure, contacts)]
+    for mark in params.marks:
+        if figure in mark.figures:
+            values = printed.loc[list(mark.anchors), ["value", "low", "high"]].astype(float)
+            heights = values.to_numpy().ravel()
+            heights = heights[np.isfinite(heights)]
+            x, y = np.broadcast_arrays(np.array(mark.angles_deg)[:, None], heights)
+            frames.append(_frame(mark.panel, mark.name, x.ravel(), y.ravel(), "printed"))
+    return pd.concat(frames, ignore_index=True)
+
+
+def _points(params: Params, figure: str, points: list[Point]) -> Iterator[pd.DataFrame]:
+    for series in params.series:
+        for panel in FIGURES[figure] if figure in series.figures else ():
+            own = [p for p in points if p.series == series.name and p.quantity == panel]
+            yield _frame(
+                panel,
+                series.name,
+                [p.angle for p in own],
+                [p.mean.value for p in own],
+                "virtual experiment",
+                [p.mean.low for p in own],
+                [p.mean.high for p in own],
+            )
+
+
+def _curves(params: Params, figure: str, contacts: Mapping[str, Contact]) -> Iterator[pd.DataFrame]:
+    angle = np.linspace(0.0, 90.0, params.points + 1)[1:]
+    own = [series for series in params.series if figure in series.figures]
+    for series in own:
+        curves = smooth_curves(series, contacts[series.name], angle)
+        for panel in FIGURES[figure]:
+            yield _frame(panel, f"{series.name}, smooth", *curves[panel])
+    if "impulse_ratio" in FIGURES[figure]:
+        curve = coulomb_curve(own[0], contacts[own[0].name], angle, params.coulomb_restitution)
+        yield _frame("impulse_ratio", "Coulomb friction", angle, curve)
+
+
+def _frame(
+    panel: str,
+    series: str,
+    x: ArrayLike,
+    y: ArrayLike,
+    evidence: str = "computed",
+    y_low: ArrayLike = np.nan,
+    y_high: ArrayLike = np.nan,
+) -> pd.DataFrame:
+    return series_frame(
+        panel=panel,
+        series=series,
+        evidence=evidence,
+        x=x,
+        y=y,
+        x_unit="deg",
+        y_unit="1",
+        y_low=y_low,
+        y_high=y_high,
+    )
