@@ -103,7 +103,8 @@ def hertz_damping_for(contact: Contact, speed: float, restitution: float) -> Con
             f"the adhesion damping alone brings e at {speed:g} m/s down to "
             f"{excess(0.0) + restitution:.4g}, below the target {restitution:g}"
         )
-    return contact.replace(hertz_damping=_falling_root(excess, LARGEST_DAMPING / speed))
+    root = _falling_root(excess, LARGEST_DAMPING / speed, float(contact.hertz_damping))
+    return contact.replace(hertz_damping=root)
 
 
 def damping_factor_for(contact: Contact, speed: float, restitution: float) -> Contact:
@@ -151,8 +152,9 @@ def adhesion_damping_for(contact: Contact, capture_speed: float) -> Contact:
             f"{float(capture_velocity(rateless.replace(adhesion_damping=0.0))):.4g} m/s, "
             f"above the target {capture_speed:g}"
         )
-    damping = _falling_root(shortfall, LARGEST_DAMPING / capture_speed)
     growth = contact.replace(adhesion_damping=1.0).adhesion_damping_at(capture_speed)
+    guess = float(contact.adhesion_damping * growth)
+    damping = _falling_root(shortfall, LARGEST_DAMPING / capture_speed, guess)
     return contact.replace(adhesion_damping=damping / growth)
 
 
@@ -236,15 +238,17 @@ def _capture_shortfall(contact: Contact, capture_speed: float) -> float:
     return (capture_speed - found) / (capture_speed + found) if found < float("inf") else -1.0
 
 
-def _falling_root(function: Callable[[float], float], largest: float) -> float:
-    """Zero of a falling function with a value >= 0 at 0, sought from small arguments upwards."""
+def _falling_root(function: Callable[[float], float], largest: float, guess: float = 0.0) -> float:
+    """Zero of a falling function with a value >= 0 at 0, sought near a guess, else upwards."""
     from scipy.optimize import brentq
 
-    if function(0.0) == 0.0:
-        return 0.0
-    upper = 1e-6 * largest
-    while function(upper) > 0.0:
-        upper *= 4.0
-        if upper > largest:
-            raise NoSolutionError(f"no solution up to {largest:g}")
-    return float(brentq(function, 0.0, upper, xtol=1e-300, rtol=1e-13))
+    lower, upper = 0.9 * guess, 1.1 * guess
+    if not (0.0 < upper <= largest and function(lower) >= 0.0 >= function(upper)):
+        if function(0.0) == 0.0:
+            return 0.0
+        lower, upper = 0.0, 1e-6 * largest
+        while function(upper) > 0.0:
+            lower, upper = upper, 4.0 * upper
+            if upper > largest:
+                raise NoSolutionError(f"no solution up to {largest:g}")
+    return float(brentq(function, lower, upper, xtol=1e-300, rtol=1e-13))

@@ -44,6 +44,10 @@ PARAMETERS = {
 }
 
 
+# Contacts with the least, the nominal and the greatest capture velocity of an admissible set.
+Corners = tuple[Contact, Contact, Contact]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ForceRatios:
     """Ammonium fluorescein on molybdenum: ratios of peaks, as bands, and the sizes to look at."""
@@ -109,9 +113,10 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
         ``ridge`` and ``ridge_curves``: the family drawn.
     """
     targets, ratios = params.two_stage, params.force_ratios
+    corners = _corners(ratios, inputs)
     rows = [
         *_member_rows(targets, inputs),
-        *_ratio_rows(ratios, inputs),
+        *_ratio_rows(ratios, corners),
         *(row for target in params.by_work_of_adhesion for row in _work_rows(target, inputs)),
         *(row for known in params.by_restitution for row in _damping_rows(known, inputs)),
     ]
@@ -119,20 +124,19 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     return {
         "calibration": pd.DataFrame(rows),
         "calibration_family": members,
-        "molybdenum_capture": capture_intervals(ratios, inputs),
+        "molybdenum_capture": capture_intervals(ratios, corners),
         "ridge": ridge(members, targets.facts.flat_within),
         "ridge_curves": curves(targets, inputs),
     }
 
 
-def capture_intervals(ratios: ForceRatios, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+def capture_intervals(ratios: ForceRatios, corners: Corners) -> pd.DataFrame:
     """Return capture velocities over the admissible set, at every size.
 
     Both ratios are bands. The adhesion ratio grows with c_H >= 0, so c_H runs from zero to where
     the band's end is met; the capture velocity grows with c_H and with the dissipation ratio, so
     the corners of the set give the interval. Material parameters are the same at every size.
     """
-    corners = _corners(ratios, inputs)
     rows = []
     for diameter in sorted({ratios.diameter_um, *ratios.other_diameters_um}):
         low, nominal, high = (
@@ -153,9 +157,7 @@ def capture_intervals(ratios: ForceRatios, inputs: Mapping[str, pd.DataFrame]) -
     return pd.DataFrame(rows)
 
 
-def _corners(
-    ratios: ForceRatios, inputs: Mapping[str, pd.DataFrame]
-) -> tuple[Contact, Contact, Contact]:
+def _corners(ratios: ForceRatios, inputs: Mapping[str, pd.DataFrame]) -> Corners:
     """Contacts with the least, the nominal and the greatest capture velocity."""
     contact = declared_contact(
         inputs, ratios.particle, ratios.surface, diameter=ratios.diameter_um * 1e-6
@@ -211,10 +213,10 @@ def _member_rows(
     return rows
 
 
-def _ratio_rows(ratios: ForceRatios, inputs: Mapping[str, pd.DataFrame]) -> list[dict[str, object]]:
+def _ratio_rows(ratios: ForceRatios, corners: Corners) -> list[dict[str, object]]:
     rows: list[dict[str, object]] = []
     names = ("least", "nominal", "greatest")
-    for name, contact in zip(names, _corners(ratios, inputs), strict=True):
+    for name, contact in zip(names, corners, strict=True):
         adhesion, dissipation = peak_ratios(contact, ratios.speed_m_per_s)
         met = {
             "adhesion_over_hertz": (adhesion, ratios.adhesion_over_hertz, "-"),

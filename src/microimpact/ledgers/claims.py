@@ -1,0 +1,163 @@
+"""Claims ledger: the verdict on every claim from the numbers that the studies computed for it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+
+from microimpact.ledgers.criteria import Claim, Criterion, Verdict, holds
+from microimpact.nearest import nearest
+
+# Numbers of a claim, as a study gives them; the case is empty where nothing is left open.
+NUMBER_COLUMNS = ("claim", "case", "quantity", "value", "unit", "evidence")
+
+COLUMNS = (
+    "id",
+    "where",
+    "statement",
+    "kind",
+    "criterion",
+    "article_value",
+    "computed_value",
+    "unit",
+    "verdict",
+    "evidence",
+    "figures",
+    "note",
+)
+
+Numbers = Mapping[str, Mapping[str, float]]
+
+
+class LedgerError(ValueError):
+    """Numbers that do not belong to the claims, or claims without numbers: one line each."""
+
+
+def judge(claims: Mapping[str, Claim], numbers: pd.DataFrame) -> pd.DataFrame:
+    """Return the verdict on every claim.
+
+    Parameters
+    ----------
+    claims
+        Claims by id, as from `criteria.read_claims`.
+    numbers
+        All numbers of all claims, with `NUMBER_COLUMNS`.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row per claim with `COLUMNS`: the numbers behind the verdict and which criterion of
+        which case failed.
+
+    Raises
+    ------
+    LedgerError
+        If a number is missing, not finite, of an unknown claim, case or quantity, or of another
+        unit than declared.
+    """
+    numbers = numbers.assign(case=numbers["case"].fillna(""))
+    problems = [line for claim in claims.values() for line in _problems(claim, numbers)]
+    strangers = [str(name) for name in dict.fromkeys(numbers["claim"]) if name not in claims]
+    problems += [f"{name}: no such claim{nearest(name, claims)}" for name in strangers]
+    if problems:
+        raise LedgerError("\n".join(problems))
+    return pd.DataFrame([_row(claim, numbers) for claim in claims.values()], columns=list(COLUMNS))
+
+
+def verdict(claim: Claim, values: Numbers) -> tuple[Verdict, list[str]]:
+    """Return the verdict on one claim, and which criteria failed, in words.
+
+    Parameters
+    ----------
+    claim
+        The claim.
+    values
+        Numbers by quantity, by case; the only case of a claim without alternatives is ``""``.
+    """
+    positive = claim.positive
+    if positive is None:
+        return claim.verdicts[0], []
+    unidentified = _failures(claim.identified_if, values)
+    if unidentified:
+        return "not identified", unidentified
+    failed = {case: _failures(claim.criteria, {case: own}) for case, own in values.items()}
+    words = [line for lines in failed.values() for line in lines]
+    if not words:
+        return positive, []
+    met = [case for case, lines in failed.items() if not lines]
+    return ("not identified" if met else "not reproduced"), words
+
+
+def _failures(criteria: tuple[Criterion, ...], values: Numbers) -> list[str]:
+    return [
+        f"{f'{case}: ' if case else ''}{criterion.quantity} = {own[criterion.quantity]:.4g}"
+        f" is not {described(criterion)}"
+        for case, own in values.items()
+        for criterion in criteria
+        if not holds(criterion, own[criterion.quantity])
+    ]
+
+
+def described(criterion: Criterion) -> str:
+    """Return a criterion in words and numbers."""
+    low, high = criterion.interval
+    if criterion.test == "within":
+        return f"{criterion.value:g} within {criterion.tolerance:g}"
+    if criterion.test in {"between", "outside"}:
+        return f"{criterion.test} {low:g} and {high:g}"
+    return f"{criterion.test.replace('_', ' ')} {criterion.value:g}"
+
+
+def _problems(claim: Claim, numbers: pd.DataFrame) -> list[str]:
+    own = numbers[numbers["claim"] == claim.id]
+    cases = claim.cases or ("",)
+    wanted = {(case, name) for case in cases for name in claim.quantities}
+    if claim.positive is None:
+        wanted = set()
+    given = list(zip(own["case"], own["quantity"], strict=True))
+    lines = [f"{claim.id}: {_place(*key)} is missing" for key in sorted(wanted - set(given))]
+    for key, unit, value in zip(given, own["unit"], own["value"], strict=True):
+        if key not in wanted:
+            lines.append(f"{claim.id}: {_place(*key)} is not declared")
+        elif unit != claim.quantities[key[1]]:
+            lines.append(f"{claim.id}: {_place(*key)} in {unit}, not {claim.quantities[key[1]]}")
+        elif not np.isfinite(value):
+            lines.append(f"{claim.id}: {_place(*key)} = {value} must be finite")
+    if len(set(given)) != len(given):
+        lines.append(f"{claim.id}: a number is given twice")
+    return lines
+
+
+def _place(case: str, quantity: str) -> str:
+    return f"{quantity} ({case})" if case else quantity
+
+
+def _row(claim: Claim, numbers: pd.DataFrame) -> dict[str, object]:
+    own = numbers[numbers["claim"] == claim.id]
+    values = {
+        str(case): dict(zip(rows["quantity"], rows["value"].astype(float), strict=True))
+        for case, rows in own.groupby("case", sort=False)
+    }
+    found, failures = verdict(claim, values)
+    computed = "; ".join(
+        f"{_place(case, name)} = {value:.6g}"
+        + ("" if claim.quantities[name] == "-" else f" {claim.quantities[name]}")
+        for case, some in values.items()
+        for name, value in some.items()
+    )
+    return {
+        "id": claim.id,
+        "where": claim.where,
+        "statement": claim.statement,
+        "kind": claim.kind,
+        "criterion": "; ".join(f"{c.quantity} {described(c)}" for c in claim.criteria),
+        "article_value": claim.article_value,
+        "computed_value": computed,
+        "unit": claim.unit,
+        "verdict": found,
+        "evidence": "; ".join(dict.fromkeys(own["evidence"])),
+        "figures": " ".join(claim.figures),
+        "note": "; ".join(failures) or claim.reason,
+    }
