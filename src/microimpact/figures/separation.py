@@ -1,0 +1,67 @@
+"""Figure of separation forces against the silica on a particle."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from microimpact.figures import style
+from microimpact.figures.registry import FigureSpec, PanelSpec
+
+STATED = "stated"
+
+
+@style.context()
+def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+    """Draw curves with shaded bands on a logarithmic ordinate, and the statements as marks.
+
+    Parameters
+    ----------
+    tables
+        One table of force in nN against silica in per cent of weight.
+    spec
+        Registry entry.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One panel, the legend above. The statements are of another paper than the article, which
+        the legend names; the key of evidence would say "the article".
+    """
+    (table,) = tables.values()
+    ((name, panel),) = spec.panels.items()
+    figure, axes = style.new_figure(spec)
+    ax = axes[name]
+    ax.set_yscale("log")
+    is_curve = table["series"] != STATED
+    _draw_bands(ax, table[is_curve], panel)
+    bare = table.copy()
+    bare.loc[is_curve, ["y_low", "y_high"]] = np.nan
+    style.draw_panel(ax, bare, panel, name)
+    _label_marks(ax, table[~is_curve])
+    handles, labels = ax.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=2)
+    return figure
+
+
+def _draw_bands(ax: Axes, curves: pd.DataFrame, panel: PanelSpec) -> None:
+    for series, rows in curves[curves["y_low"].notna()].groupby("series", sort=False):
+        own = panel.series.get(str(series))
+        colour = "0.5" if own is None or own.colour is None else f"C{own.colour}"
+        edges = rows["y_low"], rows["y_high"]
+        ax.fill_between(rows.iloc[:, 3], *edges, color=colour, alpha=0.15, linewidth=0)
+        for edge in edges:
+            ax.plot(rows.iloc[:, 3], edge, color=colour, alpha=0.5, linewidth=0.5)
+
+
+def _label_marks(ax: Axes, marks: pd.DataFrame) -> None:
+    """Write beside each statement what it says, as a share of the first."""
+    places = marks.iloc[:, 3:5].to_numpy(float)
+    shares = places[:, 1] / places[0, 1]
+    for share, (x, y) in zip(shares, places, strict=True):
+        words, drop = ("JKR", 4) if share == 1.0 else (f"{share:.0%} of JKR", -10)
+        ax.annotate(words, (x, y), (6, drop), textcoords="offset points", fontsize="small")

@@ -1,0 +1,19 @@
+"""Separation of a charged particle with silica on it: an analysis beyond the article."""
+
+
+rule particle_separation:
+    """data/separation.csv: forces against silica, tables/particle_separation.csv: what holds."""
+    input:
+        code=study_code("particle_separation"),
+    output:
+        separation="<results>/data/separation.csv",
+        particle_separation="<results>/tables/particle_separation.csv",
+    log:
+        "<results>/logs/particle_separation.log",
+    benchmark:
+        "<results>/benchmarks/particle_separation.tsv"
+    params:
+        branch=lookup(dpath="particle_separation", within=SETTINGS.branches),
+        rows=ROWS["particle_separation"],
+    script:
+        "../scripts/run_study.py"
