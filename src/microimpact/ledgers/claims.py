@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from microimpact.ledgers.criteria import Claim, Criterion, Verdict, holds
+from microimpact.ledgers.criteria import Claim, Criterion, Verdict, holds, read_claims
 from microimpact.nearest import nearest
 
 # Numbers of a claim, as a study gives them; the case is empty where nothing is left open.
@@ -35,7 +36,20 @@ class LedgerError(ValueError):
     """Numbers that do not belong to the claims, or claims without numbers: one line each."""
 
 
-def judge(claims: Mapping[str, Claim], numbers: pd.DataFrame) -> pd.DataFrame:
+def judge(tables: Mapping[str, pd.DataFrame], criteria: Path | str) -> pd.DataFrame:
+    """Return the verdict on every claim of a file, from tables of numbers.
+
+    Parameters
+    ----------
+    tables
+        Numbers of groups of claims, each with `NUMBER_COLUMNS`.
+    criteria
+        The file of claims, see `criteria.read_claims`.
+    """
+    return verdicts(read_claims(criteria), pd.concat(tables.values(), ignore_index=True))
+
+
+def verdicts(claims: Mapping[str, Claim], numbers: pd.DataFrame) -> pd.DataFrame:
     """Return the verdict on every claim.
 
     Parameters

@@ -1,0 +1,187 @@
+"""Formulas as text: read by SymPy, checked for dimensions by Pint, evaluated at numbers.
+
+A formula is one line such as ``V_n = -e*v_n``; the line printed in the ledger is the line that is
+checked. ``=``, ``>`` and ``!=`` stand between its sides.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from fractions import Fraction
+from functools import cache
+from typing import Any, NamedTuple
+
+import pint
+import sympy
+
+FUNCTIONS = frozenset(
+    {"sqrt", "sin", "cos", "tan", "cot", "atan", "sign", "Abs", "Max", "Integral", "pi"}
+)
+RELATIONS = (" = ", " > ", " != ")
+
+# Signs that proofs may use: the sphere approaches (v_n < 0) and is pressed in (n < 0).
+NEGATIVE = frozenset({"v_n", "vp_n", "n"})
+_POSITIVE = (
+    "a a_c alpha c_A c_H e E_1 E_2 f f_0 g h I k k_1 k_2 kappa kappa_1 kappa_2 K m p q r r_S R R_S "
+    "rho T_H v v_c V w_A zeta_A zeta_H"
+)
+POSITIVE = frozenset(_POSITIVE.split())
+
+# Exponents without a value of their own: any number shows whether dimensions agree.
+FREE_EXPONENTS = {"p": (7, 5), "q": (6, 5)}
+
+# A residual of this size, at numbers of order one, is no rounding.
+REFUTED = 1e-6
+
+_NAME = re.compile(r"[A-Za-z]\w*")
+_UNITS: pint.UnitRegistry[Any] = pint.UnitRegistry(non_int_type=Fraction)
+
+Dimension = Any
+
+
+class DimensionError(ValueError):
+    """A formula whose parts do not agree in dimension, or with an undeclared symbol."""
+
+
+class Form(NamedTuple):
+    """A formula: its two sides and what stands between them."""
+
+    left: Any
+    relation: str
+    right: Any
+
+    @property
+    def residual(self) -> Any:
+        """Left side less right side."""
+        return self.left - self.right
+
+
+@cache
+def symbol(name: str) -> Any:
+    """Return the symbol of a name, with the sign it has throughout the article."""
+    if name in NEGATIVE:
+        return sympy.Symbol(name, negative=True)
+    return sympy.Symbol(name, positive=True) if name in POSITIVE else sympy.Symbol(name, real=True)
+
+
+def symbols(names: str) -> tuple[Any, ...]:
+    """Return the symbols of several names, separated by blanks."""
+    return tuple(symbol(name) for name in names.split())
+
+
+def declared(names: Mapping[str, str]) -> dict[str, str]:
+    """Return the unit of each symbol, from the symbols of each unit, separated by blanks."""
+    return {name: unit for unit, of_unit in names.items() for name in of_unit.split()}
+
+
+@cache
+def parse(text: str) -> Form:
+    """Read a formula.
+
+    Raises
+    ------
+    ValueError
+        If the text does not hold exactly one relation.
+    """
+    found = [relation for relation in RELATIONS if relation in text]
+    if len(found) != 1 or text.count(found[0]) != 1:
+        raise ValueError(f"formula {text!r}: exactly one of{''.join(RELATIONS)}must stand in it")
+    left, right = (_expression(side) for side in text.split(found[0]))
+    return Form(left, found[0].strip(), right)
+
+
+def _expression(text: str) -> Any:
+    names = {name for name in _NAME.findall(text) if name not in FUNCTIONS}
+    return sympy.parse_expr(text, local_dict={name: symbol(name) for name in names})
+
+
+def check_dimensions(text: str, units: Mapping[str, str]) -> None:
+    """Check that all parts of a formula agree in dimension.
+
+    Parameters
+    ----------
+    text
+        The formula.
+    units
+        Unit of every symbol.
+
+    Raises
+    ------
+    DimensionError
+        Saying what does not agree.
+    """
+    exponents = {
+        symbol(name): sympy.Rational(*value)
+        for name, value in FREE_EXPONENTS.items()
+        if units.get(name) == ""
+    }
+    left, _, right = parse(text)
+    _same([side.subs(exponents) for side in (left, right)], units)
+
+
+def _dimension(node: Any, units: Mapping[str, str]) -> Dimension:
+    if node.is_Symbol:
+        if node.name not in units:
+            raise DimensionError(f"{node.name} is not declared")
+        return _UNITS.get_dimensionality(units[node.name])
+    if node.is_Pow:
+        return _power(_dimension(node.base, units), node.exp, units)
+    if node.is_Add or node.func is sympy.Max:
+        return _same(node.args, units)
+    if node.func is sympy.sign:
+        _dimension(node.args[0], units)
+    elif node.is_Function and node.func is not sympy.Abs:
+        _number(node.args[0], units)
+    product = _UNITS.get_dimensionality("")
+    for factor in _factors(node):
+        product = product * _dimension(factor, units)
+    return product
+
+
+def _factors(node: Any) -> tuple[Any, ...]:
+    """Return the parts whose dimensions make up that of a node."""
+    if node.is_Mul or node.func is sympy.Abs:
+        return tuple(node.args)
+    return (node.function, *node.variables) if isinstance(node, sympy.Integral) else ()
+
+
+def _number(node: Any, units: Mapping[str, str]) -> None:
+    if _dimension(node, units):
+        raise DimensionError(f"{node} must be a number")
+
+
+def _power(base: Dimension, exponent: Any, units: Mapping[str, str]) -> Dimension:
+    _number(exponent, units)
+    return base ** Fraction(int(exponent.p), int(exponent.q)) if base else base
+
+
+def _same(parts: Any, units: Mapping[str, str]) -> Dimension:
+    first, *others = [part for part in parts if part != 0]
+    dimension = _dimension(first, units)
+    for part in others:
+        if _dimension(part, units) != dimension:
+            raise DimensionError(f"{part} does not have the dimension of {first}")
+    return dimension
+
+
+def evaluate(text: str, numbers: Mapping[str, float]) -> float:
+    """Return the right side of a formula at given SI numbers."""
+    right = parse(text).right
+    value = right.subs({symbol: numbers[symbol.name] for symbol in right.free_symbols})
+    return float(value.evalf())
+
+
+def vanishes(expression: Any) -> bool:
+    """Tell whether an expression is zero, whatever its symbols are.
+
+    One set of numbers at which it is not zero refutes that at once; else SymPy must prove it.
+    """
+    unlike = sorted(expression.free_symbols, key=str)
+    numbers = {
+        name: (-1 if name.is_negative else 1) * (0.3 + 0.07 * index)
+        for index, name in enumerate(unlike)
+    }
+    if abs(complex(expression.subs(numbers).evalf())) > REFUTED:
+        return False
+    return bool(sympy.simplify(sympy.powdenest(expression, force=True)) == 0)

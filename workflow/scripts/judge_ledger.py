@@ -1,0 +1,29 @@
+"""Judge the ledger that bears the rule's name and write its verdicts."""
+
+import sys
+from importlib import import_module
+from typing import Any
+
+from microimpact.job import logged
+from microimpact.tables import parse_table, read_table, write_table
+
+
+def main(job: Any) -> str:
+    """Judge one ledger and return a line that counts its verdicts.
+
+    The rule gives rows of declared tables as ``params.rows`` (name -> CSV text), tables of studies
+    as named input files and, for some, a file of criteria; its only output is the ledger.
+    """
+    ledger = import_module(f"microimpact.ledgers.{job.rule}")
+    tables = {name: parse_table(text) for name, text in job.params.rows.items()}
+    files = {name: path for name, path in job.input.items() if name != "code"}
+    criteria = files.pop("criteria", None)
+    tables |= {name: read_table(path) for name, path in files.items()}
+    judged = ledger.judge(tables, criteria) if criteria else ledger.judge(tables)
+    write_table(judged, job.output[0])
+    counts = judged["verdict"].value_counts().items()
+    return f"{job.rule}: {', '.join(f'{count} {verdict}' for verdict, count in counts)}\n"
+
+
+if __name__ == "__main__":
+    sys.exit(logged(main, snakemake))  # type: ignore[name-defined]  # noqa: F821
