@@ -419,7 +419,7 @@ def integrate(problems: FloatArray, mode: int, results: FloatArray) -> None:
                     end_u = -math.sqrt(2.0 * max(energy[lane] - lost, 0.0))
             elif end_u >= 0.0:
                 status = CAPTURED
-            elif beta[lane] * end_s**3 < NOTHING_LEFT * energy[lane]:
+            elif 0.0 < beta[lane] * end_s**3 < NOTHING_LEFT * energy[lane]:
                 # At the threshold s falls towards zero for ever: what is left decides.
                 rest = 0.5 * end_u * end_u + _well_energy(end_s, beta[lane])
                 if mode == SHALLOW:

@@ -196,7 +196,12 @@ def half_normal_positions(found: FloatArray) -> FloatArray:
 
 
 def _ranks(values: FloatArray) -> FloatArray:
-    """Return the ranks as probabilities (i - 1/2) / m."""
+    """Return the ranks as probabilities (i - 1/2) / m; equal effects rank in order of their names.
+
+    Equal means to a millionth of the largest: rounding must not decide between B and C.
+    """
+    largest = float(np.max(np.abs(values), initial=0.0)) or 1.0
     ranks = np.empty(values.size)
-    ranks[np.argsort(values, kind="stable")] = (np.arange(values.size) + 0.5) / values.size
+    order = np.argsort(np.round(values / largest, 6), kind="stable")
+    ranks[order] = (np.arange(values.size) + 0.5) / values.size
     return ranks
