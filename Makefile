@@ -5,12 +5,16 @@
 #   make reproduce SNAKEMAKE_ARGS="--cores 1"
 #   make test PYTEST_ARGS="-n 2 -k kernel"
 #   make lock LOCK_ARGS=--upgrade
+#   make check RESULTS=build/ci      an existing run; without RESULTS a new one
+#   make reference RESULTS=build/ci REFERENCE_ARGS=--remove
 
 PYTHON := python3
 UV := .venv/bin/uv
 SNAKEMAKE_ARGS ?=
 PYTEST_ARGS ?=
 LOCK_ARGS ?=
+REFERENCE_ARGS ?=
+RESULTS ?=
 
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
@@ -37,7 +41,7 @@ STALE := $(shell { read -r place; read -r python; } < .venv/.origin; \
 	|| echo stale)
 endif
 
-.PHONY: help reproduce test lint types bench lock clean distclean stale
+.PHONY: help reproduce check reference test lint types bench lock clean distclean stale
 
 help: ## list these targets
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1|\2/p' Makefile | column -t -s '|'
@@ -45,6 +49,17 @@ help: ## list these targets
 reproduce: .venv/.run ## run the whole study into results/ and say what was built
 	@$(ACTIVE) .venv/bin/snakemake $(SNAKEMAKE_ARGS)
 	@.venv/bin/python -m microimpact.summary results
+
+check: .venv/.run ## compare RESULTS=..., or a new small run, with tests/reference
+ifeq ($(RESULTS),)
+	rm -rf build/ci
+	@$(ACTIVE) .venv/bin/snakemake $(SNAKEMAKE_ARGS) --configfile config/ci.yaml
+endif
+	@.venv/bin/microimpact check $(or $(RESULTS),build/ci)
+
+reference: .venv/.run ## show how RESULTS=... differs from tests/reference, then replace these
+	@[ -n "$(RESULTS)" ] || $(call fail,which run? Say: make reference RESULTS=build/ci)
+	@.venv/bin/microimpact reference $(RESULTS) $(REFERENCE_ARGS)
 
 test: .venv/.test ## run the tests
 	@$(ACTIVE) .venv/bin/pytest $(PYTEST_ARGS)

@@ -1,4 +1,4 @@
-"""The command ``microimpact``: impacts, capture velocities and materials at the prompt."""
+"""The command ``microimpact``: impacts, capture velocities and materials; results compared."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import click
 import numpy as np
 
 from microimpact.materials import declared_file, materials_from_rows
+from microimpact.report.commands import check_command, compare_command, reference_command
 from microimpact.selection import CONTACT_COLUMNS, MATERIAL_COLUMNS, read_declared
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ def main() -> None:
         sys.exit(error.exit_code)
     except click.Abort:
         sys.exit(130)
-    except (ValueError, TypeError) as error:
+    except (ValueError, TypeError, OSError) as error:
         click.echo(f"microimpact: {error}", err=True)
         sys.exit(2)
 
@@ -183,6 +184,10 @@ def materials_command(as_json: bool) -> None:
             for (p, s), properties in pairs.items()
         ],
     )
+
+
+for _command in (check_command, reference_command, compare_command):
+    commands.add_command(_command)
 
 
 def _declared() -> tuple[dict[str, Material], Mapping[tuple[str, str], Mapping[str, float]]]:

@@ -1,0 +1,1 @@
+"""What is done with finished results: checked against references, compared with each other."""

@@ -1,0 +1,81 @@
+"""The commands ``microimpact check``, ``reference`` and ``compare``.
+
+They end with 0 if all is the same, 1 if something differs, and 2 on bad input.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+REFERENCE = Path("tests/reference")
+
+_folder = click.Path(path_type=Path)
+_reference_option = click.option(
+    "--reference", type=_folder, default=REFERENCE, show_default=True, help="Committed references."
+)
+_few_option = click.option(
+    "--few", type=click.IntRange(min=1), default=5, show_default=True, help="Shown per file."
+)
+
+
+@click.command("check")
+@click.argument("results", type=_folder)
+@_reference_option
+@_few_option
+def check_command(results: Path, reference: Path, few: int) -> None:
+    """Compare the tables, data and figures in RESULTS with committed references."""
+    from microimpact.report.results import drawn_from, figure_files, table_files
+    from microimpact.report.verify import concerned, verify
+    from microimpact.report.wording import markdown
+
+    differences = verify(results, reference)
+    count = len(table_files(results)) + len(figure_files(results))
+    if not differences:
+        click.echo(f"{results}: {count} files agree with {reference}")
+        return
+    figures, tables = concerned(differences, drawn_from())
+    click.echo(f"{results} differs from {reference}")
+    click.echo(f"Figures: {', '.join(figures) or 'none'}")
+    click.echo(f"Tables: {', '.join(tables) or 'none'}\n")
+    click.echo(markdown(differences, few))
+    raise SystemExit(1)
+
+
+@click.command("reference")
+@click.argument("results", type=_folder)
+@_reference_option
+@_few_option
+@click.option("--remove", is_flag=True, help="Drop references of files that RESULTS lacks.")
+def reference_command(results: Path, reference: Path, few: int, remove: bool) -> None:
+    """Show how RESULTS differs from the references, then make it the reference."""
+    from microimpact.report.verify import renew, verify
+    from microimpact.report.wording import markdown
+
+    reference.mkdir(parents=True, exist_ok=True)
+    differences = verify(results, reference)
+    if differences:
+        click.echo(markdown(differences, few) + "\n")
+    changed = renew(results, reference, differences, remove=remove)
+    click.echo(f"{reference}: {len(changed)} files changed")
+
+
+@click.command("compare")
+@click.argument("baseline", type=_folder)
+@click.argument("changed", type=_folder)
+@click.option("--html", type=_folder, help="Write a page with figures side by side, too.")
+@_few_option
+def compare_command(baseline: Path, changed: Path, html: Path | None, few: int) -> None:
+    """Tell which inputs, numbers, verdicts and figures differ between two results folders."""
+    from microimpact.files import write_file
+    from microimpact.report.compare import as_text, compare
+    from microimpact.report.page import page
+
+    changes = compare(baseline, changed)
+    click.echo(as_text(changes, few))
+    if html:
+        write_file(html, page(changes, few))
+        click.echo(f"\nPage: {html}")
+    if not changes.same:
+        raise SystemExit(1)

@@ -1,0 +1,157 @@
+"""The check against references names the figures and tables that a small change moves."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+
+import pytest
+from tests.workflow.conftest import ROOT, SMALL, copied
+
+OUT = "build/ci"
+TARGETS = ("fig14", "fig17", "fig20", "fig23", "ridge", "declared_inputs")
+
+pytestmark = [pytest.mark.workflow, pytest.mark.slow]
+
+
+@pytest.fixture(scope="module")
+def checked(tmp_path_factory):
+    """A project with references of its own, made from a small part of a small run."""
+    project = copied(tmp_path_factory.mktemp("checked"))
+    project.snakemake(*TARGETS, *SMALL)
+    done = microimpact(project, "reference", OUT)
+    assert done.returncode == 0, done.stderr
+    return project
+
+
+def microimpact(project, *arguments):
+    return subprocess.run(
+        [sys.executable, "-m", "microimpact.cli", *arguments],
+        cwd=project.root,
+        env={"PYTHONPATH": str(project.root / "src"), "COLUMNS": "120"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def named(project):
+    """Build again, check, and return which figures and which tables are named."""
+    project.snakemake(*TARGETS, *SMALL)
+    done = microimpact(project, "check", OUT)
+    assert done.returncode == 1, done.stdout + done.stderr
+    (figures,) = re.findall(r"^Figures: (.*)$", done.stdout, flags=re.MULTILINE)
+    (tables,) = re.findall(r"^Tables: (.*)$", done.stdout, flags=re.MULTILINE)
+    project.told = done.stdout
+    return figures.split(", "), tables.split(", ")
+
+
+def swap(old, new):
+    def edit(text):
+        assert text.count(old) == 1, f"{old!r} must occur once"
+        return text.replace(old, new)
+
+    return edit
+
+
+def test_an_unchanged_run_agrees(checked):
+    project = checked
+    project.snakemake(*TARGETS, *SMALL)
+    done = microimpact(project, "check", OUT)
+    assert done.returncode == 0, done.stdout
+
+
+def test_one_number_changed_by_a_thousandth(checked):
+    old = "body_speed_m_per_s: {value: 30.0,"
+    with checked.edited("config/config.yaml", swap(old, old.replace("30.0", "30.03"))):
+        assert named(checked) == (["fig14"], ["inputs"])
+    assert "config, restitution_trends.body_speed_m_per_s" in checked.told
+    assert re.search(r"\| value +\| 30 +\| 30\.03 +\| 1\.0e-03 +\|", checked.told)
+
+
+def test_one_property_of_one_material_changed_by_a_thousandth(checked):
+    def edit(text):
+        after, n = re.subn(r"^(molybdenum,youngs_modulus,)(\d+)", raised, text, flags=re.MULTILINE)
+        assert n == 1
+        return after
+
+    def raised(found):
+        return f"{found[1]}{float(found[2]) * 1.001:g}"
+
+    # The stiffness of molybdenum enters Fig. 20 and the calibration on it, not that on silicon.
+    with checked.edited("config/materials.csv", edit):
+        figures, tables = named(checked)
+    assert figures == ["fig20"]
+    assert set(tables) == {"calibration", "force_ratios", "inputs", "molybdenum_capture"}
+
+
+@pytest.mark.parametrize(
+    ("path", "old", "new", "figures"),
+    [
+        # Slip of the surface of a spinning sphere: only Fig. 17 has initial spin.
+        (
+            "src/microimpact/model/rigid_body.py",
+            "mu_0 = rolling_impulse_ratio(v_n, v_t - radius * omega, e)",
+            "mu_0 = rolling_impulse_ratio(v_n, v_t + radius * omega, e)",
+            ["fig17"],
+        ),
+        # Speed in excess of the capture velocity.
+        (
+            "src/microimpact/model/restitution.py",
+            "_share(scale, np.maximum(speed - capture, 0.0), exponent)",
+            "_share(scale, np.maximum(speed + capture, 0.0), exponent)",
+            ["fig14"],
+        ),
+    ],
+)
+def test_one_sign_of_one_equation(checked, path, old, new, figures):
+    with checked.edited(path, swap(old, new)):
+        assert named(checked) == (figures, ["none"])
+
+
+def test_one_seed(checked):
+    old = "seed: {value: 20011, evidence: chosen, source: root of the draws of this study}"
+    with checked.edited("config/config.yaml", lambda text: reseeded(text, "monte_carlo", old)):
+        figures, tables = named(checked)
+    assert figures == ["fig23"]
+    assert {"inputs", "monte_carlo"} <= set(tables)
+    assert not {"calibration", "force_ratios", "molybdenum_capture"} & set(tables)
+
+
+def reseeded(text, study, seed):
+    before, heading, after = text.partition(f"\n{study}:\n")
+    assert heading
+    return before + heading + after.replace(seed, seed.replace("20011", "20012"), 1)
+
+
+def test_the_rule_rests_on_everything_and_is_not_part_of_all(checked):
+    assert {"fig18", "check"} <= checked.planned("check", *SMALL)
+    assert "check" not in checked.planned(*SMALL)
+
+
+def test_the_rule_fails_with_the_check(checked):
+    checked.snakemake(*TARGETS, *SMALL)
+    # Of everything, only the targets were built.
+    with checked.edited("workflow/rules/check.smk", swap("everything()", "[]")):
+        assert "files agree" in checked.snakemake("check", *SMALL).text
+        with checked.edited(
+            f"{OUT}/tables/inputs.csv", swap("config,seed,20011", "config,seed,20012")
+        ):
+            done = checked.snakemake("check", *SMALL, check=False)
+    assert done.returncode
+    assert "Figures: none\nTables: inputs\n" in done.text
+    log = (checked.root / OUT / "logs/check.log").read_text()
+    assert "config, seed" in log
+
+
+def test_make_offers_check_and_reference():
+    for arguments, expected in (
+        (["check", "RESULTS=build/x"], "microimpact check build/x\n"),
+        (["reference", "RESULTS=build/x"], "microimpact reference build/x"),
+        (["check"], "rm -rf build/ci\n"),
+    ):
+        done = subprocess.run(
+            ["make", "--dry-run", *arguments], cwd=ROOT, capture_output=True, text=True, check=True
+        )
+        assert expected in done.stdout
