@@ -21,6 +21,10 @@ RESULT_EVIDENCE = (
     "assumed",
 )
 
+# Series of digitised points begin so, in every table: none is taken for another series, nor for
+# a number, and the legend says what it is.
+POINTS = "digitised: "
+
 
 class TableError(ValueError):
     """A table file that does not have the agreed form."""

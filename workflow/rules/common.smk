@@ -18,7 +18,7 @@ os.environ.update(
     PYTHONPATH=os.pathsep.join(filter(None, [str(PROJECT / "src"), os.environ.get("PYTHONPATH")]))
 )
 
-from microimpact import closure, selection
+from microimpact import closure, digitized, selection
 from microimpact.config import load, validate
 from microimpact.figures.registry import filled, registry
 from microimpact.materials import materials_from_rows
@@ -27,6 +27,7 @@ from microimpact.runstamp import write_stamp
 
 RUN_STUDY = PROJECT / "workflow/scripts/run_study.py"
 DRAW_FIGURE = PROJECT / "workflow/scripts/draw_figure.py"
+JUDGE_LEDGER = PROJECT / "workflow/scripts/judge_ledger.py"
 
 try:
     SETTINGS = validate(config, load(PROJECT / "config/config.yaml"))
@@ -36,6 +37,7 @@ try:
     ROWS = {name: DECLARED.named_in(branch) for name, branch in SETTINGS.branches.items()}
     FIGURE_ENTRIES = filled(load(SETTINGS.general.figures), SETTINGS.branches)
     FIGURES = registry(FIGURE_ENTRIES)
+    DIGITIZED = digitized.read_folder(SETTINGS.general.digitized, FIGURES)
 except (ValueError, OSError) as error:
     raise WorkflowError(f"problems in the declared inputs:\n{error}") from None
 
@@ -48,6 +50,21 @@ def study_code(study):
 def figure_code(name):
     """Return the files that decide how a figure is drawn."""
     return _relative(closure.source_files(FIGURES[name].module, scripts=[DRAW_FIGURE]))
+
+
+def ledger_code(ledger):
+    """Return the files that decide what a ledger says."""
+    return _relative(closure.source_files(f"microimpact.ledgers.{ledger}", scripts=[JUDGE_LEDGER]))
+
+
+def digitised_file(name):
+    """Return the file of digitised points of a figure as a named input, if there is one."""
+    return {"digitised": DIGITIZED[name].path} if name in DIGITIZED else {}
+
+
+def digitised_rows(*figures):
+    """Return the digitised points of figures as declared rows of a study."""
+    return digitized.as_rows(DIGITIZED, figures)
 
 
 def _relative(paths):

@@ -37,6 +37,6 @@ rule restitution_fits:
         "<results>/benchmarks/restitution_fits.tsv"
     params:
         branch=lookup(dpath="restitution_fits", within=SETTINGS.branches),
-        rows=ROWS["restitution_fits"],
+        rows=ROWS["restitution_fits"] | digitised_rows("fig15", "fig16"),
     script:
         "../scripts/run_study.py"

@@ -7,6 +7,7 @@ for figure in FIGURES:
             figure
         input:
             **{table: f"<results>/data/{table}.csv" for table in FIGURES[figure].data},
+            **digitised_file(figure),
             code=figure_code(figure),
         output:
             svg=report(

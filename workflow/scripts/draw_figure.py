@@ -4,6 +4,7 @@ import sys
 from importlib import import_module
 from typing import Any
 
+from microimpact.digitized import overlaid, read_points
 from microimpact.figures.registry import figure_spec
 from microimpact.figures.style import save
 from microimpact.job import logged
@@ -13,16 +14,22 @@ from microimpact.tables import figure_columns, read_table
 def main(job: Any) -> str:
     """Draw one figure and return a line on what was written.
 
-    The rule gives the registry entry as ``params.entry`` and the tables as named inputs.
+    The rule gives the registry entry as ``params.entry`` and the tables as named inputs, and so
+    the file of digitised points, ``digitised``, if there is one.
     """
     spec = figure_spec(job.rule, job.params.entry)
     tables = {
         name: read_table(job.input[name], figure_columns(unit.x, unit.y))
         for name, unit in spec.data.items()
     }
+    origin = ""
+    if path := job.input.get("digitised"):
+        points = read_points(path, spec)
+        tables = overlaid(tables, spec, points)
+        origin = f", digitised points from {points.source}"
     draw = getattr(import_module(spec.module), spec.function)
     save(draw(tables, spec), job.output.svg, job.output.png)
-    return f"{job.rule}: drawn from {', '.join(tables)}\n"
+    return f"{job.rule}: drawn from {', '.join(tables)}{origin}\n"
 
 
 if __name__ == "__main__":

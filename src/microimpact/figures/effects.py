@@ -8,6 +8,7 @@ from typing import Any
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
 
 from microimpact.figures import style
@@ -59,6 +60,12 @@ def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
         loc="outside lower center",
         ncols=len(handles),
     )
+    entries: list[Line2D] = []
+    for name, panel in spec.panels.items():
+        points = table[(table["panel"] == name) & (table["evidence"] == "digitised")]
+        entries += style.overlay(axes[name], points, panel)
+    if entries:
+        style.evidence_key(figure, ["digitised"], entries, loc="outside upper center")
     return figure
 
 

@@ -54,11 +54,8 @@ def draw_fits(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     matplotlib.figure.Figure
         One panel with a logarithmic axis of speed, marked in plain numbers.
     """
-    figure, axes = style.line_figure(tables, spec)
+    figure, axes = style.line_figure(tables, spec, x_scale="log")
     for ax in axes.values():
-        limits = ax.get_xlim()
-        ax.set_xscale("log")
-        ax.set_xlim(limits)
         ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         ax.xaxis.set_minor_formatter(NullFormatter())

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec, PanelSpec, SeriesSpec
@@ -36,11 +37,13 @@ def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     table = pd.concat([tables[name] for name in spec.data], ignore_index=True)
     is_curve = table["evidence"].isin(CURVES)
     figure, axes = style.new_figure(spec)
+    entries: list[Line2D] = []
     for name, ax in axes.items():
         in_panel = table["panel"] == name
         _draw_bands(ax, table[is_curve & in_panel], spec.panels[name])
-        style.draw_panel(ax, _without_bands(table, is_curve), spec.panels[name], name)
-    style.evidence_key(figure, table["evidence"])
+        bare = _without_bands(table, is_curve)
+        entries += style.draw_panel(ax, bare, spec.panels[name], name)
+    style.evidence_key(figure, table["evidence"], entries)
     return figure
 
 

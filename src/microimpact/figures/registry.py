@@ -99,6 +99,11 @@ class FigureSpec:
                 if low >= high:
                     raise ValueError(f"panels.{name}.{axis}: [{low}, {high}] must ascend")
 
+    @property
+    def is_schematic(self) -> bool:
+        """Whether the figure is a drawing of parts, not a plot of one quantity over another."""
+        return self.module.rpartition(".")[2].startswith("schematics")
+
 
 def figure_spec(name: str, entry: object) -> FigureSpec:
     """Return the entry of one figure.

@@ -6,7 +6,7 @@ import io
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
@@ -18,11 +18,14 @@ from numpy.typing import NDArray
 
 from microimpact.figures.registry import FigureSpec, PanelSpec, SeriesSpec
 from microimpact.files import write_file
+from microimpact.tables import POINTS
 
 STYLE_FILE = Path(__file__).with_name("microimpact.mplstyle")
 
 WIDTH_MM = {"single": 86.0, "double": 174.0}
 MM_PER_INCH = 25.4
+# Room that an entry of the key takes: its mark, and a letter of its label.
+KEY_MARK_MM, KEY_LETTER_MM = 11.0, 1.0
 
 # How a mark tells what it rests on; lines are computed, marks come from elsewhere.
 EVIDENCE: dict[str, dict[str, Any]] = {
@@ -30,7 +33,7 @@ EVIDENCE: dict[str, dict[str, Any]] = {
     "calibrated": {"linestyle": "solid", "marker": "s", "markevery": 0.1},
     "printed": {"linestyle": "none", "marker": "D", "markerfacecolor": "white"},
     "virtual experiment": {"linestyle": "none", "marker": "o"},
-    "digitised": {"linestyle": "none", "marker": "x"},
+    "digitised": {"linestyle": "none", "marker": "x", "zorder": 4},
     "assumed": {"linestyle": "none", "marker": "+"},
 }
 EVIDENCE_LABEL = {
@@ -77,7 +80,7 @@ def _set_axes(ax: Axes, panel: PanelSpec, prefix: str) -> None:
         ax.set_yticks(panel.y_ticks)
 
 
-def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> None:
+def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> list[Line2D]:
     """Draw all series of one panel, each in the manner of its evidence, with a legend.
 
     Parameters
@@ -89,10 +92,18 @@ def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> No
     panel
         Words and styles; a series it does not name is drawn under its own name.
     name
-        Which panel of the data to draw.
+        Which panel of the data to draw; digitised points in it are laid over all else.
+
+    Returns
+    -------
+    list
+        Entries of the digitised series, for the key below the figure.
     """
     x, y = table.columns[3], table.columns[4]
     rows = table[table["panel"] == (panel.shows or name)]
+    is_point = rows["evidence"] == "digitised"
+    entries = overlay(ax, rows[is_point], panel)
+    rows = rows[~is_point]
     if rows.empty:
         raise ValueError(f"figure data: no rows for panel {name!r}")
     log_x, log_y = ax.get_xscale() == "log", ax.get_yscale() == "log"
@@ -112,8 +123,50 @@ def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> No
             label = None  # one entry per series; the key below the figure names the evidence
     place = panel.legend_place
     if place == "above" or place == "none":  # noqa: PLR1714 (a set would not narrow the type)
-        return
+        return entries
     ax.legend(title=panel.legend, loc=place)
+    return entries
+
+
+def overlay(ax: Axes, points: pd.DataFrame, panel: PanelSpec) -> list[Line2D]:
+    """Draw digitised points of one panel, above all else; the axes grow to hold them.
+
+    Parameters
+    ----------
+    ax
+        Axes of the panel, their scales as they will be.
+    points
+        Figure data of digitised series alone; may be empty.
+    panel
+        Series of the same name, or beginning with it and a comma, give a series its colour.
+
+    Returns
+    -------
+    list
+        Entries for the key, one per series: its name as it was written, never as mathematics.
+    """
+    if points.empty:
+        return []
+    x, y = points.columns[3], points.columns[4]
+    ax.set_xlim(widened(ax.get_xlim(), points[x].to_numpy(float), log=ax.get_xscale() == "log"))
+    if not (panel.fixed and panel.shows):  # an enlarged view stays one
+        heights = points[[y, "y_low", "y_high"]].to_numpy(float)
+        ax.set_ylim(widened(ax.get_ylim(), heights, log=ax.get_yscale() == "log"))
+    entries = []
+    for number, (series, rows) in enumerate(points.groupby("series", sort=False)):
+        name = str(series).removeprefix(POINTS)
+        colour = _points_colour(name, panel, number)
+        _draw_series(ax, rows, (x, y), "digitised", SeriesSpec(label=name), colour, None)
+        label = str(series).replace("$", r"\$")
+        entries.append(Line2D([], [], color=colour, label=label, **_key_look("digitised")))
+    return entries
+
+
+def _points_colour(name: str, panel: PanelSpec, number: int) -> str:
+    for place, (series, spec) in enumerate(panel.series.items()):
+        if series == name or series.startswith(f"{name}, "):
+            return f"C{place if spec.colour is None else spec.colour}"
+    return f"C{len(panel.series) + number}"
 
 
 def widened(
@@ -142,18 +195,18 @@ def _draw_series(
     label: str | None,
 ) -> None:
     x, y = (rows[column].to_numpy() for column in columns)
-    look = {**EVIDENCE[evidence], "color": colour}
+    look = {"zorder": 3, **EVIDENCE[evidence], "color": colour}
     is_line = look["linestyle"] != "none"
     if is_line:
         look["linestyle"] = spec.line
     elif spec.open:
         look["markerfacecolor"] = "white"
     bounds = rows[["y_low", "y_high"]].to_numpy(float).T
-    error = None if np.isnan(bounds).any() else np.abs(bounds - y)
+    error = None if np.isnan(bounds).all() else np.abs(bounds - y)
     # A mark that lies on the frame is shown whole; one beyond it, and the bars, end at the frame.
     low, high = ax.get_ylim()
     marks = y if is_line else np.where((y < low) | (y > high), np.nan, y)
-    drawn = ax.errorbar(x, marks, yerr=error, label=label, clip_on=is_line, zorder=3, **look)
+    drawn = ax.errorbar(x, marks, yerr=error, label=label, clip_on=is_line, **look)
     for bar in (*drawn.lines[1], *drawn.lines[2]):
         bar.set_clip_on(True)
 
@@ -165,16 +218,29 @@ def shade_capture(ax: Axes, limit: float) -> None:
     ax.text(limit / 2, (low + high) / 2, "captured", rotation=90, ha="center", va="center")
 
 
-def evidence_key(figure: Figure, evidence: Iterable[str]) -> None:
-    """Say below the figure which marks are computed, printed, measured on virtual particles."""
+def evidence_key(
+    figure: Figure,
+    evidence: Iterable[str],
+    entries: Iterable[Line2D] = (),
+    loc: Literal["outside lower center", "outside upper center"] = "outside lower center",
+) -> None:
+    """Say below the figure which marks are computed, printed, measured on virtual particles.
+
+    Entries of digitised series follow, each name and colour once. ``loc`` may be another place.
+    """
     present = [name for name in EVIDENCE if name in set(evidence)]
     handles = [
         Line2D([], [], color="black", label=EVIDENCE_LABEL[name], **_key_look(name))
         for name in present
     ]
-    wide = figure.get_figwidth() * MM_PER_INCH > WIDTH_MM["single"] + 1
-    columns = min(len(handles), 5 if wide else 3)
-    figure.legend(handles=handles, loc="outside lower center", ncols=columns)
+    handles += {(str(e.get_label()), str(e.get_color())): e for e in entries}.values()
+    width = figure.get_figwidth() * MM_PER_INCH
+    columns = 5 if width > WIDTH_MM["single"] + 1 else 3
+    if "digitised" in present:
+        longest = max(len(str(handle.get_label())) for handle in handles)
+        columns = max(1, min(columns, int(width / (KEY_MARK_MM + KEY_LETTER_MM * longest))))
+    columns = min(len(handles), columns)
+    figure.legend(handles=handles, loc=loc, ncols=columns)
 
 
 def _key_look(evidence: str) -> dict[str, Any]:
@@ -182,7 +248,7 @@ def _key_look(evidence: str) -> dict[str, Any]:
 
 
 def line_figure(
-    tables: Mapping[str, pd.DataFrame], spec: FigureSpec
+    tables: Mapping[str, pd.DataFrame], spec: FigureSpec, x_scale: str = "linear"
 ) -> tuple[Figure, dict[str, Axes]]:
     """Draw every panel of a figure from its tables, and the key of evidence.
 
@@ -193,12 +259,15 @@ def line_figure(
     """
     figure, axes = new_figure(spec)
     table = pd.concat([tables[name] for name in spec.data], ignore_index=True)
+    entries: list[Line2D] = []
     for name, panel in spec.panels.items():
-        draw_panel(axes[name], table, panel, name)
+        if x_scale != "linear":  # setting any would undo the ticks
+            axes[name].set_xscale(x_scale)
+        entries += draw_panel(axes[name], table, panel, name)
         if panel.legend_place == "above":
             handles, labels = axes[name].get_legend_handles_labels()
             figure.legend(handles, labels, loc="outside upper center", ncols=len(labels))
-    evidence_key(figure, table["evidence"])
+    evidence_key(figure, table["evidence"], entries)
     return figure, axes
 
 

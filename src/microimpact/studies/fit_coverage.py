@@ -151,7 +151,7 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
 
 
 def _truths(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Truths:
-    fits = inputs["restitution_fits"]
+    fits = inputs["restitution_fits"].query("evidence != 'digitised'")
     fit = fits[(fits["case"] == params.case) & (fits["exponent"] == "fixed")]
     if fit.empty:
         raise ValueError(f"case: {params.case!r} must be one with a fit in restitution_fits")

@@ -17,7 +17,7 @@ from microimpact.model.restitution_fit import fit_restitution
 from microimpact.model.restitution_result import RestitutionFit
 from microimpact.parameters import Fraction, Name, Positive
 from microimpact.studies._pairs import calibrated_contact
-from microimpact.tables import series_frame
+from microimpact.tables import POINTS, series_frame
 
 # Curves begin at this share of the capture velocity.
 DRAWN_FROM = 0.7
@@ -69,16 +69,19 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     params
         Parameters of the study.
     inputs
-        ``calibration``: table of that study; ``materials``: declared rows.
+        ``calibration``: table of that study; ``materials``: declared rows; ``digitised``: points of
+        the figures, if there are any, of which those of a series named as a case are fitted too.
 
     Returns
     -------
     mapping
         ``fig15``, ``fig16``: e against speed in m/s, the simulation, its fit with q free, and the
-        printed capture velocity. ``restitution_fits``: per case the fits with q free and fixed.
+        printed capture velocity. ``restitution_fits``: per case the fits with q free and fixed,
+        those of digitised points last; where these cannot be fitted, ``note`` says why.
     """
     frames: dict[str, list[pd.DataFrame]] = {"fig15": [], "fig16": []}
     rows: list[dict[str, object]] = []
+    later: list[dict[str, object]] = []
     for case in params.cases:
         contact = calibrated_contact(inputs, case.case)
         limit = float(capture_velocity(contact))
@@ -86,6 +89,9 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
         speed = np.union1d(np.geomspace(DRAWN_FROM * limit, largest, params.points), [limit])
         e = simulate(contact, speed).coefficient_of_restitution
         frames[case.figure].append(_frame(case, f"{case.case}, simulation", speed, e))
+        found, curves = _digitised_fits(case, params, inputs.get("digitised"), limit)
+        later += found
+        frames[case.figure] += curves
         if not case.fitted:
             continue
         sampled = np.geomspace(case.fitted_from, case.fitted_to, params.fitted_points) * limit
@@ -104,7 +110,45 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
         if not any(mark.equals(other) for other in frames[case.figure]):
             frames[case.figure].append(mark)
     tables = {name: pd.concat(parts, ignore_index=True) for name, parts in frames.items()}
-    return tables | {"restitution_fits": pd.DataFrame(rows)}
+    return tables | {"restitution_fits": pd.DataFrame(rows + later)}
+
+
+def _digitised_fits(
+    case: Case, params: Params, points: pd.DataFrame | None, limit: float
+) -> tuple[list[dict[str, object]], list[pd.DataFrame]]:
+    """Rows of the fits to digitised points of a case, and the curve of that with q free."""
+    if points is None:
+        return [], []
+    is_own = (points["figure"] == case.figure) & (points["series"] == POINTS + case.case)
+    v, e = (points.loc[is_own, name].to_numpy(float) for name in ("x", "y"))
+    rows: list[dict[str, object]] = []
+    curves: list[pd.DataFrame] = []
+    for exponent, q in (("free", None), ("fixed", params.fixed_exponent)) if v.size else ():
+        row: dict[str, object] = {"case": case.case, "exponent": exponent, "evidence": "digitised"}
+        try:
+            fit = fit_restitution(v, e, q=q)
+        except ValueError as error:  # too few points, or what is no coefficient of restitution
+            row |= _known(case, limit) | {"note": f"not fitted: {error}"}
+        else:
+            row = _row(case, limit, fit) | row
+            if q is None:
+                curves.append(_fitted_curve(case, fit, params.points))
+        rows.append(row)
+    return rows, curves
+
+
+def _fitted_curve(case: Case, fit: RestitutionFit, points: int) -> pd.DataFrame:
+    start = DRAWN_FROM * max(fit.v_c, 0.5 * float(fit.v.min()))
+    speed = np.union1d(np.geomspace(start, fit.v.max(), points), [max(start, fit.v_c)])
+    series = f"{case.case}, fit of digitised points"
+    return _frame(case, series, speed, fit.curve(speed), "computed")
+
+
+def _known(case: Case, limit: float) -> dict[str, object]:
+    return {
+        "simulated_v_c_m_per_s": limit,
+        "printed_v_c_m_per_s": case.printed_capture_velocity_m_per_s,
+    }
 
 
 def _row(case: Case, limit: float, fit: RestitutionFit) -> dict[str, object]:
@@ -119,12 +163,12 @@ def _row(case: Case, limit: float, fit: RestitutionFit) -> dict[str, object]:
         "v_c_m_per_s": fit.v_c,
         "v_c_low_m_per_s": low,
         "v_c_high_m_per_s": high,
-        "simulated_v_c_m_per_s": limit,
-        "printed_v_c_m_per_s": case.printed_capture_velocity_m_per_s,
+        **_known(case, limit),
         "rms_residual": float(np.sqrt(np.mean(np.square(fit.residuals)))),
         "r_squared": fit.r_squared,
         "on_bound": " ".join(fit.on_bound),
         "evidence": case.result_evidence,
+        "note": "",
     }
 
 

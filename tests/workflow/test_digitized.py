@@ -1,0 +1,91 @@
+"""Dropped files of digitised points, all made up: what they have rebuilt, and what they stop."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack, contextmanager
+
+import pytest
+
+SMALL = ("--configfile", "config/ci.yaml")
+OUT = "build/ci"
+TARGETS = ("fig14", "fig15", "fig16", "fig17", "digitised_comparison", *SMALL)
+TOP = "# source: made up\n# licence: CC0-1.0\n# digitised_by: nobody\nseries,x,y,y_low,y_high\n"
+
+pytestmark = [pytest.mark.workflow, pytest.mark.slow]
+
+
+@contextmanager
+def dropped(project, name, rows):
+    """Let a file of points lie in its folder while the context lasts."""
+    file = project.root / "config/digitized" / name
+    file.write_text(TOP + rows)
+    try:
+        yield file
+    finally:
+        file.unlink()
+
+
+def test_without_points_there_is_a_table_without_rows(project):
+    lines = (project.root / OUT / "tables/digitised_residuals.csv").read_text().splitlines()
+    assert len(lines) == 1
+    assert lines[0].startswith("figure,panel,points,series")
+
+
+def test_a_file_redraws_its_figure_alone_and_so_does_its_removal(project):
+    concerned = {"fig17", "digitised_comparison"}
+    outputs = [project.root / OUT / name for name in ("figures/fig17.svg", "figures/fig17.png")]
+    before = [path.read_bytes() for path in outputs]
+    table = project.root / OUT / "tables/digitised_residuals.csv"
+    with dropped(project, "fig17.csv", "friction: 0.15,30,0.12,,\n") as file:
+        assert project.planned(*TARGETS) == concerned
+        project.snakemake(*TARGETS)
+        assert all(a != b.read_bytes() for a, b in zip(before, outputs, strict=True))
+        assert "fig17,friction,0.15,0.15,computed,1,1,0,-0.03," in table.read_text()
+        log = (project.root / OUT / "logs/fig17.log").read_text()
+        assert log == "fig17: drawn from fig17, digitised points from made up\n"
+        # another date is no other content
+        file.touch()
+        assert project.planned(*TARGETS) == set()
+    assert project.planned(*TARGETS) == concerned
+    project.snakemake(*TARGETS)
+    assert before == [path.read_bytes() for path in outputs]
+    assert len(table.read_text().splitlines()) == 1
+
+
+def test_points_of_a_fit_redo_the_fits(project):
+    with dropped(project, "fig16.csv", '"steel-silicon, n = 0",0.5,0.5,,\n'):
+        planned = project.planned(*TARGETS)
+    assert planned == {"restitution_fits", "fig15", "fig16", "digitised_comparison"}
+
+
+def test_a_malformed_file_stops_the_run_before_anything_is_written(project):
+    root = ("--config", "pathvars={results: build/refused}")
+    with ExitStack() as files:
+        for name, rows in (
+            ("fig17.csv", 'friction: a,30,"0,1",,\n'),
+            ("fig014.csv", "a,1,1,,\n"),
+            ("fig01.csv", "side: a,1,1,,\n"),
+        ):
+            files.enter_context(dropped(project, name, rows))
+        done = project.snakemake("fig14", *root, check=False)
+    assert done.returncode
+    for line in (
+        "config/digitized/fig17.csv, line 5, column y: '0,1' must be a finite number",
+        "config/digitized/fig014.csv: no figure 'fig014' (did you mean 'fig14'?)",
+        "config/digitized/fig01.csv: 'fig01' is a schematic and takes no digitised points",
+    ):
+        assert [line in told for told in done.text.splitlines()].count(True) == 1
+    assert "Traceback" not in done.text
+    assert not (project.root / "build/refused").exists()
+
+
+def test_another_folder_may_be_named(project, tmp_path):
+    (tmp_path / "points").mkdir()
+    (tmp_path / "points/fig17.csv").write_text(TOP + "spin: a,30,0.12,,\n")
+    overlay = tmp_path / "overlay.yaml"
+    overlay.write_text(f"digitized: {tmp_path / 'points'}\n")
+    planned = project.planned(*TARGETS, str(overlay))
+    assert planned == {"fig17", "digitised_comparison"}
+    overlay.write_text("digitized: nowhere\n")
+    done = project.snakemake(*TARGETS, str(overlay), check=False)
+    assert "digitized: 'nowhere' must be a folder" in done.text
