@@ -34,9 +34,16 @@ include: "workflow/rules/design.smk"
 include: "workflow/rules/experiments.smk"
 include: "workflow/rules/roughness.smk"
 include: "workflow/rules/laboratory.smk"
+include: "workflow/rules/mechanisms.smk"
 include: "workflow/rules/schematics.smk"
 include: "workflow/rules/monte_carlo.smk"
+include: "workflow/rules/separation.smk"
+include: "workflow/rules/digitised.smk"
+include: "workflow/rules/ledgers.smk"
+include: "workflow/rules/claims_model_claims.smk"
+include: "workflow/rules/claims_analysis_claims.smk"
 include: "workflow/rules/figures.smk"
+include: "workflow/rules/check.smk"
 
 
 rule all:

@@ -27,7 +27,7 @@ EVIDENCE = (
 
 _PARTS = ("value", "values", "evidence", "source")
 
-_SYMBOL = r"(?:um|mm|nm|ms|us|ns|px|counts|kHz|deg|rad|GPa|MPa|Pa|kg|mN|uN|[mgsNJK])\d?"
+_SYMBOL = r"(?:um|mm|nm|ms|us|ns|px|counts|kHz|deg|rad|GPa|MPa|Pa|kg|mN|uN|uC|[mgsNJKV])\d?"
 _SUFFIX = re.compile(rf"_({_SYMBOL}(?:_per_{_SYMBOL})*|per_s)$")
 
 

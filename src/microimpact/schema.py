@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -65,11 +66,11 @@ def config_schema(*, complete: bool) -> Schema:
     }
     if complete:
         schema["required"] = [*top.get("required", []), *names]
-    schema["$defs"] = {
+    definitions = {
         "evidence": {"enum": list(EVIDENCE)},
         "source": {"type": "string", "minLength": 1},
     }
-    return schema
+    return _shortened(schema, definitions)
 
 
 def figures_schema() -> Schema:
@@ -144,6 +145,45 @@ def _structured(node: Schema) -> bool:
     return "properties" in node or any(
         _structured(member) for union in UNIONS for member in node.get(union, [])
     )
+
+
+def _shortened(schema: Schema, definitions: Schema) -> Schema:
+    """Name what stands more than once among the definitions, and refer to it."""
+    seen: Counter[str] = Counter()
+    first: dict[str, Schema] = {}
+
+    def count(node: Any) -> None:
+        if isinstance(node, dict) and "properties" in node:
+            text = json.dumps(node)
+            seen[text] += 1
+            first.setdefault(text, node)
+            if seen[text] > 1:
+                return
+        for child in _children(node):
+            count(child)
+
+    def referring(node: Any, *, itself: bool = False) -> Any:
+        if isinstance(node, list):
+            return [referring(child) for child in node]
+        if not isinstance(node, dict):
+            return node
+        name = None if itself else names.get(json.dumps(node))
+        if name:
+            return {"$ref": f"#/$defs/{name}"}
+        return {key: referring(child) for key, child in node.items()}
+
+    count(schema)
+    repeated = [text for text in first if seen[text] > 1]
+    names = {text: f"part_{number}" for number, text in enumerate(repeated, 1)}
+    parts = {names[text]: referring(first[text], itself=True) for text in repeated}
+    shortened: Schema = referring(schema, itself=True) | {"$defs": definitions | parts}
+    return shortened
+
+
+def _children(node: Any) -> list[Any]:
+    if isinstance(node, dict):
+        return list(node.values())
+    return node if isinstance(node, list) else []
 
 
 def _declaration(node: Schema, complete: bool) -> Schema:

@@ -164,31 +164,36 @@ def test_the_whole_study_runs_on_the_simulation(run_study, calibration, settings
     assert relative[20.0] > 0.1
 
 
-def test_drawn(draw, tables, legend_texts):
-    figure = draw("fig23", tables)
-    texts = legend_texts(figure)
-    assert {"smooth surface", "computed, calibrated", "95 % of means of 40 events"} <= set(texts)
-    # two bands of error and one of measured means per panel
-    assert [len(ax.collections) for ax in figure.axes] == [3, 3]
-
-
-def test_points_of_a_further_table_keep_their_error_bars(tables, figures):
-    from microimpact.figures.monte_carlo import draw
-
-    points = series_frame(
-        panel="restitution",
-        series="virtual experiment",
-        evidence="virtual experiment",
-        x=[20.0, 45.0],
-        y=[0.3, 0.0],
-        x_unit="deg",
-        y_unit="1",
-        y_low=[0.2, -0.1],
-        y_high=[0.4, 0.1],
+@pytest.fixture
+def points():
+    """Two measured means, as the oblique experiments give them."""
+    return pd.concat(
+        series_frame(
+            panel=panel,
+            series="steel on Formica",
+            evidence="virtual experiment",
+            x=[20.0, 45.0],
+            y=[0.3, 0.1],
+            x_unit="deg",
+            y_unit="1",
+            y_low=[0.2, 0.0],
+            y_high=[0.4, 0.2],
+        )
+        for panel in ("restitution", "impulse_ratio")
     )
-    spec = figures["fig23"]
-    one = draw(tables, spec)
-    other = draw({**tables, "fig23": pd.concat([tables["fig23"], points])}, spec)
-    bars = [sum(len(c.get_segments()) for c in f.axes[0].collections if hasattr(c, "get_segments"))
-            for f in (one, other)]  # fmt: skip
-    assert bars == [0, 2]
+
+
+def test_drawn(draw, tables, points, legend_texts):
+    figure = draw("fig23", {**tables, "fig23_points": points})
+    texts = legend_texts(figure)
+    assert {
+        "smooth surface",
+        "computed, calibrated",
+        "95 % of means of 40 events",
+        "virtual experiments",
+    } <= set(texts)
+    # Two bands of error, one of measured means and the bars of the points per panel.
+    assert [len(ax.collections) for ax in figure.axes] == [4, 4]
+    for ax in figure.axes:
+        bars = [c for c in ax.collections if hasattr(c, "get_segments")]
+        assert [len(c.get_segments()) for c in bars] == [2]

@@ -29,6 +29,7 @@ rule oblique_experiments:
         code=study_code("oblique_experiments"),
     output:
         **{f"fig{n:02d}": f"<results>/data/fig{n:02d}.csv" for n in range(6, 13)},
+        fig23_points="<results>/data/fig23_points.csv",
         oblique_experiments="<results>/tables/oblique_experiments.csv",
     log:
         "<results>/logs/oblique_experiments.log",

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy import constants
 
-from microimpact.arrays import BoolArray, FloatArray
+from microimpact.arrays import BoolArray, FloatArray, Real
 from microimpact.lab.collision import collide
 from microimpact.lab.dispenser import Dispenser, InitialSpin, drop_height
 from microimpact.lab.distributions import Distribution
@@ -16,6 +17,7 @@ from microimpact.lab.events import IntArray, Measured
 from microimpact.lab.experiment import Target, true_impacts
 from microimpact.lab.pdpa import Instrument
 from microimpact.lab.pdpa_observation import Observation, observe
+from microimpact.lab.ptis import child
 from microimpact.lab.reduction import Mean, mean_interval
 from microimpact.model.contact import resized
 
@@ -67,6 +69,60 @@ def drop_and_observe(
     return observe(impacts, later, duration, instrument, rng, drop_height=height)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Collected:
+    """Outcome of one experiment.
+
+    Attributes
+    ----------
+    measured
+        Accepted events, in order of time; `event` counts in the impacts of `observation`.
+    observation
+        All that the analyzer makes of the experiment.
+    dropped
+        Particles dropped.
+    """
+
+    measured: Measured
+    observation: Observation
+    dropped: int
+
+
+def collect(
+    speed_range: tuple[float, float],
+    events: int,
+    dropped: int,
+    most_dropped: int,
+    rng: np.random.Generator,
+    **setting: Any,
+) -> Collected:
+    """Repeat an experiment with more particles until enough events are accepted, or give up.
+
+    Parameters
+    ----------
+    speed_range
+        Range of *measured* speeds accepted, m/s: later bounces are slower.
+    events
+        Number of accepted events wanted.
+    dropped, most_dropped
+        Number of particles at first, and after which the experiment is given up.
+    rng
+        Of the experiment; its children serve the attempts.
+    **setting
+        As in `drop_and_observe`.
+    """
+    while True:
+        observation = drop_and_observe(dropped, rng=child(rng, dropped), **setting)
+        speed = observation.measured.speed
+        inside = np.flatnonzero((speed >= speed_range[0]) & (speed <= speed_range[1]))
+        if len(inside) >= events or dropped >= most_dropped:
+            measured = observation.measured.select(inside[:events])
+            return Collected(measured=measured, observation=observation, dropped=dropped)
+        # Half as many again as these few events say, for their scatter.
+        wanted = int(np.ceil(1.5 * dropped * events / max(1, len(inside))))
+        dropped = min(max(2 * dropped, wanted), most_dropped)
+
+
 def true_restitution(observation: Observation) -> FloatArray:
     """Return e of every first impact, 0 where captured; shape (n,)."""
     impacts = observation.impacts
@@ -91,18 +147,21 @@ def reduced(measured: Measured, height_error: float) -> Mapping[str, Mean]:
     ValueError
         With fewer than two events.
     """
-    high, low = (quantities(_moved(measured, sign * height_error)) for sign in (1.0, -1.0))
+    high, low = (quantities(moved(measured, sign * height_error)) for sign in (1.0, -1.0))
     return {
         name: mean_interval(values, systematic=0.5 * abs(np.mean(high[name] - low[name])))
         for name, values in quantities(measured).items()
     }
 
 
-def _moved(measured: Measured, shift: float) -> Measured:
-    """Return the events as corrected with another height of the probe: v dv = g dh."""
+def moved(measured: Measured, shift: Real) -> Measured:
+    """Return the events as corrected with a height of the probe larger by a shift, m.
+
+    v dv = g dh; the shift broadcasts with the events.
+    """
 
     def corrected(velocity: FloatArray) -> FloatArray:
-        square = np.square(velocity) + 2.0 * constants.g * shift
+        square = np.square(velocity) + 2.0 * constants.g * np.asarray(shift)
         return np.sign(velocity) * np.sqrt(np.maximum(square, 0.0))
 
     return replace(

@@ -64,6 +64,8 @@ class Params:
     instrument: Instrument
     coulomb_restitution: Fraction
     points: Annotated[int, Field(ge=10)]
+    compared_series: Name
+    reference_angle_deg: AngleDegrees
     marks: tuple[Mark, ...]
 
     def __post_init__(self) -> None:
@@ -72,6 +74,15 @@ class Params:
         for figure in (name for names in named for name in names):
             if figure not in FIGURES:
                 raise ValueError(f"figures: {figure!r} must be one of {', '.join(FIGURES)}")
+        names = [series.name for series in self.series]
+        if self.compared_series not in names:
+            raise ValueError(
+                f"compared_series: {self.compared_series!r} must be one of {', '.join(names)}"
+            )
+        if self.reference_angle_deg not in self.angles_deg:
+            raise ValueError(
+                f"reference_angle_deg: {self.reference_angle_deg:g} must be one of angles_deg"
+            )
 
 
 class Point(NamedTuple):
@@ -98,7 +109,8 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     -------
     mapping
         ``fig06`` to ``fig12``: restitution, impulse ratio and translational energy loss against
-        the angle of incidence in degrees. ``oblique_experiments``: one row per experiment.
+        the angle of incidence in degrees. ``fig23_points``: one series relative to its restitution
+        at a reference angle. ``oblique_experiments``: one row per experiment.
     """
     contacts = {series.name: series_contact(series, inputs) for series in params.series}
     rows, points = [], []
@@ -123,7 +135,11 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
             points += [Point(series.name, name, angle, of) for name, of in found.items()]
     printed = inputs["anchors"].set_index("key")
     figures = {figure: figure_data(params, figure, points, contacts, printed) for figure in FIGURES}
-    return {**figures, "oblique_experiments": pd.DataFrame(rows)}
+    return {
+        **figures,
+        "fig23_points": relative_points(params, points),
+        "oblique_experiments": pd.DataFrame(rows),
+    }
 
 
 def _angle_error(params: Params) -> float:
@@ -171,6 +187,32 @@ def figure_data(
             heights = heights[np.isfinite(heights)]
             x, y = np.broadcast_arrays(np.array(mark.angles_deg)[:, None], heights)
             frames.append(_frame(mark.panel, mark.name, x.ravel(), y.ravel(), "printed"))
+    return pd.concat(frames, ignore_index=True)
+
+
+def relative_points(params: Params, points: list[Point]) -> pd.DataFrame:
+    """Return restitution less its value at the reference angle, and the impulse ratio."""
+    own = [p for p in points if p.series == params.compared_series]
+    at = [
+        p.mean.value
+        for p in own
+        if p.quantity == "restitution" and p.angle == params.reference_angle_deg
+    ]
+    frames = []
+    # Without enough events at the reference angle there is nothing to compare with.
+    for quantity, zero in (("restitution", at[0] if at else np.nan), ("impulse_ratio", 0.0)):
+        shown = [p for p in own if p.quantity == quantity and np.isfinite(zero)]
+        frames.append(
+            _frame(
+                quantity,
+                params.compared_series,
+                [p.angle for p in shown],
+                [p.mean.value - zero for p in shown],
+                "virtual experiment",
+                [p.mean.low - zero for p in shown],
+                [p.mean.high - zero for p in shown],
+            )
+        )
     return pd.concat(frames, ignore_index=True)
 
 
