@@ -42,6 +42,8 @@ include: "workflow/rules/digitised.smk"
 include: "workflow/rules/ledgers.smk"
 include: "workflow/rules/claims_model_claims.smk"
 include: "workflow/rules/claims_analysis_claims.smk"
+include: "workflow/rules/claims_laboratory_claims.smk"
+include: "workflow/rules/campaign.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/check.smk"
 

@@ -11,7 +11,12 @@ import click
 import numpy as np
 
 from microimpact.materials import declared_file, materials_from_rows
-from microimpact.report.commands import check_command, compare_command, reference_command
+from microimpact.report.commands import (
+    check_command,
+    compare_command,
+    crate_command,
+    reference_command,
+)
 from microimpact.selection import CONTACT_COLUMNS, MATERIAL_COLUMNS, read_declared
 
 if TYPE_CHECKING:
@@ -186,7 +191,7 @@ def materials_command(as_json: bool) -> None:
     )
 
 
-for _command in (check_command, reference_command, compare_command):
+for _command in (check_command, reference_command, compare_command, crate_command):
     commands.add_command(_command)
 
 

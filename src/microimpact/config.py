@@ -72,6 +72,7 @@ class General:
     contacts: Name
     printed_values: Name
     figures: Name
+    claims: Name
     digitized: Name
     pathvars: Pathvars = field(default_factory=Pathvars)
 

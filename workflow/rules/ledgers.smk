@@ -15,3 +15,23 @@ rule equations:
         rows=DECLARED.named_in({"particle": "stainless-steel-316", "surface": "silicon"}),
     script:
         "../scripts/judge_ledger.py"
+
+
+rule claims:
+    """tables/claims.csv: every claim of the article, the numbers behind it and the verdict."""
+    input:
+        model_claims="<results>/tables/model_claims.csv",
+        analysis_claims="<results>/tables/analysis_claims.csv",
+        laboratory_claims="<results>/tables/laboratory_claims.csv",
+        criteria=SETTINGS.general.claims,
+        code=ledger_code("claims"),
+    output:
+        claims="<results>/tables/claims.csv",
+    log:
+        "<results>/logs/claims.log",
+    benchmark:
+        "<results>/benchmarks/claims.tsv"
+    params:
+        rows={},
+    script:
+        "../scripts/judge_ledger.py"

@@ -79,7 +79,8 @@ def collide(
     moving = np.arange(n)
     for _ in range(most_contacts):
         # All n are drawn for, so that the facets of one particle do not depend on another's fate.
-        frames = facet_frames(velocity, slope_sd, rng, planar_slopes)[moving]
+        drawn = uniforms(rng, (2, n))[:, moving]
+        frames = _frames(velocity[moving], slope_sd, drawn, planar_slopes)
         after, turn, stays = _on_facets(_of(contact, moving, n), velocity, spin, frames, moving)
         velocity[moving], spin[moving] = after, turn
         captured[moving] = stays
@@ -131,9 +132,18 @@ def facet_frames(
         Standard deviation of the slope along each axis.
     rng
         Source of the facets; two uniform numbers per particle, also on a smooth surface.
+    planar_slopes
+        As in `collide`.
     """
+    return _frames(velocity, slope_sd, uniforms(rng, (2, len(velocity))), planar_slopes)
+
+
+def _frames(
+    velocity: FloatArray, slope_sd: float, drawn: FloatArray, planar_slopes: bool
+) -> FloatArray:
+    """Return the frames of the facets that uniform numbers, shape (2, n), choose."""
     n = len(velocity)
-    facing, across = uniforms(rng, (2, n))
+    facing, across = drawn
     along = np.hypot(velocity[:, 0], velocity[:, 1])
     direction = np.where(
         along[:, None] > 0.0, velocity[:, :2] / np.where(along, along, 1.0)[:, None], [1.0, 0.0]
@@ -172,6 +182,8 @@ def weighted_slope(u: FloatArray, normal_speed: FloatArray, slope_speed: FloatAr
     """
     plain = special.ndtri(u)
     weighted = slope_speed > 0.0
+    if not np.any(weighted):
+        return np.asarray(plain)
     c = np.where(weighted, normal_speed / np.where(weighted, slope_speed, 1.0), np.inf)
     # Beyond this the weight is flat to rounding, and c * Phi would lose what matters.
     weighted &= c < 1e8

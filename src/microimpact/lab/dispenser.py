@@ -6,9 +6,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import constants
 
-from microimpact.arrays import FloatArray
+from microimpact.arrays import BoolArray, FloatArray
 from microimpact.lab.distributions import Distribution, HalfNormal, mean, sample
 from microimpact.parameters import Finite, NonNegative, Positive
 
@@ -65,8 +66,11 @@ class Falling:
 
     def within(self, distance: float) -> Falling:
         """Return those that arrive no further than a distance (m) from the middle."""
-        near = np.hypot(self.position[:, 0], self.position[:, 1]) <= distance
-        return Falling(**{name: getattr(self, name)[near] for name in self.__dataclass_fields__})
+        return self.select(np.hypot(self.position[:, 0], self.position[:, 1]) <= distance)
+
+    def select(self, which: NDArray[np.integer] | BoolArray) -> Falling:
+        """Return some of the particles."""
+        return Falling(**{name: getattr(self, name)[which] for name in self.__dataclass_fields__})
 
 
 def drop_height(speed: float, dispenser: Dispenser) -> float:

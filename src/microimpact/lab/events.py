@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,6 +56,24 @@ class Impacts:
         """Return some of the impacts."""
         return Impacts(**{name: getattr(self, name)[which] for name in self.__dataclass_fields__})
 
+    @classmethod
+    def joined(cls, parts: Sequence[Impacts]) -> Impacts:
+        """Return the impacts of one or more parts in one."""
+        names = cls.__dataclass_fields__
+        return cls(**{k: np.concatenate([getattr(part, k) for part in parts]) for k in names})
+
+    @property
+    def in_plane(self) -> Measured:
+        """What an instrument without errors would report of all; captured ones at rest."""
+        after = np.where(self.captured[:, None], 0.0, self.rebound_velocity)
+        return Measured(
+            event=np.arange(len(self)),
+            incident_normal=self.velocity[:, 2],
+            incident_tangential=self.velocity[:, 0],
+            rebound_normal=after[:, 2],
+            rebound_tangential=after[:, 0],
+        )
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Measured:
@@ -81,6 +100,12 @@ class Measured:
     def select(self, which: slice | IntArray | BoolArray) -> Measured:
         """Return some of the events."""
         return Measured(**{name: getattr(self, name)[which] for name in self.__dataclass_fields__})
+
+    @classmethod
+    def joined(cls, parts: Sequence[Measured]) -> Measured:
+        """Return the events of one or more parts in one."""
+        names = cls.__dataclass_fields__
+        return cls(**{k: np.concatenate([getattr(part, k) for part in parts]) for k in names})
 
     @property
     def coefficient_of_restitution(self) -> FloatArray:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from microimpact.lab.collision import collide
-from microimpact.lab.dispenser import Dispenser, InitialSpin, drop_height, release
+from microimpact.lab.dispenser import Dispenser, Falling, InitialSpin, drop_height, release
 from microimpact.lab.distributions import Distribution
 from microimpact.lab.events import Impacts
 from microimpact.model.contact import Contact, resized
@@ -79,7 +79,12 @@ def true_impacts(
         dispenser=dispenser,
         spin=spin,
         rng=rng,
-    ).within(within)
+    )
+    return hit(falling.within(within), target, rng)
+
+
+def hit(falling: Falling, target: Target, rng: np.random.Generator) -> Impacts:
+    """Let particles that arrive at the target hit it."""
     rebound = collide(
         resized(target.contact, falling.diameter),
         falling.velocity,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.random import Generator
@@ -39,6 +39,12 @@ class Flight:
     origin: FloatArray
     velocity: FloatArray
     gravity: FloatArray
+
+    def select(self, which: IntArray) -> Flight:
+        """Return the paths of some spheres."""
+        legs = (LEGS * which[:, None] + np.arange(LEGS)).ravel()
+        own = {k: getattr(self, k)[legs] for k in ("begin", "end", "start", "origin", "velocity")}
+        return replace(self, **own)
 
     def at(self, leg: IntArray, time: FloatArray) -> FloatArray:
         """Return the position, m, shape (..., 3), of a leg at times s after impact."""
@@ -125,6 +131,21 @@ class Exposure:
     def event(self) -> IntArray:
         """Whose each piece is, shape (m,)."""
         return self.leg // LEGS
+
+    def select(self, which: IntArray) -> Exposure:
+        """Return what is lit of some events, numbers that ascend."""
+        number = np.full(len(self), -1)
+        number[which] = np.arange(len(which))
+        kept = number[self.event] >= 0
+        names = ("start", "end", "whole", "in_sheet", "in_view", "in_field")
+        return replace(
+            self,
+            **{name: getattr(self, name)[kept] for name in names},
+            leg=LEGS * number[self.event[kept]] + self.leg[kept] % LEGS,
+            field=(self.field[0][which], self.field[1][which]),
+            peak=self.peak[which],
+            flight=self.flight.select(which),
+        )
 
 
 def expose(

@@ -10,22 +10,25 @@ from typing import Literal
 import numpy as np
 from numpy.random import Generator
 
-from microimpact.arrays import FloatArray
-from microimpact.lab.dispenser import Dispenser, InitialSpin
+from microimpact.arrays import BoolArray, FloatArray, Real
+from microimpact.lab.dispenser import Dispenser, InitialSpin, drop_height, release
 from microimpact.lab.distributions import Distribution, mean
-from microimpact.lab.events import Impacts, Measured
-from microimpact.lab.experiment import Target, true_impacts
+from microimpact.lab.events import Impacts, IntArray, Measured
+from microimpact.lab.experiment import Target, hit
 from microimpact.lab.ptis import Instrument, Setup, child, draw_systematics
 from microimpact.lab.ptis_model import modelled
-from microimpact.lab.ptis_observation import OFF_SHEET, Observation, observe
+from microimpact.lab.ptis_observation import MEASURED, OFF_SHEET, Observation, observe
 from microimpact.lab.reduction import Mean, mean_interval
 
 Method = Literal["frames", "model"]
 OBSERVERS: Mapping[Method, Callable[..., Observation]] = {"frames": observe, "model": modelled}
 
-# Particles dropped at a time, and how many of them are looked at before events are counted.
-DROPPED_AT_ONCE = 200
-LOOKED_AT_ONCE = 24
+OUTSIDE_CLASS = "outside the class"
+
+# Particles dropped at first; while events are wanting, as many again as so far.
+DROPPED_AT_FIRST = 200
+# Impacts looked at before events are counted: a frame too many costs more than a call.
+LOOKED_AT_ONCE: Mapping[Method, int] = {"frames": 4, "model": 200}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,34 +61,47 @@ class Recipe:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Collected:
-    """Outcome of one experiment.
+    """Outcome of one experiment, up to its last event.
 
     Attributes
     ----------
     measured
-        Accepted events, in order of time.
+        Accepted events, in order of time; `event` counts in `impacts`.
+    impacts
+        All that the light sheet and the camera's field could show, in order of time.
     dropped
-        Particles dropped until there were enough.
+        Particles dropped.
     fates
         What became of them; `outside the class` is measured but of another speed.
-    captured, rebounded
-        Of those that arrived in the light sheet.
-    true_restitution
-        Of the accepted events, as they were; same shape as `measured`.
     """
 
     measured: Measured
+    impacts: Impacts
     dropped: int
     fates: Mapping[str, int]
-    captured: int
-    rebounded: int
-    true_restitution: FloatArray
+
+    @property
+    def captured(self) -> int:
+        """Number of the impacts that were captured."""
+        return int(np.sum(self.impacts.captured))
+
+    @property
+    def rebounded(self) -> int:
+        """Number of the impacts that were not."""
+        return len(self.impacts) - self.captured
+
+    @property
+    def true_restitution(self) -> FloatArray:
+        """Restitution of the accepted events as it was; same shape as `measured`."""
+        return self.impacts.in_plane.coefficient_of_restitution[self.measured.event]
 
 
 def collect(
     recipe: Recipe, angle: float, events: int, most_dropped: int, rng: Generator
 ) -> Collected:
     """Drop particles until enough events are accepted, or the experiment is given up.
+
+    Nothing depends on how many particles are looked at together.
 
     Parameters
     ----------
@@ -107,72 +123,66 @@ def collect(
         diameter=mean(recipe.diameter_um) * 1e-6,
     )
     errors = draw_systematics(recipe.instrument, rng)
-    low, high = recipe.speed_range
     fates: Counter[str] = Counter()
-    parts: list[Measured] = []
-    truths: list[FloatArray] = []
-    dropped = captured = rebounded = accepted = looked = 0
+    looked: list[Impacts] = []
+    found: list[Measured] = []
+    dropped = first = accepted = 0
     while accepted < events and dropped < most_dropped:
-        impacts = _in_sheet(_drop(recipe, angle, child(rng, 2, dropped)), recipe.instrument)
-        dropped += DROPPED_AT_ONCE
-        fates[OFF_SHEET] += DROPPED_AT_ONCE - len(impacts)
-        for start in range(0, len(impacts), LOOKED_AT_ONCE):
-            some = _some(impacts, slice(start, start + LOOKED_AT_ONCE))
-            seen = OBSERVERS[recipe.method](some, setup, rng, first=looked, errors=errors)
-            looked += len(some)
-            inside = (seen.measured.speed >= low) & (seen.measured.speed <= high)
-            fates.update(seen.fates)
-            fates["outside the class"] += int(np.sum(~inside))
-            captured += int(np.sum(some.captured))
-            rebounded += int(np.sum(~some.captured))
-            parts.append(seen.measured.select(inside))
-            truths.append(_restitution(some)[parts[-1].event])
-            accepted += len(parts[-1])
-            if accepted >= events:
+        number = min(max(dropped, DROPPED_AT_FIRST), most_dropped - dropped)
+        shown, batch = _drop(recipe, angle, number, child(rng, 2, dropped))
+        used = number
+        for start in range(0, max(1, len(shown)), LOOKED_AT_ONCE[recipe.method]):
+            some = batch.select(slice(start, start + LOOKED_AT_ONCE[recipe.method]))
+            seen = OBSERVERS[recipe.method](some, setup, rng, first=first, errors=errors)
+            part, end = _accepted(seen.measured, recipe, events - accepted, len(some))
+            fates.update(seen.fates[:end])
+            looked.append(some.select(slice(end)))
+            found.append(replace(part, event=part.event + first))
+            accepted, first = accepted + len(part), first + end
+            if accepted == events:
+                used = int(shown[start + end - 1]) + 1
                 break
+        fates[OFF_SHEET] += used - int(np.sum(shown < used))
+        dropped += used
+    fates[OUTSIDE_CLASS] = fates[MEASURED] - accepted
     return Collected(
-        measured=_joined(parts).select(slice(events)),
+        measured=Measured.joined(found),
+        impacts=Impacts.joined(looked),
         dropped=dropped,
         fates=dict(fates),
-        captured=captured,
-        rebounded=rebounded,
-        true_restitution=np.concatenate(truths)[:events],
     )
 
 
-def _drop(recipe: Recipe, angle: float, rng: Generator) -> Impacts:
-    return true_impacts(
-        DROPPED_AT_ONCE,
-        target=recipe.target,
+def _accepted(measured: Measured, recipe: Recipe, wanted: int, looked: int) -> tuple[Measured, int]:
+    """Return the events of the class, no more than wanted, and how many impacts it took."""
+    low, high = recipe.speed_range
+    inside = np.flatnonzero((measured.speed >= low) & (measured.speed <= high))[:wanted]
+    part = measured.select(inside)
+    return part, int(part.event[-1]) + 1 if len(part) == wanted else looked
+
+
+def _drop(recipe: Recipe, angle: float, number: int, rng: Generator) -> tuple[IntArray, Impacts]:
+    """Return which of some particles arrive where they can be seen, and their impacts."""
+    falling = release(
+        number,
         angle=angle,
-        speed=recipe.speed,
+        height=drop_height(recipe.speed, recipe.dispenser),
         diameter_um=recipe.diameter_um,
         dispenser=recipe.dispenser,
         spin=recipe.spin,
         rng=rng,
     )
+    shown = np.flatnonzero(in_sheet(falling.position, recipe.instrument))
+    return shown, hit(falling.select(shown), recipe.target, rng)
 
 
-def _in_sheet(impacts: Impacts, instrument: Instrument) -> Impacts:
-    """Return the impacts that the light sheet and the camera can see at all."""
+def in_sheet(position: FloatArray, instrument: Instrument) -> BoolArray:
+    """Tell at which places (n, 2) the light sheet and the camera can see an impact at all."""
     half = 0.5e-3 * instrument.sheet_thickness_mm
     field = 1e-6 * instrument.pixel_um * max(instrument.frame_px)
-    seen = (np.abs(impacts.position[:, 1]) <= half) & (np.abs(impacts.position[:, 0]) <= field)
-    return _some(impacts, seen)
-
-
-def _some(impacts: Impacts, which: slice | np.ndarray) -> Impacts:
-    return Impacts(**{name: getattr(impacts, name)[which] for name in Impacts.__dataclass_fields__})
-
-
-def _joined(parts: list[Measured]) -> Measured:
-    names = Measured.__dataclass_fields__
-    return Measured(**{name: np.concatenate([getattr(p, name) for p in parts]) for name in names})
-
-
-def _restitution(impacts: Impacts) -> FloatArray:
-    e: FloatArray = -impacts.rebound_velocity[:, 2] / impacts.velocity[:, 2]
-    return e
+    x, y = position.T
+    seen: BoolArray = (np.abs(y) <= half) & (np.abs(x) <= field)
+    return seen
 
 
 def quantities(measured: Measured) -> dict[str, FloatArray]:
@@ -203,8 +213,11 @@ def reduced(measured: Measured, angle_error: float) -> dict[str, Mean]:
     }
 
 
-def turned(measured: Measured, angle: float) -> Measured:
-    """Return the events as seen from a target turned by an angle in degrees."""
+def turned(measured: Measured, angle: Real) -> Measured:
+    """Return the events as seen from a target turned by an angle in degrees.
+
+    The angle broadcasts with the events.
+    """
     cos, sin = np.cos(np.radians(angle)), np.sin(np.radians(angle))
 
     def both(normal: FloatArray, tangential: FloatArray) -> tuple[FloatArray, FloatArray]:

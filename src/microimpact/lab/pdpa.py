@@ -185,7 +185,7 @@ def true_height(instrument: Instrument, rng: Generator) -> float:
 
 
 def passages(
-    impacts: Impacts, height: float, instrument: Instrument, fall: Real = np.inf
+    impacts: Impacts, height: Real, instrument: Instrument, fall: Real = np.inf
 ) -> Passages:
     """Return the passages of all spheres through the probe volume.
 
@@ -194,7 +194,7 @@ def passages(
     impacts
         All impacts, later ones included (`bounces.with_later_impacts`).
     height
-        Of the probe volume, m.
+        Of the probe volume, m, one number or that of each sphere, shape (n,).
     instrument
         Settings.
     fall
@@ -210,7 +210,7 @@ def passages(
 
 
 def at_level(
-    position: FloatArray, velocity: FloatArray, height: float, sign: float
+    position: FloatArray, velocity: FloatArray, height: Real, sign: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return where and when free flight to or from the surface crosses a level.
 
@@ -244,7 +244,7 @@ def half_axes(instrument: Instrument) -> FloatArray:
 
 
 def _leg(
-    impacts: Impacts, velocity: FloatArray, sign: float, height: float, instrument: Instrument
+    impacts: Impacts, velocity: FloatArray, sign: float, height: Real, instrument: Instrument
 ) -> dict[str, Any]:
     """Return one leg of each flight; sign is that of the vertical velocity, and of time."""
     square, time, place = at_level(impacts.position, velocity, height, sign)

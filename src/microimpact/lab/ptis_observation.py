@@ -10,8 +10,8 @@ import numpy as np
 from numpy.random import Generator
 
 from microimpact.arrays import FloatArray
-from microimpact.lab.events import Impacts, IntArray, Measured
-from microimpact.lab.exposure import INCIDENT, LEGS, REBOUND, Exposure, expose
+from microimpact.lab.events import Impacts, Measured
+from microimpact.lab.exposure import INCIDENT, LEGS, REBOUND, Exposure, exposures
 from microimpact.lab.frames import photograph
 from microimpact.lab.ptis import Setup, Systematics, draw_systematics, event_generator
 from microimpact.lab.track_fit import Rejection
@@ -56,7 +56,10 @@ def observe(
     errors: Systematics | None = None,
     with_gravity: bool = True,
 ) -> Observation:
-    """Render and measure the frame of every impact.
+    """Render and measure the frame of every impact that can be seen.
+
+    Of the events that are `unseen` a frame would give 1 in 400 a velocity, from dashes of which a
+    little is missing; they count as lost.
 
     Parameters
     ----------
@@ -75,34 +78,25 @@ def observe(
         As in `tracks.measure`.
     """
     errors = errors or draw_systematics(setup.instrument, rng)
-    outcomes = [
-        _observed(impacts, i, setup, errors, rng, first + i, with_gravity)
-        for i in range(len(impacts))
-    ]
-    return observation(outcomes)
-
-
-def _observed(
-    impacts: Impacts,
-    i: int,
-    setup: Setup,
-    errors: Systematics,
-    rng: Generator,
-    event: int,
-    with_gravity: bool,
-) -> FloatArray | str:
-    """Return the velocities of one event, as in `Track`, or why there are none."""
-    if impacts.captured[i]:
-        return CAPTURED
-    own = event_generator(rng, event)
-    exposure = expose(impacts, i, setup, errors, own)
-    (reason,) = unseen(exposure, setup)
-    if reason:
-        # Of these a frame gives 1 in 400 a velocity, from dashes of which a little is missing.
-        return reason
-    frame = photograph(exposure, float(impacts.diameter[i]), setup, errors, own)
-    track = measure(frame, setup, with_gravity=with_gravity)
-    return f"{UNMEASURABLE}: {track.reason}" if isinstance(track, Rejection) else track.velocities
+    moving = np.flatnonzero(~impacts.captured)
+    draws = [event_generator(rng, first + i) for i in moving.tolist()]
+    exposure = exposures(impacts.select(moving), setup, errors, draws)
+    fates, velocities = np.full(len(impacts), CAPTURED, dtype=object), []
+    for k, reason in enumerate(unseen(exposure, setup)):
+        fate = reason
+        if not reason:
+            disk = float(impacts.diameter[moving[k]])
+            own = exposure.select(np.array([k]))
+            track = measure(
+                photograph(own, disk, setup, errors, draws[k]), setup, with_gravity=with_gravity
+            )
+            if isinstance(track, Rejection):
+                fate = f"{UNMEASURABLE}: {track.reason}"
+            else:
+                fate = MEASURED
+                velocities.append(track.velocities)
+        fates[moving[k]] = fate
+    return observation(fates, np.reshape(velocities, (-1, 2, 2)))
 
 
 def unseen(exposure: Exposure, setup: Setup) -> list[str]:
@@ -126,23 +120,19 @@ def unseen(exposure: Exposure, setup: Setup) -> list[str]:
     return list(reasons)
 
 
-def observation(outcomes: Iterable[FloatArray | str]) -> Observation:
-    """Return what the velocities of each event, or the reasons why it has none, amount to."""
-    fates, events, rows = [], [], []
-    for i, outcome in enumerate(outcomes):
-        fates.append(outcome if isinstance(outcome, str) else MEASURED)
-        if not isinstance(outcome, str):
-            events.append(i)
-            rows.append(outcome)
-    velocities = np.array(rows).reshape(-1, 2, 2)
-    index: IntArray = np.array(events, dtype=np.int64)
+def observation(fates: Iterable[str], velocities: FloatArray) -> Observation:
+    """Return what the fates of all events and the velocities (k, 2, 2) of the measured amount to.
+
+    Velocities as in `track_fit.Track`.
+    """
+    fates = tuple(fates)
     return Observation(
         measured=Measured(
-            event=index,
+            event=np.flatnonzero(np.array(fates, dtype=object) == MEASURED),
             incident_tangential=velocities[:, 0, 0],
             incident_normal=velocities[:, 0, 1],
             rebound_tangential=velocities[:, 1, 0],
             rebound_normal=velocities[:, 1, 1],
         ),
-        fates=tuple(fates),
+        fates=fates,
     )

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy import stats
+from scipy import special
+
+from microimpact.arrays import FloatArray, Real
 
 FEWEST_EVENTS = 2
 
@@ -58,7 +60,26 @@ def mean_interval(values: ArrayLike, systematic: ArrayLike = 0.0, level: float =
     if n < FEWEST_EVENTS:
         raise ValueError(f"an interval needs at least {FEWEST_EVENTS} events, got {n}")
     sd = float(np.std(values, ddof=1))
-    shared = float(np.sum(np.square(np.asarray(systematic, dtype=float))))
-    half = float(stats.t.ppf(0.5 * (1.0 + level), n - 1)) * np.sqrt(sd**2 / n + shared)
+    shared = np.sqrt(np.sum(np.square(np.asarray(systematic, dtype=float))))
+    half = float(half_width(sd, n, shared, level))
     centre = float(np.mean(values))
     return Mean(value=centre, low=centre - half, high=centre + half, events=n, sd=sd)
+
+
+def half_width(sd: Real, events: int, systematic: Real = 0.0, level: float = 0.95) -> FloatArray:
+    """Return half the width of the interval of `mean_interval`.
+
+    Parameters
+    ----------
+    sd
+        Standard deviation of the events.
+    events
+        Number of events.
+    systematic
+        Standard uncertainty of the mean from all errors shared by the events; broadcasts with
+        `sd`.
+    level
+        Probability that the interval holds the true mean.
+    """
+    t = special.stdtrit(events - 1, 0.5 * (1.0 + level))
+    return np.asarray(t * np.sqrt(np.square(sd) / events + np.square(systematic)))

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.constants import g as gravity
 
-from microimpact.arrays import FloatArray
+from microimpact.arrays import BoolArray, FloatArray
 from microimpact.lab.ptis import Setup
 
 # A leg whose dashes lie off a path under gravity by more than this (rms) is no single flight.
@@ -37,28 +37,33 @@ SECOND_BOUNCE = Rejection("second bounce in view")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Leg:
-    """One leg of a track: m dashes in order of time, and the path fitted to them.
+    """One leg of a track, or of each of many: dashes in order of time, and the path fitted to them.
 
     Attributes
     ----------
     points
-        Centroids, horizontal and vertical (up), m from the image of the target's origin, (m, 2).
+        Centroids, horizontal and vertical (up), m from the image of the target's origin,
+        shape (..., m, 2).
+    weights
+        Of the points in the fitted velocity, 1/s, shape (..., m).
     origin, velocity
-        Of the path at the first dash, m and m/s, shape (2,).
+        Of the path at the first dash, m and m/s, shape (..., 2).
     gravity
         Downward acceleration of the path, m/s2.
     residual
-        Root mean square distance of the points from the path, m.
+        Root mean square distance of the points from the path, m, shape (...).
     contact
-        Time of contact with the surface, s after the first dash (negative on the rebound).
+        Time of contact with the surface, s after the first dash (negative on the rebound),
+        shape (...).
     """
 
     points: FloatArray
+    weights: FloatArray
     origin: FloatArray
     velocity: FloatArray
     gravity: float
-    residual: float
-    contact: float = np.nan
+    residual: FloatArray
+    contact: FloatArray
 
     def at(self, time: FloatArray) -> FloatArray:
         """Return points of the path, m, shape (..., 2), at times s after the first dash."""
@@ -67,25 +72,33 @@ class Leg:
 
     @property
     def contact_velocity(self) -> FloatArray:
-        """Horizontal and vertical velocity at the surface, m/s, shape (2,)."""
-        return self.velocity - [0.0, self.gravity * self.contact]
+        """Horizontal and vertical velocity at the surface, m/s, shape (..., 2)."""
+        return self.velocity - self.contact[..., None] * [0.0, self.gravity]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Track:
-    """A measured track.
+    """A measured track, or many.
 
     Attributes
     ----------
     incident, rebound
         The two legs.
     velocities
-        At the surface, in its frame: incident and rebound (rows), tangential and normal, m/s.
+        At the surface, in its frame: incident and rebound (rows), tangential and normal, m/s,
+        shape (..., 2, 2).
     """
 
     incident: Leg
     rebound: Leg
     velocities: FloatArray
+
+    @property
+    def meets_surface(self) -> BoolArray:
+        """True where one leg comes to the surface and the other leaves it."""
+        normal = self.velocities[..., 1]
+        meets: BoolArray = (normal[..., 0] < 0.0) & (normal[..., 1] > 0.0)
+        return meets
 
 
 def reduce_legs(
@@ -102,36 +115,62 @@ def reduce_legs(
     with_gravity
         As in `measure`.
     """
+    track = fit_track(incident, rebound, setup, with_gravity=with_gravity)
+    if with_gravity and not smooth(track.incident, setup):
+        return IRREGULAR
+    if with_gravity and not smooth(track.rebound, setup):
+        return _second_bounce(track.rebound.points, setup)
+    return track if track.meets_surface else NO_VERTEX
+
+
+def fit_track(
+    incident: FloatArray,
+    rebound: FloatArray,
+    setup: Setup,
+    *,
+    used: tuple[BoolArray | None, BoolArray | None] = (None, None),
+    with_gravity: bool = True,
+) -> Track:
+    """Fit both legs and follow them to the surface, whether or not they make a track.
+
+    Parameters
+    ----------
+    incident, rebound, setup, with_gravity
+        As in `reduce_legs`; any number of tracks, shape (..., m, 2).
+    used
+        Which of the places of each leg count, shape (..., m): the first ones; all if not given.
+    """
     pull = gravity if with_gravity else 0.0
     legs = []
-    for places, outward in ((incident, False), (rebound, True)):
+    for places, count, outward in ((incident, used[0], False), (rebound, used[1], True)):
         points = (places - setup.centre) * [setup.pixel, -setup.pixel]
-        leg = to_surface(fit_path(points, setup.chop_rate, pull), setup, outward=outward)
-        if with_gravity and leg.residual > _tolerated(setup):
-            return _second_bounce(points, setup) if outward else IRREGULAR
-        legs.append(leg)
-    velocities = np.stack([to_target(leg.contact_velocity, setup) for leg in legs])
-    if not (velocities[0, 1] < 0.0 < velocities[1, 1]):
-        return NO_VERTEX
+        leg = fit_path(points, setup.chop_rate, pull, count)
+        legs.append(to_surface(leg, setup, outward=outward))
+    velocities = np.stack([to_target(leg.contact_velocity, setup) for leg in legs], axis=-2)
     return Track(incident=legs[0], rebound=legs[1], velocities=velocities)
 
 
-def fit_path(points: FloatArray, rate: float, pull: float) -> Leg:
+def fit_path(points: FloatArray, rate: float, pull: float, used: BoolArray | None = None) -> Leg:
     """Fit a leg, by least squares, with constant horizontal velocity and vertical acceleration."""
-    time = np.arange(len(points)) / rate
+    used = np.ones(points.shape[:-1], dtype=bool) if used is None else used
+    # Sums run over the last axis but one, point by point: points that do not count change nothing.
+    number = np.sum(used, axis=-1, keepdims=True)
+    time, middle = np.arange(points.shape[-2]) / rate, 0.5 * (number - 1) / rate
+    share = used / number
+    weights = used * (time - middle) * 12.0 * rate**2 / (number * (number**2 - 1.0))
     level = points + 0.5 * np.array([0.0, pull]) * time[:, None] ** 2
-    velocity = velocity_weights(len(points), rate) @ level
-    origin = level.mean(axis=0) - velocity * time.mean()
-    off = level - origin - velocity * time[:, None]
-    residual = float(np.sqrt(np.mean(np.sum(off**2, axis=1))))
-    return Leg(points=points, origin=origin, velocity=velocity, gravity=pull, residual=residual)
-
-
-def velocity_weights(n: int, rate: float) -> FloatArray:
-    """Weights of n equidistant positions in the fitted velocity, 1/s, shape (n,)."""
-    time = (np.arange(n) - 0.5 * (n - 1)) / rate
-    weights: FloatArray = time / np.sum(time**2)
-    return weights
+    velocity = np.sum(weights[..., None] * level, axis=-2)
+    origin = np.sum(share[..., None] * level, axis=-2) - velocity * middle
+    off = level - origin[..., None, :] - velocity[..., None, :] * time[:, None]
+    return Leg(
+        points=points,
+        weights=weights,
+        origin=origin,
+        velocity=velocity,
+        gravity=pull,
+        residual=np.sqrt(np.sum(np.sum(share[..., None] * off**2, axis=-2), axis=-1)),
+        contact=np.full(points.shape[:-2], np.nan),
+    )
 
 
 def to_target(vectors: FloatArray, setup: Setup) -> FloatArray:
@@ -153,19 +192,19 @@ def to_surface(leg: Leg, setup: Setup, *, outward: bool) -> Leg:
     Of the two roots of the height above the surface, the one at which the sphere comes (or leaves,
     if `outward`), in the form that does not cancel.
     """
-    height = to_target(leg.origin, setup)[1] - 0.5 * setup.diameter
-    normal = to_target(leg.velocity, setup)[1] * (1.0 if outward else -1.0)
+    height = to_target(leg.origin, setup)[..., 1] - 0.5 * setup.diameter
+    normal = to_target(leg.velocity, setup)[..., 1] * (1.0 if outward else -1.0)
     square = normal**2 + 2.0 * leg.gravity * np.sin(np.radians(setup.angle)) * height
-    root = np.sqrt(square) if square >= 0.0 else np.nan
-    away = normal + root
-    contact = 2.0 * height / away if away > 0.0 else np.nan
+    away = normal + np.sqrt(np.where(square >= 0.0, square, np.nan))
+    contact = 2.0 * height / np.where(away > 0.0, away, np.nan)
     return replace(leg, contact=-contact if outward else contact)
 
 
-def _tolerated(setup: Setup) -> float:
-    """Residual of a leg that blur, noise and jitter explain, m."""
+def smooth(leg: Leg, setup: Setup) -> BoolArray:
+    """Tell whether blur, noise and jitter explain how far the dashes lie off the path."""
     jitter = 3.0 * setup.instrument.jitter * setup.speed / setup.chop_rate
-    return RESIDUAL_PX * setup.pixel + jitter
+    close: BoolArray = leg.residual <= RESIDUAL_PX * setup.pixel + jitter
+    return close
 
 
 def _second_bounce(points: FloatArray, setup: Setup) -> Rejection:

@@ -10,9 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
+from scipy import ndimage, signal
 
 from microimpact.arrays import BoolArray, FloatArray
+from microimpact.lab.events import IntArray
 from microimpact.lab.frames import BRIGHTEST
 from microimpact.lab.ptis import Setup
 from microimpact.lab.track_fit import (
@@ -28,6 +29,8 @@ from microimpact.lab.track_fit import (
 # Detection: a frame is smoothed by this Gaussian (px); what exceeds both so many deviations of the
 # smoothed noise and this share of the brightest spot is light of a dash.
 SMOOTHING_PX = 1.0
+KERNEL = signal.windows.gaussian(7, SMOOTHING_PX)
+KERNEL = (KERNEL / KERNEL.sum()).astype(np.float32)
 DETECTION = 6.0
 LEAST_BRIGHTNESS = 0.1
 # Spots are widened by this much to hold the light of their wings.
@@ -103,16 +106,19 @@ def find_spots(frame: NDArray[np.uint8], setup: Setup) -> Spots:
     levels = np.cumsum(np.bincount(frame.ravel(), minlength=BRIGHTEST + 1))
     # Most of a frame is dark: its median is the background, its lower half tells the noise.
     low, background = np.searchsorted(levels, frame.size * np.array([0.1587, 0.5]))
-    light = frame.astype(np.float32) - np.float32(background)
-    smooth = ndimage.gaussian_filter(light, SMOOTHING_PX, truncate=3.0)
+    light = frame.astype(np.float32)
+    light -= np.float32(background)
+    smooth = signal.sepfir2d(light, KERNEL, KERNEL)
     noise = max(float(background - low), 1.0) / (2.0 * np.sqrt(np.pi) * SMOOTHING_PX)
     threshold = max(DETECTION * noise, LEAST_BRIGHTNESS * float(smooth.max()))
-    labels, n = ndimage.label(smooth > threshold, structure=np.ones((3, 3)))
-    seen = labels > 0
+    found = smooth > threshold
+    top, left = (_bounds(found.any(axis=axis)) for axis in (1, 0))
+    labels, n = ndimage.label(found[top, left], structure=np.ones((3, 3)))
     # Wings below the threshold count too: cut off, they would draw centroids to pixel centres.
-    labels = ndimage.maximum_filter(labels, 2 * WINGS_PX + 1)
-    rows, columns = np.nonzero(labels)
-    spot = labels[rows, columns] - 1
+    wide = ndimage.maximum_filter(labels, 2 * WINGS_PX + 1)
+    inner = np.nonzero(wide)
+    spot = wide[inner] - 1
+    rows, columns = inner[0] + top.start, inner[1] + left.start
     weight = light[rows, columns].astype(float)
     place = np.stack([columns, lines * rows + 0.5 * (lines - 1)], axis=1)
 
@@ -128,17 +134,24 @@ def find_spots(frame: NDArray[np.uint8], setup: Setup) -> Spots:
     apart = np.hypot(0.5 * (second[0] - second[1]), second[2])
     near = (rows == 0) | (rows == frame.shape[0] - 1)
     near |= (columns == 0) | (columns == frame.shape[1] - 1) | (setup.height(place) < SURFACE_PX)
-    bright = seen[rows, columns]
+    bright = found[rows, columns]
     full = frame[rows, columns] == BRIGHTEST
     return Spots(
         place=centre,
         light=whole,
-        length=np.sqrt(mean + apart),
+        length=np.sqrt(np.maximum(mean + apart, 0.0)),
         width=np.sqrt(np.maximum(mean - apart, 0.0)),
         height=setup.height(centre),
         clear=total(near & bright) == 0,
         saturated=total(full) > MOST_SATURATED * total(bright),
     )
+
+
+def _bounds(lit: BoolArray) -> slice:
+    """Return the rows or columns between the first and the last lit one, wings included."""
+    (index,) = np.nonzero(lit)
+    first, last = (index[0], index[-1]) if index.size else (0, -1)
+    return slice(max(int(first) - WINGS_PX, 0), min(int(last) + WINGS_PX + 1, lit.size))
 
 
 def sort_legs(spots: Spots, setup: Setup) -> tuple[FloatArray, FloatArray] | Rejection:
@@ -209,11 +222,22 @@ def is_steep(way: FloatArray) -> BoolArray:
     return steep
 
 
-def told_apart(rebound: FloatArray) -> bool:
-    """Tell whether a rebound, (m, 2), is no second incident track and its dashes have an order."""
-    if is_steep(rebound[-1] - rebound[0]):
-        return False
-    return bool(np.abs(np.diff(rebound[:, 0])).min() >= LEAST_STEP_PX)
+def told_apart(rebound: FloatArray, used: BoolArray | None = None) -> BoolArray:
+    """Tell whether a rebound is no second incident track and its dashes have an order.
+
+    Parameters
+    ----------
+    rebound
+        Columns and rows of two or more dashes, shape (..., m, 2).
+    used
+        Which of them count, shape (..., m): the first ones; all if not given.
+    """
+    used = np.ones(rebound.shape[:-1], dtype=bool) if used is None else used
+    last = (np.sum(used, axis=-1) - 1)[..., None, None]
+    way = np.take_along_axis(rebound, last, axis=-2)[..., 0, :] - rebound[..., 0, :]
+    step = np.where(used[..., 1:], np.abs(np.diff(rebound[..., 0], axis=-1)), np.inf)
+    apart: BoolArray = ~is_steep(way) & (step.min(axis=-1) >= LEAST_STEP_PX)
+    return apart
 
 
 def _whole(light: FloatArray, usable: BoolArray) -> BoolArray:
@@ -226,12 +250,37 @@ def _whole(light: FloatArray, usable: BoolArray) -> BoolArray:
 
 def longest_run(good: BoolArray) -> slice:
     """Return the longest stretch of true values."""
-    steps = np.flatnonzero(np.diff(np.concatenate([[False], good, [False]])))
-    if steps.size == 0:
-        return slice(0, 0)
-    begins, ends = steps[::2], steps[1::2]
-    longest = int(np.argmax(ends - begins))
-    return slice(int(begins[longest]), int(ends[longest]))
+    (start,), (number,) = longest_runs(good, np.zeros(len(good), dtype=np.int64), 1)
+    return slice(int(start), int(start + number))
+
+
+def longest_runs(good: BoolArray, group: IntArray, groups: int) -> tuple[IntArray, IntArray]:
+    """Return the longest stretch of true values within each group.
+
+    Parameters
+    ----------
+    good
+        Shape (m,).
+    group
+        Of each value: numbers below `groups` that ascend, shape (m,).
+    groups
+        Number of groups.
+
+    Returns
+    -------
+    start, number
+        Where the first of the longest stretches begins, and its values, shape (groups,); zero
+        where there is none.
+    """
+    follows = np.zeros_like(good)
+    follows[1:] = good[:-1] & (group[1:] == group[:-1])
+    begin = np.flatnonzero(good & ~follows)
+    length = np.bincount(np.cumsum(good & ~follows)[good] - 1, minlength=len(begin))
+    order = np.lexsort((begin, -length, group[begin]))
+    found, first = np.unique(group[begin][order], return_index=True)
+    start, number = np.zeros((2, groups), dtype=np.int64)
+    start[found], number[found] = begin[order[first]], length[order[first]]
+    return start, number
 
 
 def _why(spots: Spots, concerned: BoolArray) -> Rejection:

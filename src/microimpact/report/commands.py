@@ -1,4 +1,4 @@
-"""The commands ``microimpact check``, ``reference`` and ``compare``.
+"""The commands ``microimpact check``, ``reference``, ``compare`` and ``crate``.
 
 They end with 0 if all is the same, 1 if something differs, and 2 on bad input.
 """
@@ -79,3 +79,15 @@ def compare_command(baseline: Path, changed: Path, html: Path | None, few: int) 
         click.echo(f"\nPage: {html}")
     if not changes.same:
         raise SystemExit(1)
+
+
+@click.command("crate")
+@click.argument("results", type=_folder)
+@click.option(
+    "--project", type=_folder, default=Path(), show_default=True, help="Folder of the Snakefile."
+)
+def crate_command(results: Path, project: Path) -> None:
+    """Describe the run in RESULTS as a Workflow Run RO-Crate: RESULTS/ro-crate-metadata.json."""
+    from microimpact.report.crate import write_crate
+
+    click.echo(f"Crate: {write_crate(results, project)}")

@@ -57,7 +57,8 @@ def drawn_track(track: Track, setup: Setup) -> pd.DataFrame:
     frames = []
     for name, leg in (("incident", track.incident), ("rebound", track.rebound)):
         last = (len(leg.points) - 1) / setup.chop_rate
-        times = np.linspace(min(0.0, leg.contact), max(last, leg.contact), POINTS)
+        contact = float(leg.contact)
+        times = np.linspace(min(0.0, contact), max(last, contact), POINTS)
         frames.append(_series(f"{name} centroids", inside.of(_places(leg.points, setup))))
         frames.append(_series(f"{name} path", inside.of(_places(leg.at(times), setup)), "computed"))
     # Points of the surface, along and below the horizontal: it is turned by 90 deg - alpha.

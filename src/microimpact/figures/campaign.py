@@ -1,0 +1,136 @@
+"""Figures of the campaign: which experiments it has, and what the intervals of a mean hold."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from microimpact.figures import style
+from microimpact.figures.registry import FigureSpec
+
+FloatArray = NDArray[np.float64]
+
+FEW = "too few events"
+# Marks of one cell stand in rows of so many, this far apart, in cells.
+IN_A_ROW = 5
+STEP = 0.17, 0.30
+COLOURS = "viridis"
+AREA = 9.0
+# Least distance of two numbers of the scale, as a share of it.
+APART = 0.04
+# Per cent of the intervals that should hold the mean.
+LEVEL = 95.0
+
+
+@style.context()
+def draw_map(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+    """Draw a mark for every experiment: particles on a surface against angle, coloured by speed.
+
+    Parameters
+    ----------
+    tables
+        ``campaign_map``: all experiments, and in panel `FEW` again those with too few events,
+        which are drawn open.
+    spec
+        Registry entry, with one panel.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One panel, with a scale of the speeds.
+    """
+    (table,) = tables.values()
+    figure, axes = style.new_figure(spec)
+    (ax,) = axes.values()
+    x, y = table.columns[3:5]
+    few = set(zip(*(table.loc[table["panel"] == FEW, k] for k in ("series", x, y)), strict=True))
+    rows = table[table["panel"] != FEW]
+    pairs, angles = list(dict.fromkeys(rows["series"])), sorted(set(rows[x]))
+    scale = ScalarMappable(LogNorm(rows[y].min(), rows[y].max()), COLOURS)
+    for (pair, angle), cell in rows.groupby(["series", x], sort=False):
+        at = float(str(angle))
+        speeds = np.sort(cell[y].to_numpy())
+        across, down = _places(speeds.size)
+        edges = scale.to_rgba(speeds)
+        is_open = np.array([(pair, at, speed) in few for speed in speeds])
+        ax.scatter(
+            angles.index(at) + across,
+            pairs.index(str(pair)) + down,
+            s=AREA,
+            edgecolors=[tuple(edge) for edge in edges],
+            facecolors=np.where(is_open[:, None], 1.0, edges),
+            zorder=3,
+        )
+    _set_cells(ax, [f"{angle:g}" for angle in angles], pairs)
+    _add_scale(figure, ax, scale, sorted(set(rows[y])))
+    style.evidence_key(figure, table["evidence"])
+    return figure
+
+
+def _places(number: int) -> tuple[FloatArray, FloatArray]:
+    """Return where the marks of a cell stand around its middle, in cells."""
+    index = np.arange(number)
+    row, lines = index // IN_A_ROW, -(-number // IN_A_ROW)
+    wide = np.minimum(number - row * IN_A_ROW, IN_A_ROW)
+    across = STEP[0] * (index % IN_A_ROW - 0.5 * (wide - 1))
+    down = STEP[1] * (row - 0.5 * (lines - 1))
+    return across.astype(float), down.astype(float)
+
+
+def _set_cells(ax: Axes, angles: list[str], pairs: list[str]) -> None:
+    ax.set_xticks(range(len(angles)), angles)
+    ax.set_yticks(range(len(pairs)), pairs)
+    ax.set(xlim=(-0.5, len(angles) - 0.5), ylim=(len(pairs) - 0.5, -0.5))
+    ax.tick_params(which="both", length=0)
+    for edge in np.arange(0.5, len(pairs) - 1):
+        ax.axhline(edge, color="0.88", linewidth=0.5, zorder=1)
+    for edge in np.arange(0.5, len(angles) - 1):
+        ax.axvline(edge, color="0.88", linewidth=0.5, zorder=1)
+
+
+def _add_scale(figure: Figure, ax: Axes, scale: ScalarMappable, speeds: list[float]) -> None:
+    bar = figure.colorbar(scale, ax=ax, pad=0.015, fraction=0.03)
+    bar.set_label("Nominal speed (m/s)")
+    # Of neighbours whose numbers would touch, the first is written.
+    apart = [speeds[0]]
+    for speed in speeds[1:]:
+        if np.log(speed / apart[-1]) > APART * np.log(speeds[-1] / speeds[0]):
+            apart.append(speed)
+    bar.set_ticks(apart, labels=[f"{speed:g}" for speed in apart])
+    bar.set_ticks(speeds, labels=[""] * len(speeds), minor=True)
+
+
+@style.context()
+def draw_coverage(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+    """Draw how often intervals hold a mean, against speed and against angle.
+
+    Parameters
+    ----------
+    tables
+        ``coverage_by_speed`` and ``coverage_by_angle``, one panel each.
+    spec
+        Registry entry; a panel for each table.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Panels side by side, with a line at the level of the intervals.
+    """
+    figure, axes = style.new_figure(spec)
+    for (name, panel), table in zip(spec.panels.items(), tables.values(), strict=True):
+        ax = axes[name]
+        ax.axhline(LEVEL, color="0.5", linewidth=0.6, zorder=1)
+        style.draw_panel(ax, table, panel, name)
+        for series, own in table.groupby("series", sort=False):
+            (x, y), colour = table.columns[3:5], panel.series[str(series)].colour
+            order = own.sort_values(x)
+            ax.plot(order[x], order[y], color=f"C{colour}", linewidth=0.6, alpha=0.7, zorder=2)
+    style.evidence_key(figure, pd.concat([t["evidence"] for t in tables.values()]))
+    return figure

@@ -1,0 +1,325 @@
+"""A finished run as a Workflow Run RO-Crate: workflow, inputs, run and results, linked.
+
+The results folder itself is the crate's root, so that no result is copied. A crate must contain
+its data entities, and the workflow and its declared inputs lie outside of that folder; small as
+they are (1 MB), they are copied to ``crate/`` below the root, each at its place in the project,
+which its ``alternateName`` tells. The package is described by name and version: the commit has its
+code.
+
+Profiles: Workflow Run Crate 0.5, which extends Process Run Crate 0.5 and Workflow RO-Crate 1.0, on
+RO-Crate 1.1. What the run stamp ``run.json`` does not know is left out: who ran the workflow
+(``agent``) and when it began (``startTime``). ``endTime`` is the date of the stamp, which is
+written when the last result is there; a run under ``SOURCE_DATE_EPOCH`` has that date.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import shutil
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from importlib.metadata import metadata
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+from rocrate.model.contextentity import ContextEntity
+from rocrate.rocrate import ROCrate
+
+from microimpact.report.results import TABLE_FOLDERS, ResultsError, read_json, require_results
+from microimpact.runstamp import git_state
+
+STAMP = "run.json"
+METADATA = "ro-crate-metadata.json"
+README = "README.md"
+COPIES = "crate"
+WORKFLOW = "Snakefile"
+CONFIGURATION = "config/config.yaml"
+# What a Snakefile includes, runs, checks by and reports with.
+WORKFLOW_PARTS = ("rules/*.smk", "scripts/*.py", "schemas/*.json", "report/*.rst")
+RESULTS = (*TABLE_FOLDERS, "figures")
+# Not results: what the engine and the jobs tell of the run.
+TRACES = ("benchmarks", "logs")
+
+WORKFLOW_CRATE = "https://w3id.org/workflowhub/workflow-ro-crate/1.0"
+PROFILES = {
+    "https://w3id.org/ro/wfrun/process/0.5": ("Process Run Crate", "0.5"),
+    "https://w3id.org/ro/wfrun/workflow/0.5": ("Workflow Run Crate", "0.5"),
+    WORKFLOW_CRATE: ("Workflow RO-Crate", "1.0"),
+}
+RUN_TERMS = "https://w3id.org/ro/terms/workflow-run/context"
+
+FORMATS = {
+    ".csv": "text/csv",
+    ".gz": "application/gzip",
+    ".json": "application/json",
+    ".log": "text/plain",
+    ".md": "text/markdown",
+    ".png": "image/png",
+    ".py": "text/x-python",
+    ".rst": "text/x-rst",
+    ".smk": "text/plain",
+    ".svg": "image/svg+xml",
+    ".tsv": "text/tab-separated-values",
+    ".yaml": "application/yaml",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Run:
+    """What a crate takes from a run stamp.
+
+    Attributes
+    ----------
+    date
+        Date of the stamp, ISO 8601.
+    commit, dirty
+        State of the project, None where it was no git checkout.
+    packages
+        Versions by name; None for a package that was not there.
+    config
+        The merged configuration.
+    identifier
+        Begin of the stamp's SHA-256: names this run.
+    """
+
+    date: str
+    commit: str | None
+    dirty: bool | None
+    packages: Mapping[str, str | None]
+    config: Mapping[str, Any]
+    identifier: str
+
+
+def write_crate(results: Path, project: Path) -> Path:
+    """Describe a finished run as a Workflow Run RO-Crate, in its results folder.
+
+    The same results and the same project give the same bytes.
+
+    Parameters
+    ----------
+    results
+        Results folder of a run: the root of the crate. Its subfolder ``crate`` is written anew.
+    project
+        Root of the project that the run belongs to.
+
+    Returns
+    -------
+    Path
+        The metadata file.
+
+    Raises
+    ------
+    ResultsError
+        If the folder holds no finished run, or the project is not the one that was run.
+    """
+    require_results(results)
+    run = read_run(results / STAMP)
+    _require_same_project(run, project, results)
+    inputs = declared_inputs(run.config, project)
+    shutil.rmtree(results / COPIES, ignore_errors=True)
+
+    crate = ROCrate(version="1.1")
+    crate.metadata.extra_contexts.append(RUN_TERMS)
+    workflow = _add_workflow(crate, run, project)
+    consumed = [_add_copy(crate, project, path) for path in inputs]
+    produced = _add_files(crate, results, RESULTS)
+    action = _add_run(crate, run, workflow, consumed, produced)
+    for trace in (_add_file(crate, results, STAMP), *_add_files(crate, results, TRACES)):
+        trace["about"] = action
+    if (results / README).is_file():
+        _add_file(crate, results, README)["about"] = crate.root_dataset
+    _describe_root(crate, run, project, action)
+    crate.write(results)
+    return results / METADATA
+
+
+def read_run(path: Path) -> Run:
+    """Read a run stamp.
+
+    Raises
+    ------
+    ResultsError
+        If it is missing, or naming the key that is not as a stamp has it.
+    """
+    if not path.is_file():
+        raise ResultsError(f"{path}: missing; a run writes it when the last result is there")
+    stamp = read_json(path)
+    git, packages, config = (_mapping(path, stamp, key) for key in ("git", "packages", "config"))
+    date = stamp.get("date")
+    try:
+        zone = datetime.fromisoformat(date).tzinfo if isinstance(date, str) else None
+    except ValueError:
+        zone = None
+    if zone is None:
+        raise ResultsError(f"{path}: date must be ISO 8601 with a time zone, got {date!r}")
+    return Run(
+        date=str(date),
+        commit=git.get("commit"),
+        dirty=git.get("dirty"),
+        packages=packages,
+        config=config,
+        identifier=hashlib.sha256(path.read_bytes()).hexdigest()[:12],
+    )
+
+
+def _mapping(path: Path, stamp: Mapping[str, Any], key: str) -> Mapping[str, Any]:
+    value = stamp.get(key)
+    if not isinstance(value, dict):
+        raise ResultsError(f"{path}: {key} must be an object, got {value!r}")
+    return value
+
+
+def _require_same_project(run: Run, project: Path, results: Path) -> None:
+    for name in (WORKFLOW, "LICENSE"):
+        if not (project / name).is_file():
+            raise ResultsError(f"{project}: not the project: it has no {name}")
+    # Copies of other files than those that ran would be a false record.
+    present = git_state(project)["commit"]
+    if run.commit and present and run.commit != present:
+        raise ResultsError(
+            f"{results / STAMP}: the run is of commit {run.commit}, the project is at {present}: "
+            "check that one out, or run again"
+        )
+
+
+def declared_inputs(config: Mapping[str, Any], project: Path) -> list[Path]:
+    """Return the declared input files of a run, relative to the project, sorted.
+
+    These are the default configuration and the files that the merged one names at its top level;
+    of a folder, the tables in it.
+
+    Raises
+    ------
+    ResultsError
+        Naming the key whose file is missing or outside of the project.
+    """
+    root = project.resolve()
+    found: set[Path] = set()
+    for key, name in {"configfile": CONFIGURATION, **config}.items():
+        if not isinstance(name, str):
+            continue
+        path = (root / name).resolve()
+        if not path.exists() or not path.is_relative_to(root):
+            raise ResultsError(f"{key}: {name!r} must be a file or folder in {project}")
+        found.update(path.glob("*.csv") if path.is_dir() else [path])
+    return sorted(path.relative_to(root) for path in found)
+
+
+def _add_workflow(crate: Any, run: Run, project: Path) -> Any:
+    """Add the Snakefile as the crate's main entity, with its parts and the software it needs."""
+    workflow = crate.add_workflow(
+        project / WORKFLOW,
+        f"{COPIES}/{WORKFLOW}",
+        main=True,
+        lang="snakemake",
+        lang_version=run.packages.get("snakemake"),
+        properties={
+            "name": "Workflow of the microimpact study",
+            "alternateName": WORKFLOW,
+            "description": f"Project at {_commit(run)}.",
+            "encodingFormat": "text/plain",
+        },
+    )
+    if version := run.packages.get("microimpact"):
+        workflow["version"] = version
+    paths = sorted(chain(*((project / "workflow").glob(part) for part in WORKFLOW_PARTS)))
+    parts = [_add_copy(crate, project, path.relative_to(project)) for path in paths]
+    if parts:
+        workflow["hasPart"] = parts
+    workflow["softwareRequirements"] = [
+        _add_software(crate, name, version)
+        for name, version in sorted(run.packages.items())
+        if version
+    ]
+    return workflow
+
+
+def _add_software(crate: Any, name: str, version: str) -> Any:
+    properties = {"@type": "SoftwareApplication", "name": name, "softwareVersion": version}
+    if name == "microimpact":  # is in no package index
+        return _add_context(crate, f"#{name}-{version}", properties)
+    page = f"https://pypi.org/project/{name}/{version}/"
+    return _add_context(crate, page, {**properties, "url": page})
+
+
+def _commit(run: Run) -> str:
+    if run.commit is None:
+        return "no recorded commit"
+    state = {True: " with uncommitted changes", False: "", None: ", state unknown"}
+    return f"commit {run.commit}{state[run.dirty]}"
+
+
+def _add_run(
+    crate: Any, run: Run, workflow: Any, consumed: Iterable[Any], produced: Iterable[Any]
+) -> Any:
+    return _add_context(
+        crate,
+        f"#run-{run.identifier}",
+        {
+            "@type": "CreateAction",
+            "name": "Run of the microimpact study",
+            "description": (
+                f"snakemake, project at {_commit(run)}. {STAMP} holds the merged configuration, "
+                "with all that was changed by --configfile and --config."
+            ),
+            "instrument": workflow,
+            "object": list(consumed),
+            "result": list(produced),
+            "endTime": run.date,
+            "actionStatus": "http://schema.org/CompletedActionStatus",
+        },
+    )
+
+
+def _describe_root(crate: Any, run: Run, project: Path, action: Any) -> None:
+    about = metadata("microimpact")
+    licence = about["License-Expression"]
+    crate.name = "Results of the microimpact study"
+    crate.description = about["Summary"]
+    crate.datePublished = run.date
+    crate.license = _add_context(
+        crate,
+        f"https://spdx.org/licenses/{licence}",
+        {
+            "@type": "CreativeWork",
+            "name": (project / "LICENSE").read_text(encoding="utf-8").splitlines()[0],
+            "description": f"Full text in {COPIES}/LICENSE.",
+            "identifier": licence,
+        },
+    )
+    _add_copy(crate, project, Path("LICENSE"))["encodingFormat"] = "text/plain"
+    crate.root_dataset["mentions"] = action
+    crate.root_dataset["conformsTo"] = [
+        _add_context(crate, uri, {"@type": "CreativeWork", "name": name, "version": version})
+        for uri, (name, version) in PROFILES.items()
+    ]
+
+
+def _add_files(crate: Any, root: Path, folders: Iterable[str]) -> list[Any]:
+    paths = sorted(path for folder in folders for path in (root / folder).rglob("*"))
+    return [
+        _add_file(crate, root, path.relative_to(root).as_posix())
+        for path in paths
+        if path.is_file() and not path.name.startswith(".")
+    ]
+
+
+def _add_file(crate: Any, root: Path, place: str, copy_to: str = "") -> Any:
+    suffix = Path(place).suffix
+    properties = {
+        "name": place,
+        "encodingFormat": FORMATS.get(suffix, "application/octet-stream"),
+    }
+    return crate.add_file(root / place, f"{copy_to}{place}", properties=properties)
+
+
+def _add_copy(crate: Any, project: Path, path: Path) -> Any:
+    file = _add_file(crate, project, path.as_posix(), f"{COPIES}/")
+    file["alternateName"] = path.as_posix()
+    return file
+
+
+def _add_context(crate: Any, identifier: str, properties: Mapping[str, Any]) -> Any:
+    return crate.add(ContextEntity(crate, identifier, properties=dict(properties)))

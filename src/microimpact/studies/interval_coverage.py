@@ -1,0 +1,221 @@
+"""How often the 95 % intervals of some 40 events hold the true mean, and which (Section 2.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import numpy as np
+import pandas as pd
+from pydantic import Field
+from scipy import stats
+
+from microimpact.arrays import FloatArray
+from microimpact.lab import normal_incidence, oblique_incidence
+from microimpact.lab import pdpa as doppler
+from microimpact.lab import ptis as imaging
+from microimpact.lab.dispenser import Dispenser, InitialSpin
+from microimpact.lab.distributions import Distribution, generator
+from microimpact.lab.events import Measured
+from microimpact.lab.experiment import Target
+from microimpact.lab.oblique_incidence import quantities
+from microimpact.lab.reduction import half_width
+from microimpact.parameters import Count, Fraction, Name, NonNegative, Positive
+from microimpact.studies._pairs import calibrated_contact
+from microimpact.studies._repeated import Repeated, by_doppler, by_imaging
+from microimpact.tables import series_frame
+
+NORMAL = 90.0
+SHIFTED = {"PDPA": normal_incidence.moved, "PTIS": oblique_incidence.turned}
+MEASURED_BY = {
+    "PDPA": ("restitution",),
+    "PTIS": ("restitution", "impulse_ratio", "energy_loss"),
+}
+OBSERVABLE, EVERYTHING = "events that can be measured", "all impacts"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Case:
+    """Experiments of one surface, over speeds at one angle or over angles at one speed."""
+
+    name: Name
+    speeds_m_per_s: tuple[Positive, ...]
+    angles_deg: tuple[Annotated[float, Field(gt=0, le=90)], ...]
+    diameter_um: Distribution
+    slope: NonNegative
+    speed_window: Annotated[float, Field(gt=0, lt=1)]
+    simulated: Count
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params:
+    """Cases, and how often each is repeated; at 90 deg by the analyzer, else by imaging."""
+
+    seed: Annotated[int, Field(ge=0)]
+    particle: Name
+    surface: Name
+    case: Name
+    friction: Fraction
+    cases: tuple[Case, ...]
+    experiments: Annotated[int, Field(ge=2)]
+    events: Annotated[int, Field(ge=2)]
+    level: Annotated[float, Field(gt=0, lt=1)]
+    dispenser: Dispenser
+    pdpa: doppler.Instrument
+    ptis: imaging.Instrument
+
+    def __post_init__(self) -> None:
+        """Refuse to draw a panel of nothing."""
+        normal = [angle == NORMAL for case in self.cases for angle in case.angles_deg]
+        if not (any(normal) and not all(normal)):
+            raise ValueError("cases: must hold an experiment at 90 deg and one at another angle")
+
+
+def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+    """Repeat every experiment and count the intervals that hold either mean.
+
+    Parameters
+    ----------
+    params
+        Parameters of the study.
+    inputs
+        ``calibration``: calibrated contacts; ``materials``: declared rows.
+
+    Returns
+    -------
+    mapping
+        ``interval_coverage``: one row per experiment and quantity. ``coverage_by_speed``,
+        ``coverage_by_angle``: coverage of restitution.
+    """
+    contact = calibrated_contact(inputs, params.case).replace(friction=params.friction)
+    rows = []
+    for number, case in enumerate(params.cases):
+        target = Target(contact=contact, slope_sd=case.slope)
+        for i, angle in enumerate(case.angles_deg):
+            for k, speed in enumerate(case.speeds_m_per_s):
+                rng = generator(params.seed, number, i, k)
+                try:
+                    repeated = _repeated(params, case, target, angle, speed, rng)
+                except ValueError as error:
+                    where = f"cases.{case.name}, {speed:g} m/s, {angle:g} deg"
+                    raise ValueError(f"{where}: {error}") from None
+                rows += list(coverage_rows(params, case, angle, speed, repeated))
+    table = pd.DataFrame(rows)
+    return {"interval_coverage": table, **drawn(table)}
+
+
+def _repeated(
+    params: Params,
+    case: Case,
+    target: Target,
+    angle: float,
+    speed: float,
+    rng: np.random.Generator,
+) -> Repeated:
+    window = case.speed_window
+    common: dict[str, Any] = {
+        "speed_range": (speed * (1.0 - window), speed * (1.0 + window)),
+        "rng": rng,
+        "target": target,
+        "speed": speed,
+        "diameter_um": case.diameter_um,
+        "dispenser": params.dispenser,
+        "spin": InitialSpin(sd=0.0, mean=0.0),
+    }
+    size = params.experiments, params.events, case.simulated
+    if angle == NORMAL:
+        return by_doppler(*size, instrument=params.pdpa, **common)
+    return by_imaging(*size, instrument=params.ptis, angle=angle, **common)
+
+
+def coverage_rows(
+    params: Params, case: Case, angle: float, speed: float, repeated: Repeated
+) -> Iterator[dict[str, Any]]:
+    """Yield how often the intervals of each quantity hold either mean, and how wide they are."""
+    instrument = "PDPA" if angle == NORMAL else "PTIS"
+    means = quantities(repeated.measured)
+    accepted, everything = quantities(repeated.true), _all_impacts(case, speed, repeated)
+    systematic = _systematic(instrument, repeated)
+    for name in MEASURED_BY[instrument]:
+        values = means[name]
+        centre = values.mean(axis=1)
+        sd = values.std(axis=1, ddof=1)
+        half = half_width(sd, params.events, systematic[name], params.level)
+        row: dict[str, Any] = {
+            "case": case.name,
+            "instrument": instrument,
+            "angle_deg": angle,
+            "speed_m_per_s": speed,
+            "quantity": name,
+            "experiments": params.experiments,
+            "events": params.events,
+            "captured_share": float(np.mean(repeated.impacts.captured)),
+            "observable_share": repeated.observable,
+        }
+        truths = {"observable": float(accepted[name].mean()), "all": float(everything[name])}
+        for which, truth in truths.items():
+            held = np.abs(centre - truth) <= half
+            low, high = stats.binomtest(int(held.sum()), held.size).proportion_ci(method="wilson")
+            row |= {
+                f"mean_{which}": truth,
+                f"coverage_{which}": float(held.mean()),
+                f"coverage_{which}_low": float(low),
+                f"coverage_{which}_high": float(high),
+            }
+        yield row | {
+            "bias_of_the_mean": float(centre.mean() - truths["observable"]),
+            "half_width": float(half.mean()),
+            "systematic_share": float(np.mean(np.square(systematic[name] / (half / 2.0)))),
+            "skewness_of_events": float(stats.skew(values, axis=None)),
+            "evidence": "virtual experiment",
+        }
+
+
+def _systematic(instrument: str, repeated: Repeated) -> dict[str, FloatArray]:
+    """Return the standard uncertainty of every mean that its events share, (experiments,)."""
+    shift = SHIFTED[instrument]
+    high, low = (
+        quantities(shift(repeated.measured, sign * repeated.uncertainty)) for sign in (1.0, -1.0)
+    )
+    return {name: 0.5 * np.abs((high[name] - low[name]).mean(axis=1)) for name in high}
+
+
+def _all_impacts(case: Case, speed: float, repeated: Repeated) -> dict[str, float]:
+    """Return the means over all impacts of the class, seen or not.
+
+    Captured ones count with no restitution and all their energy lost; friction is of rebounds.
+    """
+    exact: Measured = repeated.impacts.in_plane
+    inside = np.abs(exact.speed / speed - 1.0) <= case.speed_window
+    stays = repeated.impacts.captured
+    values = quantities(exact)
+    return {
+        name: float(np.mean(of[inside & ~stays] if name == "impulse_ratio" else of[inside]))
+        for name, of in values.items()
+    }
+
+
+def drawn(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """Return the coverage of restitution, by speed at normal and by angle at oblique incidence."""
+    rows = table[table["quantity"] == "restitution"]
+    axes = {"speed": ("PDPA", "speed_m_per_s"), "angle": ("PTIS", "angle_deg")}
+    found = {}
+    for axis, (instrument, column) in axes.items():
+        frames = [
+            series_frame(
+                panel=axis,
+                series=f"{name}: {words}",
+                evidence="virtual experiment",
+                x=own[column],
+                y=100.0 * own[f"coverage_{which}"],
+                y_low=100.0 * own[f"coverage_{which}_low"].to_numpy(),
+                y_high=100.0 * own[f"coverage_{which}_high"].to_numpy(),
+                x_unit=column.removeprefix("speed_").removeprefix("angle_"),
+                y_unit="percent",
+            )
+            for name, own in rows[rows["instrument"] == instrument].groupby("case", sort=False)
+            for which, words in (("observable", OBSERVABLE), ("all", EVERYTHING))
+        ]
+        found[f"coverage_by_{axis}"] = pd.concat(frames, ignore_index=True)
+    return found
