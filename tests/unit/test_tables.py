@@ -92,9 +92,7 @@ def test_a_pair_and_an_anchor_that_are_not_declared_are_refused():
     files = ("materials.csv", "contacts.csv", "printed_values.csv")
     declared = selection.read_all(*(str(root / name) for name in files))
     pair = {"particle": "stainless-steel-316", "surface": "mica"}
-    with pytest.raises(
-        selection.SelectionError, match="no rows for 'stainless-steel-316 on mica'"
-    ):
+    with pytest.raises(selection.SelectionError, match="no rows for 'stainless-steel-316 on mica'"):
         declared.named_in(pair)
     with pytest.raises(selection.SelectionError, match="no rows for 'friction'"):
         declared.named_in({"anchors": ["friction"]})

@@ -67,6 +67,16 @@ def digitised_rows(*figures):
     return digitized.as_rows(DIGITIZED, figures)
 
 
+def sample_files(node):
+    """Return the files of measured values that a branch draws from."""
+    if isinstance(node, list):
+        return [path for item in node for path in sample_files(item)]
+    if not isinstance(node, dict):
+        return []
+    own = [node["path"]] if node.get("kind") == "sample_file" else []
+    return own + sample_files(list(node.values()))
+
+
 def _relative(paths):
     return [os.path.relpath(path) for path in paths]
 

@@ -1,16 +1,6 @@
 """Monte Carlo analysis of impacts on a rough surface (Section 4.2)."""
 
 
-def sample_files(node):
-    """Return the files of measured values that a branch draws from."""
-    if isinstance(node, list):
-        return [path for item in node for path in sample_files(item)]
-    if not isinstance(node, dict):
-        return []
-    own = [node["path"]] if node.get("kind") == "sample_file" else []
-    return own + sample_files(list(node.values()))
-
-
 rule monte_carlo:
     """data/fig23.csv; tables/monte_carlo*.csv and slope_inference.csv."""
     input:
