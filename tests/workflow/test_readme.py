@@ -9,7 +9,7 @@ import sys
 
 import pytest
 import yaml
-from tests.workflow.conftest import ROOT
+from tests.workflow.conftest import ROOT, SMALL
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```$", README, flags=re.DOTALL | re.MULTILINE)
@@ -57,6 +57,6 @@ def test_overlay_and_snakemake(project):
     for line in lines("sh", "snakemake"):
         words = shlex.split(line)[1:]
         if "--configfile" not in words:
-            words.append("--configfile")
+            words += SMALL
         project.snakemake(*words, "my-run.yaml")
         assert (project.root / target / "figures/fig20.svg").is_file()
