@@ -12,13 +12,12 @@ import pkgutil
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
 from importlib import import_module
-from pathlib import Path
 from typing import Annotated, Any
 
-import yaml
 from pydantic import Field, ValidationError
 
 from microimpact import studies
+from microimpact.documents import ConfigError, load
 from microimpact.nearest import nearest
 from microimpact.parameters import (
     AngleDegrees,
@@ -50,10 +49,6 @@ __all__ = [
     "study_params",
     "validate",
 ]
-
-
-class ConfigError(ValueError):
-    """A configuration with problems: one line each, beginning with the dotted key."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,23 +84,6 @@ class Settings:
     general: General
     branches: Mapping[str, Mapping[str, Any]]
     declared: tuple[Declared, ...]
-
-
-def load(path: Path | str) -> dict[str, Any]:
-    """Read a YAML file that holds a mapping.
-
-    Raises
-    ------
-    ConfigError
-        If the file is not YAML or holds something else than a mapping.
-    """
-    try:
-        content = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
-    except yaml.YAMLError as error:
-        raise ConfigError(f"{path}: not valid YAML: {error}") from None
-    if not isinstance(content, dict):
-        raise ConfigError(f"{path}: must hold a mapping of keys to values")
-    return content
 
 
 def study_names() -> list[str]:

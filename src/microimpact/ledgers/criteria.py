@@ -15,7 +15,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, ValidationError
 
-from microimpact.config import load
+from microimpact.documents import load
 from microimpact.nearest import nearest
 from microimpact.parameters import Finite, Name, NonNegative, build, explain
 
@@ -241,7 +241,7 @@ def read_claims(path: Path | str) -> dict[str, Claim]:
     ------
     ClaimsError
         Naming the dotted key of every problem in any claim, one line each.
-    microimpact.config.ConfigError
+    microimpact.documents.ConfigError
         If the file is not YAML or holds something else than a mapping.
     """
     found, problems = {}, []
