@@ -237,11 +237,9 @@ def _add_workflow(crate: Any, run: Run, project: Path) -> Any:
 
 
 def _add_software(crate: Any, name: str, version: str) -> Any:
+    # By name and version, as in the lock files; where it is fetched from is the user's affair.
     properties = {"@type": "SoftwareApplication", "name": name, "softwareVersion": version}
-    if name == "microimpact":  # is in no package index
-        return _add_context(crate, f"#{name}-{version}", properties)
-    page = f"https://pypi.org/project/{name}/{version}/"
-    return _add_context(crate, page, {**properties, "url": page})
+    return _add_context(crate, f"#{name}-{version}", properties)
 
 
 def _commit(run: Run) -> str:

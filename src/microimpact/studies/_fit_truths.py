@@ -10,11 +10,10 @@ from pydantic import Field
 
 from microimpact.arrays import BoolArray, FloatArray
 from microimpact.model.capture import capture_velocity
-from microimpact.model.contact import Contact
+from microimpact.model.contact import Contact, resized
 from microimpact.model.impact import simulate
 from microimpact.model.restitution import restitution
 from microimpact.parameters import Name
-from microimpact.studies._pairs import resized
 
 ANALYSIS = 34
 # What a stream of random numbers is for.

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 import pandas as pd
@@ -22,8 +21,9 @@ from microimpact.parameters import (
     NonNegative,
     Positive,
 )
+from microimpact.studies import _claim_numbers
+from microimpact.studies._claim_numbers import CaseContext
 from microimpact.studies._dropped import Dropped, Sampling, Seen, contact_of, half_width, seen
-from microimpact.studies._pairs import calibrated_contact, resized
 
 Ascending = tuple[Positive, Positive]
 
@@ -210,23 +210,10 @@ class Params:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Context:
-    """One case of steel on silicon, or none (""), with all settings and tables."""
+class Context(CaseContext):
+    """A case with the settings of these claims."""
 
     params: Params
-    inputs: Mapping[str, pd.DataFrame]
-    case: str = ""
-
-    def cases(self) -> Iterator[Context]:
-        """Yield the context of every case."""
-        return (replace(self, case=case) for case in self.params.steel.cases)
-
-    @property
-    def steel(self) -> Contact:
-        """Contact of the case, as large as is meant."""
-        contact = calibrated_contact(self.inputs, self.case)
-        friction = self.params.steel.friction
-        return resized(contact, self.params.steel.diameter_um * 1e-6).replace(friction=friction)
 
     def table(self, name: str, **where: object) -> pd.DataFrame:
         """Return the rows of a table with these values, of the case if it tells cases apart.
@@ -251,13 +238,6 @@ class Context:
         rows = self.table(name, **where)
         return pd.Series(rows[column].to_numpy(float), index=rows["angle_deg"].to_numpy(float))
 
-    def printed(self, key: str) -> float:
-        """Return a printed value."""
-        rows = self.inputs["anchors"].set_index("key")["value"].astype(float)
-        if key not in rows:
-            raise ValueError(f"anchors: {key!r} is not named")
-        return float(rows[key])
-
     def seen(self, dropped: Dropped, angle: float) -> Seen:
         """Return a sample; of the case, if there is one."""
         own = replace(dropped, case=self.case or dropped.case)
@@ -278,22 +258,7 @@ class Context:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Numbers:
-    """How the numbers of one claim come about.
+class Numbers(_claim_numbers.Numbers):
+    """Numbers that are measured in the virtual laboratory, unless they say otherwise."""
 
-    Attributes
-    ----------
-    of
-        Values by quantity, from the context.
-    by_case
-        Whether there are numbers for every case.
-    evidence
-        What they rest on.
-    units
-        Of the quantities that have one.
-    """
-
-    of: Callable[[Context], Mapping[str, float]]
-    by_case: bool = False
     evidence: str = "virtual experiment"
-    units: Mapping[str, str] = field(default_factory=dict)

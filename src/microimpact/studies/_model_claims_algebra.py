@@ -21,7 +21,8 @@ from microimpact.model.rigid_body import (
     rigid_body_rebound,
 )
 from microimpact.model.roughness import measured_impulse_ratio, measured_restitution
-from microimpact.studies._model_claims_context import Context, Numbers, between
+from microimpact.studies._claim_numbers import Numbers
+from microimpact.studies._model_claims_context import Context, between
 
 # Entries of the energy ledger that are lost.
 WORKS = ("hertz_work", "adhesion_work")

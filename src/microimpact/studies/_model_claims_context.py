@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Annotated, Literal
 
 import numpy as np
-import pandas as pd
 from pydantic import Field
 
 from microimpact.arrays import FloatArray, Real
 from microimpact.model.contact import Contact
 from microimpact.model.impact import Impact, simulate
 from microimpact.parameters import AngleDegrees, Finite, Fraction, Name, NonNegative, Positive
+from microimpact.studies._claim_numbers import CaseContext
 from microimpact.studies._dropped import Dropped, Sampling
-from microimpact.studies._pairs import calibrated_contact, declared_contact, resized
+from microimpact.studies._pairs import declared_contact
 
 # Halvings that narrow any interval of numbers down to rounding.
 HALVINGS = 60
@@ -141,28 +141,15 @@ class Params:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Context:
-    """One case of steel on silicon, or none (""), with all settings and tables."""
+class Context(CaseContext):
+    """A case with the settings of these claims."""
 
     params: Params
-    inputs: Mapping[str, pd.DataFrame]
-    case: str = ""
-
-    def cases(self) -> Iterator[Context]:
-        """Yield the context of every case."""
-        return (replace(self, case=case) for case in self.params.steel.cases)
 
     @property
     def speed(self) -> float:
         """Speed of the impact meant, m/s."""
         return self.params.steel.speed_m_per_s
-
-    @property
-    def steel(self) -> Contact:
-        """Contact of the case, as large and with such friction as is meant."""
-        contact = calibrated_contact(self.inputs, self.case)
-        friction = self.params.steel.friction
-        return resized(contact, self.params.steel.diameter_um * 1e-6).replace(friction=friction)
 
     @property
     def calibrated_capture_velocity(self) -> float:
@@ -181,13 +168,6 @@ class Context:
         return declared_contact(
             self.inputs, pair.particle, pair.surface, diameter=pair.diameter_um * 1e-6
         )
-
-    def printed(self, key: str) -> float:
-        """Return a printed value."""
-        rows = self.inputs["anchors"].set_index("key")["value"].astype(float)
-        if key not in rows:
-            raise ValueError(f"anchors: {key!r} is not named")
-        return float(rows[key])
 
     def hit(self, contact: Contact, speed: Real, angle: Real = 90.0) -> Impact:
         """Simulate impacts with the initial spin and the friction meant."""
@@ -209,28 +189,6 @@ class Context:
         wanted = self.all_angles() if angles is None else angles
         free = wanted[~self.hit(contact, self.speed, wanted).captured]
         return free, self.hit(contact, self.speed, free)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Numbers:
-    """How the numbers of one claim come about.
-
-    Attributes
-    ----------
-    of
-        Values by quantity, from the context.
-    by_case
-        Whether there are numbers for every case.
-    evidence
-        What they rest on.
-    units
-        Of the quantities that have one.
-    """
-
-    of: Callable[[Context], Mapping[str, float]]
-    by_case: bool = False
-    evidence: str = "computed"
-    units: Mapping[str, str] = field(default_factory=dict)
 
 
 def without_adhesion(contact: Contact) -> Contact:

@@ -12,7 +12,8 @@ from microimpact.model.contact import Contact, resized
 from microimpact.model.impact import simulate
 from microimpact.model.normal import normal_impact
 from microimpact.model.restitution_fit import fit_restitution
-from microimpact.studies._model_claims_context import Context, Numbers, between, without_adhesion
+from microimpact.studies._claim_numbers import Numbers
+from microimpact.studies._model_claims_context import Context, between, without_adhesion
 
 # Hertz (1882): duration of an elastic impact in greatest compressions over the speed.
 HERTZ_DURATION = 2.9432751

@@ -9,9 +9,9 @@ from microimpact.model.contact import Contact
 from microimpact.model.impact import Impact, simulate
 from microimpact.model.rigid_body import INERTIA
 from microimpact.model.roughness import measured_restitution
+from microimpact.studies._claim_numbers import Numbers
 from microimpact.studies._model_claims_context import (
     Context,
-    Numbers,
     boundary,
     without_adhesion,
 )

@@ -10,6 +10,7 @@ from scipy import stats
 from microimpact.arrays import FloatArray
 from microimpact.lab.events import Impacts
 from microimpact.model.rigid_body import INERTIA
+from microimpact.studies._claim_numbers import Numbers
 from microimpact.studies._dropped import (
     Dropped,
     Statistic,
@@ -19,7 +20,7 @@ from microimpact.studies._dropped import (
     in_plane,
     statistics,
 )
-from microimpact.studies._model_claims_context import Context, Numbers
+from microimpact.studies._model_claims_context import Context
 from microimpact.studies._model_claims_oblique import rotational_share
 
 

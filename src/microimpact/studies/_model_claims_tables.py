@@ -5,7 +5,8 @@ from __future__ import annotations
 import pandas as pd
 
 from microimpact.model.capture import capture_velocity
-from microimpact.studies._model_claims_context import Context, Numbers
+from microimpact.studies._claim_numbers import Numbers
+from microimpact.studies._model_claims_context import Context
 from microimpact.studies._pairs import calibrated_contact
 
 # Columns of the couples that can arise during an impact, over the couple of friction: from all that

@@ -8,11 +8,9 @@ from typing import Any
 import pandas as pd
 
 from microimpact.materials import Material, materials_from_rows
-from microimpact.model.contact import Contact, resized
+from microimpact.model.contact import Contact
 from microimpact.model.pairs import Pairs, pair_contact, pairs_from_rows
 from microimpact.nearest import nearest
-
-__all__ = ["calibrated_contact", "declared", "declared_contact", "resized"]
 
 
 def declared_contact(

@@ -21,7 +21,7 @@ from microimpact.model.calibration import (
     work_of_adhesion_for,
 )
 from microimpact.model.capture import capture_velocity
-from microimpact.model.contact import Contact
+from microimpact.model.contact import Contact, resized
 from microimpact.model.impact import simulate
 from microimpact.parameters import Fraction, Name, Positive
 from microimpact.studies._family import (
@@ -32,7 +32,7 @@ from microimpact.studies._family import (
     ridge,
     solved,
 )
-from microimpact.studies._pairs import declared_contact, resized
+from microimpact.studies._pairs import declared_contact
 
 PARAMETERS = {
     "diameter": "m",

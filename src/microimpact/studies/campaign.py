@@ -18,7 +18,7 @@ from microimpact.lab.distributions import generator, mean
 from microimpact.lab.experiment import Target, combined_slope
 from microimpact.lab.oblique_incidence import Method, Recipe
 from microimpact.materials import find_material, materials_from_rows
-from microimpact.model.contact import Contact
+from microimpact.model.contact import Contact, resized
 from microimpact.parameters import Count, Fraction, Name
 from microimpact.studies._campaign_plan import (
     COUNTED,
@@ -32,7 +32,7 @@ from microimpact.studies._campaign_plan import (
     expand,
 )
 from microimpact.studies._campaign_rows import Outcome, by_doppler, by_imaging, experiment_row
-from microimpact.studies._pairs import calibrated_contact, resized
+from microimpact.studies._pairs import calibrated_contact
 from microimpact.tables import series_frame
 
 NORMAL = 90.0

@@ -17,7 +17,7 @@ from pydantic import Field
 
 from microimpact.arrays import FloatArray
 from microimpact.model.capture import capture_velocity
-from microimpact.model.contact import Contact
+from microimpact.model.contact import Contact, resized
 from microimpact.model.impact import simulate
 from microimpact.model.reference_solutions import (
     adhesion_energy,
@@ -29,7 +29,7 @@ from microimpact.model.reference_solutions import (
     yield_velocity,
 )
 from microimpact.parameters import Name, Positive
-from microimpact.studies._pairs import calibrated_contact, declared_contact, resized
+from microimpact.studies._pairs import calibrated_contact, declared_contact
 from microimpact.tables import result_evidence, series_frame
 
 MODEL, JKR = "model", "jkr"

@@ -17,12 +17,12 @@ from pydantic import Field
 
 from microimpact.arrays import FloatArray
 from microimpact.model.capture import capture_velocity
-from microimpact.model.contact import Contact
+from microimpact.model.contact import Contact, resized
 from microimpact.model.impact import velocity_components
 from microimpact.model.rigid_body import INERTIA
 from microimpact.model.rolling import gravity_ratio, peeling_couple, rolling_distance
 from microimpact.parameters import AngleDegrees, Name, Positive
-from microimpact.studies._pairs import calibrated_contact, resized
+from microimpact.studies._pairs import calibrated_contact
 from microimpact.tables import series_frame
 
 # Tangential velocity of a captured sphere that came without spin, over the one before: 5/7.

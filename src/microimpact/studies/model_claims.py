@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 import pandas as pd
 
-from microimpact.nearest import nearest
 from microimpact.studies import (
     _model_claims_algebra,
     _model_claims_normal,
@@ -14,7 +13,8 @@ from microimpact.studies import (
     _model_claims_sampled,
     _model_claims_tables,
 )
-from microimpact.studies._model_claims_context import Context, Numbers, Params
+from microimpact.studies._claim_numbers import Numbers, numbers_table
+from microimpact.studies._model_claims_context import Context, Params
 
 __all__ = ["CLAIMS", "Params", "run"]
 
@@ -53,23 +53,5 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     ValueError
         If a claim is not among those of this study.
     """
-    for name in params.claims:
-        if name not in CLAIMS:
-            raise ValueError(f"model_claims.claims: no claim {name!r} here{nearest(name, CLAIMS)}")
     context = Context(params=params, inputs=inputs)
-    rows = [row for name in params.claims for row in _rows(name, context)]
-    return {"model_claims": pd.DataFrame(rows)}
-
-
-def _rows(name: str, context: Context) -> Iterator[dict[str, object]]:
-    claim = CLAIMS[name]
-    for each in context.cases() if claim.by_case else (context,):
-        for quantity, value in claim.of(each).items():
-            yield {
-                "claim": name,
-                "case": each.case,
-                "quantity": quantity,
-                "value": float(value),
-                "unit": claim.units.get(quantity, "-"),
-                "evidence": claim.evidence,
-            }
+    return {"model_claims": numbers_table("model_claims", CLAIMS, params.claims, context)}

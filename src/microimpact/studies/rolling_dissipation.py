@@ -19,10 +19,10 @@ from scipy.optimize import brentq
 
 from microimpact.arrays import FloatArray
 from microimpact.model.capture import capture_velocity
-from microimpact.model.contact import Contact
+from microimpact.model.contact import Contact, resized
 from microimpact.model.rolling import CoupleImpulses, couple_impulses
 from microimpact.parameters import AngleDegrees, Fraction, Name, Positive
-from microimpact.studies._pairs import calibrated_contact, resized
+from microimpact.studies._pairs import calibrated_contact
 from microimpact.tables import series_frame
 
 # Grades of the neglected couple, and the parts that add up to each.
