@@ -83,6 +83,7 @@ lock: .venv/bin/uv ## renew requirements/*.txt from pyproject.toml and requireme
 	$(call compile,requirements/build.in -c requirements/run.txt,build)
 	$(call compile,pyproject.toml requirements/test.in -c requirements/run.txt,test)
 	$(call compile,pyproject.toml requirements/benchmark.in -c requirements/run.txt,benchmark)
+	$(call compile,pyproject.toml requirements/slurm.in -c requirements/run.txt,slurm)
 
 clean: ## remove results and everything else that was generated
 	[ ! -d results ] || find results -mindepth 1 -maxdepth 1 ! -name README.md -exec rm -rf {} +
