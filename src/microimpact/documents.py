@@ -12,18 +12,67 @@ class ConfigError(ValueError):
     """A configuration with problems: one line each, beginning with the dotted key."""
 
 
+# Far beyond any study's inputs; a few aliases of aliases are soon beyond it.
+MOST_VALUES = 1_000_000
+
+
+class _Loader(yaml.SafeLoader):
+    """Plain values only; a key that stands twice would replace the first without a word.
+
+    Not libyaml's loader: nested deeply enough a document makes that one crash the interpreter.
+    """
+
+    def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:
+        seen = set()
+        for key, _ in node.value:
+            if isinstance(key.value, str) and key.value != "<<":
+                if key.value in seen:
+                    raise yaml.MarkedYAMLError(
+                        problem=f"the key {key.value!r} stands there twice",
+                        problem_mark=key.start_mark,
+                    )
+                seen.add(key.value)
+        return super().construct_mapping(node, deep)
+
+
 def load(path: Path | str) -> dict[str, Any]:
     """Read a YAML file that holds a mapping.
 
     Raises
     ------
     ConfigError
-        If the file is not YAML or holds something else than a mapping.
+        In one line, if the file is not UTF-8, not YAML, repeats a key, holds something else than
+        a mapping, or grows without end where its aliases are written out.
     """
     try:
-        content = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
-    except yaml.YAMLError as error:
-        raise ConfigError(f"{path}: not valid YAML: {error}") from None
+        content = yaml.load(Path(path).read_text(encoding="utf-8-sig"), _Loader)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark
+        where = f", line {mark.line + 1}, column {mark.column + 1}" if mark else ""
+        raise ConfigError(f"{path}{where}: not valid YAML: {error.problem}") from None
+    # The last three come out of the YAML library where a tag does not fit its value.
+    except (yaml.YAMLError, ValueError, AttributeError, IndexError, TypeError) as error:
+        reason = " ".join(str(error).split())
+        raise ConfigError(f"{path}: not valid YAML: {reason}") from None
+    except RecursionError:
+        raise ConfigError(f"{path}: not valid YAML: nested too deeply") from None
     if not isinstance(content, dict):
         raise ConfigError(f"{path}: must hold a mapping of keys to values")
+    if _is_endless(content):
+        raise ConfigError(
+            f"{path}: with its aliases written out it holds more than {MOST_VALUES} values"
+        )
     return content
+
+
+def _is_endless(content: object) -> bool:
+    """Tell whether a document refers to itself, or is far too large."""
+    waiting, seen = [content], 0
+    while waiting and seen <= MOST_VALUES:
+        node = waiting.pop()
+        seen += 1
+        if isinstance(node, dict):
+            waiting.extend(node.values())
+        elif isinstance(node, list):
+            waiting.extend(node)
+    return bool(waiting)

@@ -90,10 +90,17 @@ def read_declared(
     SelectionError
         One line per problem, with the file, the line and the column.
     """
-    with Path(path).open(encoding="utf-8", newline="") as file:
-        reader = csv.DictReader(file)
-        header = reader.fieldnames or []
-        rows = [(reader.line_num, row) for row in reader]
+    with Path(path).open(encoding="utf-8-sig", newline="") as file:
+        reader = csv.DictReader(file, strict=True)
+        try:
+            header = reader.fieldnames or []
+            rows = [(reader.line_num, row) for row in reader]
+        except csv.Error as error:
+            raise SelectionError(f"{path}, line {reader.line_num + 1}: {error}") from None
+        except UnicodeDecodeError as error:
+            raise SelectionError(
+                f"{path}: must be a text in UTF-8, byte {error.start} is not"
+            ) from None
     if list(header) != list(columns):
         raise SelectionError(
             f"{path}: the header is {', '.join(header)}; it must be {', '.join(columns)}"

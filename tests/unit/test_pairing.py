@@ -292,3 +292,18 @@ def test_a_needle_below_the_probe_volume_gives_no_pairs():
     assert found.quality.fates["incident below probe"] == len(some)
     assert found.quality.recorded_pairs == 0
     assert np.isnan(found.quality.recall)
+
+
+@pytest.mark.parametrize("likest", [1, 2])
+def test_of_two_rebounds_alike_in_time_the_one_of_its_size_is_taken(likest):
+    sizes = np.full(3, 50e-6)
+    # a difference of one standard deviation, well inside the window
+    sizes[3 - likest] *= 1.0 + np.hypot(*2 * (DEFAULT.diameter_noise(50e-6),))
+    v, V = -0.75, 0.5
+    stream = Stream(
+        time=np.array([0.0, *2 * (float(delay(v, V, H)),)]),
+        velocity=np.array([v, V, V]),
+        diameter=sizes,
+    )
+    incident, rebound = assign(stream, H, 1e-6, DEFAULT)
+    assert (incident.tolist(), rebound.tolist()) == ([0], [likest])

@@ -1,0 +1,71 @@
+"""A folder of declared inputs in which one text can be spoilt."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from microimpact.config import validate
+from microimpact.documents import load
+from microimpact.inputs import read_inputs
+
+CONFIG = "config/config.yaml"
+ROOT = Path(__file__).parents[2]
+
+DIGITIZED = """# source: made up
+# licence: CC0-1.0
+# digitised_by: nobody
+series,x,y,y_low,y_high
+a series,1.0,0.5,0.4,0.6
+another,2.0,0.5,,
+"""
+
+
+@cache
+def checked():
+    """Return the shipped configuration, and what the validator makes of it."""
+    shipped = load(ROOT / CONFIG)
+    return shipped, validate(shipped, shipped)
+
+
+class Declared:
+    """A copy of the declared inputs."""
+
+    def __init__(self, root: Path) -> None:
+        self.root = root
+
+    def read(self):
+        """Read all of it as a run does, from the folder that holds it."""
+        before = Path.cwd()
+        os.chdir(self.root)
+        try:
+            shipped, settings = checked()
+            if Path(CONFIG).read_bytes() != (ROOT / CONFIG).read_bytes():
+                settings = validate(load(CONFIG), shipped)
+            return settings, read_inputs(settings)
+        finally:
+            os.chdir(before)
+
+    def replace(self, name: str, old: str, new: str) -> None:
+        """Replace the first occurrence of a text in a file."""
+        file = self.root / "config" / name
+        text = file.read_text(encoding="utf-8")
+        assert old in text, f"{old!r} is not in {name}"
+        file.write_text(text.replace(old, new, 1), encoding="utf-8")
+
+    def write(self, name: str, content: str | bytes) -> None:
+        """Write a whole file."""
+        data = content.encode() if isinstance(content, str) else content
+        (self.root / "config" / name).write_bytes(data)
+
+
+@pytest.fixture
+def declared(tmp_path: Path) -> Iterator[Declared]:
+    shutil.copytree(ROOT / "config", tmp_path / "config")
+    (tmp_path / "config/digitized/fig16.csv").write_text(DIGITIZED, encoding="utf-8")
+    return Declared(tmp_path)

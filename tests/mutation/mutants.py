@@ -1,0 +1,441 @@
+"""Wrong forms that the tests must notice, each put in place of the right one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+MODEL, LAB, STUDIES = (f"src/microimpact/{room}" for room in ("model", "lab", "studies"))
+
+
+@dataclass(frozen=True, slots=True)
+class Mutant:
+    """One wrong form.
+
+    Attributes
+    ----------
+    name
+        What is wrong.
+    path
+        The file, from the project's root.
+    right, wrong
+        Text there, which occurs once, and what replaces it.
+    tests
+        Names of the test modules, without ``test_``, of which one must fail.
+    table
+        A table of results that must differ from its reference instead, where no test module is
+        named.
+    """
+
+    name: str
+    path: str
+    right: str
+    wrong: str
+    tests: tuple[str, ...] = ()
+    table: str = ""
+
+    def apply(self, text: str) -> str:
+        """Return a file's text with the wrong form in it."""
+        found = text.count(self.right)
+        if found != 1:
+            raise ValueError(f"{self.name}: {self.right!r} occurs {found} times in {self.path}")
+        return text.replace(self.right, self.wrong)
+
+
+# Misprints of the article, equation by equation.
+MISPRINTS = (
+    Mutant(
+        "Eq. 8: k^2 where r belongs",
+        f"{MODEL}/rigid_body.py",
+        "values = (-e * v_n, v_t - change, omega + change / (INERTIA * radius), mu)",
+        "values = (-e * v_n, v_t - change, omega + change / (INERTIA * radius**2), mu)",
+        ("rigid_body",),
+    ),
+    Mutant(
+        "Eq. 14: translational loss for the total",
+        f"{MODEL}/rigid_body.py",
+        "impulse * eta - 3.5 * np.square(impulse)",
+        "impulse * eta - np.square(impulse)",
+        ("rigid_body",),
+    ),
+    Mutant(
+        "Eq. 18: the first of the two works of adhesion",
+        f"{MODEL}/rigid_body.py",
+        "rho * (2.0 - rho)",
+        "rho * (1.0 - rho)",
+        ("rigid_body",),
+    ),
+    Mutant(
+        "Eq. 20: square of k_1 + k_2",
+        f"{MODEL}/contact.py",
+        "return 4.0 / (3.0 * np.pi * (k_1 + k_2))",
+        "return 4.0 / (3.0 * np.pi * (k_1 + k_2) ** 2)",
+        ("contact",),
+    ),
+    Mutant(
+        "Eqs. 23-25: exponent 5/2 for 2/5",
+        f"{MODEL}/contact.py",
+        "return np.power(self.mass / group, 0.4)",
+        "return np.power(self.mass / group, 2.5)",
+        ("contact",),
+    ),
+    Mutant(
+        "Eq. 27: friction driven by attraction",
+        f"{MODEL}/impact.py",
+        'friction_basis: str = "compressive",\n) -> Impact:\n    """Impact in a plane.',
+        'friction_basis: str = "net",\n) -> Impact:\n    """Impact in a plane.',
+        ("impact",),
+    ),
+    Mutant(
+        "Eq. 29: moment +R F_t",
+        f"{MODEL}/impact.py",
+        "after_spin = omega + change / (INERTIA * radius)",
+        "after_spin = omega - change / (INERTIA * radius)",
+        ("impact",),
+    ),
+    Mutant(
+        "Eq. 33: no cut at the capture velocity",
+        f"{MODEL}/restitution.py",
+        "    excess = np.maximum(speed - capture, 0.0)",
+        "    excess = np.abs(speed - capture)",
+        ("restitution",),
+    ),
+    Mutant(
+        "Eq. 35: minus in the denominator",
+        f"{MODEL}/roughness.py",
+        "before = np.sin(angle + 2.0 * slope) if printed else np.sin(angle)",
+        "before = np.sin(angle + 2.0 * slope)",
+        ("roughness",),
+    ),
+    Mutant(
+        "Eq. 38: without mu^2",
+        f"{MODEL}/roughness.py",
+        "return mu - slope * (1.0 if printed else 1.0 + np.square(mu))",
+        "return mu - slope",
+        ("roughness",),
+    ),
+    Mutant(
+        "Eq. 39: without e phi^2",
+        f"{MODEL}/roughness.py",
+        "bend = 1.0 if printed else 1.0 + e",
+        "bend = 1.0",
+        ("roughness",),
+    ),
+    Mutant(
+        "below Eq. 40: 9/7 for e + 5/7",
+        f"{MODEL}/roughness.py",
+        "bend = e + 1.0 - ROLLING_SHARE",
+        "bend = 1.0 + ROLLING_SHARE",
+        ("roughness",),
+    ),
+    Mutant(
+        "Eq. 41: sign of the spin",
+        f"{MODEL}/roughness.py",
+        "return -slope * (1.0 - share + np.square(spun)) + spun",
+        "return -slope * (1.0 - share + np.square(spun)) - spun",
+        ("roughness",),
+    ),
+    Mutant(
+        "Section 2.1: a constant velocity added for the fall",
+        f"{LAB}/pairing.py",
+        "return np.asarray(np.sign(velocity) * _surface_speed(velocity, height))",
+        "return np.asarray(velocity + np.sign(velocity) * _surface_speed(0.0, height))",
+        ("pairing",),
+    ),
+    Mutant(
+        "Section 2.1: the rebound corrected downwards",
+        f"{LAB}/pairing.py",
+        "return np.sqrt(np.square(velocity) + 2.0 * gravity * np.asarray(height))",
+        "return np.sqrt(np.square(velocity) - 2.0 * gravity * np.asarray(height))",
+        ("pairing",),
+    ),
+)
+
+# Factors and terms dropped, signs turned, ends mistaken.
+SLIPS = (
+    Mutant(
+        "Eq. 12: 2/5 for 2/7",
+        f"{MODEL}/rigid_body.py",
+        "return 2.0 * slip / (7.0 * (1.0 + e) * v_n)",
+        "return 2.0 * slip / (5.0 * (1.0 + e) * v_n)",
+        ("rigid_body",),
+    ),
+    Mutant(
+        "moment of inertia of a shell",
+        f"{MODEL}/rigid_body.py",
+        "INERTIA = 0.4\n",
+        "INERTIA = 2.0 / 3.0\n",
+        ("rigid_body",),
+    ),
+    Mutant(
+        "Eq. 21: Poisson's ratio not squared",
+        f"{MODEL}/contact.py",
+        "(1.0 - np.square(m.poissons_ratio))",
+        "(1.0 - m.poissons_ratio)",
+        ("contact",),
+    ),
+    Mutant(
+        "Eq. 22: radii in series",
+        f"{MODEL}/contact.py",
+        "return 1.0 / (1.0 / self.radius + 1.0 / np.asarray(self.surface_radius))[()]",
+        "return 1.0 / (1.0 / self.radius + 2.0 / np.asarray(self.surface_radius))[()]",
+        ("contact",),
+    ),
+    Mutant(
+        "Eq. 30: work of adhesion not squared",
+        f"{MODEL}/contact.py",
+        "np.square(work_of_adhesion) / (2.0 * np.pi)",
+        "work_of_adhesion / (2.0 * np.pi)",
+        ("contact",),
+    ),
+    Mutant(
+        "Eq. 31: 5/9 to the power 1",
+        f"{MODEL}/contact.py",
+        "1.0 - 2.5 * (5.0 / 9.0) ** 1.5 / 6.0",
+        "1.0 - 2.5 * (5.0 / 9.0) / 6.0",
+        ("contact",),
+    ),
+    Mutant(
+        "ring force over half the circumference",
+        f"{MODEL}/contact.py",
+        "return 2.0 * np.pi * self.ring_force / self.stiffness",
+        "return np.pi * self.ring_force / self.stiffness",
+        ("contact", "normal"),
+    ),
+    Mutant(
+        "mass from the radius cubed",
+        f"{MODEL}/contact.py",
+        "np.power(self.diameter, 3) / 6.0",
+        "np.power(self.radius, 3) / 6.0",
+        ("contact",),
+    ),
+    Mutant(
+        "damping rate the wrong way round",
+        f"{MODEL}/contact.py",
+        "ratio = self.reference_velocity / np.asarray(speed)",
+        "ratio = np.asarray(speed) / self.reference_velocity",
+        ("contact", "normal"),
+    ),
+    Mutant(
+        "adhesion damped on approach, too",
+        f"{MODEL}/normal.py",
+        "    if contact.damped_attachment:\n",
+        "    if True:\n",
+        ("normal",),
+    ),
+    Mutant(
+        "no Hertz damping in the compiled integration",
+        f"{MODEL}/kernel.py",
+        "m[k, lane] = damping_a[lane] * pull + damping_h[lane] * square",
+        "m[k, lane] = damping_a[lane] * pull",
+        ("normal",),
+    ),
+    Mutant(
+        "ds/dtau = u for u/2",
+        f"{MODEL}/kernel.py",
+        "s[row + 1, lane] = 0.5 * inverse * u[row, lane]",
+        "s[row + 1, lane] = inverse * u[row, lane]",
+        ("normal",),
+    ),
+    Mutant(
+        "well half as deep",
+        f"{MODEL}/kernel.py",
+        "return s * s * s * (0.4 * s * s - 2.0 / 3.0 * beta)",
+        "return s * s * s * (0.4 * s * s - 1.0 / 3.0 * beta)",
+        ("normal",),
+    ),
+    Mutant(
+        "the backward film damps adhesion with the wrong sign",
+        f"{MODEL}/capture.py",
+        "problems[:, kernel.DAMPING_1] = -adhesion_group",
+        "problems[:, kernel.DAMPING_1] = adhesion_group",
+        ("capture",),
+    ),
+    Mutant(
+        "slip lost 1 + 2/5 times for 7/2",
+        f"{MODEL}/impact.py",
+        "SLIP_PER_IMPULSE = 1.0 + 1.0 / INERTIA",
+        "SLIP_PER_IMPULSE = 1.0 + INERTIA",
+        ("impact",),
+    ),
+    Mutant(
+        "slip in space with the wrong spin",
+        f"{MODEL}/impact.py",
+        "v[..., 1] + radius * w[..., 0]], axis=-1)",
+        "v[..., 1] - radius * w[..., 0]], axis=-1)",
+        ("impact",),
+    ),
+    Mutant(
+        "energy of the spin before impact left out",
+        f"{MODEL}/impact.py",
+        "rotational = -change * radius * (omega + after_spin)",
+        "rotational = -change * radius * after_spin",
+        ("impact",),
+    ),
+    Mutant(
+        "angle from the normal",
+        f"{MODEL}/impact.py",
+        "    along = np.sin(np.radians(90.0 - angle))\n",
+        "    along, angle = np.sin(np.radians(angle)), 90.0 - angle\n",
+        ("impact",),
+    ),
+    Mutant(
+        "rolling ends when slip is used up again",
+        f"{MODEL}/trajectory.py",
+        "rolling = np.maximum.accumulate(used) >= abs(slip_0)",
+        "rolling = used >= abs(slip_0)",
+        ("trajectory",),
+    ),
+    Mutant(
+        "facets leaning away from the sphere",
+        f"{LAB}/collision.py",
+        "normal[:, :2] = -rise[:, None] * direction - side[:, None] * left",
+        "normal[:, :2] = rise[:, None] * direction - side[:, None] * left",
+        ("collision",),
+    ),
+    Mutant(
+        "facets hit whatever they face",
+        f"{LAB}/collision.py",
+        "rise = slope_sd * weighted_slope(facing, -velocity[:, 2], slope_sd * along)",
+        "rise = slope_sd * special.ndtri(facing)",
+        ("collision",),
+    ),
+    Mutant(
+        "couple of hysteresis: 3/8 for 3/16",
+        f"{MODEL}/rolling.py",
+        "return 3.0 / 16.0 * loss * contact_radius",
+        "return 3.0 / 8.0 * loss * contact_radius",
+        ("rolling",),
+    ),
+    Mutant(
+        "energy of rolling without spin",
+        f"{MODEL}/rolling.py",
+        "energy = 0.5 * (1.0 + INERTIA) * contact.mass * np.square(velocity)",
+        "energy = 0.5 * contact.mass * np.square(velocity)",
+        ("rolling",),
+    ),
+)
+
+# The virtual laboratory, statistics, designs and random numbers.
+LABORATORY = (
+    Mutant(
+        "pairs: each rebound one record late",
+        f"{LAB}/pairing.py",
+        "return incident, up[np.repeat(first, number) + within]",
+        "return incident, up[np.minimum(np.repeat(first, number) + within + 1, up.size - 1)]",
+        ("pairing",),
+    ),
+    Mutant(
+        "pairs: the last candidate of each left out",
+        f"{LAB}/pairing.py",
+        "    number = last - first\n",
+        "    number = np.maximum(last - first - 1, 0)\n",
+        ("pairing",),
+    ),
+    Mutant(
+        "pairs: sizes not compared",
+        f"{LAB}/pairing.py",
+        "cost = np.square(growth[inside]) + np.square(lateness[inside])",
+        "cost = np.square(lateness[inside])",
+        ("pairing",),
+    ),
+    Mutant(
+        "interval: as many degrees of freedom as events",
+        f"{LAB}/reduction.py",
+        "t = special.stdtrit(events - 1, 0.5 * (1.0 + level))",
+        "t = special.stdtrit(events, 0.5 * (1.0 + level))",
+        ("reduction",),
+    ),
+    Mutant(
+        "interval: one-sided",
+        f"{LAB}/reduction.py",
+        "t = special.stdtrit(events - 1, 0.5 * (1.0 + level))",
+        "t = special.stdtrit(events - 1, level)",
+        ("reduction",),
+    ),
+    Mutant(
+        "camera: gravity upwards",
+        f"{LAB}/ptis.py",
+        "return gravity * np.array([np.cos(alpha), 0.0, -np.sin(alpha)])",
+        "return gravity * np.array([np.cos(alpha), 0.0, np.sin(alpha)])",
+        ("ptis", "tracks"),
+    ),
+    Mutant(
+        "drop height: factor 2 missing",
+        f"{LAB}/dispenser.py",
+        "return (speed**2 - exit_speed**2) / (2.0 * constants.g)",
+        "return (speed**2 - exit_speed**2) / constants.g",
+        ("dispenser",),
+    ),
+    Mutant(
+        "sum of twelve numbers: mean 6 left in",
+        f"{LAB}/sampling.py",
+        "return _inside(special.ndtr(part.sum(axis=1) - SUMMANDS / 2))",
+        "return _inside(special.ndtr(part.sum(axis=1) - SUMMANDS / 2 + 0.5))",
+        ("distributions", "monte_carlo"),
+    ),
+    Mutant(
+        "design: runs in the library's order",
+        f"{STUDIES}/_designs.py",
+        "rows: FloatArray = design[order]",
+        "rows: FloatArray = design[order[::-1]]",
+        ("designs",),
+    ),
+    Mutant(
+        "design: half effects",
+        f"{STUDIES}/_effects.py",
+        "2.0 / len(design) * np.asarray(response) @ contrasts",
+        "1.0 / len(design) * np.asarray(response) @ contrasts",
+        ("doe",),
+    ),
+    Mutant(
+        "design: product of words as their union",
+        f"{STUDIES}/_effects.py",
+        "set(first) ^ set(second)",
+        "set(first) | set(second)",
+        ("doe",),
+    ),
+    Mutant(
+        "design: Lenth's degrees of freedom m for m/3",
+        f"{STUDIES}/_effects.py",
+        "stdtrit(sizes.size / 3.0, [one, together])",
+        "stdtrit(sizes.size, [one, together])",
+        ("doe",),
+    ),
+    Mutant(
+        "Monte Carlo: scatter of the sums for that of their ratio",
+        f"{STUDIES}/_monte_carlo_events.py",
+        "scatter = sums[:, first] - average * sums[:, ACCEPTED]",
+        "scatter = sums[:, first] - np.mean(sums[:, first])",
+        ("monte_carlo",),
+    ),
+    Mutant(
+        "random numbers: parts of an analysis share one stream",
+        f"{LAB}/distributions.py",
+        "return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=key))",
+        "return np.random.default_rng(np.random.SeedSequence(seed))",
+        ("distributions", "campaign", "dispenser", "pdpa"),
+    ),
+    Mutant(
+        "random numbers: keys swapped",
+        f"{LAB}/distributions.py",
+        "return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=key))",
+        "return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=key[::-1]))",
+        table="normal_experiments",
+    ),
+    Mutant(
+        "random numbers: replicate and number of points swapped",
+        f"{STUDIES}/_fit_truths.py",
+        "key = (ANALYSIS, use, points, replicate)",
+        "key = (ANALYSIS, use, replicate, points)",
+        table="fit_coverage",
+    ),
+    Mutant(
+        "fits: constants left in the units of the fit",
+        f"{MODEL}/restitution_fit.py",
+        "k, p, kappa, q = np.exp(best.logs) * units[:V_C]",
+        "k, p, kappa, q = np.exp(best.logs)",
+        ("restitution_fit",),
+    ),
+)
+
+MUTANTS = MISPRINTS + SLIPS + LABORATORY
