@@ -5,6 +5,7 @@
 #   make reproduce SNAKEMAKE_ARGS="--cores 1"
 #   make test PYTEST_ARGS="-n 2 -k kernel"
 #   make lock LOCK_ARGS=--upgrade
+#   make bench BENCH_ARGS=--docs     renew docs/performance.md, too
 #   make check RESULTS=build/ci      an existing run; without RESULTS a new one
 #   make reference RESULTS=build/ci REFERENCE_ARGS=--remove
 
@@ -13,6 +14,7 @@ UV := .venv/bin/uv
 SNAKEMAKE_ARGS ?=
 PYTEST_ARGS ?=
 LOCK_ARGS ?=
+BENCH_ARGS ?=
 REFERENCE_ARGS ?=
 RESULTS ?=
 
@@ -41,10 +43,10 @@ STALE := $(shell { read -r place; read -r python; } < .venv/.origin; \
 	|| echo stale)
 endif
 
-.PHONY: help reproduce check reference test lint types bench lock clean distclean stale
+.PHONY: help reproduce check reference test lint types docs mutants test-slurm test-faults bench test-peers lock clean distclean stale
 
 help: ## list these targets
-	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1|\2/p' Makefile | column -t -s '|'
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1|\2/p' Makefile | column -t -s '|'
 
 reproduce: .venv/.run ## run the whole study into results/ and say what was built
 	@$(ACTIVE) .venv/bin/snakemake $(SNAKEMAKE_ARGS)
@@ -74,8 +76,31 @@ lint: .venv/.test ## check style, workflow and the order of imports
 types: .venv/.test ## check types, strictly
 	.venv/bin/mypy
 
+mutants: .venv/.test ## put wrong forms into copies of the project and see that the tests notice
+	$(ACTIVE) .venv/bin/python -m tests.mutation.run
+
+docs: .venv/.test ## build the guide and the reference of the package into build/docs
+	@.venv/bin/microimpact deviations tests/reference --settings config/ci.yaml \
+		--output docs/deviations.md
+	@.venv/bin/sphinx-build -W --keep-going -q -d build/doctrees docs build/docs
+	@echo "Open build/docs/index.html"
+
+test-slurm: .venv/.test .venv-slurm/.slurm ## run a part of the study through a real Slurm on this machine
+	@PATH="$$PATH:/usr/sbin"; for program in munged slurmctld slurmd sbatch; do \
+		command -v $$program > /dev/null && continue; \
+		{ [ "$$(id -u)" = 0 ] && apt-get update -q && apt-get install -q -y slurm-wlm munge; } \
+			|| $(call fail,no $$program here. On Debian as root: apt-get install slurm-wlm munge); \
+	done
+	@MICROIMPACT_SLURM=1 .venv/bin/pytest tests/slurm $(PYTEST_ARGS)
+
+test-faults: .venv/.test ## kill runs, damage tables, fill disks: the same numbers in the end
+	@$(ACTIVE) .venv/bin/pytest tests/faults $(PYTEST_ARGS)
+
 bench: .venv-benchmark/.benchmark ## compare speed and error with other solvers
-	.venv-benchmark/bin/python -m benchmarks.compare
+	.venv-benchmark/bin/python -m benchmarks.compare $(BENCH_ARGS)
+
+test-peers: .venv-benchmark/.benchmark ## compare the physics with other solvers
+	.venv-benchmark/bin/python -m pytest tests/peers $(PYTEST_ARGS)
 
 lock: .venv/bin/uv ## renew requirements/*.txt from pyproject.toml and requirements/*.in
 	$(call compile,pyproject.toml,run)
@@ -90,7 +115,7 @@ clean: ## remove results and everything else that was generated
 	rm -rf build dist .snakemake .hypothesis .mypy_cache .pytest_cache .ruff_cache
 
 distclean: clean ## remove the environments, too
-	rm -rf .venv .venv-benchmark
+	rm -rf .venv .venv-benchmark .venv-slurm
 
 # One set of versions for all interpreters and platforms, so that results do not depend on them.
 # No index address is written: hashes pin the files wherever they come from.
@@ -147,3 +172,7 @@ endif
 .venv-benchmark/.benchmark: $(LOCKED) requirements/benchmark.txt | $(INSTALLER)
 	@.venv/bin/python -m venv --clear .venv-benchmark
 	@$(call install,.venv-benchmark,benchmark); touch $@
+
+.venv-slurm/.slurm: $(LOCKED) requirements/slurm.txt | $(INSTALLER)
+	@.venv/bin/python -m venv --clear .venv-slurm
+	@$(call install,.venv-slurm,slurm); touch $@

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -30,11 +31,34 @@ class Cases:
         return Cases(self.speed[part], self.hertz[part], self.adhesion[part])
 
 
+class Method(Protocol):
+    """A way of computing one number for each case, at several settings.
+
+    What can be prepared once for any impacts (compiled code, integrators) is made in ``__init__``
+    and not timed; everything that depends on the impacts' numbers is.
+    """
+
+    name: str
+    source: str  # the distribution it comes from
+    settings: tuple[float, ...]  # tolerances, or steps per contact where they exceed 1
+    share: int  # computes one in so many of the cases
+
+    def __init__(self, cases: Cases, setting: float) -> None: ...
+
+    def __call__(self) -> np.ndarray: ...
+
+
 def make_cases(per_group: int) -> Cases:
     """Speeds from 0.3 to 30 V, evenly in the logarithm, for each damping group."""
     speeds = np.geomspace(SLOWEST, FASTEST, per_group)
     hertz, adhesion = np.repeat(np.array(GROUPS), per_group, axis=0).T
     return Cases(np.tile(speeds, len(GROUPS)), hertz.copy(), adhesion.copy())
+
+
+def make_hertz_cases(number: int) -> Cases:
+    """Undamped impacts over the same range of speeds."""
+    nothing = np.zeros(number)
+    return Cases(np.geomspace(SLOWEST, FASTEST, number), nothing, nothing)
 
 
 def as_contact(cases: Cases) -> tuple[Contact, np.ndarray]:
@@ -49,17 +73,19 @@ def as_contact(cases: Cases) -> tuple[Contact, np.ndarray]:
 
 @dataclass(frozen=True, slots=True)
 class Errors:
-    """Relative errors of e over the rebounds, and the number of wrong verdicts on capture."""
+    """Differences from the reference over all cases, and the number of wrong verdicts.
+
+    The numbers compared are of order one (e; contact time over Hertz's). A wrong verdict on capture
+    counts with its full error: e is 0 where captured.
+    """
 
     median: float
     largest: float
     wrong: int
 
 
-def judge(restitution: np.ndarray, reference: np.ndarray) -> Errors:
-    """Compare e (0 where captured) with the reference, in the reference's precision."""
-    rebounds = reference > 0.0
-    wrong = int(np.count_nonzero((restitution > 0.0) != rebounds))
-    both = rebounds & (restitution > 0.0)
-    errors = np.abs(restitution[both] / reference[both] - 1.0)
-    return Errors(float(np.median(errors)), float(np.max(errors)), wrong)
+def judge(values: np.ndarray, reference: np.ndarray) -> Errors:
+    """Compare with the reference, in the reference's precision."""
+    errors = np.abs(values - reference)
+    wrong = int(np.count_nonzero((values > 0.0) != (reference > 0.0)))
+    return Errors(float(np.median(errors[reference > 0.0])), float(np.max(errors)), wrong)

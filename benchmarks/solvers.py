@@ -1,8 +1,4 @@
-"""The methods compared: each class is one way of computing e of many impacts, run on call.
-
-What can be prepared once for any impacts (compiled code, integrators) is made in ``__init__`` and
-not timed; everything that depends on the impacts' numbers is.
-"""
+"""SciPy's solve_ivp: four methods on the regular form, and the time form as most write it."""
 
 from __future__ import annotations
 
@@ -11,59 +7,36 @@ import math
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from benchmarks.cases import Cases, as_contact
-from microimpact.model import kernel
-from microimpact.model.normal import normal_impact, scaled_problems
+from benchmarks.cases import Cases
 
 FOREVER = 1e6
 
 
-class Package:
-    """microimpact: the whole call, from a contact in SI units to every result of an impact."""
+class _Scipy:
+    """One call of `_restitution` after another."""
 
-    name = "microimpact"
-    tolerance = kernel.TOLERANCE
+    source = "scipy"
+    method = ""
+    share = 800
 
-    def __init__(self, cases: Cases) -> None:
-        self.contact, self.speed = as_contact(cases)
-
-    def __call__(self) -> np.ndarray:
-        return normal_impact(self.contact, self.speed).coefficient_of_restitution
-
-
-class Kernel:
-    """The compiled kernel of microimpact alone, on problems that are scaled already."""
-
-    name = "microimpact, kernel alone"
-    tolerance = kernel.TOLERANCE
-
-    def __init__(self, cases: Cases) -> None:
-        self.problems = scaled_problems(*as_contact(cases))[0]
-        self.results = np.zeros((len(cases), kernel.RESULT_COLUMNS))
+    def __init__(self, cases: Cases, setting: float) -> None:
+        self.cases, self.tolerance = cases, setting
 
     def __call__(self) -> np.ndarray:
-        kernel.integrate(self.problems, kernel.PLAIN, self.results)
-        captured = self.results[:, kernel.STATUS] == kernel.CAPTURED
-        e = -self.results[:, kernel.END_U] / self.problems[:, kernel.START_U]
-        return np.where(captured, 0.0, e)
-
-
-class ScipyTimeForm:
-    """solve_ivp as most would write it: x(t), damping switched inside the force, two events."""
-
-    name = "SciPy RK45, time form"
-    tolerance = 1e-8
-
-    def __init__(self, cases: Cases) -> None:
-        self.cases = cases
-
-    def __call__(self) -> np.ndarray:
-        rows = zip(*self._lists(), strict=True)
+        c = self.cases
+        rows = zip(c.speed.tolist(), c.hertz.tolist(), c.adhesion.tolist(), strict=True)
         return np.array([self._restitution(*row) for row in rows])
 
-    def _lists(self) -> tuple[list[float], list[float], list[float]]:
-        c = self.cases
-        return c.speed.tolist(), c.hertz.tolist(), c.adhesion.tolist()
+    def _restitution(self, speed: float, hertz: float, adhesion: float) -> float:
+        raise NotImplementedError
+
+
+class TimeForm(_Scipy):
+    """x(t) with the damping switched inside the force, and two events."""
+
+    name = "solve_ivp RK45, time form"
+    method = "RK45"
+    settings = (1e-4, 1e-6, 1e-8, 1e-10)
 
     def _restitution(self, speed: float, hertz: float, adhesion: float) -> float:
         def force(_t: float, y: np.ndarray) -> tuple[float, float]:
@@ -82,17 +55,16 @@ class ScipyTimeForm:
         for event in (separated, captured):
             event.terminal, event.direction = True, -1.0
         run = solve_ivp(
-            force, (0.0, FOREVER), (0.0, speed), "RK45",
+            force, (0.0, FOREVER), (0.0, speed), self.method,
             rtol=self.tolerance, atol=1e-4 * self.tolerance, events=(separated, captured),
         )  # fmt: skip
         return -run.y[1, -1] / speed if run.t_events[0].size else 0.0
 
 
-class ScipyRegularForm(ScipyTimeForm):
-    """solve_ivp at its best here: a high order on the regular form, one call for each leg."""
+class _RegularForm(_Scipy):
+    """solve_ivp at its best here: smooth equations, one call for each leg."""
 
-    name = "SciPy DOP853, regular form"
-    tolerance = 1e-12
+    with_jacobian = False
 
     def _restitution(self, speed: float, hertz: float, adhesion: float) -> float:
         state, damping = (0.0, speed), 0.0
@@ -101,6 +73,12 @@ class ScipyRegularForm(ScipyTimeForm):
             s, u = float(y[0]), float(y[1])
             p = s * s
             return 0.5 * u, p * (1.0 - damping * u - p * (1.0 + hertz * u))
+
+        def jacobian(_t: float, y: np.ndarray) -> tuple[tuple[float, float], ...]:
+            s, u = float(y[0]), float(y[1])
+            p = s * s
+            along = 2.0 * s * (1.0 - damping * u) - 4.0 * s * p * (1.0 + hertz * u)
+            return (0.0, 0.5), (along, -p * (damping + hertz * p))
 
         def turned(_t: float, y: np.ndarray) -> float:
             return y[1]
@@ -114,12 +92,40 @@ class ScipyRegularForm(ScipyTimeForm):
 
         for event in (turned, separated, captured):
             event.terminal, event.direction = True, -1.0
+        extra = {"jac": jacobian} if self.with_jacobian else {}
         for events in ((turned, captured), (separated, captured)):
             run = solve_ivp(
-                slope, (0.0, FOREVER), state, "DOP853",
-                rtol=self.tolerance, atol=1e-2 * self.tolerance, events=events,
+                slope, (0.0, FOREVER), state, self.method,
+                rtol=self.tolerance, atol=1e-2 * self.tolerance, events=events, **extra,
             )  # fmt: skip
             if not run.t_events[0].size:
                 return 0.0
             state, damping = run.y[:, -1], adhesion
         return -state[1] / speed
+
+
+class RK45(_RegularForm):
+    name = "solve_ivp RK45"
+    method = "RK45"
+    settings = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-13)
+
+
+class DOP853(_RegularForm):
+    name = "solve_ivp DOP853"
+    method = "DOP853"
+    settings = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-13)
+
+
+class LSODA(_RegularForm):
+    name = "solve_ivp LSODA"
+    method = "LSODA"
+    settings = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-13)
+    with_jacobian = True
+
+
+class Radau(_RegularForm):
+    name = "solve_ivp Radau"
+    share = 2000
+    method = "Radau"
+    settings = (1e-4, 1e-6, 1e-8, 1e-10)
+    with_jacobian = True

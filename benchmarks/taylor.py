@@ -10,6 +10,8 @@ import numpy as np
 
 from benchmarks.cases import Cases
 
+hy.set_nthreads(1)
+
 FOREVER = 1e12
 ENDED_BY_EVENT = -2  # outcome of the second of two terminal events: s = 0
 
@@ -28,11 +30,13 @@ class Scalar:
     """
 
     name = "heyoka, scalar"
-    tolerance = 1e-12
+    source = "heyoka"
+    settings: tuple[float, ...] = (1e-4, 1e-6, 1e-8, 1e-10, 1e-11, 1e-12, 1e-14)
+    share = 1
     number = float
     fast_math = True
 
-    def __init__(self, cases: Cases) -> None:
+    def __init__(self, cases: Cases, setting: float) -> None:
         s, u = hy.make_vars("s", "u")
         kind = {"fp_type": self.number}
         falling = hy.event_direction.negative
@@ -41,7 +45,7 @@ class Scalar:
             [self.number(0), self.number(1)],
             pars=[self.number(0), self.number(0)],
             t_events=[hy.t_event(u, **kind), hy.t_event(s, direction=falling, **kind)],
-            tol=self.number(self.tolerance),
+            tol=self.number(setting),
             high_accuracy=False,
             fast_math=self.fast_math,
             compact_mode=False,
@@ -74,7 +78,7 @@ class Reference(Scalar):
     """The same in 80-bit numbers at a tolerance of 1e-18: what errors are measured against."""
 
     name = "heyoka, 80-bit reference"
-    tolerance = 1e-18
+    settings = (1e-18,)
     number = np.longdouble
     fast_math = False
 
@@ -91,10 +95,12 @@ class Batch:
     """
 
     name = "heyoka, batch of 8"
-    tolerance = 1e-12
+    source = "heyoka"
+    settings = Scalar.settings
+    share = 1
     lanes = 8
 
-    def __init__(self, cases: Cases) -> None:
+    def __init__(self, cases: Cases, setting: float) -> None:
         self.cases = cases
         self.restitution = np.zeros(len(cases))
         self.rows: list[tuple[float, float, float]] = []
@@ -109,7 +115,7 @@ class Batch:
                 hy.t_event_batch(u, callback=turned),
                 hy.t_event_batch(s, callback=separated, direction=hy.event_direction.negative),
             ],
-            tol=self.tolerance,
+            tol=setting,
             high_accuracy=False,
             fast_math=True,
             compact_mode=False,

@@ -42,6 +42,14 @@ def test_the_ledger_does_not_change_the_path(sample):
         assert np.array_equal(plain[:, column], full[:, column])
 
 
+def test_rows_begin_where_cache_lines_do():
+    for number in (1, 27, 28):
+        rows = kernel._rows(number)
+        assert rows.shape == (number, kernel.LANES)
+        assert rows.ctypes.data % 64 == 0
+        assert not rows.any()
+
+
 def test_no_problems_give_no_results():
     assert integrate(np.zeros((0, kernel.PROBLEM_COLUMNS)), ledger=True).shape == (
         0,

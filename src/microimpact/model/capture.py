@@ -75,19 +75,52 @@ def capture_velocity(contact: Contact) -> FloatArray:
 
     scale = flat(contact.velocity_scale)
     hertz, adhesion = (flat(group) for group in contact.groups)
-    exponent = flat(contact.adhesion_rate_exponent)
+    reference = np.ones_like(scale)
+    if contact.reference_velocity is not None:
+        reference = flat(contact.reference_velocity) / np.where(scale > 0.0, scale, 1.0)
     found = np.zeros(scale.size)
-    damped = (scale > 0.0) & ((hertz > 0.0) | (adhesion > 0.0))
+    adhesive = scale > 0.0
+    groups = (hertz, adhesion, flat(contact.adhesion_rate_exponent), reference)
+    found[adhesive] = scaled_capture_velocity(
+        *(group[adhesive] for group in groups), damped_attachment=contact.damped_attachment
+    )
+    return (found * scale).reshape(shape)[()]
+
+
+def scaled_capture_velocity(
+    hertz: FloatArray,
+    adhesion: FloatArray,
+    exponent: FloatArray,
+    reference: FloatArray,
+    *,
+    damped_attachment: bool,
+) -> FloatArray:
+    """Capture velocity of adhesive contacts in velocity scales, all arguments flat arrays.
+
+    Parameters
+    ----------
+    hertz, adhesion
+        Damping groups C_H and C_A, the latter at the reference velocity.
+    exponent, reference
+        n and the reference velocity, in velocity scales, of the rate of adhesion damping.
+    damped_attachment
+        Whether adhesion is damped during approach too.
+
+    Returns
+    -------
+    ndarray
+        Zero without damping, infinite where no speed rebounds.
+    """
+    found = np.zeros(hertz.size)
+    damped = (hertz > 0.0) | (adhesion > 0.0)
     rated = damped & (exponent > 0.0) & (adhesion > 0.0)
     plain = damped & ~rated
     if np.any(plain):
-        found[plain] = threshold(hertz[plain], adhesion[plain], contact.damped_attachment)
+        found[plain] = threshold(hertz[plain], adhesion[plain], damped_attachment)
     if np.any(rated):
-        assert contact.reference_velocity is not None
-        reference = flat(contact.reference_velocity) / scale
         groups = hertz[rated], adhesion[rated], exponent[rated], reference[rated]
-        found[rated] = _rated_threshold(*groups, damped_attachment=contact.damped_attachment)
-    return (found * scale).reshape(shape)[()]
+        found[rated] = _rated_threshold(*groups, damped_attachment=damped_attachment)
+    return found
 
 
 def _rated_threshold(

@@ -6,10 +6,15 @@ the slip: its direction does not change during contact, and spin about the norma
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from microimpact.arrays import FloatArray
-from microimpact.model.rigid_body import INERTIA, rigid_body_rebound
+from microimpact.arrays import NON_NEGATIVE, FloatArray, checked
+from microimpact.model.compiled import jit
+from microimpact.model.rigid_body import APPROACHING, INERTIA, UNIT_INTERVAL
+
+_jit = jit()
 
 
 def facet_normals(velocity: FloatArray, along: FloatArray, across: FloatArray) -> FloatArray:
@@ -24,12 +29,22 @@ def facet_normals(velocity: FloatArray, along: FloatArray, across: FloatArray) -
         Slopes of the facet along the motion and to its left, tangents, shape (n,). A facet whose
         slope along the motion is positive faces the sphere.
     """
-    speed = np.hypot(velocity[:, 0], velocity[:, 1])
-    moving = speed > 0.0
-    scale = np.where(moving, speed, 1.0)
-    x, y = np.where(moving, velocity[:, 0] / scale, 1.0), velocity[:, 1] / scale
-    normal = np.stack([y * across - x * along, -x * across - y * along, np.ones_like(x)], axis=1)
-    return np.asarray(normal / np.sqrt(1.0 + np.square(along) + np.square(across))[:, None])
+    normal = np.empty(velocity.shape)
+    _normals(velocity, along, across, normal)
+    return normal
+
+
+@_jit
+def _normals(velocity, along, across, normal):  # type: ignore[no-untyped-def]
+    for i in range(velocity.shape[0]):
+        x, y = 1.0, 0.0
+        speed = math.sqrt(velocity[i, 0] ** 2 + velocity[i, 1] ** 2)
+        if speed > 0.0:
+            x, y = velocity[i, 0] / speed, velocity[i, 1] / speed
+        size = 1.0 / math.sqrt(1.0 + along[i] ** 2 + across[i] ** 2)
+        normal[i, 0] = size * (y * across[i] - x * along[i])
+        normal[i, 1] = size * (-x * across[i] - y * along[i])
+        normal[i, 2] = size
 
 
 def facet_rebound(
@@ -55,11 +70,33 @@ def facet_rebound(
     ValueError
         If a sphere does not approach its facet, or e or friction is out of range.
     """
-    into = np.vecdot(velocity, normal)
-    # Velocity of the point of contact along the facet: v_t + r omega x (-n).
-    slip = velocity - into[:, None] * normal - np.cross(spin_speed, normal)
-    size = np.linalg.norm(slip, axis=1)
-    mu = rigid_body_rebound(into, size, 0.0, 1.0, e, friction).mu
-    direction = slip / np.where(size > 0.0, size, 1.0)[:, None]
-    impulse = -((1.0 + e) * into)[:, None] * (normal + mu[:, None] * direction)
-    return velocity + impulse, spin_speed - np.cross(normal, impulse) / INERTIA
+    checked("v_n", np.vecdot(velocity, normal), APPROACHING)
+    checked("e", e, UNIT_INTERVAL)
+    checked("friction", friction, NON_NEGATIVE)
+    after, spin_after = np.empty(velocity.shape), np.empty(velocity.shape)
+    _rebounds(velocity, spin_speed, normal, e, friction, after, spin_after)
+    return after, spin_after
+
+
+@_jit
+def _rebounds(velocity, spin_speed, normal, e, friction, after, spin_after):  # type: ignore[no-untyped-def]
+    """Slip at the contact point is v_t + r omega x (-n); mu = min(f, mu_0) along it."""
+    for i in range(velocity.shape[0]):
+        vx, vy, vz = velocity[i, 0], velocity[i, 1], velocity[i, 2]
+        wx, wy, wz = spin_speed[i, 0], spin_speed[i, 1], spin_speed[i, 2]
+        nx, ny, nz = normal[i, 0], normal[i, 1], normal[i, 2]
+        into = vx * nx + vy * ny + vz * nz
+        sx = vx - into * nx - (wy * nz - wz * ny)
+        sy = vy - into * ny - (wz * nx - wx * nz)
+        sz = vz - into * nz - (wx * ny - wy * nx)
+        slip = math.sqrt(sx * sx + sy * sy + sz * sz)
+        normal_impulse = -(1.0 + e[i]) * into
+        stopping = slip / ((1.0 + 1.0 / INERTIA) * normal_impulse)
+        ratio = min(friction[i], stopping) / slip if slip > 0.0 else 0.0
+        px = normal_impulse * (nx - ratio * sx)
+        py = normal_impulse * (ny - ratio * sy)
+        pz = normal_impulse * (nz - ratio * sz)
+        after[i, 0], after[i, 1], after[i, 2] = vx + px, vy + py, vz + pz
+        spin_after[i, 0] = wx - (ny * pz - nz * py) / INERTIA
+        spin_after[i, 1] = wy - (nz * px - nx * pz) / INERTIA
+        spin_after[i, 2] = wz - (nx * py - ny * px) / INERTIA

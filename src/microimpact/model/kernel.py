@@ -29,6 +29,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numba import njit
 
+from microimpact.model.compiled import jit
+
 if TYPE_CHECKING:
     from microimpact.arrays import FloatArray
 
@@ -80,6 +82,9 @@ PLAIN, LEDGER, SHALLOW = 0, 1, 2
 
 _INVERSE = 1.0 / np.arange(1.0, ORDER + 2.0)
 
+# Bytes of a cache line.
+_LINE = 64
+
 # A float's bits, read as an integer, are nearly its logarithm to base 2, in units of 2^-52 and from
 # this origin on. The largest error, 0.0861, is laid so that steps never come out too long.
 _BITS_OF_ONE = (1023.0 - 0.0861) * 2.0**52
@@ -88,9 +93,9 @@ _NODES, _WEIGHTS = (a.copy() for a in np.polynomial.legendre.leggauss(10))
 _NODES = 0.5 * (_NODES + 1.0)
 _WEIGHTS = 0.5 * _WEIGHTS
 
-_jit = njit(cache=True, nogil=True, error_model="numpy")
+_jit = jit()
 _jit_inline = njit(inline="always")
-_jit_contract = njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "nsz"})
+_jit_contract = jit(fastmath={"contract", "nsz"})
 
 
 @_jit_inline
@@ -123,6 +128,15 @@ def _coefficients(first, stop, beta, damping_h, damping_a, s, u, p, m):  # type:
             for j in range(stop):
                 damping += m[j, lane] * u[row - j, lane]
             u[row + 1, lane] = inverse * (u[row + 1, lane] - damping)
+
+
+@_jit
+def _rows(number):  # type: ignore[no-untyped-def]
+    """Rows of zeros that begin where cache lines do: the widest loads would straddle two else."""
+    size = number * LANES
+    buffer = np.zeros(size + _LINE // 8)
+    start = (-buffer.ctypes.data % _LINE) // 8
+    return buffer[start : start + size].reshape((number, LANES))
 
 
 @_jit_contract
@@ -314,8 +328,8 @@ def _settles(s, u, beta, damping_h, damping_a):  # type: ignore[no-untyped-def]
 def integrate(problems: FloatArray, mode: int, results: FloatArray) -> None:
     """Integrate every row of ``problems`` into the same row of ``results``."""
     count = problems.shape[0]
-    shape = (PAD + ORDER + 1, LANES)
-    padded_s, padded_u, p, m = np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(shape)
+    rows = PAD + ORDER + 1
+    padded_s, padded_u, p, m = _rows(rows), _rows(rows), _rows(rows), _rows(rows)
     s, u = padded_s[PAD:], padded_u[PAD:]
     total = np.zeros((RESULT_COLUMNS, LANES))
     beta, damping_h, damping_a = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
@@ -464,8 +478,8 @@ def record(
     that name does. Returns the number of steps, or -1 where ``series`` is too short.
     """
     energy = 0.5 * problem[START_U] ** 2
-    shape = (PAD + ORDER + 1, LANES)
-    padded_s, padded_u, p, m = np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(shape)
+    rows = PAD + ORDER + 1
+    padded_s, padded_u, p, m = _rows(rows), _rows(rows), _rows(rows), _rows(rows)
     s, u = padded_s[PAD:], padded_u[PAD:]
     beta, damping_h, damping_a = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
     h, row, total = np.zeros(LANES), np.zeros(LANES), np.zeros((RESULT_COLUMNS, LANES))

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from microimpact.arrays import NON_NEGATIVE, POSITIVE, BoolArray, FloatArray, checked
-from microimpact.model.restitution_descent import Found, descend
+from microimpact.model.restitution_descent import Found, Search, descend
 from microimpact.model.restitution_search import AT_REBOUND, CLOSEST, ON_BOUND, V_C, Q
 from microimpact.model.restitution_sets import (
     BEST_STARTS,
@@ -94,7 +94,31 @@ def fit_batch(sets: DataSets, starts: int = 2) -> BatchFit:
     """
     if not 1 <= starts <= len(BEST_STARTS):
         raise ValueError(f"starts must be 1 to {len(BEST_STARTS)}, got {starts}")
-    return stacked_fits([_fit_part(part, starts) for part in sets.parts()])
+    pieces = ranges(sets)
+    width = pieces.upper - pieces.lower
+    low, high = bounds(sets, pieces.owner, np.log(CLOSEST * width), np.log(width))
+    search = searches(sets, pieces.owner, pieces.upper)
+    points = [start_points(sets, pieces.owner, i, width) for i in BEST_STARTS[:starts]]
+    found = _lowest(search, points, low, high)
+    # The lowest of all pieces of each data set.
+    order = np.lexsort((found.chi_square, pieces.owner))
+    piece = order[np.unique(pieces.owner[order], return_index=True)[1]]
+    x = found.x[piece]
+    near = (x - low[piece] < ON_BOUND) | (high[piece] - x < ON_BOUND)
+    gap, span = np.exp(x[:, V_C]), width[piece]
+    # As in the single fit: v_c is held to be on a bound much closer to it than the others.
+    near[:, V_C] = (gap < (1.0 + ON_BOUND) * CLOSEST * span) | (gap > (1.0 - CLOSEST) * span)
+    near[:, Q] &= sets.q is None
+    parameters = np.exp(x)
+    parameters[:, V_C] = np.maximum(pieces.upper[piece] - gap, pieces.lower[piece])
+    parameters[:, [0, 2, V_C]] *= sets.unit[:, None]
+    return BatchFit(
+        parameters=parameters,
+        chi_square=found.chi_square[piece],
+        capture_on_bound=near[:, V_C],
+        on_bound=np.asarray(near.any(axis=1)),
+        converged=found.converged[piece],
+    )
 
 
 def stacked_fits(fits: Sequence[BatchFit]) -> BatchFit:
@@ -138,11 +162,12 @@ def interval_batch(sets: DataSets, fit: BatchFit, rise: ArrayLike) -> FloatArray
     """
     limit = np.broadcast_to(np.sqrt(checked("rise", rise, POSITIVE)), sets.unit.shape)
     best = np.maximum(1.0 - fit.v_c / sets.unit, CLOSEST)
-    ends = []
-    for outermost, end in ((np.ones_like(best), 0.0), (np.minimum(best, AT_REBOUND), 1.0)):
-        gap, held = _crossing(sets, fit, best, outermost, limit)
-        ends.append(np.where(held, end, 1.0 - gap))
-    return np.stack(ends, axis=1) * sets.unit[:, None]
+    # Both ends at once: the lower ones of all data sets, then the upper ones.
+    twice = (stacked_sets([sets, sets]), stacked_fits([fit, fit]), np.tile(best, 2))
+    outermost = np.concatenate([np.ones_like(best), np.minimum(best, AT_REBOUND)])
+    gap, held = _crossing(*twice, outermost, np.tile(limit, 2))
+    ends = np.where(held, np.repeat([0.0, 1.0], len(best)), 1.0 - gap)
+    return ends.reshape(2, -1).T * sets.unit[:, None]
 
 
 def _crossing(
@@ -178,57 +203,25 @@ def _crossing(
     return gap, held
 
 
-def _fit_part(sets: DataSets, starts: int) -> BatchFit:
-    pieces = ranges(sets)
-    width = pieces.upper - pieces.lower
-    low, high = bounds(sets, pieces.owner, np.log(CLOSEST * width), np.log(width))
-    search = searches(sets, pieces.owner, pieces.upper)
-    points = (start_points(sets, pieces.owner, i, width) for i in BEST_STARTS[:starts])
-    found = _lowest([descend(search, point, low, high) for point in points])
-    # The lowest of all pieces of each data set.
-    order = np.lexsort((found.chi_square, pieces.owner))
-    piece = order[np.unique(pieces.owner[order], return_index=True)[1]]
-    x = found.x[piece]
-    near = (x - low[piece] < ON_BOUND) | (high[piece] - x < ON_BOUND)
-    gap, span = np.exp(x[:, V_C]), width[piece]
-    # As in the single fit: v_c is held to be on a bound much closer to it than the others.
-    near[:, V_C] = (gap < (1.0 + ON_BOUND) * CLOSEST * span) | (gap > (1.0 - CLOSEST) * span)
-    near[:, Q] &= sets.q is None
-    parameters = np.exp(x)
-    parameters[:, V_C] = np.maximum(pieces.upper[piece] - gap, pieces.lower[piece])
-    parameters[:, [0, 2, V_C]] *= sets.unit[:, None]
-    return BatchFit(
-        parameters=parameters,
-        chi_square=found.chi_square[piece],
-        capture_on_bound=near[:, V_C],
-        on_bound=np.asarray(near.any(axis=1)),
-        converged=found.converged[piece],
-    )
-
-
 def _profile(
     sets: DataSets, gap: FloatArray, logs: FloatArray, *, restart: bool = False
 ) -> tuple[FloatArray, FloatArray]:
     """Least chi-square (r,) at v_c = 1 - gap, and ln(k, p, kappa, q) (r, 4) there."""
-    found, row = [], 0
-    for part in sets.parts():
-        rows = slice(row, row + len(part.unit))
-        row = rows.stop
-        owner, fixed = np.arange(len(part.unit)), np.log(gap[rows])
-        search = searches(part, owner, np.ones(len(owner)))
-        box = bounds(part, owner, fixed, fixed)
-        points = [np.column_stack([logs[rows], fixed])]
-        points += [start_points(part, owner, BEST_STARTS[0], np.exp(fixed))] if restart else []
-        found.append(_lowest([descend(search, point, *box) for point in points]))
-    chi_square = np.concatenate([part.chi_square for part in found])
-    return chi_square, np.concatenate([part.x[:, :V_C] for part in found])
+    owner, fixed = np.arange(len(sets.unit)), np.log(gap)
+    search = searches(sets, owner, np.ones(len(owner)))
+    points = [np.column_stack([logs, fixed])]
+    points += [start_points(sets, owner, BEST_STARTS[0], np.exp(fixed))] if restart else []
+    found = _lowest(search, points, *bounds(sets, owner, fixed, fixed))
+    return found.chi_square, found.x[:, :V_C]
 
 
-def _lowest(results: list[Found]) -> Found:
-    """Of searches in the same ranges, the lowest for each data set."""
-    best = np.argmin([result.chi_square for result in results], axis=0)
-    rows = np.arange(len(best))
-    return Found(*(np.stack(field)[best, rows] for field in zip(*results, strict=True)))
+def _lowest(search: Search, starts: list[FloatArray], low: FloatArray, high: FloatArray) -> Found:
+    """Of searches in the same ranges from several starts, the lowest for each data set."""
+    rows = np.arange(len(search.end))
+    every = np.tile(rows, len(starts))
+    found = descend(search.take(every), np.concatenate(starts), low[every], high[every])
+    best = rows + len(rows) * np.argmin(found.chi_square.reshape(len(starts), -1), axis=0)
+    return Found(*(field[best] for field in found))
 
 
 def _logs(sets: DataSets, fit: BatchFit) -> FloatArray:

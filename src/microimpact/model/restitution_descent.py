@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Iterator
+from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from microimpact.arrays import BoolArray, FloatArray
 from microimpact.model.restitution_search import V_C, Q
+
+Rows = npt.NDArray[Any]
 
 # A search ends where the quadratic model and the step taken lower chi-square by less than this
 # share of it, or where no damping finds a lower point.
@@ -23,15 +27,24 @@ LIGHT_DAMPING = 0.1
 STRIDE = 2.0
 # Keeps a normal matrix of full rank in directions that the data do not determine.
 RIDGE = 1e-14
+# Searches that are advanced together, so that their arrays stay in the cache; and how many of
+# them have ended when others take their places.
+TOGETHER = 512
+ENDED = 24
 
 
 class Search(NamedTuple):
     """Data (m, n) of m searches, and the upper end (m,) of the range of v_c of each."""
 
     v: FloatArray
+    log_v: FloatArray
     e: FloatArray
     weight: FloatArray
     end: FloatArray
+
+    def take(self, rows: Rows) -> Search:
+        """Return some of the searches."""
+        return Search(*(field[rows] for field in self))
 
 
 class Found(NamedTuple):
@@ -43,8 +56,9 @@ class Found(NamedTuple):
 
 
 class _State(NamedTuple):
-    """Where the searches stand: variables, their box, damping, and the local quadratic model."""
+    """Where the searches stand: steps left, variables, box, damping, local quadratic model."""
 
+    left: Rows
     x: FloatArray
     low: FloatArray
     high: FloatArray
@@ -52,6 +66,60 @@ class _State(NamedTuple):
     chi_square: FloatArray
     matrix: FloatArray
     gradient: FloatArray
+
+    def take(self, rows: Rows) -> _State:
+        """Return some of the searches."""
+        return _State(*(field[rows] for field in self))
+
+
+def descend(search: Search, x: FloatArray, low: FloatArray, high: FloatArray) -> Found:
+    """Lower the sums of squares from x as far as possible within the box.
+
+    Some searches advance together; where enough of them have ended, the next ones take their
+    places. What one finds does not depend on the others.
+
+    Parameters
+    ----------
+    search
+        The data of m searches.
+    x
+        Starts ln(k, p, kappa, q, gap), (m, 5).
+    low, high
+        Box (m, 5); a variable whose bounds are equal is fixed.
+    """
+    x = np.clip(x, low, high)
+    found = Found(x.copy(), np.empty(len(x)), np.zeros(len(x), bool))
+    row, begun = np.arange(0), 0
+    data, state = search.take(row), _begin(search.take(row), x[row], low[row], high[row])
+    running = np.zeros(0, bool)
+    while True:
+        if np.count_nonzero(running) <= len(running) - ENDED or not running.any():
+            fresh = np.arange(begun, min(begun + TOGETHER - np.count_nonzero(running), len(x)))
+            begun += len(fresh)
+            row = np.concatenate([row[running], fresh])
+            if not len(row):
+                return found
+            entry = search.take(fresh)
+            data = Search(*_joined(data.take(running), entry))
+            start = _begin(entry, x[fresh], low[fresh], high[fresh])
+            state = _State(*_joined(state.take(running), start))
+            running = np.ones(len(row), bool)
+        state, converged, stuck = _step(data, state)
+        ended = running & (converged | stuck | (state.left == 0))
+        found.x[row[ended]], found.chi_square[row[ended]] = state.x[ended], state.chi_square[ended]
+        found.converged[row[ended]] = (converged | stuck)[ended]
+        running &= ~ended
+
+
+def _joined(some: tuple[Any, ...], more: tuple[Any, ...]) -> Iterator[Any]:
+    """Join the arrays of two tuples, one by one."""
+    return (np.concatenate(pair) for pair in zip(some, more, strict=True))
+
+
+def _begin(data: Search, x: FloatArray, low: FloatArray, high: FloatArray) -> _State:
+    """Return the state of searches at their starts."""
+    left, damping = np.full(len(x), ITERATIONS), np.full(len(x), FIRST_DAMPING)
+    return _State(left, x, low, high, damping, *_local(data, x))
 
 
 def curves(search: Search, x: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -73,45 +141,20 @@ def curves(search: Search, x: FloatArray) -> tuple[FloatArray, FloatArray]:
     excess = (search.v - search.end[:, None]) + gap
     rebounds = excess > 0.0
     excess = np.where(rebounds, excess, 1.0)
-    fall = np.log(search.v) - x[:, 0, None]
+    fall = search.log_v - x[:, 0, None]
     rise = np.log(excess) - x[:, 2, None]
     with np.errstate(over="ignore"):
         body = 1.0 / (1.0 + np.exp(p * fall))
         kept = np.where(rebounds, 1.0 / (1.0 + np.exp(-q * rise)), 0.0)
     e = body * kept
-    loss, taken = e * (1.0 - body) * p, e * (1.0 - kept) * q
-    return e, np.stack([loss, -loss * fall, -taken, taken * rise, taken * gap / excess], axis=1)
-
-
-def descend(search: Search, x: FloatArray, low: FloatArray, high: FloatArray) -> Found:
-    """Lower the sums of squares from x as far as possible within the box.
-
-    Parameters
-    ----------
-    search
-        The data of m searches.
-    x
-        Starts ln(k, p, kappa, q, gap), (m, 5).
-    low, high
-        Box (m, 5); a variable whose bounds are equal is fixed.
-    """
-    x = np.clip(x, low, high)
-    rows = np.arange(len(x))
-    state = _State(x, low, high, np.full(len(x), FIRST_DAMPING), *_local(search, x))
-    found = Found(x.copy(), np.empty(len(x)), np.zeros(len(x), bool))
-    for iteration in range(ITERATIONS):
-        state, converged, stuck = _step(search, state)
-        ended = converged | stuck | (iteration == ITERATIONS - 1)
-        if not ended.any():
-            continue
-        row, rows = rows[ended], rows[~ended]
-        found.x[row], found.chi_square[row] = state.x[ended], state.chi_square[ended]
-        found.converged[row] = (converged | stuck)[ended]
-        search = Search(*(field[~ended] for field in search))
-        state = _State(*(field[~ended] for field in state))
-        if not len(rows):
-            break
-    return found
+    slopes = np.empty((len(x), x.shape[1], search.v.shape[1]))
+    loss, taken = slopes[:, 0], e * (1.0 - kept) * q
+    np.multiply(e * (1.0 - body), p, out=loss)
+    np.multiply(-loss, fall, out=slopes[:, 1])
+    np.negative(taken, out=slopes[:, 2])
+    np.multiply(taken, rise, out=slopes[:, Q])
+    np.divide(taken * gap, excess, out=slopes[:, V_C])
+    return e, slopes
 
 
 def _local(search: Search, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -126,7 +169,7 @@ def _local(search: Search, x: FloatArray) -> tuple[FloatArray, FloatArray, Float
 
 def _step(search: Search, state: _State) -> tuple[_State, BoolArray, BoolArray]:
     """Try one damped step; return the new state, which have converged, and which are stuck."""
-    x, low, high, damping, chi_square, matrix, gradient = state
+    _, x, low, high, damping, chi_square, matrix, gradient = state
     held = (low == high) | ((x <= low) & (gradient > 0.0)) | ((x >= high) & (gradient < 0.0))
     downhill = np.where(held, 0.0, gradient)
     damped = np.where(held[:, :, None] | held[:, None, :], 0.0, matrix)
@@ -150,6 +193,7 @@ def _step(search: Search, state: _State) -> tuple[_State, BoolArray, BoolArray]:
     )
     damping = np.maximum(damping * np.where(lower, lighter, 8.0), LEAST_DAMPING)
     new = state._replace(
+        left=state.left - 1,
         x=np.where(lower[:, None], trial, x),
         damping=damping,
         chi_square=np.where(lower, there[0], chi_square),

@@ -23,8 +23,6 @@ from microimpact.model.restitution_search import (
 Places = npt.NDArray[np.intp]
 # Of the starts of the single fit those that most often lead to its minimum, the best first.
 BEST_STARTS = (3, 2, 0, 1, 4)
-# Data sets that are advanced together; their arrays stay in the cache.
-TOGETHER = 2048
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,11 +49,6 @@ class DataSets:
         """Return some of the data sets."""
         parts = {name: getattr(self, name)[rows] for name in ("v", "e", "weight", "unit")}
         return DataSets(**parts, q=self.q)
-
-    def parts(self) -> list[DataSets]:
-        """Return the same in parts of `TOGETHER` data sets."""
-        starts = range(0, len(self.unit), TOGETHER)
-        return [self.take(slice(start, start + TOGETHER)) for start in starts]
 
     @property
     def top(self) -> FloatArray:
@@ -141,7 +134,8 @@ def ranges(sets: DataSets) -> Ranges:
 
 def searches(sets: DataSets, owner: Places, end: FloatArray) -> Search:
     """Data of one search per owner, with v_c below an end."""
-    return Search(v=sets.v[owner], e=sets.e[owner], weight=sets.weight[owner], end=end)
+    v = sets.v[owner]
+    return Search(v=v, log_v=np.log(v), e=sets.e[owner], weight=sets.weight[owner], end=end)
 
 
 def start_points(sets: DataSets, owner: Places, number: int, width: FloatArray) -> FloatArray:

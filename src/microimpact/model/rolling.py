@@ -11,8 +11,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from scipy.constants import g as GRAVITY  # noqa: N812 (a constant)
-from scipy.integrate import cumulative_trapezoid
 
 from microimpact.arrays import NON_NEGATIVE, POSITIVE, FloatArray, Range, Real, checked
 from microimpact.model.contact import Contact, require_contact
@@ -183,7 +183,7 @@ def couple_impulses(
     level = opening_level(a, velocity, spin)
     trailing = ring_force * (1.0 + c_a * np.maximum(velocity + spin * a, 0.0))
     loss = 1.0 - (path.velocity[-1] / path.velocity[0]) ** 2
-    rolled = cumulative_trapezoid(radius * spin, time, initial=0)
+    rolled = scipy.integrate.cumulative_trapezoid(radius * spin, time, initial=0)
     damping = hertz_damping_couple(a, hertz, contact.hertz_damping, spin)
     damping = damping + adhesion_damping_couple(a, ring_force, c_a, spin, level)
 

@@ -158,7 +158,7 @@ def shallow_restitution(
 def sloped_impulse_ratio(slope: object, mu: object, *, printed: bool = False) -> Real:
     """Measured impulse ratio on a small slope, Eq. (38): ``mu_m = mu - (1 + mu^2) phi``.
 
-    Printed without mu^2. For v_t > 0 mu is -f, so |mu_m| is f + phi at first order: a slope that
+    Printed without mu^2. For v_t > 0 mu is -f, so ``|mu_m|`` is f + phi at first order: a slope that
     faces the sphere lowers the signed ratio and raises its size.
     """
     slope, mu = checked("slope", slope, SLOPE), checked("mu", mu, FINITE)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Annotated, NamedTuple
 
@@ -26,7 +26,7 @@ from microimpact.lab.sampling import (
 from microimpact.parameters import Count
 
 # Draws of a replicate, by the names of the parameters.
-Draws = dict[str, FloatArray]
+Draws = Mapping[str, FloatArray]
 
 POSITIVE = ("speed_m_per_s", "diameter_um", "work_of_adhesion_factor")
 NON_NEGATIVE = ("friction", "restitution_factor", "hertz_damping_factor", "adhesion_damping_factor")

@@ -2,22 +2,34 @@
 
 Events come in replicates: batches of a fixed size, each with random numbers of its own. A replicate
 is a pure function of the ensemble, the angle and its number, so that neither the order in which
-replicates are computed nor the place matters; only one is held in memory. The scatter of their
-means gives the error of every estimate, whatever the method of sampling.
+replicates are computed nor the place matters; each thread holds only one in memory. The scatter of
+their means gives the error of every estimate, whatever the method of sampling. Sums over replicates
+are exact, so an estimate does not depend on the number of threads in its last digit either.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
 
 from microimpact.arrays import BoolArray, FloatArray
 from microimpact.lab.distributions import Distribution, generator
+from microimpact.lab.events import IntArray
 from microimpact.lab.sampling import joint_shares
 from microimpact.lab.slopes import STEEPEST, HitSlopes
 from microimpact.model.facets import facet_normals
-from microimpact.studies._monte_carlo import Draws, Ensemble
+from microimpact.studies._monte_carlo import Draws, Ensemble, Plan
+
+# Events of a replicate of a long run: its arrays fit the processor's second cache.
+BLOCK = 2**14
+# Replicates handed to threads at a time: enough to keep them busy, few enough to wait for.
+BATCH = 64
 
 # Columns of the sums of a replicate.
 FACING_AWAY, CAPTURED, NOT_LEAVING, ACCEPTED, E, E_SQUARED, MU, MU_SQUARED = range(8)
@@ -41,7 +53,14 @@ class Estimate(NamedTuple):
     not_leaving: float
 
 
-def estimate(ensemble: Ensemble, angle_deg: float, key: int = 0) -> Estimate:
+def estimate(
+    ensemble: Ensemble,
+    angle_deg: float,
+    key: int = 0,
+    *,
+    threads: int = 1,
+    done: Callable[[int], None] | None = None,
+) -> Estimate:
     """Return measured coefficients at one nominal angle.
 
     Parameters
@@ -52,17 +71,45 @@ def estimate(ensemble: Ensemble, angle_deg: float, key: int = 0) -> Estimate:
         Nominal angle of incidence from the surface.
     key
         Number of the random streams: other keys, independent estimates.
+    threads
+        That share the replicates; results do not depend on it.
+    done
+        Called with the number of events after each replicate.
     """
-    sums = [
-        replicate_sums(ensemble, angle_deg, key, number)
-        for number in range(ensemble.plan.replicates)
-    ]
+
+    def one(number: int) -> FloatArray:
+        return replicate_sums(ensemble, angle_deg, key, number)
+
+    sums = []
+    for part in _shared(one, range(ensemble.plan.replicates), threads):
+        sums.append(part)
+        if done is not None:
+            done(ensemble.plan.events)
     return summary(np.stack(sums), ensemble.plan.events)
+
+
+def long_run(ensemble: Ensemble, events: int) -> Ensemble:
+    """Return the ensemble with so many plain draws, rounded up to whole replicates of `BLOCK`."""
+    plan = Plan(replicates=max(2, -(-events // BLOCK)), events=BLOCK)
+    return replace(ensemble, plan=plan)
+
+
+def _shared(
+    task: Callable[[int], FloatArray], numbers: Iterable[int], threads: int
+) -> Iterator[FloatArray]:
+    """Yield the results of a task, in the order of the numbers."""
+    if threads == 1:
+        yield from map(task, numbers)
+        return
+    waiting = iter(numbers)
+    with ThreadPoolExecutor(threads) as pool:
+        while batch := list(islice(waiting, BATCH)):
+            yield from pool.map(task, batch)
 
 
 def summary(sums: FloatArray, events: int) -> Estimate:
     """Return the estimate of replicates, in their order; means are NaN if no event is accepted."""
-    total = sums.sum(axis=0)
+    total = np.array([math.fsum(column) for column in sums.T])
     shares = total / (len(sums) * events)
     if not total[ACCEPTED]:
         return Estimate(*[np.nan] * 6, *(float(shares[i]) for i in (3, 0, 1, 2)))
@@ -71,7 +118,7 @@ def summary(sums: FloatArray, events: int) -> Estimate:
         average = total[first] / total[ACCEPTED]
         # Scatter of a ratio of sums, as the number accepted varies between replicates.
         scatter = sums[:, first] - average * sums[:, ACCEPTED]
-        error = np.sqrt(np.sum(scatter**2) * len(sums) / (len(sums) - 1)) / total[ACCEPTED]
+        error = np.sqrt(math.fsum(scatter**2) * len(sums) / (len(sums) - 1)) / total[ACCEPTED]
         variance = total[squares] / total[ACCEPTED] - average**2
         numbers += [float(average), float(error), float(np.sqrt(max(variance, 0.0)))]
     return Estimate(*numbers, *(float(shares[i]) for i in (3, 0, 1, 2)))
@@ -98,6 +145,23 @@ def replicate_sums(ensemble: Ensemble, angle_deg: float, key: int, number: int) 
     counts = (~faced, faced & captured, faced & ~captured & ~left, accepted)
     sums = (np.sum(values) for values in (*counts, e, e**2, mu, mu**2))
     return np.array([float(value) for value in sums])
+
+
+@dataclass(frozen=True, slots=True)
+class _Chosen(Mapping[str, FloatArray]):
+    """Draws of some events, copied when asked for: few impacts ask for all parameters."""
+
+    draws: Draws
+    chosen: IntArray
+
+    def __getitem__(self, name: str) -> FloatArray:
+        return np.take(self.draws[name], self.chosen)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.draws)
+
+    def __len__(self) -> int:
+        return len(self.draws)
 
 
 def _approach(draws: Draws, angle_deg: float) -> tuple[FloatArray, FloatArray]:
@@ -144,8 +208,9 @@ def _contacts(
             normal, into = -np.sign(into)[:, None] * normal, -np.abs(into)
         moving, normal = moving[into < 0.0], normal[into < 0.0]
         faced[moving] = True
-        local = {name: values[moving] for name, values in draws.items()}
-        rebound = ensemble.impact(local, velocity[moving], spin_speed[moving], normal)
+        rebound = ensemble.impact(
+            _Chosen(draws, moving), velocity[moving], spin_speed[moving], normal
+        )
         velocity[moving], spin_speed[moving], captured[moving] = rebound
         moving = moving[~rebound.captured & (rebound.velocity[:, 2] <= 0.0)]
         if not moving.size:

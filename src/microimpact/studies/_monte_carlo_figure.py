@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
-from scipy import stats
+import scipy
 
 from microimpact.studies._monte_carlo import Ensemble
 from microimpact.studies._monte_carlo_events import estimate
@@ -51,7 +51,7 @@ def figure_data(
     }
     columns = {"restitution": "relative_restitution", "impulse_ratio": "impulse_ratio"}
     # A measured mean scatters about the true one by Student's t of so many events.
-    spread = stats.t.ppf(0.5 * (1.0 + CONFIDENCE), events_measured - 1)
+    spread = scipy.stats.t.ppf(0.5 * (1.0 + CONFIDENCE), events_measured - 1)
     spread /= np.sqrt(events_measured)
     frames = [
         series_frame(

@@ -5,19 +5,24 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline, RectBivariateSpline
 
 from microimpact.arrays import FloatArray
 from microimpact.lab.distributions import LARGEST_PROBABILITY, SMALLEST_PROBABILITY, Constant
 from microimpact.model.capture import capture_velocity
 from microimpact.model.contact import Contact, resized
 from microimpact.model.facets import facet_rebound
-from microimpact.model.impact import simulate, spatial
+from microimpact.model.families import NoSurrogateError
+from microimpact.model.impact import spatial
+from microimpact.model.surrogate import TOLERANCE, Surrogate
 from microimpact.studies._monte_carlo import Draws, Impact, Process, Rebound
 
-# Nodes of the interpolation of e, and how far its ends lie beyond the sizes and speeds drawn.
-SIZES, SPEEDS = 12, 200
+# How far the tables of e reach beyond the sizes and speeds drawn: spin before impact may make a
+# second one faster than the first.
 MARGIN, FASTEST = 0.01, 1.5
+# Sizes at which all spheres must have a capture velocity.
+SIZES = 12
+# Very wide distributions of sizes get tables of this relative error.
+WIDE_TOLERANCE = 1e-6
 
 # Parameters of a process that only one of the models has.
 RIGID_BODY_ONLY = ("restitution_factor", "restitution_offset")
@@ -29,20 +34,19 @@ NEUTRAL = {"restitution_offset": 0.0}
 class RigidBody:
     """Rigid body model with the restitution of simulated normal impacts.
 
-    At given damping, work of adhesion and diameter count by their quotient alone. e is interpolated
-    over the logarithm of that and z = sqrt(v / v_c - 1), in which it is smooth down to capture.
+    At given damping, work of adhesion and diameter count by their quotient alone, the velocity
+    scale being its power 5/6: all spheres are one family of `model.families`.
 
     Attributes
     ----------
-    capture_velocity
-        ln v_c (v_c in m/s) over ln of the diameter in um divided by the factor of the work of
-        adhesion.
-    curves
-        e over that logarithm and z.
+    surrogate
+        e of all speeds and sizes that a process may draw.
+    sizes
+        Least and greatest diameter in um divided by the factor of the work of adhesion.
     """
 
-    capture_velocity: CubicSpline
-    curves: RectBivariateSpline
+    surrogate: Surrogate
+    sizes: tuple[float, float]
 
     @classmethod
     def of(cls, contact: Contact, process: Process) -> RigidBody:
@@ -51,8 +55,13 @@ class RigidBody:
         Raises
         ------
         ValueError
-            If some of these spheres rebound at no speed, or at every one.
+            If some of these spheres rebound at no speed, or at every one, or the surface is curved.
         """
+        if np.any(np.isfinite(contact.surface_radius)):
+            raise ValueError(
+                f"surface_radius: must be infinite in the rigid body model of an ensemble, got "
+                f"{contact.surface_radius}"
+            )
         ends = np.array([SMALLEST_PROBABILITY, LARGEST_PROBABILITY])
         diameter, factor, speed = (
             np.asarray(getattr(process, name).quantile(ends))
@@ -68,33 +77,25 @@ class RigidBody:
                 f"process: spheres of {odd.max():.3g} um (diameter_um over "
                 "work_of_adhesion_factor) have no capture velocity; narrow these distributions"
             )
-        # Spin before impact may make a second one faster than the first.
-        furthest = np.sqrt(FASTEST * speed[1] / limit.min() + 1.0)
-        z = np.linspace(0.0, furthest, SPEEDS)
-        v = limit[:, None] * (1.0 + np.square(z))
-        columns = spheres.replace(
-            diameter=size[:, None] * 1e-6, work_of_adhesion=contact.work_of_adhesion
-        )
-        e = np.zeros(v.shape)
-        e[:, 1:] = simulate(columns, v[:, 1:]).coefficient_of_restitution
-        return cls(
-            capture_velocity=CubicSpline(np.log(size), np.log(limit)),
-            curves=RectBivariateSpline(np.log(size), z, e),
-        )
+        speeds = np.array([[limit.max()], [FASTEST * max(speed[1], limit.max())]])
+        return cls(surrogate=_table(spheres, speeds), sizes=(float(size[0]), float(size[-1])))
 
     def restitution(self, normal_speed: FloatArray, draws: Draws) -> FloatArray:
         """Return e at normal speeds in m/s, zero at capture, before factor and offset."""
-        size = np.log(draws["diameter_um"] / draws["work_of_adhesion_factor"])
-        smallest, largest = self.capture_velocity.x[[0, -1]]
+        size = draws["diameter_um"] / draws["work_of_adhesion_factor"]
+        smallest, largest = self.sizes
         if size.size and not (smallest <= size.min() and size.max() <= largest):
             raise ValueError(
-                f"diameter_um over work_of_adhesion_factor: drew {np.exp(size.min()):.4g} to "
-                f"{np.exp(size.max()):.4g}, must lie in that of the process, "
-                f"{np.exp(smallest):.4g} to {np.exp(largest):.4g}"
+                f"diameter_um over work_of_adhesion_factor: drew {size.min():.4g} to "
+                f"{size.max():.4g}, must lie in that of the process, {smallest:.4g} to "
+                f"{largest:.4g}"
             )
-        excess = normal_speed / np.exp(self.capture_velocity(size)) - 1.0
-        e = self.curves.ev(size, np.sqrt(np.maximum(excess, 0.0)))
-        return np.where(excess > 0.0, np.maximum(e, 0.0), 0.0)
+        family = self.surrogate.family
+        steps = (5.0 / 6.0) * np.log(size / np.sqrt(smallest * largest))
+        w = normal_speed / family.velocity_scale * np.exp(steps)
+        return self.surrogate.restitution(
+            w, np.zeros(1) if family.alike else -steps / family.half_width
+        )
 
     def __call__(
         self, draws: Draws, velocity: FloatArray, spin_speed: FloatArray, normal: FloatArray
@@ -135,6 +136,13 @@ class Simulation:
             _turned(back, outcome.spin) * radius,
             np.asarray(outcome.captured),
         )
+
+
+def _table(spheres: Contact, speeds: FloatArray) -> Surrogate:
+    try:
+        return Surrogate.of(spheres, speeds, tolerance=TOLERANCE)
+    except NoSurrogateError:
+        return Surrogate.of(spheres, speeds, tolerance=WIDE_TOLERANCE)
 
 
 def impact_of(model: str, contact: Contact, process: Process) -> Impact:

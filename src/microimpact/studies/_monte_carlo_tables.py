@@ -8,8 +8,8 @@ from typing import Annotated
 
 import numpy as np
 import pandas as pd
+import scipy
 from pydantic import Field
-from scipy import stats
 
 from microimpact.arrays import FloatArray
 from microimpact.lab.distributions import Distribution
@@ -100,7 +100,7 @@ def sampling_table(ensemble: Ensemble, settings: Comparison) -> pd.DataFrame:
     plain = found["plain", "exact"]
     degrees = settings.replicates - 1
     # The inverse of F with equal degrees of freedom has the same distribution.
-    factor = float(stats.f.ppf(0.5 * (1.0 + CONFIDENCE), degrees, degrees))
+    factor = float(scipy.stats.f.ppf(0.5 * (1.0 + CONFIDENCE), degrees, degrees))
     rows = []
     for (method, generator), one in found.items():
         for quantity, error in (

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from scipy import optimize
+import scipy
 
 from microimpact.arrays import FloatArray
 from microimpact.lab.distributions import Constant, Normal
@@ -139,5 +139,5 @@ def _first_crossing(function: Callable[[float], float], grid: FloatArray) -> flo
     for low, high in pairwise(map(float, grid)):
         if function(high) >= 0.0:
             # The function has small steps where an event comes to be accepted.
-            return float(optimize.brentq(function, low, high, xtol=1e-5))
+            return float(scipy.optimize.brentq(function, low, high, xtol=1e-5))
     return np.inf

@@ -21,7 +21,7 @@ from microimpact.studies._monte_carlo import (
     Rules,
     deterministic,
 )
-from microimpact.studies._monte_carlo_events import Estimate, estimate
+from microimpact.studies._monte_carlo_events import Estimate, estimate, long_run
 from microimpact.studies._monte_carlo_figure import figure_data
 from microimpact.studies._monte_carlo_impacts import impact_of, require_meaning
 from microimpact.studies._monte_carlo_tables import (
@@ -33,10 +33,11 @@ from microimpact.studies._monte_carlo_tables import (
     statements_table,
 )
 from microimpact.studies._pairs import calibrated_contact
+from microimpact.studies._progress import progress
 from microimpact.studies._slope_inference import SlopeInference, infer_slope
 
 # First number of every stream's key; the second is the number of the variant.
-ESTIMATES, SAMPLING, ABLATION, INFERENCE = range(4)
+ESTIMATES, SAMPLING, ABLATION, INFERENCE, LONG_RUN = range(5)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -229,6 +230,51 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
         "monte_carlo_statements": statements_table(means, compared, params.statements),
         "slope_inference": _slopes(params, ensembles),
     }
+
+
+def stream(
+    params: Params,
+    inputs: Mapping[str, pd.DataFrame],
+    *,
+    variant: str,
+    angle_deg: float,
+    events: int,
+    threads: int = 1,
+) -> Estimate:
+    """Estimate the measured coefficients at one angle from any number of events.
+
+    Memory does not grow with the number of events, and a bar on the terminal shows how far it is.
+
+    Parameters
+    ----------
+    params, inputs
+        As for `run`.
+    variant
+        Name of one of the variants.
+    angle_deg
+        Nominal angle of incidence from the surface.
+    events
+        Number of events, rounded up to whole replicates of `BLOCK`; a longer run begins with the
+        events of a shorter one.
+    threads
+        That share the work; results do not depend on it.
+
+    Raises
+    ------
+    ValueError
+        If there is no such variant, or no event is asked for.
+    """
+    numbers = {item.name: number for number, item in enumerate(params.variants)}
+    if variant not in numbers:
+        raise ValueError(f"variant must be one of {', '.join(numbers)}, got {variant!r}")
+    if events < 1 or threads < 1:
+        raise ValueError(f"events and threads must be 1 or more, got {events} and {threads}")
+    number = numbers[variant]
+    impact = impact_of(params.model, calibrated_contact(inputs, params.smooth.case), params.drawn)
+    one = _stream(_ensemble(params, impact, params.variants[number], number), LONG_RUN)
+    long = long_run(one, events)
+    with progress(f"{variant}, {angle_deg:g} deg", long.plan.replicates * long.plan.events) as done:
+        return estimate(long, angle_deg, threads=threads, done=done)
 
 
 def _ensemble(params: Params, impact: Impact, variant: Variant, number: int) -> Ensemble:

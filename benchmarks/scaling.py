@@ -1,0 +1,211 @@
+"""Cost against the number of events: direct impacts, interpolated ones, and Monte Carlo.
+
+    python -m benchmarks.scaling [--quick] [--most 1e7] [--threads 1 2] [--output DIRECTORY]
+    python -m benchmarks.scaling --events 1e9 --threads 2
+
+The first form measures times per event from a thousand events to ``--most`` and writes a table and
+a plot: a flat line is a cost that is linear in the events. Times are the least over the rounds; the
+processor's time stands beside the clock's, which other work on the machine lengthens. The second
+form makes one long Monte Carlo run on a rough surface, with a bar on the terminal, and says its
+rate and the memory it took.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import resource
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import astuple, dataclass, fields
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from microimpact import Contact, Material
+from microimpact.lab.distributions import Constant, Normal, TruncatedNormal, Uniform
+from microimpact.model.normal import normal_impact
+from microimpact.model.surrogate import Surrogate
+from microimpact.studies._monte_carlo import Ensemble, Plan, Process, Rules
+from microimpact.studies._monte_carlo_events import Estimate, estimate, long_run
+from microimpact.studies._monte_carlo_impacts import RigidBody
+from microimpact.studies._progress import progress
+
+ANGLE_DEG = 20.0
+SEED = 20011
+FEWEST = 1000
+ROUNDS, ROUNDS_QUICK = 3, 1
+# Monte Carlo draws whole replicates. More direct impacts would tell nothing new, and there is the
+# long run for Monte Carlo.
+FEWEST_OF = {"direct": FEWEST, "surrogate": FEWEST, "Monte Carlo": 10**5}
+MOST = {"direct": 10**6, "surrogate": 10**9, "Monte Carlo": 10**8}
+OUTPUT = Path(__file__).parents[1] / "build" / "benchmarks"
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    method: str
+    threads: int
+    events: int
+    nanoseconds_clock: float
+    nanoseconds_processor: float
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.scaling", description=__doc__)
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.add_argument("--quick", action="store_true", help="to 1e5 events, one round")
+    parser.add_argument("--most", type=float, default=1e7, help="largest number of events")
+    parser.add_argument("--threads", type=int, nargs="+", default=[1, 2])
+    parser.add_argument("--events", type=float, help="one Monte Carlo run of so many events")
+    parser.add_argument("--output", type=Path, default=OUTPUT, help="folder of table and plot")
+    options = parser.parse_args(arguments)
+    if options.events:
+        for threads in options.threads:
+            one_run(int(options.events), threads)
+        return
+    most = 10**5 if options.quick else int(options.most)
+    rows = measure(most, options.threads, ROUNDS_QUICK if options.quick else ROUNDS)
+    options.output.mkdir(parents=True, exist_ok=True)
+    write(options.output / "scaling.csv", rows)
+    plot(options.output / "scaling.png", rows)
+    report(rows)
+    print(f"\n{options.output / 'scaling.csv'}\n{options.output / 'scaling.png'}")
+
+
+def steel_on_silicon() -> Contact:
+    """A contact near the calibrated one: captured below 0.18 m/s, e of 0.7 at 1.66 m/s."""
+    return Contact(
+        particle=Material(name="steel", youngs_modulus=193e9, poissons_ratio=0.28, density=8000.0),
+        surface=Material(name="silicon", youngs_modulus=169e9, poissons_ratio=0.25, density=2330.0),
+        diameter=62e-6,
+        work_of_adhesion=3.5,
+        hertz_damping=0.00295,
+        adhesion_damping=1.39,
+    )
+
+
+def rough_surface() -> Ensemble:
+    """Steel on a rough silicon surface, as in the article's Monte Carlo analysis (Fig. 23)."""
+    neutral = dict.fromkeys(
+        ("restitution_factor", "work_of_adhesion_factor", "hertz_damping_factor"), Constant(at=1.0)
+    ) | dict.fromkeys(("angle_offset_deg", "cross_slope", "spin_ratio"), Constant(at=0.0))
+    process = Process(
+        **neutral,
+        speed_m_per_s=Uniform(low=1.61, high=1.71),
+        diameter_um=TruncatedNormal(mean=62.0, sd=4.5, low=45.0, high=76.0),
+        slope=Normal(sd=0.223),
+        friction=Constant(at=0.15),
+        restitution_offset=Constant(at=0.0),
+        adhesion_damping_factor=Constant(at=1.0),
+    )
+    return Ensemble(
+        process=process,
+        rules=Rules(flux_weighted=False, must_face=True, must_leave=True, most_contacts=1),
+        impact=RigidBody.of(steel_on_silicon(), process),
+        plan=Plan(replicates=2, events=2),
+        seed=(SEED,),
+    )
+
+
+def one_run(events: int, threads: int) -> None:
+    """Run Monte Carlo once and say what it took."""
+    ensemble = long_run(rough_surface(), events)
+    total = ensemble.plan.replicates * ensemble.plan.events
+    clock, processor = time.perf_counter(), time.process_time()
+    with progress(f"{events:.0e} events", total) as done:
+        found = estimate(ensemble, ANGLE_DEG, threads=threads, done=done)
+    clock, processor = time.perf_counter() - clock, time.process_time() - processor
+    # Kilobytes on Linux, bytes on macOS.
+    unit = 1024.0 if sys.platform == "darwin" else 1.0
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit / 1024.0
+    print(
+        f"{total} events, {threads} thread(s): {clock:.1f} s, {total / clock:.3g} events/s; "
+        f"processor {processor:.1f} s, {total / processor:.3g} events/s; "
+        f"largest memory {memory:.0f} MiB"
+    )
+    print(f"e_m = {found.restitution:.17g} +- {found.restitution_error:.1g} at {ANGLE_DEG:g} deg")
+
+
+def methods(events: int, threads: int) -> dict[str, Callable[[], object]]:
+    """What is timed; tables and compiled code are made before."""
+    contact = steel_on_silicon()
+    speeds = np.random.default_rng(SEED).uniform(0.2, 3.0, events)
+    surrogate = Surrogate.of(contact, np.array([0.2, 3.0]))
+    rough = long_run(rough_surface(), events)
+    found: dict[str, Callable[[], object]] = {
+        "surrogate": partial(surrogate.normal_impact, contact, speeds, threads=threads),
+        "Monte Carlo": partial[Estimate](estimate, rough, ANGLE_DEG, threads=threads),
+    }
+    if threads == 1:
+        found["direct"] = partial(normal_impact, contact, speeds)
+    return found
+
+
+def measure(most: int, threads: Sequence[int], rounds: int) -> list[Row]:
+    counts = [FEWEST * 10**k for k in range(8) if FEWEST * 10**k <= most]
+    rows = []
+    for count in counts:
+        for number in threads:
+            for name, run in methods(count, number).items():
+                if not FEWEST_OF[name] <= count <= MOST[name]:
+                    continue
+                run()
+                times = np.array([timed(run) for _ in range(rounds)]).min(axis=0)
+                plan = long_run(rough_surface(), count).plan
+                events = plan.replicates * plan.events if name == "Monte Carlo" else count
+                rows.append(Row(name, number, events, *(times / events * 1e9).tolist()))
+    return rows
+
+
+def timed(run: Callable[[], object]) -> tuple[float, float]:
+    clock, processor = time.perf_counter(), time.process_time()
+    run()
+    return time.perf_counter() - clock, time.process_time() - processor
+
+
+def write(path: Path, rows: Sequence[Row]) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(field.name for field in fields(Row))
+        writer.writerows(astuple(row) for row in rows)
+
+
+def report(rows: Sequence[Row]) -> None:
+    print(f"{'method':14}{'threads':>8}{'events':>12}{'ns, clock':>12}{'ns, processor':>15}")
+    for row in rows:
+        print(
+            f"{row.method:14}{row.threads:8d}{row.events:12d}{row.nanoseconds_clock:12.1f}"
+            f"{row.nanoseconds_processor:15.1f}"
+        )
+
+
+def plot(path: Path, rows: Sequence[Row]) -> None:
+    """Time per event by the processor's clock and by the one on the wall."""
+    figure = Figure(figsize=(9.0, 4.5), layout="constrained")
+    FigureCanvasAgg(figure)
+    both = figure.subplots(1, 2, sharey=True)
+    series = sorted({(row.method, row.threads) for row in rows})
+    for axes, clock in zip(both, ("processor", "clock"), strict=True):
+        for method, threads in series:
+            chosen = [row for row in rows if (row.method, row.threads) == (method, threads)]
+            axes.plot(
+                [row.events for row in chosen],
+                [getattr(row, f"nanoseconds_{clock}") for row in chosen],
+                "o-" if threads == 1 else "s--",
+                color=f"C{sorted(MOST).index(method)}",
+                label=f"{method}, {threads} thread" + ("s" if threads > 1 else ""),
+            )
+        axes.set(xscale="log", yscale="log", xlabel="events", title=f"by the {clock}")
+        axes.grid(visible=True, alpha=0.3)
+    both[0].set_ylabel("time per event / ns")
+    figure.legend(*both[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    figure.savefig(path, dpi=200)
+
+
+if __name__ == "__main__":
+    main()

