@@ -15,7 +15,10 @@ from microimpact.report.commands import (
     check_command,
     compare_command,
     crate_command,
+    deviations_command,
     reference_command,
+    report_command,
+    timings_command,
 )
 from microimpact.selection import CONTACT_COLUMNS, MATERIAL_COLUMNS, read_declared
 
@@ -42,7 +45,7 @@ _IMPACT = {
 
 
 def main() -> None:
-    """Run the command; bad input ends with one line and exit code 2."""
+    """Run the command; bad input ends with one line and exit code 2, a failure with 1."""
     try:
         commands.main(standalone_mode=False)
     except click.ClickException as error:
@@ -53,6 +56,10 @@ def main() -> None:
     except (ValueError, TypeError, OSError) as error:
         click.echo(f"microimpact: {error}", err=True)
         sys.exit(2)
+    except RuntimeError as error:
+        # An integration that failed: no fault of the input.
+        click.echo(f"microimpact: {error}", err=True)
+        sys.exit(1)
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -191,7 +198,15 @@ def materials_command(as_json: bool) -> None:
     )
 
 
-for _command in (check_command, reference_command, compare_command, crate_command):
+for _command in (
+    check_command,
+    reference_command,
+    compare_command,
+    crate_command,
+    report_command,
+    deviations_command,
+    timings_command,
+):
     commands.add_command(_command)
 
 

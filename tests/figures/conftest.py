@@ -11,6 +11,7 @@ import pytest
 from microimpact.config import load, validate
 from microimpact.figures.registry import filled, registry
 from microimpact.figures.style import save
+from microimpact.ledgers.criteria import read_claims
 from microimpact.parameters import build
 from microimpact.selection import read_all
 from microimpact.tables import parse_table
@@ -22,6 +23,11 @@ ROOT = Path(__file__).parents[2]
 def settings():
     base = load(ROOT / "config/config.yaml")
     return validate(base, base)
+
+
+@pytest.fixture(scope="session")
+def claims():
+    return read_claims(ROOT / "config/claims.yaml")
 
 
 @pytest.fixture(scope="session")

@@ -8,9 +8,12 @@ import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.colors import same_color
+from tests.figures.conftest import ROOT
 
 from microimpact.digitized import as_rows, overlaid, read_points
+from microimpact.ledgers.digitised import digitised_rows, read_digitised
 from microimpact.model.restitution import restitution
+from microimpact.studies.digitised_comparison import is_named
 from microimpact.tables import parse_table, series_frame
 
 TOP = "# source: made up\n# licence: CC0-1.0\n# digitised_by: nobody\nseries,x,y,y_low,y_high\n"
@@ -143,6 +146,9 @@ def test_every_plot_of_the_article_takes_points(figures):
         # the points have the units of the first table, and are compared with all of them
         assert len({(unit.x, unit.y) for unit in spec.data.values()}) == 1
         assert all(name.partition("_")[0] == spec.name for name in spec.data)
+    # and has a bound for those without bars
+    bounds = read_digitised(ROOT / "config/claims.yaml").rms_difference
+    assert set(bounds) == {spec.name for spec in plots}
 
 
 def eq_34(case, speeds, noise=0.0):
@@ -236,11 +242,61 @@ def test_differences_from_a_curve(run_study, points):
     assert line["bias"] == pytest.approx(0.1 / 3)
     assert line["rms_difference"] == pytest.approx(0.1)
     assert line["within_bars"] == 0.5
+    # bars of 0.25 and 0.1 are four standard uncertainties long
+    assert line["normalised_rms"] == pytest.approx(np.sqrt((1.6**2 + 4.0**2) / 2))
     # the direction in which a curve is written is nothing to it
-    assert line.iloc[6:].to_list() == pytest.approx(found.iloc[1, 6:].to_list())
+    numbers = ["n", "beyond", "bias", "rms_difference", "bars", "within_bars", "normalised_rms"]
+    assert line[numbers].to_list() == pytest.approx(found.iloc[1][numbers].to_list())
     # nothing is bridged: no computed value, no difference
     assert (found.iloc[2]["n"], found.iloc[2]["beyond"]) == (0, 4)
     assert np.isnan(found.iloc[2]["bias"])
+
+
+@pytest.fixture(scope="module")
+def ledger_of(run_study, coulomb):
+    """Return a function that judges points of Fig. 17."""
+
+    def judged(points):
+        tables = {"digitised": rows_of(points), "fig17": coulomb["fig17"]}
+        residuals = run_study("digitised_comparison", tables)["digitised_residuals"]
+        # as the workflow hands it on: names that are numbers come back as numbers
+        again = parse_table(residuals.to_csv(index=False))
+        return digitised_rows(read_digitised(ROOT / "config/claims.yaml"), again)
+
+    return judged
+
+
+@pytest.mark.parametrize("sd", [0.02, None], ids=["with bars", "without"])
+@pytest.mark.parametrize(("shift", "verdict"), [(0.0, "reproduced"), (0.1, "not reproduced")])
+def test_points_drawn_from_a_curve_agree_with_it_and_others_do_not(
+    sd, shift, verdict, coulomb, points, ledger_of
+):
+    curves = coulomb["fig17"]
+    own = curves[(curves["panel"] == "friction") & (curves["series"] == "0.15")].iloc[::8]
+    noise = np.random.default_rng(np.random.PCG64(17)).normal(0.0, 0.02, len(own))
+    lines = []
+    for x, y in zip(own.iloc[:, 3], own.iloc[:, 4] + noise + shift, strict=True):
+        bar = "," if sd is None else f"{y - 2 * sd:.6f},{y + 2 * sd:.6f}"
+        lines.append(f"friction: 0.15,{x:.6f},{y:.6f},{bar}")
+    (row,) = ledger_of(points("fig17", *lines))
+    assert row["id"] == "D17-friction-0.15"
+    assert row["evidence"] == "digitised"
+    assert row["criterion"].startswith("rms_difference" if sd is None else "normalised_rms")
+    assert row["verdict"] == verdict
+
+
+def test_a_series_is_named_alone_or_before_a_comma():
+    assert is_named("0.15", "0.15")
+    assert is_named("0.15, slow", "0.15")
+    assert not is_named("0.151", "0.15")
+    assert not is_named("slow, 0.15", "0.15")
+
+
+def test_a_bar_without_length_agrees_with_its_own_point_alone(run_study, points):
+    own = points("fig17", "friction: 5,10,0.1,0.1,0.1", "friction: 6,20,0.3,0.3,0.3")
+    inputs = {"digitised": rows_of(own), "fig17": curve("line", [0, 90], [0.0, 0.9])}
+    found = run_study("digitised_comparison", inputs)["digitised_residuals"]
+    assert found["normalised_rms"].tolist() == pytest.approx([0.0, np.inf])
 
 
 def test_without_points_the_table_is_a_header(run_study):

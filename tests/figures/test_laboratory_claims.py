@@ -4,7 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.figures.conftest import ROOT
+from tests.figures.claim_worlds import (
+    require_changed_verdict,
+    require_code,
+    require_complete,
+    verdict_of,
+)
 from tests.figures.laboratory_claims_breaks import (
     BREAKS,
     MUTE,
@@ -15,14 +20,7 @@ from tests.figures.laboratory_claims_breaks import (
     ptis_range,
 )
 
-from microimpact.ledgers.claims import NUMBER_COLUMNS, verdicts
-from microimpact.ledgers.criteria import read_claims
 from microimpact.studies.laboratory_claims import CLAIMS
-
-
-@pytest.fixture(scope="module")
-def claims():
-    return read_claims(ROOT / "config/claims.yaml")
 
 
 @pytest.fixture(scope="module")
@@ -47,29 +45,16 @@ def world(run_study, settings, tables, monkeypatch):
     return World(run_study, settings, tables, monkeypatch)
 
 
-def verdict_of(claims, name, numbers):
-    found = verdicts({name: claims[name]}, numbers[numbers["claim"] == name])
-    return found["verdict"].iloc[0]
-
-
 def test_every_number_of_every_claim_is_there_in_its_unit(claims, numbers, settings):
-    assert list(numbers.columns) == list(NUMBER_COLUMNS)
     wanted = settings.branches["laboratory_claims"]["claims"]
     assert set(wanted) == set(CLAIMS)
-    # verdicts refuses a number that is missing, not finite, twice there or of another unit
-    verdicts({name: claims[name] for name in wanted}, numbers)
-
-
-def test_numbers_are_called_calibrated_where_agreement_is_no_evidence(claims, numbers):
-    for name, evidence in numbers.groupby("claim")["evidence"]:
-        assert (set(evidence) == {"calibrated"}) == (claims[name].positive == "calibrated")
+    require_complete(claims, numbers, wanted)
+    require_code(numbers)
 
 
 @pytest.mark.parametrize("name", [name for name in BREAKS if name not in MUTE])
 def test_breaking_a_claim_changes_its_verdict(name, claims, numbers, world):
-    expected = claims[name].break_.expect
-    assert verdict_of(claims, name, numbers) != expected
-    assert verdict_of(claims, name, BREAKS[name](name, world)) == expected
+    require_changed_verdict(claims, name, numbers, BREAKS[name](name, world))
 
 
 @pytest.mark.parametrize("name", MUTE)

@@ -81,8 +81,8 @@ MISPRINTS = (
     Mutant(
         "Eq. 27: friction driven by attraction",
         f"{MODEL}/impact.py",
-        'friction_basis: str = "compressive",\n) -> Impact:\n    """Impact in a plane.',
-        'friction_basis: str = "net",\n) -> Impact:\n    """Impact in a plane.',
+        'impulse = normal.hertz_impulse if basis == "hertz" else normal.compressive_impulse',
+        "impulse = normal.peak_net_impulse",
         ("impact",),
     ),
     Mutant(
@@ -249,6 +249,27 @@ SLIPS = (
         "problems[:, kernel.DAMPING_1] = -adhesion_group",
         "problems[:, kernel.DAMPING_1] = adhesion_group",
         ("capture",),
+    ),
+    Mutant(
+        "tables: the rate of adhesion damping left out of the velocity scale",
+        f"{MODEL}/families.py",
+        "rate = np.power(rho, 1.0 - self.exponent) * np.power(w, -self.exponent)",
+        "rate = rho * np.power(w, -self.exponent)",
+        ("surrogate",),
+    ),
+    Mutant(
+        "tables: places within a piece mirrored",
+        f"{MODEL}/pieces.py",
+        "return band, piece, 2.0 * (place - part) - 1.0, 2.0 * (across - band) - 1.0",
+        "return band, piece, 1.0 - 2.0 * (place - part), 2.0 * (across - band) - 1.0",
+        ("surrogate",),
+    ),
+    Mutant(
+        "tables: compressive impulse for that of the Hertz term",
+        f"{MODEL}/families.py",
+        "HERTZ: results[:, kernel.HERTZ_IMPULSE],",
+        "HERTZ: results[:, kernel.COMPRESSIVE_IMPULSE],",
+        ("surrogate",),
     ),
     Mutant(
         "slip lost 1 + 2/5 times for 7/2",

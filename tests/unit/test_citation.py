@@ -83,6 +83,24 @@ def test_the_catalogue_entry_has_its_form():
     assert deployment["conda"] == bool(re.search(r"^\s+conda:", rules, re.MULTILINE))
 
 
+def test_the_catalogue_finds_what_standardised_usage_demands():
+    # main workflow definition, how it is configured, and what to show of it
+    for path in ("workflow/Snakefile", "config/README.md", ".snakemake-workflow-catalog.yml"):
+        assert (PROJECT / path).is_file()
+    words = (PROJECT / "README.md").read_text(encoding="utf-8").lower()
+    assert "snakemake" in words
+    assert "workflow" in words
+
+
+def test_the_guide_to_the_configuration_names_every_key_and_every_file():
+    text = (PROJECT / "config/README.md").read_text(encoding="utf-8")
+    for key in yaml.safe_load((PROJECT / "config/config.yaml").read_text(encoding="utf-8")):
+        assert f"`{key}`" in text
+    files = [path for path in (PROJECT / "config").iterdir() if path.name != "README.md"]
+    for path in files:
+        assert f"`{path.name}{'/' if path.is_dir() else ''}`" in text
+
+
 def test_the_changelog_has_sections_of_the_agreed_names():
     lines = (PROJECT / "CHANGELOG.md").read_text(encoding="utf-8").splitlines()
     assert lines[0] == "# Changelog"

@@ -3,8 +3,16 @@
 import pandas as pd
 import pytest
 
-from microimpact.ledgers.claims import LedgerError, judge, verdict, verdicts
+from microimpact.ledgers.claims import (
+    COLUMNS,
+    NUMBER_COLUMNS,
+    LedgerError,
+    judge,
+    verdict,
+    verdicts,
+)
 from microimpact.ledgers.criteria import Claim
+from microimpact.ledgers.digitised import DigitisedCriteria, digitised_rows
 from microimpact.parameters import build
 
 
@@ -26,8 +34,7 @@ def claim(**changes):
 
 
 def numbers(*rows):
-    columns = ["claim", "case", "quantity", "value", "unit", "evidence"]
-    return pd.DataFrame([(*row, "computed") for row in rows], columns=columns)
+    return pd.DataFrame([(*row, "computed", "study.c") for row in rows], columns=NUMBER_COLUMNS)
 
 
 GOOD = (("C01", "", "e", 0.72, "-"), ("C01", "", "v", 1.0, "m/s"))
@@ -70,6 +77,22 @@ def test_the_row_tells_numbers_criterion_and_what_failed():
     assert row["criterion"] == "e 0.7 within 0.05"
     assert row["note"] == "e = 0.8 is not 0.7 within 0.05"
     assert row["verdict"] == "not reproduced"
+    assert row["code"] == "study.c"
+
+
+def test_the_row_has_the_columns_of_the_contract_and_the_code():
+    contract = (
+        *("id", "where", "statement", "criterion", "article_value", "computed_value", "unit"),
+        *("verdict", "evidence", "note", "figures", "code"),
+    )
+    table = verdicts({"C01": claim()}, numbers(*GOOD))
+    assert set(contract) <= set(COLUMNS) == set(table.columns)
+
+
+def test_the_note_tells_what_was_amended():
+    changes = [{"part": "criteria", "was": "a.", "now": "b", "reason": "c."}]
+    row = verdicts({"C01": claim(amendments=changes)}, numbers(*GOOD)).iloc[0]
+    assert row["note"] == "because | Amended criteria: was a; now b. c."
 
 
 @pytest.mark.parametrize(
@@ -101,6 +124,10 @@ def test_tables_of_groups_are_judged_together(tmp_path):
     path = tmp_path / "claims.yaml"
     path.write_text(
         """
+digitised:
+  normalised_rms: 2.0
+  rms_difference: {fig17: 0.05}
+  reason: r
 C01:
   where: "2"
   statement: s
@@ -114,5 +141,88 @@ C01:
   break: {change: x, expect: not reproduced}
 """
     )
-    table = judge({"a": numbers(GOOD[0]), "b": numbers()}, path)
-    assert list(table["verdict"]) == ["reproduced"]
+    tables = {"a": numbers(GOOD[0]), "b": numbers(), "digitised_residuals": residuals()}
+    assert list(judge(tables, path)["verdict"]) == ["reproduced"]
+    tables["digitised_residuals"] = residuals(BARRED)
+    table = judge(tables, path)
+    assert list(table.columns) == list(COLUMNS)
+    assert list(table["id"]) == ["C01", "D17-friction-0.15"]
+
+
+# Digitised points
+
+BARRED = {"n": 6, "bars": 6, "normalised_rms": 1.9, "rms_difference": 0.3}
+BARE = {"n": 6, "bars": 5, "normalised_rms": 9.0, "rms_difference": 0.04}
+FAR = {"rms_difference": 1.0}
+POINTS = DigitisedCriteria(normalised_rms=2.0, rms_difference={"fig17": 0.05}, reason="because")
+
+
+def residuals(*rows):
+    base = {
+        "figure": "fig17",
+        "panel": "friction",
+        "points": "0.15",
+        "series": "a",
+        "named": True,
+        "evidence": "computed",
+        "unit": "1",
+        "n": 6,
+        "beyond": 0,
+        "bias": 0.01,
+        "within_bars": 0.9,
+        "rms_difference": 0.01,
+        "normalised_rms": 0.1,
+        "bars": 0,
+    }
+    return pd.DataFrame([base | row for row in rows], columns=list(base))
+
+
+@pytest.mark.parametrize(
+    ("rows", "verdict", "criterion"),
+    [
+        # bars decide if all points have one, else the bound of the figure
+        ([BARRED], "reproduced", "normalised_rms at most 2"),
+        ([BARRED | {"normalised_rms": 2.1}], "not reproduced", "normalised_rms at most 2"),
+        ([BARE], "reproduced", "rms_difference at most 0.05"),
+        ([BARE | {"rms_difference": 0.06}], "not reproduced", "rms_difference at most 0.05"),
+        # a series of the same name decides, whatever others do
+        (
+            [BARE, BARE | {"series": "b", "named": False, "rms_difference": 1.0}],
+            "reproduced",
+            "rms_difference at most 0.05",
+        ),
+        (
+            [BARE | {"rms_difference": 1.0}, BARE | {"series": "b", "named": False}],
+            "not reproduced",
+            "rms_difference at most 0.05",
+        ),
+        # without one, all are cases
+        (
+            [BARE | {"named": False}, BARE | {"series": "b", "named": False} | FAR],
+            "not identified",
+            "rms_difference at most 0.05",
+        ),
+        ([BARE | {"n": 0, "beyond": 6}], "not testable", "rms_difference at most 0.05"),
+    ],
+)
+def test_digitised_points_are_judged(rows, verdict, criterion):
+    (row,) = digitised_rows(POINTS, residuals(*rows))
+    assert row["verdict"] == verdict
+    assert row["criterion"] == criterion
+    assert set(row) <= set(COLUMNS)
+    assert (row["evidence"], row["figures"], row["unit"]) == ("digitised", "fig17", "-")
+    assert row["article_value"] == "6 points"
+
+
+def test_every_series_of_points_has_one_row_and_no_points_have_none():
+    other = BARE | {"points": "0.2", "beyond": 2}
+    rows = digitised_rows(POINTS, residuals(BARE, other, BARE | {"series": "b"}))
+    assert [row["id"] for row in rows] == ["D17-friction-0.15", "D17-friction-0.2"]
+    assert [row["article_value"] for row in rows] == ["6 points", "8 points"]
+    assert "2 points beyond" in rows[1]["note"]
+    assert digitised_rows(POINTS, residuals()) == []
+
+
+def test_a_figure_without_a_bound_is_named():
+    with pytest.raises(ValueError, match=r"digitised\.rms_difference: fig18 has no bound"):
+        digitised_rows(POINTS, residuals(BARE | {"figure": "fig18"}))

@@ -16,9 +16,11 @@ from microimpact.ledgers.criteria import (
     POSITIVE,
     ClaimsError,
     Criterion,
+    amendments,
     holds,
     read_claims,
 )
+from microimpact.ledgers.digitised import read_digitised
 
 SHIPPED = Path(__file__).parents[2] / "config/claims.yaml"
 CLAIMS = read_claims(SHIPPED)
@@ -48,6 +50,10 @@ def changed(**keys):
 
 def with_criterion(**keys):
     return changed(criteria=[GOOD["criteria"][0] | keys])
+
+
+def amended(**keys):
+    return changed(amendments=[{"part": "break", "was": "a", "now": "b", "reason": "c"} | keys])
 
 
 def read(tmp_path, claims):
@@ -222,6 +228,9 @@ UNTESTABLE = {"criteria": REMOVED, "quantities": REMOVED, "break": REMOVED}
             "C01: break expects 'calibrated', which is not among the verdicts",
         ),
         (changed(**{"break": {"change": "x"}}), "C01.break.expect: missing"),
+        (amended(part="verdicts"), "C01.amendments[0].part: 'verdicts' must be 'statement', "),
+        (amended(was="b"), "C01.amendments[0]: now: 'b' must differ from 'was'"),
+        (amended(reason=""), "C01.amendments[0].reason: '' "),
     ],
 )
 def test_a_bad_entry_gives_one_clear_line(tmp_path, entry, message):
@@ -252,9 +261,43 @@ def test_all_problems_are_told_together(tmp_path):
     ]
 
 
+def test_amendments_are_those_of_the_claims_that_have_some(tmp_path):
+    path = tmp_path / "claims.yaml"
+    path.write_text(yaml.safe_dump({"C02": amended(), "C01": changed()}), encoding="utf-8")
+    found = amendments(path)
+    assert list(found) == ["C02"]
+    (only,) = found["C02"]
+    assert (only.part, only.was, only.now, only.reason) == ("break", "a", "b", "c")
+
+
+@pytest.mark.parametrize("name", amendments(SHIPPED))
+def test_an_amendment_says_what_the_claim_says_now(name):
+    claim = CLAIMS[name]
+    now = {"statement": claim.statement, "break": claim.break_.change}
+    latest = {one.part: one.now for one in claim.amendments}
+    for part in latest.keys() & now.keys():
+        assert latest[part].startswith(now[part])
+
+
+def test_the_bounds_of_digitised_points_are_checked(tmp_path):
+    path = tmp_path / "claims.yaml"
+    good = {"normalised_rms": 2.0, "rms_difference": {"fig04": 0.05}, "reason": "r"}
+    path.write_text(yaml.safe_dump({"digitised": good, "C01": changed()}), encoding="utf-8")
+    assert read_digitised(path).rms_difference == {"fig04": 0.05}
+    assert list(read_claims(path)) == ["C01"]
+    for key, value, message in (
+        ("normalised_rms", 0.0, r"^digitised\.normalised_rms: 0\.0 "),
+        ("rms_difference", {"fig26": 1.0}, r"^digitised\.rms_difference\.fig26"),
+        ("reason", "", r"^digitised\.reason: '' "),
+    ):
+        path.write_text(yaml.safe_dump({"digitised": good | {key: value}}), encoding="utf-8")
+        with pytest.raises(ClaimsError, match=message):
+            read_digitised(path)
+
+
 @pytest.mark.parametrize("text", ["- C01", "C01: [", ""])
 def test_what_is_no_mapping_is_refused(tmp_path, text):
     path = tmp_path / "claims.yaml"
     path.write_text(text, encoding="utf-8")
-    with pytest.raises(ConfigError, match=r"claims\.yaml: (must hold a mapping|not valid YAML)"):
+    with pytest.raises(ConfigError, match=r"claims\.yaml.*: (must hold a mapping|not valid YAML)"):
         read_claims(path)

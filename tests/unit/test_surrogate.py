@@ -104,10 +104,13 @@ def test_every_kind_is_there(scaled):
     assert len(contacts_of(scaled)) == KINDS
 
 
-def test_damping_that_is_the_same_serves_many_diameters(contact):
+@pytest.mark.parametrize("exponent", [0.0, 0.5])
+def test_damping_that_is_the_same_serves_many_diameters(contact, exponent):
     random = np.random.default_rng(3)
     unit = contact.velocity_scale
     spheres = contact.replace(
+        adhesion_rate_exponent=exponent,
+        reference_velocity=3.0 * unit,
         diameter=random.uniform(50e-6, 75e-6, COUNT), friction=random.uniform(0.1, 0.2, COUNT)
     )
     v = speeds(spheres, 20.0, unit=unit)

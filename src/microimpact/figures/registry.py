@@ -11,6 +11,7 @@ from pydantic import Field, ValidationError
 
 from microimpact.nearest import nearest
 from microimpact.parameters import Finite, Name, build, explain
+from microimpact.tables import RESULT_EVIDENCE
 
 Range = tuple[Finite, Finite]
 Place = Literal[
@@ -25,7 +26,6 @@ Place = Literal[
     "lower center",
     "lower right",
 ]
-
 
 # A figure of the article by its number, or one of our own.
 FIGURE_NAME = r"^(fig\d\d|[a-z]+(_[a-z]+)*)$"
@@ -78,7 +78,11 @@ class DataSpec:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FigureSpec:
-    """One figure: words, code that draws it, study and tables it comes from, panels."""
+    """One figure: words, code that draws it, study and tables it comes from, panels.
+
+    `article` says what the article shows there; it is empty for a figure of our own.
+    `evidence_labels` replace words of the key of evidence, as of what another paper printed.
+    """
 
     name: Annotated[str, Field(pattern=FIGURE_NAME)]
     title: Name
@@ -87,12 +91,18 @@ class FigureSpec:
     function: Name = "draw"
     study: Name
     data: dict[str, DataSpec]
+    article: str = ""
+    evidence_labels: dict[str, Name] = field(default_factory=dict)
     width: Literal["single", "double"] = "single"
     height_mm: Annotated[float, Field(gt=0, le=240)] = 65.0
     panels: dict[str, PanelSpec]
 
     def __post_init__(self) -> None:
-        """Refuse an empty axis."""
+        """Refuse an empty axis, and words for evidence that there is not."""
+        for name in self.evidence_labels:
+            if name not in RESULT_EVIDENCE:
+                near = nearest(name, RESULT_EVIDENCE)
+                raise ValueError(f"evidence_labels: {name!r} is no evidence of results{near}")
         for name, panel in self.panels.items():
             for axis in ("x_range", "y_range"):
                 low, high = getattr(panel, axis)
@@ -158,7 +168,7 @@ def filled(entries: Mapping[str, Any], branches: Mapping[str, Mapping[str, Any]]
     result = {}
     for name, entry in entries.items():
         study = entry.get("study") if isinstance(entry, Mapping) else None
-        if study is not None and study not in branches:
+        if study is not None and (not isinstance(study, str) or study not in branches):
             raise RegistryError(f"{name}.study: {study!r} is no study{nearest(study, branches)}")
         result[name] = _fill(entry, branches[study] if study else {}, name)
     return result

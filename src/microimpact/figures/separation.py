@@ -29,8 +29,7 @@ def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        One panel, the legend above. The statements are of another paper than the article, which
-        the legend names; the key of evidence would say "the article".
+        One panel, the legend above, the key of evidence below.
     """
     (table,) = tables.values()
     ((name, panel),) = spec.panels.items()
@@ -45,6 +44,7 @@ def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     _label_marks(ax, table[~is_curve])
     handles, labels = ax.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=2)
+    style.evidence_key(figure, table["evidence"], labels=spec.evidence_labels)
     return figure
 
 

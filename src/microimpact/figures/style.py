@@ -223,15 +223,17 @@ def evidence_key(
     evidence: Iterable[str],
     entries: Iterable[Line2D] = (),
     loc: Literal["outside lower center", "outside upper center"] = "outside lower center",
+    labels: Mapping[str, str] | None = None,
 ) -> None:
     """Say below the figure which marks are computed, printed, measured on virtual particles.
 
-    Entries of digitised series follow, each name and colour once. ``loc`` may be another place.
+    Entries of digitised series follow, each name and colour once. ``loc`` may be another place,
+    and ``labels`` replace words, as of what was printed elsewhere than in the article.
     """
     present = [name for name in EVIDENCE if name in set(evidence)]
+    words = {**EVIDENCE_LABEL, **(labels or {})}
     handles = [
-        Line2D([], [], color="black", label=EVIDENCE_LABEL[name], **_key_look(name))
-        for name in present
+        Line2D([], [], color="black", label=words[name], **_key_look(name)) for name in present
     ]
     handles += {(str(e.get_label()), str(e.get_color())): e for e in entries}.values()
     width = figure.get_figwidth() * MM_PER_INCH
@@ -267,14 +269,15 @@ def line_figure(
         if panel.legend_place == "above":
             handles, labels = axes[name].get_legend_handles_labels()
             figure.legend(handles, labels, loc="outside upper center", ncols=len(labels))
-    evidence_key(figure, table["evidence"], entries)
+    evidence_key(figure, table["evidence"], entries, labels=spec.evidence_labels)
     return figure, axes
 
 
 def save(figure: Figure, *paths: Path | str) -> None:
     """Save a figure in the format of each suffix; equal figures give equal bytes.
 
-    Each file is written in one step; neither dates nor program versions go into it.
+    Each file is written in one step; neither dates nor program versions go into it. The layout is
+    made for the first and serves all, which takes half the time and lets them agree.
     """
     for path in map(Path, paths):
         buffer = io.BytesIO()
@@ -283,4 +286,5 @@ def save(figure: Figure, *paths: Path | str) -> None:
         metadata = {"svg": {"Date": None, "Creator": None}, "png": {"Software": None}}.get(kind)
         with context():
             figure.savefig(buffer, format=kind, metadata=metadata)
+            figure.set_layout_engine("none")
         write_file(path, buffer.getvalue())

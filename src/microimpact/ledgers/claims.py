@@ -8,11 +8,18 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from microimpact.ledgers.criteria import Claim, Criterion, Verdict, holds, read_claims
+from microimpact.ledgers.criteria import Amendment, Claim, Verdict, read_claims
+from microimpact.ledgers.digitised import digitised_rows, read_digitised
+from microimpact.ledgers.judging import Numbers, described, failures, judged, place
 from microimpact.nearest import nearest
 
+__all__ = ["COLUMNS", "NUMBER_COLUMNS", "LedgerError", "described", "judge", "verdict", "verdicts"]
+
 # Numbers of a claim, as a study gives them; the case is empty where nothing is left open.
-NUMBER_COLUMNS = ("claim", "case", "quantity", "value", "unit", "evidence")
+NUMBER_COLUMNS = ("claim", "case", "quantity", "value", "unit", "evidence", "code")
+
+# Table of the differences between digitised points and what was computed.
+RESIDUALS = "digitised_residuals"
 
 COLUMNS = (
     "id",
@@ -26,10 +33,9 @@ COLUMNS = (
     "verdict",
     "evidence",
     "figures",
+    "code",
     "note",
 )
-
-Numbers = Mapping[str, Mapping[str, float]]
 
 
 class LedgerError(ValueError):
@@ -42,11 +48,17 @@ def judge(tables: Mapping[str, pd.DataFrame], criteria: Path | str) -> pd.DataFr
     Parameters
     ----------
     tables
-        Numbers of groups of claims, each with `NUMBER_COLUMNS`.
+        Numbers of groups of claims, each with `NUMBER_COLUMNS`, and ``digitised_residuals``, whose
+        series of digitised points have rows after the claims.
     criteria
-        The file of claims, see `criteria.read_claims`.
+        The file of claims, see `criteria.read_claims` and `digitised.read_digitised`.
     """
-    return verdicts(read_claims(criteria), pd.concat(tables.values(), ignore_index=True))
+    numbers = [table for name, table in tables.items() if name != RESIDUALS]
+    claims = verdicts(read_claims(criteria), pd.concat(numbers, ignore_index=True))
+    rows = digitised_rows(read_digitised(criteria), tables[RESIDUALS])
+    if not rows:
+        return claims
+    return pd.concat([claims, pd.DataFrame(rows, columns=list(COLUMNS))], ignore_index=True)
 
 
 def verdicts(claims: Mapping[str, Claim], numbers: pd.DataFrame) -> pd.DataFrame:
@@ -93,35 +105,10 @@ def verdict(claim: Claim, values: Numbers) -> tuple[Verdict, list[str]]:
     positive = claim.positive
     if positive is None:
         return claim.verdicts[0], []
-    unidentified = _failures(claim.identified_if, values)
+    unidentified = failures(claim.identified_if, values)
     if unidentified:
         return "not identified", unidentified
-    failed = {case: _failures(claim.criteria, {case: own}) for case, own in values.items()}
-    words = [line for lines in failed.values() for line in lines]
-    if not words:
-        return positive, []
-    met = [case for case, lines in failed.items() if not lines]
-    return ("not identified" if met else "not reproduced"), words
-
-
-def _failures(criteria: tuple[Criterion, ...], values: Numbers) -> list[str]:
-    return [
-        f"{f'{case}: ' if case else ''}{criterion.quantity} = {own[criterion.quantity]:.4g}"
-        f" is not {described(criterion)}"
-        for case, own in values.items()
-        for criterion in criteria
-        if not holds(criterion, own[criterion.quantity])
-    ]
-
-
-def described(criterion: Criterion) -> str:
-    """Return a criterion in words and numbers."""
-    low, high = criterion.interval
-    if criterion.test == "within":
-        return f"{criterion.value:g} within {criterion.tolerance:g}"
-    if criterion.test in {"between", "outside"}:
-        return f"{criterion.test} {low:g} and {high:g}"
-    return f"{criterion.test.replace('_', ' ')} {criterion.value:g}"
+    return judged(positive, claim.criteria, values)
 
 
 def _problems(claim: Claim, numbers: pd.DataFrame) -> list[str]:
@@ -131,21 +118,17 @@ def _problems(claim: Claim, numbers: pd.DataFrame) -> list[str]:
     if claim.positive is None:
         wanted = set()
     given = list(zip(own["case"], own["quantity"], strict=True))
-    lines = [f"{claim.id}: {_place(*key)} is missing" for key in sorted(wanted - set(given))]
+    lines = [f"{claim.id}: {place(*key)} is missing" for key in sorted(wanted - set(given))]
     for key, unit, value in zip(given, own["unit"], own["value"], strict=True):
         if key not in wanted:
-            lines.append(f"{claim.id}: {_place(*key)} is not declared")
+            lines.append(f"{claim.id}: {place(*key)} is not declared")
         elif unit != claim.quantities[key[1]]:
-            lines.append(f"{claim.id}: {_place(*key)} in {unit}, not {claim.quantities[key[1]]}")
+            lines.append(f"{claim.id}: {place(*key)} in {unit}, not {claim.quantities[key[1]]}")
         elif not np.isfinite(value):
-            lines.append(f"{claim.id}: {_place(*key)} = {value} must be finite")
+            lines.append(f"{claim.id}: {place(*key)} = {value} must be finite")
     if len(set(given)) != len(given):
         lines.append(f"{claim.id}: a number is given twice")
     return lines
-
-
-def _place(case: str, quantity: str) -> str:
-    return f"{quantity} ({case})" if case else quantity
 
 
 def _row(claim: Claim, numbers: pd.DataFrame) -> dict[str, object]:
@@ -154,9 +137,9 @@ def _row(claim: Claim, numbers: pd.DataFrame) -> dict[str, object]:
         str(case): dict(zip(rows["quantity"], rows["value"].astype(float), strict=True))
         for case, rows in own.groupby("case", sort=False)
     }
-    found, failures = verdict(claim, values)
+    found, failed = verdict(claim, values)
     computed = "; ".join(
-        f"{_place(case, name)} = {value:.6g}"
+        f"{place(case, name)} = {value:.6g}"
         + ("" if claim.quantities[name] == "-" else f" {claim.quantities[name]}")
         for case, some in values.items()
         for name, value in some.items()
@@ -173,5 +156,12 @@ def _row(claim: Claim, numbers: pd.DataFrame) -> dict[str, object]:
         "verdict": found,
         "evidence": "; ".join(dict.fromkeys(own["evidence"])),
         "figures": " ".join(claim.figures),
-        "note": "; ".join(failures) or claim.reason,
+        "code": " ".join(dict.fromkeys(own["code"])),
+        "note": " | ".join(["; ".join(failed) or claim.reason, *map(in_words, claim.amendments)]),
     }
+
+
+def in_words(amendment: Amendment) -> str:
+    """Return what was changed after a claim had first been judged, and why."""
+    was, now = (text.rstrip(".") for text in (amendment.was, amendment.now))
+    return f"Amended {amendment.part}: was {was}; now {now}. {amendment.reason}"

@@ -1,7 +1,8 @@
 """Claims of the article and the criteria fixed for them beforehand, read from one file.
 
 ``config/claims.yaml`` says what the article states, which numbers decide it and within which
-bounds; it knows no result. `read_claims` checks it, `holds` applies one criterion to one number.
+bounds; it knows no result. `read_claims` checks it, `holds` applies one criterion to one number,
+`amendments` lists what was changed after the claims had first been judged.
 """
 
 from __future__ import annotations
@@ -20,6 +21,8 @@ from microimpact.nearest import nearest
 from microimpact.parameters import Finite, Name, NonNegative, build, explain
 
 CLAIM_NAME = r"^C\d{2,3}$"
+# The key of a file of claims that is no claim.
+DIGITISED = "digitised"
 
 Kind = Literal["model", "virtual experiment", "arithmetic", "contradiction"]
 Test = Literal["within", "at_least", "at_most", "between", "outside"]
@@ -98,6 +101,31 @@ class Break:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Amendment:
+    """A part of a claim that was changed after the claim had first been judged.
+
+    Attributes
+    ----------
+    part
+        What of the claim was changed.
+    was, now
+        In words, before and after.
+    reason
+        Why, in terms that do not depend on the verdict.
+    """
+
+    part: Literal["statement", "criteria", "cases", "quantities", "break"]
+    was: Name
+    now: Name
+    reason: Name
+
+    def __post_init__(self) -> None:
+        """Refuse an amendment that changes nothing."""
+        if self.was == self.now:
+            raise ValueError(f"now: {self.now!r} must differ from 'was'")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Claim:
     """A testable statement of the article and what decides it, fixed before the results.
 
@@ -131,6 +159,8 @@ class Claim:
         What it concerns.
     break_
         The control of the test; ``break`` in the file.
+    amendments
+        What was changed after the claim had first been judged, oldest first.
     """
 
     id: Annotated[str, Field(pattern=CLAIM_NAME)]
@@ -148,6 +178,7 @@ class Claim:
     figures: tuple[Figure, ...] = ()
     equations: tuple[Equation, ...] = ()
     break_: Annotated[Break | None, Field(alias="break")] = None
+    amendments: tuple[Amendment, ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse a claim whose parts do not fit together."""
@@ -246,6 +277,8 @@ def read_claims(path: Path | str) -> dict[str, Claim]:
     """
     found, problems = {}, []
     for key, entry in load(path).items():
+        if key == DIGITISED:
+            continue
         if not isinstance(entry, Mapping):
             problems.append(f"{key}: {entry!r} must be a mapping")
             continue
@@ -259,3 +292,8 @@ def read_claims(path: Path | str) -> dict[str, Claim]:
     if problems:
         raise ClaimsError("\n".join(problems))
     return dict(sorted(found.items(), key=lambda item: int(item[0][1:])))
+
+
+def amendments(path: Path | str) -> dict[str, tuple[Amendment, ...]]:
+    """Return what was changed in the claims of a file after they had first been judged, by id."""
+    return {name: claim.amendments for name, claim in read_claims(path).items() if claim.amendments}

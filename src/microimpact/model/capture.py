@@ -14,7 +14,11 @@ import numpy as np
 from microimpact.arrays import FloatArray, Real
 from microimpact.model import kernel
 from microimpact.model.contact import Contact, require_contact
-from microimpact.model.normal import integrate
+from microimpact.model.normal import (
+    HOPELESS_ADHESION_GROUP,
+    HOPELESS_HERTZ_GROUP,
+    integrate,
+)
 
 # The exit at rest is a degenerate point of the regular form. On the branch that leaves it,
 # s = r^2 and u = r^3 y with y regular in r; at this r its neglected terms are below rounding.
@@ -33,6 +37,9 @@ def threshold(
 
     Infinite where no speed rebounds.
     """
+    # Beyond these all is captured, and far beyond them the equation is too stiff to integrate.
+    hertz_group = np.minimum(hertz_group, HOPELESS_HERTZ_GROUP)
+    adhesion_group = np.minimum(adhesion_group, HOPELESS_ADHESION_GROUP)
     problems = np.zeros((hertz_group.size, kernel.PROBLEM_COLUMNS))
     r = BRANCH_START
     y = math.sqrt(4.0 / 3.0) + 4.0 / 9.0 * adhesion_group * r**3 - 0.4 / math.sqrt(4.0 / 3.0) * r**4

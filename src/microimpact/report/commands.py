@@ -1,4 +1,4 @@
-"""The commands ``microimpact check``, ``reference``, ``compare`` and ``crate``.
+"""The commands ``microimpact check``, ``compare``, ``report``, ...: all that read results.
 
 They end with 0 if all is the same, 1 if something differs, and 2 on bad input.
 """
@@ -91,3 +91,47 @@ def crate_command(results: Path, project: Path) -> None:
     from microimpact.report.crate import write_crate
 
     click.echo(f"Crate: {write_crate(results, project)}")
+
+
+@click.command("report")
+@click.argument("results", type=_folder)
+def report_command(results: Path) -> None:
+    """Write the report of RESULTS anew, as pages for a browser: RESULTS/report/index.html."""
+    from microimpact.report.results import require_results
+    from microimpact.report.site.build import write_site
+    from microimpact.report.site.record import read_record
+
+    require_results(results)
+    pages = write_site(results, read_record(results))
+    click.echo(f"{len(pages)} pages: {pages[0]}")
+
+
+@click.command("deviations")
+@click.argument("results", type=_folder)
+@click.option("--claims", type=_folder, help="File of claims; default: the declared one.")
+@click.option(
+    "--settings", default="config/config.yaml", show_default=True, help="Named at the top."
+)
+@click.option("--output", type=_folder, help="Write the page here instead of printing it.")
+def deviations_command(
+    results: Path, claims: Path | None, settings: str, output: Path | None
+) -> None:
+    """Tell as Markdown how RESULTS deviates from the article: equations, claims, criteria."""
+    from microimpact.files import write_file
+    from microimpact.ledgers.deviations import deviations
+    from microimpact.materials import declared_file
+
+    page = deviations(results, claims or declared_file("claims.yaml"), settings)
+    if output:
+        write_file(output, page)
+    else:
+        click.echo(page, nl=False)
+
+
+@click.command("timings")
+@click.argument("results", type=_folder)
+def timings_command(results: Path) -> None:
+    """Tell what each job of the run in RESULTS has cost, the longest first, and what decides."""
+    from microimpact.report.timings import as_text
+
+    click.echo(as_text(results))

@@ -137,7 +137,7 @@ def _stamp(path: Path) -> dict[str, str]:
         return {}
     flat: dict[str, Any] = {}
     stamp = read_json(path)
-    for key in sorted(stamp.keys() - {"config", "date"}):
+    for key in sorted(stamp.keys() - {"config", "started", "ended"}):
         value = stamp[key]
         if isinstance(value, dict):
             flat |= {f"{key} {name}": part for name, part in value.items()}

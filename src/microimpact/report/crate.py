@@ -8,13 +8,14 @@ code.
 
 Profiles: Workflow Run Crate 0.5, which extends Process Run Crate 0.5 and Workflow RO-Crate 1.0, on
 RO-Crate 1.1. What the run stamp ``run.json`` does not know is left out: who ran the workflow
-(``agent``) and when it began (``startTime``). ``endTime`` is the date of the stamp, which is
-written when the last result is there; a run under ``SOURCE_DATE_EPOCH`` has that date.
+(``agent``). The run began when the workflow was read and ended when the last result was there; both
+are the one date of a run under ``SOURCE_DATE_EPOCH``.
 """
 
 from __future__ import annotations
 
 import hashlib
+import json
 import shutil
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -27,6 +28,7 @@ from typing import Any
 from rocrate.model.contextentity import ContextEntity
 from rocrate.rocrate import ROCrate
 
+from microimpact.files import require_unaltered, write_file
 from microimpact.report.results import TABLE_FOLDERS, ResultsError, read_json, require_results
 from microimpact.runstamp import git_state
 
@@ -40,7 +42,7 @@ CONFIGURATION = "config/config.yaml"
 WORKFLOW_PARTS = ("rules/*.smk", "scripts/*.py", "schemas/*.json", "report/*.rst")
 RESULTS = (*TABLE_FOLDERS, "figures")
 # Not results: what the engine and the jobs tell of the run.
-TRACES = ("benchmarks", "logs")
+TRACES = ("benchmarks", "checksums", "logs")
 
 WORKFLOW_CRATE = "https://w3id.org/workflowhub/workflow-ro-crate/1.0"
 PROFILES = {
@@ -59,6 +61,7 @@ FORMATS = {
     ".png": "image/png",
     ".py": "text/x-python",
     ".rst": "text/x-rst",
+    ".sha256": "text/plain",
     ".smk": "text/plain",
     ".svg": "image/svg+xml",
     ".tsv": "text/tab-separated-values",
@@ -72,8 +75,8 @@ class Run:
 
     Attributes
     ----------
-    date
-        Date of the stamp, ISO 8601.
+    started, ended
+        When it began, and when its last result was there, ISO 8601.
     commit, dirty
         State of the project, None where it was no git checkout.
     packages
@@ -84,7 +87,8 @@ class Run:
         Begin of the stamp's SHA-256: names this run.
     """
 
-    date: str
+    started: str
+    ended: str
     commit: str | None
     dirty: bool | None
     packages: Mapping[str, str | None]
@@ -113,11 +117,16 @@ def write_crate(results: Path, project: Path) -> Path:
     ------
     ResultsError
         If the folder holds no finished run, or the project is not the one that was run.
+    AlteredError
+        If results are not as the run wrote them.
     """
     require_results(results)
+    require_unaltered(results, _files(results, RESULTS))
     run = read_run(results / STAMP)
     _require_same_project(run, project, results)
     inputs = declared_inputs(run.config, project)
+    # Without metadata a crate that was not finished is none.
+    (results / METADATA).unlink(missing_ok=True)
     shutil.rmtree(results / COPIES, ignore_errors=True)
 
     crate = ROCrate(version="1.1")
@@ -131,7 +140,10 @@ def write_crate(results: Path, project: Path) -> Path:
     if (results / README).is_file():
         _add_file(crate, results, README)["about"] = crate.root_dataset
     _describe_root(crate, run, project, action)
-    crate.write(results)
+    for entity in crate.data_entities:
+        entity.write(results)
+    text = json.dumps(crate.metadata.generate(), indent=4, sort_keys=True, ensure_ascii=False)
+    write_file(results / METADATA, text)
     return results / METADATA
 
 
@@ -147,21 +159,26 @@ def read_run(path: Path) -> Run:
         raise ResultsError(f"{path}: missing; a run writes it when the last result is there")
     stamp = read_json(path)
     git, packages, config = (_mapping(path, stamp, key) for key in ("git", "packages", "config"))
-    date = stamp.get("date")
-    try:
-        zone = datetime.fromisoformat(date).tzinfo if isinstance(date, str) else None
-    except ValueError:
-        zone = None
-    if zone is None:
-        raise ResultsError(f"{path}: date must be ISO 8601 with a time zone, got {date!r}")
     return Run(
-        date=str(date),
+        started=_time(path, stamp, "started"),
+        ended=_time(path, stamp, "ended"),
         commit=git.get("commit"),
         dirty=git.get("dirty"),
         packages=packages,
         config=config,
         identifier=hashlib.sha256(path.read_bytes()).hexdigest()[:12],
     )
+
+
+def _time(path: Path, stamp: Mapping[str, Any], key: str) -> str:
+    value = stamp.get(key)
+    try:
+        zone = datetime.fromisoformat(value).tzinfo if isinstance(value, str) else None
+    except ValueError:
+        zone = None
+    if zone is None:
+        raise ResultsError(f"{path}: {key} must be ISO 8601 with a time zone, got {value!r}")
+    return str(value)
 
 
 def _mapping(path: Path, stamp: Mapping[str, Any], key: str) -> Mapping[str, Any]:
@@ -265,7 +282,8 @@ def _add_run(
             "instrument": workflow,
             "object": list(consumed),
             "result": list(produced),
-            "endTime": run.date,
+            "startTime": run.started,
+            "endTime": run.ended,
             "actionStatus": "http://schema.org/CompletedActionStatus",
         },
     )
@@ -276,7 +294,7 @@ def _describe_root(crate: Any, run: Run, project: Path, action: Any) -> None:
     licence = about["License-Expression"]
     crate.name = "Results of the microimpact study"
     crate.description = about["Summary"]
-    crate.datePublished = run.date
+    crate.datePublished = run.ended
     crate.license = _add_context(
         crate,
         f"https://spdx.org/licenses/{licence}",
@@ -296,12 +314,14 @@ def _describe_root(crate: Any, run: Run, project: Path, action: Any) -> None:
 
 
 def _add_files(crate: Any, root: Path, folders: Iterable[str]) -> list[Any]:
-    paths = sorted(path for folder in folders for path in (root / folder).rglob("*"))
     return [
-        _add_file(crate, root, path.relative_to(root).as_posix())
-        for path in paths
-        if path.is_file() and not path.name.startswith(".")
+        _add_file(crate, root, path.relative_to(root).as_posix()) for path in _files(root, folders)
     ]
+
+
+def _files(root: Path, folders: Iterable[str]) -> list[Path]:
+    paths = sorted(path for folder in folders for path in (root / folder).rglob("*"))
+    return [path for path in paths if path.is_file() and not path.name.startswith(".")]
 
 
 def _add_file(crate: Any, root: Path, place: str, copy_to: str = "") -> Any:

@@ -18,6 +18,7 @@ from microimpact.parameters import NonNegative
 Kind = Literal[
     "missing file",
     "extra file",
+    "altered file",
     "missing column",
     "extra column",
     "missing row",

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from microimpact.files import write_file
+from microimpact.files import altered_files, write_file
 from microimpact.report.differences import Difference, compare_tables, number
 from microimpact.report.results import (
     TABLE_FOLDERS,
@@ -48,7 +48,19 @@ def verify(results: Path, reference: Path) -> list[Difference]:
     if not reference.is_dir():
         raise ResultsError(f"{reference}: no such folder")
     tolerances = read_tolerances(reference / FILE)
-    return [*_tables(results, reference, tolerances), *_figures(results, reference, tolerances)]
+    return [
+        *_altered(results),
+        *_tables(results, reference, tolerances),
+        *_figures(results, reference, tolerances),
+    ]
+
+
+def _altered(results: Path) -> list[Difference]:
+    paths = [path.relative_to(results) for path in altered_files(results)]
+    names = dict.fromkeys(
+        (path.with_suffix("") if path.parts[0] == "figures" else path).as_posix() for path in paths
+    )
+    return [Difference(file=name, kind="altered file") for name in names]
 
 
 def _tables(results: Path, reference: Path, tolerances: Tolerances) -> list[Difference]:
@@ -128,7 +140,8 @@ def renew(
     Raises
     ------
     ResultsError
-        If results are missing and `remove` is not set; then nothing is written.
+        If results are missing and `remove` is not set, or some are not as the run wrote them;
+        then nothing is written.
     """
     missing = [d.file for d in differences if d.kind == "missing file"]
     if missing and not remove:
@@ -136,6 +149,10 @@ def renew(
             f"{results}: lacks {len(missing)} files that have references "
             f"({', '.join(missing[:3])}{', ...' if len(missing) > 3 else ''}); "
             "build everything, or give --remove to drop these references"
+        )
+    if altered := [d.file for d in differences if d.kind == "altered file"]:
+        raise ResultsError(
+            f"{results}: not as the run wrote them: {', '.join(altered)}; delete them and run again"
         )
     tables, figures = table_files(results), figure_files(results)
     changed: list[Path] = []

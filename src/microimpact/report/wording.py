@@ -17,6 +17,7 @@ _COLUMNS = ("row", "column", "reference", "found", "relative")
 _NOUNS = {
     "missing file": ("the file is missing", ""),
     "extra file": ("the file has no reference", ""),
+    "altered file": ("the file is not as the run wrote it", ""),
     "missing column": ("column is missing", "columns are missing"),
     "extra column": ("column is extra", "columns are extra"),
     "missing row": ("row is missing", "rows are missing"),

@@ -1,0 +1,37 @@
+"""Sphinx: the guide and the reference of the package, without any use of the network."""
+
+from __future__ import annotations
+
+from importlib.metadata import version as version_of
+
+project = "microimpact"
+author = "microimpact contributors"
+version = release = version_of("microimpact")
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "sphinx.ext.napoleon",
+]
+exclude_patterns = ["images"]
+myst_heading_anchors = 3
+
+html_theme = "furo"
+html_title = "microimpact"
+html_show_copyright = False
+html_copy_source = False
+
+autosummary_generate = False
+autodoc_default_options = {"members": True, "member-order": "bysource"}
+autodoc_preserve_defaults = True
+# Fields are described once, in the docstring of their class.
+napoleon_use_ivar = True
+napoleon_google_docstring = False
+default_role = "code"
+
+# Names of types instead of what they stand for.
+autodoc_type_aliases = {
+    name: name
+    for name in ("ArrayLike", "BoolArray", "Distribution", "FloatArray", "IntArray", "Real")
+}

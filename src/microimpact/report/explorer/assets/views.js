@@ -1,0 +1,94 @@
+// What each picture shows: the present impact among its neighbours in speed and in angle.
+"use strict";
+globalThis.Views = (() => {
+  const { impact, range } = Explorer;
+  const { digits, speedText } = Words;
+
+  function restitution(svg, c, scale, found, limit) {
+    const vc = limit.kind === "finite" ? limit.value : 0;
+    const now = found.normal_speed;
+    const reach = range(c, scale);
+    const low = Math.max(vc > 0 ? Math.min(vc / 3, now / 1.5) : now / 30, reach.from);
+    const high = Math.min(Math.max(now * 3, vc > 0 ? 12 * vc : 30 * now), reach.to);
+    const from = { finite: Math.max(vc, low), below: low }[limit.kind] ?? high;
+    const points = Array.from({ length: from < high ? 140 : 0 }, (_, i) => {
+      const v = from * (high / from) ** ((i / 139) ** 2);
+      const outcome = impact({ ...c, speed: v, angle: 90, spin: 0 }, scale);
+      return outcome.outside ? null : [v, outcome.coefficient_of_restitution];
+    }).filter(Boolean);
+    const layers = [];
+    if (from > low) layers.push({ kind: "band", from: low, to: from, text: "captured" });
+    layers.push({ kind: "curve", points, className: "main" });
+    if (vc > 0) layers.push({ kind: "upright", at: vc, text: `capture velocity ${speedText(vc)}` });
+    const e = found.coefficient_of_restitution;
+    layers.push({ kind: "point", at: [now, e], className: found.captured ? "captured" : "" });
+    const axes = {
+      x: { low, high, log: true, label: "normal speed, m/s" },
+      y: { low: 0, high: 1, step: 0.2 },
+      label: `Coefficient of restitution against normal speed; here ${digits(e, 3)} at ${speedText(now)}.`,
+    };
+    Plots.chart(svg, axes, layers);
+  }
+
+  function angles(svgs, c, scale, found, limit) {
+    const steps = Array.from({ length: 180 }, (_, i) => (i + 1) / 2);
+    const sweep = steps
+      .map((angle) => [angle, impact({ ...c, angle }, scale)])
+      .filter(([, o]) => !o.outside);
+    const ratio = limit.kind === "finite" ? limit.value / c.speed : 0;
+    const critical = ratio >= 1 ? 90 : (Math.asin(ratio) * 180) / Math.PI;
+    const ended = limit.kind === "infinite" || limit.kind === "above" || ratio >= 1;
+    const band = { kind: "band", from: 0, to: ended ? 90 : critical, text: "captured" };
+    const mark = found.captured ? "captured" : "";
+    const x = { low: 0, high: 90, step: 15, label: "angle from the surface, degrees" };
+    const draw = (svg, columns, floor, ceiling, name) => {
+      const rebounds = sweep.filter(([, o]) => !o.captured);
+      const all = [found, ...rebounds.map(([, o]) => o)].flatMap((o) => columns.map(([key]) => o[key]));
+      const low = Math.min(floor, ...all);
+      const high = Math.max(ceiling, ...all);
+      const step = Plots.niceStep(high - low || 1);
+      const y = {
+        low: Math.floor(low / step + 1e-9) * step,
+        high: Math.ceil(high / step - 1e-9) * step,
+        step,
+      };
+      const curves = columns.flatMap(([key, className]) => [true, false].map((captured) => ({
+        kind: "curve",
+        className: captured ? `${className} captured` : className,
+        points: sweep
+          .filter(([, o]) => o.captured === captured && o[key] >= y.low && o[key] <= y.high)
+          .map(([a, o]) => [a, o[key]]),
+      })));
+      const dots = columns.map(([key, className]) => ({
+        kind: "point",
+        at: [c.angle, found[key]],
+        className: `${mark} ${className}`,
+      }));
+      const here = columns.map(([key]) => digits(found[key], 3)).join(" and ");
+      const label = `${name} against the angle; here ${here} at ${digits(c.angle, 3)} degrees.`;
+      const layers = [...(band.to > 0.3 ? [band] : []), ...curves, ...dots.reverse()];
+      Plots.chart(svg, { x, y, label }, layers);
+    };
+    const losses = [["energy_loss", "main"], ["translational_energy_loss", "second"]];
+    const roof = Math.max(c.friction * 1.1, 1e-3);
+    draw(svgs.ratio, [["impulse_ratio", "main"]], 0, roof, "Impulse ratio");
+    draw(svgs.loss, losses, 0, 1, "Energy loss, total and of translation,");
+  }
+
+  function sketch(svg, c, scale, found) {
+    const V = Math.hypot(found.normal_velocity, found.tangential_velocity);
+    const spin = (w) => (w * scale.radius) / c.speed;
+    Plots.sketch(svg, {
+      before: { n: found.normal_speed, t: found.tangential_speed, spin: spin(c.spin) },
+      after: { n: found.normal_velocity, t: found.tangential_velocity, spin: spin(found.spin) },
+      captured: found.captured,
+      texts: {
+        before: `before: ${speedText(c.speed)}`,
+        after: found.captured && V === 0 ? "stays" : `${found.captured ? "rolls on" : "after"}: ${speedText(V)}`,
+      },
+      label: `Velocities: ${speedText(c.speed)} before, ${speedText(V)} after impact.`,
+    });
+  }
+
+  return { restitution, angles, sketch };
+})();

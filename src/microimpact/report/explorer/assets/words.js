@@ -1,0 +1,39 @@
+// Numbers as text.
+"use strict";
+globalThis.Words = (() => {
+  function digits(value, count = 4) {
+    if (value === 0) return "0";
+    const size = Math.abs(value);
+    if (size >= 1e-3 && size < 1e5) {
+      const plain = Number(value.toPrecision(count)) === Math.round(value) && size >= 1000
+        ? String(Math.round(value)) : value.toPrecision(count);
+      return (plain.includes("e") ? String(Number(plain)) : plain).replace("-", "−");
+    }
+    const [mantissa, power] = value.toExponential(count - 1).split("e");
+    const raised = [...power.replace("+", "")].map((c) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[c] ?? "⁻").join("");
+    return `${mantissa}×10${raised}`.replace("-", "−");
+  }
+
+  function withUnit(value, unit, steps = { "": 1 }) {
+    const fitting = Object.entries(steps).filter(([, one]) => Math.abs(value) >= one * 0.9995);
+    const [prefix, one] = fitting[0] ?? Object.entries(steps).at(-1);
+    return value === 0 ? `0 ${unit}` : `${digits(value / one)} ${prefix}${unit}`;
+  }
+
+  const speedText = (v) => (v >= 0.01 ? `${digits(v)} m/s` : withUnit(v, "m/s", { m: 1e-3, µ: 1e-6 }));
+  const SECONDS = { "": 1, m: 1e-3, µ: 1e-6, n: 1e-9 };
+  const timeText = (t) => (Number.isFinite(t) ? withUnit(t, "s", SECONDS) : "does not leave");
+  const spinText = (w) => withUnit(w, "rad/s");
+
+  function captureText({ kind, value }) {
+    return {
+      finite: () => (value === 0 ? "none" : speedText(value)),
+      infinite: () => "infinite: no speed rebounds",
+      above: () => `above ${speedText(value)}, where the tables end`,
+      below: () => `below ${speedText(value)}, where the tables end`,
+      unknown: () => "beyond the tables",
+    }[kind]();
+  }
+
+  return { digits, withUnit, speedText, timeText, spinText, captureText };
+})();

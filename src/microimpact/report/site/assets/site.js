@@ -1,0 +1,107 @@
+// Sorting, filtering and enlarging; without it every page can be read in full.
+"use strict";
+(() => {
+  const each = (selector, act, root = document) => root.querySelectorAll(selector).forEach(act);
+
+  // Light and dark.
+  const isDark = () => {
+    const chosen = document.documentElement.dataset.theme;
+    return chosen ? chosen === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
+  };
+  const toggle = document.querySelector("button.theme");
+  if (toggle) {
+    const name = () => { toggle.textContent = isDark() ? "Light" : "Dark"; };
+    name();
+    toggle.hidden = false;
+    toggle.setAttribute("aria-label", "Change between light and dark");
+    toggle.addEventListener("click", () => {
+      const next = isDark() ? "light" : "dark";
+      document.documentElement.dataset.theme = next;
+      try { localStorage.setItem("theme", next); } catch { /* for this page alone */ }
+      name();
+    });
+  }
+
+  // Tables sorted by a column; equal rows keep their order.
+  const compare = new Intl.Collator("en", { numeric: true, sensitivity: "base" }).compare;
+  const sort = (table, column, descending) => {
+    const body = table.tBodies[0];
+    const keyed = [...body.rows].map((row) => [row.cells[column].textContent.trim(), row]);
+    keyed.sort((a, b) => (descending ? -1 : 1) * compare(a[0], b[0]));
+    body.append(...keyed.map((pair) => pair[1]));
+  };
+  each("table[data-sortable]", (table) => {
+    [...table.tHead.rows[0].cells].forEach((cell, column) => {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.className = "sort";
+      button.append(...cell.childNodes);
+      cell.append(button);
+      button.addEventListener("click", () => {
+        const descending = cell.getAttribute("aria-sort") === "ascending";
+        each("th[aria-sort]", (other) => other.removeAttribute("aria-sort"), table);
+        cell.setAttribute("aria-sort", descending ? "descending" : "ascending");
+        sort(table, column, descending);
+      });
+    });
+  });
+
+  // Ledgers filtered by text and verdict.
+  each("form.filter", (form) => {
+    const rows = [...document.querySelectorAll("tr[data-verdict]")];
+    const text = rows.map((row) => row.textContent.toLowerCase());
+    const status = form.querySelector("[role=status]");
+    const what = status.textContent.replace(/^\d+ of \d+ /, "");
+    const update = () => {
+      const wanted = form.querySelector("input[type=search]").value.toLowerCase().split(/\s+/);
+      const verdicts = new Set();
+      each("input:checked", (box) => verdicts.add(box.value), form);
+      rows.forEach((row, i) => {
+        row.hidden = !(verdicts.has(row.dataset.verdict) && wanted.every((w) => text[i].includes(w)));
+      });
+      const shown = rows.filter((row) => !row.hidden).length;
+      status.textContent = `${shown} of ${rows.length} ${what}`;
+    };
+    form.addEventListener("input", update);
+    form.addEventListener("submit", (event) => event.preventDefault());
+    form.hidden = false;
+    update();
+    // A link to a row shows it, whatever is filtered.
+    const reveal = () => {
+      const row = document.getElementById(decodeURIComponent(location.hash.slice(1)));
+      if (row && row.hidden) { form.reset(); update(); row.scrollIntoView(); }
+    };
+    addEventListener("hashchange", reveal);
+    reveal();
+  });
+
+  // A figure at the size of the window.
+  each("a.zoom", (link) => {
+    const dialog = document.createElement("dialog");
+    dialog.className = "large";
+    const picture = link.querySelector("img").cloneNode();
+    const close = document.createElement("button");
+    close.type = "button";
+    close.textContent = "Close";
+    close.addEventListener("click", () => dialog.close());
+    dialog.setAttribute("aria-label", "Figure, enlarged");
+    dialog.append(close, picture);
+    dialog.addEventListener("click", (event) => { if (event.target !== close) dialog.close(); });
+    document.body.append(dialog);
+    link.addEventListener("click", (event) => {
+      if (event.ctrlKey || event.metaKey || event.shiftKey) return;
+      event.preventDefault();
+      dialog.showModal();
+    });
+  });
+
+  // In the picture of the rules: what a rule touches.
+  each(".graph a.node", (node) => {
+    const touched = [...document.querySelectorAll(".graph path")].filter(
+      (path) => [path.dataset.start, path.dataset.end].includes(node.dataset.rule));
+    const mark = (on) => () => touched.forEach((path) => path.classList.toggle("on", on));
+    for (const [event, on] of [["pointerenter", true], ["focus", true], ["pointerleave", false], ["blur", false]]) {
+      node.addEventListener(event, mark(on));
+    }
+  });
+})();

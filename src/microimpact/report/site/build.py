@@ -1,0 +1,199 @@
+"""The site of a run: every page and file of ``report/``, from results and record."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from microimpact.files import write_file
+from microimpact.report.site import ledgers
+from microimpact.report.site.figures import Figure, figures, label
+from microimpact.report.site.graph import needs, picture
+from microimpact.report.site.ledgers import Row, read_rows
+from microimpact.report.site.pages import ASSETS, EXPLORER, NAVIGATION, render
+from microimpact.report.site.record import Record, Rule
+
+REPORT = "report"
+# Folders of the report that belong to the site alone: made anew each time.
+FOLDERS = ("figures", "files")
+PAGES = ("index", "claims", "equations", "tables", "workflow", "run")
+# What is copied into the report, so that it can be moved and sent alone.
+COPIED = {"figures": ("*.svg", "*.png"), "tables": ("*.csv",), "data": ("*.csv",)}
+
+CLAIM_COLUMNS = (
+    *("id", "where", "statement", "kind", "criterion", "article_value", "computed_value"),
+    *("verdict", "figures", "note"),
+)
+EQUATION_COLUMNS = (
+    *("equation", "section", "printed", "used", "verdict", "kind_of_slip", "reason", "function"),
+    *("consequence", "consequence_value", "consequence_unit", "derivation_printed"),
+    *("derivation_used", "dimension_printed", "dimension_used", "evidence"),
+)
+# Characters of a figure's title in the picture of the rules.
+WORDS = 64
+INPUT_COLUMNS = ("file", "key", "value", "low", "high", "unit", "evidence", "source")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Table:
+    """One table of the results as the page of tables tells it."""
+
+    file: str
+    columns: tuple[str, ...]
+    rows: int
+    maker: Rule | None
+
+    @property
+    def folder(self) -> str:
+        """The folder of the results it stands in."""
+        return self.file.partition("/")[0]
+
+
+def write_site(results: Path, record: Record) -> list[Path]:
+    """Write the site of a run to ``report/`` in its results folder.
+
+    The same results and record give the same bytes. Files of others in ``report/`` stay.
+
+    Parameters
+    ----------
+    results
+        Results folder.
+    record
+        What is known of the run.
+
+    Returns
+    -------
+    list of Path
+        The pages.
+
+    Raises
+    ------
+    ValueError
+        If there is nothing to show, or a ledger lacks a column.
+    """
+    pages = site_pages(results, record)
+    report = results / REPORT
+    for folder in FOLDERS:
+        shutil.rmtree(report / folder, ignore_errors=True)
+    for source, target in _copies(results):
+        (report / target).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(source, report / target)
+    for name, text in pages.items():
+        write_file(report / name, text)
+    return [report / name for name in pages]
+
+
+def _assets() -> list[tuple[Path, str]]:
+    return [(path, f"assets/{path.name}") for path in sorted(ASSETS.iterdir())]
+
+
+def _copies(results: Path) -> list[tuple[Path, str]]:
+    return _assets() + [
+        (path, f"files/{folder}/{path.name}")
+        for folder, patterns in COPIED.items()
+        for pattern in patterns
+        for path in _visible(results / folder, pattern)
+    ]
+
+
+def _visible(folder: Path, pattern: str) -> list[Path]:
+    return [path for path in sorted(folder.glob(pattern)) if not path.name.startswith(".")]
+
+
+def site_pages(results: Path, record: Record) -> dict[str, str]:
+    """Return the text of each page by its place in the report."""
+    claims = read_rows(results / "tables/claims.csv", CLAIM_COLUMNS)
+    equations = read_rows(results / "tables/equations.csv", EQUATION_COLUMNS)
+    declared = read_rows(results / "tables/inputs.csv", INPUT_COLUMNS)
+    shown = figures(results, record, {"claims": claims, "equations": equations}, declared)
+    tables = _tables(results, record)
+    if not shown and not tables:
+        raise ValueError(f"{results}: no figures and no tables to report on")
+    common = {
+        "record": record,
+        "ledgers": ledgers,
+        "claims": claims,
+        "equations": equations,
+        "claim_counts": ledgers.counts(ledgers.counted(claims), ledgers.CLAIM_VERDICTS),
+        "equation_counts": ledgers.counts(equations, ledgers.EQUATION_VERDICTS),
+        "shown": shown,
+        "names": {figure.name for figure in shown},
+        "label": label,
+        "evidence": _evidence(declared),
+        "tables": tables,
+        "navigation": _navigation(results),
+        **_graph(record),
+    }
+    pages = {f"{name}.html": render(f"{name}.html", **common, **_layout(name)) for name in PAGES}
+    return pages | _figure_pages(shown, common)
+
+
+def _navigation(results: Path) -> list[tuple[str, str, str]]:
+    """Return the links of all pages: no link to an explorer that was not written."""
+    explored = (results / REPORT / f"{EXPLORER}.html").is_file()
+    return [entry for entry in NAVIGATION if explored or entry[0] != EXPLORER]
+
+
+def _layout(name: str) -> dict[str, Any]:
+    return {"here": name, "wide": name in {"claims", "equations", "tables", "workflow"}}
+
+
+def _figure_pages(shown: Sequence[Figure], common: Mapping[str, Any]) -> dict[str, str]:
+    before, after = [None, *shown[:-1]], [*shown[1:], None]
+    return {
+        f"figures/{figure.name}.html": render(
+            "figure.html",
+            **common,
+            figure=figure,
+            previous=previous,
+            following=following,
+            here="figures",
+            root="../",
+        )
+        for previous, figure, following in zip(before, shown, after, strict=True)
+    }
+
+
+def _evidence(declared: Sequence[Row]) -> list[tuple[str, int]]:
+    found = [row["evidence"] for row in declared]
+    return sorted(((name, found.count(name)) for name in set(found)), key=lambda x: (-x[1], x[0]))
+
+
+def _tables(results: Path, record: Record) -> list[Table]:
+    makers = {file: rule for rule in record.rules for file in rule.outputs}
+    found = []
+    for folder in ("tables", "data"):
+        for path in _visible(results / folder, "*.csv"):
+            file = f"{folder}/{path.name}"
+            rows = read_rows(path)
+            columns = tuple(rows[0]) if rows else _header(path)
+            found.append(Table(file=file, columns=columns, rows=len(rows), maker=makers.get(file)))
+    return found
+
+
+def _header(path: Path) -> tuple[str, ...]:
+    return tuple(path.read_text(encoding="utf-8").partition("\n")[0].split(","))
+
+
+def shortened(text: str, most: int) -> str:
+    """Return a text of at most so many characters, cut at a word."""
+    if len(text) <= most:
+        return text
+    return text[: most - 1].rpartition(" ")[0].rstrip(",") + "…"
+
+
+def _graph(record: Record) -> dict[str, Any]:
+    needed = needs(record.rules)
+    drawn = {
+        name: shortened(f"{label(name)}: {record.figures[name]['title']}", WORDS)
+        for name in needed
+        if name in record.figures
+    }
+    used: dict[str, list[str]] = {name: [] for name in needed}
+    for name, others in needed.items():
+        for other in others:
+            used[other].append(name)
+    return {"needed": needed, "used": used, "picture": picture(needed, drawn)}

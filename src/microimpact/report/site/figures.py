@@ -1,0 +1,199 @@
+"""All that stands behind one figure: its data, inputs, equations and claims."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from microimpact.report.site.graph import needs, upstream
+from microimpact.report.site.ledgers import Row
+from microimpact.report.site.reached import reached
+from microimpact.report.site.record import Record, Rule
+
+ARTICLE = re.compile(r"fig(\d\d)")
+ACRONYMS = {"ptis", "pdpa"}
+# Names by which a study knows the declared tables, and those of their files.
+TABLES = {"materials": "materials", "contacts": "contacts", "anchors": "printed_values"}
+_MICROMETRE = re.compile(r"\bum\b")
+_ITEM = re.compile(r"\[\d+\]$")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Marks:
+    """One evidence class in a figure and the series that have it, by panel."""
+
+    evidence: str
+    series: Mapping[str, tuple[str, ...]]
+    points: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Inputs:
+    """What one study was given: values of its branch and rows of the declared tables."""
+
+    study: str
+    purpose: str
+    values: tuple[Row, ...]
+    rows: tuple[Row, ...]
+    equations: tuple[Row, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Figure:
+    """One figure: words, files relative to the results, and what stands behind it."""
+
+    name: str
+    label: str
+    title: str
+    caption: str
+    article: str
+    study: str
+    data: tuple[str, ...]
+    marks: tuple[Marks, ...]
+    inputs: tuple[Inputs, ...]
+    claims: tuple[Row, ...]
+
+    @property
+    def alternative(self) -> str:
+        """What the picture shows, for those who cannot see it."""
+        shown = ", ".join(mark.evidence for mark in self.marks)
+        return f"{self.label}. {self.title}. {self.caption} Marks: {shown or 'none'}."
+
+
+def label(name: str) -> str:
+    """Return how a figure is called: ``fig04`` is the article's Figure 4, others have a name."""
+    found = ARTICLE.fullmatch(name)
+    if found:
+        return f"Figure {int(found[1])}"
+    first, *others = name.split("_")
+    return " ".join([first.upper() if first in ACRONYMS else first.capitalize(), *others])
+
+
+def figures(
+    results: Path,
+    record: Record,
+    ledgers: Mapping[str, Sequence[Row]],
+    declared: Sequence[Row],
+) -> list[Figure]:
+    """Return all figures of a run, those of the article first.
+
+    Parameters
+    ----------
+    results
+        Results folder; a figure that is not there is left out.
+    record
+        Registry and rules of the run.
+    ledgers
+        Rows of ``claims`` and ``equations``.
+    declared
+        Rows of the table of inputs.
+    """
+    needed = needs(record.rules)
+    rules = {rule.name: rule for rule in record.rules}
+    behind = {
+        study: _inputs(study, rules, declared, ledgers["equations"])
+        for study in _studies(record, needed)
+    }
+    there = [name for name in record.figures if (results / f"figures/{name}.svg").is_file()]
+    return [
+        _figure(name, record.figures[name], results, ledgers["claims"], behind, needed)
+        for name in sorted(there, key=lambda name: (not ARTICLE.fullmatch(name), name))
+    ]
+
+
+def _studies(record: Record, needed: Mapping[str, Sequence[str]]) -> list[str]:
+    own = [entry["study"] for entry in record.figures.values()]
+    return list(dict.fromkeys(s for study in own for s in (study, *upstream(study, needed))))
+
+
+def _figure(
+    name: str,
+    entry: Mapping[str, Any],
+    results: Path,
+    claims: Sequence[Row],
+    behind: Mapping[str, Inputs],
+    needed: Mapping[str, Sequence[str]],
+) -> Figure:
+    study = entry["study"]
+    data = tuple(f"data/{table}.csv" for table in entry["data"])
+    return Figure(
+        name=name,
+        label=label(name),
+        title=entry["title"],
+        caption=_MICROMETRE.sub("µm", " ".join(entry["caption"].split())),
+        article=" ".join(entry.get("article", "").split()),
+        study=study,
+        data=data,
+        marks=_marks([results / file for file in data]),
+        inputs=tuple(behind[s] for s in (study, *upstream(study, needed))),
+        claims=tuple(row for row in claims if name in row["figures"].split()),
+    )
+
+
+def _marks(paths: Iterable[Path]) -> tuple[Marks, ...]:
+    columns = ["panel", "series", "evidence"]
+    tables = [
+        pd.read_csv(path, dtype=str, keep_default_na=False, usecols=columns)
+        for path in paths
+        if path.is_file()
+    ]
+    if not tables:
+        return ()
+    marks = []
+    for evidence, rows in pd.concat(tables).groupby("evidence", sort=False):
+        by_panel = rows.groupby("panel", sort=False)["series"]
+        series = {str(panel): tuple(dict.fromkeys(found)) for panel, found in by_panel}
+        marks.append(Marks(evidence=str(evidence), series=series, points=len(rows)))
+    return tuple(marks)
+
+
+def _inputs(
+    study: str,
+    rules: Mapping[str, Rule],
+    declared: Sequence[Row],
+    equations: Sequence[Row],
+) -> Inputs:
+    rule = rules.get(study, Rule(name=study))
+    called = reached(f"microimpact.studies.{study}.run")
+    values = [
+        row | {"key": row["key"].removeprefix(f"{study}.")}
+        for row in declared
+        if row["file"] == "config" and row["key"].startswith(f"{study}.")
+    ]
+    given = {
+        (TABLES[table], key)
+        for table, keys in rule.declared.items()
+        if table in TABLES
+        for key in keys
+    }
+    return Inputs(
+        study=study,
+        purpose=rule.purpose,
+        values=tuple(joined(values)),
+        rows=tuple(row for row in declared if (row["file"], owner(row)) in given),
+        equations=tuple(row for row in equations if row["function"] in called),
+    )
+
+
+def owner(row: Row) -> str:
+    """Return the material, contact or printed value that a row of the inputs belongs to."""
+    return row["key"].rpartition(".")[0] or row["key"]
+
+
+def joined(rows: Iterable[Row]) -> list[Row]:
+    """Put the items of a list, where nothing but the value differs, into one row."""
+    found: list[Row] = []
+    for row in rows:
+        key = _ITEM.sub("", row["key"])
+        same = {name: row[name] for name in ("unit", "evidence", "source")}
+        last = found[-1] if found else None
+        if key != row["key"] and last and last == last | same | {"key": key}:
+            last["value"] += f", {row['value']}"
+        else:
+            found.append(row | {"key": key})
+    return found

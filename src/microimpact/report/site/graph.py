@@ -1,0 +1,148 @@
+"""The rules of the workflow as a graph: what rests on what, and a picture of it in layers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from microimpact.report.site.record import Rule
+
+ROW = 22.0
+NODE_HEIGHT = 17.0
+CHARACTER = 6.0
+GAP = 90.0
+SWEEPS = 6
+
+
+def needs(rules: Sequence[Rule]) -> dict[str, tuple[str, ...]]:
+    """Return for each rule the rules that make its inputs, in order."""
+    makers = {file: rule.name for rule in rules for file in rule.outputs}
+    return {
+        rule.name: tuple(dict.fromkeys(makers[file] for file in rule.inputs if file in makers))
+        for rule in rules
+    }
+
+
+def upstream(name: str, needed: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
+    """Return all rules that a rule rests on, the nearest first."""
+    found: dict[str, None] = {}
+    waiting = list(needed.get(name, ()))
+    while waiting:
+        rule = waiting.pop(0)
+        if rule not in found:
+            found[rule] = None
+            waiting += needed.get(rule, ())
+    return tuple(found)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Node:
+    """A rule in the picture: words, upper left corner, width, kind (for its colour)."""
+
+    name: str
+    words: str
+    x: float
+    y: float
+    width: float
+    kind: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Edge:
+    """A curve from a rule to one that reads its results."""
+
+    start: str
+    end: str
+    path: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Picture:
+    """Nodes and edges with the size of the whole."""
+
+    nodes: tuple[Node, ...]
+    edges: tuple[Edge, ...]
+    width: float
+    height: float
+
+
+def picture(needed: Mapping[str, Sequence[str]], figures: Mapping[str, str]) -> Picture:
+    """Lay out the rules from left to right, each to the right of all it needs.
+
+    Parameters
+    ----------
+    needed
+        The rules that each rule needs.
+    figures
+        What stands on each rule that draws a figure; these are together in the last layer.
+    """
+    layers = _ordered(_layers(needed, set(figures)), needed)
+    tallest = max((len(layer) for layer in layers), default=0)
+    nodes: dict[str, Node] = {}
+    x = 0.0
+    for layer in layers:
+        words = {name: figures.get(name, name) for name in layer}
+        width = max(map(len, words.values())) * CHARACTER + 14
+        spread = tallest / len(layer)
+        for i, name in enumerate(layer):
+            y = (i + 0.5) * spread * ROW - NODE_HEIGHT / 2
+            kind = "figure" if name in figures else "source" if not needed[name] else "study"
+            nodes[name] = Node(
+                name=name, words=words[name], x=x, y=round(y, 1), width=round(width, 1), kind=kind
+            )
+        x = round(x + width + GAP, 1)
+    edges = tuple(
+        Edge(start=start, end=end, path=_curve(nodes[start], nodes[end]))
+        for end in needed
+        for start in needed[end]
+    )
+    return Picture(
+        nodes=tuple(nodes.values()), edges=edges, width=max(x - GAP, 0), height=tallest * ROW
+    )
+
+
+def _layers(needed: Mapping[str, Sequence[str]], figures: set[str]) -> list[list[str]]:
+    depth: dict[str, int] = {}
+
+    def of(name: str) -> int:
+        if name not in depth:
+            depth[name] = max((of(other) + 1 for other in needed[name]), default=0)
+        return depth[name]
+
+    inner = [name for name in needed if name not in figures]
+    last = max((of(name) for name in inner), default=-1) + 1
+    layers: list[list[str]] = [[] for _ in range(last)]
+    for name in inner:
+        layers[of(name)].append(name)
+    drawn = [name for name in needed if name in figures]
+    return [*layers, drawn] if drawn else layers
+
+
+def _ordered(layers: list[list[str]], needed: Mapping[str, Sequence[str]]) -> list[list[str]]:
+    """Order each layer by the mean place of a rule's neighbours, so that curves cross less."""
+    neighbours: dict[str, list[str]] = {name: list(needed[name]) for name in needed}
+    for name, others in needed.items():
+        for other in others:
+            neighbours[other].append(name)
+    place = {name: (i + 0.5) / len(layer) for layer in layers for i, name in enumerate(layer)}
+
+    def middle(name: str) -> float:
+        around = [place[other] for other in neighbours[name]]
+        # A rule without neighbours stays at the lower end.
+        return sum(around) / len(around) if around else 2.0
+
+    for _ in range(SWEEPS):
+        for layer in layers:
+            layer.sort(key=middle)
+            place |= {name: (i + 0.5) / len(layer) for i, name in enumerate(layer)}
+    return layers
+
+
+def _curve(start: Node, end: Node) -> str:
+    x_1, y_1 = start.x + start.width, start.y + NODE_HEIGHT / 2
+    x_2, y_2 = end.x, end.y + NODE_HEIGHT / 2
+    bend = min(GAP, (x_2 - x_1) / 2)
+    return (
+        f"M{x_1:.1f} {y_1:.1f}C{x_1 + bend:.1f} {y_1:.1f} {x_2 - bend:.1f} {y_2:.1f} "
+        f"{x_2:.1f} {y_2:.1f}"
+    )

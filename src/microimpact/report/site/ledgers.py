@@ -1,0 +1,138 @@
+"""The ledgers as the pages show them: verdicts counted, rows with anchors, findings in order."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import pandas as pd
+from markupsafe import Markup
+
+from microimpact.report.site.formula import mathml
+
+Row = dict[str, str]
+
+# Each verdict with the colour of its class in the style sheet, from the best to the least known.
+CLAIM_VERDICTS = {
+    "reproduced": "good",
+    "reproduced with a correction": "mended",
+    "calibrated": "fitted",
+    "not reproduced": "bad",
+    "not identified": "open",
+    "not testable": "mute",
+}
+EQUATION_VERDICTS = {
+    "correct": "good",
+    "definition": "fitted",
+    "typographical slip": "mended",
+    "corrected": "bad",
+    "undecidable": "open",
+}
+# Claims of this kind cannot fail on physics: they are listed and not counted.
+ARITHMETIC = "arithmetic"
+CONTRADICTION = "contradiction"
+
+_KEY = re.compile(r"\b[A-Za-z]\w*_\w+\b")
+_POINT = re.compile(r"(?<=\d)p(?=\d)")
+
+
+class MissingColumnError(ValueError):
+    """A ledger that lacks a column the site shows."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Count:
+    """How many rows have a verdict, and where its bar begins and ends, in percent of all."""
+
+    verdict: str
+    colour: str
+    number: int
+    begin: float
+    share: float
+
+
+def read_rows(path: Path, columns: Sequence[str] = ()) -> list[Row]:
+    """Return the rows of a table as text; none if there is no such file.
+
+    Raises
+    ------
+    MissingColumnError
+        If the table lacks one of the columns.
+    """
+    if not path.is_file():
+        return []
+    table = pd.read_csv(path, dtype=str, keep_default_na=False, encoding="utf-8")
+    if missing := [name for name in columns if name not in table.columns]:
+        raise MissingColumnError(f"{path}: has no column {', '.join(missing)}")
+    return [{str(k): str(v) for k, v in row.items()} for row in table.to_dict("records")]
+
+
+def counts(rows: Sequence[Row], verdicts: Mapping[str, str]) -> tuple[Count, ...]:
+    """Count the rows of each verdict that occurs; those that are not foreseen come last."""
+    found = [row["verdict"] for row in rows]
+    order = [v for v in dict.fromkeys((*verdicts, *sorted(found))) if v in found]
+    counted, begin = [], 0.0
+    for verdict in order:
+        share = 100.0 * found.count(verdict) / len(found)
+        counted.append(
+            Count(
+                verdict=verdict,
+                colour=verdicts.get(verdict, "mute"),
+                number=found.count(verdict),
+                begin=round(begin, 3),
+                share=round(share, 3),
+            )
+        )
+        begin += share
+    return tuple(counted)
+
+
+def counted(claims: Sequence[Row]) -> list[Row]:
+    """Return the claims that physics can decide."""
+    return [row for row in claims if row["kind"] != ARITHMETIC]
+
+
+def not_reproduced(claims: Sequence[Row]) -> list[Row]:
+    """Return the claims that did not hold: contradictions first, then by figures touched."""
+    failed = [row for row in counted(claims) if row["verdict"] == "not reproduced"]
+    return sorted(failed, key=lambda r: (r["kind"] != CONTRADICTION, -len(r["figures"].split())))
+
+
+def corrected(equations: Sequence[Row]) -> list[Row]:
+    """Return the equations that had to be corrected: slips of the article first."""
+    wrong = [row for row in equations if row["verdict"] == "corrected"]
+    return sorted(wrong, key=lambda row: row["kind_of_slip"] != "article")
+
+
+def anchor(prefix: str, name: str) -> str:
+    """Return an id for an element: ``14 total`` gives ``eq-14-total``."""
+    return f"{prefix}-" + re.sub(r"[^A-Za-z0-9]+", "-", name).strip("-").lower()
+
+
+def words(text: str) -> str:
+    """Return a text with names of quantities as words: ``speed_at_0p45_m_per_s`` and the like."""
+    spoken = _KEY.sub(lambda found: _POINT.sub(".", found[0]).replace("_", " "), text)
+    return spoken.replace(" m per s", " m/s")
+
+
+def parts(text: str) -> list[str]:
+    """Return the statements of a cell, which semicolons separate, as words."""
+    return [words(part.strip()) for part in text.split(";") if part.strip()]
+
+
+def formula(text: str) -> Markup | str:
+    """Return a formula as MathML, or as it stands if it is none."""
+    try:
+        return mathml(text)
+    except ValueError:
+        return text
+
+
+def number(text: str) -> str:
+    """Return a number to four digits; other text as it stands."""
+    try:
+        return f"{float(text):.4g}"
+    except ValueError:
+        return text

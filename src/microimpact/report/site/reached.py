@@ -1,0 +1,172 @@
+"""Which functions of the package a study can come to call: names followed through the source.
+
+From the body of ``run`` every name is followed to where it is defined, and so on. A method counts
+if its class is reached and something reached has an attribute of its name. This may hold a
+function that no case ever calls, and misses none but those called by a name made up at run time,
+which the package does not do.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import TypeGuard
+
+PACKAGE = "microimpact"
+_ROOT = Path(__file__).parents[2]
+
+
+@dataclass(slots=True)
+class _Definition:
+    """What a name of a module stands for: names and attributes in its text, and its methods."""
+
+    chains: set[tuple[str, ...]] = field(default_factory=set)
+    attributes: set[str] = field(default_factory=set)
+    methods: set[str] = field(default_factory=set)
+
+
+@dataclass(frozen=True, slots=True)
+class _Module:
+    imports: dict[str, str]
+    definitions: dict[str, _Definition]
+
+
+def reached(*starts: str) -> frozenset[str]:
+    """Return the full names of all that can be called from functions of the package.
+
+    Parameters
+    ----------
+    starts
+        Full names, as ``microimpact.studies.coulomb_friction.run``.
+    """
+    found, waiting, attributes = set[str](), list(starts), set[str]()
+    possible = set[str]()
+    while waiting:
+        name = waiting.pop()
+        definition = _definition(name)
+        if name in found or definition is None:
+            continue
+        found.add(name)
+        module = _module_of(name)
+        attributes |= definition.attributes
+        possible |= {f"{name}.{method}" for method in definition.methods}
+        waiting += [n for chain in definition.chains for n in _targets(module, chain)]
+        waiting += [m for m in possible - found if m.rpartition(".")[2] in attributes]
+    return frozenset(found)
+
+
+def _targets(module: str, chain: tuple[str, ...]) -> Iterator[str]:
+    """Yield the definition that a chain of attributes, as seen in a module, leads to."""
+    known = _read(module)
+    if known is None:
+        return
+    if chain[0] in known.definitions:
+        yield f"{module}.{chain[0]}"
+    elif chain[0] in known.imports:
+        path = ".".join((known.imports[chain[0]], *chain[1:]))
+        # The longest part that is a module; what follows is a name in it.
+        parts = path.split(".")
+        for end in range(len(parts), 0, -1):
+            inner = ".".join(parts[:end])
+            if _read(inner) is not None:
+                if end < len(parts) and inner != module:
+                    yield from _targets(inner, tuple(parts[end:]))
+                return
+
+
+def _module_of(name: str) -> str:
+    while _read(name) is None:
+        name = name.rpartition(".")[0]
+    return name
+
+
+def _definition(name: str) -> _Definition | None:
+    if not name.startswith(f"{PACKAGE}."):
+        return None
+    module = _module_of(name)
+    known = _read(module)
+    return known.definitions.get(name.removeprefix(f"{module}.")) if known else None
+
+
+@cache
+def _read(module: str) -> _Module | None:
+    if module.partition(".")[0] != PACKAGE:
+        return None
+    stem = _ROOT.joinpath(*module.split(".")[1:])
+    path = stem / "__init__.py" if (stem / "__init__.py").is_file() else stem.with_suffix(".py")
+    if not path.is_file():
+        return None
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    definitions: dict[str, _Definition] = {}
+    for node in tree.body:
+        for name in _names_of(node):
+            _collect(definitions.setdefault(name, _Definition()), node)
+        if isinstance(node, ast.ClassDef):
+            definitions |= _methods(node, definitions[node.name])
+    return _Module(dict(_imports(tree)), definitions)
+
+
+def _imports(tree: ast.Module) -> Iterator[tuple[str, str]]:
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            for alias in node.names:
+                yield (
+                    alias.asname or alias.name.partition(".")[0],
+                    (alias.name if alias.asname else alias.name.partition(".")[0]),
+                )
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            for alias in node.names:
+                yield alias.asname or alias.name, f"{node.module}.{alias.name}"
+
+
+def _names_of(node: ast.stmt) -> Iterator[str]:
+    if isinstance(node, ast.FunctionDef | ast.ClassDef):
+        yield node.name
+    elif isinstance(node, ast.Assign | ast.AnnAssign):
+        for target in node.targets if isinstance(node, ast.Assign) else [node.target]:
+            yield from (n.id for n in ast.walk(target) if isinstance(n, ast.Name))
+
+
+def _methods(node: ast.ClassDef, owner: _Definition) -> dict[str, _Definition]:
+    found = {}
+    for part in node.body:
+        if _is_method(part):
+            owner.methods.add(part.name)
+            found[f"{node.name}.{part.name}"] = _Definition()
+            _collect(found[f"{node.name}.{part.name}"], part)
+    return found
+
+
+def _collect(definition: _Definition, node: ast.AST) -> None:
+    """Add names and attributes in the text of a node, but for the methods of a class."""
+    for part in _walk(node):
+        if isinstance(part, ast.Name):
+            definition.chains.add((part.id,))
+        elif isinstance(part, ast.Attribute):
+            definition.attributes.add(part.attr)
+            definition.chains.add(_chain(part))
+    definition.chains.discard(())
+
+
+def _walk(node: ast.AST) -> Iterator[ast.AST]:
+    yield node
+    for child in ast.iter_child_nodes(node):
+        if not (isinstance(node, ast.ClassDef) and _is_method(child)):
+            yield from _walk(child)
+
+
+def _is_method(node: ast.AST) -> TypeGuard[ast.FunctionDef]:
+    """Tell whether a part of a class is a method called by name: not ``__post_init__``."""
+    return isinstance(node, ast.FunctionDef) and not node.name.startswith("__")
+
+
+def _chain(node: ast.expr) -> tuple[str, ...]:
+    if isinstance(node, ast.Name):
+        return (node.id,)
+    if isinstance(node, ast.Attribute):
+        inner = _chain(node.value)
+        return (*inner, node.attr) if inner else ()
+    return ()

@@ -1,0 +1,229 @@
+"""What the site tells of a run beyond its tables and figures: rules, registry, versions, commit.
+
+The workflow writes it to ``report/record.json``, so that the site of a finished run can be made
+again without the workflow engine. A run without that file is told from its stamp and the shipped
+registry; its rules are not known then.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import platform
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from microimpact.documents import load
+from microimpact.figures.registry import filled
+from microimpact.files import write_file
+from microimpact.materials import declared_file
+from microimpact.provenance import plain
+from microimpact.runstamp import git_state, package_versions
+
+RECORD = "report/record.json"
+STAMP = "run.json"
+# Columns that name a row of a declared table.
+_ROW_NAMES = ("material", "particle", "surface", "key")
+
+
+class RecordError(ValueError):
+    """A record or a run stamp that is missing, or not as this version writes it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rule:
+    """One rule of the workflow.
+
+    Attributes
+    ----------
+    name, purpose
+        Its name and docstring.
+    inputs, outputs
+        Results it reads and makes, relative to the results folder.
+    declared
+        Rows of the declared tables it is given, by the table's name.
+    """
+
+    name: str
+    purpose: str = ""
+    inputs: tuple[str, ...] = ()
+    outputs: tuple[str, ...] = ()
+    declared: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Change:
+    """A key of the configuration that is not as shipped; None where there is none."""
+
+    key: str
+    shipped: Any
+    used: Any
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Record:
+    """What a site needs to know of a run.
+
+    Attributes
+    ----------
+    seed, git, python, platform, packages
+        As in the run stamp.
+    changes
+        Where the configuration differs from the shipped one.
+    figures
+        The registry, words filled in.
+    rules
+        All rules that make results; none if they are not known.
+    """
+
+    seed: int
+    git: Mapping[str, str | bool | None]
+    python: str
+    platform: str
+    packages: Mapping[str, str | None]
+    changes: tuple[Change, ...]
+    figures: Mapping[str, Mapping[str, Any]]
+    rules: tuple[Rule, ...] = ()
+
+    def plain(self) -> dict[str, Any]:
+        """Return the record as JSON would hold it."""
+        content: dict[str, Any] = json.loads(json.dumps(asdict(self)))
+        return content
+
+
+def record_of(
+    *,
+    config: Mapping[str, Any],
+    shipped: Mapping[str, Any],
+    figures: Mapping[str, Mapping[str, Any]],
+    rules: Sequence[Rule],
+    project: Path,
+) -> Record:
+    """Return the record of a run that is being made.
+
+    Parameters
+    ----------
+    config, shipped
+        The merged configuration, and the one that the project comes with.
+    figures
+        The registry, words filled in.
+    rules
+        All rules that make results.
+    project
+        Root of the project, whose commit is recorded.
+    """
+    seed: int = plain(config["seed"])
+    return Record(
+        seed=seed,
+        git=git_state(project),
+        python=platform.python_version(),
+        platform=f"{platform.system()} {platform.machine()}",
+        packages=package_versions(),
+        changes=changes(config, shipped),
+        figures=figures,
+        rules=tuple(rules),
+    )
+
+
+def row_names(rows: Mapping[str, str] | None) -> dict[str, tuple[str, ...]]:
+    """Return which rows of each declared table a rule is given, from the tables as CSV.
+
+    A material and a printed value have their name, a contact ``particle on surface``.
+    """
+    names = {}
+    for table, text in (rows or {}).items():
+        found = csv.DictReader(io.StringIO(text))
+        keys = [column for column in _ROW_NAMES if column in (found.fieldnames or ())]
+        named = (" on ".join(row[key] for key in keys) for row in found)
+        names[table] = tuple(dict.fromkeys(named))
+    return names
+
+
+def changes(config: Mapping[str, Any], shipped: Mapping[str, Any]) -> tuple[Change, ...]:
+    """Return the keys at which two configurations have different values.
+
+    Evidence and source are not compared, and neither is the place of the results.
+    """
+    before, after = (dict(_leaves(plain(node))) for node in (shipped, config))
+    return tuple(
+        Change(key=key, shipped=before.get(key), used=after.get(key))
+        for key in dict.fromkeys((*before, *after))
+        if before.get(key) != after.get(key) and not key.startswith("pathvars")
+    )
+
+
+def _leaves(node: Any, key: str = "") -> Iterator[tuple[str, Any]]:
+    if isinstance(node, Mapping):
+        for name, child in node.items():
+            yield from _leaves(child, f"{key}.{name}".removeprefix("."))
+    elif isinstance(node, list) and any(isinstance(item, Mapping | list) for item in node):
+        for i, item in enumerate(node):
+            yield from _leaves(item, f"{key}[{i}]")
+    else:
+        yield key, node
+
+
+def from_plain(content: Mapping[str, Any], where: str = RECORD) -> Record:
+    """Return the record that `Record.plain` has written.
+
+    Raises
+    ------
+    RecordError
+        If a key is missing, unknown or of another kind.
+    """
+    try:
+        parts = dict(content)
+        parts["changes"] = tuple(Change(**change) for change in parts["changes"])
+        parts["rules"] = tuple(_rule(rule) for rule in parts["rules"])
+        return Record(**parts)
+    except (KeyError, TypeError, AttributeError) as error:
+        raise RecordError(f"{where}: not a record of this version: {error}") from None
+
+
+def _rule(content: Mapping[str, Any]) -> Rule:
+    rows = {name: tuple(keys) for name, keys in content["declared"].items()}
+    files = {name: tuple(content[name]) for name in ("inputs", "outputs")}
+    return Rule(name=content["name"], purpose=content["purpose"], declared=rows, **files)
+
+
+def write_record(results: Path, record: Record) -> None:
+    """Write ``report/record.json``."""
+    text = json.dumps(record.plain(), indent=1, ensure_ascii=False, sort_keys=True)
+    write_file(results / RECORD, text + "\n")
+
+
+def read_record(results: Path) -> Record:
+    """Return the record of a run.
+
+    Raises
+    ------
+    RecordError
+        If the folder has neither record nor stamp, or a malformed one.
+    """
+    if (results / RECORD).is_file():
+        return from_plain(_json(results / RECORD), str(results / RECORD))
+    if not (results / STAMP).is_file():
+        raise RecordError(f"{results}: neither {RECORD} nor {STAMP}: no finished run")
+    stamp = _json(results / STAMP)
+    names = ("seed", "git", "python", "platform", "packages", "config")
+    if missing := [name for name in names if name not in stamp]:
+        raise RecordError(f"{results / STAMP}: has no {', '.join(missing)}")
+    config = stamp.pop("config")
+    return Record(
+        **{name: stamp[name] for name in names[:-1]},
+        changes=changes(config, load(declared_file("config.yaml"))),
+        figures=filled(load(declared_file("figures.yaml")), plain(config)),
+    )
+
+
+def _json(path: Path) -> dict[str, Any]:
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise RecordError(f"{path}: cannot be read: {error}") from None
+    if not isinstance(content, dict):
+        raise RecordError(f"{path}: must hold a JSON object")
+    return content

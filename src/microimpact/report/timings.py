@@ -1,0 +1,146 @@
+"""What each job of a run has cost: time, processor time and memory, as the workflow measured it."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from microimpact.report.site.record import Rule, read_record
+
+BENCHMARKS = "benchmarks"
+# Jobs of a rule in parts are called as the rule, with the number of the part.
+_PART = re.compile(r"-\d+-of-\d+$")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Timing:
+    """Cost of one job.
+
+    Attributes
+    ----------
+    job
+        Name of its rule, with the part where the rule comes in parts.
+    wall
+        Time from beginning to end, s.
+    processor
+        Time of processors, s; None where the job was too short to be sampled.
+    memory
+        Largest resident memory, MB; None likewise.
+    """
+
+    job: str
+    wall: float
+    processor: float | None
+    memory: float | None
+
+    @property
+    def rule(self) -> str:
+        """Name of the rule whose results the job serves."""
+        return _PART.sub("", self.job)
+
+
+def read_timings(results: Path) -> list[Timing]:
+    """Return the cost of all jobs of a run, the longest first.
+
+    Raises
+    ------
+    ValueError
+        If nothing was measured there, or a file is not as the workflow writes it.
+    """
+    found = [_timing(path) for path in sorted((results / BENCHMARKS).glob("*.tsv"))]
+    if not found:
+        raise ValueError(f"{results}: no measured times in {BENCHMARKS}/")
+    return sorted(found, key=lambda timing: -timing.wall)
+
+
+def _timing(path: Path) -> Timing:
+    with path.open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file, delimiter="\t"))
+    try:
+        (row,) = rows
+        wall = float(row["s"])
+        processor, memory = (_number(row[name]) for name in ("cpu_time", "max_rss"))
+    except (ValueError, KeyError):
+        raise ValueError(f"{path}: not a file of measured times") from None
+    return Timing(job=path.stem, wall=wall, processor=processor, memory=memory)
+
+
+def _number(text: str) -> float | None:
+    return None if text in {"NA", "-", ""} else float(text)
+
+
+def critical_path(timings: Sequence[Timing], rules: Sequence[Rule]) -> list[Timing]:
+    """Return the chain of jobs that no number of processors can shorten, in order.
+
+    Parameters
+    ----------
+    timings
+        Of the jobs; of a rule in parts the longest part precedes the rule's own job.
+    rules
+        What each rule reads and makes.
+    """
+    jobs: dict[str, list[Timing]] = {}
+    for timing in timings:
+        jobs.setdefault(timing.rule, []).append(timing)
+    maker = {file: rule.name for rule in rules for file in rule.outputs}
+    before = {
+        rule.name: {maker[file] for file in rule.inputs if file in maker} - {rule.name}
+        for rule in rules
+    }
+    chains: dict[str, list[Timing]] = {}
+    for name in jobs:
+        _chain(name, jobs, before, chains)
+    return max(chains.values(), key=_wall, default=[])
+
+
+def _chain(
+    rule: str,
+    jobs: Mapping[str, list[Timing]],
+    before: Mapping[str, set[str]],
+    chains: dict[str, list[Timing]],
+) -> list[Timing]:
+    """Return the longest chain that ends with a rule, and keep it."""
+    if rule not in chains:
+        earlier = [_chain(name, jobs, before, chains) for name in sorted(before.get(rule, ()))]
+        own = jobs.get(rule, [])
+        parts = sorted((job for job in own if job.job != rule), key=lambda job: -job.wall)[:1]
+        last = [job for job in own if job.job == rule]
+        chains[rule] = [*max(earlier, key=_wall, default=[]), *parts, *last]
+    return chains[rule]
+
+
+def _wall(chain: Sequence[Timing]) -> float:
+    return sum(timing.wall for timing in chain)
+
+
+def as_text(results: Path) -> str:
+    """Return a table of all jobs, the longest first, their sum and the critical path."""
+    timings = read_timings(results)
+    lines = [f"{'job':32}{'time, s':>10}{'CPU, s':>10}{'memory, MB':>12}"]
+    lines += [
+        f"{timing.job:32}{timing.wall:10.1f}{_shown(timing.processor):>10}"
+        f"{_shown(timing.memory, 0):>12}"
+        for timing in timings
+    ]
+    processor = sum(timing.processor or 0.0 for timing in timings)
+    lines.append(f"{f'all {len(timings)} jobs':32}{_wall(timings):10.1f}{processor:10.1f}")
+    if rules := _rules(results):
+        path = critical_path(timings, rules)
+        names = ", ".join(timing.job for timing in path)
+        lines.append(f"\nCritical path, {_wall(path):.1f} s: {names}")
+    return "\n".join(lines)
+
+
+def _rules(results: Path) -> Sequence[Rule]:
+    """Return the rules of a run; none where it keeps no record of them."""
+    try:
+        return read_record(results).rules
+    except (OSError, ValueError):
+        return ()
+
+
+def _shown(value: float | None, digits: int = 1) -> str:
+    return "-" if value is None else f"{value:.{digits}f}"

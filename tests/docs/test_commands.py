@@ -1,0 +1,102 @@
+"""The commands of the documentation run, page by page, in a small copy of the project.
+
+A block is run by a shell as it stands. Only three programs are not those of the reader: `snakemake`
+without a target and `make` plan what they would do, since the one builds everything and the other
+an environment; `pytest` finds its tests and leaves them to the suite.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+
+import pytest
+import yaml
+from snakemake.utils import update_config
+from tests.docs.blocks import ROOT, blocks
+from tests.workflow.conftest import copied
+
+pytestmark = [pytest.mark.workflow, pytest.mark.slow]
+
+BLOCKS = blocks("written", "appended", "command", "output")
+PROGRAMS = {
+    "python": 'exec "$PYTHON" "$@"',
+    "microimpact": 'exec "$PYTHON" -m microimpact.cli "$@"',
+    "snakemake": 'case "${1---configfile}" in --configfile*) set -- --dry-run "$@";; esac\n'
+    'exec "$PYTHON" -m snakemake --cores 1 "$@"',
+    "make": 'exec "$MAKE" --dry-run -C "$ROOT" "$@"',
+    "pytest": 'cd "$ROOT"; exec "$PYTHON" -m pytest -p no:cacheprovider --collect-only -q "$@"',
+}
+
+
+@pytest.fixture(scope="module")
+def shell(tmp_path_factory):
+    """Run a block in the copy; files of earlier blocks are there."""
+    root = copied(tmp_path_factory.mktemp("documented")).root
+    (root / "tests").symlink_to(ROOT / "tests")
+    small = yaml.safe_load((root / "config/ci.yaml").read_text())
+    small.pop("pathvars")
+    config = yaml.safe_load((root / "config/config.yaml").read_text())
+    update_config(config, small)
+    (root / "config/config.yaml").write_text(yaml.safe_dump(config, sort_keys=False))
+    programs = tmp_path_factory.mktemp("bin")
+    for name, text in PROGRAMS.items():
+        (programs / name).write_text(f"#!/bin/sh\n{text}\n")
+        (programs / name).chmod(0o755)
+    environment = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")} | {
+        "PATH": f"{programs}:{os.environ['PATH']}",
+        "PYTHONPATH": str(root / "src"),
+        "PYTHON": sys.executable,
+        "MAKE": shutil.which("make") or "make",
+        "ROOT": str(ROOT),
+        "COLUMNS": "200",
+    }
+
+    def run(text):
+        command = ["bash", "-euo", "pipefail", "-c", text]
+        done = subprocess.run(
+            command, cwd=root, env=environment, capture_output=True, text=True, check=False
+        )
+        return done.returncode, done.stdout + done.stderr
+
+    run.root = root
+    return run
+
+
+@pytest.mark.parametrize("page", sorted({block.page for block in BLOCKS}))
+def test_commands_of_a_page(shell, page):
+    own = [block for block in BLOCKS if block.page == page]
+    told = ""
+    for block, following in zip(own, [*own[1:], None], strict=True):
+        path = shell.root / block.path
+        if block.task == "written":
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(block.text)
+        elif block.task == "appended":
+            path.write_text(path.read_text() + block.text)
+        elif block.task == "output":
+            missing = [line for line in block.text.splitlines() if not printed(line, told)]
+            assert not missing, f"{block}: not printed: {missing}\n{told}"
+        else:
+            code, told = shell(block.text)
+            # Where a page shows what is printed, that is the point, be it a complaint.
+            shown = following is not None and following.task == "output"
+            assert shown or code == 0, f"{block}\n{told}"
+
+
+def printed(line, told):
+    """Tell whether a line was printed; three dots stand for anything."""
+    return re.search(".*".join(map(re.escape, line.strip().split("..."))), told) is not None
+
+
+def test_three_dots_stand_for_anything():
+    assert printed("a ... (c)", "x\na b (c)\n")
+    assert not printed("a ... (d)", "x\na b (c)\n")
+
+
+def test_all_programs_that_a_page_calls_are_known():
+    lines = [line for b in BLOCKS if b.task == "command" for line in b.text.splitlines()]
+    assert {line.split()[0] for line in lines} <= set(PROGRAMS)

@@ -1,0 +1,143 @@
+"""The page of deviations is what the ledgers say, and says it in readable numbers."""
+
+from __future__ import annotations
+
+import shutil
+
+import pandas as pd
+import pytest
+from click.testing import CliRunner
+from tests.docs.blocks import ROOT
+
+from microimpact.cli import commands
+from microimpact.ledgers.criteria import read_claims
+from microimpact.ledgers.deviations import CLAIM_VERDICTS, deviations, in_words, readable
+
+REFERENCE = ROOT / "tests/reference"
+CRITERIA = ROOT / "config/claims.yaml"
+PAGE = ROOT / "docs/deviations.md"
+RENEW = (
+    "microimpact deviations tests/reference --settings config/ci.yaml --output docs/deviations.md"
+)
+
+
+@pytest.fixture(scope="module")
+def made():
+    return deviations(REFERENCE, CRITERIA, "config/ci.yaml")
+
+
+@pytest.fixture
+def run(tmp_path):
+    """Tables of a run that may be changed."""
+    (tmp_path / "tables").mkdir()
+    for name in ("claims.csv", "equations.csv"):
+        shutil.copy(REFERENCE / "tables" / name, tmp_path / "tables")
+    return tmp_path
+
+
+def edit(run, name, change):
+    path = run / "tables" / name
+    change(pd.read_csv(path, keep_default_na=False)).to_csv(path, index=False)
+
+
+def test_the_committed_page_is_that_of_the_references(made):
+    assert PAGE.read_text(encoding="utf-8") == made, f"bring it up to date: {RENEW}"
+
+
+def test_every_equation_and_statement_that_deviates_has_its_place(made):
+    equations = pd.read_csv(REFERENCE / "tables/equations.csv", keep_default_na=False)
+    claims = pd.read_csv(REFERENCE / "tables/claims.csv", keep_default_na=False)
+    entries = made.count("\n### ")
+    assert entries == (
+        equations["verdict"].isin(["corrected", "typographical slip", "undecidable"]).sum()
+        + claims["verdict"].isin(CLAIM_VERDICTS).sum()
+        + sum(len(claim.amendments) for claim in read_claims(CRITERIA).values())
+    )
+    for row in equations[equations["verdict"] == "corrected"].itertuples():
+        assert (
+            f"- as printed: `{row.printed}`\n- as used: `{row.used}`\n- why: {row.reason}" in made
+        )
+    for row in claims[claims["verdict"].isin(CLAIM_VERDICTS)].itertuples():
+        assert f"### {row.id} ({row.where})\n\n{row.statement}\n" in made
+    # what holds as printed is no deviation
+    for row in claims[claims["verdict"].isin(["reproduced", "calibrated"])].itertuples():
+        assert f"### {row.id} ({row.where})\n\n{row.statement}\n" not in made
+
+
+def test_every_statement_not_reproduced_shows_a_number_that_fails(made):
+    part = made.split("## Statements not reproduced")[1].split("## Statements not identified")[0]
+    for entry in part.split("\n### ")[1:]:
+        assert "**" in entry, entry
+    held = made.split("## Statements reproduced with")[1].split("## Statements not testable")[0]
+    assert "**" not in held
+
+
+def test_a_changed_verdict_moves_its_statement(run):
+    def change(table):
+        return table.assign(verdict=table["verdict"].mask(table["id"] == "C09", "reproduced"))
+
+    assert "### C09 " in deviations(run, CRITERIA, "x")
+    edit(run, "claims.csv", change)
+    assert "### C09 " not in deviations(run, CRITERIA, "x")
+
+
+def test_rows_of_digitised_points_are_no_statements_of_the_article(run, made):
+    def change(table):
+        return pd.concat([table, table.head(1).assign(id="fig16 my points")])
+
+    edit(run, "claims.csv", change)
+    assert deviations(run, CRITERIA, "config/ci.yaml") == made
+
+
+def test_tables_of_other_claims_are_refused(run):
+    edit(run, "claims.csv", lambda table: table[table["id"] != "C09"])
+    with pytest.raises(ValueError, match="do not hold the same claims: C09 in one of them"):
+        deviations(run, CRITERIA, "x")
+
+
+def test_amendments_are_told_with_their_reasons(tmp_path):
+    text = CRITERIA.read_text(encoding="utf-8")
+    head, claim, rest = text.partition("\nC09:\n")
+    body, _, after = rest.partition("\n\n")
+    amended = (
+        "\n  amendments:\n    - {part: criteria, was: at most 1, now: at most 0.999,"
+        " reason: an order needs a margin}"
+    )
+    criteria = tmp_path / "claims.yaml"
+    criteria.write_text(f"{head}{claim}{body}{amended}\n\n{after}", encoding="utf-8")
+    page = deviations(REFERENCE, criteria, "x")
+    assert (
+        "### C09, criteria (2.4, 2.4.2)\n\n- was: at most 1\n- now: at most 0.999\n"
+        "- why: an order needs a margin" in page
+    )
+
+
+@pytest.mark.parametrize(
+    ("number", "text"),
+    [
+        ((0.14004712, "m/s"), "0.14 m/s"),
+        ((24585.88, "rad/s"), "24590 rad/s"),
+        ((0.99964, "-"), "0.9996"),
+        ((3.04345144516e11, "Pa"), "3.04 × 10¹¹ Pa"),
+        ((-1.85e-5, "1"), "-1.85 × 10⁻⁵"),
+        ((1.45158949, "s**2/m**2"), "1.452 s^2/m^2"),
+        ((3.3e-16, "-", 1e-9), "0"),
+        ((1.8e-17, "s/m"), "1.80 × 10⁻¹⁷ s/m"),
+    ],
+)
+def test_numbers_are_readable(number, text):
+    assert readable(*number) == text
+
+
+def test_quantities_are_told_in_words():
+    name = "share_of_rebounds_below_probe_at_0p3_m_per_s"
+    assert in_words(name) == "share of rebounds below probe at 0.3 m/s"
+
+
+def test_the_command_prints_or_writes_the_page(made, tmp_path):
+    call = ["deviations", str(REFERENCE), "--settings", "config/ci.yaml"]
+    printed = CliRunner().invoke(commands, call, catch_exceptions=False)
+    assert printed.output == made
+    target = tmp_path / "page.md"
+    CliRunner().invoke(commands, [*call, "--output", str(target)], catch_exceptions=False)
+    assert target.read_text(encoding="utf-8") == made

@@ -1,0 +1,79 @@
+"""What the README says of the results is what the ledgers say; its pictures are small."""
+
+from __future__ import annotations
+
+import re
+import runpy
+
+import pandas as pd
+import pytest
+from PIL import Image
+from tests.docs.blocks import PAGES, ROOT
+
+from microimpact.ledgers.deviations import computed_numbers, verdict_counts
+
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+TABLES = ROOT / "tests/reference/tables"
+CLAIMS = pd.read_csv(TABLES / "claims.csv", keep_default_na=False).set_index("id")
+EQUATIONS = pd.read_csv(TABLES / "equations.csv", keep_default_na=False)
+FINDINGS = re.findall(r"^\| (C\d+) \| (.+) \| (.+) \|$", README, flags=re.MULTILINE)
+GALLERY = runpy.run_path(str(ROOT / "docs/gallery.py"))
+
+
+def table(head):
+    rows = README.partition(f"| {head} | number |\n")[2].partition("\n\n")[0].splitlines()[1:]
+    cells = [row.strip("| ").split(" | ") for row in rows]
+    return {words.partition(":")[0]: int(count) for words, count in cells}
+
+
+def test_verdicts_are_counted_right():
+    assert table("statements") == verdict_counts(CLAIMS)
+    assert table("equations and relations") == EQUATIONS["verdict"].value_counts().to_dict()
+
+
+def test_there_are_some_findings():
+    assert len(FINDINGS) >= 6
+    assert {CLAIMS.loc[name, "verdict"] for name, _, _ in FINDINGS} >= {
+        "reproduced",
+        "not reproduced",
+        "not identified",
+    }
+
+
+@pytest.mark.parametrize(("name", "stated", "found"), FINDINGS)
+def test_a_finding_gives_verdict_and_numbers_of_its_claim(name, stated, found):
+    claim = CLAIMS.loc[name]
+    words, _, reasons = found.partition(":")
+    assert words == claim["verdict"]
+    computed = [value for _, _, value, _ in computed_numbers(claim["computed_value"])]
+    # Numbers of the statement itself, of equations and of settings are no results.
+    known = set(re.findall(r"\d+(?:\.\d+)?", claim["statement"])) | {"0", "1"}
+    numbers = re.findall(r"(?<!Eq\. )(?<![\w.])(\d+(?:\.\d+)?)( %)?", reasons)
+    results = [(text, bool(percent)) for text, percent in numbers if text not in known or percent]
+    for text, percent in results:
+        digits = len(text.partition(".")[2])
+        told = {f"{abs(v) * (100 if percent else 1):.{digits}f}" for v in computed}
+        assert text in told, f"{text}: none of {sorted(told)}"
+    assert results or "1" in reasons
+
+
+def test_pictures_are_there_and_small():
+    shown = [ROOT / f"docs/images/{name}.png" for name in GALLERY["shown"](README)]
+    assert sum(path.stat().st_size for path in shown) < 600_000
+    pages = "".join((ROOT / page).read_text(encoding="utf-8") for page in PAGES)
+    unused = [path.name for path in (ROOT / "docs/images").iterdir() if path.stem not in pages]
+    assert not unused
+
+
+def test_pictures_are_copied_and_shrunk(tmp_path):
+    names = GALLERY["shown"](README)
+    (tmp_path / "docs").mkdir()
+    (tmp_path / "README.md").write_text(README)
+    (tmp_path / "figures").mkdir()
+    for name in names:
+        Image.effect_noise((2000, 1000), 50).save(tmp_path / f"figures/{name}.png")
+    assert GALLERY["main"](tmp_path, tmp_path / "docs") == 0
+    assert len(names) >= 4
+    for name in names:
+        with Image.open(tmp_path / f"docs/images/{name}.png") as picture:
+            assert picture.size == (GALLERY["WIDTH"], GALLERY["WIDTH"] // 2)

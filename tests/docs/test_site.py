@@ -1,0 +1,55 @@
+"""The documentation builds into a site without a warning, and shows the public names."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from importlib.util import find_spec
+
+import pytest
+from tests.docs.blocks import PAGES, ROOT
+
+import microimpact
+
+SPHINX = (sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q")
+TOOLS = ("sphinx", "myst_parser", "furo")
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    missing = [name for name in TOOLS if find_spec(name) is None]
+    if missing:
+        message = f"not installed: {', '.join(missing)}; make test installs what is missing"
+        if os.environ.get("MICROIMPACT_REQUIRE_TOOLS"):
+            pytest.fail(message)
+        pytest.skip(message)
+    target = tmp_path_factory.mktemp("site")
+    done = subprocess.run(
+        [*SPHINX, "-d", str(target / "doctrees"), str(ROOT / "docs"), str(target / "html")],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return target / "html"
+
+
+@pytest.mark.slow
+def test_every_page_and_every_exported_name_is_there(site):
+    for page in PAGES:
+        if page.startswith("docs/"):
+            assert (site / page.removeprefix("docs/")).with_suffix(".html").is_file()
+    described = "".join(path.read_text(encoding="utf-8") for path in (site / "api").glob("*.html"))
+    for name in microimpact.__all__:
+        value = getattr(microimpact, name)
+        assert f'id="{value.__module__}.{value.__qualname__}"' in described
+
+
+@pytest.mark.slow
+def test_nothing_is_fetched(site):
+    for path in site.rglob("*.html"):
+        text = path.read_text(encoding="utf-8")
+        fetched = re.findall(r"<(?:script|img|link|iframe)\b[^>]*(?:src|href)=\"(\w+:)?//", text)
+        assert not fetched, path.name

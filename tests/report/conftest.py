@@ -1,0 +1,103 @@
+"""A site made of the reference tables, with small pictures in place of the figures."""
+
+from __future__ import annotations
+
+import base64
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from microimpact.documents import load
+from microimpact.figures.registry import filled
+from microimpact.provenance import plain
+from microimpact.report.results import read_text, table_files
+from microimpact.report.site.build import write_site
+from microimpact.report.site.record import Change, Record, Rule, write_record
+
+ROOT = Path(__file__).parents[2]
+REFERENCE = ROOT / "tests/reference"
+SVG = (
+    '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 160 90" width="160" height="90">'
+    '<path d="M10 80L60 20L150 70" fill="none" stroke="black"/></svg>\n'
+)
+PNG = base64.b64decode(
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
+)
+
+
+@pytest.fixture(scope="session")
+def registry():
+    """The words of all figures."""
+    branches = plain(load(ROOT / "config/config.yaml"))
+    return filled(load(ROOT / "config/figures.yaml"), branches)
+
+
+@pytest.fixture(scope="session")
+def record(registry):
+    """A run with one changed key and the rules of all figures and their studies."""
+    figures = [
+        Rule(
+            name=name,
+            inputs=tuple(f"data/{table}.csv" for table in entry["data"]),
+            outputs=(f"figures/{name}.svg", f"figures/{name}.png"),
+        )
+        for name, entry in registry.items()
+    ]
+    made: dict[str, list[str]] = {}
+    for entry in registry.values():
+        made.setdefault(entry["study"], []).extend(f"data/{table}.csv" for table in entry["data"])
+    made["calibration"].append("tables/calibration.csv")
+    studies = [
+        Rule(
+            name=study,
+            purpose=f"Tables of {study}.",
+            inputs=("tables/calibration.csv",) if study == "normal_experiments" else (),
+            outputs=tuple(dict.fromkeys(files)),
+            declared={"materials": ("silicon",), "anchors": ("drop_height",)},
+        )
+        for study, files in made.items()
+    ]
+    return Record(
+        seed=20011,
+        git={"commit": "0123456789abcdef0123456789abcdef01234567", "dirty": True},
+        python="3.11.7",
+        platform="Linux x86_64",
+        packages={"numpy": "2.4.6", "snakemake": None},
+        changes=(Change(key="coulomb_friction.points", shipped=360, used=36),),
+        figures=registry,
+        rules=(*studies, *figures),
+    )
+
+
+@pytest.fixture(scope="session")
+def results(tmp_path_factory, registry):
+    """Results without a report: reference tables, figure data, pictures."""
+    root = tmp_path_factory.mktemp("run") / "results"
+    for file, path in table_files(REFERENCE).items():
+        (root / file).parent.mkdir(parents=True, exist_ok=True)
+        (root / file).write_text(read_text(path), encoding="utf-8", newline="")
+    (root / "figures").mkdir()
+    for name in registry:
+        (root / f"figures/{name}.svg").write_text(SVG, encoding="utf-8")
+        (root / f"figures/{name}.png").write_bytes(PNG)
+    return root
+
+
+@pytest.fixture(scope="session")
+def site(results, record):
+    """The folder of a site with all pages."""
+    write_record(results, record)
+    write_site(results, record)
+    return results / "report"
+
+
+@pytest.fixture
+def few(tmp_path, record):
+    """A results folder with one figure and no ledger, and its record."""
+    root = tmp_path / "results"
+    data = "panel,series,evidence,x_1,y_1\nleft,e,computed,1,2\nleft,v,printed,1,2\n"
+    for file, text in {"figures/fig14.svg": SVG, "data/fig14.csv": data}.items():
+        (root / file).parent.mkdir(parents=True, exist_ok=True)
+        (root / file).write_text(text, encoding="utf-8")
+    return root, replace(record, changes=(), rules=())

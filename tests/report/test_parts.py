@@ -1,0 +1,142 @@
+"""Parts of the site: formulas as MathML, calls followed through the source, the graph of rules."""
+
+from __future__ import annotations
+
+import re
+from html import unescape
+
+import pandas as pd
+import pytest
+
+from microimpact.report.site.figures import joined
+from microimpact.report.site.formula import mathml
+from microimpact.report.site.graph import needs, picture, upstream
+from microimpact.report.site.ledgers import counts, parts
+from microimpact.report.site.reached import reached
+from microimpact.report.site.record import Rule
+
+
+def text(formula):
+    return unescape(re.sub(r"<[^>]+>", "", mathml(formula)))
+
+
+@pytest.mark.parametrize(
+    ("formula", "shown"),
+    [
+        ("e = -V_n/v_n", "e=−Vnvn"),
+        # What binds less strongly keeps its parentheses, and nothing else gets any.
+        ("T_L = 1 - (a - b)", "TL=1−(a−b)"),
+        ("T_L = (1 - a) - b", "TL=1−a−b"),
+        ("R = (a + b)*c", "R=(a+b)c"),
+        ("R = a**2*b", "R=a2b"),
+        ("R = (a/b)**2", "R=(ab)2"),
+        ("R = (-a)**2", "R=(−a)2"),
+        ("R = a*(-b)", "R=a(−b)"),
+        ("R = -(a + b)", "R=−(a+b)"),
+        ("V_Ct = r*theta_dot", "VCt=rθ˙"),
+        ("K > Abs(v_n - v_c)", "K>|vn−vc|"),
+        ("P_n != 0", "Pn≠0"),
+        ("f_0 = K**(1/3)", "f0=K1/3"),
+        ("e = a*(2/7)", "e=a(2/7)"),
+        ("e = (2/7)/a", "e=2/7a"),
+        ("mu = vp_t", "μ=vt′"),
+        ("mu = tan(phi)", "μ=tanφ"),
+        ("mu = tan(phi + alpha)", "μ=tan(φ+α)"),
+    ],
+)
+def test_formulas_keep_their_form(formula, shown):
+    assert text(formula) == shown
+
+
+def test_a_quotient_is_a_fraction_and_a_root_a_root():
+    assert mathml("e = -V_n/v_n").count("<mfrac>") == 1
+    assert "<msqrt><mrow><mrow><mn>2</mn>" in mathml("v = sqrt(2*g*h)")
+
+
+def test_every_formula_of_the_ledger_is_set(results):
+    ledger = pd.read_csv(results / "tables/equations.csv", dtype=str)
+    for column in ("printed", "used"):
+        for formula in ledger[column]:
+            assert mathml(formula).startswith("<math>"), formula
+
+
+@pytest.mark.parametrize("formula", ["e", "e = import os", "e = <script>", "e = a if b else c"])
+def test_what_is_no_formula_is_refused(formula):
+    with pytest.raises(ValueError, match="formula"):
+        mathml(formula)
+
+
+def test_calls_are_followed_and_not_imports():
+    friction = reached("microimpact.studies.coulomb_friction.run")
+    assert "microimpact.model.rigid_body.rigid_body_rebound" in friction
+    # In the same module as that one, and not called.
+    assert "microimpact.model.rigid_body.energy_loss" not in friction
+    trends = reached("microimpact.studies.restitution_trends.run")
+    assert "microimpact.model.restitution.restitution" in trends
+    assert "microimpact.model.rigid_body.rigid_body_rebound" not in trends
+
+
+def test_methods_count_where_their_name_is_used():
+    force = reached("microimpact.studies.force_history.run")
+    assert "microimpact.model.contact.Contact.stiffness" in force
+    assert "microimpact.model.contact.Contact" in force
+
+
+def test_every_function_of_the_ledger_is_reached_by_some_study(results):
+    from microimpact.config import study_names
+
+    ledger = pd.read_csv(results / "tables/equations.csv", dtype=str, keep_default_na=False)
+    called = reached(*(f"microimpact.studies.{study}.run" for study in study_names()))
+    assert set(ledger["function"]) - {""} <= called
+
+
+RULES = (
+    Rule(name="a", outputs=("tables/a.csv",)),
+    Rule(name="b", inputs=("tables/a.csv", "src/x.py"), outputs=("data/b.csv",)),
+    Rule(name="fig01", inputs=("data/b.csv",), outputs=("figures/fig01.svg",)),
+    Rule(name="alone", outputs=("tables/alone.csv",)),
+)
+
+
+def test_the_graph_of_rules():
+    needed = needs(RULES)
+    assert needed == {"a": (), "b": ("a",), "fig01": ("b",), "alone": ()}
+    assert upstream("fig01", needed) == ("b", "a")
+
+
+def test_in_the_picture_each_rule_stands_right_of_what_it_needs():
+    shown = picture(needs(RULES), {"fig01": "Figure 1"})
+    nodes = {node.name: node for node in shown.nodes}
+    for edge in shown.edges:
+        start, end = nodes[edge.start], nodes[edge.end]
+        assert start.x + start.width < end.x
+    assert nodes["fig01"].words == "Figure 1"
+    assert nodes["fig01"].x == max(node.x for node in shown.nodes)
+    assert shown.width == nodes["fig01"].x + nodes["fig01"].width
+    places = {(node.x, node.y) for node in shown.nodes}
+    assert len(places) == len(RULES)
+
+
+def test_bars_fill_the_whole_width():
+    rows = [{"verdict": v} for v in ("good", "bad", "good", "strange")]
+    bars = counts(rows, {"good": "good", "never": "mute", "bad": "bad"})
+    assert [(b.verdict, b.number, b.begin, b.share) for b in bars] == [
+        ("good", 2, 0.0, 50.0),
+        ("bad", 1, 50.0, 25.0),
+        ("strange", 1, 75.0, 25.0),
+    ]
+
+
+def test_names_of_quantities_as_words():
+    assert parts("share_below_0p3_m_per_s (n = 0) = 0.7; peak = 2 m/s") == [
+        "share below 0.3 m/s (n = 0) = 0.7",
+        "peak = 2 m/s",
+    ]
+
+
+def test_items_of_a_list_stand_in_one_row():
+    def row(key, value, source="s"):
+        return {"key": key, "value": value, "unit": "deg", "evidence": "chosen", "source": source}
+
+    rows = [row("angles[0]", "1"), row("angles[1]", "2"), row("angles[2]", "3", "t"), row("n", "4")]
+    assert joined(rows) == [row("angles", "1, 2"), row("angles", "3", "t"), row("n", "4")]

@@ -1,0 +1,317 @@
+"""The site as files: what stands on the pages, that links lead somewhere, that text stays text."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+from urllib.parse import unquote, urlsplit
+
+import pandas as pd
+import pytest
+from click.testing import CliRunner
+
+from microimpact.cli import commands
+from microimpact.report.site.build import (
+    CLAIM_COLUMNS,
+    EQUATION_COLUMNS,
+    PAGES,
+    site_pages,
+    write_site,
+)
+from microimpact.report.site.pages import ASSETS, NAVIGATION, render
+from microimpact.report.site.record import (
+    Change,
+    Record,
+    RecordError,
+    changes,
+    from_plain,
+    read_record,
+    row_names,
+    write_record,
+)
+
+
+class Page(HTMLParser):
+    """Ids, links, pictures and tags of a page."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.ids, self.links, self.pictures, self.tags = [], [], [], []
+        self.text = []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        given = dict(attrs)
+        self.tags.append((tag, given))
+        if "id" in given:
+            self.ids.append(given["id"])
+        if tag == "img":
+            self.pictures.append(given)
+        self.links += [given[name] for name in ("href", "src") if name in given]
+
+    def handle_data(self, data):
+        self.text.append(data)
+
+    def has(self, tag, **given):
+        return any(t == tag and given.items() <= a.items() for t, a in self.tags)
+
+
+@pytest.fixture(scope="module")
+def pages(site):
+    return {
+        path.relative_to(site).as_posix(): Page(path.read_text(encoding="utf-8"))
+        for path in sorted(site.rglob("*.html"))
+    }
+
+
+def test_there_is_a_page_for_every_figure(pages, registry):
+    assert {f"figures/{name}.html" for name in registry} < set(pages)
+    assert {f"{name}.html" for name in PAGES} < set(pages)
+
+
+def test_every_link_and_anchor_leads_somewhere(site, pages):
+    assert sum(len(page.links) for page in pages.values()) > 2000
+    for name, page in pages.items():
+        for link in page.links:
+            parts = urlsplit(link)
+            assert not parts.scheme, f"{name}: {link} is not relative"
+            assert not parts.netloc, f"{name}: {link} is not relative"
+            target = (site / name).parent / unquote(parts.path) if parts.path else site / name
+            assert target.is_file(), f"{name}: {link}"
+            assert target.resolve().is_relative_to(site.resolve()), f"{name}: {link} leaves"
+            if parts.fragment:
+                other = pages[target.resolve().relative_to(site.resolve()).as_posix()]
+                assert parts.fragment in other.ids, f"{name}: {link}"
+
+
+def test_ids_are_unique_and_rows_have_them(pages, results):
+    for name, page in pages.items():
+        assert len(page.ids) == len(set(page.ids)), name
+    claims = pd.read_csv(results / "tables/claims.csv", dtype=str)
+    assert set(claims["id"]) <= set(pages["claims.html"].ids)
+    equations = pd.read_csv(results / "tables/equations.csv", dtype=str)
+    rows = [i for i in pages["equations.html"].ids if i.startswith("eq-")]
+    assert len(rows) == len(equations)
+
+
+def test_every_page_has_landmarks_policy_and_a_skip_link(pages):
+    for name, page in pages.items():
+        for tag in ("main", "header", "footer", "nav", "h1", "title"):
+            assert page.has(tag), f"{name}: {tag}"
+        assert page.has("a", href="#main")
+        (policy,) = [
+            given["content"]
+            for tag, given in page.tags
+            if given.get("http-equiv") == "Content-Security-Policy"
+        ]
+        assert policy.startswith("default-src 'none'")
+        assert not re.search(r"https?:|\*|unsafe", policy)
+        # The policy would block these.
+        assert not [given for _, given in page.tags if "style" in given], name
+        assert not [t for t, given in page.tags if t == "script" and "src" not in given], name
+
+
+def test_figures_have_words_for_those_who_do_not_see_them(pages, registry):
+    for name in registry:
+        (picture,) = pages[f"figures/{name}.html"].pictures
+        assert registry[name]["title"] in picture["alt"]
+        assert "Marks: " in picture["alt"]
+        # Not a file's name in place of words.
+        assert f"{name}." not in picture["alt"]
+
+
+def test_no_asset_asks_the_network():
+    for path in ASSETS.iterdir():
+        text = path.read_text(encoding="utf-8").replace("http://www.w3.org/2000/svg", "")
+        assert not re.search(r"https?://|@import|url\(|fetch\(|XMLHttp", text), path
+
+
+def test_a_figure_page_tells_inputs_claims_and_command(pages):
+    text = " ".join(" ".join(pages["figures/fig04.html"].text).split())
+    assert "snakemake --cores 1 fig04" in text
+    # Values of its study, with their source, of the study upstream, and declared rows.
+    assert "Tables of normal_experiments." in text
+    assert "Tables of calibration." in text
+    assert "silicon.youngs_modulus" in text
+    assert "virtual experiment" in text
+    assert "claims.html#C03" in " ".join(pages["figures/fig04.html"].links)
+
+
+def test_figures_of_the_article_and_no_others_tell_what_it_shows(registry):
+    for name, entry in registry.items():
+        assert bool(entry.get("article")) == bool(re.fullmatch(r"fig\d\d", name)), name
+
+
+def test_the_front_page_counts_what_the_ledgers_say(pages, results):
+    claims = pd.read_csv(results / "tables/claims.csv", dtype=str)
+    counted = claims[claims["kind"] != "arithmetic"]["verdict"].value_counts()
+    (told,) = [
+        given["aria-label"]
+        for tag, given in pages["index.html"].tags
+        if tag == "svg" and given.get("aria-label", "").startswith("Claims")
+    ]
+    found = {
+        verdict: int(number)
+        for number, verdict in re.findall(r"(\d+) ([a-z ]+)", told.partition(": ")[2])
+    }
+    assert found == counted.to_dict()
+    links = pages["index.html"].links
+    failed = claims[(claims["verdict"] == "not reproduced") & (claims["kind"] != "arithmetic")]
+    assert len(failed) > 20
+    assert {f"claims.html#{i}" for i in failed["id"]} <= set(links)
+
+
+def test_the_run_page_tells_the_changed_key(pages):
+    text = pages["run.html"].text
+    assert "coulomb_friction.points" in text
+    assert text[text.index("coulomb_friction.points") + 1 :][:2] == ["360", "36"]
+    assert "not installed" in text
+
+
+def test_the_workflow_page_draws_every_rule_and_links_it(pages, record):
+    page = pages["workflow.html"]
+    drawn = {given["data-rule"] for tag, given in page.tags if tag == "a" and "data-rule" in given}
+    assert drawn == {rule.name for rule in record.rules}
+    edges = {(given["data-start"], given["data-end"]) for tag, given in page.tags if tag == "path"}
+    assert ("calibration", "normal_experiments") in edges
+    assert ("normal_experiments", "fig04") in edges
+    assert ("calibration", "fig04") not in edges
+
+
+def test_the_same_run_gives_the_same_bytes(site, results, record):
+    before = {path: path.read_bytes() for path in site.rglob("*") if path.is_file()}
+    stale = site / "files/tables/no_longer.csv"
+    stale.write_text("a\n1\n", encoding="utf-8")
+    write_site(results, record)
+    assert not stale.exists()
+    assert {path: path.read_bytes() for path in site.rglob("*") if path.is_file()} == before
+
+
+def test_the_explorer_is_linked_where_it_is_and_left_alone(few):
+    root, record = few
+    write_site(root, record)
+    index = root / "report/index.html"
+    assert "explorer.html" not in Page(index.read_text(encoding="utf-8")).links
+    (root / "report/explorer.html").write_text("another's page", encoding="utf-8")
+    write_site(root, record)
+    assert "explorer.html" in Page(index.read_text(encoding="utf-8")).links
+    assert (root / "report/explorer.html").read_text(encoding="utf-8") == "another's page"
+
+
+def test_names_stay_text(few):
+    root, record = few
+    evil = "<script>alert(1)</script>"
+    entry = dict(record.figures["fig14"], title=evil, caption=f'a "{evil}" & b')
+    marks = pd.DataFrame(
+        {"panel": [evil], "series": [evil], "evidence": [evil], "x_1": [0], "y_1": [0]}
+    )
+    marks.to_csv(root / "data/fig14.csv", index=False)
+    inputs = {
+        "file": ["config", "materials"],
+        "key": [f"restitution_trends.{evil}", f"{evil}.density"],
+        **{name: [evil, evil] for name in ("value", "low", "high", "unit", "evidence", "source")},
+    }
+    (root / "tables").mkdir()
+    pd.DataFrame(inputs).to_csv(root / "tables/inputs.csv", index=False)
+    for ledger, columns in (("claims", CLAIM_COLUMNS), ("equations", EQUATION_COLUMNS)):
+        row = dict.fromkeys(columns, evil)
+        pd.DataFrame([row]).to_csv(root / f"tables/{ledger}.csv", index=False)
+    changed = replace(
+        record,
+        figures={"fig14": entry},
+        changes=(Change(key=evil, shipped=evil, used=evil),),
+        git={"commit": evil, "dirty": False},
+    )
+    texts = site_pages(root, changed)
+    assert any("&lt;script&gt;alert(1)" in text for text in texts.values())
+    for name, text in texts.items():
+        assert "<script>alert" not in text, name
+        page = Page(text)
+        assert not [t for t, given in page.tags if t == "script" and "src" not in given]
+
+
+def test_a_run_without_ledgers_and_rules_has_pages_too(few):
+    root, record = few
+    texts = site_pages(root, record)
+    assert "no ledger of claims" in texts["claims.html"]
+    assert "were not recorded" in texts["workflow.html"]
+    assert "As shipped" in texts["run.html"]
+    assert [name for name in texts if name.startswith("figures/")] == ["figures/fig14.html"]
+
+
+def test_a_results_folder_without_anything_is_refused(tmp_path, record):
+    with pytest.raises(ValueError, match="no figures and no tables"):
+        write_site(tmp_path, record)
+
+
+def test_a_ledger_without_a_column_is_refused(few):
+    root, record = few
+    (root / "tables").mkdir()
+    (root / "tables/claims.csv").write_text("id,statement\nC01,x\n", encoding="utf-8")
+    with pytest.raises(ValueError, match=r"claims\.csv: has no column where, kind"):
+        site_pages(root, record)
+
+
+def test_a_record_survives_its_file(few):
+    root, record = few
+    write_record(root, record)
+    again = read_record(root)
+    assert isinstance(again, Record)
+    assert again.plain() == record.plain()
+
+
+@pytest.mark.parametrize("broken", ["seed", "rules"])
+def test_a_malformed_record_is_refused(record, broken):
+    content = record.plain()
+    del content[broken]
+    with pytest.raises(RecordError, match=broken):
+        from_plain(content)
+
+
+def test_changes_of_the_configuration():
+    shipped = {
+        "a": {"x": {"value": 30.0, "evidence": "assumed", "source": "s"}, "y": [1, 2]},
+        "gone": 1,
+        "pathvars": {"results": "results"},
+    }
+    config = {
+        "a": {"x": {"value": 30, "evidence": "user", "source": "other words"}, "y": [1, 3]},
+        "new": {"z": 0},
+        "pathvars": {"results": "elsewhere"},
+    }
+    assert changes(config, shipped) == (
+        Change(key="a.y", shipped=[1, 2], used=[1, 3]),
+        Change(key="gone", shipped=1, used=None),
+        Change(key="new.z", shipped=None, used=0),
+    )
+
+
+def test_names_of_declared_rows():
+    rows = {
+        "materials": "material,property,value\nsilicon,density,1\nsilicon,youngs_modulus,2\n",
+        "contacts": "particle,surface,property,value\nsteel,silicon,friction,1\n",
+    }
+    assert row_names(rows) == {"materials": ("silicon",), "contacts": ("steel on silicon",)}
+    assert row_names(None) == {}
+
+
+def test_the_command_writes_the_site_of_a_finished_run(few):
+    root, record = few
+    write_record(root, record)
+    done = CliRunner().invoke(commands, ["report", str(root)])
+    assert done.exit_code == 0, done.output
+    assert (root / "report/index.html").is_file()
+    assert (root / "report/files/figures/fig14.svg").is_file()
+
+
+def test_the_base_serves_pages_of_other_packages(tmp_path):
+    (tmp_path / "own.html").write_text(
+        '{% extends "base.html" %}{% block title %}T{% endblock %}'
+        "{% block main %}<h1>{{ words }}</h1>{% endblock %}",
+        encoding="utf-8",
+    )
+    page = Page(render("own.html", templates=tmp_path, words="a < b", here="run", root="../"))
+    assert "a < b" in page.text
+    assert page.has("a", href="../run.html", **{"aria-current": "page"})
+    assert {f"../{file}" for key, file, _ in NAVIGATION if key == "claims"} <= set(page.links)

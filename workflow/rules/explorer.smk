@@ -1,0 +1,55 @@
+"""The explorer: tables for any impact, and the page that computes with them in a browser."""
+
+from microimpact.report.explorer import build as explorer
+
+WRITE_EXPLORER = PROJECT / "workflow/scripts/write_explorer.py"
+EXPLORER = PROJECT / "src/microimpact/report/explorer"
+FRAME = PROJECT / "src/microimpact/report/site/templates/base.html"
+EXPLORER_TABLES = [
+    f"explorer_{name}"
+    for name in ("threshold", "restitution", "impulses", "accuracy", "materials", "contacts")
+]
+
+
+def explorer_code():
+    """Return the files that decide what the explorer's page is."""
+    files = closure.source_files("microimpact.report.explorer.build", scripts=[WRITE_EXPLORER])
+    folders = [EXPLORER / "templates", EXPLORER / "assets"]
+    parts = [path for folder in folders for path in sorted(folder.iterdir())]
+    return _relative([*files, *parts, FRAME])
+
+
+rule explorer_tables:
+    """data/explorer_*.csv: tables of any normal impact, their errors, and declared contacts."""
+    input:
+        calibration="<results>/tables/calibration.csv",
+        code=study_code("explorer_tables"),
+    output:
+        **{name: f"<results>/data/{name}.csv" for name in EXPLORER_TABLES},
+    log:
+        "<results>/logs/explorer_tables.log",
+    benchmark:
+        "<results>/benchmarks/explorer_tables.tsv"
+    params:
+        branch=SETTINGS.branches["explorer_tables"],
+        rows=DECLARED.contact_rows(),
+    script:
+        "../scripts/run_study.py"
+
+
+rule explorer:
+    """report/explorer.html: any impact computed in a browser; its look comes with the report."""
+    input:
+        **{name: f"<results>/data/{name}.csv" for name in EXPLORER_TABLES},
+        code=explorer_code(),
+    output:
+        [f"<results>/report/explorer/{name}" for name in explorer.FILES],
+        page="<results>/report/explorer.html",
+    log:
+        "<results>/logs/explorer.log",
+    benchmark:
+        "<results>/benchmarks/explorer.tsv"
+    params:
+        largest_damping=SETTINGS.branches["explorer_tables"]["largest_damping"],
+    script:
+        "../scripts/write_explorer.py"

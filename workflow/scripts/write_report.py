@@ -1,0 +1,25 @@
+"""Write the report of a run, a static site, from its tables and figures."""
+
+import sys
+from pathlib import Path
+from typing import Any
+
+from microimpact.job import logged
+from microimpact.report.site.build import REPORT, write_site
+from microimpact.report.site.record import from_plain, write_record
+
+
+def main(job: Any) -> str:
+    """Write the record of the run and all pages, and return a line on them.
+
+    The rule gives the record as ``params.record`` and ``record.json`` in the report as an output.
+    """
+    results = Path(job.output.record).parents[1]
+    record = from_plain(job.params.record, "params.record")
+    write_record(results, record)
+    pages = write_site(results, record)
+    return f"{job.rule}: {len(pages)} pages in {results / REPORT}\n"
+
+
+if __name__ == "__main__":
+    sys.exit(logged(main, snakemake))  # type: ignore[name-defined]  # noqa: F821
