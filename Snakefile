@@ -45,6 +45,8 @@ include: "workflow/rules/claims_analysis_claims.smk"
 include: "workflow/rules/claims_laboratory_claims.smk"
 include: "workflow/rules/campaign.smk"
 include: "workflow/rules/figures.smk"
+include: "workflow/rules/explorer.smk"
+include: "workflow/rules/report.smk"
 include: "workflow/rules/check.smk"
 
 
@@ -56,4 +58,4 @@ rule all:
 
 
 onsuccess:
-    write_stamp(workflow.pathvars.apply("<results>/run.json"), config, PROJECT)
+    write_stamp(workflow.pathvars.apply("<results>/run.json"), config, PROJECT, STARTED)

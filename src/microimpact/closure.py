@@ -97,6 +97,7 @@ def _data_files(folder: Path) -> Iterator[Path]:
             yield path
 
 
+@cache
 def imports_of(script: Path) -> list[str]:
     """Return the package modules that a Python file names in its import statements."""
     found = set[str]()

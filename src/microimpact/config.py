@@ -63,6 +63,7 @@ class General:
     """Top-level keys that belong to no single analysis."""
 
     seed: Annotated[int, Field(ge=0)]
+    chunks: Count
     materials: Name
     contacts: Name
     printed_values: Name

@@ -16,11 +16,12 @@ class ConfigError(ValueError):
 MOST_VALUES = 1_000_000
 
 
-class _Loader(yaml.SafeLoader):
-    """Plain values only; a key that stands twice would replace the first without a word.
+# Deeper documents are left to the slow loader: they make libyaml's crash the interpreter.
+DEEPEST = 100
 
-    Not libyaml's loader: nested deeply enough a document makes that one crash the interpreter.
-    """
+
+class _Unique:
+    """Plain values only; a key that stands twice would replace the first without a word."""
 
     def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:
         seen = set()
@@ -32,7 +33,42 @@ class _Loader(yaml.SafeLoader):
                         problem_mark=key.start_mark,
                     )
                 seen.add(key.value)
-        return super().construct_mapping(node, deep)
+        content: dict[Any, Any] = super().construct_mapping(node, deep)  # type: ignore[misc]
+        return content
+
+
+class _Loader(_Unique, yaml.SafeLoader):
+    pass
+
+
+# libyaml reads eight times faster; a PyYAML built without it has no such loader.
+class _FastLoader(_Unique, getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
+    pass
+
+
+def _read(text: str) -> object:
+    """Return the content of a document, by the fast loader where that is safe and finds no fault.
+
+    What is wrong is told by the slow one, so that its words do not depend on the installation.
+    """
+    try:
+        if _is_shallow(text):
+            return yaml.load(text, _FastLoader)
+    except (yaml.YAMLError, ValueError, AttributeError, IndexError, TypeError):
+        pass
+    return yaml.load(text, _Loader)
+
+
+def _is_shallow(text: str) -> bool:
+    depth = 0
+    for event in yaml.parse(text, _FastLoader):
+        if isinstance(event, yaml.CollectionStartEvent):
+            depth += 1
+        elif isinstance(event, yaml.CollectionEndEvent):
+            depth -= 1
+        if depth > DEEPEST:
+            return False
+    return True
 
 
 def load(path: Path | str) -> dict[str, Any]:
@@ -45,7 +81,7 @@ def load(path: Path | str) -> dict[str, Any]:
         a mapping, or grows without end where its aliases are written out.
     """
     try:
-        content = yaml.load(Path(path).read_text(encoding="utf-8-sig"), _Loader)
+        content = _read(Path(path).read_text(encoding="utf-8-sig"))
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark
         where = f", line {mark.line + 1}, column {mark.column + 1}" if mark else ""

@@ -1,14 +1,25 @@
-"""Files written in one step, so that no reader ever meets half of one."""
+"""Files written in one step, so that no reader meets half of one, and their checksums."""
 
 from __future__ import annotations
 
+import hashlib
 import os
 import tempfile
+from collections.abc import Iterable
 from pathlib import Path
+
+# Below a results root: for each result a file as `sha256sum --check` reads it.
+CHECKSUMS = "checksums"
+
+
+class AlteredError(ValueError):
+    """Files that are no longer as they were written: one line each."""
 
 
 def write_file(path: Path | str, content: str | bytes) -> None:
     """Write a file: to a temporary one beside it, which then takes its name.
+
+    A killed writer leaves the file as it was, and at most a hidden temporary one.
 
     Parameters
     ----------
@@ -16,17 +27,109 @@ def write_file(path: Path | str, content: str | bytes) -> None:
         The file; missing folders are made.
     content
         Bytes, or text, which is written in UTF-8 with its line ends as they are.
+
+    Raises
+    ------
+    OSError
+        Naming the file, as for a full disk or a folder that is read-only.
     """
     target = Path(path)
     data = content.encode() if isinstance(content, str) else content
-    target.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        _replace(target, data)
+    except OSError as error:
+        # As raised it names the temporary file, or, where the disk is full, none at all.
+        raise OSError(error.errno, f"cannot be written: {error.strerror}", str(target)) from error
+
+
+def _replace(target: Path, data: bytes) -> None:
     handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
     temporary = Path(name)
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(data)
+            file.flush()
+            # Some file systems tell only now that the disk is full.
+            os.fsync(handle)
         temporary.chmod(0o644)
         temporary.replace(target)
     except BaseException:
-        temporary.unlink()
+        temporary.unlink(missing_ok=True)
         raise
+
+
+def write_checksums(root: Path, files: Iterable[Path | str]) -> None:
+    """Record the SHA-256 of results; ``sha256sum --check`` in the results root reads them.
+
+    Parameters
+    ----------
+    root
+        Results root. The record of ``data/fig17.csv`` is ``checksums/data/fig17.csv.sha256``.
+    files
+        Files below it, as they were just written.
+    """
+    for file in files:
+        path = Path(file)
+        name = path.relative_to(root).as_posix()
+        write_file(_record(root, path), f"{_sha256(path)}  {name}\n")
+
+
+def remove_checksums(root: Path, files: Iterable[Path | str]) -> None:
+    """Remove the records of files that are about to be written anew."""
+    for file in files:
+        _record(root, Path(file)).unlink(missing_ok=True)
+
+
+def require_unaltered(root: Path, files: Iterable[Path | str]) -> None:
+    """Refuse files that have changed since they were recorded; files without record pass.
+
+    Parameters
+    ----------
+    root
+        Results root.
+    files
+        Any files, also such as are no results.
+
+    Raises
+    ------
+    AlteredError
+        Naming each file that was cut, damaged or edited.
+    """
+    own = [path for path in map(Path, files) if path.is_relative_to(root)]
+    if altered := [path for path in own if _is_altered(root, path)]:
+        raise AlteredError(
+            "\n".join(
+                f"{path}: not as it was written: cut short, damaged or edited; "
+                "delete it and run again"
+                for path in altered
+            )
+        )
+
+
+def altered_files(root: Path) -> list[Path]:
+    """Return the files below a results root that are still there, but not as they were recorded."""
+    folder = root / CHECKSUMS
+    paths = [
+        root / record.relative_to(folder).with_suffix("")
+        for record in sorted(folder.rglob("*.sha256"))
+        if not record.name.startswith(".")
+    ]
+    return [path for path in paths if path.is_file() and _is_altered(root, path)]
+
+
+def _record(root: Path, path: Path) -> Path:
+    return root / CHECKSUMS / f"{path.relative_to(root).as_posix()}.sha256"
+
+
+def _is_altered(root: Path, path: Path) -> bool:
+    try:
+        recorded = _record(root, path).read_text(encoding="utf-8")
+    except FileNotFoundError:
+        return False
+    return recorded.partition(" ")[0] != _sha256(path)
+
+
+def _sha256(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

@@ -1,4 +1,4 @@
-"""A job of the workflow with a log: what both of its scripts share."""
+"""A job of the workflow with a log: what all of its scripts share."""
 
 from __future__ import annotations
 
@@ -8,16 +8,29 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from microimpact.files import (
+    remove_checksums,
+    require_unaltered,
+    write_checksums,
+    write_file,
+)
+
+LOGS = "logs"
+
 
 def logged(main: Callable[[Any], str], job: Any) -> int:
     """Run a job and log the line it returns; a failure leaves its full account in the log.
+
+    Results that the job reads must be as they were written, and what it writes is recorded, so
+    that a table that lost its last lines is not taken for a whole one.
 
     Parameters
     ----------
     main
         The work; takes the job and returns what is to be logged.
     job
-        The object that a script of the workflow is given, with ``log`` and ``rule``.
+        The object that a script of the workflow is given, with ``input``, ``output``, ``log`` and
+        ``rule``; its log stands in the folder ``logs`` of the results root.
 
     Returns
     -------
@@ -25,11 +38,36 @@ def logged(main: Callable[[Any], str], job: Any) -> int:
         Exit code: 0, or 1 after a failure, which is also told in one line.
     """
     log = Path(job.log[0])
-    log.parent.mkdir(parents=True, exist_ok=True)
     try:
-        log.write_text(main(job), encoding="utf-8")
+        root = results_root(log)
+        require_unaltered(root, job.input)
+        remove_checksums(root, job.output)
+        account = main(job)
+        write_checksums(root, job.output)
+        write_file(log, account)
     except Exception as error:  # noqa: BLE001  whatever a job raises belongs in its log
-        log.write_text(traceback.format_exc(), encoding="utf-8")
         sys.stderr.write(f"{job.rule}: {error}\n")
+        _log_failure(log)
         return 1
     return 0
+
+
+def results_root(log: Path) -> Path:
+    """Return the results root that a log stands in, at any depth of its folder ``logs``.
+
+    Raises
+    ------
+    ValueError
+        If the log stands in no such folder.
+    """
+    for folder in log.parents:
+        if folder.name == LOGS:
+            return folder.parent
+    raise ValueError(f"{log}: a log must stand in the folder {LOGS} of the results")
+
+
+def _log_failure(log: Path) -> None:
+    try:
+        write_file(log, traceback.format_exc())
+    except OSError as error:  # the disk that fails the job may fail its log
+        sys.stderr.write(f"{error}\n")

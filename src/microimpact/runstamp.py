@@ -27,8 +27,10 @@ PACKAGES = (
 )
 
 
-def write_stamp(path: Path | str, config: Mapping[str, Any], project: Path | str) -> None:
-    """Write the stamp of a run as JSON.
+def write_stamp(
+    path: Path | str, config: Mapping[str, Any], project: Path | str, started: datetime
+) -> None:
+    """Write the stamp of a run that ends now, as JSON.
 
     Parameters
     ----------
@@ -38,9 +40,12 @@ def write_stamp(path: Path | str, config: Mapping[str, Any], project: Path | str
         The merged configuration of the run.
     project
         Root of the project, whose commit is recorded.
+    started
+        When the run began, see `run_date`.
     """
     stamp = {
-        "date": run_date().isoformat(),
+        "started": started.isoformat(),
+        "ended": run_date().isoformat(),
         "git": git_state(Path(project)),
         "python": platform.python_version(),
         "platform": f"{platform.system()} {platform.machine()}",

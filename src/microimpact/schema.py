@@ -19,7 +19,8 @@ from pydantic import TypeAdapter
 from microimpact.config import General, study_names, study_params
 from microimpact.figures.registry import FIGURE_NAME, FigureSpec
 from microimpact.files import write_file
-from microimpact.ledgers.criteria import CLAIM_NAME, Claim
+from microimpact.ledgers.criteria import CLAIM_NAME, DIGITISED, Claim
+from microimpact.ledgers.digitised import DigitisedCriteria
 from microimpact.parameters import adapter
 from microimpact.provenance import EVIDENCE
 
@@ -101,6 +102,8 @@ def claims_schema() -> Schema:
         "title": "Claims of the article",
         "type": "object",
         "additionalProperties": False,
+        "required": [DIGITISED],
+        "properties": {DIGITISED: _resolved(adapter(DigitisedCriteria).json_schema(), {})},
         "patternProperties": {CLAIM_NAME: entry},
     }
 

@@ -68,7 +68,7 @@ def _stamp_line(results: Path) -> str:
     stamp: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
     commit = stamp["git"]["commit"] or "no commit"
     changed = ", with changes" if stamp["git"]["dirty"] else ""
-    return f"Run of {stamp['date']} ({commit[:12]}{changed}); its stamp is {path}"
+    return f"Run of {stamp['ended']} ({commit[:12]}{changed}); its stamp is {path}"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

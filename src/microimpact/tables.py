@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import io
 from collections.abc import Sequence
 from pathlib import Path
@@ -107,17 +108,56 @@ def read_table(path: Path | str, columns: Sequence[str] | None = None) -> pd.Dat
     Raises
     ------
     TableError
-        Naming the file and the missing, misnamed or unexpected columns.
+        Naming the file and the missing, misnamed or unexpected columns, or the line that is cut
+        or has too many fields; also for a file that is no text.
     """
-    table = parse_table(Path(path).read_text(encoding="utf-8"))
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+        _require_whole_rows(text, str(path))
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise TableError(f"{path}: no CSV table in UTF-8: {error}") from None
+    table = parse_table(text)
     if columns is not None:
         check_columns(list(table.columns), columns, str(path))
+    return table
+
+
+def read_figure_data(path: Path | str, x_unit: str, y_unit: str) -> pd.DataFrame:
+    """Read the data of a figure in the given units.
+
+    Raises
+    ------
+    TableError
+        As for `read_table`, and naming the row where x or y is missing or no number.
+    """
+    columns = figure_columns(x_unit, y_unit)
+    table = read_table(path, columns)
+    for column in columns[3:5]:
+        numbers = pd.to_numeric(table[column], errors="coerce")
+        if numbers.isna().any():
+            row = int(numbers.isna().argmax())
+            cell = table[column].iloc[row]
+            found = "nothing" if pd.isna(cell) else repr(cell)
+            raise TableError(f"{path}, row {row + 1}: {column} must be a number, got {found}")
     return table
 
 
 def parse_table(text: str) -> pd.DataFrame:
     """Return the table that a CSV text holds, read as `read_table` does."""
     return pd.read_csv(io.StringIO(text), keep_default_na=False, na_values=[""])
+
+
+def _require_whole_rows(text: str, name: str) -> None:
+    # Missing fields at the end of a row would be read as missing values, a cut number as another.
+    rows = csv.reader(io.StringIO(text, newline=""))
+    expected = len(next(rows, ()))
+    for row in rows:
+        if len(row) != expected:
+            raise TableError(
+                f"{name}, line {rows.line_num}: {len(row)} fields where the header has {expected}"
+            )
+    if not text.endswith("\n"):
+        raise TableError(f"{name}: cut short: its last line does not end")
 
 
 def check_columns(found: Sequence[str], expected: Sequence[str], name: str) -> None:

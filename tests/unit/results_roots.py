@@ -68,7 +68,7 @@ def results(root, *, slope=0.7, inputs=INPUTS, claims=CLAIMS, commit="abc"):
         "tables/inputs.csv": inputs,
         "tables/claims.csv": claims,
         "data/fig14.csv": figure_data(slope),
-        "run.json": json.dumps({"date": "today", "git": {"commit": commit}, "config": {"x": 1}}),
+        "run.json": json.dumps({"ended": "today", "git": {"commit": commit}, "config": {"x": 1}}),
     }.items():
         (root / name).parent.mkdir(parents=True, exist_ok=True)
         (root / name).write_text(text, encoding="utf-8")

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from microimpact import Contact, capture_velocity, fit_restitution, restitution, simulate
 from microimpact.config import load, validate
-from microimpact.model import restitution_sets
+from microimpact.model import restitution_descent
 from microimpact.model.restitution_batch import (
     data_sets,
     fit_batch,
@@ -99,7 +99,7 @@ def test_exact_data_give_the_truth_back(q):
 
 def test_slopes_match_differences():
     v = np.array([[0.2, 0.44, 0.46, 1.0, 8.0]])
-    search = Search(v=v, e=v, weight=v, end=np.array([0.44]))
+    search = Search(v=v, log_v=np.log(v), e=v, weight=v, end=np.array([0.44]))
     x = np.log([[30.0, 1.2, 0.15, 0.6, 0.05]])
     e, slopes = curves(search, x)
     np.testing.assert_allclose(e[0], restitution(v[0], 30.0, 1.2, 0.15, 0.6, 0.39), rtol=1e-12)
@@ -162,7 +162,8 @@ def test_a_fit_does_not_depend_on_its_batch(monkeypatch):
     sets = data_sets(v, e, 1.0 / 0.03)
     whole = fit_batch(sets)
     ends = interval_batch(sets, whole, CHI_SQUARE_95)
-    monkeypatch.setattr(restitution_sets, "TOGETHER", 5)
+    monkeypatch.setattr(restitution_descent, "TOGETHER", 5)
+    monkeypatch.setattr(restitution_descent, "ENDED", 2)
     small = fit_batch(sets)
     for one, other in zip(
         (whole.v_c, whole.chi_square), (small.v_c, small.chi_square), strict=True

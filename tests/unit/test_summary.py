@@ -14,7 +14,7 @@ def test_summary_names_what_was_built(tmp_path, capsys, monkeypatch):
     for name in ("figures/fig14.svg", "data/fig14.csv", "tables/inputs.csv"):
         (results / name).parent.mkdir(parents=True, exist_ok=True)
         (results / name).write_text("x" * 1500)
-    runstamp.write_stamp(results / "run.json", {"seed": 3}, tmp_path)
+    runstamp.write_stamp(results / "run.json", {"seed": 3}, tmp_path, runstamp.run_date())
     assert summary.main([str(results)]) == 0
     text = capsys.readouterr().out
     assert "fig14" in text
@@ -42,8 +42,10 @@ def test_stamp(tmp_path, monkeypatch):
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
     assert runstamp.run_date() == datetime(1970, 1, 2, tzinfo=UTC)
     seed = {"value": 7, "evidence": "chosen", "source": "x"}
-    runstamp.write_stamp(tmp_path / "run.json", {"seed": seed}, tmp_path)
+    started = datetime(1969, 12, 31, 23, tzinfo=UTC)
+    runstamp.write_stamp(tmp_path / "run.json", {"seed": seed}, tmp_path, started)
     stamp = json.loads((tmp_path / "run.json").read_text())
     assert stamp["seed"] == 7
-    assert stamp["date"] == "1970-01-02T00:00:00+00:00"
+    assert stamp["started"] == "1969-12-31T23:00:00+00:00"
+    assert stamp["ended"] == "1970-01-02T00:00:00+00:00"
     assert stamp["git"] == {"commit": None, "dirty": None}

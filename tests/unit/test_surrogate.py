@@ -111,7 +111,8 @@ def test_damping_that_is_the_same_serves_many_diameters(contact, exponent):
     spheres = contact.replace(
         adhesion_rate_exponent=exponent,
         reference_velocity=3.0 * unit,
-        diameter=random.uniform(50e-6, 75e-6, COUNT), friction=random.uniform(0.1, 0.2, COUNT)
+        diameter=random.uniform(50e-6, 75e-6, COUNT),
+        friction=random.uniform(0.1, 0.2, COUNT),
     )
     v = speeds(spheres, 20.0, unit=unit)
     surrogate = Surrogate.of(spheres, v)

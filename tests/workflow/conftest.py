@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import re
 import shutil
@@ -75,8 +76,31 @@ def copied(target):
 
 
 @pytest.fixture(scope="session")
-def project(tmp_path_factory):
-    """The project, built small into build/ci."""
-    project = copied(tmp_path_factory.mktemp("project"))
-    project.first_run = project.snakemake(*SMALL).text
-    return project
+def built(tmp_path_factory):
+    """A project built small into build/ci, once for all workers; nobody edits it.
+
+    Where the environment variable MICROIMPACT_BUILT is set, what stands in build/ci of this
+    checkout is taken over; only what is out of date is built again, and the run stamp.
+    """
+    base = tmp_path_factory.getbasetemp()
+    base = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
+    finished = base / "built.log"
+    with (base / "built.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not finished.exists():
+            project = copied(base / "built")
+            arguments = [*SMALL, "--cores", "2"]
+            if "MICROIMPACT_BUILT" in os.environ:
+                for folder in ("build/ci", ".snakemake/metadata"):
+                    shutil.copytree(ROOT / folder, project.root / folder)
+                arguments += ["--forcerun", "declared_inputs"]
+            finished.write_text(project.snakemake(*arguments).text, encoding="utf-8")
+    return base / "built"
+
+
+@pytest.fixture(scope="session")
+def project(built, tmp_path_factory):
+    """The project, built small into build/ci, for the tests of one worker to edit."""
+    root = tmp_path_factory.mktemp("project") / "copy"
+    shutil.copytree(built, root)
+    return Project(root)

@@ -40,7 +40,7 @@ def test_a_file_redraws_its_figure_alone_and_so_does_its_removal(project):
         assert project.planned(*TARGETS) == concerned
         project.snakemake(*TARGETS)
         assert all(a != b.read_bytes() for a, b in zip(before, outputs, strict=True))
-        assert "fig17,friction,0.15,0.15,computed,1,1,0,-0.03," in table.read_text()
+        assert "fig17,friction,0.15,0.15,True,computed,1,1,0,-0.03," in table.read_text()
         log = (project.root / OUT / "logs/fig17.log").read_text()
         assert log == "fig17: drawn from fig17, digitised points from made up\n"
         # another date is no other content

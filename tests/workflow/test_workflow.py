@@ -56,7 +56,8 @@ def test_the_run_stamp(project):
     assert stamp["git"] == {"commit": None, "dirty": None}
     assert stamp["python"] == platform.python_version()
     assert stamp["packages"]["numpy"]
-    assert stamp["date"].endswith("+00:00")
+    assert all(stamp[key].endswith("+00:00") for key in ("started", "ended"))
+    assert stamp["started"] < stamp["ended"]
 
 
 @pytest.mark.parametrize(

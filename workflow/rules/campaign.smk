@@ -1,9 +1,28 @@
 """The campaign of virtual experiments, and what the intervals of their means hold."""
 
 
+rule campaign_part:
+    """chunks/campaign-*.json: what one part of the study gives, until all are gathered."""
+    input:
+        calibration="<results>/tables/calibration.csv",
+        code=study_code("campaign"),
+    output:
+        temp("<results>/chunks/campaign-{chunk}.json"),
+    log:
+        "<results>/logs/campaign-{chunk}.log",
+    benchmark:
+        "<results>/benchmarks/campaign-{chunk}.tsv"
+    params:
+        branch=SETTINGS.branches["campaign"],
+        rows=ROWS["campaign"],
+    script:
+        "../scripts/run_study.py"
+
+
 rule campaign:
     """tables/campaign.csv: all 187 experiments; campaign_summary.csv; data of campaign_map."""
     input:
+        parts=chunk_files("campaign"),
         calibration="<results>/tables/calibration.csv",
         code=study_code("campaign"),
     output:
@@ -15,8 +34,26 @@ rule campaign:
     benchmark:
         "<results>/benchmarks/campaign.tsv"
     params:
-        branch=lookup(dpath="campaign", within=SETTINGS.branches),
+        branch=SETTINGS.branches["campaign"],
         rows=ROWS["campaign"],
+    script:
+        "../scripts/run_study.py"
+
+
+rule interval_coverage_part:
+    """chunks/interval_coverage-*.json: what one part of the study gives, until all are gathered."""
+    input:
+        calibration="<results>/tables/calibration.csv",
+        code=study_code("interval_coverage"),
+    output:
+        temp("<results>/chunks/interval_coverage-{chunk}.json"),
+    log:
+        "<results>/logs/interval_coverage-{chunk}.log",
+    benchmark:
+        "<results>/benchmarks/interval_coverage-{chunk}.tsv"
+    params:
+        branch=SETTINGS.branches["interval_coverage"],
+        rows=ROWS["interval_coverage"],
     script:
         "../scripts/run_study.py"
 
@@ -24,6 +61,7 @@ rule campaign:
 rule interval_coverage:
     """tables/interval_coverage.csv: how often 95 % intervals hold either mean; figure data."""
     input:
+        parts=chunk_files("interval_coverage"),
         calibration="<results>/tables/calibration.csv",
         code=study_code("interval_coverage"),
     output:
@@ -35,7 +73,7 @@ rule interval_coverage:
     benchmark:
         "<results>/benchmarks/interval_coverage.tsv"
     params:
-        branch=lookup(dpath="interval_coverage", within=SETTINGS.branches),
+        branch=SETTINGS.branches["interval_coverage"],
         rows=ROWS["interval_coverage"],
     script:
         "../scripts/run_study.py"

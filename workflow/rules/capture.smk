@@ -14,7 +14,7 @@ rule capture_velocities:
     benchmark:
         "<results>/benchmarks/capture_velocities.tsv"
     params:
-        branch=lookup(dpath="capture_velocities", within=SETTINGS.branches),
+        branch=SETTINGS.branches["capture_velocities"],
         rows=ROWS["capture_velocities"],
     script:
         "../scripts/run_study.py"

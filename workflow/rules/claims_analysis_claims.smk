@@ -16,7 +16,7 @@ rule analysis_claims:
     benchmark:
         "<results>/benchmarks/analysis_claims.tsv"
     params:
-        branch=lookup(dpath="analysis_claims", within=SETTINGS.branches),
+        branch=SETTINGS.branches["analysis_claims"],
         rows=ROWS["analysis_claims"],
     script:
         "../scripts/run_study.py"

@@ -33,7 +33,7 @@ rule laboratory_claims:
     benchmark:
         "<results>/benchmarks/laboratory_claims.tsv"
     params:
-        branch=lookup(dpath="laboratory_claims", within=SETTINGS.branches),
+        branch=SETTINGS.branches["laboratory_claims"],
         rows=ROWS["laboratory_claims"],
     script:
         "../scripts/run_study.py"

@@ -17,7 +17,7 @@ rule model_claims:
     benchmark:
         "<results>/benchmarks/model_claims.tsv"
     params:
-        branch=lookup(dpath="model_claims", within=SETTINGS.branches),
+        branch=SETTINGS.branches["model_claims"],
         rows=ROWS["model_claims"],
     script:
         "../scripts/run_study.py"

@@ -10,34 +10,41 @@ from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
 
+# workflow/Snakefile includes the one of the project.
 PROJECT = Path(workflow.basedir)
+PROJECT = PROJECT.parent if PROJECT.name == "workflow" else PROJECT
+
+
+wildcard_constraints:
+    chunk=r"\d+-of-\d+",
+
 
 # A project that was copied or cloned uses its own package, here and in its jobs.
 sys.path.insert(0, str(PROJECT / "src"))
 os.environ.update(
-    PYTHONPATH=os.pathsep.join(filter(None, [str(PROJECT / "src"), os.environ.get("PYTHONPATH")]))
+    PYTHONPATH=os.pathsep.join(filter(None, [str(PROJECT / "src"), os.environ.get("PYTHONPATH")])),
+    # Jobs run beside each other; more threads in each would only wait for one another.
+    OPENBLAS_NUM_THREADS="1",
 )
 
-from microimpact import closure, digitized, selection
+from microimpact import closure, digitized
 from microimpact.config import load, validate
-from microimpact.figures.registry import filled, registry
-from microimpact.materials import materials_from_rows
-from microimpact.model.pairs import pairs_from_rows
-from microimpact.runstamp import write_stamp
+from microimpact.inputs import read_inputs
+from microimpact.runstamp import run_date, write_stamp
 
+STARTED = run_date()
 RUN_STUDY = PROJECT / "workflow/scripts/run_study.py"
 DRAW_FIGURE = PROJECT / "workflow/scripts/draw_figure.py"
 JUDGE_LEDGER = PROJECT / "workflow/scripts/judge_ledger.py"
 
 try:
-    SETTINGS = validate(config, load(PROJECT / "config/config.yaml"))
-    DECLARED = selection.read_all(*SETTINGS.general.tables)
-    materials_from_rows(DECLARED.materials.rows)
-    pairs_from_rows(DECLARED.contacts.rows)
-    ROWS = {name: DECLARED.named_in(branch) for name, branch in SETTINGS.branches.items()}
-    FIGURE_ENTRIES = filled(load(SETTINGS.general.figures), SETTINGS.branches)
-    FIGURES = registry(FIGURE_ENTRIES)
-    DIGITIZED = digitized.read_folder(SETTINGS.general.digitized, FIGURES)
+    SHIPPED = load(PROJECT / "config/config.yaml")
+    for path in workflow.overwrite_configfiles:
+        load(path)  # stricter than the engine, which lets a repeated key pass
+    SETTINGS = validate(config, SHIPPED)
+    INPUTS = read_inputs(SETTINGS)
+    DECLARED, ROWS, DIGITIZED = INPUTS.tables, INPUTS.rows, INPUTS.digitized
+    FIGURES, FIGURE_ENTRIES = INPUTS.figures, INPUTS.figure_entries
 except (ValueError, OSError) as error:
     raise WorkflowError(f"problems in the declared inputs:\n{error}") from None
 
@@ -45,6 +52,12 @@ except (ValueError, OSError) as error:
 def study_code(study):
     """Return the files that decide what a study computes."""
     return _relative(closure.source_files(f"microimpact.studies.{study}", scripts=[RUN_STUDY]))
+
+
+def chunk_files(study):
+    """Return the files of the parts that a heavy study is split into."""
+    count = SETTINGS.general.chunks
+    return [f"<results>/chunks/{study}-{n}-of-{count}.json" for n in range(1, count + 1)]
 
 
 def figure_code(name):

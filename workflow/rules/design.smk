@@ -21,7 +21,7 @@ rule doe:
     benchmark:
         "<results>/benchmarks/doe.tsv"
     params:
-        branch=lookup(dpath="doe", within=SETTINGS.branches),
+        branch=SETTINGS.branches["doe"],
         rows=ROWS["doe"],
     script:
         "../scripts/run_study.py"
@@ -45,7 +45,7 @@ rule sensitivity:
     benchmark:
         "<results>/benchmarks/sensitivity.tsv"
     params:
-        branch=lookup(dpath="sensitivity", within=SETTINGS.branches),
+        branch=SETTINGS.branches["sensitivity"],
         rows=ROWS["sensitivity"],
     script:
         "../scripts/run_study.py"

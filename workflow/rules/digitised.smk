@@ -17,7 +17,7 @@ rule digitised_comparison:
     benchmark:
         "<results>/benchmarks/digitised_comparison.tsv"
     params:
-        branch=lookup(dpath="digitised_comparison", within=SETTINGS.branches),
+        branch=SETTINGS.branches["digitised_comparison"],
         rows=digitised_rows(*DIGITIZED),
     script:
         "../scripts/run_study.py"

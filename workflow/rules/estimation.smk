@@ -16,7 +16,7 @@ rule calibration:
     benchmark:
         "<results>/benchmarks/calibration.tsv"
     params:
-        branch=lookup(dpath="calibration", within=SETTINGS.branches),
+        branch=SETTINGS.branches["calibration"],
         rows=ROWS["calibration"],
     script:
         "../scripts/run_study.py"
@@ -36,7 +36,7 @@ rule restitution_fits:
     benchmark:
         "<results>/benchmarks/restitution_fits.tsv"
     params:
-        branch=lookup(dpath="restitution_fits", within=SETTINGS.branches),
+        branch=SETTINGS.branches["restitution_fits"],
         rows=ROWS["restitution_fits"] | digitised_rows("fig15", "fig16"),
     script:
         "../scripts/run_study.py"

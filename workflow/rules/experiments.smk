@@ -16,8 +16,26 @@ rule normal_experiments:
     benchmark:
         "<results>/benchmarks/normal_experiments.tsv"
     params:
-        branch=lookup(dpath="normal_experiments", within=SETTINGS.branches),
+        branch=SETTINGS.branches["normal_experiments"],
         rows=ROWS["normal_experiments"],
+    script:
+        "../scripts/run_study.py"
+
+
+rule oblique_experiments_part:
+    """chunks/oblique_experiments-*.json: what one part of the study gives, until all are gathered."""
+    input:
+        calibration="<results>/tables/calibration.csv",
+        code=study_code("oblique_experiments"),
+    output:
+        temp("<results>/chunks/oblique_experiments-{chunk}.json"),
+    log:
+        "<results>/logs/oblique_experiments-{chunk}.log",
+    benchmark:
+        "<results>/benchmarks/oblique_experiments-{chunk}.tsv"
+    params:
+        branch=SETTINGS.branches["oblique_experiments"],
+        rows=ROWS["oblique_experiments"],
     script:
         "../scripts/run_study.py"
 
@@ -25,6 +43,7 @@ rule normal_experiments:
 rule oblique_experiments:
     """data/fig06.csv to fig12.csv: oblique impacts seen by the PTIS; table of the experiments."""
     input:
+        parts=chunk_files("oblique_experiments"),
         calibration="<results>/tables/calibration.csv",
         code=study_code("oblique_experiments"),
     output:
@@ -36,7 +55,7 @@ rule oblique_experiments:
     benchmark:
         "<results>/benchmarks/oblique_experiments.tsv"
     params:
-        branch=lookup(dpath="oblique_experiments", within=SETTINGS.branches),
+        branch=SETTINGS.branches["oblique_experiments"],
         rows=ROWS["oblique_experiments"],
     script:
         "../scripts/run_study.py"

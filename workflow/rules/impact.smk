@@ -12,7 +12,7 @@ rule contact_properties:
     benchmark:
         "<results>/benchmarks/contact_properties.tsv"
     params:
-        branch=lookup(dpath="contact_properties", within=SETTINGS.branches),
+        branch=SETTINGS.branches["contact_properties"],
         rows=DECLARED.contact_rows(),
     script:
         "../scripts/run_study.py"
@@ -31,7 +31,7 @@ rule oblique_impact:
     benchmark:
         "<results>/benchmarks/oblique_impact.tsv"
     params:
-        branch=lookup(dpath="oblique_impact", within=SETTINGS.branches),
+        branch=SETTINGS.branches["oblique_impact"],
         rows=ROWS["oblique_impact"],
     script:
         "../scripts/run_study.py"
@@ -49,7 +49,7 @@ rule force_history:
     benchmark:
         "<results>/benchmarks/force_history.tsv"
     params:
-        branch=lookup(dpath="force_history", within=SETTINGS.branches),
+        branch=SETTINGS.branches["force_history"],
         rows=ROWS["force_history"],
     script:
         "../scripts/run_study.py"

@@ -12,7 +12,7 @@ rule declared_inputs:
     benchmark:
         "<results>/benchmarks/declared_inputs.tsv"
     params:
-        branch=lookup(dpath="declared_inputs", within=SETTINGS.branches),
+        branch=SETTINGS.branches["declared_inputs"],
         rows=DECLARED.everything(SETTINGS.declared),
     script:
         "../scripts/run_study.py"

@@ -20,7 +20,7 @@ rule pair_search:
     benchmark:
         "<results>/benchmarks/pair_search.tsv"
     params:
-        branch=lookup(dpath="pair_search", within=SETTINGS.branches),
+        branch=SETTINGS.branches["pair_search"],
         rows=ROWS["pair_search"],
     script:
         "../scripts/run_study.py"
@@ -43,7 +43,7 @@ rule track_imaging:
     benchmark:
         "<results>/benchmarks/track_imaging.tsv"
     params:
-        branch=lookup(dpath="track_imaging", within=SETTINGS.branches),
+        branch=SETTINGS.branches["track_imaging"],
         rows=ROWS["track_imaging"],
     script:
         "../scripts/run_study.py"

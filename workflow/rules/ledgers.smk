@@ -6,7 +6,12 @@ rule equations:
     input:
         code=ledger_code("equations"),
     output:
-        equations="<results>/tables/equations.csv",
+        equations=report(
+            "<results>/tables/equations.csv",
+            caption="../report/equations.rst",
+            category="Ledgers",
+            labels={"ledger": "equations"},
+        ),
     log:
         "<results>/logs/equations.log",
     benchmark:
@@ -18,15 +23,24 @@ rule equations:
 
 
 rule claims:
-    """tables/claims.csv: every claim of the article, the numbers behind it and the verdict."""
+    """tables/claims.csv: every claim of the article, the numbers behind it and the verdict.
+
+    Digitised points, if there are any, have rows after the claims.
+    """
     input:
         model_claims="<results>/tables/model_claims.csv",
         analysis_claims="<results>/tables/analysis_claims.csv",
         laboratory_claims="<results>/tables/laboratory_claims.csv",
+        digitised_residuals="<results>/tables/digitised_residuals.csv",
         criteria=SETTINGS.general.claims,
         code=ledger_code("claims"),
     output:
-        claims="<results>/tables/claims.csv",
+        claims=report(
+            "<results>/tables/claims.csv",
+            caption="../report/claims.rst",
+            category="Ledgers",
+            labels={"ledger": "claims"},
+        ),
     log:
         "<results>/logs/claims.log",
     benchmark:

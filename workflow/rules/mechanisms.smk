@@ -37,7 +37,7 @@ rule mechanisms:
     benchmark:
         "<results>/benchmarks/mechanisms.tsv"
     params:
-        branch=lookup(dpath="mechanisms", within=SETTINGS.branches),
+        branch=SETTINGS.branches["mechanisms"],
         rows=ROWS["mechanisms"],
     script:
         "../scripts/run_study.py"
@@ -57,7 +57,7 @@ rule pile_up:
     benchmark:
         "<results>/benchmarks/pile_up.tsv"
     params:
-        branch=lookup(dpath="pile_up", within=SETTINGS.branches),
+        branch=SETTINGS.branches["pile_up"],
         rows=ROWS["pile_up"],
     script:
         "../scripts/run_study.py"
@@ -75,7 +75,7 @@ rule laboratory_sensitivity:
     benchmark:
         "<results>/benchmarks/laboratory_sensitivity.tsv"
     params:
-        branch=lookup(dpath="laboratory_sensitivity", within=SETTINGS.branches),
+        branch=SETTINGS.branches["laboratory_sensitivity"],
         rows=ROWS["laboratory_sensitivity"],
     script:
         "../scripts/run_study.py"

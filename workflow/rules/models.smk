@@ -15,7 +15,7 @@ rule restitution_trends:
     benchmark:
         "<results>/benchmarks/restitution_trends.tsv"
     params:
-        branch=lookup(dpath="restitution_trends", within=SETTINGS.branches),
+        branch=SETTINGS.branches["restitution_trends"],
         rows=ROWS["restitution_trends"],
     script:
         "../scripts/run_study.py"
@@ -32,7 +32,7 @@ rule coulomb_friction:
     benchmark:
         "<results>/benchmarks/coulomb_friction.tsv"
     params:
-        branch=lookup(dpath="coulomb_friction", within=SETTINGS.branches),
+        branch=SETTINGS.branches["coulomb_friction"],
         rows=ROWS["coulomb_friction"],
     script:
         "../scripts/run_study.py"

@@ -18,7 +18,7 @@ rule monte_carlo:
     benchmark:
         "<results>/benchmarks/monte_carlo.tsv"
     params:
-        branch=lookup(dpath="monte_carlo", within=SETTINGS.branches),
+        branch=SETTINGS.branches["monte_carlo"],
         rows=ROWS["monte_carlo"],
     script:
         "../scripts/run_study.py"

@@ -72,7 +72,7 @@ rule report:
     params:
         record=lambda wildcards: site_record.record_of(
             config=config,
-            shipped=load(PROJECT / "config/config.yaml"),
+            shipped=SHIPPED,
             figures=registry_words(),
             rules=result_rules(),
             project=PROJECT,

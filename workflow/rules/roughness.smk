@@ -14,7 +14,7 @@ rule roughness_expansions:
     benchmark:
         "<results>/benchmarks/roughness_expansions.tsv"
     params:
-        branch=lookup(dpath="roughness_expansions", within=SETTINGS.branches),
+        branch=SETTINGS.branches["roughness_expansions"],
         rows=ROWS["roughness_expansions"],
     script:
         "../scripts/run_study.py"
@@ -34,7 +34,7 @@ rule rolling_dissipation:
     benchmark:
         "<results>/benchmarks/rolling_dissipation.tsv"
     params:
-        branch=lookup(dpath="rolling_dissipation", within=SETTINGS.branches),
+        branch=SETTINGS.branches["rolling_dissipation"],
         rows=ROWS["rolling_dissipation"],
     script:
         "../scripts/run_study.py"
@@ -53,7 +53,7 @@ rule captured_rolling:
     benchmark:
         "<results>/benchmarks/captured_rolling.tsv"
     params:
-        branch=lookup(dpath="captured_rolling", within=SETTINGS.branches),
+        branch=SETTINGS.branches["captured_rolling"],
         rows=ROWS["captured_rolling"],
     script:
         "../scripts/run_study.py"

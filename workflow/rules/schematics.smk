@@ -20,7 +20,7 @@ rule schematics:
     benchmark:
         "<results>/benchmarks/schematics.tsv"
     params:
-        branch=lookup(dpath="schematics", within=SETTINGS.branches),
+        branch=SETTINGS.branches["schematics"],
         rows=ROWS["schematics"],
     script:
         "../scripts/run_study.py"

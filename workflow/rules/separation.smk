@@ -13,7 +13,7 @@ rule particle_separation:
     benchmark:
         "<results>/benchmarks/particle_separation.tsv"
     params:
-        branch=lookup(dpath="particle_separation", within=SETTINGS.branches),
+        branch=SETTINGS.branches["particle_separation"],
         rows=ROWS["particle_separation"],
     script:
         "../scripts/run_study.py"

@@ -8,7 +8,7 @@ from microimpact.digitized import overlaid, read_points
 from microimpact.figures.registry import figure_spec
 from microimpact.figures.style import save
 from microimpact.job import logged
-from microimpact.tables import figure_columns, read_table
+from microimpact.tables import read_figure_data
 
 
 def main(job: Any) -> str:
@@ -19,8 +19,7 @@ def main(job: Any) -> str:
     """
     spec = figure_spec(job.rule, job.params.entry)
     tables = {
-        name: read_table(job.input[name], figure_columns(unit.x, unit.y))
-        for name, unit in spec.data.items()
+        name: read_figure_data(job.input[name], unit.x, unit.y) for name, unit in spec.data.items()
     }
     origin = ""
     if path := job.input.get("digitised"):

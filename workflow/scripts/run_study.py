@@ -1,14 +1,15 @@
-"""Run the study that bears the rule's name and write each of its tables."""
+"""Run the study that bears the rule's name, or one part of it, and write what it gives."""
 
 import sys
 import time
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
-import pandas as pd
-
+from microimpact.files import write_file
 from microimpact.job import logged
 from microimpact.parameters import build
+from microimpact.parts import part_from_text, part_text
 from microimpact.tables import parse_table, read_table, write_table
 
 
@@ -16,15 +17,25 @@ def main(job: Any) -> str:
     """Run one study and return a line on what was written.
 
     The rule gives plain parameter values as ``params.branch``, rows of declared tables as
-    ``params.rows`` (name -> CSV text), and tables of earlier studies as named input files.
+    ``params.rows`` (name -> CSV text), and tables of earlier studies as named input files. The
+    rule ``STUDY_part`` makes part ``chunk``, as in ``1-of-2``, of a study that comes in parts;
+    the study's own rule gathers the files ``parts``.
     """
     begin = time.perf_counter()
-    study = import_module(f"microimpact.studies.{job.rule}")
-    inputs: dict[str, pd.DataFrame] = {
-        name: parse_table(text) for name, text in job.params.rows.items()
-    }
-    inputs |= {name: read_table(path) for name, path in job.input.items() if name != "code"}
-    tables = study.run(build(study.Params, job.params.branch), inputs)
+    study = import_module(f"microimpact.studies.{job.rule.removesuffix('_part')}")
+    files = {name: path for name, path in job.input.items() if name not in {"code", "parts"}}
+    inputs = {name: parse_table(text) for name, text in job.params.rows.items()}
+    inputs |= {name: read_table(path) for name, path in files.items()}
+    params = build(study.Params, job.params.branch)
+    if chunk := job.wildcards.get("chunk"):
+        number, count = map(int, chunk.split("-of-"))
+        write_file(job.output[0], part_text(study.part(params, inputs, number - 1, count)))
+        return f"{job.rule}: part {chunk}; {time.perf_counter() - begin:.2f} s\n"
+    if parts := job.input.get("parts"):
+        found = [part_from_text(Path(path).read_text(encoding="utf-8")) for path in parts]
+        tables = study.gather(params, inputs, found)
+    else:
+        tables = study.run(params, inputs)
     outputs = dict(job.output.items())
     if set(tables) != set(outputs):
         raise ValueError(f"returned the tables {sorted(tables)}, the rule has {sorted(outputs)}")

@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import special
+import scipy
 
 from microimpact.arrays import BoolArray, FloatArray
 from microimpact.lab.distributions import uniforms
@@ -149,7 +149,7 @@ def _frames(
         along[:, None] > 0.0, velocity[:, :2] / np.where(along, along, 1.0)[:, None], [1.0, 0.0]
     )
     rise = slope_sd * weighted_slope(facing, -velocity[:, 2], slope_sd * along)
-    side = np.zeros(n) if planar_slopes else slope_sd * special.ndtri(across)
+    side = np.zeros(n) if planar_slopes else slope_sd * scipy.special.ndtri(across)
     left = np.stack([-direction[:, 1], direction[:, 0]], axis=1)
     # The surface z = rise s + side q, with s along the motion, has the normal (-rise, -side, 1).
     normal = np.empty((n, 3))
@@ -180,7 +180,7 @@ def weighted_slope(u: FloatArray, normal_speed: FloatArray, slope_speed: FloatAr
         Speed along the surface times the standard deviation of the slope, m/s; 0 gives the plain
         normal distribution.
     """
-    plain = special.ndtri(u)
+    plain = scipy.special.ndtri(u)
     weighted = slope_speed > 0.0
     if not np.any(weighted):
         return np.asarray(plain)
@@ -188,11 +188,13 @@ def weighted_slope(u: FloatArray, normal_speed: FloatArray, slope_speed: FloatAr
     # Beyond this the weight is flat to rounding, and c * Phi would lose what matters.
     weighted &= c < 1e8
     c = np.where(weighted, c, 0.0)
-    total = c * special.ndtr(c) + _phi(c)
+    total = c * scipy.special.ndtr(c) + _phi(c)
     low, high = -c, np.maximum(-c, 0.0) + 10.0
     x = np.clip(plain, low, high)
     for _ in range(NEWTON_STEPS):
-        excess = c * (special.ndtr(x) - special.ndtr(-c)) + _phi(c) - _phi(x) - u * total
+        excess = (
+            c * (scipy.special.ndtr(x) - scipy.special.ndtr(-c)) + _phi(c) - _phi(x) - u * total
+        )
         low, high = np.where(excess < 0.0, x, low), np.where(excess > 0.0, x, high)
         slope = (c + x) * _phi(x)
         step = x - excess / np.where(slope > 0.0, slope, np.inf)

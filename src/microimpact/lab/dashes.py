@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
+import scipy
 
 from microimpact.arrays import BoolArray, FloatArray
 from microimpact.lab.events import IntArray
@@ -150,8 +149,8 @@ def _alone(
     As in `tracks`, spots that touch the surface do not count.
     """
     pairs, m = _near(event, path, edge), len(event)
-    graph = coo_array((np.ones(len(pairs[0])), pairs), shape=(m, m))
-    n, spot = connected_components(graph, directed=False)
+    graph = scipy.sparse.coo_array((np.ones(len(pairs[0])), pairs), shape=(m, m))
+    n, spot = scipy.sparse.csgraph.connected_components(graph, directed=False)
     whole = np.bincount(spot, light, minlength=n)
     centre = np.bincount(spot, light * height.mean(axis=1), minlength=n) / whole
     bottom, owner = np.full(n, np.inf), np.zeros(n, dtype=np.int64)

@@ -10,11 +10,12 @@ import math
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from statistics import NormalDist
 from typing import Annotated, Literal
 
 import numpy as np
+import scipy
 from pydantic import Field
-from scipy import special
 
 from microimpact.arrays import FloatArray
 from microimpact.parameters import Finite, Name, NonNegative, Positive
@@ -22,6 +23,9 @@ from microimpact.parameters import Finite, Name, NonNegative, Positive
 # Uniform numbers stay this far inside (0, 1): the quantiles of 0 and 1 may be infinite.
 SMALLEST_PROBABILITY = 2.0**-54
 LARGEST_PROBABILITY = 1.0 - 2.0**-53
+
+# For a check of parameters, which need not wait for SciPy's functions.
+NORMAL = NormalDist()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,7 +67,7 @@ class Normal:
 
     def quantile(self, u: FloatArray) -> FloatArray:
         """Return the values below which a share ``u`` of all draws lies."""
-        return np.asarray(self.mean + self.sd * special.ndtri(u))
+        return np.asarray(self.mean + self.sd * scipy.special.ndtri(u))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,7 +84,7 @@ class TruncatedNormal:
         """Refuse an empty interval, or one without probability."""
         _ordered(self.low, self.high)
         low, high = self._ends()
-        if not special.ndtr(high) > special.ndtr(low):
+        if not NORMAL.cdf(high) > NORMAL.cdf(low):
             raise ValueError(
                 f"low {self.low:g} to high {self.high:g} lies so far from the mean {self.mean:g} "
                 f"(sd {self.sd:g}) that nothing is drawn there"
@@ -96,8 +100,8 @@ class TruncatedNormal:
         low, high = self._ends()
         mirrored = self.low > self.mean
         share = 1.0 - np.asarray(u) if mirrored else np.asarray(u)
-        below, above = special.ndtr(low), special.ndtr(high)
-        z = np.clip(special.ndtri(below + share * (above - below)), low, high)
+        below, above = scipy.special.ndtr(low), scipy.special.ndtr(high)
+        z = np.clip(scipy.special.ndtri(below + share * (above - below)), low, high)
         return np.asarray(self.mean + self.sd * (-z if mirrored else z))
 
 
@@ -110,7 +114,7 @@ class HalfNormal:
 
     def quantile(self, u: FloatArray) -> FloatArray:
         """Return the values below which a share ``u`` of all draws lies."""
-        return np.asarray(self.sd * math.sqrt(2.0) * special.erfinv(u))
+        return np.asarray(self.sd * math.sqrt(2.0) * scipy.special.erfinv(u))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -123,7 +127,9 @@ class LogNormal:
 
     def quantile(self, u: FloatArray) -> FloatArray:
         """Return the values below which a share ``u`` of all draws lies."""
-        return np.asarray(self.median * np.exp(math.log(self.geometric_sd) * special.ndtri(u)))
+        return np.asarray(
+            self.median * np.exp(math.log(self.geometric_sd) * scipy.special.ndtri(u))
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,26 +8,26 @@ in a window around each dash.
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache, lru_cache
 
 import numpy as np
+import scipy
 from numpy.random import Generator
 from numpy.typing import NDArray
-from scipy import fft, special
 
 from microimpact.arrays import FloatArray
 from microimpact.lab.events import Impacts, IntArray
 from microimpact.lab.exposure import LATER, Exposure, expose
-from microimpact.lab.ptis import Setup, Systematics
+from microimpact.lab.ptis import Instrument, Setup, Systematics
 
 # Samples of the path per blur; the sum then equals the integral to parts in 10^8.
 SAMPLES_PER_BLUR = 1.25
 # Half width of a window beyond the disk, in blurs.
 REACH = 5.5
 BRIGHTEST = 255
-# Noise of a pixel as one of these quantiles of the normal distribution: its standard deviation is
+# Noise of a pixel is one of so many quantiles of the normal distribution: its standard deviation is
 # right to 1e-5, and it is drawn in a fifth of the time.
-NOISE = special.ndtri((np.arange(2**16) + 0.5) / 2**16).astype(np.float32)
+QUANTILES = 2**16
 
 
 def render(
@@ -71,13 +71,39 @@ def photograph(
     instrument = setup.instrument
     if instrument.interlace:
         light = 0.5 * (light[::2] + light[1::2])
-    light += np.float32(instrument.background_counts)
-    noise = light / np.float32(instrument.electrons_per_count)
+    draw = rng.integers(QUANTILES, size=light.shape, dtype=np.uint16)
+    # Most of a frame is dark, and what noise makes of no light is known beforehand.
+    frame = _dark(instrument)[draw]
+    lit = np.flatnonzero(light.ravel() > 0.0)
+    frame.ravel()[lit] = _grey(light.ravel()[lit], _noise()[draw.ravel()[lit]], instrument)
+    return frame
+
+
+def _grey(
+    light: NDArray[np.float32], normal: NDArray[np.float32], instrument: Instrument
+) -> NDArray[np.uint8]:
+    """Return grey levels of light in counts above the background, with shot and read noise."""
+    level = light + np.float32(instrument.background_counts)
+    noise = level / np.float32(instrument.electrons_per_count)
     noise += np.float32(instrument.read_noise_counts**2)
     np.sqrt(noise, out=noise)
-    noise *= NOISE[rng.integers(NOISE.size, size=light.shape, dtype=np.uint16)]
-    light += noise
-    return np.clip(np.rint(light, out=light), 0, BRIGHTEST, out=light).astype(np.uint8)
+    noise *= normal
+    level += noise
+    return np.clip(np.rint(level, out=level), 0, BRIGHTEST, out=level).astype(np.uint8)
+
+
+@cache
+def _noise() -> NDArray[np.float32]:
+    quantiles: NDArray[np.float32] = scipy.special.ndtri(
+        (np.arange(QUANTILES) + 0.5) / QUANTILES
+    ).astype(np.float32)
+    return quantiles
+
+
+@lru_cache(maxsize=16)
+def _dark(instrument: Instrument) -> NDArray[np.uint8]:
+    """Return grey levels without light, one for each value of the noise."""
+    return _grey(np.zeros(QUANTILES, dtype=np.float32), _noise(), instrument)
 
 
 def image(
@@ -136,22 +162,22 @@ def _windows(path: FloatArray, pad: float, disk: float, blur: float) -> tuple[In
     """Return the upper left pixel of each window, (m, 2), and its light, (m, size, size)."""
     low, high = path.min(axis=1) - pad, path.max(axis=1) + pad
     corner = np.floor(low).astype(np.int64)
-    size = fft.next_fast_len(int(np.ceil((high - corner).max())) + 1, real=True)
+    size = scipy.fft.next_fast_len(int(np.ceil((high - corner).max())) + 1, real=True)
     edges = np.arange(size + 1) - 0.5 + corner[:, :, None, None]
-    passed = special.ndtr((edges - path.transpose(0, 2, 1)[..., None]) / blur)
+    passed = scipy.special.ndtr((edges - path.transpose(0, 2, 1)[..., None]) / blur)
     within = np.diff(passed, axis=-1)
     across, down = within[:, 0], within[:, 1]
     light = np.matmul(down.transpose(0, 2, 1), across) / path.shape[1]
-    blurred = fft.irfft2(fft.rfft2(light) * _disk_transform(size, disk), s=(size, size))
+    blurred = scipy.fft.irfft2(scipy.fft.rfft2(light) * _disk_transform(size, disk), s=(size, size))
     return corner, np.maximum(blurred, 0.0)
 
 
 @lru_cache(maxsize=256)
 def _disk_transform(size: int, diameter: float) -> FloatArray:
     """Return the Fourier transform of a uniform disk of unit light (diameter in pixels)."""
-    frequency = np.hypot(fft.fftfreq(size)[:, None], fft.rfftfreq(size))
+    frequency = np.hypot(scipy.fft.fftfreq(size)[:, None], scipy.fft.rfftfreq(size))
     x = np.pi * diameter * np.maximum(frequency, 1e-12)
-    transform: FloatArray = 2.0 * special.j1(x) / x
+    transform: FloatArray = 2.0 * scipy.special.j1(x) / x
     return transform
 
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -17,18 +18,16 @@ from microimpact.lab.events import Impacts, IntArray, Measured
 from microimpact.lab.experiment import Target, hit
 from microimpact.lab.ptis import Instrument, Setup, child, draw_systematics
 from microimpact.lab.ptis_model import modelled
-from microimpact.lab.ptis_observation import MEASURED, OFF_SHEET, Observation, observe
+from microimpact.lab.ptis_observation import MEASURED, OFF_SHEET, observe
 from microimpact.lab.reduction import Mean, mean_interval
 
 Method = Literal["frames", "model"]
-OBSERVERS: Mapping[Method, Callable[..., Observation]] = {"frames": observe, "model": modelled}
-
 OUTSIDE_CLASS = "outside the class"
 
 # Particles dropped at first; while events are wanting, as many again as so far.
 DROPPED_AT_FIRST = 200
-# Impacts looked at before events are counted: a frame too many costs more than a call.
-LOOKED_AT_ONCE: Mapping[Method, int] = {"frames": 4, "model": 200}
+# Impacts looked at together; of frames no more are rendered than needed.
+LOOKED_AT_ONCE: Mapping[Method, int] = {"frames": 64, "model": 200}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -133,8 +132,13 @@ def collect(
         used = number
         for start in range(0, max(1, len(shown)), LOOKED_AT_ONCE[recipe.method]):
             some = batch.select(slice(start, start + LOOKED_AT_ONCE[recipe.method]))
-            seen = OBSERVERS[recipe.method](some, setup, rng, first=first, errors=errors)
-            part, end = _accepted(seen.measured, recipe, events - accepted, len(some))
+            wanted = events - accepted
+            if recipe.method == "model":
+                seen = modelled(some, setup, rng, first=first, errors=errors)
+            else:
+                full = partial(_holds, recipe=recipe, wanted=wanted)
+                seen = observe(some, setup, rng, first=first, errors=errors, enough=full)
+            part, end = _accepted(seen.measured, recipe, wanted, len(some))
             fates.update(seen.fates[:end])
             looked.append(some.select(slice(end)))
             found.append(replace(part, event=part.event + first))
@@ -151,6 +155,11 @@ def collect(
         dropped=dropped,
         fates=dict(fates),
     )
+
+
+def _holds(measured: Measured, recipe: Recipe, wanted: int) -> bool:
+    """Tell whether there are as many events of the class as wanted."""
+    return len(_accepted(measured, recipe, wanted, 0)[0]) == wanted
 
 
 def _accepted(measured: Measured, recipe: Recipe, wanted: int, looked: int) -> tuple[Measured, int]:

@@ -11,10 +11,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+import scipy
 from scipy.constants import g as gravity
-from scipy.optimize import linear_sum_assignment
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from microimpact.arrays import FloatArray, Real
 from microimpact.lab.events import IntArray
@@ -227,8 +225,8 @@ def matched(incident: IntArray, rebound: IntArray, worth: FloatArray) -> IntArra
         return np.zeros(0, dtype=np.int64)
     rows, columns = (np.unique(ends, return_inverse=True)[1] for ends in (incident, rebound))
     n, m = int(rows.max()) + 1, int(columns.max()) + 1
-    graph = coo_array((np.ones(len(worth)), (rows, n + columns)), shape=(n + m, n + m))
-    cluster = connected_components(graph, directed=False)[1][rows]
+    graph = scipy.sparse.coo_array((np.ones(len(worth)), (rows, n + columns)), shape=(n + m, n + m))
+    cluster = scipy.sparse.csgraph.connected_components(graph, directed=False)[1][rows]
     order = np.argsort(cluster, kind="stable")
     groups = np.split(order, np.flatnonzero(np.diff(cluster[order])) + 1)
     return np.concatenate([_settled(group, rows, columns, worth) for group in groups])
@@ -242,5 +240,5 @@ def _settled(group: IntArray, rows: IntArray, columns: IntArray, worth: FloatArr
     )
     table, which = np.zeros((2, len(own_rows), len(own_columns)))
     table[r, c], which[r, c] = worth[group], group + 1
-    joined = which[linear_sum_assignment(table, maximize=True)].astype(np.int64)
+    joined = which[scipy.optimize.linear_sum_assignment(table, maximize=True)].astype(np.int64)
     return joined[joined > 0] - 1

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,6 +55,7 @@ def observe(
     first: int = 0,
     errors: Systematics | None = None,
     with_gravity: bool = True,
+    enough: Callable[[Measured], bool] | None = None,
 ) -> Observation:
     """Render and measure the frame of every impact that can be seen.
 
@@ -76,6 +77,9 @@ def observe(
         Of the experiment; drawn if not given.
     with_gravity
         As in `tracks.measure`.
+    enough
+        Given the events measured so far, tells after each whether to look at no more impacts;
+        the fates then end with that one.
     """
     errors = errors or draw_systematics(setup.instrument, rng)
     moving = np.flatnonzero(~impacts.captured)
@@ -96,6 +100,10 @@ def observe(
                 fate = MEASURED
                 velocities.append(track.velocities)
         fates[moving[k]] = fate
+        if enough and fate == MEASURED:
+            seen = observation(fates[: moving[k] + 1], np.reshape(velocities, (-1, 2, 2)))
+            if enough(seen.measured):
+                return seen
     return observation(fates, np.reshape(velocities, (-1, 2, 2)))
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy import special
 
 from microimpact.arrays import FloatArray, Real
 
@@ -81,5 +81,5 @@ def half_width(sd: Real, events: int, systematic: Real = 0.0, level: float = 0.9
     level
         Probability that the interval holds the true mean.
     """
-    t = special.stdtrit(events - 1, 0.5 * (1.0 + level))
+    t = scipy.special.stdtrit(events - 1, 0.5 * (1.0 + level))
     return np.asarray(t * np.sqrt(np.square(sd) / events + np.square(systematic)))

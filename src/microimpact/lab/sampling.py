@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy import special
-from scipy.stats import qmc
+import scipy
 
 from microimpact.arrays import FloatArray
 from microimpact.lab.distributions import (
@@ -120,9 +119,9 @@ def joint_shares(
     shares = dict.fromkeys(distributions, np.full(n, 0.5))
     shares |= {name: _share(part) for name, part in zip(columns, parts, strict=True)}
     if correlation is not None and correlation.names:
-        scores = np.stack([special.ndtri(shares[name]) for name in correlation.names], axis=1)
+        scores = np.stack([scipy.special.ndtri(shares[name]) for name in correlation.names], axis=1)
         for name, score in zip(correlation.names, (scores @ correlation.factor().T).T, strict=True):
-            shares[name] = _inside(special.ndtr(score))
+            shares[name] = _inside(scipy.special.ndtr(score))
     return shares
 
 
@@ -133,7 +132,7 @@ def unit_points(
     if dimensions == 0:
         return np.empty((n, 0))
     if method == "quasi_random":
-        points = qmc.Sobol(dimensions, rng=rng).random_base2(n.bit_length() - 1)
+        points = scipy.stats.qmc.Sobol(dimensions, rng=rng).random_base2(n.bit_length() - 1)
         return _inside(np.asarray(points))
     if method == "antithetic":
         half = uniforms(rng, (n // 2, dimensions))
@@ -150,7 +149,7 @@ def _share(part: FloatArray) -> FloatArray:
     """Return the uniform numbers of one parameter, from its one column or its twelve."""
     if part.shape[1] == 1:
         return np.ascontiguousarray(part[:, 0])
-    return _inside(special.ndtr(part.sum(axis=1) - SUMMANDS / 2))
+    return _inside(scipy.special.ndtr(part.sum(axis=1) - SUMMANDS / 2))
 
 
 def _inside(u: FloatArray) -> FloatArray:

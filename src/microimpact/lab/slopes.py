@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import special
+import scipy
 
 from microimpact.arrays import FloatArray
 from microimpact.lab.distributions import (
@@ -48,7 +48,7 @@ class HitSlopes:
     @classmethod
     def of(cls, distribution: Distribution) -> HitSlopes:
         """Return the table of a distribution of slopes."""
-        u = np.clip(special.ndtr(SCORES), SMALLEST_PROBABILITY, LARGEST_PROBABILITY)
+        u = np.clip(scipy.special.ndtr(SCORES), SMALLEST_PROBABILITY, LARGEST_PROBABILITY)
         edges = np.asarray(distribution.quantile(u))
         mass = np.diff(u) / (u[-1] - u[0])
         first = mass * 0.5 * (edges[1:] + edges[:-1])

@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import ndimage, signal
 
 from microimpact.arrays import BoolArray, FloatArray
 from microimpact.lab.events import IntArray
@@ -29,7 +29,7 @@ from microimpact.lab.track_fit import (
 # Detection: a frame is smoothed by this Gaussian (px); what exceeds both so many deviations of the
 # smoothed noise and this share of the brightest spot is light of a dash.
 SMOOTHING_PX = 1.0
-KERNEL = signal.windows.gaussian(7, SMOOTHING_PX)
+KERNEL = np.exp(-((np.arange(7) - 3.0) ** 2) / (2.0 * SMOOTHING_PX * SMOOTHING_PX))
 KERNEL = (KERNEL / KERNEL.sum()).astype(np.float32)
 DETECTION = 6.0
 LEAST_BRIGHTNESS = 0.1
@@ -106,20 +106,23 @@ def find_spots(frame: NDArray[np.uint8], setup: Setup) -> Spots:
     levels = np.cumsum(np.bincount(frame.ravel(), minlength=BRIGHTEST + 1))
     # Most of a frame is dark: its median is the background, its lower half tells the noise.
     low, background = np.searchsorted(levels, frame.size * np.array([0.1587, 0.5]))
-    light = frame.astype(np.float32)
-    light -= np.float32(background)
-    smooth = signal.sepfir2d(light, KERNEL, KERNEL)
     noise = max(float(background - low), 1.0) / (2.0 * np.sqrt(np.pi) * SMOOTHING_PX)
+    part = _part_with_light(frame, float(background), DETECTION * noise)
+    light = frame[part].astype(np.float32)
+    light -= np.float32(background)
+    smooth = scipy.signal.sepfir2d(light, KERNEL, KERNEL)
     threshold = max(DETECTION * noise, LEAST_BRIGHTNESS * float(smooth.max()))
     found = smooth > threshold
     top, left = (_bounds(found.any(axis=axis)) for axis in (1, 0))
-    labels, n = ndimage.label(found[top, left], structure=np.ones((3, 3)))
+    labels, n = scipy.ndimage.label(found[top, left], structure=np.ones((3, 3)))
     # Wings below the threshold count too: cut off, they would draw centroids to pixel centres.
-    wide = ndimage.maximum_filter(labels, 2 * WINGS_PX + 1)
-    inner = np.nonzero(wide)
+    wide = scipy.ndimage.maximum_filter(labels, 2 * WINGS_PX + 1)
+    inner = np.divmod(np.flatnonzero(wide.ravel() > 0), wide.shape[1])
     spot = wide[inner] - 1
     rows, columns = inner[0] + top.start, inner[1] + left.start
     weight = light[rows, columns].astype(float)
+    bright = found[rows, columns]
+    rows, columns = rows + part[0].start, columns + part[1].start
     place = np.stack([columns, lines * rows + 0.5 * (lines - 1)], axis=1)
 
     def total(values: FloatArray | BoolArray) -> FloatArray:
@@ -134,7 +137,6 @@ def find_spots(frame: NDArray[np.uint8], setup: Setup) -> Spots:
     apart = np.hypot(0.5 * (second[0] - second[1]), second[2])
     near = (rows == 0) | (rows == frame.shape[0] - 1)
     near |= (columns == 0) | (columns == frame.shape[1] - 1) | (setup.height(place) < SURFACE_PX)
-    bright = found[rows, columns]
     full = frame[rows, columns] == BRIGHTEST
     return Spots(
         place=centre,
@@ -145,6 +147,32 @@ def find_spots(frame: NDArray[np.uint8], setup: Setup) -> Spots:
         clear=total(near & bright) == 0,
         saturated=total(full) > MOST_SATURATED * total(bright),
     )
+
+
+def _part_with_light(
+    frame: NDArray[np.uint8], background: float, least: float
+) -> tuple[slice, slice]:
+    """Return rows and columns outside which no smoothed light can exceed the threshold.
+
+    The threshold is at least `least` and the share `LEAST_BRIGHTNESS` of the smoothed brightest
+    pixel; a mean exceeds it only where a pixel does. The margin holds what smoothing and wings
+    reach.
+    """
+    row, column = np.unravel_index(np.argmax(frame), frame.shape)
+    reach = len(KERNEL) // 2
+    top, left = max(int(row) - reach, 0), max(int(column) - reach, 0)
+    patch = frame[top : row + reach + 1, left : column + reach + 1].astype(np.float32) - background
+    peak = scipy.signal.sepfir2d(patch, KERNEL, KERNEL)[row - top, column - left]
+    threshold = max(least, LEAST_BRIGHTNESS * float(peak))
+    # A little less, for sums are rounded.
+    lit = frame > background + 0.999 * threshold
+    slices = []
+    for axis in (1, 0):
+        (index,) = np.nonzero(lit.any(axis=axis))
+        low, high = (index[0], index[-1]) if index.size else (0, 0)
+        margin = 3 * reach
+        slices.append(slice(max(int(low) - margin, 0), int(high) + margin + 1))
+    return slices[0], slices[1]
 
 
 def _bounds(lit: BoolArray) -> slice:

@@ -94,7 +94,8 @@ def descend(search: Search, x: FloatArray, low: FloatArray, high: FloatArray) ->
     running = np.zeros(0, bool)
     while True:
         if np.count_nonzero(running) <= len(running) - ENDED or not running.any():
-            fresh = np.arange(begun, min(begun + TOGETHER - np.count_nonzero(running), len(x)))
+            room = TOGETHER - int(np.count_nonzero(running))
+            fresh = np.arange(begun, min(begun + room, len(x)))
             begun += len(fresh)
             row = np.concatenate([row[running], fresh])
             if not len(row):

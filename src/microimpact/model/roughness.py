@@ -158,8 +158,8 @@ def shallow_restitution(
 def sloped_impulse_ratio(slope: object, mu: object, *, printed: bool = False) -> Real:
     """Measured impulse ratio on a small slope, Eq. (38): ``mu_m = mu - (1 + mu^2) phi``.
 
-    Printed without mu^2. For v_t > 0 mu is -f, so ``|mu_m|`` is f + phi at first order: a slope that
-    faces the sphere lowers the signed ratio and raises its size.
+    Printed without mu^2. For v_t > 0 mu is -f, so ``|mu_m|`` is f + phi at first order: a slope
+    that faces the sphere lowers the signed ratio and raises its size.
     """
     slope, mu = checked("slope", slope, SLOPE), checked("mu", mu, FINITE)
     return mu - slope * (1.0 if printed else 1.0 + np.square(mu))

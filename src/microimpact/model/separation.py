@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 
 import numpy as np
+import scipy
 from scipy.constants import epsilon_0
-from scipy.special import ellipe, ellipkm1, pdtrc
 
 from microimpact.arrays import NON_NEGATIVE, POSITIVE, FloatArray, Range, Real, checked, choice
 
@@ -95,7 +95,7 @@ def disc_image_factor(separation: Real) -> FloatArray:
     """
     p = np.maximum(checked("separation", separation, NON_NEGATIVE), 1e-150)  # K is infinite at 0
     size = np.square(p) + 4.0
-    elliptic = ellipkm1(np.square(p) / size) - ellipe(4.0 / size)
+    elliptic = scipy.special.ellipkm1(np.square(p) / size) - scipy.special.ellipe(4.0 / size)
     return np.asarray(1.0 - p * np.sqrt(size) * elliptic / np.pi)
 
 
@@ -179,7 +179,9 @@ def carried_share(particle: CoatedParticle, weight_fraction: Real, placement: st
     if placement == "even":
         return np.asarray(covered)
     bare = jkr_contact_radius(particle.work_of_adhesion, particle.radius, particle.stiffness)
-    return np.asarray(pdtrc(LEGS - 1, covered * np.square(bare / particle.spherule_radius)))
+    return np.asarray(
+        scipy.special.pdtrc(LEGS - 1, covered * np.square(bare / particle.spherule_radius))
+    )
 
 
 def spherule_indentation(particle: CoatedParticle) -> Real:

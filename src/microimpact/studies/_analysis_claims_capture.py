@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import product
 
 import numpy as np
-from scipy.optimize import bisect
+import scipy
 
 from microimpact.arrays import FloatArray, Real
 from microimpact.lab.collision import Rebound, collide
@@ -125,7 +125,7 @@ def apparent_speed(context: Context, contact: Contact, angle: float) -> float:
         return 0.5 - float(np.mean(on_slopes(context, contact, angle, speed).captured))
 
     limit = float(capture_velocity(contact))
-    return float(bisect(excess, 0.02 * limit, 3.0 * limit, xtol=APPARENT * limit))
+    return float(scipy.optimize.bisect(excess, 0.02 * limit, 3.0 * limit, xtol=APPARENT * limit))
 
 
 def on_slopes(context: Context, contact: Contact, angle: float, normal_speed: float) -> Rebound:

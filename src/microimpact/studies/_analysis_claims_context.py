@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import wraps
 
 import pandas as pd
 
@@ -91,16 +92,31 @@ class Context:
 
 def once(compute: Callable[[Context], dict[str, float]]) -> Callable[[Context], Numbers]:
     """Return the numbers of a claim without alternatives."""
-    return lambda context: {"": compute(context)}
+
+    @wraps(compute)
+    def numbers(context: Context) -> Numbers:
+        return {"": compute(context)}
+
+    return numbers
 
 
 def on_ridge(
     compute: Callable[[Context, Contact], dict[str, float]],
 ) -> Callable[[Context], Numbers]:
     """Return the numbers of a claim for both ends of the family."""
-    return lambda context: {case.name: compute(context, case.contact) for case in context.ridge}
+
+    @wraps(compute)
+    def numbers(context: Context) -> Numbers:
+        return {case.name: compute(context, case.contact) for case in context.ridge}
+
+    return numbers
 
 
 def by_name(compute: Callable[[Context, str], dict[str, float]]) -> Callable[[Context], Numbers]:
     """Return the numbers of a claim for both ends of the family, looked up by name in tables."""
-    return lambda context: {case.name: compute(context, case.name) for case in context.ridge}
+
+    @wraps(compute)
+    def numbers(context: Context) -> Numbers:
+        return {case.name: compute(context, case.name) for case in context.ridge}
+
+    return numbers

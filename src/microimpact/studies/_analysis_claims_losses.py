@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
-from scipy.stats import chi2
+import scipy
 
 from microimpact.arrays import FloatArray, Real
 from microimpact.lab.distributions import generator
@@ -125,7 +124,9 @@ def capture_ratio(contact: Contact) -> float:
         return log_speed - float(np.log(capture_velocity(at_own_speed(contact, speed))))
 
     start = float(np.log(limit))
-    return float(np.exp(brentq(excess, start - REACH, start + REACH, xtol=1e-12) - start))
+    return float(
+        np.exp(scipy.optimize.brentq(excess, start - REACH, start + REACH, xtol=1e-12) - start)
+    )
 
 
 def c101(context: Context, contact: Contact) -> dict[str, float]:
@@ -197,7 +198,7 @@ def c104(context: Context, contact: Contact) -> dict[str, float]:
     rng = generator(context.params.seed, ANALYSIS)
     measured = np.maximum(e + sigma * rng.standard_normal((losses.data_sets, e.size)), 0.0)
     sets = data_sets(speed, measured, (measured > 0.0) / sigma)
-    ends = interval_batch(sets, fit_batch(sets), chi2.ppf(CONFIDENCE, 1))
+    ends = interval_batch(sets, fit_batch(sets), scipy.stats.chi2.ppf(CONFIDENCE, 1))
     return {"relative_width_of_profile_interval": float(np.median(np.diff(ends)) / limit)}
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from inspect import unwrap
 from typing import Any, Self
 
 import pandas as pd
@@ -69,7 +70,7 @@ class Numbers:
 def numbers_table(
     study: str, claims: Mapping[str, Numbers], wanted: Iterable[str], context: CaseContext
 ) -> pd.DataFrame:
-    """Return the numbers of the claims wanted: per claim, case and quantity value and unit.
+    """Return the numbers of the claims wanted: per claim, case and quantity value, unit and code.
 
     Raises
     ------
@@ -92,4 +93,11 @@ def _rows(name: str, claim: Numbers, context: CaseContext) -> Iterator[dict[str,
                 "value": float(value),
                 "unit": claim.units.get(quantity, "-"),
                 "evidence": claim.evidence,
+                "code": code_of(claim.of),
             }
+
+
+def code_of(function: Callable[..., Any]) -> str:
+    """Return module and name of a function, of the innermost if it wraps another."""
+    innermost = unwrap(function)
+    return f"{innermost.__module__}.{innermost.__qualname__}"

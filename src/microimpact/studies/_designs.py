@@ -13,11 +13,6 @@ import numpy as np
 
 from microimpact.arrays import FloatArray
 
-if sys.version_info >= (3, 12):
-    from pydoe import fracfact
-else:
-    from pyDOE2 import fracfact
-
 
 def fractional_factorial(generator: str) -> FloatArray:
     """Return a two-level fractional factorial design.
@@ -39,6 +34,12 @@ def fractional_factorial(generator: str) -> FloatArray:
     ValueError
         If the generator is empty or uses a letter that is no factor of its own.
     """
+    # Imported here: the library brings much along that only a design needs.
+    if sys.version_info >= (3, 12):
+        from pydoe import fracfact
+    else:
+        from pyDOE2 import fracfact
+
     words = generator.split()
     letters = [word for word in words if len(word) == 1]
     unknown = sorted({char for word in words for char in word.lstrip("-+") if char not in letters})

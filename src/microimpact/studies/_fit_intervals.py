@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 from pydantic import Field
-from scipy.special import chdtri
 
 from microimpact.arrays import FloatArray
 from microimpact.model.restitution import restitution
@@ -58,7 +58,9 @@ def intervals(
     """Ends (r, 2) of the intervals of v_c by method, in units of the true v_c."""
     sets, fit = sample.sets, sample.fit
     # On a boundary: the mixture of chi-square with 0 and with 1 degree of freedom, in equal parts.
-    simple, mixture = (float(chdtri(1.0, share * (1.0 - confidence))) for share in (1.0, 2.0))
+    simple, mixture = (
+        float(scipy.special.chdtri(1.0, share * (1.0 - confidence))) for share in (1.0, 2.0)
+    )
     tails = np.array([0.5 * (1.0 - confidence), 0.5 * (1.0 + confidence)])
     shape = (len(fit.v_c), methods.resamples)
 

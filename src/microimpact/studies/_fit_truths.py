@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from typing import Annotated, Literal
 
 import numpy as np
@@ -101,14 +102,17 @@ def standard_deviations(
     return scaled
 
 
+@cache
 def standard_noise(seed: int, use: int, points: int, replicates: int) -> FloatArray:
     """Standard normal numbers (replicates, points), each row from a stream of its own.
 
     Replicates of cells with as many points share their rows, so that cells can be compared.
     """
-    return np.stack(
+    noise = np.stack(
         [stream(seed, use, points, i).standard_normal(points) for i in range(replicates)]
     )
+    noise.flags.writeable = False
+    return noise
 
 
 def stream(seed: int, use: int, points: int, replicate: int) -> np.random.Generator:

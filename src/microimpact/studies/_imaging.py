@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy import stats
+import scipy
 
 from microimpact.arrays import FloatArray
 from microimpact.lab.events import Impacts, Measured
@@ -131,7 +131,7 @@ def residual_rows(setup: Setup, found: pd.DataFrame, agree: float) -> Iterator[d
     for component in COMPONENTS:
         own = found[found["component"] == component]
         normalised = (own["residual"] / own["spread"]).to_numpy()
-        test = stats.kstest(normalised, stats.norm.cdf)
+        test = scipy.stats.kstest(normalised, scipy.stats.norm.cdf)
         yield {
             "speed_m_per_s": setup.speed,
             "angle_deg": setup.angle,

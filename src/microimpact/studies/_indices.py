@@ -9,8 +9,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from SALib.analyze import sobol as analysis
-from SALib.sample import sobol as sampling
 
 from microimpact.arrays import FloatArray
 
@@ -47,6 +45,9 @@ def saltelli_sample(inputs: int, samples: int, draw: np.random.Generator) -> Flo
     ValueError
         If the number of samples is not a power of two.
     """
+    # Imported where it is used: whoever only checks a configuration need not wait for it.
+    from SALib.sample import sobol as sampling
+
     require_power_of_two("samples", samples)
     points: Any = sampling.sample(_problem(inputs), samples, calc_second_order=False, seed=draw)
     cube: FloatArray = np.asarray(points, float).reshape(samples, inputs + 2, inputs)
@@ -74,6 +75,8 @@ def sobol_indices(
     ValueError
         If a response is not finite, or all are the same.
     """
+    from SALib.analyze import sobol as analysis
+
     if not np.all(np.isfinite(response)):
         raise ValueError("Sobol' indices need finite responses")
     if np.ptp(response) == 0.0:

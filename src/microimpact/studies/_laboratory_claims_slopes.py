@@ -58,8 +58,13 @@ def c74(context: Context) -> dict[str, float]:
 
 
 def formica(context: Context, column: str) -> pd.Series:
-    """Return a column of steel and spores on Formica at the angles that are stated."""
-    found = context.column("formica_mechanism", column)
+    """Return a column of steel and spores on Formica, by angle."""
+    return context.column("formica_mechanism", column)
+
+
+def compared(context: Context, column: str) -> pd.Series:
+    """Return a column of steel and spores on Formica at the angles that are compared."""
+    found = formica(context, column)
     return found[found.index >= context.params.mechanisms.formica_from_deg]
 
 
@@ -75,7 +80,7 @@ def c86(context: Context) -> dict[str, float]:
     samples = context.params.formica
     steel = formica(context, "steel_restitution")
     return {
-        "least_difference_steel_less_spore_over_half_width": formica(
+        "least_difference_steel_less_spore_over_half_width": compared(
             context, "restitution_difference_over_half_width"
         ).min(),
         "lesser_rise_45_to_15_deg_over_half_width": min(
@@ -91,7 +96,7 @@ def c86(context: Context) -> dict[str, float]:
 def c87(context: Context) -> dict[str, float]:
     """Largest difference of the impulse ratios, and the lesser rise towards shallow angles."""
     return {
-        "largest_difference_of_impulse_ratios": formica(context, "impulse_ratio_difference")
+        "largest_difference_of_impulse_ratios": compared(context, "impulse_ratio_difference")
         .abs()
         .max(),
         "lesser_rise_45_to_15_deg": lesser_rise(context),

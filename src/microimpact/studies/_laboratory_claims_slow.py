@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from microimpact.arrays import FloatArray
 from microimpact.model.impact import simulate
@@ -118,7 +118,7 @@ def spread_needed(context: Context) -> float:
         of = _with_spread(context, 0.0, sd)
         return of.mean - half_width(of, exact, context.params.sampling)
 
-    return float(brentq(lower_end, 0.0, WIDEST_SPREAD, xtol=1e-2))
+    return float(scipy.optimize.brentq(lower_end, 0.0, WIDEST_SPREAD, xtol=1e-2))
 
 
 def c79(context: Context) -> dict[str, float]:

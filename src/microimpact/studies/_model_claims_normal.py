@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from microimpact.model.capture import capture_velocity
 from microimpact.model.contact import Contact, resized
@@ -68,7 +68,7 @@ def speed_of_share(context: Context, contact: Contact) -> float:
 
     for fast, slow in pairwise(between((context.speed, limit), normal.points)):
         if excess(slow) < 0.0:
-            return float(brentq(excess, slow, fast, xtol=1e-14, rtol=1e-14))
+            return float(scipy.optimize.brentq(excess, slow, fast, xtol=1e-14, rtol=1e-14))
     raise ValueError(f"restitution never falls to {normal.plateau_share:g} of its plateau")
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy import stats
+import scipy
 
 from microimpact.arrays import FloatArray
 from microimpact.lab.events import Impacts
@@ -101,7 +101,7 @@ def gained_by_rotation(impacts: Impacts) -> FloatArray:
 
 def half_width(of: Statistic, events: int) -> float:
     """Return the half-width of the 95 % interval of a mean of so many events."""
-    quantile = float(stats.t.ppf(0.975, events - 1))
+    quantile = float(scipy.stats.t.ppf(0.975, events - 1))
     return quantile * float(np.sqrt(of.sd**2 / events + of.systematic**2))
 
 

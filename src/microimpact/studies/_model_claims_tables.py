@@ -10,7 +10,8 @@ from microimpact.studies._model_claims_context import Context
 from microimpact.studies._pairs import calibrated_contact
 
 # Columns of the couples that can arise during an impact, over the couple of friction: from all that
-# the impact loses, and from the model's own damping.
+# the impact loses, and from the model's own damping. Those of steady rolling and the bound are none
+# of these: an impact rolls through an eighth of the contact radius at most.
 COUPLES = ("impact_over_friction", "damping_over_friction")
 
 
@@ -83,7 +84,8 @@ def c35(context: Context) -> dict[str, float]:
 def c42(context: Context) -> dict[str, float]:
     """Greatest impulse of the couples that can arise in an impact over that of friction.
 
-    Over all rebounds of the table, and the greatest contact radius over the radius.
+    Over all rebounds of the table; beside it what steady rolling would give and what no couple
+    exceeds, the greatest contact radius over the radius, and the distance rolled over it.
     """
     table = context.inputs["rolling_dissipation"]
     rebounds = table["captured"].astype(str) == "False"
@@ -91,6 +93,13 @@ def c42(context: Context) -> dict[str, float]:
     return {
         "largest_rolling_couple_over_friction_couple": _largest(rows[list(COUPLES)]),
         "largest_contact_radius_over_radius": _largest(rows[["contact_radius_over_r"]]),
+        "largest_couple_of_steady_rolling_over_friction_couple": _largest(
+            rows[["steady_over_friction"]]
+        ),
+        "largest_bound_of_couple_over_friction_couple": _largest(rows[["bound_over_friction"]]),
+        "largest_distance_rolled_over_contact_radius": _largest(
+            rows[["rolled_over_contact_radius"]]
+        ),
     }
 
 

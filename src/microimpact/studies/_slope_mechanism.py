@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import brentq
+import scipy
 
 from microimpact.model.contact import Contact
 from microimpact.parameters import AngleDegrees, Name, NonNegative, Positive
@@ -170,7 +170,7 @@ def slope_for(
         found: Seen = seen(rough(dropped, slope), contact, angle, sampling)
         return found.statistics["restitution"].mean - restitution
 
-    return float(brentq(excess, *SLOPE_RANGE, xtol=1e-4))
+    return float(scipy.optimize.brentq(excess, *SLOPE_RANGE, xtol=1e-4))
 
 
 def formica_comparison(

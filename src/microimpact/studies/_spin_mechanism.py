@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import brentq
+import scipy
 
 from microimpact.lab.distributions import mean
 from microimpact.lab.events import Measured
@@ -133,7 +133,9 @@ def needed_rows(
 
         # Spin does not decide on capture: too few rebounds without it are too few with it.
         enough = np.isfinite(ratio(0.0))
-        spin = float(brentq(ratio, 0.0, LARGEST_SPIN, xtol=1e-4)) if enough else np.nan
+        spin = (
+            float(scipy.optimize.brentq(ratio, 0.0, LARGEST_SPIN, xtol=1e-4)) if enough else np.nan
+        )
         rows.append(
             {
                 "case": dropped.case,
@@ -176,7 +178,9 @@ def limit_rows(params: Spin, dropped: Dropped, contact: Contact) -> list[dict[st
             return float(rolling_limit(contact, speed, spin) - aim)
 
         row["shift_deg"] = row["limit_deg"] - base
-        row["back_spin_for_shift"] = float(brentq(excess, *SHIFTING_SPINS, xtol=1e-4))
+        row["back_spin_for_shift"] = float(
+            scipy.optimize.brentq(excess, *SHIFTING_SPINS, xtol=1e-4)
+        )
         row["shift_sought_deg"] = params.limit_shift_deg
     return rows
 
@@ -217,7 +221,8 @@ def bias_row(
 
     e = float(simulate(sphere, speed).coefficient_of_restitution)
     spin, tilt = (
-        float(brentq(f, 0.0, end, xtol=1e-9)) for f, end in ((by_spin, 0.5), (by_tilt, 5))
+        float(scipy.optimize.brentq(f, 0.0, end, xtol=1e-9))
+        for f, end in ((by_spin, 0.5), (by_tilt, 5))
     )
     return {
         "case": dropped.case,

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import brentq
+import scipy
 
 from microimpact.arrays import FloatArray
 from microimpact.lab.ptis import Instrument
@@ -242,7 +242,7 @@ def met_at(
         found = seen(dropped, scaled(factor), angle, sampling)
         return found.statistics["restitution"].mean - restitution
 
-    return scaled(float(brentq(excess, *FACTORS, xtol=1e-4)))
+    return scaled(float(scipy.optimize.brentq(excess, *FACTORS, xtol=1e-4)))
 
 
 def smooth_spore(params: Spore, contact: Contact) -> pd.DataFrame:

@@ -31,10 +31,11 @@ from microimpact.studies import (
 )
 from microimpact.studies._analysis_claims_context import Context, Numbers, by_name, on_ridge, once
 from microimpact.studies._analysis_claims_params import Params
+from microimpact.studies._claim_numbers import code_of
 
 __all__ = ["CLAIMS", "COLUMNS", "Params", "numbers_of", "run"]
 
-COLUMNS = ["claim", "case", "quantity", "value", "unit", "evidence"]
+COLUMNS = ["claim", "case", "quantity", "value", "unit", "evidence", "code"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -112,8 +113,9 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
 def numbers_of(claim: str, context: Context) -> pd.DataFrame:
     """Return the numbers of one claim as rows."""
     entry = CLAIMS[claim]
+    code = code_of(entry.numbers)
     rows = [
-        (claim, case, quantity, float(value), entry.unit, entry.evidence)
+        (claim, case, quantity, float(value), entry.unit, entry.evidence, code)
         for case, found in entry.numbers(context).items()
         for quantity, value in found.items()
     ]

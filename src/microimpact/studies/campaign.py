@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
+from operator import itemgetter
 from typing import Annotated, Any
 
 import numpy as np
@@ -101,16 +103,39 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     ValueError
         If the blocks do not give as many experiments and levels as the article counts.
     """
+    return gather(params, inputs, [part(params, inputs, 0, 1)])
+
+
+def part(
+    params: Params, inputs: Mapping[str, pd.DataFrame], index: int, count: int
+) -> list[tuple[int, dict[str, Any]]]:
+    """Return the rows of every ``count``-th experiment, from ``index`` on, with their numbers."""
     experiments = params.experiments
-    printed = inputs["anchors"].set_index("key")["value"].astype(float)
-    check_counts(experiments, printed, params.speed_ranges_within)
+    check_counts(experiments, _printed(inputs), params.speed_ranges_within)
     contacts = {one.pair: contact(params, one, inputs) for one in experiments}
-    rows = pd.DataFrame([conducted(params, one, *contacts[one.pair]) for one in experiments])
+    return [
+        (number, conducted(params, one, *contacts[one.pair]))
+        for number, one in enumerate(experiments)
+        if number % count == index
+    ]
+
+
+def gather(
+    params: Params,
+    inputs: Mapping[str, pd.DataFrame],
+    parts: Sequence[list[tuple[int, dict[str, Any]]]],
+) -> Mapping[str, pd.DataFrame]:
+    """Return the tables, from the rows of all parts."""
+    rows = pd.DataFrame([row for _, row in sorted(chain(*parts), key=itemgetter(0))])
     return {
         "campaign": rows,
-        "campaign_summary": summary(params, rows, counts(experiments), printed),
+        "campaign_summary": summary(params, rows, counts(params.experiments), _printed(inputs)),
         "campaign_map": mapped(rows, params.fewest_events),
     }
+
+
+def _printed(inputs: Mapping[str, pd.DataFrame]) -> pd.Series:
+    return inputs["anchors"].set_index("key")["value"].astype(float)
 
 
 def conducted(params: Params, one: Experiment, of: Contact, evidence: str) -> dict[str, Any]:

@@ -13,11 +13,14 @@ from microimpact.arrays import FloatArray
 from microimpact.tables import POINTS
 
 COMPARED = ("computed", "calibrated", "virtual experiment")
+# Half the length of a bar, an interval of 95 %, in standard uncertainties.
+COVERAGE_FACTOR = 2.0
 COLUMNS = (
     "figure",
     "panel",
     "points",
     "series",
+    "named",
     "evidence",
     "unit",
     "n",
@@ -26,6 +29,7 @@ COLUMNS = (
     "rms_difference",
     "bars",
     "within_bars",
+    "normalised_rms",
 )
 
 
@@ -49,10 +53,13 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     -------
     mapping
         ``digitised_residuals``: a row per digitised series and series of its panel that is a
-        function of x. ``n`` points lie in its range, ``beyond`` outside, where it is not continued.
+        function of x; ``named`` tells whether the latter has the name of the points, alone or
+        before a comma. ``n`` points lie in its range, ``beyond`` outside: it is not continued.
         Their ``bias`` (mean of point less curve) and ``rms_difference`` are in ``unit``, empty if n
         is 0; ``within_bars`` is the fraction of those ``bars`` points that have a bar whose bar
-        holds the curve, empty if none has. No rows if there are no points.
+        holds the curve, empty if none has, and ``normalised_rms`` the rms of their differences
+        over the standard uncertainties, infinite where a bar without length misses the curve. A
+        bar is taken for an interval of 95 %. No rows if there are no points.
     """
     points = inputs.get("digitised", pd.DataFrame())
     rows: list[dict[str, Any]] = []
@@ -62,8 +69,16 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
             where = {"figure": figure, "panel": panel, "points": series.removeprefix(POINTS)}
             for name, table in inputs.items():
                 if name == figure or name.startswith(f"{figure}_"):
-                    rows += [where | row for row in _compared(own, table[table["panel"] == panel])]
+                    rows += [
+                        where | {"named": is_named(str(row["series"]), where["points"])} | row
+                        for row in _compared(own, table[table["panel"] == panel])
+                    ]
     return {"digitised_residuals": pd.DataFrame(rows, columns=list(COLUMNS))}
+
+
+def is_named(series: str, points: str) -> bool:
+    """Tell whether a series has the name of points, alone or before a comma."""
+    return series == points or series.startswith(f"{points}, ")
 
 
 def _compared(points: pd.DataFrame, table: pd.DataFrame) -> Iterator[dict[str, Any]]:
@@ -103,4 +118,17 @@ def _differences(points: pd.DataFrame, x: FloatArray, y: FloatArray) -> dict[str
         "rms_difference": float(np.sqrt(np.mean(np.square(difference)))) if n else np.nan,
         "bars": bars,
         "within_bars": float(within[barred].mean()) if bars else np.nan,
+        "normalised_rms": _normalised_rms(difference, low, high),
     }
+
+
+def _normalised_rms(difference: FloatArray, low: FloatArray, high: FloatArray) -> float:
+    """Rms of differences over standard uncertainties, of the points with a bar."""
+    barred = np.isfinite(low)
+    if not barred.any():
+        return np.nan
+    own, uncertainty = difference[barred], (high - low)[barred] / (2.0 * COVERAGE_FACTOR)
+    # A bar without length agrees with nothing but its own point.
+    scale = np.where(uncertainty > 0.0, uncertainty, np.finfo(float).tiny)
+    with np.errstate(over="ignore"):
+        return float(np.sqrt(np.mean(np.square(own / scale))))

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import chain, product
+from operator import itemgetter
 from typing import Annotated
 
 import numpy as np
 import pandas as pd
+import scipy
 from pydantic import Field
-from scipy.special import chdtri, fdtri
 
 from microimpact.arrays import BoolArray, FloatArray
 from microimpact.model.restitution_batch import (
@@ -115,6 +116,9 @@ class Measured:
     deviation: FloatArray
 
 
+Numbered = tuple[int, dict[str, object]]
+
+
 def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
     """Measure bias, error and coverage of v_c in every cell of the design.
 
@@ -138,9 +142,38 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     ValueError
         If noise hides so many rebounds that too few are left to fit.
     """
+    return gather(params, inputs, [part(params, inputs, 0, 1)])
+
+
+def part(
+    params: Params, inputs: Mapping[str, pd.DataFrame], index: int, count: int
+) -> tuple[list[Numbered], list[Numbered]]:
+    """Return rows of every ``count``-th pair of cells, from ``index`` on, with their numbers."""
     truths = _truths(params, inputs)
-    table = _coverage(params, truths)
-    methods = pd.DataFrame(list(_method_rows(params, truths)))
+
+    def mine(cells: Iterator[Cell]) -> list[tuple[int, Cell]]:
+        # Cells stand in pairs, with q free and fixed; fits with q free take longer.
+        return [(number, cell) for number, cell in enumerate(cells) if number // 2 % count == index]
+
+    coverage = _coverage(params, truths, mine(_cells(params)))
+    methods = [
+        (number, row)
+        for number, cell in mine(_method_cells(params))
+        for row in _method_rows(params, truths, cell)
+    ]
+    return coverage, methods
+
+
+def gather(
+    params: Params,
+    inputs: Mapping[str, pd.DataFrame],
+    parts: Sequence[tuple[list[Numbered], list[Numbered]]],
+) -> Mapping[str, pd.DataFrame]:
+    """Return the tables, from the rows of all parts."""
+    table, methods = (
+        pd.DataFrame([row for _, row in sorted(chain(*rows), key=itemgetter(0))])
+        for rows in zip(*parts, strict=True)
+    )
     reference = (params.variants[0].variant, params.reference_noise_of_e, params.reference_points)
     return {
         "fit_coverage": table,
@@ -161,23 +194,29 @@ def _truths(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Truths:
     return Truths(contact=contact, constants=(k, p, kappa, q, v_c), sizes=params.sizes)
 
 
-def _coverage(params: Params, truths: Truths) -> pd.DataFrame:
-    """Rows of all cells. Intervals are sought for some fits, of many cells together."""
-    cells, rows = list(_cells(params)), []
-    parts: dict[tuple[int, float | None], list[tuple[int, DataSets, BatchFit]]] = defaultdict(list)
-    first = slice(0, params.interval_replicates)
-    for number, cell in enumerate(cells):
-        sets, fit = _fitted(params, truths, cell, params.replicates)
-        rows.append(_row(params, cell, sets, fit))
-        parts[cell.points, cell.q].append((number, sets.take(first), fit.take(first)))
-    limit = float(chdtri(1.0, 1.0 - params.confidence))
-    for part in parts.values():
-        numbers, some_sets, some_fits = zip(*part, strict=True)
-        ends = interval_batch(stacked_sets(some_sets), stacked_fits(some_fits), limit)
-        widths = np.diff(ends).reshape(len(part), -1)
-        for number, width in zip(numbers, widths, strict=True):
-            rows[number]["median_width"] = float(np.median(width))
-    return pd.DataFrame(rows)
+def _coverage(params: Params, truths: Truths, cells: list[tuple[int, Cell]]) -> list[Numbered]:
+    """Rows of cells. Those alike in points and q are fitted together; intervals, of some fits."""
+    groups: dict[tuple[int, float | None], list[tuple[int, Cell]]] = defaultdict(list)
+    for number, cell in cells:
+        groups[cell.points, cell.q].append((number, cell))
+    limit, each = float(scipy.special.chdtri(1.0, 1.0 - params.confidence)), params.replicates
+    rows = []
+    for group in groups.values():
+        sets = stacked_sets([_sets(params, truths, cell, each) for _, cell in group])
+        fit = fit_batch(sets, params.starts)
+        rise = profile_batch(sets, fit, 1.0) - fit.chi_square
+        own = [slice(k * each, (k + 1) * each) for k in range(len(group))]
+        some = [slice(of.start, of.start + params.interval_replicates) for of in own]
+        ends = interval_batch(
+            stacked_sets([sets.take(of) for of in some]),
+            stacked_fits([fit.take(of) for of in some]),
+            limit,
+        )
+        widths = np.diff(ends).reshape(len(group), -1)
+        for (number, cell), of, width in zip(group, own, widths, strict=True):
+            row = _row(params, cell, sets.take(of), fit.take(of), rise[of])
+            rows.append((number, row | {"median_width": float(np.median(width))}))
+    return rows
 
 
 def _cells(params: Params) -> Iterator[Cell]:
@@ -205,15 +244,12 @@ def _measured(params: Params, truths: Truths, cell: Cell, replicates: int) -> Me
     return Measured(ratio=ratio, e=e, present=present, deviation=assumed)
 
 
-def _fitted(
-    params: Params, truths: Truths, cell: Cell, replicates: int
-) -> tuple[DataSets, BatchFit]:
+def _sets(params: Params, truths: Truths, cell: Cell, replicates: int) -> DataSets:
     data = _measured(params, truths, cell, replicates)
     try:
-        sets = data_sets(data.ratio, data.e, data.present / data.deviation, cell.q)
+        return data_sets(data.ratio, data.e, data.present / data.deviation, cell.q)
     except ValueError as error:
         raise ValueError(f"noise_of_e: {cell.noise:g} hides too many rebounds: {error}") from None
-    return sets, fit_batch(sets, params.starts)
 
 
 def _factors(cell: Cell) -> dict[str, object]:
@@ -227,14 +263,16 @@ def _factors(cell: Cell) -> dict[str, object]:
     }
 
 
-def _row(params: Params, cell: Cell, sets: DataSets, fit: BatchFit) -> dict[str, object]:
+def _row(
+    params: Params, cell: Cell, sets: DataSets, fit: BatchFit, rise: FloatArray
+) -> dict[str, object]:
+    """Row of a cell but for the width; the rise is that of chi-square at the true v_c."""
     error = fit.v_c - 1.0
-    rise = profile_batch(sets, fit, 1.0) - fit.chi_square
-    limit = float(chdtri(1.0, 1.0 - params.confidence))
+    limit = float(scipy.special.chdtri(1.0, 1.0 - params.confidence))
     covered = np.mean(rise <= limit)
     freedom = np.sum(sets.weight > 0.0, axis=1) - sets.free
     variance = fit.chi_square / freedom
-    estimated = np.mean(rise <= variance * fdtri(1.0, freedom, params.confidence))
+    estimated = np.mean(rise <= variance * scipy.special.fdtri(1.0, freedom, params.confidence))
     at_zero = fit.capture_on_bound & (fit.v_c < 0.5)
     return {
         **_factors(cell),
@@ -262,10 +300,10 @@ def _standard_error(share: float, count: int) -> float:
     return float(np.sqrt(inside * (1.0 - inside) / count))
 
 
-def _method_rows(params: Params, truths: Truths) -> Iterator[dict[str, object]]:
+def _method_cells(params: Params) -> Iterator[Cell]:
     lowest = params.methods.lowest_speeds_in_v_c
     for truth, speed, q in product(TRUTHS, lowest, (None, params.fixed_exponent)):
-        cell = Cell(
+        yield Cell(
             truth=truth,
             variant=params.variants[0],
             noise=params.reference_noise_of_e,
@@ -273,19 +311,23 @@ def _method_rows(params: Params, truths: Truths) -> Iterator[dict[str, object]]:
             lowest=speed,
             q=q,
         )
-        sets, fit = _fitted(params, truths, cell, params.methods.replicates)
-        ratio = sets.v[0] * sets.unit[0]
-        sample = Sample(ratio=ratio, noise=cell.noise, sets=sets, fit=fit)
-        found = intervals(sample, params.methods, params.seed, params.confidence)
-        for method, ends in found.items():
-            covered = float(np.mean((ends[:, 0] <= 1.0) & (ends[:, 1] >= 1.0)))
-            yield {
-                **_factors(cell),
-                "method": method,
-                "replicates": params.methods.replicates,
-                "resamples": params.methods.resamples if "bootstrap" in method else 0,
-                "coverage": covered,
-                "coverage_standard_error": _standard_error(covered, params.methods.replicates),
-                "median_width": float(np.median(np.diff(ends))),
-                "evidence": "virtual experiment",
-            }
+
+
+def _method_rows(params: Params, truths: Truths, cell: Cell) -> Iterator[dict[str, object]]:
+    sets = _sets(params, truths, cell, params.methods.replicates)
+    fit = fit_batch(sets, params.starts)
+    ratio = sets.v[0] * sets.unit[0]
+    sample = Sample(ratio=ratio, noise=cell.noise, sets=sets, fit=fit)
+    found = intervals(sample, params.methods, params.seed, params.confidence)
+    for method, ends in found.items():
+        covered = float(np.mean((ends[:, 0] <= 1.0) & (ends[:, 1] >= 1.0)))
+        yield {
+            **_factors(cell),
+            "method": method,
+            "replicates": params.methods.replicates,
+            "resamples": params.methods.resamples if "bootstrap" in method else 0,
+            "coverage": covered,
+            "coverage_standard_error": _standard_error(covered, params.methods.replicates),
+            "median_width": float(np.median(np.diff(ends))),
+            "evidence": "virtual experiment",
+        }

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
+from operator import itemgetter
 from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
+import scipy
 from pydantic import Field
-from scipy import stats
 
 from microimpact.arrays import FloatArray
 from microimpact.lab import normal_incidence, oblique_incidence
@@ -88,20 +90,43 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
         ``interval_coverage``: one row per experiment and quantity. ``coverage_by_speed``,
         ``coverage_by_angle``: coverage of restitution.
     """
+    return gather(params, inputs, [part(params, inputs, 0, 1)])
+
+
+def part(
+    params: Params, inputs: Mapping[str, pd.DataFrame], index: int, count: int
+) -> list[tuple[int, list[dict[str, Any]]]]:
+    """Return the rows of every ``count``-th experiment, from ``index`` on, with their numbers."""
     contact = calibrated_contact(inputs, params.case).replace(friction=params.friction)
+    every = [
+        (number, i, k)
+        for number, case in enumerate(params.cases)
+        for i, k in np.ndindex(len(case.angles_deg), len(case.speeds_m_per_s))
+    ]
     rows = []
-    for number, case in enumerate(params.cases):
+    for place in range(index, len(every), count):
+        number, i, k = every[place]
+        case = params.cases[number]
         target = Target(contact=contact, slope_sd=case.slope)
-        for i, angle in enumerate(case.angles_deg):
-            for k, speed in enumerate(case.speeds_m_per_s):
-                rng = generator(params.seed, number, i, k)
-                try:
-                    repeated = _repeated(params, case, target, angle, speed, rng)
-                except ValueError as error:
-                    where = f"cases.{case.name}, {speed:g} m/s, {angle:g} deg"
-                    raise ValueError(f"{where}: {error}") from None
-                rows += list(coverage_rows(params, case, angle, speed, repeated))
-    table = pd.DataFrame(rows)
+        angle, speed = case.angles_deg[i], case.speeds_m_per_s[k]
+        rng = generator(params.seed, number, i, k)
+        try:
+            repeated = _repeated(params, case, target, angle, speed, rng)
+        except ValueError as error:
+            where = f"cases.{case.name}, {speed:g} m/s, {angle:g} deg"
+            raise ValueError(f"{where}: {error}") from None
+        rows.append((place, list(coverage_rows(params, case, angle, speed, repeated))))
+    return rows
+
+
+def gather(
+    params: Params,
+    inputs: Mapping[str, pd.DataFrame],
+    parts: Sequence[list[tuple[int, list[dict[str, Any]]]]],
+) -> Mapping[str, pd.DataFrame]:
+    """Return the tables, from the rows of all parts."""
+    every = sorted(chain(*parts), key=itemgetter(0))
+    table = pd.DataFrame([row for _, rows in every for row in rows])
     return {"interval_coverage": table, **drawn(table)}
 
 
@@ -156,7 +181,9 @@ def coverage_rows(
         truths = {"observable": float(accepted[name].mean()), "all": float(everything[name])}
         for which, truth in truths.items():
             held = np.abs(centre - truth) <= half
-            low, high = stats.binomtest(int(held.sum()), held.size).proportion_ci(method="wilson")
+            low, high = scipy.stats.binomtest(int(held.sum()), held.size).proportion_ci(
+                method="wilson"
+            )
             row |= {
                 f"mean_{which}": truth,
                 f"coverage_{which}": float(held.mean()),
@@ -167,7 +194,7 @@ def coverage_rows(
             "bias_of_the_mean": float(centre.mean() - truths["observable"]),
             "half_width": float(half.mean()),
             "systematic_share": float(np.mean(np.square(systematic[name] / (half / 2.0)))),
-            "skewness_of_events": float(stats.skew(values, axis=None)),
+            "skewness_of_events": float(scipy.stats.skew(values, axis=None)),
             "evidence": "virtual experiment",
         }
 

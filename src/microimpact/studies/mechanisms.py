@@ -8,9 +8,9 @@ from typing import Annotated
 
 import numpy as np
 import pandas as pd
+import scipy
 from numpy.typing import ArrayLike
 from pydantic import Field
-from scipy import stats
 
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.ptis import Instrument
@@ -137,7 +137,7 @@ def _spore_frames(
         known = rows[np.isfinite(rows["restitution"])]
         seen = name == CAMERA
         e = known["restitution"].to_numpy()
-        half = known["restitution_sd"].to_numpy() * stats.t.ppf(0.975, params.events - 1)
+        half = known["restitution_sd"].to_numpy() * scipy.stats.t.ppf(0.975, params.events - 1)
         half = half / np.sqrt(params.events)
         yield _frame(
             "spore",

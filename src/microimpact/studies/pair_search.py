@@ -13,8 +13,8 @@ from typing import Annotated
 
 import numpy as np
 import pandas as pd
+import scipy
 from pydantic import Field
-from scipy import stats
 from scipy.constants import g as gravity
 
 from microimpact.arrays import FloatArray
@@ -179,7 +179,7 @@ def _pooled(found: list[Observation], fates: Mapping[str, int]) -> dict[str, obj
 def _share(name: str, part: int, whole: int) -> dict[str, float]:
     low, high = np.nan, np.nan
     if whole:
-        low, high = stats.binomtest(part, whole).proportion_ci(method="wilson")
+        low, high = scipy.stats.binomtest(part, whole).proportion_ci(method="wilson")
     return {name: ratio(part, whole), f"{name}_low": low, f"{name}_high": high}
 
 

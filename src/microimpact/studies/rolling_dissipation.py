@@ -14,8 +14,8 @@ from typing import Annotated
 
 import numpy as np
 import pandas as pd
+import scipy
 from pydantic import Field
-from scipy.optimize import brentq
 
 from microimpact.arrays import FloatArray
 from microimpact.model.capture import capture_velocity
@@ -189,7 +189,7 @@ def around_least(
     def end(order: range) -> float:
         for inner, outer in pairwise(order):
             if values[outer] >= 0.0:
-                return float(brentq(excess, x[inner], x[outer], xtol=ANGLE_ERROR))
+                return float(scipy.optimize.brentq(excess, x[inner], x[outer], xtol=ANGLE_ERROR))
         return float(x[order[-1]])
 
     return end(range(least, -1, -1)), end(range(least, x.size))

@@ -12,9 +12,9 @@ from typing import Annotated
 
 import numpy as np
 import pandas as pd
+import scipy
 from numpy.typing import ArrayLike
 from pydantic import Field
-from scipy.optimize import brentq
 
 from microimpact.arrays import FloatArray, Real
 from microimpact.model.roughness import energy_bound, greatest_restitution
@@ -231,7 +231,11 @@ def first_excess(excess: Callable[[Real], FloatArray], start: float, end: float)
     first = int(np.argmax(over))
     if first == 0:
         return np.nan
-    return float(brentq(lambda x: float(excess(x)), steps[first - 1], steps[first], xtol=1e-12))
+    return float(
+        scipy.optimize.brentq(
+            lambda x: float(excess(x)), steps[first - 1], steps[first], xtol=1e-12
+        )
+    )
 
 
 def curves(params: Params) -> pd.DataFrame:

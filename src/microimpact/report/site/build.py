@@ -79,8 +79,7 @@ def write_site(results: Path, record: Record) -> list[Path]:
     for folder in FOLDERS:
         shutil.rmtree(report / folder, ignore_errors=True)
     for source, target in _copies(results):
-        (report / target).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(source, report / target)
+        write_file(report / target, source.read_bytes())
     for name, text in pages.items():
         write_file(report / name, text)
     return [report / name for name in pages]

@@ -1,0 +1,89 @@
+"""Language and time zone of the machine change no byte, not even where they reach the libraries."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+
+import pytest
+from tests.faults.projects import ROOT
+
+# A table and a figure, from the declared numbers, in a program that takes on its user's locale.
+PROGRAM = """
+import locale, sys
+from importlib import import_module
+
+locale.setlocale(locale.LC_ALL, "")
+from microimpact.config import load
+from microimpact.figures.registry import figure_spec, filled
+from microimpact.figures.style import save
+from microimpact.parameters import build
+from microimpact.provenance import plain
+from microimpact.studies import restitution_trends as study
+from microimpact.tables import read_figure_data, write_table
+
+(out,) = sys.argv[1:]
+branch = plain(load("config/config.yaml")["restitution_trends"])
+tables = study.run(build(study.Params, branch), {})
+write_table(tables["fig14"], f"{out}/fig14.csv")
+
+entries = {"fig14": load("config/figures.yaml")["fig14"]}
+spec = figure_spec("fig14", filled(entries, {"restitution_trends": branch})["fig14"])
+unit = spec.data["fig14"]
+data = {"fig14": read_figure_data(f"{out}/fig14.csv", unit.x, unit.y)}
+draw = getattr(import_module(spec.module), spec.function)
+save(draw(data, spec), f"{out}/fig14.svg", f"{out}/fig14.png")
+print(locale.localeconv()["decimal_point"])
+"""
+
+
+def built(out, **environment):
+    """Return the decimal point of the locale, and the bytes that a program in it wrote."""
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM, str(out)],
+        cwd=ROOT,
+        env={"PYTHONPATH": str(ROOT / "src"), **environment},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip(), {path.name: path.read_bytes() for path in out.iterdir()}
+
+
+@pytest.fixture(scope="module")
+def expected(tmp_path_factory):
+    point, files = built(tmp_path_factory.mktemp("plain"), LC_ALL="C.UTF-8", TZ="UTC")
+    assert point == "."
+    assert set(files) == {"fig14.csv", "fig14.svg", "fig14.png"}
+    return files
+
+
+@pytest.mark.parametrize(
+    "environment",
+    [
+        # No letter beyond ASCII can be written without naming the encoding of the file.
+        {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0", "TZ": "Asia/Kathmandu"},
+        {"LC_ALL": "POSIX", "TZ": "Pacific/Kiritimati", "PYTHONHASHSEED": "1"},
+    ],
+)
+def test_a_locale_without_letters_beyond_ascii_and_another_zone(expected, environment, tmp_path):
+    point, files = built(tmp_path, **environment)
+    assert point == "."
+    assert files == expected
+
+
+def test_a_locale_with_a_decimal_comma(expected, tmp_path):
+    if not shutil.which("localedef"):
+        pytest.skip("needs localedef and the sources of locales; on Debian: apt install locales")
+    place = tmp_path / "locales"
+    place.mkdir()
+    command = ["localedef", "-i", "de_DE", "-f", "UTF-8", str(place / "de_DE.UTF-8")]
+    if subprocess.run(command, capture_output=True, check=False).returncode:
+        pytest.skip("needs the sources of locales; on Debian: apt install locales")
+    out = tmp_path / "out"
+    out.mkdir()
+    point, files = built(out, LC_ALL="de_DE.UTF-8", LOCPATH=str(place), TZ="Europe/Berlin")
+    assert point == ","
+    assert files == expected
