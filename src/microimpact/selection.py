@@ -71,6 +71,16 @@ class DeclaredTable:
         return self.text(row for row in self.rows if tuple(row[c] for c in columns) in chosen)
 
 
+class NamedTables(dict[str, Any]):
+    """Tables of a study by name; one that is missing is told in words."""
+
+    def __missing__(self, name: str) -> Any:
+        raise SelectionError(
+            f"no rows of {name!r}: the study's branch must name some, by its keys particle and "
+            "surface or anchors"
+        )
+
+
 def read_declared(
     path: str, columns: Sequence[str], numbers: Sequence[str] = ("value",)
 ) -> DeclaredTable:

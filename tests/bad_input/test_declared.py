@@ -5,6 +5,8 @@ from __future__ import annotations
 import pytest
 from tests.bad_input.conftest import DIGITIZED
 
+from microimpact.selection import NamedTables
+
 CONFIG, MATERIALS, CONTACTS = "config.yaml", "materials.csv", "contacts.csv"
 PRINTED, FIGURES, POINTS = "printed_values.csv", "figures.yaml", "digitized/fig16.csv"
 
@@ -165,3 +167,15 @@ def test_a_byte_order_mark_and_other_line_ends_do_no_harm(declared):
         declared.write(name, b"\xef\xbb\xbf" + text.replace("\n", "\r\n").encode())
     declared.write(POINTS, DIGITIZED.replace("\n", "\r\n").encode())
     assert declared.read()[0].general.seed == 20011
+
+
+def test_a_study_whose_branch_names_no_rows(declared):
+    declared.replace(
+        CONFIG,
+        "  anchors: [peak_adhesion_over_peak_hertz, peak_adhesion_dissipation_over_adhesion]\n",
+        "  anchors: []\n",
+    )
+    rows = declared.read()[1].rows["force_history"]
+    assert set(rows) == {"materials", "contacts"}
+    with pytest.raises(ValueError, match="no rows of 'anchors': the study's branch must name some"):
+        NamedTables(rows)["anchors"]

@@ -66,6 +66,7 @@ class Project:
 
 
 def copied(target):
+    target.mkdir(exist_ok=True)
     for part in PARTS:
         if (ROOT / part).is_dir():
             # Compiled code comes along: dates are kept, so it stays valid and saves half a minute.

@@ -10,6 +10,7 @@ from microimpact.files import write_file
 from microimpact.job import logged
 from microimpact.parameters import build
 from microimpact.parts import part_from_text, part_text
+from microimpact.selection import NamedTables
 from microimpact.tables import parse_table, read_table, write_table
 
 
@@ -24,8 +25,8 @@ def main(job: Any) -> str:
     begin = time.perf_counter()
     study = import_module(f"microimpact.studies.{job.rule.removesuffix('_part')}")
     files = {name: path for name, path in job.input.items() if name not in {"code", "parts"}}
-    inputs = {name: parse_table(text) for name, text in job.params.rows.items()}
-    inputs |= {name: read_table(path) for name, path in files.items()}
+    inputs = NamedTables({name: parse_table(text) for name, text in job.params.rows.items()})
+    inputs.update({name: read_table(path) for name, path in files.items()})
     params = build(study.Params, job.params.branch)
     if chunk := job.wildcards.get("chunk"):
         number, count = map(int, chunk.split("-of-"))
