@@ -113,10 +113,10 @@ def test_code_that_decides_no_number_reruns_nothing(project):
         (
             "adhesion_exponent: {value: 1.0,",
             "adhesion_exponent: {value: 1.1,",
-            {"restitution_trends", "fig14", "declared_inputs"},
+            {"restitution_trends", "fig14", "declared_inputs", "report"},
         ),
-        # words of provenance: the table of inputs alone
-        ("schematic: R level at low speed", "schematic", {"declared_inputs"}),
+        # words of provenance: the table of inputs, and the report that shows it
+        ("schematic: R level at low speed", "schematic", {"declared_inputs", "report"}),
         # one number written otherwise: nothing
         ("body_speed_m_per_s: {value: 30.0,", "body_speed_m_per_s: {value: 30,", set()),
     ],
@@ -171,19 +171,32 @@ def test_a_declared_row_reruns_the_analyses_that_name_it(project, path, row, val
 
 def test_a_change_of_the_registry_redraws_one_figure(project):
     with project.edited("config/figures.yaml", lambda t: t.replace("Coefficient\n", "Value\n", 1)):
-        assert project.planned(*SMALL) == {"fig14"}
+        assert project.planned(*SMALL) == {"fig14", "report"}
 
 
 def test_a_parameter_in_the_words_of_a_figure_redraws_it(project, tmp_path):
     overlay = tmp_path / "overlay.yaml"
     overlay.write_text("coulomb_friction: {spin_friction: 0.3}\n")
     planned = project.planned("--configfile", "config/ci.yaml", str(overlay))
-    assert planned == {"coulomb_friction", "fig17", "declared_inputs"}
+    assert planned == {"coulomb_friction", "fig17", "declared_inputs", "report"}
 
 
 def test_one_figure_has_a_target_of_its_own(project):
     planned = project.planned("fig14", "--config", "pathvars={results: build/other}")
     assert planned == {"restitution_trends", "fig14"}
+
+
+def test_the_number_of_parts_changes_no_byte(project):
+    names = ("data/coverage_by_angle.csv", "tables/interval_coverage.csv")
+    before = [(project.root / OUT / name).read_bytes() for name in names]
+    with project.edited(
+        "config/config.yaml", lambda t: t.replace("chunks: {value: 2,", "chunks: {value: 3,")
+    ):
+        text = project.snakemake("interval_coverage", *SMALL).text
+    assert re.search(r"^interval_coverage_part +3$", text, flags=re.MULTILINE)
+    assert [(project.root / OUT / name).read_bytes() for name in names] == before
+    assert not list((project.root / OUT / "chunks").glob("*"))
+    project.snakemake("interval_coverage", *SMALL)
 
 
 def test_every_example_is_valid(project):

@@ -1,23 +1,5 @@
 """The explorer: tables for any impact, and the page that computes with them in a browser."""
 
-from microimpact.report.explorer import build as explorer
-
-WRITE_EXPLORER = PROJECT / "workflow/scripts/write_explorer.py"
-EXPLORER = PROJECT / "src/microimpact/report/explorer"
-FRAME = PROJECT / "src/microimpact/report/site/templates/base.html"
-EXPLORER_TABLES = [
-    f"explorer_{name}"
-    for name in ("threshold", "restitution", "impulses", "accuracy", "materials", "contacts")
-]
-
-
-def explorer_code():
-    """Return the files that decide what the explorer's page is."""
-    files = closure.source_files("microimpact.report.explorer.build", scripts=[WRITE_EXPLORER])
-    folders = [EXPLORER / "templates", EXPLORER / "assets"]
-    parts = [path for folder in folders for path in sorted(folder.iterdir())]
-    return _relative([*files, *parts, FRAME])
-
 
 rule explorer_tables:
     """data/explorer_*.csv: tables of any normal impact, their errors, and declared contacts."""
