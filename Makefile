@@ -158,16 +158,19 @@ install = rm -f $(1)/.run $(1)/.test; \
 	$(1)/bin/python -m pip install --quiet --no-deps --no-build-isolation --editable .
 endif
 
+# Once, and not in every job of the first run.
+warm = .venv/bin/python -m microimpact.model.warm
+
 # The test group contains the run group: once there, it serves both and is kept.
 .venv/.run: $(LOCKED) | $(INSTALLER)
 	@if [ -e .venv/.test ]; then \
-		$(call install,.venv,test); touch .venv/.run .venv/.test; \
+		$(call install,.venv,test); $(warm); touch .venv/.run .venv/.test; \
 	else \
-		$(call install,.venv,run); touch .venv/.run; \
+		$(call install,.venv,run); $(warm); touch .venv/.run; \
 	fi
 
 .venv/.test: $(LOCKED) requirements/test.txt | $(INSTALLER)
-	@$(call install,.venv,test); touch .venv/.run .venv/.test
+	@$(call install,.venv,test); $(warm); touch .venv/.run .venv/.test
 
 .venv-benchmark/.benchmark: $(LOCKED) requirements/benchmark.txt | $(INSTALLER)
 	@.venv/bin/python -m venv --clear .venv-benchmark

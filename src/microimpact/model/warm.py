@@ -1,0 +1,39 @@
+"""Compile all there is to compile: ``python -m microimpact.model.warm``.
+
+Jobs that start side by side on a new machine would each compile the same functions.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from microimpact.materials import Material
+from microimpact.model.contact import Contact
+from microimpact.model.facets import facet_normals, facet_rebound
+from microimpact.model.surrogate import Surrogate
+from microimpact.model.trajectory import trajectory
+
+
+def main() -> None:
+    """Use every compiled function once; they stay in Numba's cache."""
+    body = Material(name="any", youngs_modulus=1e11, poissons_ratio=0.3, density=2e3)
+    contact = Contact(
+        particle=body,
+        surface=body,
+        diameter=5e-5,
+        work_of_adhesion=0.1,
+        hertz_damping=0.01,
+        adhesion_damping=1.0,
+    )
+    trajectory(contact, 1.0)
+    speed = np.array([0.5, 1.0])
+    surrogate = Surrogate.of(contact, speed)
+    surrogate.normal_impact(contact, speed)
+    surrogate.restitution(speed, np.zeros(1))
+    down = np.array([[0.5, 0.0, -1.0]])
+    normals = facet_normals(down, np.zeros(1), np.zeros(1))
+    facet_rebound(down, np.zeros((1, 3)), normals, np.full(1, 0.7), np.full(1, 0.15))
+
+
+if __name__ == "__main__":
+    main()
