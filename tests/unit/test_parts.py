@@ -17,7 +17,13 @@ from microimpact.selection import read_all
 from microimpact.tables import parse_table, read_table
 
 ROOT = Path(__file__).parents[2]
-STUDIES = ("campaign", "fit_coverage", "interval_coverage", "oblique_experiments")
+STUDIES = (
+    "campaign",
+    "fit_coverage",
+    "interval_coverage",
+    "monte_carlo",
+    "oblique_experiments",
+)
 # Smaller still than the small reproduction: some parts are left with nothing, or nearly so.
 TINY = {
     "campaign": {"events": 4, "fewest_events": 2},

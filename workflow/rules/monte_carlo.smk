@@ -1,9 +1,28 @@
 """Monte Carlo analysis of impacts on a rough surface (Section 4.2)."""
 
 
+rule monte_carlo_part:
+    """chunks/monte_carlo-*.json: what one part of the study gives, until all are gathered."""
+    input:
+        code=study_code("monte_carlo") + sample_files(SETTINGS.branches["monte_carlo"]),
+        calibration="<results>/tables/calibration.csv",
+    output:
+        temp("<results>/chunks/monte_carlo-{chunk}.json"),
+    log:
+        "<results>/logs/monte_carlo-{chunk}.log",
+    benchmark:
+        "<results>/benchmarks/monte_carlo-{chunk}.tsv"
+    params:
+        branch=SETTINGS.branches["monte_carlo"],
+        rows=ROWS["monte_carlo"],
+    script:
+        "../scripts/run_study.py"
+
+
 rule monte_carlo:
     """data/fig23.csv; tables/monte_carlo*.csv and slope_inference.csv."""
     input:
+        parts=chunk_files("monte_carlo"),
         code=study_code("monte_carlo") + sample_files(SETTINGS.branches["monte_carlo"]),
         calibration="<results>/tables/calibration.csv",
     output:

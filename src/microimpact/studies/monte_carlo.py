@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import Annotated, Literal
 
 import numpy as np
@@ -177,6 +178,10 @@ class Params:
         return replace(self.process, **{r.parameter: r.distribution for r in self.replaced})
 
 
+# A pair of variant and angle by its number, and the fields of its `Estimate`.
+Numbered = tuple[int, list[float]]
+
+
 def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
     """Draw impacts on rough surfaces over angles of incidence.
 
@@ -196,16 +201,37 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
         ``monte_carlo_sampling``, ``monte_carlo_ablation``, ``monte_carlo_statements``,
         ``slope_inference``: see `_monte_carlo_tables` and `_slope_inference`.
     """
-    contact = calibrated_contact(inputs, params.smooth.case)
-    impact = impact_of(params.model, contact, params.drawn)
-    ensembles = {
-        variant.name: _ensemble(params, impact, variant, number)
-        for number, variant in enumerate(params.variants)
-    }
+    return gather(params, inputs, [part(params, inputs, 0, 1)])
+
+
+def part(
+    params: Params, inputs: Mapping[str, pd.DataFrame], index: int, count: int
+) -> list[Numbered]:
+    """Return the estimates of one part: every so many of all pairs of drawn variant and angle."""
+    ensembles = _ensembles(params, inputs)
+    angles = sorted(params.angles_deg)
+    pairs = [(v.name, key) for v in params.variants if v.drawn for key in range(len(angles))]
+    return [
+        (number, list(estimate(ensembles[name], angles[key], key)))
+        for number, (name, key) in enumerate(pairs)
+        if number % count == index
+    ]
+
+
+def gather(
+    params: Params, inputs: Mapping[str, pd.DataFrame], parts: Sequence[Sequence[Numbered]]
+) -> Mapping[str, pd.DataFrame]:
+    """Return the tables, from the estimates of all parts."""
+    ensembles = _ensembles(params, inputs)
     drawn = {v.name: ensembles[v.name] for v in params.variants if v.drawn}
     base = deterministic(next(iter(drawn.values())))
+    estimates = iter([Estimate(*numbers) for _, numbers in sorted(chain(*parts))])
     means = pd.concat(
-        [_means(params, name, one, base) for name, one in drawn.items()], ignore_index=True
+        [
+            _means(params, name, [next(estimates) for _ in params.angles_deg], base)
+            for name in drawn
+        ],
+        ignore_index=True,
     )
     first = _stream(next(iter(drawn.values())), SAMPLING)
     apart = {name: _stream(one, ABLATION) for name, one in drawn.items()}
@@ -277,6 +303,15 @@ def stream(
         return estimate(long, angle_deg, threads=threads, done=done)
 
 
+def _ensembles(params: Params, inputs: Mapping[str, pd.DataFrame]) -> dict[str, Ensemble]:
+    contact = calibrated_contact(inputs, params.smooth.case)
+    impact = impact_of(params.model, contact, params.drawn)
+    return {
+        variant.name: _ensemble(params, impact, variant, number)
+        for number, variant in enumerate(params.variants)
+    }
+
+
 def _ensemble(params: Params, impact: Impact, variant: Variant, number: int) -> Ensemble:
     slope = variant.slope or params.drawn.slope
     across = slope if variant.two_axes else params.drawn.cross_slope
@@ -297,10 +332,9 @@ def _stream(ensemble: Ensemble, analysis: int) -> Ensemble:
     return replace(ensemble, seed=seed)
 
 
-def _means(params: Params, variant: str, ensemble: Ensemble, base: Ensemble) -> pd.DataFrame:
-    """Estimates of a variant at every angle, beside the smooth surface's."""
+def _means(params: Params, variant: str, found: list[Estimate], base: Ensemble) -> pd.DataFrame:
+    """Estimates of a variant at every angle, ascending, beside the smooth surface's."""
     angles = sorted(params.angles_deg)
-    found = [estimate(ensemble, angle, key) for key, angle in enumerate(angles)]
     smooth = [estimate(base, angle) for angle in angles]
     reference = angles.index(params.reference_angle_deg)
     speed = mean(params.drawn.speed_m_per_s)
