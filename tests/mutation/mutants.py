@@ -317,7 +317,7 @@ SLIPS = (
         "facets hit whatever they face",
         f"{LAB}/collision.py",
         "rise = slope_sd * weighted_slope(facing, -velocity[:, 2], slope_sd * along)",
-        "rise = slope_sd * special.ndtri(facing)",
+        "rise = slope_sd * scipy.special.ndtri(facing)",
         ("collision",),
     ),
     Mutant(
@@ -362,15 +362,15 @@ LABORATORY = (
     Mutant(
         "interval: as many degrees of freedom as events",
         f"{LAB}/reduction.py",
-        "t = special.stdtrit(events - 1, 0.5 * (1.0 + level))",
-        "t = special.stdtrit(events, 0.5 * (1.0 + level))",
+        "t = scipy.special.stdtrit(events - 1, 0.5 * (1.0 + level))",
+        "t = scipy.special.stdtrit(events, 0.5 * (1.0 + level))",
         ("reduction",),
     ),
     Mutant(
         "interval: one-sided",
         f"{LAB}/reduction.py",
-        "t = special.stdtrit(events - 1, 0.5 * (1.0 + level))",
-        "t = special.stdtrit(events - 1, level)",
+        "t = scipy.special.stdtrit(events - 1, 0.5 * (1.0 + level))",
+        "t = scipy.special.stdtrit(events - 1, level)",
         ("reduction",),
     ),
     Mutant(
@@ -390,8 +390,8 @@ LABORATORY = (
     Mutant(
         "sum of twelve numbers: mean 6 left in",
         f"{LAB}/sampling.py",
-        "return _inside(special.ndtr(part.sum(axis=1) - SUMMANDS / 2))",
-        "return _inside(special.ndtr(part.sum(axis=1) - SUMMANDS / 2 + 0.5))",
+        "return _inside(scipy.special.ndtr(part.sum(axis=1) - SUMMANDS / 2))",
+        "return _inside(scipy.special.ndtr(part.sum(axis=1) - SUMMANDS / 2 + 0.5))",
         ("distributions", "monte_carlo"),
     ),
     Mutant(
