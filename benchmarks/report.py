@@ -244,9 +244,9 @@ def renew_docs(docs: Path, folder: Path) -> None:
     ]
     for suffix in ("svg", "png"):
         shutil.copyfile(folder / f"compare.{suffix}", images / f"performance.{suffix}")
-    if (folder / "scaling.svg").exists():
-        shutil.copyfile(folder / "scaling.svg", images / "scaling.svg")
-        lines += ["", "![Speed on several cores](images/scaling.svg)"]
+    if (folder / "scaling.png").exists():
+        shutil.copyfile(folder / "scaling.png", images / "scaling.png")
+        lines += ["", "![Speed on several cores](images/scaling.png)"]
     before, _, rest = page.read_text(encoding="utf-8").partition(BEGIN)
     _, _, after = rest.partition(END)
     measured = "\n".join([BEGIN, "", *lines, "", END])
