@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import base64
+import os
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -24,6 +26,43 @@ SVG = (
 PNG = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg=="
 )
+
+
+# The last three keep it from asking for hosts of its maker.
+ARGUMENTS = (
+    "--headless=new",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+)
+
+
+@pytest.fixture(scope="module")
+def chromium(tmp_path_factory):
+    """A headless browser that keeps what pages say on the console; tests are skipped without."""
+    tools = {name: shutil.which(name) for name in ("chromium", "chromedriver")}
+    if missing := [name for name, path in tools.items() if path is None]:
+        message = f"needs {' and '.join(missing)} (Debian: chromium, chromium-driver)"
+        if os.environ.get("MICROIMPACT_REQUIRE_TOOLS"):
+            pytest.fail(message)
+        pytest.skip(message)
+    from selenium import webdriver
+
+    options = webdriver.ChromeOptions()
+    options.binary_location = tools["chromium"]
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    for argument in ARGUMENTS:
+        options.add_argument(argument)
+    options.add_argument(f"--user-data-dir={tmp_path_factory.mktemp('browser')}")
+    driver = webdriver.Chrome(
+        options=options, service=webdriver.ChromeService(tools["chromedriver"])
+    )
+    yield driver
+    driver.quit()
 
 
 @pytest.fixture(scope="session")

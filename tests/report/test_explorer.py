@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 import shutil
 from pathlib import Path
@@ -28,10 +27,6 @@ from microimpact.tables import parse_table, read_table
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[2]
-FLAGS = (
-    *("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
-    *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
-)
 BY_KERNEL = """
 return arguments[0].map((c) => {
   const found = Explorer.impact(c);
@@ -67,34 +62,13 @@ def page(files, tmp_path_factory):
     return folder / "explorer.html"
 
 
-@pytest.fixture(scope="module")
-def driver(tmp_path_factory):
-    tools = {name: shutil.which(name) for name in ("chromium", "chromedriver")}
-    if missing := [name for name, path in tools.items() if path is None]:
-        message = f"needs {' and '.join(missing)} (Debian: chromium, chromium-driver)"
-        if os.environ.get("MICROIMPACT_REQUIRE_TOOLS"):
-            pytest.fail(message)
-        pytest.skip(message)
-    from selenium import webdriver
-    from selenium.webdriver.chrome.service import Service
-
-    options = webdriver.ChromeOptions()
-    options.binary_location = tools["chromium"]
-    for flag in (*FLAGS, f"--user-data-dir={tmp_path_factory.mktemp('browser')}"):
-        options.add_argument(flag)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    browser = webdriver.Chrome(options=options, service=Service(tools["chromedriver"]))
-    browser.set_window_size(1300, 1000)
-    yield browser
-    browser.quit()
-
-
 @pytest.fixture
-def browser(driver, page):
+def browser(chromium, page):
     """The page as it opens; afterwards nothing may have been reported on the console."""
-    visit(driver, page.as_uri())
-    yield driver
-    assert [line["message"] for line in driver.get_log("browser")] == []
+    chromium.set_window_size(1300, 1000)
+    visit(chromium, page.as_uri())
+    yield chromium
+    assert [line["message"] for line in chromium.get_log("browser")] == []
 
 
 def visit(driver, address):
