@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 from matplotlib import style as matplotlib_style
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
@@ -277,14 +278,22 @@ def save(figure: Figure, *paths: Path | str) -> None:
     """Save a figure in the format of each suffix; equal figures give equal bytes.
 
     Each file is written in one step; neither dates nor program versions go into it. The layout is
-    made for the first and serves all, which takes half the time and lets them agree.
+    made once, with the text as wide as in an SVG, so that both files agree.
     """
-    for path in map(Path, paths):
-        buffer = io.BytesIO()
-        kind = path.suffix.removeprefix(".")
-        # A key with the value None is left out of the file.
-        metadata = {"svg": {"Date": None, "Creator": None}, "png": {"Software": None}}.get(kind)
-        with context():
-            figure.savefig(buffer, format=kind, metadata=metadata)
-            figure.set_layout_engine("none")
-        write_file(path, buffer.getvalue())
+    with context():
+        if engine := figure.get_layout_engine():
+            FigureCanvasSVG(figure)
+            engine.execute(figure)
+        with matplotlib_style.context({"figure.constrained_layout.use": False}):
+            figure.set_layout_engine(None)
+            for path in map(Path, paths):
+                _save(figure, path)
+
+
+def _save(figure: Figure, path: Path) -> None:
+    buffer = io.BytesIO()
+    kind = path.suffix.removeprefix(".")
+    # A key with the value None is left out of the file.
+    metadata = {"svg": {"Date": None, "Creator": None}, "png": {"Software": None}}.get(kind)
+    figure.savefig(buffer, format=kind, metadata=metadata)
+    write_file(path, buffer.getvalue())
