@@ -13,9 +13,6 @@ from snakemake.utils import min_version
 min_version("9.12")
 
 
-configfile: "config/config.yaml"
-
-
 report: "workflow/report/overview.rst"
 
 
