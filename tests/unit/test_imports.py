@@ -40,7 +40,13 @@ def test_the_package_itself_loads_nothing_heavy():
 
 
 def test_the_watch_sees_what_is_loaded():
-    assert loaded_after("import microimpact.model.kernel", *HEAVY) >= {"numba", "llvmlite"}
+    first_call = "from microimpact.model import kernel\nkernel._value.compiled()"
+    assert loaded_after(first_call, *HEAVY) >= {"numba", "llvmlite"}
+
+
+@pytest.mark.parametrize("module", ["kernel", "pieces", "facets", "impact"])
+def test_the_compiler_waits_for_the_first_call(module):
+    assert loaded_after(f"import microimpact.model.{module}", "numba", "llvmlite") == set()
 
 
 @pytest.mark.parametrize("arguments", [["--help"], ["simulate", "--help"], ["capture", "-h"]])
@@ -75,7 +81,8 @@ def twice(x):
     return 2.0 * x
 """
 CALL = (
-    "from tiny import twice; print(twice(2.0), twice.stats.cache_path, len(twice.stats.cache_hits))"
+    "import tiny\nfirst = tiny.twice\nvalue = first(2.0)\nassert first(1.0) == tiny.twice(1.0)\n"
+    "print(value, tiny.twice.stats.cache_path, len(tiny.twice.stats.cache_hits))"
 )
 
 
@@ -122,6 +129,8 @@ def test_functions_of_the_model_are_kept(name):
     code = (
         f"from microimpact.model import {name} as m\n"
         "from numba.core.dispatcher import Dispatcher\n"
+        "from microimpact.model.compiled import _Uncompiled\n"
+        "next(f for f in vars(m).values() if isinstance(f, _Uncompiled)).compiled()\n"
         "found = [f for f in vars(m).values() if isinstance(f, Dispatcher)]\n"
         "kept = [f for f in found if not f.targetoptions.get('inline')]\n"
         "print(len(kept), all(f.stats.cache_path for f in kept))"
@@ -134,11 +143,9 @@ def test_functions_of_the_model_are_kept(name):
 def test_compiled_code_of_a_module_calls_no_other_modules(tmp_path):
     # Numba's cache would keep stale code of the other module.
     root = Path(__file__).parents[2] / "src/microimpact"
-    users = [path.name for path in root.rglob("*.py") if "njit" in path.read_text()]
-    assert "compiled.py" in users
-    for path in (root / "model").glob("*.py"):
+    users = [path for path in root.rglob("*.py") if "import jit\n" in path.read_text()]
+    assert {path.stem for path in users} >= {"kernel", "pieces", "facets"}
+    for path in users:
         text = path.read_text()
-        if "njit" not in text or path.name == "compiled.py":
-            continue
-        others = [name for name in ("kernel", "pieces", "facets") if name != path.stem]
+        others = [other.stem for other in users if other != path]
         assert not any(f"from microimpact.model.{name} import _" in text for name in others)

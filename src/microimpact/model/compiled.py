@@ -5,25 +5,51 @@ another place. Where none can be written (an installation for reading only, with
 process compiles anew, in some seconds.
 
 Each module with compiled functions holds all that they call: the cache looks only at the file of
-the function it loads, and would keep stale code of another.
+the function it loads, and would keep stale code of another. Numba itself, a third of a second of
+every start, is loaded with the first call of a compiled function of a module.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import update_wrapper
+from threading import RLock
 from typing import Any
 
-from numba import njit
+_LOCK = RLock()
 
 
 def jit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     """Return a decorator that compiles a function without the interpreter's lock, and caches it."""
+    return lambda function: _Uncompiled(function, options)
 
-    def compiled(function: Callable[..., Any]) -> Any:
-        common: Any = {"nogil": True, "error_model": "numpy"} | options
+
+class _Uncompiled:
+    """A function whose first call puts Numba's in the place of all of its module."""
+
+    def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
+        self.function, self.options = function, options
+        update_wrapper(self, function)
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Call the compiled function; a name that was imported elsewhere still comes here."""
+        return self.compiled()(*arguments)
+
+    def compiled(self) -> Any:
+        """Return Numba's function, which compiles itself for the kinds of its arguments."""
+        module = self.function.__globals__
+        with _LOCK:
+            for name, value in list(module.items()):
+                if isinstance(value, _Uncompiled) and value.function.__globals__ is module:
+                    module[name] = value.dispatcher()
+        return module[self.function.__name__]
+
+    def dispatcher(self) -> Any:
+        """Return Numba's function, with a cache where there is a place for it."""
+        from numba import njit
+
+        options: Any = {"nogil": True, "error_model": "numpy"} | self.options
         try:
-            return njit(cache=True, **common)(function)
+            return njit(cache=True, **options)(self.function)
         except RuntimeError:  # "no locator available": nowhere to write
-            return njit(**common)(function)
-
-    return compiled
+            return njit(**options)(self.function)

@@ -27,7 +27,6 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numba import njit
 
 from microimpact.model.compiled import jit
 
@@ -94,7 +93,7 @@ _NODES = 0.5 * (_NODES + 1.0)
 _WEIGHTS = 0.5 * _WEIGHTS
 
 _jit = jit()
-_jit_inline = njit(inline="always")
+_jit_inline = jit(inline="always")
 _jit_contract = jit(fastmath={"contract", "nsz"})
 
 

@@ -14,7 +14,6 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numba import njit
 from numpy.polynomial import chebyshev
 
 from microimpact.arrays import FloatArray
@@ -27,7 +26,7 @@ WIDTH = 8
 # Impacts that one call of the compiled code computes; threads share them out.
 BLOCK = 1 << 15
 
-_jit_inline = njit(inline="always")
+_jit_inline = jit(inline="always")
 _jit = jit(fastmath={"contract"})
 
 # Of x and g, arrays of one shape (n,), the quantities (WIDTH, n).
