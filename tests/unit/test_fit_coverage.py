@@ -10,14 +10,14 @@ from pydantic import ValidationError
 
 from microimpact import Contact, capture_velocity, fit_restitution, restitution, simulate
 from microimpact.config import load, validate
-from microimpact.model import restitution_descent
+from microimpact.model import restitution_kernel as kernel
 from microimpact.model.restitution_batch import (
     data_sets,
     fit_batch,
     interval_batch,
     profile_batch,
 )
-from microimpact.model.restitution_descent import Search, curves
+from microimpact.model.restitution_search import V_C, model
 from microimpact.parameters import build
 from microimpact.studies._fit_intervals import Methods, Sample, intervals
 from microimpact.studies._fit_truths import (
@@ -98,14 +98,54 @@ def test_exact_data_give_the_truth_back(q):
 
 
 def test_slopes_match_differences():
-    v = np.array([[0.2, 0.44, 0.46, 1.0, 8.0]])
-    search = Search(v=v, log_v=np.log(v), e=v, weight=v, end=np.array([0.44]))
-    x = np.log([[30.0, 1.2, 0.15, 0.6, 0.05]])
-    e, slopes = curves(search, x)
-    np.testing.assert_allclose(e[0], restitution(v[0], 30.0, 1.2, 0.15, 0.6, 0.39), rtol=1e-12)
+    v = np.array([0.2, 0.44, 0.46, 1.0, 8.0])
+    x = np.log([30.0, 1.2, 0.15, 0.6, 0.05])
+
+    def curve(x):
+        return model(v, x[:V_C], 0.44, np.exp(x[V_C]))
+
+    e, slopes = curve(x)
+    np.testing.assert_allclose(e, restitution(v, 30.0, 1.2, 0.15, 0.6, 0.39), rtol=1e-12)
     for column, step in enumerate(1e-6 * np.eye(5)):
-        difference = (curves(search, x + step)[0] - curves(search, x - step)[0]) / 2e-6
+        difference = (curve(x + step)[0] - curve(x - step)[0]) / 2e-6
         np.testing.assert_allclose(slopes[:, column], difference, atol=1e-9)
+
+
+def test_exponentials_and_logarithms_are_those_of_numpy():
+    x = np.concatenate([np.linspace(-700.0, 700.0, 2001), [-1e-9, 0.0, 1e-300]])
+    ours = [kernel._exp(each) for each in x]
+    np.testing.assert_allclose(ours, np.exp(x), rtol=1e-15)
+    x = np.concatenate([np.geomspace(1e-300, 1e300, 2001), np.linspace(0.5, 2.0, 2001)])
+    ours = [kernel._log(each) for each in x]
+    np.testing.assert_allclose(ours, np.log(x), rtol=1e-15)
+    # beyond the range of numbers a curve is flat, and must stay finite
+    assert kernel._exp(1e5) == pytest.approx(np.exp(708.0), rel=1e-15)
+    assert 0.0 < kernel._exp(-1e5) < 1e-307
+
+
+def test_compiled_sums_are_those_of_the_plain_curve():
+    random = np.random.default_rng(5)
+    end, points = 0.9, 11
+    v = np.sort(random.uniform(0.3, 12.0, (kernel.LANES, points)), axis=1)
+    e = random.uniform(0.0, 0.9, v.shape)
+    weight = random.uniform(10.0, 100.0, v.shape) * (random.uniform(size=v.shape) > 0.2)
+    x = np.log([20.0, 1.1, 0.3, 0.6, 0.3]) + random.normal(0.0, 0.3, (kernel.LANES, 5))
+    room = np.full((4 * 12, kernel.LANES), np.nan)
+    state = np.full((kernel.STATE_ROWS, kernel.LANES), np.nan)
+    slopes = np.empty((kernel.GROUP * kernel.COLUMNS, kernel.LANES))
+    for lane in range(kernel.LANES):
+        groups = kernel.enter(
+            v[lane], e[lane], weight[lane], end, x[lane], x[lane], x[lane], lane, room, state
+        )
+        assert groups == -(-np.count_nonzero(weight[lane]) // kernel.GROUP)
+    state[kernel.TRIAL : kernel.TRIAL + 5] = x.T
+    kernel.evaluate(room, 3, state, slopes)
+    sums = state[kernel.NEW_SUMS : kernel.NEW_SUMS + 36].reshape(6, 6, -1)
+    for lane in range(kernel.LANES):
+        curve, rows = model(v[lane], x[lane, :V_C], end, np.exp(x[lane, V_C]))
+        rows = np.column_stack([rows, curve - e[lane]]) * weight[lane, :, None]
+        expected = np.triu(rows.T @ rows)
+        np.testing.assert_allclose(np.triu(sums[:, :, lane]), expected, rtol=1e-11, atol=1e-9)
 
 
 @pytest.mark.parametrize("q", [None, 0.5])
@@ -157,19 +197,43 @@ def test_no_capture_velocity_above_the_slowest_rebound():
     assert fit.v_c[0] < 1.05
 
 
-def test_a_fit_does_not_depend_on_its_batch(monkeypatch):
-    v, e = measured(1.5, 0.03, 23)
+def test_a_fit_does_not_depend_on_its_batch():
+    count = kernel.LANES + 7  # some searches wait for a lane
+    v, e = measured(1.5, 0.03, count)
     sets = data_sets(v, e, 1.0 / 0.03)
     whole = fit_batch(sets)
     ends = interval_batch(sets, whole, CHI_SQUARE_95)
-    monkeypatch.setattr(restitution_descent, "TOGETHER", 5)
-    monkeypatch.setattr(restitution_descent, "ENDED", 2)
-    small = fit_batch(sets)
-    for one, other in zip(
-        (whole.v_c, whole.chi_square), (small.v_c, small.chi_square), strict=True
-    ):
-        np.testing.assert_allclose(one, other, rtol=1e-12)
-    np.testing.assert_allclose(interval_batch(sets, small, CHI_SQUARE_95), ends, rtol=1e-9)
+    for i in (0, 5, count - 1):
+        alone = data_sets(v, e[i], 1.0 / 0.03)
+        fit = fit_batch(alone)
+        np.testing.assert_array_equal(fit.parameters[0], whole.parameters[i])
+        np.testing.assert_array_equal(interval_batch(alone, fit, CHI_SQUARE_95)[0], ends[i])
+
+
+def test_a_step_is_judged_by_what_it_gains():
+    state = np.zeros((kernel.STATE_ROWS, kernel.LANES))
+    rows = [kernel.CHI_SQUARE, kernel.NEW_CHI_SQUARE, kernel.EXPECTED, kernel.DAMPING]
+    state[[*rows, kernel.HEAVIER, kernel.LEFT, kernel.TRIAL]] = [
+        [1],
+        [1],
+        [0],
+        [1e-3],
+        [4],
+        [9],
+        [5],
+    ]
+    state[rows, 0] = 1.0, 0.5, 0.5, 0.3  # as good as expected
+    state[rows, 1] = 1.0, 1.5, 0.5, 0.3  # worse
+    state[rows, 2] = 1.0, 1.0 + 1e-13, 1e-16, 1e-3  # at the minimum, but for rounding
+    state[rows, 3] = 1.0, 1.0 + 1e-13, 1e-16, 1.0  # a step that the damping makes short
+    state[rows, 4] = 1.0, 1.5, 0.5, 1e11  # no damping helps
+    kernel._judge(state)
+    np.testing.assert_array_equal(state[kernel.X, :5], [5.0, 0.0, 0.0, 0.0, 0.0])
+    np.testing.assert_array_equal(state[kernel.CHI_SQUARE, :5], [0.5, 1.0, 1.0, 1.0, 1.0])
+    np.testing.assert_array_equal(state[kernel.LEFT, :5], [8.0, 8.0, 0.0, 8.0, 0.0])
+    np.testing.assert_array_equal(state[kernel.CONVERGED, :5], [0.0, 0.0, 1.0, 0.0, 1.0])
+    np.testing.assert_allclose(state[kernel.DAMPING, [0, 1, 3]], [0.1, 1.2, 4.0], rtol=1e-15)
+    np.testing.assert_array_equal(state[kernel.HEAVIER, [0, 1, 3]], [2.0, 8.0, 8.0])
 
 
 def test_a_missing_datum_is_one_that_was_never_taken():

@@ -1,9 +1,8 @@
 """Fits of Eq. (34) to many data sets at once.
 
 The minimum that `microimpact.model.restitution_fit.fit_restitution` seeks, in the same variables
-and within the same bounds, for studies that need very many fits: one damped Gauss-Newton search
-(Levenberg and Marquardt) advances all data sets together, each with a damping of its own. What
-one data set gives does not depend on the others.
+and within the same bounds, for studies that need very many fits: by compiled damped Gauss-Newton
+searches (Levenberg and Marquardt). What one data set gives does not depend on the others.
 """
 
 from __future__ import annotations
@@ -20,7 +19,6 @@ from microimpact.model.restitution_search import AT_REBOUND, CLOSEST, ON_BOUND, 
 from microimpact.model.restitution_sets import (
     BEST_STARTS,
     DataSets,
-    bounds,
     data_sets,
     ranges,
     searches,
@@ -96,15 +94,15 @@ def fit_batch(sets: DataSets, starts: int = 2) -> BatchFit:
         raise ValueError(f"starts must be 1 to {len(BEST_STARTS)}, got {starts}")
     pieces = ranges(sets)
     width = pieces.upper - pieces.lower
-    low, high = bounds(sets, pieces.owner, np.log(CLOSEST * width), np.log(width))
-    search = searches(sets, pieces.owner, pieces.upper)
+    gaps = np.log(CLOSEST * width), np.log(width)
+    search = searches(sets, pieces.owner, pieces.upper, *gaps)
     points = [start_points(sets, pieces.owner, i, width) for i in BEST_STARTS[:starts]]
-    found = _lowest(search, points, low, high)
+    found = _lowest(search, points)
     # The lowest of all pieces of each data set.
     order = np.lexsort((found.chi_square, pieces.owner))
     piece = order[np.unique(pieces.owner[order], return_index=True)[1]]
     x = found.x[piece]
-    near = (x - low[piece] < ON_BOUND) | (high[piece] - x < ON_BOUND)
+    near = (x - search.low[piece] < ON_BOUND) | (search.high[piece] - x < ON_BOUND)
     gap, span = np.exp(x[:, V_C]), width[piece]
     # As in the single fit: v_c is held to be on a bound much closer to it than the others.
     near[:, V_C] = (gap < (1.0 + ON_BOUND) * CLOSEST * span) | (gap > (1.0 - CLOSEST) * span)
@@ -208,18 +206,17 @@ def _profile(
 ) -> tuple[FloatArray, FloatArray]:
     """Least chi-square (r,) at v_c = 1 - gap, and ln(k, p, kappa, q) (r, 4) there."""
     owner, fixed = np.arange(len(sets.unit)), np.log(gap)
-    search = searches(sets, owner, np.ones(len(owner)))
+    search = searches(sets, owner, np.ones(len(owner)), fixed, fixed)
     points = [np.column_stack([logs, fixed])]
     points += [start_points(sets, owner, BEST_STARTS[0], np.exp(fixed))] if restart else []
-    found = _lowest(search, points, *bounds(sets, owner, fixed, fixed))
+    found = _lowest(search, points)
     return found.chi_square, found.x[:, :V_C]
 
 
-def _lowest(search: Search, starts: list[FloatArray], low: FloatArray, high: FloatArray) -> Found:
-    """Of searches in the same ranges from several starts, the lowest for each data set."""
+def _lowest(search: Search, starts: list[FloatArray]) -> Found:
+    """Of searches from several starts each, what the lowest found."""
     rows = np.arange(len(search.end))
-    every = np.tile(rows, len(starts))
-    found = descend(search.take(every), np.concatenate(starts), low[every], high[every])
+    found = descend(search, np.concatenate(starts))
     best = rows + len(rows) * np.argmin(found.chi_square.reshape(len(starts), -1), axis=0)
     return Found(*(field[best] for field in found))
 

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from numpy.typing import ArrayLike
 
 from microimpact.arrays import NON_NEGATIVE, POSITIVE, FloatArray, checked
-from microimpact.model.restitution_descent import Search
+from microimpact.model.restitution_descent import Places, Search
 from microimpact.model.restitution_search import (
     CLOSEST,
     EXPONENT_BOUNDS,
@@ -20,9 +19,9 @@ from microimpact.model.restitution_search import (
     STARTS,
 )
 
-Places = npt.NDArray[np.intp]
 # Of the starts of the single fit those that most often lead to its minimum, the best first.
 BEST_STARTS = (3, 2, 0, 1, 4)
+ARRAYS = ("v", "e", "weight", "unit", "top")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,8 +32,8 @@ class DataSets:
     ----------
     v, e, weight
         Speeds, coefficients of restitution and 1/sigma; weight 0 for a datum that is not there.
-    unit
-        The slowest rebounding speed (r,), m/s.
+    unit, top
+        The slowest rebounding speed (r,), m/s, and the largest speed in its units.
     q
         Exponent of Eq. (33), or None where it is free.
     """
@@ -43,18 +42,12 @@ class DataSets:
     e: FloatArray
     weight: FloatArray
     unit: FloatArray
+    top: FloatArray
     q: float | None
 
     def take(self, rows: slice) -> DataSets:
         """Return some of the data sets."""
-        parts = {name: getattr(self, name)[rows] for name in ("v", "e", "weight", "unit")}
-        return DataSets(**parts, q=self.q)
-
-    @property
-    def top(self) -> FloatArray:
-        """Largest speeds (r,)."""
-        fastest: FloatArray = np.where(self.weight > 0.0, self.v, 0.0).max(axis=1)
-        return fastest
+        return DataSets(**{name: getattr(self, name)[rows] for name in ARRAYS}, q=self.q)
 
     @property
     def free(self) -> int:
@@ -92,13 +85,15 @@ def data_sets(v: ArrayLike, e: ArrayLike, weight: ArrayLike, q: float | None = N
         If a number is out of range, or a data set has too few points from its smallest rebounding
         speed upwards: fewer than free parameters and one more.
     """
-    measured = np.atleast_2d(checked("e", e, NON_NEGATIVE))
+    measured = np.array(checked("e", e, NON_NEGATIVE), ndmin=2)
     speed = np.broadcast_to(checked("v", v, POSITIVE), measured.shape)
-    weights = np.broadcast_to(checked("weight", weight, NON_NEGATIVE), measured.shape)
+    weights = np.array(np.broadcast_to(checked("weight", weight, NON_NEGATIVE), measured.shape))
     if q is not None:
         checked("q", q, POSITIVE)
     unit = np.where((weights > 0.0) & (measured > 0.0), speed, np.inf).min(axis=1)
-    sets = DataSets(v=speed / unit[:, None], e=measured, weight=weights, unit=unit, q=q)
+    ratio = speed / unit[:, None]
+    top = np.where(weights > 0.0, ratio, 0.0).max(axis=1)
+    sets = DataSets(v=ratio, e=measured, weight=weights, unit=unit, top=top, q=q)
     telling = np.sum((weights > 0.0) & (sets.v >= 1.0), axis=1)
     if np.any(telling <= sets.free):
         few = int(np.argmin(telling))
@@ -111,18 +106,15 @@ def data_sets(v: ArrayLike, e: ArrayLike, weight: ArrayLike, q: float | None = N
 
 def stacked_sets(parts: Sequence[DataSets]) -> DataSets:
     """Return data sets of one number of points and one q as those of one batch."""
-    arrays = {
-        name: np.concatenate([getattr(part, name) for part in parts])
-        for name in ("v", "e", "weight", "unit")
-    }
+    arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in ARRAYS}
     return DataSets(**arrays, q=parts[0].q)
 
 
 def ranges(sets: DataSets) -> Ranges:
     """Ranges of v_c between captured speeds: the clip bends the sum of squares at each."""
     captured = (sets.e == 0.0) & (sets.weight > 0.0) & (sets.v < 1.0 - CLOSEST)
-    split = np.flatnonzero(captured.any(axis=1))
-    whole = np.setdiff1d(np.arange(len(sets.unit)), split)
+    several = captured.any(axis=1)
+    split, whole = np.flatnonzero(several), np.flatnonzero(~several)
     owner, lower, upper = [whole], [np.zeros(len(whole))], [np.ones(len(whole))]
     for row in split:
         edges = np.concatenate([[0.0], np.unique(sets.v[row][captured[row]]), [1.0]])
@@ -132,10 +124,12 @@ def ranges(sets: DataSets) -> Ranges:
     return Ranges(np.concatenate(owner), np.concatenate(lower), np.concatenate(upper))
 
 
-def searches(sets: DataSets, owner: Places, end: FloatArray) -> Search:
-    """Data of one search per owner, with v_c below an end."""
-    v = sets.v[owner]
-    return Search(v=v, log_v=np.log(v), e=sets.e[owner], weight=sets.weight[owner], end=end)
+def searches(
+    sets: DataSets, owner: Places, end: FloatArray, least_gap: FloatArray, largest_gap: FloatArray
+) -> Search:
+    """One search per owner, with v_c below an end by a gap whose logarithm has these bounds."""
+    low, high = _bounds(sets, owner, least_gap, largest_gap)
+    return Search(sets.v, sets.e, sets.weight, owner, end, low, high)
 
 
 def start_points(sets: DataSets, owner: Places, number: int, width: FloatArray) -> FloatArray:
@@ -146,7 +140,7 @@ def start_points(sets: DataSets, owner: Places, number: int, width: FloatArray) 
     return points
 
 
-def bounds(
+def _bounds(
     sets: DataSets, owner: Places, least_gap: FloatArray, largest_gap: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Bounds (m, 5) of ln(k, p, kappa, q, gap), equal where a variable is fixed."""

@@ -10,6 +10,7 @@ import numpy as np
 from microimpact.materials import Material
 from microimpact.model.contact import Contact
 from microimpact.model.facets import facet_normals, facet_rebound
+from microimpact.model.restitution_batch import data_sets, fit_batch
 from microimpact.model.surrogate import Surrogate
 from microimpact.model.trajectory import trajectory
 
@@ -33,6 +34,8 @@ def main() -> None:
     down = np.array([[0.5, 0.0, -1.0]])
     normals = facet_normals(down, np.zeros(1), np.zeros(1))
     facet_rebound(down, np.zeros((1, 3)), normals, np.full(1, 0.7), np.full(1, 0.15))
+    speed = np.geomspace(1.0, 10.0, 8)
+    fit_batch(data_sets(speed, 0.8 - 0.1 / speed, 100.0))
 
 
 if __name__ == "__main__":

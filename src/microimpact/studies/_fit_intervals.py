@@ -10,7 +10,7 @@ import scipy
 from numpy.typing import NDArray
 from pydantic import Field
 
-from microimpact.arrays import FloatArray
+from microimpact.arrays import BoolArray, FloatArray
 from microimpact.model.restitution import restitution
 from microimpact.model.restitution_batch import (
     BatchFit,
@@ -28,7 +28,7 @@ from microimpact.studies._fit_truths import (
     stream,
 )
 
-# Resamples drawn for each one wanted; those with too few different speeds do not serve.
+# Most resamples drawn for each one wanted; those with too few different speeds do not serve.
 TRIES = 4
 
 
@@ -100,25 +100,29 @@ def _from_curves(sample: Sample, methods: Methods, seed: int) -> DataSets:
 
 def _from_data(sample: Sample, methods: Methods, seed: int) -> DataSets:
     """Of every data set m of the n points, drawn with replacement."""
-    points = len(sample.ratio)
-    drawn = round(methods.share_of_points * points)
-    chosen = []
-    for i, present in enumerate(sample.sets.e > 0.0):
-        counts = stream(seed, DATA_RESAMPLES, points, i).multinomial(
-            drawn, np.full(points, 1.0 / points), size=TRIES * methods.resamples
-        )
-        chosen.append(_usable(counts * present, sample.sets.free, methods))
+    points, free = len(sample.ratio), sample.sets.free
+    chosen = [
+        _usable(stream(seed, DATA_RESAMPLES, points, i), present, free, methods)
+        for i, present in enumerate(sample.sets.e > 0.0)
+    ]
     weight = np.sqrt(np.concatenate(chosen)) / sample.noise
     e = np.repeat(sample.sets.e, methods.resamples, axis=0)
     return data_sets(sample.ratio, e, weight, sample.sets.q)
 
 
-def _usable(counts: NDArray[np.int64], free: int, methods: Methods) -> NDArray[np.int64]:
+def _usable(
+    random: np.random.Generator, present: BoolArray, free: int, methods: Methods
+) -> NDArray[np.int64]:
     """Return the first resamples that determine the free parameters with a point to spare."""
-    usable: NDArray[np.int64] = counts[np.sum(counts > 0, axis=1) > free][: methods.resamples]
-    if len(usable) < methods.resamples:
-        raise ValueError(
-            f"methods.share_of_points: {methods.share_of_points:g} leaves too few different "
-            f"speeds for {free} free parameters"
-        )
-    return usable
+    drawn = round(methods.share_of_points * present.size)
+    alike = np.full(present.size, 1.0 / present.size)
+    usable = np.empty((0, present.size), np.int64)
+    for _ in range(TRIES):
+        counts = random.multinomial(drawn, alike, size=methods.resamples) * present
+        usable = np.concatenate([usable, counts[np.sum(counts > 0, axis=1) > free]])
+        if len(usable) >= methods.resamples:
+            return usable[: methods.resamples]
+    raise ValueError(
+        f"methods.share_of_points: {methods.share_of_points:g} leaves too few different "
+        f"speeds for {free} free parameters"
+    )

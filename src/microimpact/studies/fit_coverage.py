@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import chain, product
+from itertools import chain
 from operator import itemgetter
-from typing import Annotated
 
 import numpy as np
 import pandas as pd
 import scipy
-from pydantic import Field
 
 from microimpact.arrays import BoolArray, FloatArray
 from microimpact.model.restitution_batch import (
@@ -25,85 +23,19 @@ from microimpact.model.restitution_batch import (
     stacked_fits,
     stacked_sets,
 )
-from microimpact.parameters import Count, Name, Positive
-from microimpact.studies._fit_intervals import Methods, Sample, intervals
+from microimpact.studies._fit_design import Cell, Params, cells, method_cells
+from microimpact.studies._fit_intervals import Sample, intervals
 from microimpact.studies._fit_tables import figure_data, statements
 from microimpact.studies._fit_truths import (
     MEASUREMENTS,
-    TRUTHS,
-    TruthName,
     Truths,
-    Variant,
     observed,
     standard_deviations,
     standard_noise,
 )
 from microimpact.studies._pairs import calibrated_contact
 
-AboveCapture = Annotated[float, Field(gt=1, allow_inf_nan=False)]
-Open = Annotated[float, Field(gt=0, lt=1)]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Params:
-    """The design: the first variant at all levels, the others at the reference levels.
-
-    Speeds are in capture velocities of the nominal sphere, so none may be 1 or less.
-    """
-
-    seed: Annotated[int, Field(ge=0)]
-    case: Name
-    particle: Name
-    surface: Name
-    fixed_exponent: Positive
-    lowest_speeds_in_v_c: tuple[AboveCapture, ...]
-    highest_speed_in_v_c: AboveCapture
-    noise_of_e: tuple[Positive, ...]
-    points: tuple[Annotated[int, Field(ge=8)], ...]
-    reference_noise_of_e: Positive
-    reference_points: Annotated[int, Field(ge=8)]
-    variants: tuple[Variant, ...]
-    sizes: Annotated[int, Field(ge=3)]
-    replicates: Count
-    interval_replicates: Count
-    starts: Annotated[int, Field(ge=1, le=5)]
-    confidence: Annotated[float, Field(ge=0.5, lt=1)]
-    tolerated_error: Open
-    methods: Methods
-
-    def __post_init__(self) -> None:
-        """Refuse a design without its reference, or with speeds out of order."""
-        for name in ("lowest_speeds_in_v_c", "noise_of_e", "points", "variants"):
-            if not getattr(self, name):
-                raise ValueError(f"{name}: must hold at least one value")
-        lowest = max(*self.lowest_speeds_in_v_c, *self.methods.lowest_speeds_in_v_c, 1.0)
-        if lowest >= self.highest_speed_in_v_c:
-            raise ValueError(
-                f"highest_speed_in_v_c: {self.highest_speed_in_v_c:g} must be above every lowest "
-                f"speed, of which the largest is {lowest:g}"
-            )
-        for name in ("noise_of_e", "points"):
-            reference, levels = getattr(self, f"reference_{name}"), getattr(self, name)
-            if reference not in levels:
-                raise ValueError(f"reference_{name}: {reference:g} must be one of {levels}")
-        for name in ("interval_replicates", "methods"):
-            value = getattr(self, name)
-            fewer = value.replicates if isinstance(value, Methods) else value
-            if fewer > self.replicates:
-                key = "methods.replicates" if isinstance(value, Methods) else name
-                raise ValueError(f"{key}: {fewer} must not exceed replicates, {self.replicates}")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Cell:
-    """One combination of the factors; the exponent q is None where it is free."""
-
-    truth: TruthName
-    variant: Variant
-    noise: float
-    points: int
-    lowest: float
-    q: float | None
+__all__ = ["Params", "gather", "part", "run"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -151,14 +83,14 @@ def part(
     """Return rows of every ``count``-th pair of cells, from ``index`` on, with their numbers."""
     truths = _truths(params, inputs)
 
-    def mine(cells: Iterator[Cell]) -> list[tuple[int, Cell]]:
+    def mine(all_cells: Iterator[Cell]) -> list[tuple[int, Cell]]:
         # Cells stand in pairs, with q free and fixed; fits with q free take longer.
-        return [(number, cell) for number, cell in enumerate(cells) if number // 2 % count == index]
+        return [pair for pair in enumerate(all_cells) if pair[0] // 2 % count == index]
 
-    coverage = _coverage(params, truths, mine(_cells(params)))
+    coverage = _coverage(params, truths, mine(cells(params)))
     methods = [
         (number, row)
-        for number, cell in mine(_method_cells(params))
+        for number, cell in mine(method_cells(params))
         for row in _method_rows(params, truths, cell)
     ]
     return coverage, methods
@@ -194,10 +126,10 @@ def _truths(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Truths:
     return Truths(contact=contact, constants=(k, p, kappa, q, v_c), sizes=params.sizes)
 
 
-def _coverage(params: Params, truths: Truths, cells: list[tuple[int, Cell]]) -> list[Numbered]:
+def _coverage(params: Params, truths: Truths, mine: list[tuple[int, Cell]]) -> list[Numbered]:
     """Rows of cells. Those alike in points and q are fitted together; intervals, of some fits."""
     groups: dict[tuple[int, float | None], list[tuple[int, Cell]]] = defaultdict(list)
-    for number, cell in cells:
+    for number, cell in mine:
         groups[cell.points, cell.q].append((number, cell))
     limit, each = float(scipy.special.chdtri(1.0, 1.0 - params.confidence)), params.replicates
     rows = []
@@ -219,21 +151,6 @@ def _coverage(params: Params, truths: Truths, cells: list[tuple[int, Cell]]) -> 
     return rows
 
 
-def _cells(params: Params) -> Iterator[Cell]:
-    for number, variant in enumerate(params.variants):
-        noise = params.noise_of_e if number == 0 else (params.reference_noise_of_e,)
-        points = params.points if number == 0 else (params.reference_points,)
-        factors = (
-            TRUTHS,
-            noise,
-            points,
-            params.lowest_speeds_in_v_c,
-            (None, params.fixed_exponent),
-        )
-        for truth, sigma, count, lowest, q in product(*factors):
-            yield Cell(truth=truth, variant=variant, noise=sigma, points=count, lowest=lowest, q=q)
-
-
 def _measured(params: Params, truths: Truths, cell: Cell, replicates: int) -> Measured:
     ratio = np.geomspace(cell.lowest, params.highest_speed_in_v_c, cell.points)
     curve = truths.mean_restitution(cell.truth, ratio, cell.variant)
@@ -252,17 +169,6 @@ def _sets(params: Params, truths: Truths, cell: Cell, replicates: int) -> DataSe
         raise ValueError(f"noise_of_e: {cell.noise:g} hides too many rebounds: {error}") from None
 
 
-def _factors(cell: Cell) -> dict[str, object]:
-    return {
-        "truth": cell.truth,
-        "variant": cell.variant.variant,
-        "noise_of_e": cell.noise,
-        "points": cell.points,
-        "lowest_speed_in_v_c": cell.lowest,
-        "exponent": "free" if cell.q is None else "fixed",
-    }
-
-
 def _row(
     params: Params, cell: Cell, sets: DataSets, fit: BatchFit, rise: FloatArray
 ) -> dict[str, object]:
@@ -275,7 +181,7 @@ def _row(
     estimated = np.mean(rise <= variance * scipy.special.fdtri(1.0, freedom, params.confidence))
     at_zero = fit.capture_on_bound & (fit.v_c < 0.5)
     return {
-        **_factors(cell),
+        **cell.factors,
         "replicates": params.replicates,
         "bias": float(np.mean(error)),
         "median_error": float(np.median(error)),
@@ -300,19 +206,6 @@ def _standard_error(share: float, count: int) -> float:
     return float(np.sqrt(inside * (1.0 - inside) / count))
 
 
-def _method_cells(params: Params) -> Iterator[Cell]:
-    lowest = params.methods.lowest_speeds_in_v_c
-    for truth, speed, q in product(TRUTHS, lowest, (None, params.fixed_exponent)):
-        yield Cell(
-            truth=truth,
-            variant=params.variants[0],
-            noise=params.reference_noise_of_e,
-            points=params.reference_points,
-            lowest=speed,
-            q=q,
-        )
-
-
 def _method_rows(params: Params, truths: Truths, cell: Cell) -> Iterator[dict[str, object]]:
     sets = _sets(params, truths, cell, params.methods.replicates)
     fit = fit_batch(sets, params.starts)
@@ -322,7 +215,7 @@ def _method_rows(params: Params, truths: Truths, cell: Cell) -> Iterator[dict[st
     for method, ends in found.items():
         covered = float(np.mean((ends[:, 0] <= 1.0) & (ends[:, 1] >= 1.0)))
         yield {
-            **_factors(cell),
+            **cell.factors,
             "method": method,
             "replicates": params.methods.replicates,
             "resamples": params.methods.resamples if "bootstrap" in method else 0,
