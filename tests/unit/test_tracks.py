@@ -30,6 +30,7 @@ from microimpact.lab.ptis_observation import (
     SPLIT,
     observe,
 )
+from microimpact.lab.spots import find_spots
 from microimpact.lab.track_fit import (
     FEW,
     IRREGULAR,
@@ -43,7 +44,7 @@ from microimpact.lab.track_fit import (
     fit_path,
     reduce_legs,
 )
-from microimpact.lab.tracks import find_spots, measure, sort_legs
+from microimpact.lab.tracks import measure, sort_legs
 
 EXACT = Systematics()
 CASES = [(1.66, 85.0), (1.66, 45.0), (1.05, 20.0), (0.45, 60.0), (0.45, 30.0)]

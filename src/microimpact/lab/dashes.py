@@ -11,13 +11,8 @@ from microimpact.arrays import BoolArray, FloatArray
 from microimpact.lab.events import IntArray
 from microimpact.lab.exposure import LATER, LEGS, Exposure
 from microimpact.lab.ptis import Setup, Systematics
-from microimpact.lab.tracks import (
-    LEAST_BRIGHTNESS,
-    SINGLE,
-    SMOOTHING_PX,
-    SURFACE_PX,
-    longest_runs,
-)
+from microimpact.lab.spots import LEAST_BRIGHTNESS, SMOOTHING_PX, SURFACE_PX
+from microimpact.lab.tracks import SINGLE, longest_runs
 
 # What is seen of a dash, as measured on frames: how far its light reaches beyond the sharp edge of
 # the disk, in blurs; how much of the radius is too faint at its ends, which only a part of the

@@ -35,8 +35,9 @@ from microimpact.lab.ptis_observation import (
     observation,
     unseen,
 )
+from microimpact.lab.spots import WINGS_PX
 from microimpact.lab.track_fit import Leg, fit_track, smooth, to_target
-from microimpact.lab.tracks import WINGS_PX, told_apart
+from microimpact.lab.tracks import told_apart
 
 # Noise of centroids over its theory, as measured on frames.
 CENTROID_NOISE = 1.15

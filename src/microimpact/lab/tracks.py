@@ -1,21 +1,14 @@
-"""Measurement of a frame: dashes, and the two legs of a track (Section 2.1).
-
-Dashes are found by their light, and their centroids are used, never their ends: the size of the
-sphere lengthens a dash by its diameter and leaves its centroid alone.
-"""
+"""Measurement of a frame: the two legs of a track, from the spots found (Section 2.1)."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from microimpact.arrays import BoolArray, FloatArray
 from microimpact.lab.events import IntArray
-from microimpact.lab.frames import BRIGHTEST
 from microimpact.lab.ptis import Setup
+from microimpact.lab.spots import Spots, find_spots
 from microimpact.lab.track_fit import (
     FEW,
     OVERLAP,
@@ -26,19 +19,6 @@ from microimpact.lab.track_fit import (
     reduce_legs,
 )
 
-# Detection: a frame is smoothed by this Gaussian (px); what exceeds both so many deviations of the
-# smoothed noise and this share of the brightest spot is light of a dash.
-SMOOTHING_PX = 1.0
-KERNEL = np.exp(-((np.arange(7) - 3.0) ** 2) / (2.0 * SMOOTHING_PX * SMOOTHING_PX))
-KERNEL = (KERNEL / KERNEL.sum()).astype(np.float32)
-DETECTION = 6.0
-LEAST_BRIGHTNESS = 0.1
-# Spots are widened by this much to hold the light of their wings.
-WINGS_PX = 2
-# A spot with more of its pixels than this at the end of the scale is saturated.
-MOST_SATURATED = 0.2
-# Light this close to the line of the surface (px) may be that of a dash bent by the impact.
-SURFACE_PX = 2.0
 # Light of a whole dash, relative to the others of its leg; light of one dash and no more; and how
 # slender dashes in a row are, unlike dashes side by side.
 WHOLE = 0.05
@@ -49,35 +29,6 @@ INCIDENT_CONE_DEG = 5.0
 STRAIGHT_PX = 1.5
 # Consecutive dashes must move on sideways by this much to be put in order.
 LEAST_STEP_PX = 1.0
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Spots:
-    """Connected patches of light in a frame, n of them.
-
-    Attributes
-    ----------
-    place
-        Centroid, column and row in lines of the camera, shape (n, 2).
-    light
-        Counts above the background.
-    length, width
-        Standard deviations of the light along its longest direction and across it, px.
-    height
-        Of the centroid above the line of the surface, px.
-    clear
-        False where a spot touches the line of the surface or the edge of the frame.
-    saturated
-        True where the camera's scale ends.
-    """
-
-    place: FloatArray
-    light: FloatArray
-    length: FloatArray
-    width: FloatArray
-    height: FloatArray
-    clear: BoolArray
-    saturated: BoolArray
 
 
 def measure(
@@ -98,88 +49,6 @@ def measure(
     if isinstance(legs, Rejection):
         return legs
     return reduce_legs(*legs, setup, with_gravity=with_gravity)
-
-
-def find_spots(frame: NDArray[np.uint8], setup: Setup) -> Spots:
-    """Find the patches of light in a frame."""
-    lines = setup.instrument.frame_px[1] // frame.shape[0]
-    levels = np.cumsum(np.bincount(frame.ravel(), minlength=BRIGHTEST + 1))
-    # Most of a frame is dark: its median is the background, its lower half tells the noise.
-    low, background = np.searchsorted(levels, frame.size * np.array([0.1587, 0.5]))
-    noise = max(float(background - low), 1.0) / (2.0 * np.sqrt(np.pi) * SMOOTHING_PX)
-    part = _part_with_light(frame, float(background), DETECTION * noise)
-    light = frame[part].astype(np.float32)
-    light -= np.float32(background)
-    smooth = scipy.signal.sepfir2d(light, KERNEL, KERNEL)
-    threshold = max(DETECTION * noise, LEAST_BRIGHTNESS * float(smooth.max()))
-    found = smooth > threshold
-    top, left = (_bounds(found.any(axis=axis)) for axis in (1, 0))
-    labels, n = scipy.ndimage.label(found[top, left], structure=np.ones((3, 3)))
-    # Wings below the threshold count too: cut off, they would draw centroids to pixel centres.
-    wide = scipy.ndimage.maximum_filter(labels, 2 * WINGS_PX + 1)
-    inner = np.divmod(np.flatnonzero(wide.ravel() > 0), wide.shape[1])
-    spot = wide[inner] - 1
-    rows, columns = inner[0] + top.start, inner[1] + left.start
-    weight = light[rows, columns].astype(float)
-    bright = found[rows, columns]
-    rows, columns = rows + part[0].start, columns + part[1].start
-    place = np.stack([columns, lines * rows + 0.5 * (lines - 1)], axis=1)
-
-    def total(values: FloatArray | BoolArray) -> FloatArray:
-        sums: FloatArray = np.bincount(spot, values, minlength=n).astype(float)
-        return sums
-
-    whole = total(weight)
-    centre = np.stack([total(weight * place[:, k]) for k in (0, 1)], axis=1) / whole[:, None]
-    off = place - centre[spot]
-    second = [total(weight * off[:, j] * off[:, k]) / whole for j, k in ((0, 0), (1, 1), (0, 1))]
-    mean = 0.5 * (second[0] + second[1])
-    apart = np.hypot(0.5 * (second[0] - second[1]), second[2])
-    near = (rows == 0) | (rows == frame.shape[0] - 1)
-    near |= (columns == 0) | (columns == frame.shape[1] - 1) | (setup.height(place) < SURFACE_PX)
-    full = frame[rows, columns] == BRIGHTEST
-    return Spots(
-        place=centre,
-        light=whole,
-        length=np.sqrt(np.maximum(mean + apart, 0.0)),
-        width=np.sqrt(np.maximum(mean - apart, 0.0)),
-        height=setup.height(centre),
-        clear=total(near & bright) == 0,
-        saturated=total(full) > MOST_SATURATED * total(bright),
-    )
-
-
-def _part_with_light(
-    frame: NDArray[np.uint8], background: float, least: float
-) -> tuple[slice, slice]:
-    """Return rows and columns outside which no smoothed light can exceed the threshold.
-
-    The threshold is at least `least` and the share `LEAST_BRIGHTNESS` of the smoothed brightest
-    pixel; a mean exceeds it only where a pixel does. The margin holds what smoothing and wings
-    reach.
-    """
-    row, column = np.unravel_index(np.argmax(frame), frame.shape)
-    reach = len(KERNEL) // 2
-    top, left = max(int(row) - reach, 0), max(int(column) - reach, 0)
-    patch = frame[top : row + reach + 1, left : column + reach + 1].astype(np.float32) - background
-    peak = scipy.signal.sepfir2d(patch, KERNEL, KERNEL)[row - top, column - left]
-    threshold = max(least, LEAST_BRIGHTNESS * float(peak))
-    # A little less, for sums are rounded.
-    lit = frame > background + 0.999 * threshold
-    slices = []
-    for axis in (1, 0):
-        (index,) = np.nonzero(lit.any(axis=axis))
-        low, high = (index[0], index[-1]) if index.size else (0, 0)
-        margin = 3 * reach
-        slices.append(slice(max(int(low) - margin, 0), int(high) + margin + 1))
-    return slices[0], slices[1]
-
-
-def _bounds(lit: BoolArray) -> slice:
-    """Return the rows or columns between the first and the last lit one, wings included."""
-    (index,) = np.nonzero(lit)
-    first, last = (index[0], index[-1]) if index.size else (0, -1)
-    return slice(max(int(first) - WINGS_PX, 0), min(int(last) + WINGS_PX + 1, lit.size))
 
 
 def sort_legs(spots: Spots, setup: Setup) -> tuple[FloatArray, FloatArray] | Rejection:
