@@ -136,8 +136,8 @@ def collect(
             if recipe.method == "model":
                 seen = modelled(some, setup, rng, first=first, errors=errors)
             else:
-                full = partial(_holds, recipe=recipe, wanted=wanted)
-                seen = observe(some, setup, rng, first=first, errors=errors, enough=full)
+                still = partial(_wanted, recipe=recipe, events=wanted)
+                seen = observe(some, setup, rng, first=first, errors=errors, wanted=still)
             part, end = _accepted(seen.measured, recipe, wanted, len(some))
             fates.update(seen.fates[:end])
             looked.append(some.select(slice(end)))
@@ -157,9 +157,9 @@ def collect(
     )
 
 
-def _holds(measured: Measured, recipe: Recipe, wanted: int) -> bool:
-    """Tell whether there are as many events of the class as wanted."""
-    return len(_accepted(measured, recipe, wanted, 0)[0]) == wanted
+def _wanted(measured: Measured, recipe: Recipe, events: int) -> int:
+    """Return how many events of the class are still wanted."""
+    return events - len(_accepted(measured, recipe, events, 0)[0])
 
 
 def _accepted(measured: Measured, recipe: Recipe, wanted: int, looked: int) -> tuple[Measured, int]:

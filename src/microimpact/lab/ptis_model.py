@@ -133,7 +133,7 @@ def theory(
         `MEASURED` or why not, one per impact, and those that are measured.
     """
     exposure = exposures(impacts, setup, errors, rngs, jitter=False)
-    fates = np.array(unseen(exposure, setup), dtype=object)
+    fates = unseen(exposure, setup)
     seen = np.flatnonzero(fates == "")
     fates[seen] = UNMEASURABLE
     disk = impacts.diameter[seen] / setup.pixel

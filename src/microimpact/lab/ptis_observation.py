@@ -8,14 +8,15 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.random import Generator
+from numpy.typing import NDArray
 
 from microimpact.arrays import FloatArray
 from microimpact.lab.events import Impacts, Measured
 from microimpact.lab.exposure import INCIDENT, LEGS, REBOUND, Exposure, exposures
 from microimpact.lab.frames import photograph
 from microimpact.lab.ptis import Setup, Systematics, draw_systematics, event_generator
-from microimpact.lab.track_fit import Rejection
-from microimpact.lab.tracks import measure
+from microimpact.lab.track_fit import Rejection, Track
+from microimpact.lab.tracks import measure_all
 
 MEASURED = "measured"
 CAPTURED = "captured"
@@ -55,7 +56,7 @@ def observe(
     first: int = 0,
     errors: Systematics | None = None,
     with_gravity: bool = True,
-    enough: Callable[[Measured], bool] | None = None,
+    wanted: Callable[[Measured], int] | None = None,
 ) -> Observation:
     """Render and measure the frame of every impact that can be seen.
 
@@ -77,37 +78,40 @@ def observe(
         Of the experiment; drawn if not given.
     with_gravity
         As in `tracks.measure`.
-    enough
-        Given the events measured so far, tells after each whether to look at no more impacts;
-        the fates then end with that one.
+    wanted
+        Given the events measured so far, tells how many more are wanted: no more frames are made
+        at once, and when none is wanted the fates end with the event that was the last.
     """
     errors = errors or draw_systematics(setup.instrument, rng)
     moving = np.flatnonzero(~impacts.captured)
     draws = [event_generator(rng, first + i) for i in moving.tolist()]
     exposure = exposures(impacts.select(moving), setup, errors, draws)
-    fates, velocities = np.full(len(impacts), CAPTURED, dtype=object), []
-    for k, reason in enumerate(unseen(exposure, setup)):
-        fate = reason
-        if not reason:
-            disk = float(impacts.diameter[moving[k]])
-            own = exposure.select(np.array([k]))
-            track = measure(
-                photograph(own, disk, setup, errors, draws[k]), setup, with_gravity=with_gravity
+    fates = np.full(len(impacts), CAPTURED, dtype=object)
+    fates[moving] = unseen(exposure, setup)
+    shown = np.flatnonzero(fates[moving] == "")
+    seen = observation(fates, np.empty((0, 2, 2)))
+    velocities: list[FloatArray] = []
+    while len(shown):
+        now, shown = np.split(shown, [wanted(seen.measured) if wanted else len(shown)])
+        frames = (
+            photograph(
+                exposure.select(now[k : k + 1]), impacts.diameter[moving[i]], setup, errors, draws[i]
             )
-            if isinstance(track, Rejection):
-                fate = f"{UNMEASURABLE}: {track.reason}"
-            else:
-                fate = MEASURED
-                velocities.append(track.velocities)
-        fates[moving[k]] = fate
-        if enough and fate == MEASURED:
-            seen = observation(fates[: moving[k] + 1], np.reshape(velocities, (-1, 2, 2)))
-            if enough(seen.measured):
-                return seen
+            for k, i in enumerate(now.tolist())
+        )
+        tracks = measure_all(frames, setup, with_gravity=with_gravity)
+        fates[moving[now]] = [
+            f"{UNMEASURABLE}: {of.reason}" if isinstance(of, Rejection) else MEASURED
+            for of in tracks
+        ]
+        velocities += [of.velocities for of in tracks if isinstance(of, Track)]
+        seen = observation(fates[: moving[now[-1]] + 1], np.reshape(velocities, (-1, 2, 2)))
+        if wanted and not wanted(seen.measured):
+            return seen
     return observation(fates, np.reshape(velocities, (-1, 2, 2)))
 
 
-def unseen(exposure: Exposure, setup: Setup) -> list[str]:
+def unseen(exposure: Exposure, setup: Setup) -> NDArray[np.object_]:
     """Say what keeps a leg from having enough whole dashes in the frame; nothing if it has.
 
     For each event, the first that does of: time, light sheet, field of view, and where the field
@@ -125,7 +129,7 @@ def unseen(exposure: Exposure, setup: Setup) -> list[str]:
         dashes = np.bincount(exposure.leg[seen], minlength=LEGS * len(exposure)).reshape(-1, LEGS)
         too_few = dashes[:, [INCIDENT, REBOUND]].min(axis=1) < setup.instrument.least_dashes
         reasons[too_few & (reasons == "")] = reason
-    return list(reasons)
+    return reasons
 
 
 def observation(fates: Iterable[str], velocities: FloatArray) -> Observation:

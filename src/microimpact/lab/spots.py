@@ -75,16 +75,16 @@ def find_spots(frame: NDArray[np.uint8], setup: Setup) -> Spots:
     low, background = np.searchsorted(levels, frame.size * np.array([0.1587, 0.5]))
     noise = max(float(background - low), 1.0) / (2.0 * np.sqrt(np.pi) * SMOOTHING_PX)
     part = _part_with_light(frame, float(background), DETECTION * noise)
-    light = frame[part].astype(np.float32) - np.float32(background)
+    light = frame[part] - np.float32(background)
     smooth = _smoothed(light)
     threshold = max(DETECTION * noise, LEAST_BRIGHTNESS * float(smooth.max()))
-    spot, n = _patches(smooth > threshold)
+    core, boxes = _patches(smooth, np.float32(threshold))
     # Wings below the threshold count too: cut off, they would draw centroids to pixel centres.
+    wide = _widened(core, boxes)
     alpha = np.radians(setup.angle)
-    sums = _sums(
-        frame, light, _widened(spot), spot, n,
-        part[0].start, part[1].start, lines, setup.centre, np.cos(alpha), np.sin(alpha),
-    )  # fmt: skip
+    surface = (*setup.centre, np.cos(alpha), np.sin(alpha))
+    corner = part[0].start, part[1].start
+    sums = _sums(frame, light, core, wide, boxes, corner, lines, surface)
     whole = sums[LIGHT]
     centre = sums[[COLUMN, ROW]].T
     mean = 0.5 * (sums[ACROSS] + sums[DOWN])
@@ -111,7 +111,7 @@ def _part_with_light(
     """
     row, column = divmod(int(np.argmax(frame)), frame.shape[1])
     top, left = max(row - REACH, 0), max(column - REACH, 0)
-    patch = frame[top : row + REACH + 1, left : column + REACH + 1].astype(np.float32) - background
+    patch = frame[top : row + REACH + 1, left : column + REACH + 1] - np.float32(background)
     peak = _smoothed(patch)[row - top, column - left]
     threshold = max(least, LEAST_BRIGHTNESS * float(peak))
     # A little less, for sums are rounded.
@@ -169,71 +169,93 @@ def _smoothed(light):  # type: ignore[no-untyped-def]
 
 
 @_jit
-def _patches(found):  # type: ignore[no-untyped-def]
-    """Number, from 1 on, the patches of true pixels that touch, also by corners; and how many."""
-    height, width = found.shape
-    spot = np.zeros((height, width), dtype=np.int32)
-    open_rows, open_columns = np.empty((2, found.size), dtype=np.int32)
-    n = 0
+def _patches(smooth, threshold):  # type: ignore[no-untyped-def]
+    """Number, from 1 on, the patches of bright pixels that touch, also by corners.
+
+    Returns
+    -------
+    core, boxes
+        Number at each bright pixel, 0 elsewhere; first row and column of each patch, and the ones
+        after its last, shape (n, 4), widened by `WINGS_PX`.
+    """
+    height, width = smooth.shape
+    core = np.zeros((height, width), dtype=np.int32)
+    rows, columns = np.empty((2, smooth.size), dtype=np.int32)
+    boxes = []
     for i in range(height):
         for j in range(width):
-            if not found[i, j] or spot[i, j] > 0:
+            if smooth[i, j] <= threshold or core[i, j] > 0:
                 continue
-            n += 1
-            spot[i, j] = n
-            open_rows[0], open_columns[0], waiting = i, j, 1
+            number, waiting = len(boxes) + 1, 1
+            core[i, j], rows[0], columns[0] = number, i, j
+            top, left, bottom, right = i, j, i, j
             while waiting > 0:
                 waiting -= 1
-                row, column = open_rows[waiting], open_columns[waiting]
+                row, column = rows[waiting], columns[waiting]
+                bottom, left, right = max(bottom, row), min(left, column), max(right, column)
                 for r in range(max(row - 1, 0), min(row + 2, height)):
                     for c in range(max(column - 1, 0), min(column + 2, width)):
-                        if found[r, c] and spot[r, c] == 0:
-                            spot[r, c] = n
-                            open_rows[waiting], open_columns[waiting] = r, c
+                        if smooth[r, c] > threshold and core[r, c] == 0:
+                            core[r, c], rows[waiting], columns[waiting] = number, r, c
                             waiting += 1
-    return spot, n
+            first = max(top - WINGS_PX, 0), max(left - WINGS_PX, 0)
+            last = min(bottom + WINGS_PX + 1, height), min(right + WINGS_PX + 1, width)
+            boxes.append(first + last)
+    found = np.empty((len(boxes), 4), dtype=np.int64)
+    for k in range(len(boxes)):
+        found[k] = boxes[k]
+    return core, found
 
 
 @_jit
-def _widened(spot):  # type: ignore[no-untyped-def]
+def _widened(core, boxes):  # type: ignore[no-untyped-def]
     """Patches widened by `WINGS_PX` each way; of two that meet the later one has the pixel."""
-    height, width = spot.shape
-    wide = np.zeros_like(spot)
-    for i in range(height):
-        for j in range(width):
-            if spot[i, j] > 0:
-                for r in range(max(i - WINGS_PX, 0), min(i + WINGS_PX + 1, height)):
-                    for c in range(max(j - WINGS_PX, 0), min(j + WINGS_PX + 1, width)):
-                        wide[r, c] = max(wide[r, c], spot[i, j])
+    wide = np.zeros_like(core)
+    for k in range(len(boxes)):
+        top, left, bottom, right = boxes[k]
+        for i in range(top, bottom):
+            for j in range(left, right):
+                if core[i, j] == k + 1:
+                    wide[
+                        max(i - WINGS_PX, top) : i + WINGS_PX + 1,
+                        max(j - WINGS_PX, left) : j + WINGS_PX + 1,
+                    ] = k + 1
     return wide
 
 
 @_jit
-def _sums(frame, light, wide, core, n, top, left, lines, centre, cos, sin):  # type: ignore[no-untyped-def]
-    """Sums over the pixels of each spot, moments about its centroid; shape (9, n)."""
-    sums = np.zeros((9, n))
-    for moment in range(2):
-        for i in range(wide.shape[0]):
-            y = lines * (i + top) + 0.5 * (lines - 1)
-            for j in range(wide.shape[1]):
-                if wide[i, j] == 0:
+def _sums(frame, light, core, wide, boxes, corner, lines, surface):  # type: ignore[no-untyped-def]
+    """Sums over the pixels of each spot, second moments about its centroid; shape (9, n)."""
+    sums = np.zeros((9, len(boxes)))
+    x_0, y_0, cos, sin = surface
+    height, width = frame.shape
+    for k in range(len(boxes)):
+        top, left, bottom, right = boxes[k]
+        own = sums[:, k]
+        for i in range(top, bottom):
+            row = i + corner[0]
+            y = lines * row + 0.5 * (lines - 1)
+            for j in range(left, right):
+                if wide[i, j] != k + 1:
                     continue
-                spot, weight, x = wide[i, j] - 1, np.float64(light[i, j]), np.float64(j + left)
-                if moment == 1:
-                    dx, dy = x - sums[COLUMN, spot], y - sums[ROW, spot]
-                    sums[ACROSS, spot] += weight * dx * dx
-                    sums[DOWN, spot] += weight * dy * dy
-                    sums[MIXED, spot] += weight * dx * dy
-                    continue
-                sums[LIGHT, spot] += weight
-                sums[COLUMN, spot] += weight * x
-                sums[ROW, spot] += weight * y
-                sums[FULL, spot] += frame[i + top, j + left] == BRIGHTEST
+                column, weight = j + corner[1], np.float64(light[i, j])
+                own[LIGHT] += weight
+                own[COLUMN] += weight * column
+                own[ROW] += weight * y
+                own[FULL] += frame[row, column] == BRIGHTEST
                 if core[i, j] > 0:
-                    sums[CORE, spot] += 1
-                    edge = i + top in (0, frame.shape[0] - 1) or j + left in (0, frame.shape[1] - 1)
-                    near = (x - centre[0]) * cos - (y - centre[1]) * sin < SURFACE_PX
-                    sums[NEAR, spot] += edge or near
-        first, last = (ACROSS, MIXED) if moment == 1 else (COLUMN, ROW)
-        sums[first : last + 1] /= sums[LIGHT]
+                    own[CORE] += 1
+                    edge = row in (0, height - 1) or column in (0, width - 1)
+                    own[NEAR] += edge or (column - x_0) * cos - (y - y_0) * sin < SURFACE_PX
+        own[COLUMN] /= own[LIGHT]
+        own[ROW] /= own[LIGHT]
+        for i in range(top, bottom):
+            dy = lines * (i + corner[0]) + 0.5 * (lines - 1) - own[ROW]
+            for j in range(left, right):
+                if wide[i, j] == k + 1:
+                    dx, weight = j + corner[1] - own[COLUMN], np.float64(light[i, j])
+                    own[ACROSS] += weight * dx * dx
+                    own[DOWN] += weight * dy * dy
+                    own[MIXED] += weight * dx * dy
+        own[ACROSS : MIXED + 1] /= own[LIGHT]
     return sums

@@ -7,6 +7,7 @@ the surface. Dash k of a leg is taken to be lit at k over the nominal rate of th
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -70,6 +71,18 @@ class Leg:
         t = np.asarray(time)[..., None]
         return self.origin + self.velocity * t - 0.5 * np.array([0.0, self.gravity]) * t**2
 
+    def single(self, i: int, number: int) -> Leg:
+        """Return one of many legs, of which so many points count."""
+        return Leg(
+            points=self.points[i, :number],
+            weights=self.weights[i, :number],
+            origin=self.origin[i],
+            velocity=self.velocity[i],
+            gravity=self.gravity,
+            residual=self.residual[i],
+            contact=self.contact[i],
+        )
+
     @property
     def contact_velocity(self) -> FloatArray:
         """Horizontal and vertical velocity at the surface, m/s, shape (..., 2)."""
@@ -93,6 +106,14 @@ class Track:
     rebound: Leg
     velocities: FloatArray
 
+    def single(self, i: int, incident: int, rebound: int) -> Track:
+        """Return one of many tracks, of which so many points of each leg count."""
+        return Track(
+            incident=self.incident.single(i, incident),
+            rebound=self.rebound.single(i, rebound),
+            velocities=self.velocities[i],
+        )
+
     @property
     def meets_surface(self) -> BoolArray:
         """True where one leg comes to the surface and the other leaves it."""
@@ -115,12 +136,38 @@ def reduce_legs(
     with_gravity
         As in `measure`.
     """
-    track = fit_track(incident, rebound, setup, with_gravity=with_gravity)
-    if with_gravity and not smooth(track.incident, setup):
-        return IRREGULAR
-    if with_gravity and not smooth(track.rebound, setup):
-        return _second_bounce(track.rebound.points, setup)
-    return track if track.meets_surface else NO_VERTEX
+    return reduce_tracks([(incident, rebound)], setup, with_gravity=with_gravity)[0]
+
+
+def reduce_tracks(
+    legs: Sequence[tuple[FloatArray, FloatArray]], setup: Setup, *, with_gravity: bool = True
+) -> list[Track | Rejection]:
+    """Return, as `reduce_legs`, what comes of the incident and the rebound leg of every track."""
+    if not legs:
+        return []
+    places, used = zip(*(_side_by_side(leg) for leg in zip(*legs, strict=True)), strict=True)
+    tracks = fit_track(*places, setup, used=used, with_gravity=with_gravity)
+    fallen, risen = (
+        smooth(leg, setup) | (not with_gravity) for leg in (tracks.incident, tracks.rebound)
+    )
+    meets, found = tracks.meets_surface, list[Track | Rejection]()
+    for i, (incident, rebound) in enumerate(legs):
+        if not fallen[i]:
+            found.append(IRREGULAR)
+        elif not risen[i]:
+            found.append(_second_bounce(tracks.rebound.points[i, : len(rebound)], setup))
+        else:
+            numbers = len(incident), len(rebound)
+            found.append(tracks.single(i, *numbers) if meets[i] else NO_VERTEX)
+    return found
+
+
+def _side_by_side(legs: Sequence[FloatArray]) -> tuple[FloatArray, BoolArray]:
+    """Return the places of legs, zero beyond their ends, (k, m, 2), and which of them count."""
+    used = np.arange(max(map(len, legs))) < np.array([len(leg) for leg in legs])[:, None]
+    places = np.zeros((*used.shape, 2))
+    places[used] = np.concatenate(legs)
+    return places, used
 
 
 def fit_track(

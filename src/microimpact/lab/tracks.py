@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,7 +18,7 @@ from microimpact.lab.track_fit import (
     TOUCHING,
     Rejection,
     Track,
-    reduce_legs,
+    reduce_tracks,
 )
 
 # Light of a whole dash, relative to the others of its leg; light of one dash and no more; and how
@@ -45,10 +47,17 @@ def measure(
     with_gravity
         Whether the legs are fitted by paths under gravity or by straight lines at constant speed.
     """
-    legs = sort_legs(find_spots(frame, setup), setup)
-    if isinstance(legs, Rejection):
-        return legs
-    return reduce_legs(*legs, setup, with_gravity=with_gravity)
+    return measure_all([frame], setup, with_gravity=with_gravity)[0]
+
+
+def measure_all(
+    frames: Iterable[NDArray[np.uint8]], setup: Setup, *, with_gravity: bool = True
+) -> list[Track | Rejection]:
+    """Measure frames, each as `measure` does; one is held at a time, and all tracks are fitted."""
+    sorted_ = [sort_legs(find_spots(frame, setup), setup) for frame in frames]
+    legs = [one for one in sorted_ if not isinstance(one, Rejection)]
+    tracks = iter(reduce_tracks(legs, setup, with_gravity=with_gravity))
+    return [one if isinstance(one, Rejection) else next(tracks) for one in sorted_]
 
 
 def sort_legs(spots: Spots, setup: Setup) -> tuple[FloatArray, FloatArray] | Rejection:
