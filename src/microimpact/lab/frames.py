@@ -78,7 +78,7 @@ def photograph(
     if instrument.interlace:
         light = 0.5 * (light[::2] + light[1::2])
     # Sixteen bits at a time of the stream, as ``rng.integers`` takes them at three times the cost.
-    draw = rng.bit_generator.random_raw(-(-light.size // 4)).astype("<u8").view("<u2")
+    draw = rng.bit_generator.random_raw(-(-light.size // 4)).astype("<u8", copy=False).view("<u2")
     frame = np.empty(light.shape, dtype=np.uint8)
     # Most of a frame is dark, and what noise makes of no light is known beforehand.
     _expose(light, draw, _noise(), _dark(instrument), *_camera(instrument), frame)

@@ -75,16 +75,15 @@ def find_spots(frame: NDArray[np.uint8], setup: Setup) -> Spots:
     low, background = np.searchsorted(levels, frame.size * np.array([0.1587, 0.5]))
     noise = max(float(background - low), 1.0) / (2.0 * np.sqrt(np.pi) * SMOOTHING_PX)
     part = _part_with_light(frame, float(background), DETECTION * noise)
-    light = frame[part] - np.float32(background)
-    smooth = _smoothed(light)
+    smooth = _smoothed(frame[part], np.float32(background))
     threshold = max(DETECTION * noise, LEAST_BRIGHTNESS * float(smooth.max()))
-    core, boxes = _patches(smooth, np.float32(threshold))
     # Wings below the threshold count too: cut off, they would draw centroids to pixel centres.
-    wide = _widened(core, boxes)
+    spot, boxes = _patches(smooth, np.float32(threshold))
+    core = smooth > np.float32(threshold)
     alpha = np.radians(setup.angle)
     surface = (*setup.centre, np.cos(alpha), np.sin(alpha))
     corner = part[0].start, part[1].start
-    sums = _sums(frame, light, core, wide, boxes, corner, lines, surface)
+    sums = _sums(frame, float(background), spot, core, boxes, corner, lines, surface)
     whole = sums[LIGHT]
     centre = sums[[COLUMN, ROW]].T
     mean = 0.5 * (sums[ACROSS] + sums[DOWN])
@@ -111,8 +110,8 @@ def _part_with_light(
     """
     row, column = divmod(int(np.argmax(frame)), frame.shape[1])
     top, left = max(row - REACH, 0), max(column - REACH, 0)
-    patch = frame[top : row + REACH + 1, left : column + REACH + 1] - np.float32(background)
-    peak = _smoothed(patch)[row - top, column - left]
+    patch = frame[top : row + REACH + 1, left : column + REACH + 1]
+    peak = _smoothed(patch, np.float32(background))[row - top, column - left]
     threshold = max(least, LEAST_BRIGHTNESS * float(peak))
     # A little less, for sums are rounded.
     lit = frame > int(background + 0.999 * threshold)
@@ -136,95 +135,102 @@ def _histogram(frame):  # type: ignore[no-untyped-def]
 
 
 @_jit
-def _smoothed(light):  # type: ignore[no-untyped-def]
-    """Convolution with `KERNEL` along both axes; edges are mirrors."""
-    height, width = light.shape
-    line = np.empty(width + 2 * REACH, dtype=np.float32)
-    half = np.empty((height + 2 * REACH, width), dtype=np.float32)
+def _smoothed(frame, background):  # type: ignore[no-untyped-def]
+    """Light above the background, convolved with `KERNEL` along both axes; edges are mirrors."""
+    height, width = frame.shape
     smooth = np.empty((height, width), dtype=np.float32)
+    line = np.empty(width + 2 * REACH, dtype=np.float32)
+    # Rows smoothed along themselves, as many as one smoothed row needs: memory would cost more.
+    rows = np.empty((2 * REACH + 1, width), dtype=np.float32)
     k = KERNEL
-    for i in range(height):
+    for i in range(-REACH, height + REACH):
+        source = frame[-1 - i if i < 0 else i if i < height else 2 * height - 1 - i]
         for j in range(width):
-            line[j + REACH] = light[i, j]
-        for j in range(1, REACH + 1):
-            line[REACH - j] = line[REACH - 1 + j]
-            line[REACH + width - 1 + j] = line[REACH + width - j]
-        row = half[i + REACH]
+            line[j + REACH] = np.float32(source[j]) - background
+        for j in range(REACH):
+            line[REACH - 1 - j] = line[REACH + j]
+            line[REACH + width + j] = line[REACH + width - 1 - j]
+        row = rows[i % 7]
         for j in range(width):
             row[j] = (
                 k[0] * line[j + 6] + k[1] * line[j + 5] + k[2] * line[j + 4] + k[3] * line[j + 3]
                 + k[4] * line[j + 2] + k[5] * line[j + 1] + k[6] * line[j]
             )  # fmt: skip
-    for i in range(1, REACH + 1):
-        half[REACH - i] = half[REACH - 1 + i]
-        half[REACH + height - 1 + i] = half[REACH + height - i]
-    for i in range(height):
+        if i < REACH:
+            continue
+        a, b, c, d = rows[i % 7], rows[(i - 1) % 7], rows[(i - 2) % 7], rows[(i - 3) % 7]
+        e, f, g = rows[(i - 4) % 7], rows[(i - 5) % 7], rows[(i - 6) % 7]
+        row = smooth[i - REACH]
         for j in range(width):
-            smooth[i, j] = (
-                k[0] * half[i + 6, j] + k[1] * half[i + 5, j] + k[2] * half[i + 4, j]
-                + k[3] * half[i + 3, j] + k[4] * half[i + 2, j] + k[5] * half[i + 1, j]
-                + k[6] * half[i, j]
+            row[j] = (
+                k[0] * a[j] + k[1] * b[j] + k[2] * c[j] + k[3] * d[j]
+                + k[4] * e[j] + k[5] * f[j] + k[6] * g[j]
             )  # fmt: skip
     return smooth
 
 
 @_jit
 def _patches(smooth, threshold):  # type: ignore[no-untyped-def]
-    """Number, from 1 on, the patches of bright pixels that touch, also by corners.
+    """Number, from 1 on, the patches of bright pixels that touch, also by corners, with wings.
 
     Returns
     -------
-    core, boxes
-        Number at each bright pixel, 0 elsewhere; first row and column of each patch, and the ones
-        after its last, shape (n, 4), widened by `WINGS_PX`.
+    spot, boxes
+        Number of the patch at each pixel, 0 elsewhere, where wings meet that of the later one; and
+        first row and column of each patch and those after its last, shape (n, 4).
     """
     height, width = smooth.shape
-    core = np.zeros((height, width), dtype=np.int32)
-    rows, columns = np.empty((2, smooth.size), dtype=np.int32)
-    boxes = []
+    spot, boxes, patches = np.zeros((height, width), dtype=np.int32), [], []
     for i in range(height):
         for j in range(width):
-            if smooth[i, j] <= threshold or core[i, j] > 0:
-                continue
-            number, waiting = len(boxes) + 1, 1
-            core[i, j], rows[0], columns[0] = number, i, j
-            top, left, bottom, right = i, j, i, j
-            while waiting > 0:
-                waiting -= 1
-                row, column = rows[waiting], columns[waiting]
-                bottom, left, right = max(bottom, row), min(left, column), max(right, column)
-                for r in range(max(row - 1, 0), min(row + 2, height)):
-                    for c in range(max(column - 1, 0), min(column + 2, width)):
-                        if smooth[r, c] > threshold and core[r, c] == 0:
-                            core[r, c], rows[waiting], columns[waiting] = number, r, c
-                            waiting += 1
-            first = max(top - WINGS_PX, 0), max(left - WINGS_PX, 0)
-            last = min(bottom + WINGS_PX + 1, height), min(right + WINGS_PX + 1, width)
-            boxes.append(first + last)
+            if smooth[i, j] > threshold and spot[i, j] == 0:
+                spot[i, j] = len(boxes) + 1
+                patch = _patch(smooth, threshold, spot, i, j)
+                boxes.append(_box(patch, height, width))
+                patches.append(patch)
+    # In the same map, for memory is dear: where a wing covers a later patch, that comes back.
+    for k in range(len(patches)):
+        for row, column in patches[k]:
+            for i in range(max(row - WINGS_PX, 0), min(row + WINGS_PX + 1, height)):
+                for j in range(max(column - WINGS_PX, 0), min(column + WINGS_PX + 1, width)):
+                    spot[i, j] = k + 1
     found = np.empty((len(boxes), 4), dtype=np.int64)
     for k in range(len(boxes)):
         found[k] = boxes[k]
-    return core, found
+    return spot, found
 
 
 @_jit
-def _widened(core, boxes):  # type: ignore[no-untyped-def]
-    """Patches widened by `WINGS_PX` each way; of two that meet the later one has the pixel."""
-    wide = np.zeros_like(core)
-    for k in range(len(boxes)):
-        top, left, bottom, right = boxes[k]
-        for i in range(top, bottom):
-            for j in range(left, right):
-                if core[i, j] == k + 1:
-                    wide[
-                        max(i - WINGS_PX, top) : i + WINGS_PX + 1,
-                        max(j - WINGS_PX, left) : j + WINGS_PX + 1,
-                    ] = k + 1
-    return wide
+def _patch(smooth, threshold, spot, row, column):  # type: ignore[no-untyped-def]
+    """Pixels of the patch that holds a bright pixel; they take its number."""
+    height, width = smooth.shape
+    pixels, number = [(row, column)], spot[row, column]
+    # The list grows while it is gone through.
+    at = 0
+    while at < len(pixels):
+        row, column = pixels[at]
+        at += 1
+        for i in range(max(row - 1, 0), min(row + 2, height)):
+            for j in range(max(column - 1, 0), min(column + 2, width)):
+                if smooth[i, j] > threshold and spot[i, j] == 0:
+                    spot[i, j] = number
+                    pixels.append((i, j))
+    return pixels
 
 
 @_jit
-def _sums(frame, light, core, wide, boxes, corner, lines, surface):  # type: ignore[no-untyped-def]
+def _box(pixels, height, width):  # type: ignore[no-untyped-def]
+    """First row and column of pixels with their wings, and those after the last."""
+    top, left = bottom, right = pixels[0]
+    for row, column in pixels:
+        top, left = min(top, row), min(left, column)
+        bottom, right = max(bottom, row), max(right, column)
+    first = max(top - WINGS_PX, 0), max(left - WINGS_PX, 0)
+    return first + (min(bottom + WINGS_PX + 1, height), min(right + WINGS_PX + 1, width))
+
+
+@_jit
+def _sums(frame, background, spot, core, boxes, corner, lines, surface):  # type: ignore[no-untyped-def]
     """Sums over the pixels of each spot, second moments about its centroid; shape (9, n)."""
     sums = np.zeros((9, len(boxes)))
     x_0, y_0, cos, sin = surface
@@ -236,24 +242,27 @@ def _sums(frame, light, core, wide, boxes, corner, lines, surface):  # type: ign
             row = i + corner[0]
             y = lines * row + 0.5 * (lines - 1)
             for j in range(left, right):
-                if wide[i, j] != k + 1:
+                if spot[i, j] != k + 1:
                     continue
-                column, weight = j + corner[1], np.float64(light[i, j])
+                column = j + corner[1]
+                weight = frame[row, column] - background
                 own[LIGHT] += weight
                 own[COLUMN] += weight * column
                 own[ROW] += weight * y
                 own[FULL] += frame[row, column] == BRIGHTEST
-                if core[i, j] > 0:
+                if core[i, j]:
                     own[CORE] += 1
                     edge = row in (0, height - 1) or column in (0, width - 1)
                     own[NEAR] += edge or (column - x_0) * cos - (y - y_0) * sin < SURFACE_PX
         own[COLUMN] /= own[LIGHT]
         own[ROW] /= own[LIGHT]
         for i in range(top, bottom):
-            dy = lines * (i + corner[0]) + 0.5 * (lines - 1) - own[ROW]
+            row = i + corner[0]
+            dy = lines * row + 0.5 * (lines - 1) - own[ROW]
             for j in range(left, right):
-                if wide[i, j] == k + 1:
-                    dx, weight = j + corner[1] - own[COLUMN], np.float64(light[i, j])
+                if spot[i, j] == k + 1:
+                    column = j + corner[1]
+                    weight, dx = frame[row, column] - background, column - own[COLUMN]
                     own[ACROSS] += weight * dx * dx
                     own[DOWN] += weight * dy * dy
                     own[MIXED] += weight * dx * dy
