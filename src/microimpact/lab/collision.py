@@ -9,6 +9,7 @@ surface after its first contact meets another facet.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,11 +18,14 @@ import scipy
 from microimpact.arrays import BoolArray, FloatArray
 from microimpact.lab.distributions import uniforms
 from microimpact.lab.events import IntArray
+from microimpact.model.compiled import jit
 from microimpact.model.contact import Contact
 from microimpact.model.impact import spatial
 
 MOST_CONTACTS = 5
 NEWTON_STEPS = 60
+
+_jit = jit()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -180,32 +184,48 @@ def weighted_slope(u: FloatArray, normal_speed: FloatArray, slope_speed: FloatAr
         Speed along the surface times the standard deviation of the slope, m/s; 0 gives the plain
         normal distribution.
     """
-    plain = scipy.special.ndtri(u)
-    weighted = slope_speed > 0.0
-    if not np.any(weighted):
-        return np.asarray(plain)
-    c = np.where(weighted, normal_speed / np.where(weighted, slope_speed, 1.0), np.inf)
-    # Beyond this the weight is flat to rounding, and c * Phi would lose what matters.
-    weighted &= c < 1e8
-    c = np.where(weighted, c, 0.0)
-    total = c * scipy.special.ndtr(c) + _phi(c)
-    low, high = -c, np.maximum(-c, 0.0) + 10.0
-    x = np.clip(plain, low, high)
+    slope = np.array(scipy.special.ndtri(u))
+    _weigh(u, normal_speed, slope_speed, slope)
+    return slope
+
+
+@_jit
+def _weigh(u, normal_speed, slope_speed, slope):  # type: ignore[no-untyped-def]
+    """Replace quantiles of the plain normal distribution by those of the weighted one."""
+    for i in range(slope.size):
+        # Beyond this the weight is flat to rounding, and c * Phi would lose what matters.
+        if normal_speed[i] < 1e8 * slope_speed[i]:
+            slope[i] = _weighted_quantile(u[i], normal_speed[i] / slope_speed[i], slope[i])
+
+
+@_jit
+def _weighted_quantile(u, c, guess):  # type: ignore[no-untyped-def]
+    cut, at_cut = _below(-c), _phi(c)
+    wanted = u * (c * _below(c) + at_cut)
+    low, high = -c, max(-c, 0.0) + 10.0
+    x = min(max(guess, low), high)
     for _ in range(NEWTON_STEPS):
-        excess = (
-            c * (scipy.special.ndtr(x) - scipy.special.ndtr(-c)) + _phi(c) - _phi(x) - u * total
-        )
-        low, high = np.where(excess < 0.0, x, low), np.where(excess > 0.0, x, high)
-        slope = (c + x) * _phi(x)
-        step = x - excess / np.where(slope > 0.0, slope, np.inf)
-        inside = (step > low) & (step < high)
-        moved = np.where(inside, step, 0.5 * (low + high))
-        if np.all(np.abs(moved - x) <= 1e-14 * (1.0 + np.abs(x))):
+        excess = c * (_below(x) - cut) + at_cut - _phi(x) - wanted
+        if excess < 0.0:
+            low = x
+        elif excess > 0.0:
+            high = x
+        density = (c + x) * _phi(x)
+        moved = x - excess / density if density > 0.0 else x
+        if not low < moved < high:
+            moved = 0.5 * (low + high)
+        if abs(moved - x) <= 1e-14 * (1.0 + abs(x)):
             break
         x = moved
-    return np.where(weighted, x, plain)
+    return x
 
 
-def _phi(x: FloatArray) -> FloatArray:
-    density: FloatArray = np.exp(-0.5 * np.square(x)) / np.sqrt(2.0 * np.pi)
-    return density
+@_jit
+def _below(x):  # type: ignore[no-untyped-def]
+    """Distribution function of the normal distribution."""
+    return 0.5 * math.erfc(-math.sqrt(0.5) * x)
+
+
+@_jit
+def _phi(x):  # type: ignore[no-untyped-def]
+    return math.exp(-0.5 * x * x) / math.sqrt(2.0 * math.pi)
