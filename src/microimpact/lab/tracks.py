@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 
 import numpy as np
@@ -20,17 +21,20 @@ from microimpact.lab.track_fit import (
     Track,
     reduce_tracks,
 )
+from microimpact.model.compiled import jit
 
 # Light of a whole dash, relative to the others of its leg; light of one dash and no more; and how
 # slender dashes in a row are, unlike dashes side by side.
 WHOLE = 0.05
 SINGLE = 1.3
 SLENDER = 5.0
-# Incident tracks are as steep as this, and straight to so many pixels.
-INCIDENT_CONE_DEG = 5.0
+# Incident tracks are as steep as this (tangent from the vertical), straight to so many pixels.
+STEEP = math.tan(math.radians(5.0))
 STRAIGHT_PX = 1.5
 # Consecutive dashes must move on sideways by this much to be put in order.
 LEAST_STEP_PX = 1.0
+
+_jit = jit()
 
 
 def measure(
@@ -71,60 +75,90 @@ def sort_legs(spots: Spots, setup: Setup) -> tuple[FloatArray, FloatArray] | Rej
     tuple or Rejection
         Columns and rows of both legs, each (m, 2) in order of time.
     """
-    if not np.any(spots.clear):
-        return FEW
-    usable = spots.clear & ~spots.saturated & (spots.height > _crowded(spots))
-    if np.count_nonzero(usable) < 2 * setup.instrument.least_dashes:
-        return _why(spots, np.ones_like(spots.clear))
-    single = usable & (np.abs(spots.light / np.median(spots.light[usable]) - 1.0) < 0.5)
-    on_line = _steep_row(spots.place, single)
-    if on_line is None:
-        return FEW
-    legs = []
-    for mine, axis in ((on_line, 1), (~on_line, 0)):
-        order = np.flatnonzero(mine)
-        order = order[np.argsort(spots.place[order, axis])]
-        good = usable[order] & _whole(spots.light[order], usable[order])
-        run = order[longest_run(good)]
-        if run.size < setup.instrument.least_dashes:
-            return _why(spots, mine)
-        legs.append(spots.place[run])
-    incident, rebound = legs
-    if not told_apart(rebound):
+    incident, rebound, concerned = _legs(
+        spots.place,
+        spots.light,
+        spots.height,
+        spots.clear,
+        spots.saturated,
+        setup.instrument.least_dashes,
+    )
+    if not len(rebound):
+        return _why(spots, concerned) if np.any(concerned) else FEW
+    if not told_apart(spots.place[rebound]):
         return OVERLAP
-    if abs(rebound[-1, 0] - incident[-1, 0]) < abs(rebound[0, 0] - incident[-1, 0]):
-        rebound = rebound[::-1]
-    return incident, rebound
+    return spots.place[incident], spots.place[rebound]
 
 
-def _crowded(spots: Spots) -> float:
-    """Return the height up to which dashes run together, and may not be told apart; px."""
-    merged = spots.clear & (spots.light > SINGLE * np.median(spots.light[spots.clear]))
-    return float(spots.height[merged].max(initial=-np.inf))
+@_jit
+def _legs(place, light, height, clear, saturated, least):  # type: ignore[no-untyped-def]
+    """Spots of both legs in order of time; else none, and which spots do not make a leg, if any."""
+    none, nowhere = np.empty(0, dtype=np.int64), np.zeros(len(light), dtype=np.bool_)
+    if not np.any(clear):
+        return none, none, nowhere
+    # Up to some height dashes run together, and may not be told apart.
+    merged = clear & (light > SINGLE * np.median(light[clear]))
+    crowded = -np.inf
+    for spot in np.flatnonzero(merged):
+        crowded = max(crowded, height[spot])
+    usable = clear & ~saturated & (height > crowded)
+    if np.sum(usable) < 2 * least:
+        return none, none, ~nowhere
+    single = usable & (np.abs(light / np.median(light[usable]) - 1.0) < 0.5)
+    on_line = _steep_row(place, single)
+    if not np.any(on_line):
+        return none, none, nowhere
+    incident = _longest_run(place[:, 1], light, usable, on_line)
+    if len(incident) < least:
+        return none, none, on_line
+    rebound = _longest_run(place[:, 0], light, usable, ~on_line)
+    if len(rebound) < least:
+        return none, none, ~on_line
+    end = place[incident[-1], 0]
+    if abs(place[rebound[-1], 0] - end) < abs(place[rebound[0], 0] - end):
+        rebound = rebound[::-1].copy()
+    return incident, rebound, nowhere
 
 
-def _steep_row(place: FloatArray, single: BoolArray) -> BoolArray | None:
-    """Return which spots lie on the steep line through most single ones."""
+@_jit
+def _steep_row(place, single):  # type: ignore[no-untyped-def]
+    """Which spots lie on the steep line through most single ones, and closest; none without."""
+    row, most, least = np.zeros(len(place), dtype=np.bool_), 0, np.inf
     index = np.flatnonzero(single)
-    first, second = np.triu_indices(index.size, 1)
-    a, b = place[index[first]], place[index[second]]
-    steep = is_steep(b - a)
-    if not np.any(steep):
-        return None
-    a, b = a[steep, None], b[steep, None]
-    slope = (b[..., 0] - a[..., 0]) / (b[..., 1] - a[..., 1])
-    off = np.abs(place[:, 0] - a[..., 0] - slope * (place[:, 1] - a[..., 1]))
-    near = off < STRAIGHT_PX
-    spread = np.where(near & single, off, 0.0).sum(axis=1)
-    best = np.lexsort((spread, -np.count_nonzero(near & single, axis=1)))[0]
-    row: BoolArray = near[best]
+    for a in index:
+        for b in index[index > a]:
+            across, down = place[b, 0] - place[a, 0], place[b, 1] - place[a, 1]
+            if abs(across) >= STEEP * abs(down):
+                continue
+            off = np.abs(place[:, 0] - place[a, 0] - across / down * (place[:, 1] - place[a, 1]))
+            near = off < STRAIGHT_PX
+            number, spread = np.sum(near & single), np.sum(off[near & single])
+            if number > most or (number == most and spread < least):
+                row, most, least = near, number, spread
     return row
+
+
+@_jit
+def _longest_run(along, light, usable, mine):  # type: ignore[no-untyped-def]
+    """Longest row of dashes of a leg, in order, that have the light of one whole pulse."""
+    order = np.flatnonzero(mine)
+    order = order[np.argsort(along[order])]
+    if not np.any(usable[order]):
+        return order[:0]
+    whole = np.median(light[order][usable[order]])
+    first, number, length = 0, 0, 0
+    for i, spot in enumerate(order):
+        good = usable[spot] and abs(light[spot] / whole - 1.0) < WHOLE
+        length = length + 1 if good else 0
+        if length > number:
+            first, number = i + 1 - length, length
+    return order[first : first + number]
 
 
 def is_steep(way: FloatArray) -> BoolArray:
     """Tell which ways, columns and rows (..., 2), are as steep as an incident track."""
     across, down = np.moveaxis(np.abs(way), -1, 0)
-    steep: BoolArray = across < np.tan(np.radians(INCIDENT_CONE_DEG)) * down
+    steep: BoolArray = across < STEEP * down
     return steep
 
 
@@ -144,20 +178,6 @@ def told_apart(rebound: FloatArray, used: BoolArray | None = None) -> BoolArray:
     step = np.where(used[..., 1:], np.abs(np.diff(rebound[..., 0], axis=-1)), np.inf)
     apart: BoolArray = ~is_steep(way) & (step.min(axis=-1) >= LEAST_STEP_PX)
     return apart
-
-
-def _whole(light: FloatArray, usable: BoolArray) -> BoolArray:
-    """Tell which dashes of a leg have the light of one whole pulse."""
-    if not np.any(usable):
-        return usable
-    whole: BoolArray = np.abs(light / np.median(light[usable]) - 1.0) < WHOLE
-    return whole
-
-
-def longest_run(good: BoolArray) -> slice:
-    """Return the longest stretch of true values."""
-    (start,), (number,) = longest_runs(good, np.zeros(len(good), dtype=np.int64), 1)
-    return slice(int(start), int(start + number))
 
 
 def longest_runs(good: BoolArray, group: IntArray, groups: int) -> tuple[IntArray, IntArray]:

@@ -126,18 +126,22 @@ def part(
 ) -> list[Numbered]:
     """Return every ``count``-th experiment, from ``index`` on: number, row and plotted points."""
     every = list(np.ndindex(len(params.series), len(params.angles_deg)))
+    recipes = [
+        recipe(
+            series,
+            series_contact(series, inputs),
+            params.dispenser,
+            params.instrument,
+            params.method,
+        )
+        for series in params.series
+    ]
     found = []
     for number in range(index, len(every), count):
         i, k = every[number]
         series, angle = params.series[i], params.angles_deg[k]
         outcome = collect(
-            recipe(
-                series,
-                series_contact(series, inputs),
-                params.dispenser,
-                params.instrument,
-                params.method,
-            ),
+            recipes[i],
             angle,
             params.events,
             params.most_dropped,
