@@ -55,7 +55,7 @@ def test_an_experiment_does_not_depend_on_how_many_are_looked_at_together(
     recipe, number = replace(recipe, method=method), 20 if method == "model" else 4
     whole = collect(recipe, 45.0, number, 2000, generator(3))
     for chunk in (1, 7):
-        monkeypatch.setattr(oblique_incidence, "LOOKED_AT_ONCE", {method: chunk})
+        monkeypatch.setattr(oblique_incidence, "LOOKED_AT_ONCE", chunk)
         part = collect(recipe, 45.0, number, 2000, generator(3))
         assert same(part.measured, whole.measured)
         assert same(part.impacts, whole.impacts)

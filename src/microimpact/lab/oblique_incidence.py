@@ -27,7 +27,7 @@ OUTSIDE_CLASS = "outside the class"
 # Particles dropped at first; while events are wanting, as many again as so far.
 DROPPED_AT_FIRST = 200
 # Impacts looked at together; of frames no more are rendered than needed.
-LOOKED_AT_ONCE: Mapping[Method, int] = {"frames": 64, "model": 200}
+LOOKED_AT_ONCE = 200
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -130,8 +130,8 @@ def collect(
         number = min(max(dropped, DROPPED_AT_FIRST), most_dropped - dropped)
         shown, batch = _drop(recipe, angle, number, child(rng, 2, dropped))
         used = number
-        for start in range(0, max(1, len(shown)), LOOKED_AT_ONCE[recipe.method]):
-            some = batch.select(slice(start, start + LOOKED_AT_ONCE[recipe.method]))
+        for start in range(0, max(1, len(shown)), LOOKED_AT_ONCE):
+            some = batch.select(slice(start, start + LOOKED_AT_ONCE))
             wanted = events - accepted
             if recipe.method == "model":
                 seen = modelled(some, setup, rng, first=first, errors=errors)

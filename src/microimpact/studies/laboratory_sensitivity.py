@@ -13,8 +13,9 @@ from pydantic import Field
 from microimpact.arrays import FloatArray
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.distributions import TruncatedNormal, generator
-from microimpact.lab.events import Measured
+from microimpact.lab.events import Impacts, Measured
 from microimpact.lab.oblique_incidence import quantities, turned
+from microimpact.model.contact import Contact
 from microimpact.parameters import Count, Name, NonNegative, Positive
 from microimpact.studies._dropped import (
     FEWEST_REBOUNDS,
@@ -38,6 +39,8 @@ Spread = Literal[
     "velocity_noise",
     "angle_error",
 ]
+# Errors of measurement, which leave the true impacts alone.
+LAID_OVER = ("velocity_noise", "angle_error")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,7 +104,7 @@ class Setting:
             "velocity_noise": {"velocity_noise": factor * self.velocity_noise},
             "angle_error": {"angle_error": factor * self.angle_error},
         }
-        if spread in {"velocity_noise", "angle_error"}:
+        if spread in LAID_OVER:
             return replace(self, **changes[spread])
         if spread in {"exit_speed", "lateral_speed", "lateral_position"}:
             return replace(self, dispenser=replace(dispenser, **changes[spread]))
@@ -142,11 +145,16 @@ def _rows(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Iterator[dict[s
             velocity_noise=params.velocity_noise_relative,
             angle_error=params.angle_error_deg,
         )
+        contact = contact_of(series.dropped, inputs)
         for angle in params.angles_deg:
-            reference = sample(base, angle, params, inputs)
+            true = true_sample(base, contact, angle, params)
+            reference = sample(base, true, params)
             for spread in series.spreads:
                 for factor in params.factors:
-                    other = sample(base.scaled(spread, factor), angle, params, inputs)
+                    setting = base.scaled(spread, factor)
+                    same = spread in LAID_OVER
+                    own = true if same else true_sample(setting, contact, angle, params)
+                    other = sample(setting, own, params)
                     for name in QUANTITIES:
                         yield {
                             "series": series.name,
@@ -159,14 +167,11 @@ def _rows(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Iterator[dict[s
                         }
 
 
-def sample(
-    setting: Setting, angle: float, params: Params, inputs: Mapping[str, pd.DataFrame]
-) -> Sample:
-    """Return the measured quantities of a sample; settings share their random numbers.
+def true_sample(setting: Setting, contact: Contact, angle: float, params: Params) -> Impacts:
+    """Return the true impacts of a sample; settings share their random numbers.
 
-    The target's tilt and the noise of the velocities are laid over the true impacts.
+    Works of adhesion and damping are those of `contact`, whatever the sizes.
     """
-    dropped = setting.dropped
     sampling = Sampling(
         seed=params.seed,
         impacts=params.impacts,
@@ -174,7 +179,15 @@ def sample(
         angle_error_deg=setting.angle_error,
         dispenser=setting.dispenser,
     )
-    impacts = impacts_of(dropped, contact_of(dropped, inputs), angle, sampling)
+    return impacts_of(setting.dropped, contact, angle, sampling)
+
+
+def sample(setting: Setting, impacts: Impacts, params: Params) -> Sample:
+    """Return the measured quantities of true impacts.
+
+    The target's tilt and the noise of the velocities are laid over them.
+    """
+    dropped = setting.dropped
     free = ~impacts.captured & in_class(dropped, impacts)
     true = turned(in_plane(impacts, free), setting.angle_error)
     noise = generator(params.seed, 3).standard_normal((4, len(impacts)))[:, true.event]
