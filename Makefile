@@ -159,7 +159,7 @@ install = rm -f $(1)/.run $(1)/.test; \
 endif
 
 # Once, and not in every job of the first run.
-warm = .venv/bin/python -m microimpact.model.warm
+warm = .venv/bin/python -m microimpact.lab.warm
 
 # The test group contains the run group: once there, it serves both and is kept.
 .venv/.run: $(LOCKED) | $(INSTALLER)

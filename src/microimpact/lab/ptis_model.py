@@ -105,14 +105,28 @@ def expected(
     rng
         Of the event; see `ptis.event_generator`.
     """
-    if impacts.captured[i]:
-        return CAPTURED
-    (reason,), found = theory(impacts.select(slice(i, i + 1)), setup, errors, [rng])
-    if reason != MEASURED:
-        return str(reason)
-    return Expected(
-        velocities=found.velocities[0], covariance=found.covariance[0], dashes=found.dashes[0]
-    )
+    return expected_of_all(impacts.select(slice(i, i + 1)), setup, errors, [rng])[0]
+
+
+def expected_of_all(
+    impacts: Impacts, setup: Setup, errors: Systematics, rngs: Sequence[Generator]
+) -> list[Expected | str]:
+    """Return what is `expected` of every impact, each with its own generator."""
+    moving = np.flatnonzero(~impacts.captured)
+    draws = [rngs[i] for i in moving.tolist()]
+    fates, found = theory(impacts.select(moving), setup, errors, draws)
+    outcome: list[Expected | str] = [CAPTURED] * len(impacts)
+    k = 0
+    for i, fate in zip(moving.tolist(), fates, strict=True):
+        outcome[i] = str(fate)
+        if fate == MEASURED:
+            outcome[i] = Expected(
+                velocities=found.velocities[k],
+                covariance=found.covariance[k],
+                dashes=found.dashes[k],
+            )
+            k += 1
+    return outcome
 
 
 def theory(

@@ -90,12 +90,16 @@ def observe(
     fates[moving] = unseen(exposure, setup)
     shown = np.flatnonzero(fates[moving] == "")
     seen = observation(fates, np.empty((0, 2, 2)))
-    velocities: list[FloatArray] = []
+    disks, velocities = impacts.diameter[moving].tolist(), list[FloatArray]()
     while len(shown):
         now, shown = np.split(shown, [wanted(seen.measured) if wanted else len(shown)])
         frames = (
             photograph(
-                exposure.select(now[k : k + 1]), impacts.diameter[moving[i]], setup, errors, draws[i]
+                exposure.select(now[k : k + 1]),
+                impacts.diameter[moving[i]],
+                setup,
+                errors,
+                draws[i],
             )
             for k, i in enumerate(now.tolist())
         )

@@ -75,17 +75,16 @@ def find_spots(frame: NDArray[np.uint8], setup: Setup) -> Spots:
     low, background = np.searchsorted(levels, frame.size * np.array([0.1587, 0.5]))
     noise = max(float(background - low), 1.0) / (2.0 * np.sqrt(np.pi) * SMOOTHING_PX)
     part = _part_with_light(frame, float(background), DETECTION * noise)
-    smooth = _smoothed(frame[part], np.float32(background))
+    smooth = _smoothed(frame, part, np.float32(background))
     threshold = max(DETECTION * noise, LEAST_BRIGHTNESS * float(smooth.max()))
     # Wings below the threshold count too: cut off, they would draw centroids to pixel centres.
     spot, boxes = _patches(smooth, np.float32(threshold))
     core = smooth > np.float32(threshold)
     alpha = np.radians(setup.angle)
     surface = (*setup.centre, np.cos(alpha), np.sin(alpha))
-    corner = part[0].start, part[1].start
-    sums = _sums(frame, float(background), spot, core, boxes, corner, lines, surface)
+    sums = _sums(frame, float(background), spot, core, boxes, part, lines, surface)
     whole = sums[LIGHT]
-    centre = sums[[COLUMN, ROW]].T
+    centre = np.stack([sums[COLUMN], sums[ROW]], axis=1)
     mean = 0.5 * (sums[ACROSS] + sums[DOWN])
     apart = np.hypot(0.5 * (sums[ACROSS] - sums[DOWN]), sums[MIXED])
     return Spots(
@@ -101,27 +100,28 @@ def find_spots(frame: NDArray[np.uint8], setup: Setup) -> Spots:
 
 def _part_with_light(
     frame: NDArray[np.uint8], background: float, least: float
-) -> tuple[slice, slice]:
-    """Return rows and columns outside which no smoothed light can exceed the threshold.
+) -> tuple[int, int, int, int]:
+    """Return the part of a frame outside which no smoothed light can exceed the threshold.
 
+    First row and column, and those after the last.
     The threshold is at least `least` and the share `LEAST_BRIGHTNESS` of the smoothed brightest
     pixel; a mean exceeds it only where a pixel does. The margin holds what smoothing and wings
     reach.
     """
     row, column = divmod(int(np.argmax(frame)), frame.shape[1])
+    height, width = frame.shape
     top, left = max(row - REACH, 0), max(column - REACH, 0)
-    patch = frame[top : row + REACH + 1, left : column + REACH + 1]
-    peak = _smoothed(patch, np.float32(background))[row - top, column - left]
+    patch = top, left, min(row + REACH + 1, height), min(column + REACH + 1, width)
+    peak = _smoothed(frame, patch, np.float32(background))[row - top, column - left]
     threshold = max(least, LEAST_BRIGHTNESS * float(peak))
     # A little less, for sums are rounded.
     lit = frame > int(background + 0.999 * threshold)
-    slices = []
-    for axis in (1, 0):
+    ends = []
+    for axis, size in ((1, height), (0, width)):
         (index,) = np.nonzero(lit.any(axis=axis))
-        low, high = (index[0], index[-1]) if index.size else (0, 0)
-        margin = 3 * REACH
-        slices.append(slice(max(int(low) - margin, 0), int(high) + margin + 1))
-    return slices[0], slices[1]
+        low, high = (int(index[0]), int(index[-1])) if index.size else (0, 0)
+        ends.append((max(low - 3 * REACH, 0), min(high + 3 * REACH + 1, size)))
+    return ends[0][0], ends[1][0], ends[0][1], ends[1][1]
 
 
 @_jit
@@ -135,18 +135,20 @@ def _histogram(frame):  # type: ignore[no-untyped-def]
 
 
 @_jit
-def _smoothed(frame, background):  # type: ignore[no-untyped-def]
-    """Light above the background, convolved with `KERNEL` along both axes; edges are mirrors."""
-    height, width = frame.shape
+def _smoothed(frame, part, background):  # type: ignore[no-untyped-def]
+    """Light of a part, above the background, convolved with `KERNEL`; its edges are mirrors."""
+    top, left, bottom, right = part
+    height, width = bottom - top, right - left
     smooth = np.empty((height, width), dtype=np.float32)
     line = np.empty(width + 2 * REACH, dtype=np.float32)
     # Rows smoothed along themselves, as many as one smoothed row needs: memory would cost more.
     rows = np.empty((2 * REACH + 1, width), dtype=np.float32)
     k = KERNEL
     for i in range(-REACH, height + REACH):
-        source = frame[-1 - i if i < 0 else i if i < height else 2 * height - 1 - i]
+        mirrored = -1 - i if i < 0 else i if i < height else 2 * height - 1 - i
+        source = frame[top + mirrored]
         for j in range(width):
-            line[j + REACH] = np.float32(source[j]) - background
+            line[j + REACH] = np.float32(source[left + j]) - background
         for j in range(REACH):
             line[REACH - 1 - j] = line[REACH + j]
             line[REACH + width + j] = line[REACH + width - 1 - j]
@@ -180,7 +182,9 @@ def _patches(smooth, threshold):  # type: ignore[no-untyped-def]
         first row and column of each patch and those after its last, shape (n, 4).
     """
     height, width = smooth.shape
-    spot, boxes, patches = np.zeros((height, width), dtype=np.int32), [], []
+    spot = np.zeros((height, width), dtype=np.int32)
+    boxes: list[tuple[int, int, int, int]] = []
+    patches: list[list[tuple[int, int]]] = []
     for i in range(height):
         for j in range(width):
             if smooth[i, j] > threshold and spot[i, j] == 0:
@@ -226,11 +230,11 @@ def _box(pixels, height, width):  # type: ignore[no-untyped-def]
         top, left = min(top, row), min(left, column)
         bottom, right = max(bottom, row), max(right, column)
     first = max(top - WINGS_PX, 0), max(left - WINGS_PX, 0)
-    return first + (min(bottom + WINGS_PX + 1, height), min(right + WINGS_PX + 1, width))
+    return *first, min(bottom + WINGS_PX + 1, height), min(right + WINGS_PX + 1, width)
 
 
 @_jit
-def _sums(frame, background, spot, core, boxes, corner, lines, surface):  # type: ignore[no-untyped-def]
+def _sums(frame, background, spot, core, boxes, part, lines, surface):  # type: ignore[no-untyped-def]
     """Sums over the pixels of each spot, second moments about its centroid; shape (9, n)."""
     sums = np.zeros((9, len(boxes)))
     x_0, y_0, cos, sin = surface
@@ -239,12 +243,12 @@ def _sums(frame, background, spot, core, boxes, corner, lines, surface):  # type
         top, left, bottom, right = boxes[k]
         own = sums[:, k]
         for i in range(top, bottom):
-            row = i + corner[0]
+            row = i + part[0]
             y = lines * row + 0.5 * (lines - 1)
             for j in range(left, right):
                 if spot[i, j] != k + 1:
                     continue
-                column = j + corner[1]
+                column = j + part[1]
                 weight = frame[row, column] - background
                 own[LIGHT] += weight
                 own[COLUMN] += weight * column
@@ -257,11 +261,11 @@ def _sums(frame, background, spot, core, boxes, corner, lines, surface):  # type
         own[COLUMN] /= own[LIGHT]
         own[ROW] /= own[LIGHT]
         for i in range(top, bottom):
-            row = i + corner[0]
+            row = i + part[0]
             dy = lines * row + 0.5 * (lines - 1) - own[ROW]
             for j in range(left, right):
                 if spot[i, j] == k + 1:
-                    column = j + corner[1]
+                    column = j + part[1]
                     weight, dx = frame[row, column] - background, column - own[COLUMN]
                     own[ACROSS] += weight * dx * dx
                     own[DOWN] += weight * dy * dy

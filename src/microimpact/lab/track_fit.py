@@ -145,8 +145,9 @@ def reduce_tracks(
     """Return, as `reduce_legs`, what comes of the incident and the rebound leg of every track."""
     if not legs:
         return []
-    places, used = zip(*(_side_by_side(leg) for leg in zip(*legs, strict=True)), strict=True)
-    tracks = fit_track(*places, setup, used=used, with_gravity=with_gravity)
+    before, first = _side_by_side([incident for incident, _ in legs])
+    after, last = _side_by_side([rebound for _, rebound in legs])
+    tracks = fit_track(before, after, setup, used=(first, last), with_gravity=with_gravity)
     fallen, risen = (
         smooth(leg, setup) | (not with_gravity) for leg in (tracks.incident, tracks.rebound)
     )

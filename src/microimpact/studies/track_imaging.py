@@ -14,7 +14,7 @@ from microimpact.arrays import FloatArray
 from microimpact.lab.distributions import generator
 from microimpact.lab.frames import render
 from microimpact.lab.ptis import Instrument, Setup, Systematics, draw_systematics, event_generator
-from microimpact.lab.ptis_model import Expected, expected, modelled
+from microimpact.lab.ptis_model import Expected, expected_of_all, modelled
 from microimpact.lab.ptis_observation import MEASURED, Observation, observe
 from microimpact.lab.track_fit import Rejection
 from microimpact.lab.tracks import measure
@@ -261,9 +261,8 @@ def error_cases(params: Params) -> tuple[pd.DataFrame, pd.DataFrame]:
             rng = generator(params.seed, *key, 1)
             errors = draw_systematics(params.instrument, rng)
             seen = observe(true, setup, rng)
-            theory = [
-                expected(true, i, setup, errors, event_generator(rng, i)) for i in range(len(true))
-            ]
+            draws = [event_generator(rng, i) for i in range(len(true))]
+            theory = expected_of_all(true, setup, errors, draws)
             parts.append(residuals(seen, theory, true_velocities(true)))
             fates[FRAMES] += seen.fates
             fates[MODEL] += [MEASURED if isinstance(t, Expected) else t for t in theory]

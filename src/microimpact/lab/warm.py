@@ -1,0 +1,68 @@
+"""Compile all there is to compile: ``python -m microimpact.lab.warm``.
+
+Jobs that start side by side on a new machine would each compile the same functions.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from microimpact.lab.collision import weighted_slope
+from microimpact.lab.events import Impacts
+from microimpact.lab.ptis import Instrument, Setup
+from microimpact.lab.ptis_observation import observe
+from microimpact.model import warm
+
+INSTRUMENT = Instrument(
+    frame_px=(640, 480),
+    pixel_um=10.0,
+    fields_per_s=60.0,
+    interlace=False,
+    sheet_thickness_mm=1.0,
+    slots=10,
+    duty=0.5,
+    largest_chop_kHz=5.0,
+    dash_pitch_mm=0.4,
+    jitter=0.0,
+    blur_px=1.0,
+    background_counts=20.0,
+    least_peak_counts=120.0,
+    largest_peak_counts=250.0,
+    read_noise_counts=4.0,
+    electrons_per_count=100.0,
+    rate_error=0.0,
+    scale_error=0.0,
+    angle_error_deg=0.0,
+    least_dashes=4,
+)
+
+
+def main() -> None:
+    """Use every compiled function of model and laboratory once; they stay in Numba's cache."""
+    warm.main()
+    weighted_slope(np.full(1, 0.5), np.ones(1), np.ones(1))
+    observe(_impacts(8), _SETUP, np.random.default_rng(1))
+
+
+_SETUP = Setup(instrument=INSTRUMENT, angle=60.0, speed=1.66, diameter=62e-6)
+
+
+def _impacts(n: int) -> Impacts:
+    """Spheres that fall straight down and rebound."""
+    alpha = np.radians(_SETUP.angle)
+    before = np.tile(_SETUP.speed * np.array([np.cos(alpha), 0.0, -np.sin(alpha)]), (n, 1))
+    return Impacts(
+        time=np.zeros(n),
+        diameter=np.full(n, _SETUP.diameter),
+        position=np.zeros((n, 2)),
+        velocity=before,
+        spin=np.zeros((n, 3)),
+        rebound_velocity=before * [0.75, 1.0, -0.7],
+        rebound_spin=np.zeros((n, 3)),
+        captured=np.zeros(n, dtype=bool),
+        contacts=np.ones(n, dtype=np.int64),
+    )
+
+
+if __name__ == "__main__":
+    main()
