@@ -94,13 +94,7 @@ def observe(
     while len(shown):
         now, shown = np.split(shown, [wanted(seen.measured) if wanted else len(shown)])
         frames = (
-            photograph(
-                exposure.select(now[k : k + 1]),
-                impacts.diameter[moving[i]],
-                setup,
-                errors,
-                draws[i],
-            )
+            photograph(exposure.select(now[[k]]), disks[i], setup, errors, draws[i])
             for k, i in enumerate(now.tolist())
         )
         tracks = measure_all(frames, setup, with_gravity=with_gravity)
