@@ -146,24 +146,33 @@ def _frames(
     velocity: FloatArray, slope_sd: float, drawn: FloatArray, planar_slopes: bool
 ) -> FloatArray:
     """Return the frames of the facets that uniform numbers, shape (2, n), choose."""
-    n = len(velocity)
     facing, across = drawn
     along = np.hypot(velocity[:, 0], velocity[:, 1])
-    direction = np.where(
-        along[:, None] > 0.0, velocity[:, :2] / np.where(along, along, 1.0)[:, None], [1.0, 0.0]
-    )
     rise = slope_sd * weighted_slope(facing, -velocity[:, 2], slope_sd * along)
-    side = np.zeros(n) if planar_slopes else slope_sd * scipy.special.ndtri(across)
-    left = np.stack([-direction[:, 1], direction[:, 0]], axis=1)
-    # The surface z = rise s + side q, with s along the motion, has the normal (-rise, -side, 1).
-    normal = np.empty((n, 3))
-    normal[:, :2] = -rise[:, None] * direction - side[:, None] * left
-    normal[:, 2] = 1.0
-    normal /= np.linalg.norm(normal, axis=1)[:, None]
-    first = np.zeros((n, 3))
-    first[:, 0], first[:, 2] = normal[:, 2], -normal[:, 0]
-    first /= np.linalg.norm(first, axis=1)[:, None]
-    return np.stack([first, np.cross(normal, first), normal], axis=1)
+    side = np.zeros_like(along) if planar_slopes else slope_sd * scipy.special.ndtri(across)
+    frames = np.empty((len(along), 3, 3))
+    _lay(velocity, along, rise, side, frames)
+    return frames
+
+
+@_jit
+def _lay(velocity, along, rise, side, frames):  # type: ignore[no-untyped-def]
+    """Frames of facets by their slopes along the motion (x, if it is normal) and to its left.
+
+    The surface z = rise s + side q, with s along the motion, has the normal (-rise, -side, 1).
+    """
+    for i in range(along.size):
+        x, y = 1.0, 0.0
+        if along[i] > 0.0:
+            x, y = velocity[i, 0] / along[i], velocity[i, 1] / along[i]
+        first, second, normal = frames[i]
+        normal[0], normal[1], normal[2] = side[i] * y - rise[i] * x, -rise[i] * y - side[i] * x, 1.0
+        normal /= math.sqrt(normal[0] ** 2 + normal[1] ** 2 + 1.0)
+        first[0], first[1], first[2] = normal[2], 0.0, -normal[0]
+        first /= math.sqrt(normal[2] ** 2 + normal[0] ** 2)
+        second[0] = normal[1] * first[2] - normal[2] * first[1]
+        second[1] = normal[2] * first[0] - normal[0] * first[2]
+        second[2] = normal[0] * first[1] - normal[1] * first[0]
 
 
 def weighted_slope(u: FloatArray, normal_speed: FloatArray, slope_speed: FloatArray) -> FloatArray:

@@ -26,8 +26,8 @@ from microimpact.model.compiled import jit
 SAMPLES_PER_BLUR = 1.25
 # Half width of a window beyond the disk, in blurs.
 REACH = 5.5
-# Beyond so many blurs a Gaussian has less light than rounding shows.
-FAINTEST = 8.0
+# Beyond so many blurs a Gaussian has less light (2e-9) than single precision shows.
+FAINTEST = 6.0
 BRIGHTEST = 255
 # Noise of a pixel is one of so many quantiles of the normal distribution: its standard deviation is
 # right to 1e-5, and it is drawn in a fifth of the time.
