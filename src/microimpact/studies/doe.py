@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -14,7 +14,7 @@ from microimpact.arrays import FloatArray
 from microimpact.model.capture import capture_velocity
 from microimpact.model.contact import Contact
 from microimpact.model.normal import normal_impact
-from microimpact.model.restitution_search import CLOSEST, Problem, minimum
+from microimpact.model.restitution_batch import data_sets, fit_batch
 from microimpact.parameters import Name
 from microimpact.studies._designs import fractional_factorial, full_factorial
 from microimpact.studies._doe_tables import (
@@ -168,15 +168,11 @@ def _experiment(
     response = capture_velocity(contacts)
     _require_finite(case, variation, response)
     runs = (fraction > 0.0) @ 2 ** np.arange(len(LETTERS))
-    fits = [
-        _fitted(
-            at_levels(contact, coded(levels.array, full[run])),
-            float(response[1 + run]),
-            params.sampling,
-            np.random.SeedSequence(params.seed, spawn_key=(ANALYSIS, number, int(run))),
-        )
-        for run in runs
+    seeds = [
+        np.random.SeedSequence(params.seed, spawn_key=(ANALYSIS, number, int(run))) for run in runs
     ]
+    sampled = at_levels(contact, coded(levels.array, full[runs, None, None]))
+    fitted = _fitted(sampled, response[1 + runs], params.sampling, seeds)
     return Experiment(
         case=case,
         variation=variation,
@@ -188,7 +184,7 @@ def _experiment(
         runs=runs,
         center=float(response[0]),
         response=response[1:],
-        fitted=np.stack(fits, axis=1),
+        fitted=fitted,
         confidence=params.confidence,
     )
 
@@ -204,20 +200,30 @@ def _require_finite(case: str, variation: str, response: FloatArray) -> None:
 
 
 def _fitted(
-    contact: Contact, limit: float, sampling: Sampling, seed: np.random.SeedSequence
+    contact: Contact,
+    limits: FloatArray,
+    sampling: Sampling,
+    seeds: Sequence[np.random.SeedSequence],
 ) -> FloatArray:
-    """Return capture velocities by fits of Eq. (34), one per replicate of the speeds, m/s."""
-    draw = np.random.Generator(np.random.PCG64(seed))
-    steps = np.arange(sampling.points) + draw.random((sampling.replicates, sampling.points))
+    """Return capture velocities by fits of Eq. (34), shape (replicates, runs), m/s.
+
+    Parameters
+    ----------
+    contact
+        The runs' contacts, shape (runs, 1, 1).
+    limits, seeds
+        Capture velocity of each run, m/s, and seed of its speeds.
+    sampling
+        How many speeds, and where.
+    """
+    shape = sampling.replicates, sampling.points
+    draws = [np.random.Generator(np.random.PCG64(seed)).random(shape) for seed in seeds]
+    steps = np.arange(sampling.points) + np.stack(draws)
     span = np.log(sampling.fitted_to / sampling.fitted_from)
-    speed = limit * sampling.fitted_from * np.exp(span * steps / sampling.points)
+    speed = limits[:, None, None] * sampling.fitted_from * np.exp(span * steps / sampling.points)
     e = normal_impact(contact, speed).coefficient_of_restitution
-    problems = [Problem(v / v[0], y, np.ones_like(v), None) for v, y in zip(speed, e, strict=True)]
-    first = minimum(problems[0])
-    start = np.append(first.logs, np.log(max(first.v_c, CLOSEST)))
-    others = (minimum(problem, start) for problem in problems[1:])
-    fits: FloatArray = speed[:, 0] * np.array([found.v_c for found in (first, *others)])
-    return fits
+    sets = data_sets(*(values.reshape(-1, sampling.points) for values in (speed, e)), 1.0)
+    return fit_batch(sets).v_c.reshape(len(seeds), -1).T
 
 
 def _level_rows(each: Experiment) -> Iterator[dict[str, object]]:
