@@ -23,11 +23,11 @@ class Range:
     lower_closed: bool = False
     upper_closed: bool = False
 
-    def contains(self, values: FloatArray) -> BoolArray:
+    def contains(self, values: Real) -> bool | BoolArray:
         """Tell for each value whether it lies inside."""
         above = values >= self.lower if self.lower_closed else values > self.lower
         below = values <= self.upper if self.upper_closed else values < self.upper
-        inside: BoolArray = above & below
+        inside: bool | BoolArray = above & below
         return inside
 
     def __str__(self) -> str:
@@ -66,6 +66,8 @@ def checked(name: str, value: object, allowed: Range = FINITE) -> Real:
     ValueError
         If a number is not finite or not in range.
     """
+    if type(value) is float and math.isfinite(value) and allowed.contains(value):
+        return value  # most often, and as it stands
     try:
         array = np.asarray(value)
     except ValueError:
@@ -101,9 +103,13 @@ def common_shape(named: Mapping[str, object]) -> tuple[int, ...]:
     ValueError
         If the shapes do not broadcast; the message gives each name with its shape.
     """
-    shapes = {name: np.shape(value) for name, value in named.items()}  # type: ignore[call-overload]
+    shapes = {
+        name: np.shape(value)  # type: ignore[call-overload]
+        for name, value in named.items()
+        if type(value) is not float
+    }
     try:
-        return np.broadcast_shapes(*shapes.values())
+        return np.broadcast_shapes(*filter(None, shapes.values()))
     except ValueError:
         listed = ", ".join(f"{name} {shape}" for name, shape in shapes.items() if shape)
         raise ValueError(f"shapes do not broadcast: {listed}") from None

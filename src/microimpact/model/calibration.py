@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 from microimpact.arrays import POSITIVE, Range, checked
 from microimpact.model.capture import capture_velocity
 from microimpact.model.contact import Contact
-from microimpact.model.impact import simulate
+from microimpact.model.normal import normal_impact
 from microimpact.model.trajectory import trajectory
 
 OPEN_UNIT_INTERVAL = Range(lower=0.0, upper=1.0)
@@ -75,13 +76,22 @@ def two_stage(
         raise ValueError(
             f"capture_speed must be below high_speed {high_speed:g}, got {capture_speed:g}"
         )
-    current = contact.replace(hertz_damping=0.0, adhesion_damping=0.0)
+    return _in_turn(
+        contact.replace(hertz_damping=0.0, adhesion_damping=0.0),
+        high_speed,
+        lambda current: hertz_damping_for(current, high_speed, restitution),
+        lambda current: adhesion_damping_for(current, capture_speed),
+    )
+
+
+def _in_turn(contact: Contact, speed: float, *stages: Callable[[Contact], Contact]) -> TwoStage:
+    """Run stages in turn, each for a target of its own, until c_H settles."""
     for turn in range(1, MOST_TURNS + 1):
-        before = float(current.hertz_damping)
-        current = hertz_damping_for(current, high_speed, restitution)
-        current = adhesion_damping_for(current, capture_speed)
-        if abs(float(current.hertz_damping) - before) <= TOLERANCE / high_speed:
-            return TwoStage(current, turn)
+        before = float(contact.hertz_damping)
+        for stage in stages:
+            contact = stage(contact)
+        if abs(float(contact.hertz_damping) - before) <= TOLERANCE / speed:
+            return TwoStage(contact, turn)
     raise NoSolutionError(f"the two stages do not settle within {MOST_TURNS} turns")
 
 
@@ -96,7 +106,7 @@ def hertz_damping_for(contact: Contact, speed: float, restitution: float) -> Con
 
     def excess(damping: float) -> float:
         changed = contact.replace(hertz_damping=damping)
-        return float(simulate(changed, speed).coefficient_of_restitution) - restitution
+        return float(normal_impact(changed, speed).coefficient_of_restitution) - restitution
 
     if excess(0.0) < 0.0:
         raise NoSolutionError(
@@ -123,7 +133,7 @@ def damping_factor_for(contact: Contact, speed: float, restitution: float) -> Co
         )
 
     def excess(factor: float) -> float:
-        e = float(simulate(scaled(factor), speed).coefficient_of_restitution)
+        e = float(normal_impact(scaled(factor), speed).coefficient_of_restitution)
         # Zero below capture is flat; any negative number tells the search that it went too far.
         return e - restitution if e > 0.0 else -1.0
 
@@ -190,12 +200,13 @@ def dissipation_ratio_for(contact: Contact, speed: float, ratio: float) -> Conta
         return ratio - peak_ratios(contact.replace(adhesion_damping=damping), speed)[1]
 
     # The ratio is below c_A v, so c_A exceeds ratio/v; it is looked for up to ten times that.
-    largest = 10.0 * ratio / speed
-    if shortfall(largest) > 0.0:
+    least = ratio / speed
+    if shortfall(10.0 * least) > 0.0:
         raise NoSolutionError(
-            f"no adhesion damping up to {largest:g} s/m gives a dissipation ratio of {ratio:g}"
+            f"no adhesion damping up to {10.0 * least:g} s/m gives a dissipation ratio of {ratio:g}"
         )
-    return contact.replace(adhesion_damping=_falling_root(shortfall, largest))
+    guess = max(float(contact.adhesion_damping), least)
+    return contact.replace(adhesion_damping=_falling_root(shortfall, 10.0 * least, guess))
 
 
 def hertz_damping_for_adhesion_ratio(
@@ -209,19 +220,25 @@ def hertz_damping_for_adhesion_ratio(
         If adhesion is stronger against Hertz even without material damping.
     """
 
-    def changed(damping: float) -> Contact:
-        damped = contact.replace(hertz_damping=damping)
-        return dissipation_ratio_for(damped, speed, dissipation_ratio)
+    def damped(current: Contact) -> Contact:
+        def shortfall(damping: float) -> float:
+            return adhesion_ratio - peak_ratios(current.replace(hertz_damping=damping), speed)[0]
 
-    def shortfall(damping: float) -> float:
-        return adhesion_ratio - peak_ratios(changed(damping), speed)[0]
+        if shortfall(0.0) < 0.0:
+            raise NoSolutionError(
+                f"the peak of adhesion over that of Hertz is {adhesion_ratio - shortfall(0.0):.4g}"
+                f" even without material damping, above the target {adhesion_ratio:g}"
+            )
+        guess = float(current.hertz_damping)
+        root = _falling_root(shortfall, LARGEST_DAMPING / speed, guess)
+        return current.replace(hertz_damping=root)
 
-    if shortfall(0.0) < 0.0:
-        raise NoSolutionError(
-            f"the peak of adhesion over that of Hertz is {adhesion_ratio - shortfall(0.0):.4g} even"
-            f" without material damping, above the target {adhesion_ratio:g}"
-        )
-    return changed(_falling_root(shortfall, LARGEST_DAMPING / speed))
+    return _in_turn(
+        contact.replace(hertz_damping=0.0),
+        speed,
+        damped,
+        lambda current: dissipation_ratio_for(current, speed, dissipation_ratio),
+    ).contact
 
 
 def peak_ratios(contact: Contact, speed: float, points: int = 2000) -> tuple[float, float]:
@@ -239,16 +256,21 @@ def _capture_shortfall(contact: Contact, capture_speed: float) -> float:
 
 
 def _falling_root(function: Callable[[float], float], largest: float, guess: float = 0.0) -> float:
-    """Zero of a falling function with a value >= 0 at 0, sought near a guess, else upwards."""
+    """Zero of a falling function with a value >= 0 at 0, sought from a guess on.
+
+    In steps that grow, from the guess or from zero, to where the sign changes.
+    """
     from scipy.optimize import brentq
 
-    lower, upper = 0.9 * guess, 1.1 * guess
-    if not (0.0 < upper <= largest and function(lower) >= 0.0 >= function(upper)):
-        if function(0.0) == 0.0:
+    value = cache(function)
+    near = far = guess
+    step = 1e-3 * guess if guess > 0.0 else 1e-6 * largest
+    upwards = value(guess) > 0.0
+    while (value(far) > 0.0) == upwards:
+        if far == 0.0 and not upwards:
             return 0.0
-        lower, upper = 0.0, 1e-6 * largest
-        while function(upper) > 0.0:
-            lower, upper = upper, 4.0 * upper
-            if upper > largest:
-                raise NoSolutionError(f"no solution up to {largest:g}")
-    return float(brentq(function, lower, upper, xtol=1e-300, rtol=1e-13))
+        near, far = far, far + step if upwards else max(far - step, 0.0)
+        step *= 4.0
+        if far > largest:
+            raise NoSolutionError(f"no solution up to {largest:g}")
+    return float(brentq(value, near, far, xtol=1e-300, rtol=1e-13))

@@ -78,7 +78,7 @@ def capture_velocity(contact: Contact) -> FloatArray:
     shape = contact.shape
 
     def flat(value: Real) -> FloatArray:
-        return np.broadcast_to(np.asarray(value, dtype=np.float64), shape).ravel()
+        return np.full(shape, value, dtype=np.float64).ravel()
 
     scale = flat(contact.velocity_scale)
     hertz, adhesion = (flat(group) for group in contact.groups)

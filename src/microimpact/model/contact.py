@@ -83,6 +83,13 @@ class Contact:
     damped_attachment
         Whether adhesion is damped during approach too (the article: no).
 
+    Attributes
+    ----------
+    adhesion_input
+        Which of ``work_of_adhesion`` and ``ring_force`` was given.
+    shape
+        Broadcast shape of the fields.
+
     Raises
     ------
     TypeError, ValueError
@@ -103,6 +110,7 @@ class Contact:
     surface_radius: Real = math.inf
     damped_attachment: bool = False
     adhesion_input: str = field(init=False, default="")
+    shape: tuple[int, ...] = field(init=False, default=())
 
     def __post_init__(self) -> None:
         for name in ("particle", "surface"):
@@ -153,7 +161,7 @@ class Contact:
             )
         if not (np.ndim(self.surface_radius) == 0 and self.surface_radius == math.inf):
             self._check("surface_radius", POSITIVE)
-        common_shape(self._arrays())
+        self._set("shape", common_shape(self._arrays()))
 
     def _set(self, name: str, value: object) -> None:
         object.__setattr__(self, name, value)
@@ -165,17 +173,12 @@ class Contact:
         named = {
             f.name: getattr(self, f.name)
             for f in fields(self)
-            if f.name not in {"particle", "surface", "stiffness_model", "adhesion_input"}
+            if f.init and f.name not in {"particle", "surface", "stiffness_model"}
         }
         for role in ("particle", "surface"):
             for name in ("youngs_modulus", "poissons_ratio", "density"):
                 named[f"{role}.{name}"] = getattr(getattr(self, role), name)
         return {name: value for name, value in named.items() if value is not None}
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Broadcast shape of the fields."""
-        return common_shape(self._arrays())
 
     def replace(self, **changes: Any) -> Contact:
         """Return a contact with some fields changed; the given adhesion input is kept."""

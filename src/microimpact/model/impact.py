@@ -181,7 +181,7 @@ def planar(
     rotational = -change * radius * (omega + after_spin)
 
     def shaped(values: Real) -> FloatArray:
-        return np.broadcast_to(np.asarray(values, dtype=np.float64), shape)[()]
+        return _shaped(values, shape)
 
     return Impact(
         coefficient_of_restitution=shaped(e),
@@ -245,6 +245,11 @@ def simulate(
     common_shape({"contact": np.empty(contact.shape), "speed": speed, "angle": angle, "spin": spin})
     v_n, v_t = velocity_components(speed, angle)
     return planar(contact, v_n, v_t, spin, friction_basis, method)
+
+
+def _shaped(values: Real, shape: tuple[int, ...]) -> FloatArray:
+    array = np.asarray(values, dtype=np.float64)
+    return (array if array.shape == shape else np.broadcast_to(array, shape))[()]
 
 
 def velocity_components(speed: Real, angle: Real) -> tuple[Real, Real]:
@@ -319,7 +324,7 @@ def spatial(
     rotational = -radius * np.sum(turn * (w + after_w), axis=-1)
 
     def shaped(values: Real) -> FloatArray:
-        return np.broadcast_to(np.asarray(values, dtype=np.float64), shape)[()]
+        return _shaped(values, shape)
 
     return SpatialImpact(
         coefficient_of_restitution=shaped(e),

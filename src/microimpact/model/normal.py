@@ -135,7 +135,7 @@ def scaled_problems(contact: Contact, speed: Real) -> tuple[FloatArray, Scales, 
     shape = common_shape({"contact": np.empty(contact.shape), "speed": speed})
 
     def flat(value: Real) -> FloatArray:
-        return np.broadcast_to(np.asarray(value, dtype=np.float64), shape).ravel()
+        return np.full(shape, value, dtype=np.float64).ravel()
 
     v, own_scale, mass = flat(speed), flat(contact.velocity_scale), flat(contact.mass)
     if np.any(v < SMALLEST_SPEED * own_scale):

@@ -20,6 +20,10 @@ STEPS, MOST_STEPS = 256, 1_000_000
 # an overdamped one is known to creep.
 CAPTURED_PERIODS = 8.0
 
+# Newton's last move in a search for a time, relative: the error that it leaves is about its
+# square. Most turns of it, and the rounding of times.
+SMALLEST_MOVE, MOST_TURNS, ROUNDING = 1e-12, 60, 1e-14
+
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 
@@ -143,36 +147,53 @@ def _sample(problem: FloatArray, end: float, captured: bool, points: int) -> _Pa
     time = np.linspace(0.0, end if captured else stops[-1], points)
     step = np.minimum(np.searchsorted(stops, time), steps - 1)
     local = time - (stops - ends[:, 1])[step]
-    s_series, u_series = series[step, 0], series[step, 1]
-    tau = _invert(s_series, ends[step, 0], local)
-    s, u = _value(s_series, tau), _value(u_series, tau)
+    # Coefficients come first: Horner's scheme then runs over neighbours in memory.
+    s_series, u_series = (np.ascontiguousarray(series[step, i].T) for i in (0, 1))
+    tau = _invert(s_series, ends[step, 0], ends[step, 1], local)
+    s, u = np.maximum(_value(s_series, tau), 0.0), _value(u_series, tau)
+    if not captured:
+        s[-1] = 0.0
     # the force has one sign within a step, so u falls through a compressive one
-    drop = series[:, 1, 0] - _value(series[:, 1], ends[:, 0])
+    drop = series[:, 1, 0] - _value(series[:, 1].T, ends[:, 0])
     compressive = np.concatenate([[0.0], np.cumsum(np.maximum(drop, 0.0))])[step]
-    compressive = compressive + np.maximum(u_series[:, 0] - u, 0.0)
+    compressive = compressive + np.maximum(u_series[0] - u, 0.0)
     hertz = np.concatenate([[0.0], np.cumsum(ends[:, 2])])[step]
     for node, weight in zip(0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS, strict=True):
         hertz = hertz + weight * tau * _value(s_series, node * tau) ** 4
-    return _Path(time, np.maximum(s, 0.0), u, compressive, hertz)
+    return _Path(time, s, u, compressive, hertz)
 
 
 def _value(series: FloatArray, tau: FloatArray) -> FloatArray:
+    """Value at tau (n,) of power series, coefficients (orders, n)."""
     value = np.zeros_like(tau)
-    for k in range(series.shape[1] - 1, -1, -1):
-        value = value * tau + series[:, k]
+    for coefficient in series[::-1]:
+        value = value * tau + coefficient
     return value
 
 
-def _invert(s_series: FloatArray, upper: FloatArray, time: FloatArray) -> FloatArray:
-    """Find tau at which the contact time, the integral of s, has the given value: by bisection."""
-    orders = np.arange(1, s_series.shape[1] + 1)
-    clock = np.concatenate([np.zeros((time.size, 1)), s_series / orders], axis=1)
-    low, high = np.zeros_like(upper), upper.copy()
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        late = _value(clock, middle) > time
-        high, low = np.where(late, middle, high), np.where(late, low, middle)
-    return 0.5 * (low + high)
+def _invert(
+    s_series: FloatArray, upper: FloatArray, duration: FloatArray, time: FloatArray
+) -> FloatArray:
+    """Find tau in [0, upper] at which the contact time, the integral of s, has the given value.
+
+    By Newton's method, with bisection where it would leave the bracket; the ends, at which the
+    integral may be flat, are met exactly.
+    """
+    orders = np.arange(1, len(s_series) + 1)
+    clock = np.concatenate([np.zeros((1, time.size)), s_series / orders[:, None]])
+    low = np.where(time >= (1.0 - ROUNDING) * duration, upper, 0.0)
+    high = np.where(time <= 0.0, 0.0, upper)
+    tau = 0.5 * (low + high)
+    for _ in range(MOST_TURNS):
+        miss, slope = _value(clock, tau) - time, _value(s_series, tau)
+        late = miss > 0.0
+        low, high = np.where(late, low, tau), np.where(late, tau, high)
+        new = tau - miss / np.where(slope > 0.0, slope, np.inf)
+        new = np.where((low <= new) & (new <= high), new, 0.5 * (low + high))
+        moved, tau = np.abs(new - tau), new
+        if np.all(moved <= SMALLEST_MOVE * upper):
+            break
+    return tau
 
 
 def _dimensional(

@@ -180,6 +180,8 @@ def curves(targets: TwoStageTargets, inputs: Mapping[str, pd.DataFrame]) -> pd.D
     common = {"panel": "curves", "x_unit": "m_per_s", "y_unit": "1"}
     for exponent, work in zip(targets.member_exponents, targets.member_works_J_per_m2, strict=True):
         e = simulate(solved(contact, targets, exponent, work), speed).coefficient_of_restitution
+        # At the capture velocity itself rounding decides between none and hardly any.
+        e = np.where(speed > targets.capture_velocity_m_per_s, e, 0.0)
         name = f"n = {exponent:g}, w = {work:g} J/m2"
         frames.append(series_frame(series=name, evidence="calibrated", x=speed, y=e, **common))
     x = [targets.capture_velocity_m_per_s, targets.high_speed_m_per_s]

@@ -222,7 +222,7 @@ def _fitted(
     span = np.log(sampling.fitted_to / sampling.fitted_from)
     speed = limits[:, None, None] * sampling.fitted_from * np.exp(span * steps / sampling.points)
     e = normal_impact(contact, speed).coefficient_of_restitution
-    sets = data_sets(*(values.reshape(-1, sampling.points) for values in (speed, e)), 1.0)
+    sets = data_sets(speed.reshape(-1, sampling.points), e.reshape(-1, sampling.points), 1.0)
     return fit_batch(sets).v_c.reshape(len(seeds), -1).T
 
 
