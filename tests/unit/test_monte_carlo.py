@@ -42,6 +42,7 @@ from microimpact.studies._monte_carlo_events import (
     BLOCK,
     estimate,
     long_run,
+    replicate_shares,
     replicate_sums,
     summary,
 )
@@ -333,16 +334,28 @@ def test_mean_over_slopes_alone_is_a_known_integral(flux_weighted, must_leave, a
     assert found.captured == 0.0
 
 
+def replicate(one, key, number):
+    return replicate_sums(one, 20.0, replicate_shares(one, key, number))
+
+
+def test_ensembles_may_share_what_is_drawn():
+    one = ensemble(constants(slope=Normal(sd=0.2)))
+    other = replace(one, process=replace(one.process, slope=Normal(sd=0.3)))
+    shares = [replicate_shares(one, 2, number) for number in range(one.plan.replicates)]
+    assert estimate(other, 20.0, 2, shares=shares) == estimate(other, 20.0, 2)
+    assert estimate(other, 20.0, 2, shares=shares) != estimate(other, 20.0, 3)
+
+
 def test_replicates_do_not_depend_on_when_or_where_they_are_computed():
     one = ensemble(constants(slope=Normal(sd=0.2), diameter_um=Uniform(low=50.0, high=70.0)))
-    forward = [replicate_sums(one, 20.0, 3, number) for number in range(8)]
-    backward = [replicate_sums(one, 20.0, 3, number) for number in reversed(range(8))][::-1]
+    forward = [replicate(one, 3, number) for number in range(8)]
+    backward = [replicate(one, 3, number) for number in reversed(range(8))][::-1]
     assert np.array_equal(forward, backward)
     # fewer replicates are the first ones of more, bit for bit
     short = estimate(replace(one, plan=replace(one.plan, replicates=8)), 20.0, 3)
     assert short == summary(np.stack(forward), one.plan.events)
     assert len({tuple(sums) for sums in forward}) == 8
-    assert not np.array_equal(replicate_sums(one, 20.0, 4, 0), forward[0])
+    assert not np.array_equal(replicate(one, 4, 0), forward[0])
 
 
 def test_threads_change_no_digit_and_longer_runs_begin_with_shorter_ones():
@@ -353,7 +366,7 @@ def test_threads_change_no_digit_and_longer_runs_begin_with_shorter_ones():
     assert counted == [64] * 70
     short, long = long_run(base, BLOCK + 1), long_run(base, 3 * BLOCK)
     assert (short.plan.replicates, long.plan.replicates) == (2, 3)
-    assert np.array_equal(replicate_sums(short, 20.0, 0, 1), replicate_sums(long, 20.0, 0, 1))
+    assert np.array_equal(replicate(short, 0, 1), replicate(long, 0, 1))
 
 
 def test_memory_does_not_grow_with_the_events():

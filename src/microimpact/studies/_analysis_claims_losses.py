@@ -198,7 +198,7 @@ def c104(context: Context, contact: Contact) -> dict[str, float]:
     rng = generator(context.params.seed, ANALYSIS)
     measured = np.maximum(e + sigma * rng.standard_normal((losses.data_sets, e.size)), 0.0)
     sets = data_sets(speed, measured, (measured > 0.0) / sigma)
-    ends = interval_batch(sets, fit_batch(sets), scipy.stats.chi2.ppf(CONFIDENCE, 1))
+    ends = interval_batch(sets, fit_batch(sets), scipy.special.chdtri(1, 1.0 - CONFIDENCE))
     return {"relative_width_of_profile_interval": float(np.median(np.diff(ends)) / limit)}
 
 

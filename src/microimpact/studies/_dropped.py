@@ -212,7 +212,7 @@ def half_width(one: Statistic, other: Statistic, sampling: Sampling) -> float:
     Of two experiments of ``sampling.events`` events each, either with its own setting of the
     target.
     """
-    quantile = float(scipy.stats.t.ppf(0.975, 2 * (sampling.events - 1)))
+    quantile = float(scipy.special.stdtrit(2 * (sampling.events - 1), 0.975))
     noise = (one.sd**2 + other.sd**2) / sampling.events
     return quantile * float(np.sqrt(noise + one.systematic**2 + other.systematic**2))
 

@@ -101,7 +101,7 @@ def gained_by_rotation(impacts: Impacts) -> FloatArray:
 
 def half_width(of: Statistic, events: int) -> float:
     """Return the half-width of the 95 % interval of a mean of so many events."""
-    quantile = float(scipy.stats.t.ppf(0.975, events - 1))
+    quantile = float(scipy.special.stdtrit(events - 1, 0.975))
     return quantile * float(np.sqrt(of.sd**2 / events + of.systematic**2))
 
 

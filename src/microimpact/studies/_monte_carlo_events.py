@@ -10,7 +10,7 @@ are exact, so an estimate does not depend on the number of threads in its last d
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from itertools import islice
@@ -60,6 +60,7 @@ def estimate(
     *,
     threads: int = 1,
     done: Callable[[int], None] | None = None,
+    shares: Sequence[Draws] | None = None,
 ) -> Estimate:
     """Return measured coefficients at one nominal angle.
 
@@ -75,10 +76,14 @@ def estimate(
         That share the replicates; results do not depend on it.
     done
         Called with the number of events after each replicate.
+    shares
+        What `replicate_shares` gives for every replicate, if there already; estimates of ensembles
+        that differ in their parameters alone may share them.
     """
 
     def one(number: int) -> FloatArray:
-        return replicate_sums(ensemble, angle_deg, key, number)
+        drawn = replicate_shares(ensemble, key, number) if shares is None else shares[number]
+        return replicate_sums(ensemble, angle_deg, drawn)
 
     sums = []
     for part in _shared(one, range(ensemble.plan.replicates), threads):
@@ -124,17 +129,22 @@ def summary(sums: FloatArray, events: int) -> Estimate:
     return Estimate(*numbers, *(float(shares[i]) for i in (3, 0, 1, 2)))
 
 
-def replicate_sums(ensemble: Ensemble, angle_deg: float, key: int, number: int) -> FloatArray:
-    """Return counts of rejections, and sums of e and -mu and of their squares, shape (8,)."""
-    plan, distributions = ensemble.plan, ensemble.process.distributions
-    shares = joint_shares(
-        distributions | _further_slopes(ensemble),
+def replicate_shares(ensemble: Ensemble, key: int, number: int) -> Draws:
+    """Return the shares of one replicate's events of which the quantiles are their parameters."""
+    plan = ensemble.plan
+    return joint_shares(
+        ensemble.process.distributions | _further_slopes(ensemble),
         plan.events,
         generator(ensemble.seed[0], *ensemble.seed[1:], key, number),
         correlation=ensemble.correlation,
         method=plan.method,
         generator=plan.generator,
     )
+
+
+def replicate_sums(ensemble: Ensemble, angle_deg: float, shares: Draws) -> FloatArray:
+    """Return counts of rejections, and sums of e and -mu and of their squares, shape (8,)."""
+    distributions = ensemble.process.distributions
     draws = {name: d.quantile(shares[name]) for name, d in distributions.items()}
     before, spin_speed = _approach(draws, angle_deg)
     after, faced, captured = _contacts(ensemble, shares, draws, before, spin_speed)

@@ -51,7 +51,7 @@ def figure_data(
     }
     columns = {"restitution": "relative_restitution", "impulse_ratio": "impulse_ratio"}
     # A measured mean scatters about the true one by Student's t of so many events.
-    spread = scipy.stats.t.ppf(0.5 * (1.0 + CONFIDENCE), events_measured - 1)
+    spread = scipy.special.stdtrit(events_measured - 1, 0.5 * (1.0 + CONFIDENCE))
     spread /= np.sqrt(events_measured)
     frames = [
         series_frame(

@@ -100,7 +100,7 @@ def sampling_table(ensemble: Ensemble, settings: Comparison) -> pd.DataFrame:
     plain = found["plain", "exact"]
     degrees = settings.replicates - 1
     # The inverse of F with equal degrees of freedom has the same distribution.
-    factor = float(scipy.stats.f.ppf(0.5 * (1.0 + CONFIDENCE), degrees, degrees))
+    factor = float(scipy.special.fdtri(degrees, degrees, 0.5 * (1.0 + CONFIDENCE)))
     rows = []
     for (method, generator), one in found.items():
         for quantity, error in (

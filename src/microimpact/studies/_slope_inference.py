@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -13,7 +14,7 @@ from microimpact.arrays import FloatArray
 from microimpact.lab.distributions import Constant, Normal
 from microimpact.parameters import AngleDegrees, Count, NonNegative, Positive
 from microimpact.studies._monte_carlo import Ensemble, Plan
-from microimpact.studies._monte_carlo_events import estimate
+from microimpact.studies._monte_carlo_events import estimate, replicate_shares
 
 # Standard deviation of a quantity that may lie anywhere within one half-width.
 RECTANGULAR = np.sqrt(3.0)
@@ -89,17 +90,24 @@ def infer_slope(
     """
     ensemble = replace(ensemble, plan=settings.plan)
 
-    def measured(sd: float, angle: float = 0.0, offset: float = 0.0) -> float:
+    def moved(sd: float, offset: float) -> Ensemble:
         process = replace(ensemble.process, restitution_offset=Constant(at=offset))
-        moved = with_slope(replace(ensemble, process=process), sd, two_axes=two_axes)
-        return estimate(moved, settings.angle_deg + angle).restitution
+        return with_slope(replace(ensemble, process=process), sd, two_axes=two_axes)
+
+    numbers = range(settings.plan.replicates)
+    shares = [replicate_shares(moved(settings.largest_sd, 0.0), 0, number) for number in numbers]
+
+    @cache
+    def measured(sd: float, angle: float = 0.0, offset: float = 0.0) -> float:
+        at = settings.angle_deg + angle
+        return estimate(moved(sd, offset), at, shares=shares).restitution
 
     grid = np.geomspace(settings.smallest_sd, settings.largest_sd, GRID)
 
     def solved(angle: float, offset: float) -> float:
         return _first_crossing(lambda sd: measured(sd, angle, offset) - settings.restitution, grid)
 
-    values = [measured(float(sd)) for sd in grid]
+    values = [measured(float(sd), 0.0, 0.0) for sd in grid]
     sd = solved(0.0, 0.0)
     row: dict[str, object] = {
         "largest_restitution": max(values),

@@ -10,7 +10,6 @@ from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
-import scipy
 from pydantic import Field
 
 from microimpact.arrays import FloatArray
@@ -25,6 +24,7 @@ from microimpact.lab.oblique_incidence import quantities
 from microimpact.lab.reduction import half_width
 from microimpact.parameters import Count, Fraction, Name, NonNegative, Positive
 from microimpact.studies._pairs import calibrated_contact
+from microimpact.studies._proportion import wilson_interval
 from microimpact.studies._repeated import Repeated, by_doppler, by_imaging
 from microimpact.tables import series_frame
 
@@ -181,20 +181,18 @@ def coverage_rows(
         truths = {"observable": float(accepted[name].mean()), "all": float(everything[name])}
         for which, truth in truths.items():
             held = np.abs(centre - truth) <= half
-            low, high = scipy.stats.binomtest(int(held.sum()), held.size).proportion_ci(
-                method="wilson"
-            )
+            low, high = wilson_interval(int(held.sum()), held.size)
             row |= {
                 f"mean_{which}": truth,
                 f"coverage_{which}": float(held.mean()),
-                f"coverage_{which}_low": float(low),
-                f"coverage_{which}_high": float(high),
+                f"coverage_{which}_low": low,
+                f"coverage_{which}_high": high,
             }
         yield row | {
             "bias_of_the_mean": float(centre.mean() - truths["observable"]),
             "half_width": float(half.mean()),
             "systematic_share": float(np.mean(np.square(systematic[name] / (half / 2.0)))),
-            "skewness_of_events": float(scipy.stats.skew(values, axis=None)),
+            "skewness_of_events": _skewness(values),
             "evidence": "virtual experiment",
         }
 
@@ -206,6 +204,11 @@ def _systematic(instrument: str, repeated: Repeated) -> dict[str, FloatArray]:
         quantities(shift(repeated.measured, sign * repeated.uncertainty)) for sign in (1.0, -1.0)
     )
     return {name: 0.5 * np.abs((high[name] - low[name]).mean(axis=1)) for name in high}
+
+
+def _skewness(values: FloatArray) -> float:
+    about = values - values.mean()
+    return float(np.mean(about**3) / np.mean(about**2) ** 1.5)
 
 
 def _all_impacts(case: Case, speed: float, repeated: Repeated) -> dict[str, float]:

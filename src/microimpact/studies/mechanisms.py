@@ -137,7 +137,7 @@ def _spore_frames(
         known = rows[np.isfinite(rows["restitution"])]
         seen = name == CAMERA
         e = known["restitution"].to_numpy()
-        half = known["restitution_sd"].to_numpy() * scipy.stats.t.ppf(0.975, params.events - 1)
+        half = known["restitution_sd"].to_numpy() * scipy.special.stdtrit(params.events - 1, 0.975)
         half = half / np.sqrt(params.events)
         yield _frame(
             "spore",

@@ -13,7 +13,6 @@ from typing import Annotated
 
 import numpy as np
 import pandas as pd
-import scipy
 from pydantic import Field
 from scipy.constants import g as gravity
 
@@ -27,6 +26,7 @@ from microimpact.studies._doppler import Setup, dropped, mean_and_error, observe
 from microimpact.studies._doppler_curves import pairing_curves, stream_shown
 from microimpact.studies._pair_controls import Control, pairing_controls
 from microimpact.studies._pairs import calibrated_contact
+from microimpact.studies._proportion import wilson_interval
 from microimpact.studies._surface_correction import (
     Correction,
     correction_curves,
@@ -179,7 +179,7 @@ def _pooled(found: list[Observation], fates: Mapping[str, int]) -> dict[str, obj
 def _share(name: str, part: int, whole: int) -> dict[str, float]:
     low, high = np.nan, np.nan
     if whole:
-        low, high = scipy.stats.binomtest(part, whole).proportion_ci(method="wilson")
+        low, high = wilson_interval(part, whole)
     return {name: ratio(part, whole), f"{name}_low": low, f"{name}_high": high}
 
 
