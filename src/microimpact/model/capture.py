@@ -27,7 +27,7 @@ BRANCH_START = 1e-3
 # Logarithms of the speed, in velocity scales, and of a damping group, beyond which is nothing new.
 LARGEST_LOG_SPEED = 50.0
 LARGEST_LOG_GROUP = 7.0
-SEARCH: Any = {"xatol": 1e-14, "xrtol": 1e-14, "fatol": 0.0, "frtol": 0.0}
+SEARCH: Any = {"xatol": 1e-14, "xrtol": 1e-14, "fatol": 1e-14, "frtol": 0.0}
 
 
 def threshold(
@@ -142,13 +142,16 @@ def _rated_threshold(
     # SciPy's optimizers take longer to import than all else here.
     from scipy.optimize import elementwise
 
-    def excess(
+    def log_limit(
         log_w: FloatArray, c_h: FloatArray, c_a: FloatArray, n: FloatArray, w_n: FloatArray
     ) -> FloatArray:
         log_group = np.log(c_a) + n * (np.log(w_n) - log_w)
         group = np.exp(np.minimum(log_group, LARGEST_LOG_GROUP))
-        limit = threshold(np.ravel(c_h), np.ravel(group), damped_attachment).reshape(log_w.shape)
-        return np.where(np.isinf(limit), -1.0, np.tanh(log_w - np.log(limit)))
+        limit = threshold(np.ravel(c_h), np.ravel(group), damped_attachment)
+        return np.log(limit).reshape(log_w.shape)
+
+    def excess(log_w: FloatArray, *arguments: FloatArray) -> FloatArray:
+        return np.maximum(log_w - log_limit(log_w, *arguments), -LARGEST_LOG_SPEED)
 
     possible = np.isfinite(
         np.where(hertz > 0.0, threshold(hertz, np.zeros_like(hertz), damped_attachment), 0.0)
@@ -158,7 +161,10 @@ def _rated_threshold(
         return found
     arguments = tuple(a[possible] for a in (hertz, adhesion, exponent, reference))
     top = np.full(int(possible.sum()), LARGEST_LOG_SPEED)
-    solution = elementwise.find_root(excess, (-top, top), args=arguments, tolerances=SEARCH)
+    # As the right side falls, the solution lies between any w and the right side there.
+    start = np.log(arguments[-1])
+    ends = start, np.clip(log_limit(start, *arguments), -top, top)
+    solution = elementwise.find_root(excess, ends, args=arguments, tolerances=SEARCH)
     beyond = excess(top, *arguments) <= 0.0
     if not np.all(solution.success | beyond):
         raise RuntimeError("the search for a capture velocity did not converge")
