@@ -175,7 +175,8 @@ def evaluate(text: str, numbers: Mapping[str, float]) -> float:
 def vanishes(expression: Any) -> bool:
     """Tell whether an expression is zero, whatever its symbols are.
 
-    One set of numbers at which it is not zero refutes that at once; else SymPy must prove it.
+    One set of numbers at which it is not zero refutes that at once; else SymPy must prove it. A
+    common denominator proves most; what is left, SymPy simplifies, which takes far longer.
     """
     unlike = sorted(expression.free_symbols, key=str)
     numbers = {
@@ -184,4 +185,6 @@ def vanishes(expression: Any) -> bool:
     }
     if abs(complex(expression.subs(numbers).evalf())) > REFUTED:
         return False
-    return bool(sympy.simplify(sympy.powdenest(expression, force=True)) == 0)
+    dense = sympy.powdenest(expression, force=True)
+    numerator, _ = sympy.fraction(sympy.together(dense))
+    return bool(sympy.expand(numerator) == 0 or sympy.simplify(dense) == 0)

@@ -163,7 +163,12 @@ def leading(expression: Any, small: str, order: int) -> Any:
     """Return an expression up to an order in the symbols that are small together."""
     scale = sympy.Symbol("epsilon", positive=True)
     scaled = expression.subs({symbol(name): scale * symbol(name) for name in small.split()})
-    return sympy.series(scaled, scale, 0, order + 1).removeO().subs(scale, 1)
+    found, term = sympy.S.Zero, scaled
+    for power in range(order + 1):
+        found, term = found + term.subs(scale, 0) / sympy.factorial(power), term.diff(scale)
+    if found.has(sympy.nan, sympy.zoo):  # of quotients of small symbols, as phi/(alpha + phi)
+        found = sympy.series(scaled, scale, 0, order + 1).removeO().subs(scale, 1)
+    return found
 
 
 def solve(laws: list[Any], *unknowns: Any) -> Facts:
