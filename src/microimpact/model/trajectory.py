@@ -66,7 +66,7 @@ class Trajectory:
 
 @dataclass(frozen=True, slots=True)
 class _Path:
-    """Scaled state at the sampled times: s, u, and impulses so far."""
+    """Scaled state at the sampled times: s, u, and impulses so far (Hertz: if asked for)."""
 
     time: FloatArray
     s: FloatArray
@@ -126,11 +126,11 @@ def trajectory(
     end = result[kernel.DURATION]
     if captured:
         end = CAPTURED_PERIODS * min(result[kernel.TURNING_TIME], end)
-    path = _sample(problem, float(end), captured, points)
+    path = _sample(problem, float(end), captured, points, hertz=basis == "hertz")
     return _dimensional(contact, problem, path, v_t, spin, basis, captured, scales)
 
 
-def _sample(problem: FloatArray, end: float, captured: bool, points: int) -> _Path:
+def _sample(problem: FloatArray, end: float, captured: bool, points: int, *, hertz: bool) -> _Path:
     room, steps = STEPS, -1
     while steps < 0:
         if room > MOST_STEPS:
@@ -157,10 +157,12 @@ def _sample(problem: FloatArray, end: float, captured: bool, points: int) -> _Pa
     drop = series[:, 1, 0] - _value(series[:, 1].T, ends[:, 0])
     compressive = np.concatenate([[0.0], np.cumsum(np.maximum(drop, 0.0))])[step]
     compressive = compressive + np.maximum(u_series[0] - u, 0.0)
-    hertz = np.concatenate([[0.0], np.cumsum(ends[:, 2])])[step]
-    for node, weight in zip(0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS, strict=True):
-        hertz = hertz + weight * tau * _value(s_series, node * tau) ** 4
-    return _Path(time, s, u, compressive, hertz)
+    impulse = np.zeros_like(tau)
+    if hertz:
+        impulse = np.concatenate([[0.0], np.cumsum(ends[:, 2])])[step]
+        for node, weight in zip(0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS, strict=True):
+            impulse = impulse + weight * tau * _value(s_series, node * tau) ** 4
+    return _Path(time, s, u, compressive, impulse)
 
 
 def _value(series: FloatArray, tau: FloatArray) -> FloatArray:

@@ -112,7 +112,8 @@ def part(
     """Return the rows of every ``count``-th experiment, from ``index`` on, with their numbers."""
     experiments = params.experiments
     check_counts(experiments, _printed(inputs), params.speed_ranges_within)
-    contacts = {one.pair: contact(params, one, inputs) for one in experiments}
+    pairs = {one.pair: one for one in experiments}
+    contacts = {pair: contact(params, one, inputs) for pair, one in pairs.items()}
     return [
         (number, conducted(params, one, *contacts[one.pair]))
         for number, one in enumerate(experiments)

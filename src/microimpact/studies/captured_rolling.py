@@ -72,30 +72,42 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     rows = []
     for case, diameter in product(params.cases, params.diameters_um):
         contact = resized(calibrated_contact(inputs, case), diameter * 1e-6)
+        limit = float(capture_velocity(contact))
         for angle, shift in product(params.angles_deg, params.rolling_shifts_nm):
             row = {"case": case, "diameter_um": diameter, "angle_deg": angle, "shift_nm": shift}
-            rows.append(row | distances(params, contact, angle, shift))
+            rows.append(row | distances(params, contact, limit, angle, shift))
     return {
         "roll_away": pd.DataFrame(rows).assign(evidence="computed"),
         "roll_away_curves": curves(params, inputs),
     }
 
 
-def fastest_captured(params: Params, contact: Contact, angle: float) -> float:
-    """Return the greatest speed in m/s at which a sphere is captured, as far as looked at."""
-    limit = float(capture_velocity(contact)) / np.sin(np.radians(angle))
-    return float(min(limit, params.largest_speed_m_per_s))
+def fastest_captured(params: Params, limit: float, angle: float) -> float:
+    """Return the greatest speed in m/s at which a sphere is captured, as far as looked at.
+
+    Parameters
+    ----------
+    params
+        Parameters of the study.
+    limit
+        The capture velocity, m/s.
+    angle
+        Of incidence, degrees.
+    """
+    return float(min(limit / np.sin(np.radians(angle)), params.largest_speed_m_per_s))
 
 
-def distances(params: Params, contact: Contact, angle: float, shift: float) -> dict[str, object]:
-    """Return one row of the table of distances."""
-    speed = fastest_captured(params, contact, angle)
+def distances(
+    params: Params, contact: Contact, limit: float, angle: float, shift: float
+) -> dict[str, object]:
+    """Return one row of the table of distances, for a contact of that capture velocity."""
+    speed = fastest_captured(params, limit, angle)
     along = KEPT * float(velocity_components(speed, angle)[1])
     tilt, lag = 90.0 - angle, shift * 1e-9
     level = float(rolling_distance(contact, along, lag)) * 1e3
     tilted = float(rolling_distance(contact, along, lag, tilt)) * 1e3
     return {
-        "capture_velocity_m_per_s": float(capture_velocity(contact)),
+        "capture_velocity_m_per_s": limit,
         "speed_m_per_s": speed,
         "rolling_velocity_m_per_s": along,
         "adhesive_couple_N_m": float(peeling_couple(contact, lag)),
@@ -113,10 +125,10 @@ def curves(params: Params, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
     frames = []
     for case in params.cases:
         contact = resized(calibrated_contact(inputs, case), params.drawn_diameter_um * 1e-6)
+        limit = float(capture_velocity(contact))
         for angle in params.drawn_angles_deg:
-            along = KEPT * float(
-                velocity_components(fastest_captured(params, contact, angle), angle)[1]
-            )
+            speed = fastest_captured(params, limit, angle)
+            along = KEPT * float(velocity_components(speed, angle)[1])
             stops = float(gravity_ratio(contact, low * 1e-9, 90.0 - angle)) * low
             # nearly vertical where the curve comes down from infinity
             start = max(low, stops)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise, product
 from typing import Annotated
 
@@ -94,10 +95,11 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     summary: list[dict[str, object]] = []
     for case, diameter in product(params.cases, params.diameters_um):
         contact = resized(calibrated_contact(inputs, case), diameter * 1e-6)
+        limit = float(capture_velocity(contact))
         for speed in params.speeds_m_per_s:
             start = {"case": case, "diameter_um": diameter, "speed_m_per_s": speed}
             couples = _couples(params, contact, speed)
-            found = {a: couples(a) for a in _rebounding(contact, speed, params.angles_deg)}
+            found = {a: couples(a) for a in _rebounding(limit, speed, params.angles_deg)}
             rows += [
                 {**start, "angle_deg": angle, **_row(contact, speed, found.get(angle))}
                 for angle in params.angles_deg
@@ -119,15 +121,14 @@ def ratio(couples: CoupleImpulses, grade: str) -> float:
 
 def _couples(params: Params, contact: Contact, speed: float) -> Callable[[float], CoupleImpulses]:
     shift = params.rolling_shift_nm * 1e-9
-    return lambda angle: couple_impulses(contact, speed, float(angle), shift)
+    return cache(lambda angle: couple_impulses(contact, speed, float(angle), shift))
 
 
-def _rebounding(
-    contact: Contact, speed: float, angles: tuple[float, ...] | FloatArray
-) -> FloatArray:
+def _rebounding(limit: float, speed: float, angles: tuple[float, ...] | FloatArray) -> FloatArray:
+    """Return the angles at which a sphere rebounds whose capture velocity is the limit."""
     degrees = np.asarray(angles, dtype=np.float64)
-    limit = float(capture_velocity(contact)) * (1.0 + ABOVE_CAPTURE)
-    return np.extract(speed * np.sin(np.radians(degrees)) > limit, degrees)
+    normal_speed = speed * np.sin(np.radians(degrees))
+    return np.extract(normal_speed > limit * (1.0 + ABOVE_CAPTURE), degrees)
 
 
 def _row(contact: Contact, speed: float, couples: CoupleImpulses | None) -> dict[str, object]:
@@ -201,7 +202,7 @@ def curves(params: Params, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
     angles = np.linspace(params.angles_deg[0], params.angles_deg[-1], params.points)
     for case, speed in product(params.cases, params.drawn_speeds_m_per_s):
         contact = resized(calibrated_contact(inputs, case), params.drawn_diameter_um * 1e-6)
-        rebounding = _rebounding(contact, speed, angles)
+        rebounding = _rebounding(float(capture_velocity(contact)), speed, angles)
         couples = [_couples(params, contact, speed)(angle) for angle in rebounding]
         for grade in GRADES:
             ratios = np.array([ratio(c, grade) for c in couples])
