@@ -90,7 +90,7 @@ def height_from_delay(incident: Real, rebound: Real, time: Real) -> Real:
 
 
 def delay_noise(
-    incident: FloatArray, rebound: FloatArray, height: float, instrument: Instrument
+    incident: FloatArray, rebound: FloatArray, height: Real, instrument: Instrument
 ) -> tuple[FloatArray, FloatArray]:
     """Return the standard deviation of predicted less recorded delays, s, and d delay / d h."""
     stamps = 1e-6 * instrument.time_resolution_us / np.sqrt(6.0)
@@ -144,15 +144,37 @@ def estimate_height(
     Least absolute deviations in units of the noise at the present height: a weighted median,
     which a few wrong pairs hardly move. Where the deviations exceed the noise, the error grows.
     """
-    incident, rebound = (stream.velocity[index] for index in pairs)
+    best, error = heights(stream, np.stack(pairs), np.asarray(height), instrument)
+    return float(best), float(error)
+
+
+def heights(
+    stream: Stream, pairs: IntArray, height: FloatArray, instrument: Instrument
+) -> tuple[FloatArray, FloatArray]:
+    """Return what `estimate_height` does for many sets of pairs at once.
+
+    Parameters
+    ----------
+    stream
+        The records.
+    pairs
+        Of incident and rebound, shape (2, ..., pairs).
+    height
+        Present height of each set, m; broadcasts to shape (...).
+    instrument
+        Settings.
+    """
+    incident, rebound = stream.velocity[pairs]
     recorded = stream.time[pairs[1]] - stream.time[pairs[0]]
-    noise, slope = delay_noise(incident, rebound, height, instrument)
+    noise, slope = delay_noise(incident, rebound, height[..., None], instrument)
     found, weight = np.asarray(height_from_delay(incident, rebound, recorded)), slope / noise
-    order = np.argsort(found, kind="stable")
-    reached = np.cumsum(weight[order])
-    best = float(found[order][np.searchsorted(reached, 0.5 * reached[-1])])
-    excess = max(1.0, float(np.sqrt(np.mean(np.square((found - best) * weight)))))
-    return best, excess * float(np.sqrt(0.5 * np.pi / np.sum(np.square(weight))))
+    order = np.argsort(found, axis=-1, kind="stable")
+    reached = np.cumsum(np.take_along_axis(weight, order, -1), axis=-1)
+    middle = np.sum(reached < 0.5 * reached[..., -1:], axis=-1, keepdims=True)
+    best = np.take_along_axis(found, np.take_along_axis(order, middle, -1), -1)
+    excess = np.sqrt(np.mean(np.square((found - best) * weight), axis=-1))
+    error = np.sqrt(0.5 * np.pi / np.sum(np.square(weight), axis=-1))
+    return best[..., 0], np.maximum(1.0, excess) * error
 
 
 def assign(

@@ -14,7 +14,7 @@ from microimpact.lab.distributions import mean
 from microimpact.lab.events import Impacts, IntArray, Measured
 from microimpact.lab.experiment import true_impacts
 from microimpact.lab.oblique_incidence import in_sheet, turned
-from microimpact.lab.pairing import correct, estimate_height
+from microimpact.lab.pairing import correct, heights
 from microimpact.lab.ptis_model import theory
 from microimpact.lab.ptis_observation import MEASURED
 
@@ -200,14 +200,15 @@ def _doppler_experiments(
     kept = _first(seen, _inside(speed, speed_range) & (rising > 0.0), events)
     estimate = usual * (1.0 + instrument.initial_estimate_error)
     used = pairs.reshape(2, -1)[:, kept.event]
-    both = zip(used[0], used[1], strict=True)
-    found = np.array([_height(stream, pair, estimate, instrument) for pair in both])
+    found = np.array([estimate, np.nan])[:, None]
+    for _ in range(ROUNDS):
+        found = np.stack(heights(stream, used, found[0], instrument))
     measured = replace(
         kept,
-        incident_normal=np.asarray(correct(kept.incident_normal, found[:, :1])),
-        rebound_normal=np.asarray(correct(kept.rebound_normal, found[:, :1])),
+        incident_normal=np.asarray(correct(kept.incident_normal, found[0, :, None])),
+        rebound_normal=np.asarray(correct(kept.rebound_normal, found[0, :, None])),
     )
-    return measured, pool.in_plane.select(chosen.ravel()[kept.event]), found[:, 1:]
+    return measured, pool.in_plane.select(chosen.ravel()[kept.event]), found[1, :, None]
 
 
 def _may_be_measured(
@@ -243,18 +244,6 @@ def _recorded(
     pairs = np.full((2, chosen.size), -1)
     pairs[truth.leg, truth.impact] = np.arange(len(stream))
     return stream, pairs.reshape(2, *chosen.shape)
-
-
-def _height(
-    stream: pdpa.Stream,
-    pairs: tuple[IntArray, IntArray],
-    estimate: float,
-    instrument: pdpa.Instrument,
-) -> tuple[float, float]:
-    found = estimate, np.nan
-    for _ in range(ROUNDS):
-        found = estimate_height(stream, pairs, found[0], instrument)
-    return found
 
 
 def _inside(speed: FloatArray, speed_range: tuple[float, float]) -> BoolArray:
