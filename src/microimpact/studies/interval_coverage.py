@@ -208,7 +208,8 @@ def _systematic(instrument: str, repeated: Repeated) -> dict[str, FloatArray]:
 
 def _skewness(values: FloatArray) -> float:
     about = values - values.mean()
-    return float(np.mean(about**3) / np.mean(about**2) ** 1.5)
+    squares = about * about  # a product is far quicker than a power
+    return float(np.mean(squares * about) / np.mean(squares) ** 1.5)
 
 
 def _all_impacts(case: Case, speed: float, repeated: Repeated) -> dict[str, float]:
