@@ -8,7 +8,11 @@ from pathlib import Path
 from typing import Literal
 
 ROOT = Path(__file__).parents[2]
-PAGES = ("README.md", *sorted(f"docs/{path.name}" for path in (ROOT / "docs").glob("*.md")))
+PAGES = (
+    "README.md",
+    "config/README.md",
+    *sorted(f"docs/{path.name}" for path in (ROOT / "docs").glob("*.md")),
+)
 
 Task = Literal["quoted", "written", "appended", "python", "command", "output"]
 # The end of the paragraph before a block: a file that it quotes, is written into or is added to.

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -24,16 +25,16 @@ pytestmark = [pytest.mark.workflow, pytest.mark.slow]
 BLOCKS = blocks("written", "appended", "command", "output")
 PROGRAMS = {
     "python": 'exec "$PYTHON" "$@"',
-    "microimpact": 'exec "$PYTHON" -m microimpact.cli "$@"',
+    "microimpact": 'exec forked -m microimpact.cli "$@"',
     "snakemake": 'case "${1---configfile}" in --configfile*) set -- --dry-run "$@";; esac\n'
-    'exec "$PYTHON" -m snakemake --cores 1 "$@"',
+    'exec forked -m snakemake --cores 1 "$@"',
     "make": 'exec "$MAKE" --dry-run -C "$ROOT" "$@"',
     "pytest": 'cd "$ROOT"; exec "$PYTHON" -m pytest -p no:cacheprovider --collect-only -q "$@"',
 }
 
 
 @pytest.fixture(scope="module")
-def shell(tmp_path_factory):
+def shell(forked, tmp_path_factory):
     """Run a block in the copy; files of earlier blocks are there."""
     root = copied(tmp_path_factory.mktemp("documented")).root
     (root / "tests").symlink_to(ROOT / "tests")
@@ -43,7 +44,7 @@ def shell(tmp_path_factory):
     update_config(config, small)
     (root / "config/config.yaml").write_text(yaml.safe_dump(config, sort_keys=False))
     programs = tmp_path_factory.mktemp("bin")
-    for name, text in PROGRAMS.items():
+    for name, text in {**PROGRAMS, "forked": f'exec {shlex.join(forked)} "$@"'}.items():
         (programs / name).write_text(f"#!/bin/sh\n{text}\n")
         (programs / name).chmod(0o755)
     environment = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")} | {

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import pickle
 import xml.etree.ElementTree as ET
 from importlib import import_module
 from pathlib import Path
 
 import pytest
+from tests.shared import made_once
 
 from microimpact.config import load, validate
 from microimpact.figures.registry import filled, registry
@@ -46,6 +48,22 @@ def run_study(settings):
         return study.run(build(study.Params, branch), inputs)
 
     return run
+
+
+@pytest.fixture(scope="module")
+def shipped_calibration(run_study, tmp_path_factory):
+    """The tables of the calibration as shipped, from which most studies start."""
+
+    def write(place):
+        place.write_bytes(pickle.dumps(dict(run_study("calibration"))))
+
+    return pickle.loads(made_once(tmp_path_factory, "calibration", write).read_bytes())
+
+
+@pytest.fixture(scope="module")
+def calibration(shipped_calibration):
+    """The table of calibrated cases by its name, as studies take it."""
+    return {"calibration": shipped_calibration["calibration"]}
 
 
 @pytest.fixture(scope="session")

@@ -15,11 +15,6 @@ QUANTITIES = ("restitution", "impulse_ratio", "energy_loss")
 
 
 @pytest.fixture(scope="module")
-def calibration(run_study):
-    return {"calibration": run_study("calibration")["calibration"]}
-
-
-@pytest.fixture(scope="module")
 def campaign(run_study, calibration):
     return run_study("campaign", calibration)
 

@@ -33,17 +33,9 @@ PRINTED = {
 
 
 @pytest.fixture(scope="module")
-def calibration(run_study, settings):
-    """Return the calibrated cases; the family around them is not needed here."""
-    family = {"works_of_adhesion_J_per_m2": [3.5], "rate_exponents": [0.0]}
-    two_stage = {**settings.branches["calibration"]["two_stage"], **family}
-    return run_study("calibration", two_stage=two_stage)["calibration"]
-
-
-@pytest.fixture(scope="module")
 def study(run_study, calibration):
     def run(**changes):
-        return run_study("capture_velocities", {"calibration": calibration}, **changes)
+        return run_study("capture_velocities", calibration, **changes)
 
     return run
 
@@ -60,7 +52,8 @@ def table(tables):
 
 @pytest.fixture(scope="module")
 def works(calibration):
-    rows = calibration[calibration["quantity"] == "work_of_adhesion"]
+    table = calibration["calibration"]
+    rows = table[table["quantity"] == "work_of_adhesion"]
     return rows.set_index("case")["value"]
 
 
@@ -220,7 +213,7 @@ def test_factors_between_the_laws(table):
 
 
 def test_evidence(table, tables, calibration):
-    met = calibration.query("role == 'target' and quantity == 'capture_velocity'")
+    met = calibration["calibration"].query("role == 'target' and quantity == 'capture_velocity'")
     calibrated = set(met["case"]) & set(PRINTED)
     assert calibrated == set(PRINTED) - {MOLYBDENUM}
     for (pair, law), row in table.iterrows():

@@ -9,14 +9,6 @@ INVERSE = "steel-silicon, n = 1"
 
 
 @pytest.fixture(scope="module")
-def calibration(run_study, settings):
-    """Return the calibrated cases; the family around them is not needed here."""
-    family = {"works_of_adhesion_J_per_m2": [3.5], "rate_exponents": [0.0]}
-    two_stage = {**settings.branches["calibration"]["two_stage"], **family}
-    return {"calibration": run_study("calibration", two_stage=two_stage)["calibration"]}
-
-
-@pytest.fixture(scope="module")
 def tables(run_study, settings, calibration):
     spore = {
         **settings.branches["mechanisms"]["spore"],

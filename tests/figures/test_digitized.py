@@ -158,11 +158,6 @@ def eq_34(case, speeds, noise=0.0):
     return [f'"{case}",{v},{y!r},,' for v, y in zip(speeds, e.tolist(), strict=True)]
 
 
-@pytest.fixture(scope="module")
-def calibration(run_study):
-    return run_study("calibration")["calibration"]
-
-
 def rows_of(points):
     return parse_table(as_rows({points.figure: points}, [points.figure])["digitised"])
 
@@ -176,7 +171,7 @@ def test_points_of_a_case_are_fitted(
     lines = [*eq_34(CASE, SPEEDS, noise=1e-4), f'"{OTHER}",1.0,0.6,,', "unknown,1,0.5,,"]
     cases = settings.branches["restitution_fits"]["cases"]
     few = [case for case in cases if case["figure"] == "fig16" or not case["fitted"]]
-    inputs = {"calibration": calibration, "digitised": rows_of(points("fig16", *lines))}
+    inputs = calibration | {"digitised": rows_of(points("fig16", *lines))}
     tables = run_study("restitution_fits", inputs, cases=few)
     fits = tables["restitution_fits"]
     assert "unknown" not in set(fits["case"])

@@ -10,11 +10,6 @@ FEW_ANGLES = [85, 60, 45, 30, 20, 10]
 
 
 @pytest.fixture(scope="module")
-def calibration(run_study):
-    return {"calibration": run_study("calibration")["calibration"]}
-
-
-@pytest.fixture(scope="module")
 def normal(run_study, calibration):
     return run_study(
         "normal_experiments",

@@ -7,8 +7,8 @@ import pytest
 
 
 @pytest.fixture(scope="module")
-def tables(run_study):
-    return run_study("restitution_fits", {"calibration": run_study("calibration")["calibration"]})
+def tables(run_study, calibration):
+    return run_study("restitution_fits", calibration)
 
 
 @pytest.fixture(scope="module")
@@ -61,9 +61,8 @@ def test_curves_end_in_capture(tables):
             assert first.max() > 0.6, series
 
 
-def test_fits_from_closer_to_capture_are_closer(run_study, settings):
+def test_fits_from_closer_to_capture_are_closer(run_study, settings, calibration):
     # v_c from data above capture: better the nearer the data come
-    calibration = {"calibration": run_study("calibration")["calibration"]}
     cases = settings.branches["restitution_fits"]["cases"]
     case = next(c for c in cases if "n = 0" in c["case"])
     errors = []

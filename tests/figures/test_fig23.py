@@ -12,11 +12,6 @@ ROUGH = ("equal weights", "facets by area seen")
 
 
 @pytest.fixture(scope="module")
-def calibration(run_study):
-    return {"calibration": run_study("calibration")["calibration"]}
-
-
-@pytest.fixture(scope="module")
 def tables(run_study, calibration, settings):
     branch = settings.branches["monte_carlo"]
     fewer = {"plan": {**branch["plan"], "events": 1024}}

@@ -9,13 +9,6 @@ STEEL = ["steel-silicon, n = 0", "steel-silicon, n = 1"]
 
 
 @pytest.fixture(scope="module")
-def calibration(run_study, settings):
-    targets = settings.branches["calibration"]["two_stage"]
-    small = {**targets, "works_of_adhesion_J_per_m2": [0.7, 3.5]}
-    return {"calibration": run_study("calibration", two_stage=small)["calibration"]}
-
-
-@pytest.fixture(scope="module")
 def sampling(settings):
     return {**settings.branches["doe"]["sampling"], "replicates": 2}
 

@@ -15,10 +15,7 @@ BASE = "uniform noise"
 
 
 @pytest.fixture(scope="module")
-def earlier(run_study, settings):
-    two_stage = settings.branches["calibration"]["two_stage"]
-    few = {**two_stage, "works_of_adhesion_J_per_m2": [3.5], "rate_exponents": [0.0]}
-    calibration = {"calibration": run_study("calibration", two_stage=few)["calibration"]}
+def earlier(run_study, calibration):
     fits = run_study("restitution_fits", calibration)["restitution_fits"]
     return {**calibration, "restitution_fits": fits}
 

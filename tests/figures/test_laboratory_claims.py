@@ -24,9 +24,9 @@ from microimpact.studies.laboratory_claims import CLAIMS
 
 
 @pytest.fixture(scope="module")
-def tables(run_study, settings):
+def tables(run_study, settings, shipped_calibration):
     """Return the tables of earlier studies, some of smaller ones."""
-    made = dict(run_study("calibration"))
+    made = dict(shipped_calibration)
     made |= run_study("mechanisms", made)
     with pytest.MonkeyPatch.context() as patch:
         world = World(run_study, settings, made, patch)

@@ -7,8 +7,7 @@ import pytest
 
 
 @pytest.fixture(scope="module")
-def run_small(run_study, settings):
-    calibration = {"calibration": run_study("calibration")["calibration"]}
+def run_small(run_study, settings, calibration):
     branch = settings.branches["pair_search"]
 
     def run(**changes):

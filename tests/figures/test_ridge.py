@@ -6,8 +6,8 @@ import pytest
 
 
 @pytest.fixture(scope="module")
-def tables(run_study):
-    return run_study("calibration")
+def tables(shipped_calibration):
+    return shipped_calibration
 
 
 @pytest.fixture(scope="module")

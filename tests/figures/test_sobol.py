@@ -8,10 +8,7 @@ STEEL = ["steel-silicon, n = 0", "steel-silicon, n = 1"]
 
 
 @pytest.fixture(scope="module")
-def earlier(run_study, settings):
-    targets = settings.branches["calibration"]["two_stage"]
-    small = {**targets, "works_of_adhesion_J_per_m2": [0.7, 3.5]}
-    calibration = {"calibration": run_study("calibration", two_stage=small)["calibration"]}
+def earlier(run_study, settings, calibration):
     sampling = {**settings.branches["doe"]["sampling"], "replicates": 2}
     found = run_study("doe", calibration, sampling=sampling)
     return calibration | {name: found[name] for name in ("doe_levels", "doe_effects")}

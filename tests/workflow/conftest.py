@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
 import re
 import shutil
@@ -13,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from tests.shared import made_once
 
 ROOT = Path(__file__).parents[2]
 PARTS = ("Snakefile", "config", "profiles", "src", "workflow")
@@ -21,21 +21,30 @@ SMALL = ("--configfile", "config/ci.yaml")
 
 @dataclass
 class Project:
-    """A project folder and ways to run and to edit it."""
+    """A project folder and ways to run and to edit it.
+
+    What stands for ``python`` may be the quick start of the fixture `forked`.
+    """
 
     root: Path
+    python: tuple[str, ...] = (sys.executable,)
 
-    def snakemake(self, *arguments, check=True):
-        environment = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
+    def call(self, name, *arguments, **environment):
+        """Run a module with arguments and return how that went."""
+        inherited = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
         done = subprocess.run(
-            [sys.executable, "-m", "snakemake", "--cores", "1", *arguments],
+            [*self.python, "-m", name, *arguments],
             cwd=self.root,
-            env=environment,
+            env=inherited | environment,
             capture_output=True,
             text=True,
             check=False,
         )
         done.text = done.stdout + done.stderr
+        return done
+
+    def snakemake(self, *arguments, check=True):
+        done = self.call("snakemake", "--cores", "1", *arguments)
         if check and done.returncode:
             raise AssertionError(done.text)
         return done
@@ -83,25 +92,22 @@ def built(tmp_path_factory):
     Where the environment variable MICROIMPACT_BUILT is set, what stands in build/ci of this
     checkout is taken over; only what is out of date is built again, and the run stamp.
     """
-    base = tmp_path_factory.getbasetemp()
-    base = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
-    finished = base / "built.log"
-    with (base / "built.lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        if not finished.exists():
-            project = copied(base / "built")
-            arguments = [*SMALL, "--cores", "2"]
-            if "MICROIMPACT_BUILT" in os.environ:
-                for folder in ("build/ci", ".snakemake/metadata"):
-                    shutil.copytree(ROOT / folder, project.root / folder)
-                arguments += ["--forcerun", "declared_inputs"]
-            finished.write_text(project.snakemake(*arguments).text, encoding="utf-8")
-    return base / "built"
+
+    def build(place):
+        project = copied(place)
+        arguments = [*SMALL, "--cores", "2"]
+        if "MICROIMPACT_BUILT" in os.environ:
+            for folder in ("build/ci", ".snakemake/metadata"):
+                shutil.copytree(ROOT / folder, project.root / folder)
+            arguments += ["--forcerun", "declared_inputs"]
+        project.snakemake(*arguments)
+
+    return made_once(tmp_path_factory, "built", build)
 
 
 @pytest.fixture(scope="session")
-def project(built, tmp_path_factory):
+def project(built, forked, tmp_path_factory):
     """The project, built small into build/ci, for the tests of one worker to edit."""
     root = tmp_path_factory.mktemp("project") / "copy"
     shutil.copytree(built, root)
-    return Project(root)
+    return Project(root, forked)

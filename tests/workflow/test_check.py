@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
-import sys
 
 import pytest
 from tests.workflow.conftest import ROOT, SMALL, Project
@@ -29,22 +28,16 @@ def referenced(built, tmp_path_factory):
 
 
 @pytest.fixture
-def checked(referenced, tmp_path):
+def checked(referenced, forked, tmp_path):
     """A copy of the project with references, as built: no test finds what another left."""
-    project = Project(tmp_path / "copy")
+    project = Project(tmp_path / "copy", forked)
     shutil.copytree(referenced.root, project.root)
     return project
 
 
 def microimpact(project, *arguments):
-    return subprocess.run(
-        [sys.executable, "-m", "microimpact.cli", *arguments],
-        cwd=project.root,
-        env={"PYTHONPATH": str(project.root / "src"), "COLUMNS": "120"},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    own = {"PYTHONPATH": str(project.root / "src"), "COLUMNS": "120"}
+    return project.call("microimpact.cli", *arguments, **own)
 
 
 def named(project, targets=LIGHT):
