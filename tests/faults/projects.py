@@ -27,11 +27,15 @@ TARGETS = ("fig17", "ptis_accuracy", "declared_inputs")
 
 @dataclass
 class Project:
-    """A copy of the project; where its small results go; what its environment has of its own."""
+    """A copy of the project; where its small results go; what its environment has of its own.
+
+    What stands for ``python`` may be the quick start of the fixture `forked`, but where the run is
+    killed or another environment is what is tested.
+    """
 
     root: Path
     out: str = OUT
-    python: str = sys.executable
+    python: tuple[str, ...] = (sys.executable,)
     environment: dict[str, str] = field(default_factory=dict)
 
     def command(self, *arguments, cores=1, also=()):
@@ -39,7 +43,7 @@ class Project:
         overlay.write_text(f"pathvars: {{results: {self.out!r}}}\n", encoding="utf-8")
         configuration = ("--configfile", "config/ci.yaml", overlay.name, *also)
         return [
-            *(self.python, "-m", "snakemake", "--cores", str(cores), *arguments),
+            *(*self.python, "-m", "snakemake", "--cores", str(cores), *arguments),
             *configuration,
         ]
 

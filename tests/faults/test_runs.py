@@ -1,21 +1,86 @@
-"""Runs that meet another run, a damaged table, a full disk: told, nothing lost, and mended."""
+"""Runs: the same bytes however they are made; what disturbs them is told, and mended by the next.
+
+Twice, on one core or two, killed and resumed, elsewhere: figures included, all bytes are the same.
+Each such run has another seed of Python's hashes, since none of the caller's PYTHON* variables is
+kept. Another run, a damaged table or a full disk is told, and nothing is lost.
+"""
 
 from __future__ import annotations
 
+import json
 import os
 import shlex
+import shutil
 import signal
 import subprocess
 import time
+from contextlib import suppress
+from dataclasses import replace
 
+import numpy as np
 import pytest
 from tests.faults.places import mounted, read_only
-from tests.faults.projects import TARGETS, finished, kill
+from tests.faults.projects import TARGETS, copied, finished, kill
 
 pytestmark = [pytest.mark.workflow, pytest.mark.slow]
 
 
-def test_two_runs_at_once_and_the_lock_that_a_killed_one_leaves(project, undisturbed, elsewhere):
+def test_two_runs_on_one_core_and_on_two(undisturbed, on_two_cores):
+    assert on_two_cores.results() == undisturbed
+
+
+def test_a_run_killed_at_random_moments_and_finished_by_the_next(project, undisturbed, elsewhere):
+    for share in np.random.default_rng(20011).uniform(0.4, 0.9, 2):
+        run = elsewhere.start("--nolock", *TARGETS)
+        with suppress(subprocess.TimeoutExpired):
+            run.communicate(timeout=share * project.seconds)
+        kill(run)
+        # Whatever a reader can see is whole.
+        assert elsewhere.results().items() <= undisturbed.items()
+    elsewhere.run("--nolock", *TARGETS)
+    assert elsewhere.results() == undisturbed
+
+
+def test_another_place_and_zone_without_other_tools(undisturbed, tmp_path):
+    """A path with blanks and letters beyond ASCII, none of which the locale knows; no git."""
+    tools = tmp_path / "tools"
+    tools.mkdir()
+    for name in ("sh", "bash", "env", "uname"):
+        (tools / name).symlink_to(shutil.which(name))
+    project = copied(
+        tmp_path / "Maße und Stöße" / "ein Projekt",
+        out=str(tmp_path / "Größe 5 µm"),
+        environment={
+            "PATH": str(tools),
+            "LC_ALL": "C",
+            "TZ": "Pacific/Kiritimati",
+            "COLUMNS": "40",
+        },
+    )
+    project.run(*TARGETS)
+    assert project.results() == undisturbed
+
+
+def test_the_checksums_are_those_of_the_same_bytes(project, undisturbed, on_two_cores):
+    assert on_two_cores.results("checksums") == project.results("checksums")
+    recorded = {name.removeprefix("checksums/") for name in project.results("checksums")}
+    assert {name.removesuffix(".sha256") for name in recorded} == set(undisturbed)
+
+
+def test_the_stamp_tells_where_the_second_run_went(project, on_two_cores):
+    first, second = (
+        json.loads((root.root / root.out / "run.json").read_text(encoding="utf-8"))
+        for root in (project, on_two_cores)
+    )
+    assert first["config"].pop("pathvars") != second["config"].pop("pathvars")
+    assert first["config"] == second["config"]
+    assert first["packages"] == second["packages"]
+
+
+def test_two_runs_at_once_and_the_lock_that_a_killed_one_leaves(
+    project, undisturbed, elsewhere, forked
+):
+    second = replace(elsewhere, python=forked)
     locks = project.root / ".snakemake/locks"
     first = elsewhere.start("fig17")
     try:
@@ -23,28 +88,28 @@ def test_two_runs_at_once_and_the_lock_that_a_killed_one_leaves(project, undistu
             assert first.poll() is None
             time.sleep(0.05)
         os.killpg(first.pid, signal.SIGSTOP)  # that it does not end too soon
-        told = elsewhere.run("fig17", check=False)
+        told = second.run("fig17", check=False)
     finally:
         kill(first)
     assert "Directory cannot be locked" in told
     assert "no other Snakemake process" in told
     assert "--unlock" in told  # which serves now that the first run is no more
-    elsewhere.run("--unlock")
-    elsewhere.run("fig17")
+    second.run("--unlock")
+    second.run("fig17")
     assert elsewhere.results().items() <= undisturbed.items()
     assert "figures/fig17.svg" in elsewhere.results()
 
 
 def test_a_table_that_lost_its_last_row_stops_its_readers_until_it_is_gone(
-    undisturbed, on_two_cores
+    undisturbed, on_two_cores, forked
 ):
-    project = on_two_cores
+    project = replace(on_two_cores, python=forked)
     table = project.root / project.out / "data/fig17.csv"
     table.write_bytes(b"".join(table.read_bytes().splitlines(keepends=True)[:-1]))
     told = project.run("fig17", check=False)
     assert f"fig17: {table}: not as it was written: cut short, damaged or edited; delete" in told
     checked = subprocess.run(
-        [project.python, "-m", "microimpact.cli", "check", project.out],
+        [*project.python, "-m", "microimpact.cli", "check", project.out],
         cwd=project.root,
         env={"PYTHONPATH": str(project.root / "src")},
         capture_output=True,

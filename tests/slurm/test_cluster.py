@@ -39,7 +39,7 @@ def cluster():
 def local(tmp_path_factory):
     """The same part of the study on one core of this machine, in one chunk."""
     python = str(ROOT / ".venv-slurm/bin/python")
-    project = copied(tmp_path_factory.mktemp("local") / "project", whole=True, python=python)
+    project = copied(tmp_path_factory.mktemp("local") / "project", whole=True, python=(python,))
     project.told = project.run(*TARGETS, also=[overlay(project, chunks=1)], timeout=PATIENCE)
     return project
 
