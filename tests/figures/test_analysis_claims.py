@@ -29,14 +29,7 @@ SMALL = {
 
 
 @pytest.fixture(scope="module")
-def calibrated(run_study, settings):
-    targets = settings.branches["calibration"]["two_stage"]
-    few = {**targets, "works_of_adhesion_J_per_m2": [0.7, 1.0, 3.5, 4.5]}
-    return run_study("calibration", two_stage=few)
-
-
-@pytest.fixture(scope="module")
-def effects(run_study, settings, calibrated):
+def effects(run_study, settings, calibration):
     """Return a function that gives the table of effects of a changed design."""
     branch = settings.branches["doe"]
     steel = [case for case in branch["cases"] if case["case"] in RIDGE]
@@ -44,14 +37,13 @@ def effects(run_study, settings, calibrated):
 
     def table(levels=(), **changes):
         cases = [merged(case, {"realistic": dict(levels)}) for case in steel]
-        inputs = {"calibration": calibrated["calibration"]}
-        return run_study("doe", inputs, cases=cases, sampling=quick, **changes)["doe_effects"]
+        return run_study("doe", calibration, cases=cases, sampling=quick, **changes)["doe_effects"]
 
     return table
 
 
 @pytest.fixture(scope="module")
-def smooth(run_study, settings, calibrated):
+def smooth(run_study, settings, calibration):
     """Return the table of the Monte Carlo analysis; its smooth surface needs no sample."""
     branch = settings.branches["monte_carlo"]
     least = {"replicates": 2, "events": 2}
@@ -62,14 +54,13 @@ def smooth(run_study, settings, calibrated):
         "angles_deg": [15.0, 20.0, 45.0, 85.0],
         "slope_inference": {"plan": least},
     }
-    inputs = {"calibration": calibrated["calibration"]}
-    return run_study("monte_carlo", inputs, **merged(branch, changes))["monte_carlo"]
+    return run_study("monte_carlo", calibration, **merged(branch, changes))["monte_carlo"]
 
 
 @pytest.fixture(scope="module")
-def tables(calibrated, effects, smooth):
+def tables(shipped_calibration, effects, smooth):
     names = ("calibration", "calibration_family")
-    return {name: calibrated[name] for name in names} | {
+    return {name: shipped_calibration[name] for name in names} | {
         "doe_effects": effects(),
         "monte_carlo": smooth,
     }
@@ -260,10 +251,10 @@ def test_break_of_a_setting(name, claims, found, rejudged):
 
 
 @pytest.mark.parametrize("name", FIELDS)
-def test_break_of_the_contact(name, claims, found, rejudged, calibrated):
-    changed = {"calibration": with_fields(calibrated["calibration"], **FIELDS[name])}
+def test_break_of_the_contact(name, claims, found, rejudged, shipped_calibration):
+    changed = {"calibration": with_fields(shipped_calibration["calibration"], **FIELDS[name])}
     if name == "C99":
-        members = calibrated["calibration_family"].copy()
+        members = shipped_calibration["calibration_family"].copy()
         members[["hertz_damping_s_per_m", "adhesion_damping_s_per_m"]] = 0.0
         changed["calibration_family"] = members
     agrees(name, claims, found, rejudged(name, **changed))
