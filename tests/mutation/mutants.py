@@ -383,8 +383,8 @@ LABORATORY = (
     Mutant(
         "drop height: factor 2 missing",
         f"{LAB}/dispenser.py",
-        "return (speed**2 - exit_speed**2) / (2.0 * constants.g)",
-        "return (speed**2 - exit_speed**2) / constants.g",
+        "return (speed**2 - exit_speed**2) / (2.0 * gravity)",
+        "return (speed**2 - exit_speed**2) / gravity",
         ("dispenser",),
     ),
     Mutant(

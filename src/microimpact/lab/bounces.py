@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from scipy.constants import g as gravity
 
 from microimpact.arrays import BoolArray, FloatArray
+from microimpact.constants import gravity
 from microimpact.lab.events import Impacts, IntArray
 
 # velocity, spin (k, 3) before a later impact, whose sphere (k,) -> velocity, spin, captured after

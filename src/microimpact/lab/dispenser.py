@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import constants
 
 from microimpact.arrays import BoolArray, FloatArray
+from microimpact.constants import gravity
 from microimpact.lab.distributions import Distribution, HalfNormal, mean, sample
 from microimpact.parameters import Finite, NonNegative, Positive
 
@@ -86,7 +86,7 @@ def drop_height(speed: float, dispenser: Dispenser) -> float:
         raise ValueError(
             f"speed must be above the mean speed at the needle, {exit_speed:.3g} m/s, got {speed:g}"
         )
-    return (speed**2 - exit_speed**2) / (2.0 * constants.g)
+    return (speed**2 - exit_speed**2) / (2.0 * gravity)
 
 
 def release(
@@ -119,8 +119,8 @@ def release(
     tilt = np.radians(90.0 - angle)
     diameter = sample(diameter_um, rng, n) * 1e-6
     start = sample(HalfNormal(sd=dispenser.exit_speed_m_per_s), rng, n)
-    fall = np.hypot(start, np.sqrt(2.0 * constants.g * height))
-    duration = (fall - start) / constants.g
+    fall = np.hypot(start, np.sqrt(2.0 * gravity * height))
+    duration = (fall - start) / gravity
     lateral = dispenser.lateral_speed_m_per_s * rng.standard_normal((n, 2))
     place = dispenser.lateral_position_mm * 1e-3 * rng.standard_normal((n, 2))
     place += lateral * duration[:, None]

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.random import Generator
-from scipy.constants import g as gravity
 
 from microimpact.arrays import BoolArray, FloatArray
+from microimpact.constants import gravity
 from microimpact.lab.events import Impacts, IntArray
 from microimpact.lab.ptis import Setup, Systematics
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from scipy import constants
 
 from microimpact.arrays import BoolArray, FloatArray, Real
+from microimpact.constants import gravity
 from microimpact.lab.collision import collide
 from microimpact.lab.dispenser import Dispenser, InitialSpin, drop_height
 from microimpact.lab.distributions import Distribution
@@ -161,7 +161,7 @@ def moved(measured: Measured, shift: Real) -> Measured:
     """
 
     def corrected(velocity: FloatArray) -> FloatArray:
-        square = np.square(velocity) + 2.0 * constants.g * np.asarray(shift)
+        square = np.square(velocity) + 2.0 * gravity * np.asarray(shift)
         return np.sign(velocity) * np.sqrt(np.maximum(square, 0.0))
 
     return replace(

@@ -12,9 +12,9 @@ from typing import Literal
 
 import numpy as np
 import scipy
-from scipy.constants import g as gravity
 
 from microimpact.arrays import FloatArray, Real
+from microimpact.constants import gravity
 from microimpact.lab.events import IntArray
 from microimpact.lab.pdpa import Instrument, Stream
 

@@ -14,9 +14,9 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.random import Generator
 from pydantic import Field
-from scipy.constants import g as gravity
 
 from microimpact.arrays import BoolArray, FloatArray, Real
+from microimpact.constants import gravity
 from microimpact.lab.events import Impacts, IntArray
 from microimpact.parameters import Fraction, NonNegative, Positive
 

@@ -14,9 +14,9 @@ from typing import Annotated
 import numpy as np
 from numpy.random import Generator, SeedSequence
 from pydantic import Field
-from scipy.constants import g as gravity
 
 from microimpact.arrays import FloatArray
+from microimpact.constants import gravity
 from microimpact.parameters import Count, NonNegative, Positive
 
 # Where in the frame the impacts lie: as a share of its width, and of its height from the bottom

@@ -11,9 +11,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.constants import g as gravity
 
 from microimpact.arrays import BoolArray, FloatArray
+from microimpact.constants import gravity
 from microimpact.lab.ptis import Setup
 
 # A leg whose dashes lie off a path under gravity by more than this (rms) is no single flight.

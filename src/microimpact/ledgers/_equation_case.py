@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.constants import g as gravity
 
+from microimpact.constants import gravity
 from microimpact.ledgers._equation_contact import TRACED_MOMENT, TRACED_POINTS
 from microimpact.ledgers._equation_records import Case
 from microimpact.materials import Material, materials_from_rows

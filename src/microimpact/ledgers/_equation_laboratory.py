@@ -6,8 +6,8 @@ from functools import cache
 
 import numpy as np
 import sympy
-from scipy.constants import g as gravity
 
+from microimpact.constants import gravity
 from microimpact.lab.pairing import correct
 from microimpact.ledgers._equation_forms import Form, symbols
 from microimpact.ledgers._equation_impulses import UNITS, newton

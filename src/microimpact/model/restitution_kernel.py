@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from microimpact.model.compiled import jit
 from microimpact.model.restitution_search import V_C, Q
@@ -68,7 +67,7 @@ _LARGEST = 708.0
 
 _jit = jit()
 _jit_contract = jit(fastmath={"contract", "nsz"})
-_jit_inline = njit(inline="always")
+_jit_inline = jit(inline="always")
 
 
 @_jit_inline

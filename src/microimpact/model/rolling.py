@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
-from scipy.constants import g as GRAVITY  # noqa: N812 (a constant)
 
 from microimpact.arrays import NON_NEGATIVE, POSITIVE, FloatArray, Range, Real, checked
+from microimpact.constants import gravity
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.rigid_body import INERTIA
 from microimpact.model.trajectory import Trajectory, trajectory
@@ -239,7 +239,7 @@ def rolling_distance(
     velocity = checked("tangential_velocity", tangential_velocity, NON_NEGATIVE)
     shift = checked("shift", shift, NON_NEGATIVE)
     tilt = checked("tilt", tilt, TILT)
-    weight = contact.mass * GRAVITY * np.sin(np.radians(tilt))
+    weight = contact.mass * gravity * np.sin(np.radians(tilt))
     hold = np.asarray(peeling_couple(contact, shift) / contact.radius - weight)
     energy = 0.5 * (1.0 + INERTIA) * contact.mass * np.square(velocity)
     shape = np.broadcast_shapes(hold.shape, np.shape(energy))
@@ -252,5 +252,5 @@ def gravity_ratio(contact: Contact, shift: object, tilt: object) -> Real:
     """Couple of the weight over that of adhesion, ``m g r sin(tilt) / M``: above 1 it rolls."""
     require_contact(contact)
     shift, tilt = checked("shift", shift, POSITIVE), checked("tilt", tilt, TILT)
-    weight = contact.mass * GRAVITY * np.sin(np.radians(tilt))
+    weight = contact.mass * gravity * np.sin(np.radians(tilt))
     return weight * contact.radius / peeling_couple(contact, shift)

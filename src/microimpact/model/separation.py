@@ -11,9 +11,9 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 import scipy
-from scipy.constants import epsilon_0
 
 from microimpact.arrays import NON_NEGATIVE, POSITIVE, FloatArray, Range, Real, checked, choice
+from microimpact.constants import epsilon_0
 
 PLACEMENTS = ("lifted", "even", "random")
 WEIGHT_FRACTION = Range(lower=0.0, upper=1.0, lower_closed=True)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.constants import g as gravity
 
 from microimpact.arrays import FloatArray
+from microimpact.constants import gravity
 from microimpact.lab.distributions import Distribution, generator
 from microimpact.lab.pairing import correct
 from microimpact.model.capture import capture_velocity

@@ -8,9 +8,9 @@ from typing import Annotated
 import numpy as np
 import pandas as pd
 from pydantic import Field
-from scipy.constants import g as gravity
 
 from microimpact.arrays import BoolArray, FloatArray
+from microimpact.constants import gravity
 from microimpact.lab.distributions import generator
 from microimpact.lab.events import IntArray
 from microimpact.lab.pairing import Form, correct

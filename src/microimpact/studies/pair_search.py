@@ -14,9 +14,9 @@ from typing import Annotated
 import numpy as np
 import pandas as pd
 from pydantic import Field
-from scipy.constants import g as gravity
 
 from microimpact.arrays import FloatArray
+from microimpact.constants import gravity
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.distributions import Distribution
 from microimpact.lab.pdpa import REBOUND, Instrument
