@@ -309,8 +309,8 @@ SLIPS = (
     Mutant(
         "facets leaning away from the sphere",
         f"{LAB}/collision.py",
-        "normal[:, :2] = -rise[:, None] * direction - side[:, None] * left",
-        "normal[:, :2] = rise[:, None] * direction - side[:, None] * left",
+        "side[i] * y - rise[i] * x, -rise[i] * y - side[i] * x",
+        "side[i] * y + rise[i] * x, rise[i] * y - side[i] * x",
         ("collision",),
     ),
     Mutant(
