@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,8 @@ from microimpact.studies._pairs import calibrated_contact
 QUANTITIES = ("restitution", "impulse_ratio", "energy_loss")
 # Below this number of rebounds there is no mean.
 FEWEST_REBOUNDS = 20
+# Samples kept in memory.
+KEPT_SAMPLES = 16
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -112,10 +115,14 @@ def contact_of(dropped: Dropped, inputs: Mapping[str, pd.DataFrame]) -> Contact:
     return resized(contact, mean(dropped.diameter_um) * 1e-6)
 
 
+@lru_cache(maxsize=KEPT_SAMPLES)
 def impacts_of(
     dropped: Dropped, contact: Contact, angle: float, sampling: Sampling, n: int | None = None
 ) -> Impacts:
-    """Return the true impacts of a sample; other settings, the same random numbers."""
+    """Return the true impacts of a sample; other settings, the same random numbers.
+
+    Not to be changed: the last samples are kept, for several mechanisms look at the same ones.
+    """
     return true_impacts(
         n or sampling.impacts,
         target=Target(contact=contact, slope_sd=dropped.slope_sd),
