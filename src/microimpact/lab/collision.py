@@ -194,7 +194,7 @@ def weighted_slope(u: FloatArray, normal_speed: FloatArray, slope_speed: FloatAr
         normal distribution.
     """
     slope = np.array(scipy.special.ndtri(u))
-    _weigh(u, normal_speed, slope_speed, slope)
+    _weigh(np.ascontiguousarray(u), normal_speed, slope_speed, slope)
     return slope
 
 

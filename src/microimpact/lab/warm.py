@@ -7,11 +7,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from microimpact.lab.collision import weighted_slope
+from microimpact.lab.collision import collide
 from microimpact.lab.events import Impacts
 from microimpact.lab.ptis import Instrument, Setup
 from microimpact.lab.ptis_observation import observe
+from microimpact.materials import Material
 from microimpact.model import warm
+from microimpact.model.contact import Contact
 
 INSTRUMENT = Instrument(
     frame_px=(640, 480),
@@ -40,8 +42,11 @@ INSTRUMENT = Instrument(
 def main() -> None:
     """Use every compiled function of model and laboratory once; they stay in Numba's cache."""
     warm.main()
-    weighted_slope(np.full(1, 0.5), np.ones(1), np.ones(1))
-    observe(_impacts(8), _SETUP, np.random.default_rng(1))
+    impacts, rng = _impacts(8), np.random.default_rng(1)
+    body = Material(name="any", youngs_modulus=1e11, poissons_ratio=0.3, density=2e3)
+    contact = Contact(particle=body, surface=body, diameter=5e-5, work_of_adhesion=0.1)
+    collide(contact, impacts.velocity, impacts.spin, 0.1, rng)
+    observe(impacts, _SETUP, rng)
 
 
 _SETUP = Setup(instrument=INSTRUMENT, angle=60.0, speed=1.66, diameter=62e-6)
