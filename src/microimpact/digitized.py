@@ -12,12 +12,15 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-
-import pandas as pd
+from typing import TYPE_CHECKING
 
 from microimpact.figures.registry import FigureSpec, PanelSpec
 from microimpact.nearest import nearest
 from microimpact.tables import POINTS, TableError, check_columns, figure_columns
+
+# Loaded where there are points.
+if TYPE_CHECKING:
+    import pandas as pd
 
 HEADER_KEYS = ("source", "licence", "digitised_by")
 COLUMNS = ("series", "x", "y", "y_low", "y_high")
@@ -149,6 +152,8 @@ def read_points(path: str, spec: FigureSpec) -> Digitized:
         if len(problems) > TOLD:
             lines.append(f"{path}: {len(problems) - TOLD} more problems")
         raise DigitizedError("\n".join(lines))
+    import pandas as pd
+
     table = pd.DataFrame(points, columns=list(CANONICAL))
     table = table.astype(dict.fromkeys(COLUMNS[1:], float))
     table["series"] = POINTS + table["series"]
@@ -320,6 +325,8 @@ def as_rows(points: Mapping[str, Digitized], figures: Iterable[str]) -> dict[str
     tables = [points[name].table.assign(figure=name) for name in figures if name in points]
     if not tables:
         return {}
+    import pandas as pd
+
     table = pd.concat(tables)[["figure", *CANONICAL]]
     return {"digitised": table.to_csv(index=False, lineterminator="\n")}
 
@@ -328,6 +335,8 @@ def overlaid(
     tables: Mapping[str, pd.DataFrame], spec: FigureSpec, points: Digitized
 ) -> dict[str, pd.DataFrame]:
     """Return the figure data with digitised points as further rows of the first table."""
+    import pandas as pd
+
     name = next(iter(spec.data))
     unit = spec.data[name]
     rows = points.table.assign(evidence="digitised")

@@ -6,12 +6,16 @@ import csv
 import io
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 from numpy.typing import ArrayLike
 
 from microimpact.files import write_file
+
+# Loaded where a table is made or read: the workflow, which asks for names alone, starts sooner.
+if TYPE_CHECKING:
+    import pandas as pd
 
 RESULT_EVIDENCE = (
     "computed",
@@ -68,6 +72,8 @@ def series_frame(
     ValueError
         If the evidence is not one of the known classes.
     """
+    import pandas as pd
+
     if evidence not in RESULT_EVIDENCE:
         raise ValueError(f"evidence: {evidence!r} must be one of {', '.join(RESULT_EVIDENCE)}")
     columns = np.broadcast_arrays(*(np.atleast_1d(np.asarray(a, float)) for a in (x, y)))
@@ -130,6 +136,8 @@ def read_figure_data(path: Path | str, x_unit: str, y_unit: str) -> pd.DataFrame
     TableError
         As for `read_table`, and naming the row where x or y is missing or no number.
     """
+    import pandas as pd
+
     columns = figure_columns(x_unit, y_unit)
     table = read_table(path, columns)
     for column in columns[3:5]:
@@ -144,6 +152,8 @@ def read_figure_data(path: Path | str, x_unit: str, y_unit: str) -> pd.DataFrame
 
 def parse_table(text: str) -> pd.DataFrame:
     """Return the table that a CSV text holds, read as `read_table` does."""
+    import pandas as pd
+
     return pd.read_csv(io.StringIO(text), keep_default_na=False, na_values=[""])
 
 

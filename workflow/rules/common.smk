@@ -30,8 +30,9 @@ os.environ.update(
 )
 
 from microimpact import closure, digitized
-from microimpact.config import load, validate
+from microimpact.config import load
 from microimpact.inputs import read_inputs
+from microimpact.remembered import validated
 from microimpact.runstamp import run_date, write_stamp
 
 STARTED = run_date()
@@ -48,7 +49,7 @@ try:
     overlay = copy.deepcopy(config)
     update_config(config, load(CONFIGURATION if CONFIGURATION.exists() else PROJECT / CONFIGURATION))
     update_config(config, overlay)
-    SETTINGS = validate(config, SHIPPED)
+    SETTINGS = validated(config, SHIPPED, Path(".snakemake/validated.json"))
     INPUTS = read_inputs(SETTINGS)
     DECLARED, ROWS, DIGITIZED = INPUTS.tables, INPUTS.rows, INPUTS.digitized
     FIGURES, FIGURE_ENTRIES = INPUTS.figures, INPUTS.figure_entries
