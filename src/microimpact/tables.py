@@ -76,7 +76,8 @@ def series_frame(
 
     if evidence not in RESULT_EVIDENCE:
         raise ValueError(f"evidence: {evidence!r} must be one of {', '.join(RESULT_EVIDENCE)}")
-    columns = np.broadcast_arrays(*(np.atleast_1d(np.asarray(a, float)) for a in (x, y)))
+    # Adding zero takes the sign off a zero that has one.
+    columns = np.broadcast_arrays(*(np.atleast_1d(np.asarray(a, float)) + 0.0 for a in (x, y)))
     n = columns[0].size
     values = [panel, series, evidence, *columns, y_low, y_high]
     names = figure_columns(x_unit, y_unit)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import pickle
+import json
 import xml.etree.ElementTree as ET
 from importlib import import_module
 from pathlib import Path
@@ -55,9 +55,11 @@ def shipped_calibration(run_study, tmp_path_factory):
     """The tables of the calibration as shipped, from which most studies start."""
 
     def write(place):
-        place.write_bytes(pickle.dumps(dict(run_study("calibration"))))
+        tables = run_study("calibration").items()
+        place.write_text(json.dumps({name: table.to_csv(index=False) for name, table in tables}))
 
-    return pickle.loads(made_once(tmp_path_factory, "calibration", write).read_bytes())
+    made = json.loads(made_once(tmp_path_factory, "calibration", write).read_text())
+    return {name: parse_table(text) for name, text in made.items()}
 
 
 @pytest.fixture(scope="module")
@@ -78,12 +80,10 @@ def draw(figures, tmp_path):
     def drawn(name, tables):
         spec = figures[name]
         function = getattr(import_module(spec.module), spec.function)
-        for turn in ("one", "two"):
+        for turn in ("one.svg", "two.svg"):
             figure = function({key: tables[key] for key in spec.data}, spec)
-            save(figure, tmp_path / f"{turn}.svg", tmp_path / f"{turn}.png")
-        for kind in ("svg", "png"):
-            first, second = (tmp_path / f"{turn}.{kind}" for turn in ("one", "two"))
-            assert first.read_bytes() == second.read_bytes()
+            save(figure, tmp_path / turn)
+        assert (tmp_path / "one.svg").read_bytes() == (tmp_path / "two.svg").read_bytes()
         tree = ET.parse(tmp_path / "one.svg")
         assert not tree.findall(".//{http://purl.org/dc/elements/1.1/}date")
         return figure

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from matplotlib import rc_context
 
 
 @pytest.fixture(scope="module")
@@ -65,3 +66,13 @@ def test_drawn(draw, tables, legend_texts):
     assert ax.get_xlim() == (0.0, 10.0)
     assert "m/s" in ax.get_xlabel()
     assert {"computed", "$v_c$, capture velocity"} <= set(legend_texts(figure))
+
+
+def test_the_users_own_settings_of_matplotlib_change_nothing(draw, tables, tmp_path):
+    def drawn():
+        draw("fig14", tables)
+        return (tmp_path / "one.svg").read_bytes()
+
+    plain = drawn()
+    with rc_context({"lines.linewidth": 9.0, "axes.grid": True, "font.size": 20.0}):
+        assert drawn() == plain

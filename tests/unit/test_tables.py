@@ -119,3 +119,10 @@ def test_a_malformed_row_is_named(tmp_path, row, message):
 def test_a_wrong_header_is_shown(tmp_path):
     with pytest.raises(selection.SelectionError, match="it must be material, property, value"):
         material_table(tmp_path, header=HEADER.replace("unit", "units"))
+
+
+def test_a_zero_has_no_sign():
+    frame = tables.series_frame(
+        panel="main", series="a", evidence="computed", x=-0.0, y=[-0.0], x_unit="s", y_unit="N"
+    )
+    assert "-0.0" not in frame.to_csv()

@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
-from matplotlib import style as matplotlib_style
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
@@ -49,8 +49,11 @@ EVIDENCE_LABEL = {
 
 @contextmanager
 def context() -> Iterator[None]:
-    """Return the context (also a decorator) in which figures are drawn and saved."""
-    with matplotlib_style.context(STYLE_FILE):
+    """Return the context (also a decorator) in which figures are drawn and saved.
+
+    It is the same whatever the user's own settings of matplotlib are.
+    """
+    with rc_context(fname=STYLE_FILE):
         yield
 
 
@@ -284,7 +287,7 @@ def save(figure: Figure, *paths: Path | str) -> None:
         if engine := figure.get_layout_engine():
             FigureCanvasSVG(figure)
             engine.execute(figure)
-        with matplotlib_style.context({"figure.constrained_layout.use": False}):
+        with rc_context({"figure.constrained_layout.use": False}):
             figure.set_layout_engine(None)
             for path in map(Path, paths):
                 _save(figure, path)
