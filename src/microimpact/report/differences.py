@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -29,6 +30,9 @@ Kind = Literal[
     "picture",
 ]
 KINDS: tuple[Kind, ...] = get_args(Kind)
+
+# In a text that gives several: ``name = number``.
+_GIVEN = re.compile(r"(?<= = )-?\d[\d.]*(?:e[+-]?\d+)?")
 
 # What its keys say, and which one of those that say the same it is.
 RowName = tuple[tuple[str, ...], int]
@@ -202,9 +206,16 @@ def _told(table: pd.DataFrame, row: int, by: Sequence[str]) -> str:
 def _changed(before: str, after: str, tolerance: Tolerance) -> tuple[Kind, float] | None:
     a, b = number(before), number(after)
     if a is None or b is None:
-        return "text", math.nan
+        return None if _same_words(before, after, tolerance) else ("text", math.nan)
     if tolerance.admits(a, b):
         return None
     if not (math.isfinite(a) and math.isfinite(b)) or a == 0:
         return "number", math.inf
     return "number", abs(b - a) / abs(a)
+
+
+def _same_words(before: str, after: str, tolerance: Tolerance) -> bool:
+    """Tell whether two texts differ by nothing but numbers that agree."""
+    numbers = (map(float, _GIVEN.findall(text)) for text in (before, after))
+    same = _GIVEN.split(before) == _GIVEN.split(after)
+    return same and all(tolerance.admits(a, b) for a, b in zip(*numbers, strict=True))
