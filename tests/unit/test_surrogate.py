@@ -278,8 +278,15 @@ def test_other_methods_are_refused(contact):
         simulate(contact, 1.0, method="fast")
 
 
-def test_a_surrogate_refuses_contacts_it_was_not_made_for(contact):
+def test_a_surrogate_integrates_impacts_of_spheres_it_was_not_made_for(contact):
     spheres = contact.replace(diameter=np.array([50e-6, 60e-6]))
     surrogate = Surrogate.of(spheres, 0.5)
-    with pytest.raises(ValueError, match="velocity scales must lie from"):
-        surrogate.normal_impact(contact.replace(diameter=90e-6), 0.5)
+    others = contact.replace(diameter=np.array([40e-6, 55e-6, 90e-6]))
+    found, exact = surrogate.normal_impact(others, 0.5), normal_impact(others, 0.5)
+    difference = found.coefficient_of_restitution / exact.coefficient_of_restitution - 1.0
+    assert np.all(np.abs(difference) < [1e-13, surrogate.error, 1e-13])
+    w, place = surrogate.family.coordinates(others, np.full(3, 0.5))
+    assert np.array_equal(np.abs(place) > 1.0, [True, False, True])
+    np.testing.assert_allclose(
+        surrogate.restitution(w, place), exact.coefficient_of_restitution, rtol=1e-9
+    )

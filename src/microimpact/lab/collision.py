@@ -21,6 +21,7 @@ from microimpact.lab.events import IntArray
 from microimpact.model.compiled import jit
 from microimpact.model.contact import Contact
 from microimpact.model.impact import spatial
+from microimpact.model.surrogate import Surrogate
 
 MOST_CONTACTS = 5
 NEWTON_STEPS = 60
@@ -58,6 +59,7 @@ def collide(
     *,
     planar_slopes: bool = False,
     most_contacts: int = MOST_CONTACTS,
+    method: str | Surrogate = "auto",
 ) -> Rebound:
     """Let n particles hit a surface.
 
@@ -76,6 +78,8 @@ def collide(
         Whether facets slope along the motion only, as in the plane of the article's Fig. 22.
     most_contacts
         Contacts after which a particle that does not leave counts as captured.
+    method
+        How normal impacts are found, see `model.impact.spatial`.
     """
     n = len(velocity)
     velocity, spin = np.array(velocity, dtype=float), np.array(spin, dtype=float)
@@ -85,7 +89,9 @@ def collide(
         # All n are drawn for, so that the facets of one particle do not depend on another's fate.
         drawn = uniforms(rng, (2, n))[:, moving]
         frames = _frames(velocity[moving], slope_sd, drawn, planar_slopes)
-        after, turn, stays = _on_facets(_of(contact, moving, n), velocity, spin, frames, moving)
+        after, turn, stays = _on_facets(
+            _of(contact, moving, n), velocity[moving], spin[moving], frames, method
+        )
         velocity[moving], spin[moving] = after, turn
         captured[moving] = stays
         contacts[moving] += 1
@@ -107,13 +113,18 @@ def _of(contact: Contact, index: IntArray, n: int) -> Contact:
 
 
 def _on_facets(
-    contact: Contact, velocity: FloatArray, spin: FloatArray, frames: FloatArray, index: IntArray
+    contact: Contact,
+    velocity: FloatArray,
+    spin: FloatArray,
+    frames: FloatArray,
+    method: str | Surrogate,
 ) -> tuple[FloatArray, FloatArray, BoolArray]:
     """Velocity, spin and capture after one contact on facets given by their frames (m, 3, 3)."""
     outcome = spatial(
         contact,
-        np.einsum("mij,mj->mi", frames, velocity[index]),
-        np.einsum("mij,mj->mi", frames, spin[index]),
+        np.einsum("mij,mj->mi", frames, velocity),
+        np.einsum("mij,mj->mi", frames, spin),
+        method=method,
     )
     back = np.swapaxes(frames, 1, 2)
     return (

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -11,6 +12,14 @@ from microimpact.lab.dispenser import Dispenser, Falling, InitialSpin, drop_heig
 from microimpact.lab.distributions import Distribution
 from microimpact.lab.events import Impacts
 from microimpact.model.contact import Contact, resized
+from microimpact.model.families import Family, NoSurrogateError
+from microimpact.model.surrogate import Surrogate
+
+# Share of the sizes beyond either end of a table, and its speeds, m/s: impacts of all others are
+# integrated. Tables in memory.
+BEYOND = 0.01
+SPEEDS = (0.01, 4.0)
+KEPT_TABLES = 16
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,11 +34,39 @@ class Target:
         Standard deviation of the local slope per axis, of surface and particle together.
     planar_slopes
         Whether facets slope along the motion only.
+    method
+        How normal impacts are found, see `collide`.
     """
 
     contact: Contact
     slope_sd: float
     planar_slopes: bool = False
+    method: str | Surrogate = "auto"
+
+    def tabulated(self, diameter_um: Distribution) -> Target:
+        """Return the same with a table of normal impacts, which pays from some 100,000 on.
+
+        It is made for a distribution of diameters, um, and serves all targets of its contact;
+        outcomes differ by no more than its error, verdicts on capture not at all.
+        """
+        return replace(self, method=_table(self.contact, diameter_um))
+
+
+@lru_cache(maxsize=KEPT_TABLES)
+def _table(contact: Contact, diameter_um: Distribution) -> str | Surrogate:
+    ends = diameter_um.quantile(np.array([BEYOND, 1.0 - BEYOND])) * 1e-6
+    if ends[0] == ends[1]:
+        return "direct"
+    try:
+        return _of_family(Family.of(resized(contact, ends)))
+    except NoSurrogateError:
+        return "direct"
+
+
+@lru_cache(maxsize=KEPT_TABLES)
+def _of_family(family: Family) -> Surrogate:
+    slowest, fastest = (speed / family.velocity_scale for speed in SPEEDS)
+    return Surrogate.of_family(family, slowest, fastest)
 
 
 def combined_slope(surface: float, particle: float) -> float:
@@ -92,6 +129,7 @@ def hit(falling: Falling, target: Target, rng: np.random.Generator) -> Impacts:
         target.slope_sd,
         rng,
         planar_slopes=target.planar_slopes,
+        method=target.method,
     )
     return Impacts(
         time=falling.time,

@@ -59,7 +59,13 @@ def drop_and_observe(
     ) -> tuple[FloatArray, FloatArray, BoolArray]:
         contact = resized(target.contact, impacts.diameter[sphere])
         rebound = collide(
-            contact, velocity, spin, target.slope_sd, rng, planar_slopes=target.planar_slopes
+            contact,
+            velocity,
+            spin,
+            target.slope_sd,
+            rng,
+            planar_slopes=target.planar_slopes,
+            method=target.method,
         )
         return rebound.velocity, rebound.spin, rebound.captured
 

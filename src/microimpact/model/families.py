@@ -131,12 +131,9 @@ class Family:
         )
 
     def coordinates(self, contact: Contact, speed: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return what determines impacts: the scaled speed, and the place of V in [-1, 1].
+        """Return what determines impacts: the scaled speed, and the place of V.
 
-        Raises
-        ------
-        NoSurrogateError
-            If a velocity scale is not in this family.
+        Within the family places are in [-1, 1].
         """
         if not self.adhesive:
             return np.asarray(speed * (contact.hertz_damping if self.hertz else 1.0)), np.zeros(1)
@@ -145,15 +142,7 @@ class Family:
         if self.alike:
             return w, np.zeros(1)
         place = np.log(scale / self.velocity_scale) / self.half_width
-        if np.max(np.abs(place)) > 1.0:
-            raise NoSurrogateError(
-                f"velocity scales must lie from {self._scale(-1.0):g} to {self._scale(1.0):g} m/s, "
-                f"got {scale.min():g} to {scale.max():g} m/s"
-            )
         return w, np.broadcast_to(place, w.shape)
-
-    def _scale(self, place: float) -> float:
-        return self.velocity_scale * math.exp(self.half_width * place)
 
     def scales(self, contact: Contact, speed: FloatArray) -> tuple[Real, Real, Real]:
         """Return the units of length, velocity and mass of impacts."""

@@ -25,7 +25,7 @@ from microimpact.arrays import (
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.normal import NormalImpact
 from microimpact.model.rigid_body import APPROACHING, INERTIA
-from microimpact.model.surrogate import ensemble_impact
+from microimpact.model.surrogate import Surrogate, ensemble_impact
 
 FRICTION_BASES = ("compressive", "hertz", "net")
 # Squares of faster spheres' energies would leave double precision long after physics is left.
@@ -265,7 +265,7 @@ def spatial(
     velocity: object,
     spin: object = (0.0, 0.0, 0.0),
     friction_basis: str = "compressive",
-    method: str = "auto",
+    method: str | Surrogate = "auto",
 ) -> SpatialImpact:
     """Impact in three dimensions; the surface is the plane z = 0, the normal +z.
 
@@ -279,8 +279,10 @@ def spatial(
         Velocity before impact (..., 3), m/s, with a negative z component.
     spin
         Angular velocity before impact (..., 3), rad/s, right-handed.
-    friction_basis, method
+    friction_basis
         As in `planar`.
+    method
+        As in `planar`; or tables that were made before for a family of these contacts.
 
     Raises
     ------

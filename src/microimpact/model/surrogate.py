@@ -7,8 +7,8 @@ diameters, works of adhesion and materials differ. Speeds count from the thresho
 x = v/v_c - 1: there, and nowhere else, the outcome is singular (e ~ sqrt(x)), so on pieces that
 grow with x polynomials converge fast.
 
-Impacts within `THRESHOLD` of capture, and those beyond the table, are integrated: verdicts are the
-integrator's, and the bound of the relative error of e holds down to the threshold.
+Impacts within `THRESHOLD` of capture, and those beyond the table in speed or in V, are integrated:
+verdicts are the integrator's, and the bound of the relative error of e holds down to the threshold.
 """
 
 from __future__ import annotations
@@ -117,8 +117,14 @@ class Surrogate:
         require_contact(contact)
         family = Family.of(contact)
         w, _ = family.coordinates(contact, np.asarray(speed))
+        return cls.of_family(family, float(np.min(w)), float(np.max(w)), tolerance=tolerance)
+
+    @classmethod
+    def of_family(
+        cls, family: Family, slowest: float, fastest: float, *, tolerance: float = TOLERANCE
+    ) -> Surrogate:
+        """Make the tables for a family and all scaled speeds between two; otherwise as `of`."""
         slowness = _slowness(family)
-        slowest, fastest = float(np.min(w)), float(np.max(w))
         if not slowness.size:
             rebounds = _fitted(family, slowness, _span(slowest, fastest), tolerance)
             return cls._with(family, slowness, rebounds, NOTHING)
@@ -163,12 +169,14 @@ class Surrogate:
         Parameters
         ----------
         w, place
-            Coordinates of the impacts, see `Family.coordinates`.
+            Coordinates of the impacts, see `Family.coordinates`; a place of one element is all
+            impacts' own.
         threads
             Among which the work is shared; results do not depend on it.
         """
         tables = self.captures, self.rebounds
         found = both_sides(w, place, self.slowness, *tables, THRESHOLD, threads=threads)
+        _leave_out(found[RESTITUTION], place)
         captured = found[RESTITUTION] == 0.0
         rest = np.flatnonzero(np.isnan(found[RESTITUTION]))
         if rest.size:
@@ -183,6 +191,7 @@ class Surrogate:
     def restitution(self, w: FloatArray, place: FloatArray) -> FloatArray:
         """Return e alone, shape (n,), of impacts given as in `quantities`; 0 where captured."""
         found = first_above(w, place, self.slowness, self.rebounds, THRESHOLD)
+        _leave_out(found, place)
         rest = np.flatnonzero(np.isnan(found))
         if rest.size:
             problems = self.family.problems(w[rest], np.broadcast_to(place, w.shape)[rest])
@@ -194,6 +203,7 @@ class Surrogate:
     def normal_impact(self, contact: Contact, speed: Real, *, threads: int = 1) -> NormalImpact:
         """Return normal impacts of contacts of this family; as `normal.normal_impact`.
 
+        Contacts whose velocity scale is not in the family share its damping all the same.
         Impulses of captured impacts are zero.
         """
         shape = common_shape({"contact": np.empty(contact.shape), "speed": speed})
@@ -219,7 +229,12 @@ class Surrogate:
 
 
 def ensemble_impact(
-    contact: Contact, speed: Real, *, method: str = "auto", hertz: bool = False, threads: int = 1
+    contact: Contact,
+    speed: Real,
+    *,
+    method: str | Surrogate = "auto",
+    hertz: bool = False,
+    threads: int = 1,
 ) -> NormalImpact:
     """Return normal impacts by the quicker way.
 
@@ -229,7 +244,8 @@ def ensemble_impact(
         As in `normal_impact`.
     method
         ``"direct"``: every impact is integrated. ``"surrogate"``: tables. ``"auto"``: tables for
-        large ensembles for which they can be made.
+        large ensembles for which they can be made. A `Surrogate`: tables made before, for a family
+        of these contacts.
     hertz
         Whether the impulse of the Hertz term is asked for.
     threads
@@ -240,6 +256,8 @@ def ensemble_impact(
     ValueError
         If shapes do not broadcast, or there can be no surrogate but it is asked for.
     """
+    if isinstance(method, Surrogate):
+        return method.normal_impact(contact, speed, threads=threads)
     choice("method", method, METHODS)
     if method != "direct":
         count = math.prod(common_shape({"contact": np.empty(contact.shape), "speed": speed}))
@@ -251,6 +269,12 @@ def ensemble_impact(
             if method == "surrogate":
                 raise
     return normal_impact(contact, speed, ledger=hertz)
+
+
+def _leave_out(restitution: FloatArray, place: FloatArray) -> None:
+    """Mark impacts whose velocity scale is not in the family: there a table means nothing."""
+    if np.max(np.abs(place), initial=0.0) > 1.0:
+        restitution[np.broadcast_to(np.abs(place) > 1.0, restitution.shape)] = np.nan
 
 
 def _large(contact: Contact, count: int) -> int:

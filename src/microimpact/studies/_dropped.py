@@ -72,6 +72,9 @@ class Sampling:
         Standard uncertainty of a target's angle, shared by the events of an experiment.
     dispenser
         Spreads of release.
+    tabulated
+        Whether normal impacts come from a table per contact, which pays where many samples have
+        the same.
     """
 
     seed: int
@@ -79,6 +82,7 @@ class Sampling:
     events: Count
     angle_error_deg: NonNegative
     dispenser: Dispenser
+    tabulated: bool = True
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -123,9 +127,10 @@ def impacts_of(
 
     Not to be changed: the last samples are kept, for several mechanisms look at the same ones.
     """
+    target = Target(contact=contact, slope_sd=dropped.slope_sd)
     return true_impacts(
         n or sampling.impacts,
-        target=Target(contact=contact, slope_sd=dropped.slope_sd),
+        target=target.tabulated(dropped.diameter_um) if sampling.tabulated else target,
         angle=angle,
         speed=dropped.speed_m_per_s,
         diameter_um=dropped.diameter_um,

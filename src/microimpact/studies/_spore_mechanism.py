@@ -210,6 +210,8 @@ def comparison(
         )
 
     rows = []
+    # Every contact tried, and each of those found, is looked at in a few samples only.
+    sampling = replace(sampling, tabulated=False)
     contact = calibrated(params.spore)
     for case in params.steel_cases:
         steel = replace(params.steel, case=case)

@@ -208,7 +208,7 @@ def _normal(params: Params, one: Experiment, of: Contact) -> Outcome:
         params.dropped,
         params.most_dropped,
         generator(params.seed, *one.key),
-        target=_target(one, of),
+        target=_target(one, of).tabulated(one.particles.diameter_um),
         speed=one.speed_class.speed_m_per_s,
         diameter_um=one.particles.diameter_um,
         dispenser=params.dispenser,

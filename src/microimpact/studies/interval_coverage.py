@@ -107,7 +107,7 @@ def part(
     for place in range(index, len(every), count):
         number, i, k = every[place]
         case = params.cases[number]
-        target = Target(contact=contact, slope_sd=case.slope)
+        target = Target(contact=contact, slope_sd=case.slope).tabulated(case.diameter_um)
         angle, speed = case.angles_deg[i], case.speeds_m_per_s[k]
         rng = generator(params.seed, number, i, k)
         try:

@@ -184,10 +184,11 @@ def collected(
 ) -> tuple[int, Observation]:
     """Drop more particles, until there are enough events or the experiment is given up."""
     dropped = params.dropped
+    target = Target(contact=contact, slope_sd=0.0).tabulated(population.diameter_um)
     while True:
         observation = drop_and_observe(
             dropped,
-            target=Target(contact=contact, slope_sd=0.0),
+            target=target,
             speed=speed,
             diameter_um=population.diameter_um,
             dispenser=params.dispenser,

@@ -151,8 +151,9 @@ def rest(params: Params, contact: Contact, slope_deg: float, speed: float) -> Re
         spin=params.spin,
         rng=rng,
     )
+    target = Target(contact=contact, slope_sd=float(np.tan(np.radians(slope_deg))))
     return follow(
-        Target(contact=contact, slope_sd=float(np.tan(np.radians(slope_deg)))),
+        target.tabulated(params.diameter_um),
         falling.diameter,
         falling.position,
         falling.velocity,
