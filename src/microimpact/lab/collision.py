@@ -104,7 +104,7 @@ def collide(
 
 def _of(contact: Contact, index: IntArray, n: int) -> Contact:
     """Return the contacts of some of n particles; a single contact serves all."""
-    if contact.shape != (n,):
+    if contact.shape != (n,) or len(index) == n:
         return contact
     names = (contact.adhesion_input, "diameter", "hertz_damping", "adhesion_damping", "friction")
     return contact.replace(

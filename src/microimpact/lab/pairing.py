@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 import scipy
 
-from microimpact.arrays import FloatArray, Real
+from microimpact.arrays import BoolArray, FloatArray, Real
 from microimpact.constants import gravity
 from microimpact.lab.events import IntArray
 from microimpact.lab.pdpa import Instrument, Stream
@@ -243,20 +243,30 @@ def matched(incident: IntArray, rebound: IntArray, worth: FloatArray) -> IntArra
         settled together and apart from the rest, so that the cost grows with the length of the
         stream and not with its cube.
     """
-    if not len(worth):
-        return np.zeros(0, dtype=np.int64)
-    rows, columns = (np.unique(ends, return_inverse=True)[1] for ends in (incident, rebound))
+    alone = _once(incident) & _once(rebound)
+    contested = np.flatnonzero(~alone)
+    if not len(contested):
+        return np.flatnonzero(alone)
+    rows, columns = (
+        np.unique(ends[contested], return_inverse=True)[1] for ends in (incident, rebound)
+    )
     n, m = int(rows.max()) + 1, int(columns.max()) + 1
-    graph = scipy.sparse.coo_array((np.ones(len(worth)), (rows, n + columns)), shape=(n + m, n + m))
+    edges = np.ones(len(contested)), (rows, n + columns)
+    graph = scipy.sparse.coo_array(edges, shape=(n + m, n + m))
     cluster = scipy.sparse.csgraph.connected_components(graph, directed=False)[1][rows]
     order = np.argsort(cluster, kind="stable")
     groups = np.split(order, np.flatnonzero(np.diff(cluster[order])) + 1)
-    return np.concatenate([_settled(group, rows, columns, worth) for group in groups])
+    settled = [_settled(group, rows, columns, worth[contested]) for group in groups]
+    return np.concatenate([np.flatnonzero(alone), contested[np.concatenate(settled)]])
+
+
+def _once(ends: IntArray) -> BoolArray:
+    """Tell which of some records are in one possible pair only."""
+    once: BoolArray = np.bincount(ends)[ends] == 1
+    return once
 
 
 def _settled(group: IntArray, rows: IntArray, columns: IntArray, worth: FloatArray) -> IntArray:
-    if len(group) == 1:
-        return group
     (own_rows, r), (own_columns, c) = (
         np.unique(ends[group], return_inverse=True) for ends in (rows, columns)
     )

@@ -8,8 +8,9 @@ of a sphere's centre above its position in contact: its radius counts to the err
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from numpy.random import Generator
@@ -18,9 +19,13 @@ from pydantic import Field
 from microimpact.arrays import BoolArray, FloatArray, Real
 from microimpact.constants import gravity
 from microimpact.lab.events import Impacts, IntArray
+from microimpact.model.compiled import jit
 from microimpact.parameters import Fraction, NonNegative, Positive
 
 INCIDENT, REBOUND = 0, 1
+SMALLEST = float(np.finfo(float).tiny)
+
+_jit = jit()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -201,40 +206,28 @@ def passages(
         Height from which each sphere fell, m, shape (n,) or one number: from below the probe
         volume no sphere comes down through it.
     """
-    down = _leg(impacts, impacts.velocity, -1.0, height, instrument)
-    up = _leg(impacts, impacts.rebound_velocity, 1.0, height, instrument)
-    legs = {name: np.stack([down[name], up[name]]) for name in down}
-    legs["reached"][INCIDENT] &= np.asarray(fall) > height
-    legs["reached"][REBOUND] &= ~impacts.captured
-    return Passages(diameter=impacts.diameter, **legs)
-
-
-def at_level(
-    position: FloatArray, velocity: FloatArray, height: Real, sign: float
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return where and when free flight to or from the surface crosses a level.
-
-    Parameters
-    ----------
-    position, velocity
-        At the surface, m and m/s, shape (n, 2) and (n, 3).
-    height
-        Of the level, m.
-    sign
-        -1 before the impact, on the way down; +1 after it, on the way up.
-
-    Returns
-    -------
-    square, time, place
-        Vertical velocity squared, m2/s2, below zero where the level is out of reach; time after
-        the impact, s; place, m, shape (n, 2). Out of reach these are of the highest point.
-    """
-    at_surface = np.abs(velocity[:, 2])
-    square = at_surface**2 - 2.0 * gravity * height
-    reached = np.minimum(height, at_surface**2 / (2.0 * gravity))
-    there = at_surface + np.sqrt(np.maximum(square, 0.0))
-    time = sign * 2.0 * reached / np.where(there > 0.0, there, 1.0)
-    return square, time, position + time[:, None] * velocity[:, :2]
+    n = len(impacts)
+    reached, inside = np.empty((2, 2, n), dtype=np.bool_)
+    time, velocity, chord, transit = np.empty((4, 2, n))
+    level = np.ascontiguousarray(np.broadcast_to(height, n), dtype=float)
+    axes = half_axes(instrument)
+    for leg, sign, path in (
+        (INCIDENT, -1.0, impacts.velocity),
+        (REBOUND, 1.0, impacts.rebound_velocity),
+    ):
+        found = reached[leg], inside[leg], time[leg], velocity[leg], chord[leg], transit[leg]
+        _cross(impacts.time, impacts.position, path, level, sign, axes, gravity, *found)
+    reached[INCIDENT] &= np.asarray(fall) > height
+    reached[REBOUND] &= ~impacts.captured
+    return Passages(
+        reached=reached,
+        inside=inside,
+        time=time,
+        velocity=velocity,
+        chord=chord,
+        transit=transit,
+        diameter=impacts.diameter,
+    )
 
 
 def half_axes(instrument: Instrument) -> FloatArray:
@@ -243,33 +236,72 @@ def half_axes(instrument: Instrument) -> FloatArray:
     return 0.5e-6 * np.array([across, along, across])
 
 
-def _leg(
-    impacts: Impacts, velocity: FloatArray, sign: float, height: Real, instrument: Instrument
-) -> dict[str, Any]:
-    """Return one leg of each flight; sign is that of the vertical velocity, and of time."""
-    square, time, place = at_level(impacts.position, velocity, height, sign)
-    square = np.maximum(square, 0.0)
-    axes = half_axes(instrument)
-    place = place / axes[:2]
-    speed = np.sqrt(square)
-    path = np.column_stack([velocity[:, :2], sign * speed])
-    # |place + time path| = 1 where the path, in units of the axes, enters and leaves.
-    scaled = path / axes
-    squared = np.maximum(np.sum(scaled**2, axis=1), np.finfo(float).tiny)
-    beside = 1.0 - np.sum(place**2, axis=1)
-    middle = np.sum(place * scaled[:, :2], axis=1)
-    straight = 2.0 * np.sqrt(np.maximum(middle**2 + squared * beside, 0.0)) / squared
-    rise = straight * speed
-    slowed = np.sqrt(np.maximum(square - gravity * rise, 0.0))
-    mean = 0.5 * (np.sqrt(square + gravity * rise) + slowed)
-    return {
-        "reached": slowed > 0.0,
-        "inside": beside > 0.0,
-        "time": impacts.time + time,
-        "velocity": sign * mean,
-        "chord": straight * np.linalg.norm(path, axis=1),
-        "transit": rise / np.maximum(mean, np.finfo(float).tiny),
-    }
+def through_probe(
+    position: FloatArray, velocity: FloatArray, height: float, instrument: Instrument
+) -> BoolArray:
+    """Tell which spheres fall through the level of the probe volume inside its ellipse.
+
+    Parameters
+    ----------
+    position, velocity
+        At the surface, m and m/s, shape (n, 2) and (n, 3).
+    height
+        Of the level, m; spheres that never were so high count where their flight began.
+    instrument
+        Settings.
+    """
+    inside = np.empty(len(position), dtype=np.bool_)
+    _fall_through(position, velocity, height, half_axes(instrument), gravity, inside)
+    return inside
+
+
+@_jit
+def _level(at_surface, height, sign, g):  # type: ignore[no-untyped-def]
+    """Vertical velocity squared at a level, and when after the impact (sign -1: before it).
+
+    Free flight to or from the surface at a vertical speed: where the level is out of reach, the
+    square is below zero and the time that of the highest point.
+    """
+    square = at_surface * at_surface - 2.0 * g * height
+    reached = min(height, at_surface * at_surface / (2.0 * g))
+    there = at_surface + math.sqrt(max(square, 0.0))
+    return square, sign * 2.0 * reached / (there if there > 0.0 else 1.0)
+
+
+@_jit
+def _fall_through(position, velocity, height, axes, g, inside):  # type: ignore[no-untyped-def]
+    for i in range(inside.size):
+        _, time = _level(abs(velocity[i, 2]), height, -1.0, g)
+        x = (position[i, 0] + time * velocity[i, 0]) / axes[0]
+        y = (position[i, 1] + time * velocity[i, 1]) / axes[1]
+        inside[i] = x * x + y * y < 1.0
+
+
+@_jit
+def _cross(  # type: ignore[no-untyped-def]
+    impact, position, flight, level, sign, axes, g, reached, inside, time, velocity, chord, transit
+):
+    """One leg of each flight; sign is that of the vertical velocity, and of time."""
+    for i in range(impact.size):
+        vx, vy = flight[i, 0], flight[i, 1]
+        square, after = _level(abs(flight[i, 2]), level[i], sign, g)
+        square = max(square, 0.0)
+        speed = math.sqrt(square)
+        # |place + time path| = 1 where the path, in units of the axes, enters and leaves.
+        x = (position[i, 0] + after * vx) / axes[0]
+        y = (position[i, 1] + after * vy) / axes[1]
+        p, q, r = vx / axes[0], vy / axes[1], sign * speed / axes[2]
+        squared = max(p * p + (q * q + r * r), SMALLEST)
+        beside = 1.0 - (x * x + y * y)
+        middle = x * p + y * q
+        straight = 2.0 * math.sqrt(max(middle * middle + squared * beside, 0.0)) / squared
+        rise = straight * speed
+        slowed = math.sqrt(max(square - g * rise, 0.0))
+        mean = 0.5 * (math.sqrt(square + g * rise) + slowed)
+        reached[i], inside[i] = slowed > 0.0, beside > 0.0
+        time[i], velocity[i] = impact[i] + after, sign * mean
+        chord[i] = straight * math.sqrt(vx * vx + (vy * vy + square))
+        transit[i] = rise / max(mean, SMALLEST)
 
 
 def records(

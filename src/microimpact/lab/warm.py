@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from microimpact.lab import pdpa
 from microimpact.lab.collision import collide
 from microimpact.lab.events import Impacts
 from microimpact.lab.ptis import Instrument, Setup
@@ -38,6 +39,27 @@ INSTRUMENT = Instrument(
     least_dashes=4,
 )
 
+ANALYZER = pdpa.Instrument(
+    probe_height_mm=1.0,
+    probe_height_error_um=0.0,
+    initial_estimate_error=0.0,
+    probe_across_um=100.0,
+    probe_along_um=100.0,
+    velocity_noise_relative=0.0,
+    velocity_noise_floor_m_per_s=0.0,
+    diameter_noise_relative=0.0,
+    diameter_noise_um=0.0,
+    outlier_fraction=0.0,
+    outlier_factors=(0.5, 2.0),
+    time_resolution_us=0.0,
+    drop_out=0.0,
+    false_records_per_s=0.0,
+    false_speed_m_per_s=1.0,
+    false_diameters_um=(10.0, 100.0),
+    later_impacts=0,
+    gate=4.0,
+)
+
 
 def main() -> None:
     """Use every compiled function of model and laboratory once; they stay in Numba's cache."""
@@ -47,6 +69,8 @@ def main() -> None:
     contact = Contact(particle=body, surface=body, diameter=5e-5, work_of_adhesion=0.1)
     collide(contact, impacts.velocity, impacts.spin, 0.1, rng)
     observe(impacts, _SETUP, rng)
+    pdpa.passages(impacts, 1e-3, ANALYZER)
+    pdpa.through_probe(impacts.position, impacts.velocity, 1e-3, ANALYZER)
 
 
 _SETUP = Setup(instrument=INSTRUMENT, angle=60.0, speed=1.66, diameter=62e-6)

@@ -11,7 +11,7 @@ from microimpact.lab.collision import collide
 from microimpact.lab.dispenser import Dispenser, Falling, InitialSpin, drop_height, release
 from microimpact.lab.distributions import Distribution, generator
 from microimpact.lab.events import Impacts, IntArray
-from microimpact.lab.pdpa import Instrument, at_level, half_axes
+from microimpact.lab.pdpa import Instrument, through_probe
 from microimpact.lab.pdpa_observation import Observation, observe
 from microimpact.model.contact import Contact, resized
 
@@ -102,10 +102,9 @@ def _through_probe(setup: Setup, speed: float, particles: int, rng: np.random.Ge
     at_once = replace(setup, dispenser=replace(setup.dispenser, particles_per_tap=2.0 * number))
     falling = _release(at_once, speed, number, rng)
     height = 1e-3 * setup.instrument.probe_height_mm
-    place = at_level(falling.position, falling.velocity, height, -1.0)[2]
-    through = np.sum(np.square(place / half_axes(setup.instrument)[:2]), axis=1) < 1.0
-    names = Falling.__dataclass_fields__
-    return Falling(**{name: getattr(falling, name)[through] for name in names})
+    return falling.select(
+        through_probe(falling.position, falling.velocity, height, setup.instrument)
+    )
 
 
 def observed(setup: Setup, impacts: Impacts, speed: float, key: tuple[int, ...]) -> Observation:

@@ -40,15 +40,19 @@ def pairing_controls(
     """
     often = setup.dispenser.particles_per_tap * params.crowding
     crowded = replace(setup, dispenser=replace(setup.dispenser, particles_per_tap=often))
-    cases: tuple[tuple[str, Setup, Change], ...] = (
-        ("as recorded", setup, _as_recorded),
-        ("times of rebounds permuted", setup, _times_permuted),
-        ("rebounds left out", setup, _without_rebounds),
-        (f"{params.crowding:g} times the arrivals", crowded, _as_recorded),
+    plain, dense = (
+        _observed(case, params.speed_m_per_s, experiments, particles, key)
+        for case in (setup, crowded)
+    )
+    cases: tuple[tuple[str, list[Observation], Change], ...] = (
+        ("as recorded", plain, _as_recorded),
+        ("times of rebounds permuted", plain, _times_permuted),
+        ("rebounds left out", plain, _without_rebounds),
+        (f"{params.crowding:g} times the arrivals", dense, _as_recorded),
     )
     rows = []
-    for name, case, change in cases:
-        found = list(_judged(case, params.speed_m_per_s, change, experiments, particles, key))
+    for name, observations, change in cases:
+        found = list(_judged(setup, observations, change, particles, key))
         total = {
             count: sum(getattr(quality, count) for quality in found)
             for count in ("pairs", "true_pairs", "recorded_pairs", "unpaired_incidents")
@@ -71,18 +75,23 @@ def pairing_controls(
     return pd.DataFrame(rows)
 
 
+def _observed(
+    setup: Setup, speed: float, experiments: int, particles: int, key: int
+) -> list[Observation]:
+    every = [dropped(setup, speed, particles, (key, i, 0)) for i in range(experiments)]
+    return [observed(setup, one, speed, (key, i, 1)) for i, one in enumerate(every)]
+
+
 def _judged(
-    setup: Setup, speed: float, change: Change, experiments: int, particles: int, key: int
+    setup: Setup, observations: list[Observation], change: Change, particles: int, key: int
 ) -> Iterator[Quality]:
-    for i in range(experiments):
-        impacts = dropped(setup, speed, particles, (key, i, 0))
-        found = observed(setup, impacts, speed, (key, i, 1))
+    instrument = setup.instrument
+    estimate = 1e-3 * instrument.probe_height_mm * (1.0 + instrument.initial_estimate_error)
+    for i, found in enumerate(observations):
         stream, truth = change(found, generator(setup.seed, key, i, 2))
-        instrument = setup.instrument
-        estimate = 1e-3 * instrument.probe_height_mm * (1.0 + instrument.initial_estimate_error)
         pairing = search(stream, estimate, instrument)
-        height = found.quality.height
-        yield judge(pairing, stream, truth, found.crossing, impacts.captured, height)
+        captured = found.impacts.captured[:particles]
+        yield judge(pairing, stream, truth, found.crossing, captured, found.quality.height)
 
 
 def _as_recorded(found: Observation, _: np.random.Generator) -> tuple[Stream, Truth]:
