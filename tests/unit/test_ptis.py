@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy
 from tests.unit.imaging_cases import (
     DIAMETER,
     INSTRUMENT,
@@ -16,7 +17,8 @@ from tests.unit.imaging_cases import (
 )
 
 from microimpact.lab.exposure import INCIDENT, LATER, REBOUND, expose, flight
-from microimpact.lab.frames import image, render
+from microimpact.lab.frames import render
+from microimpact.lab.light import _gaussian, _spread, image
 from microimpact.lab.ptis import Systematics, child, draw_systematics, event_generator
 
 EXACT = Systematics()
@@ -30,7 +32,7 @@ def lit(speed, angle, instrument=NOISELESS, seed=0, **changes):
 
 def middle_field(exposure):
     """The same exposure with the impact in the middle of its field."""
-    return replace(exposure, field=(-1 / 120, 1 / 120))
+    return replace(exposure, field=(np.array([-1 / 120]), np.array([1 / 120])))
 
 
 @pytest.mark.parametrize("angle", [85.0, 60.0, 45.0, 10.0])
@@ -173,6 +175,35 @@ def test_interlaced_lines_are_means_of_two():
     field = render(events, 0, pairs, EXACT, generator(3)).astype(float)
     assert field.shape == (240, 640)
     assert np.abs(field - 0.5 * (whole[::2] + whole[1::2])).max() <= 1.0
+
+
+@pytest.mark.parametrize("interlace", [False, True])
+def test_grey_levels_are_light_with_shot_and_reading_noise(interlace):
+    instrument = replace(INSTRUMENT, interlace=interlace, electrons_per_count=7.0)
+    events, setup = impacts(1.66, 60.0), setup_for(1.66, 60.0, instrument)
+    frame = render(events, 0, setup, EXACT, generator(3))
+    rng = generator(3)
+    light = image(expose(events, 0, setup, EXACT, rng), DIAMETER, setup, EXACT).astype(float)
+    if interlace:
+        light = 0.5 * (light[::2] + light[1::2])
+    draws = rng.integers(0, 2**16, light.shape, dtype=np.uint16)
+    level = light + instrument.background_counts
+    spread = np.sqrt(level / instrument.electrons_per_count + instrument.read_noise_counts**2)
+    level += spread * scipy.special.ndtri((draws + 0.5) / 2**16)
+    # Rounding to a grey level may fall either way where single precision decides.
+    assert np.all(np.abs(frame - np.clip(level, 0.0, 255.0)) <= 0.5 + 1e-3)
+
+
+@pytest.mark.parametrize("blur", [0.7, 1.0, 2.3])
+def test_light_of_the_path_is_spread_by_the_exact_integral_over_pixels(blur):
+    rng, size, samples = generator(5), 40, 3
+    path, light = 14.0 + 12.0 * rng.random((2, samples, 2)), np.zeros((2, size, size), np.float32)
+    path[0, 0] = 20.0, np.nextafter(20.0, 0.0)
+    path[1, 0] = 1.2, 38.9
+    _spread(path, np.zeros((2, 2), dtype=np.int64), *_gaussian(blur), light)
+    ends = (np.arange(size + 1) - 0.5 - path[..., None]) / blur
+    across, down = np.moveaxis(np.diff(scipy.special.ndtr(ends)), 2, 0)
+    assert light == pytest.approx(np.einsum("dsi,dsj->dij", down, across) / samples, abs=2e-8)
 
 
 def test_noise_of_the_dark_frame():

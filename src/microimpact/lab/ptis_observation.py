@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from microimpact.arrays import FloatArray
 from microimpact.lab.events import Impacts, Measured
 from microimpact.lab.exposure import INCIDENT, LEGS, REBOUND, Exposure, exposures
-from microimpact.lab.frames import photograph
+from microimpact.lab.frames import photographs
 from microimpact.lab.ptis import Setup, Systematics, draw_systematics, event_generator
 from microimpact.lab.track_fit import Rejection, Track
 from microimpact.lab.tracks import measure_all
@@ -90,13 +90,11 @@ def observe(
     fates[moving] = unseen(exposure, setup)
     shown = np.flatnonzero(fates[moving] == "")
     seen = observation(fates, np.empty((0, 2, 2)))
-    disks, velocities = impacts.diameter[moving].tolist(), list[FloatArray]()
+    disks, velocities = impacts.diameter[moving], list[FloatArray]()
     while len(shown):
         now, shown = np.split(shown, [wanted(seen.measured) if wanted else len(shown)])
-        frames = (
-            photograph(exposure.select(now[[k]]), disks[i], setup, errors, draws[i])
-            for k, i in enumerate(now.tolist())
-        )
+        own = [draws[i] for i in now.tolist()]
+        frames = photographs(exposure.select(now), disks[now], setup, errors, own)
         tracks = measure_all(frames, setup, with_gravity=with_gravity)
         fates[moving[now]] = [
             f"{UNMEASURABLE}: {of.reason}" if isinstance(of, Rejection) else MEASURED
