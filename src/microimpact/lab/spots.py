@@ -22,12 +22,16 @@ SMOOTHING_PX = 1.0
 REACH = 3
 KERNEL = np.exp(-((np.arange(2 * REACH + 1) - REACH) ** 2) / (2.0 * SMOOTHING_PX * SMOOTHING_PX))
 KERNEL = (KERNEL / KERNEL.sum()).astype(np.float32)
+# Rows are smoothed across the others only in stretches of so many pixels that may hold light.
+STRETCH = 32
 DETECTION = 6.0
 LEAST_BRIGHTNESS = 0.1
 # Spots are widened by this much to hold the light of their wings.
 WINGS_PX = 2
 # Light this close to the line of the surface (px) may be that of a dash bent by the impact.
 SURFACE_PX = 2.0
+# Levels are counted in every so manieth row: 77 000 pixels are enough.
+EVERY = 4
 # A spot with more of its pixels than this at the end of the scale is saturated.
 MOST_SATURATED = 0.2
 
@@ -72,17 +76,14 @@ def find_spots(frame: NDArray[np.uint8], setup: Setup) -> Spots:
     lines = setup.instrument.frame_px[1] // frame.shape[0]
     levels = np.cumsum(_histogram(frame))
     # Most of a frame is dark: its median is the background, its lower half tells the noise.
-    low, background = np.searchsorted(levels, frame.size * np.array([0.1587, 0.5]))
+    low, background = np.searchsorted(levels, levels[-1] * np.array([0.1587, 0.5]))
     noise = max(float(background - low), 1.0) / (2.0 * np.sqrt(np.pi) * SMOOTHING_PX)
-    part = _part_with_light(frame, float(background), DETECTION * noise)
-    smooth = _smoothed(frame, part, np.float32(background))
-    threshold = max(DETECTION * noise, LEAST_BRIGHTNESS * float(smooth.max()))
+    core = _core(frame, np.float32(background), np.float32(DETECTION * noise))
     # Wings below the threshold count too: cut off, they would draw centroids to pixel centres.
-    spot, boxes = _patches(smooth, np.float32(threshold))
-    core = smooth > np.float32(threshold)
+    spot, boxes = _patches(core, *frame.shape)
     alpha = np.radians(setup.angle)
     surface = (*setup.centre, np.cos(alpha), np.sin(alpha))
-    sums = _sums(frame, float(background), spot, core, boxes, part, lines, surface)
+    sums = _sums(frame, float(background), spot, core, boxes, lines, surface)
     whole = sums[LIGHT]
     centre = np.stack([sums[COLUMN], sums[ROW]], axis=1)
     mean = 0.5 * (sums[ACROSS] + sums[DOWN])
@@ -98,82 +99,98 @@ def find_spots(frame: NDArray[np.uint8], setup: Setup) -> Spots:
     )
 
 
-def _part_with_light(
-    frame: NDArray[np.uint8], background: float, least: float
-) -> tuple[int, int, int, int]:
-    """Return the part of a frame outside which no smoothed light can exceed the threshold.
-
-    First row and column, and those after the last.
-    The threshold is at least `least` and the share `LEAST_BRIGHTNESS` of the smoothed brightest
-    pixel; a mean exceeds it only where a pixel does. The margin holds what smoothing and wings
-    reach.
-    """
-    row, column = divmod(int(np.argmax(frame)), frame.shape[1])
-    height, width = frame.shape
-    top, left = max(row - REACH, 0), max(column - REACH, 0)
-    patch = top, left, min(row + REACH + 1, height), min(column + REACH + 1, width)
-    peak = _smoothed(frame, patch, np.float32(background))[row - top, column - left]
-    threshold = max(least, LEAST_BRIGHTNESS * float(peak))
-    # A little less, for sums are rounded.
-    lit = frame > int(background + 0.999 * threshold)
-    ends = []
-    for axis, size in ((1, height), (0, width)):
-        (index,) = np.nonzero(lit.any(axis=axis))
-        low, high = (int(index[0]), int(index[-1])) if index.size else (0, 0)
-        ends.append((max(low - 3 * REACH, 0), min(high + 3 * REACH + 1, size)))
-    return ends[0][0], ends[1][0], ends[0][1], ends[1][1]
-
-
 @_jit
 def _histogram(frame):  # type: ignore[no-untyped-def]
     """Number of pixels at each grey level; neighbours, often alike, are counted apart."""
     count = np.zeros((4, BRIGHTEST + 1), dtype=np.int64)
-    grey = frame.ravel()
-    for i in range(grey.size):
-        count[i % 4, grey[i]] += 1
+    for i in range(0, frame.shape[0], EVERY):
+        for j in range(frame.shape[1]):
+            count[j % 4, frame[i, j]] += 1
     return count.sum(axis=0)
 
 
 @_jit
-def _smoothed(frame, part, background):  # type: ignore[no-untyped-def]
-    """Light of a part, above the background, convolved with `KERNEL`; its edges are mirrors."""
-    top, left, bottom, right = part
-    height, width = bottom - top, right - left
-    smooth = np.empty((height, width), dtype=np.float32)
-    line = np.empty(width + 2 * REACH, dtype=np.float32)
+def _core(frame, background, least):  # type: ignore[no-untyped-def]
+    """Where the smoothed light exceeds a least and a share of its maximum: places in order.
+
+    A place is the index in the flat frame. A mean of rows exceeds the threshold only where one of
+    them does.
+    """
+    height, width = frame.shape
+    place, light = np.empty(frame.size, dtype=np.int64), np.empty(frame.size, dtype=np.float32)
+    found, threshold = 0, least
     # Rows smoothed along themselves, as many as one smoothed row needs: memory would cost more.
     rows = np.empty((2 * REACH + 1, width), dtype=np.float32)
-    k = KERNEL
+    line, smooth = np.empty(width + 2 * REACH, dtype=np.float32), np.empty_like(rows[0])
+    lit = np.zeros((2 * REACH + 1, width // STRETCH + 1), dtype=np.int64)
     for i in range(-REACH, height + REACH):
         mirrored = -1 - i if i < 0 else i if i < height else 2 * height - 1 - i
-        source = frame[top + mirrored]
-        for j in range(width):
-            line[j + REACH] = np.float32(source[left + j]) - background
-        for j in range(REACH):
-            line[REACH - 1 - j] = line[REACH + j]
-            line[REACH + width + j] = line[REACH + width - 1 - j]
-        row = rows[i % 7]
-        for j in range(width):
-            row[j] = (
-                k[0] * line[j + 6] + k[1] * line[j + 5] + k[2] * line[j + 4] + k[3] * line[j + 3]
-                + k[4] * line[j + 2] + k[5] * line[j + 1] + k[6] * line[j]
-            )  # fmt: skip
-        if i < REACH:
-            continue
-        a, b, c, d = rows[i % 7], rows[(i - 1) % 7], rows[(i - 2) % 7], rows[(i - 3) % 7]
-        e, f, g = rows[(i - 4) % 7], rows[(i - 5) % 7], rows[(i - 6) % 7]
-        row = smooth[i - REACH]
-        for j in range(width):
-            row[j] = (
-                k[0] * a[j] + k[1] * b[j] + k[2] * c[j] + k[3] * d[j]
-                + k[4] * e[j] + k[5] * f[j] + k[6] * g[j]
-            )  # fmt: skip
-    return smooth
+        _along(frame[mirrored], background, line, rows[i % 7])
+        # A little less, for sums are rounded.
+        _mark(rows[i % 7], np.float32(0.999) * threshold, lit[i % 7])
+        for part in range(lit.shape[1] if i >= REACH else 0):
+            if not np.any(lit[:, part]):
+                continue
+            begin, end = part * STRETCH, min((part + 1) * STRETCH, width)
+            _across(rows, i, begin, end, smooth)
+            for j in range(begin, end):
+                if smooth[j] > threshold:
+                    place[found], light[found] = (i - REACH) * width + j, smooth[j]
+                    found += 1
+                    threshold = max(threshold, np.float32(LEAST_BRIGHTNESS * smooth[j]))
+    return place[:found][light[:found] > threshold]
 
 
 @_jit
-def _patches(smooth, threshold):  # type: ignore[no-untyped-def]
+def _along(source, background, line, row):  # type: ignore[no-untyped-def]
+    """Smooth a row of a frame along itself; its edges are mirrors."""
+    width = row.size
+    for j in range(width):
+        line[j + REACH] = np.float32(source[j]) - background
+    for j in range(REACH):
+        line[REACH - 1 - j] = line[REACH + j]
+        line[REACH + width + j] = line[REACH + width - 1 - j]
+    k = KERNEL
+    for j in range(width):
+        row[j] = (
+            k[0] * line[j + 6] + k[1] * line[j + 5] + k[2] * line[j + 4] + k[3] * line[j + 3]
+            + k[4] * line[j + 2] + k[5] * line[j + 1] + k[6] * line[j]
+        )  # fmt: skip
+
+
+@_jit
+def _mark(row, threshold, lit):  # type: ignore[no-untyped-def]
+    """Count the pixels above the threshold in each stretch of a row."""
+    for part in range(lit.size):
+        number = 0
+        for j in range(part * STRETCH, min((part + 1) * STRETCH, row.size)):
+            number += row[j] > threshold
+        lit[part] = number
+
+
+@_jit
+def _across(rows, i, begin, end, smooth):  # type: ignore[no-untyped-def]
+    """Smooth a stretch of rows, the last of which is row i, across them."""
+    k = KERNEL
+    a, b, c, d = rows[i % 7], rows[(i - 1) % 7], rows[(i - 2) % 7], rows[(i - 3) % 7]
+    e, f, g = rows[(i - 4) % 7], rows[(i - 5) % 7], rows[(i - 6) % 7]
+    for j in range(begin, end):
+        smooth[j] = (
+            k[0] * a[j] + k[1] * b[j] + k[2] * c[j] + k[3] * d[j]
+            + k[4] * e[j] + k[5] * f[j] + k[6] * g[j]
+        )  # fmt: skip
+
+
+@_jit
+def _patches(core, height, width):  # type: ignore[no-untyped-def]
     """Number, from 1 on, the patches of bright pixels that touch, also by corners, with wings.
+
+    Parameters
+    ----------
+    core
+        Places of bright pixels in the flat frame, ascending.
+    height, width
+        Of the frame.
 
     Returns
     -------
@@ -181,91 +198,84 @@ def _patches(smooth, threshold):  # type: ignore[no-untyped-def]
         Number of the patch at each pixel, 0 elsewhere, where wings meet that of the later one; and
         first row and column of each patch and those after its last, shape (n, 4).
     """
-    height, width = smooth.shape
-    spot = np.zeros((height, width), dtype=np.int32)
-    boxes: list[tuple[int, int, int, int]] = []
-    patches: list[list[tuple[int, int]]] = []
-    for i in range(height):
-        for j in range(width):
-            if smooth[i, j] > threshold and spot[i, j] == 0:
-                spot[i, j] = len(boxes) + 1
-                patch = _patch(smooth, threshold, spot, i, j)
-                boxes.append(_box(patch, height, width))
-                patches.append(patch)
-    # In the same map, for memory is dear: where a wing covers a later patch, that comes back.
-    for k in range(len(patches)):
-        for row, column in patches[k]:
-            for i in range(max(row - WINGS_PX, 0), min(row + WINGS_PX + 1, height)):
-                for j in range(max(column - WINGS_PX, 0), min(column + WINGS_PX + 1, width)):
-                    spot[i, j] = k + 1
-    found = np.empty((len(boxes), 4), dtype=np.int64)
-    for k in range(len(boxes)):
-        found[k] = boxes[k]
-    return spot, found
+    spot, flat = np.zeros((height, width), dtype=np.int32), core.copy()
+    for place in core:
+        spot[place // width, place % width] = -1
+    # Places patch by patch: each patch grows while it is gone through.
+    first, known, number = [0], 0, 0
+    for place in core:
+        if spot[place // width, place % width] > 0:
+            continue
+        number += 1
+        spot[place // width, place % width] = number
+        at, flat[known] = known, place
+        known += 1
+        while at < known:
+            row, column = divmod(flat[at], width)
+            at += 1
+            for i in range(max(row - 1, 0), min(row + 2, height)):
+                for j in range(max(column - 1, 0), min(column + 2, width)):
+                    if spot[i, j] < 0:
+                        spot[i, j] = number
+                        flat[known] = i * width + j
+                        known += 1
+        first.append(known)
+    boxes = np.empty((number, 4), dtype=np.int64)
+    for k in range(number):
+        # In the same map: where a wing covers a later patch, that comes back.
+        boxes[k] = _widen(flat[first[k] : first[k + 1]], k + 1, spot)
+    return spot, boxes
 
 
 @_jit
-def _patch(smooth, threshold, spot, row, column):  # type: ignore[no-untyped-def]
-    """Pixels of the patch that holds a bright pixel; they take its number."""
-    height, width = smooth.shape
-    pixels, number = [(row, column)], spot[row, column]
-    # The list grows while it is gone through.
-    at = 0
-    while at < len(pixels):
-        row, column = pixels[at]
-        at += 1
-        for i in range(max(row - 1, 0), min(row + 2, height)):
-            for j in range(max(column - 1, 0), min(column + 2, width)):
-                if smooth[i, j] > threshold and spot[i, j] == 0:
-                    spot[i, j] = number
-                    pixels.append((i, j))
-    return pixels
+def _widen(patch, number, spot):  # type: ignore[no-untyped-def]
+    """Give the pixels of a patch and its wings its number; its first and last row and column."""
+    height, width = spot.shape
+    top, left, bottom, right = height, width, 0, 0
+    for place in patch:
+        row, column = divmod(place, width)
+        first, last = max(row - WINGS_PX, 0), min(row + WINGS_PX + 1, height)
+        begin, end = max(column - WINGS_PX, 0), min(column + WINGS_PX + 1, width)
+        for i in range(first, last):
+            for j in range(begin, end):
+                spot[i, j] = number
+        top, left, bottom, right = (
+            min(top, first), min(left, begin), max(bottom, last), max(right, end)
+        )  # fmt: skip
+    return top, left, bottom, right
 
 
 @_jit
-def _box(pixels, height, width):  # type: ignore[no-untyped-def]
-    """First row and column of pixels with their wings, and those after the last."""
-    top, left = bottom, right = pixels[0]
-    for row, column in pixels:
-        top, left = min(top, row), min(left, column)
-        bottom, right = max(bottom, row), max(right, column)
-    first = max(top - WINGS_PX, 0), max(left - WINGS_PX, 0)
-    return *first, min(bottom + WINGS_PX + 1, height), min(right + WINGS_PX + 1, width)
-
-
-@_jit
-def _sums(frame, background, spot, core, boxes, part, lines, surface):  # type: ignore[no-untyped-def]
+def _sums(frame, background, spot, core, boxes, lines, surface):  # type: ignore[no-untyped-def]
     """Sums over the pixels of each spot, second moments about its centroid; shape (9, n)."""
     sums = np.zeros((9, len(boxes)))
     x_0, y_0, cos, sin = surface
     height, width = frame.shape
+    for place in core:
+        row, column = divmod(place, width)
+        own = sums[:, spot[row, column] - 1]
+        own[CORE] += 1
+        y = lines * row + 0.5 * (lines - 1)
+        edge = row in (0, height - 1) or column in (0, width - 1)
+        own[NEAR] += edge or (column - x_0) * cos - (y - y_0) * sin < SURFACE_PX
     for k in range(len(boxes)):
         top, left, bottom, right = boxes[k]
         own = sums[:, k]
-        for i in range(top, bottom):
-            row = i + part[0]
+        for row in range(top, bottom):
             y = lines * row + 0.5 * (lines - 1)
-            for j in range(left, right):
-                if spot[i, j] != k + 1:
-                    continue
-                column = j + part[1]
-                weight = frame[row, column] - background
-                own[LIGHT] += weight
-                own[COLUMN] += weight * column
-                own[ROW] += weight * y
-                own[FULL] += frame[row, column] == BRIGHTEST
-                if core[i, j]:
-                    own[CORE] += 1
-                    edge = row in (0, height - 1) or column in (0, width - 1)
-                    own[NEAR] += edge or (column - x_0) * cos - (y - y_0) * sin < SURFACE_PX
+            for column in range(left, right):
+                if spot[row, column] == k + 1:
+                    weight = frame[row, column] - background
+                    own[LIGHT] += weight
+                    own[COLUMN] += weight * column
+                    own[ROW] += weight * y
+                    own[FULL] += frame[row, column] == BRIGHTEST
         own[COLUMN] /= own[LIGHT]
         own[ROW] /= own[LIGHT]
-        for i in range(top, bottom):
-            row = i + part[0]
+        for row in range(top, bottom):
             dy = lines * row + 0.5 * (lines - 1) - own[ROW]
-            for j in range(left, right):
-                if spot[i, j] == k + 1:
-                    column = j + part[1]
+            for column in range(left, right):
+                if spot[row, column] == k + 1:
                     weight, dx = frame[row, column] - background, column - own[COLUMN]
                     own[ACROSS] += weight * dx * dx
                     own[DOWN] += weight * dy * dy
