@@ -17,6 +17,7 @@ from microimpact.ledgers._equation_records import (
     Outcome,
     Values,
     follows,
+    where_one,
 )
 from microimpact.model.contact import hertz_stiffness
 from microimpact.model.trajectory import Trajectory, trajectory
@@ -57,16 +58,17 @@ def hertz() -> Facts:
     The semi-ellipsoidal pressure sinks the centre by (2/E*) times its integral over the radius,
     and the edge by half of that.
     """
-    y, peak, d = sympy.symbols("y p_0 d", positive=True)
+    angle, peak, d = sympy.symbols("angle p_0 d", positive=True)
     compliance = (1 - nu_1**2) / E_1 + (1 - nu_2**2) / E_2
-    pressure = peak * sympy.sqrt(1 - y**2)
-    (radius,) = sympy.solve(d - a**2 / (2 * r) - d / 2, a)
-    sunk = 2 * compliance * radius * sympy.integrate(pressure, (y, 0, 1))
-    load = 2 * sympy.pi * radius**2 * sympy.integrate(pressure * y, (y, 0, 1))
-    load = load.subs(peak, sympy.solve(sunk - d, peak)[0])
+    at, pressure = sympy.sin(angle), peak * sympy.cos(angle)
+    radius = where_one(a**2 / (2 * r) / (d - d / 2), a)
+    whole = (angle, 0, sympy.pi / 2)
+    sunk = 2 * compliance * radius * sympy.integrate(pressure * at.diff(angle), whole)
+    load = 2 * sympy.pi * radius**2 * sympy.integrate(pressure * at * at.diff(angle), whole)
+    load = load.subs(peak, where_one(sunk / d, peak))
     return {
         a: radius.subs(d, -n),
-        K: sympy.simplify(load / (sympy.sqrt(r) * d ** sympy.Rational(3, 2))),
+        K: load / (sympy.sqrt(r) * d ** sympy.Rational(3, 2)),
         k_1: (1 - nu_1**2) / (sympy.pi * E_1),
         k_2: (1 - nu_2**2) / (sympy.pi * E_2),
     }
@@ -93,12 +95,10 @@ def newton() -> Facts:
 
 @cache
 def time_scale() -> sympy.Expr:
-    """Time T at which inertia m (v T)/T^2 equals the Hertz force at the distance v T.
-
-    Force over inertia grows as T^(5/2), from this value at T = 1.
-    """
-    force_over_inertia = sympy.sqrt(r) * K * (-v_n) ** sympy.Rational(3, 2) / (m * -v_n)
-    return force_over_inertia ** sympy.Rational(-2, 5)
+    """Time T at which inertia m (v T)/T^2 equals the Hertz force at the distance v T."""
+    T = sympy.Symbol("T", positive=True)
+    force = sympy.sqrt(r) * K * (-v_n * T) ** sympy.Rational(3, 2)
+    return where_one(force / (m * -v_n * T / T**2), T)
 
 
 def damping() -> Facts:
@@ -117,7 +117,7 @@ def period() -> sympy.Expr:
     """Period of contact by Hertz: twice the time to the depth that stops the sphere."""
     d = sympy.Symbol("d", positive=True)
     stored = sympy.Rational(2, 5) * sympy.sqrt(r) * K * d ** sympy.Rational(5, 2)
-    deepest = sympy.solve(stored - m * v_n**2 / 2, d)[0]
+    deepest = where_one(stored / (m * v_n**2 / 2), d)
     # integral of (1 - y^(5/2))^(-1/2) from 0 to 1
     share = sympy.Rational(2, 5) * sympy.beta(sympy.Rational(2, 5), sympy.Rational(1, 2))
     return 2 * deepest / -v_n * share

@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import sympy
 
-from microimpact.ledgers._equation_forms import Form, declared, symbols
+from microimpact.ledgers._equation_forms import Form, declared, symbols, vanishes
 from microimpact.ledgers._equation_impulses import INERTIA, UNITS, adhesion, newton
 from microimpact.ledgers._equation_records import (
     Case,
@@ -96,8 +96,8 @@ def _made_by_spin(form: Form, _: Case) -> Outcome:
     """At normal incidence: absent without spin, present with it."""
     free, rolling = symbols("mu mu_0")
     impulse = form.residual.subs(newton()).subs(free, newton()[rolling]).subs(v_t, 0)
-    spun = sympy.simplify(impulse)
-    return passed(form.relation == "!=" and spun.subs(omega, 0) == 0 and spun != 0)
+    absent, present = vanishes(impulse.subs(omega, 0)), not vanishes(impulse)
+    return passed(form.relation == "!=" and absent and present)
 
 
 def _rolling_losses(e: float) -> tuple[float, float]:

@@ -35,7 +35,18 @@ FREE_EXPONENTS = {"p": (7, 5), "q": (6, 5)}
 REFUTED = 1e-6
 
 _NAME = re.compile(r"[A-Za-z]\w*")
-_UNITS: pint.UnitRegistry[Any] = pint.UnitRegistry(non_int_type=Fraction)
+# The units of the article alone: the file of all units takes Pint longer to read than all proofs.
+_UNITS: pint.UnitRegistry[Any] = pint.UnitRegistry(None, non_int_type=Fraction)
+for _definition in (
+    "m = [length]",
+    "kg = [mass]",
+    "s = [time]",
+    "rad = []",
+    "N = kg*m/s**2",
+    "Pa = N/m**2",
+    "J = N*m",
+):
+    _UNITS.define(_definition)
 
 Dimension = Any
 
@@ -185,6 +196,13 @@ def vanishes(expression: Any) -> bool:
     }
     if abs(complex(expression.subs(numbers).evalf())) > REFUTED:
         return False
+    if _cancels(expression):
+        return True
     dense = sympy.powdenest(expression, force=True)
-    numerator, _ = sympy.fraction(sympy.together(dense))
-    return bool(sympy.expand(numerator) == 0 or sympy.simplify(dense) == 0)
+    return _cancels(dense) or bool(sympy.simplify(dense) == 0)
+
+
+def _cancels(expression: Any) -> bool:
+    """Tell whether nothing is left over a common denominator, with angles as powers of e."""
+    numerator, _ = sympy.fraction(sympy.together(expression.rewrite(sympy.exp)))
+    return bool(sympy.expand(numerator) == 0)

@@ -73,7 +73,7 @@ def newton() -> Facts:
     )
     slip = contact_velocity()[V_Ct].subs(after)
     slip_0 = slip.subs(mu, 0)
-    (rolling,) = sympy.solve(slip, mu)
+    rolling = solve([slip], mu)[mu]
     gyration = sympy.sqrt(INERTIA / m)
     return after | {V_Ct: slip, mu_0: rolling, eta: slip_0 / v_n, k: gyration}
 

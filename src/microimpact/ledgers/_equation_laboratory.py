@@ -21,7 +21,7 @@ from microimpact.ledgers._equation_records import (
     Values,
     follows,
     passed,
-    solve,
+    where_one,
 )
 from microimpact.model.rigid_body import energy_loss, rigid_body_rebound
 
@@ -35,9 +35,10 @@ eta_rate, eta_s_rate, eta_squared_rate = symbols("eta_rate eta_s_rate eta_square
 @cache
 def free_fall() -> Facts:
     """Speeds at the surface, from those in the probe or from rest, by conservation of energy."""
-    fall = solve([m * v**2 / 2 - m * v_probe**2 / 2 - m * g * h], v)
-    rise = solve([m * V**2 / 2 - m * V_probe**2 / 2 - m * g * h], V)
-    return fall | rise
+    return {
+        at_surface: where_one((m * at_surface**2 / 2) / (m * probe**2 / 2 + m * g * h), at_surface)
+        for at_surface, probe in ((v, v_probe), (V, V_probe))
+    }
 
 
 def from_rest() -> Facts:
@@ -57,7 +58,7 @@ def rolling_loss() -> sympy.Expr:
     V_n, V_t = symbols("V_n V_t")
     arriving = {omega: 0, v_n: -v * sympy.sin(alpha), v_t: v * sympy.cos(alpha)}
     kept = (state[V_n] ** 2 + state[V_t] ** 2).subs(arriving)
-    return sympy.simplify(1 - kept / v**2)
+    return 1 - kept / v**2
 
 
 def normal_incidence() -> Facts:

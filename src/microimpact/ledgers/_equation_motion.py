@@ -21,6 +21,8 @@ from microimpact.ledgers._equation_records import (
     Values,
     follows,
     passed,
+    solve,
+    where_one,
 )
 from microimpact.model.contact import ring_force_from_work
 from microimpact.model.impact import planar, simulate
@@ -44,7 +46,7 @@ def newton() -> Facts:
 def rolling_force() -> Facts:
     """Tangential force at which slip, once zero, stays zero."""
     known = newton()
-    return solve_for(F_t, known[t_ddot] - R * known[theta_ddot])
+    return solve([known[t_ddot] - R * known[theta_ddot]], F_t)
 
 
 def rolling() -> Facts:
@@ -54,18 +56,12 @@ def rolling() -> Facts:
     return {name: state[name].subs(mu, state[mu_0]) for name in (V_t, Omega)}
 
 
-def solve_for(unknown: sympy.Symbol, law: sympy.Expr) -> Facts:
-    """Return the only solution of a law."""
-    (solution,) = sympy.solve(law, unknown)
-    return {unknown: solution}
-
-
 @cache
 def equilibrium() -> Facts:
     """Ring force that holds a sphere at the contact radius of JKR at zero load."""
     a = sympy.Symbol("a", positive=True)
-    (radius,) = sympy.solve(K * a**3 / r - sympy.sqrt(6 * sympy.pi * w_A * K * a**3), a)
-    return solve_for(f_0, (K * a**3 / r - 2 * sympy.pi * a * f_0).subs(a, radius))
+    radius = where_one((K * a**3 / r) / sympy.sqrt(6 * sympy.pi * w_A * K * a**3), a)
+    return solve([(K * a**3 / r - 2 * sympy.pi * a * f_0).subs(a, radius)], f_0)
 
 
 @cache
@@ -80,11 +76,11 @@ def attachment() -> tuple[sympy.Expr, sympy.Symbol, sympy.Expr]:
     """
     b, d, share = sympy.symbols("b d s_e", positive=True)
     hertz = sympy.Rational(2, 5) * b**5 / R**2
-    (reduced,) = sympy.solve(hertz * K_H - hertz * K + sympy.pi * w_A * b**2, K_H)
+    reduced = solve([hertz * K_H - hertz * K + sympy.pi * w_A * b**2], K_H)[K_H]
     root = sympy.sqrt(r)
-    well = sympy.Rational(2, 5) * root * K * d ** sympy.Rational(5, 2)
-    well -= sympy.Rational(4, 3) * sympy.pi * root * f_0 * d ** sympy.Rational(3, 2)
-    (turning,), (resting,) = sympy.solve(well / d, d), sympy.solve(well.diff(d) / sympy.sqrt(d), d)
+    stored = sympy.Rational(2, 5) * root * K * d ** sympy.Rational(5, 2)
+    freed = sympy.Rational(4, 3) * sympy.pi * root * f_0 * d ** sympy.Rational(3, 2)
+    turning, resting = where_one(stored / freed, d), where_one(stored.diff(d) / freed.diff(d), d)
     return reduced.subs(b, a_c * sympy.sqrt(share)), share, turning / resting
 
 

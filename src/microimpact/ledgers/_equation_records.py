@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import count, islice
 from typing import Any, Literal
 
 import sympy
@@ -160,18 +161,38 @@ def expands(method: str, facts: Callable[[], Facts], small: str, order: int) -> 
 
 
 def leading(expression: Any, small: str, order: int) -> Any:
-    """Return an expression up to an order in the symbols that are small together."""
+    """Return an expression up to an order in the symbols that are small together.
+
+    It is the quotient of two power series, as the denominator may be small too: phi/(alpha + phi).
+    """
     scale = sympy.Symbol("epsilon", positive=True)
     scaled = expression.subs({symbol(name): scale * symbol(name) for name in small.split()})
-    found, term = sympy.S.Zero, scaled
-    for power in range(order + 1):
-        found, term = found + term.subs(scale, 0) / sympy.factorial(power), term.diff(scale)
-    if found.has(sympy.nan, sympy.zoo):  # of quotients of small symbols, as phi/(alpha + phi)
-        found = sympy.series(scaled, scale, 0, order + 1).removeO().subs(scale, 1)
-    return found
+    over, under = sympy.fraction(sympy.together(scaled))
+    lowest = next(power for power, term in enumerate(_series(under, scale)) if not vanishes(term))
+    below = list(islice(_series(under, scale), 2 * lowest + order + 1))
+    found: list[Any] = []
+    for power, term in enumerate(islice(_series(over, scale), lowest + order + 1)):
+        rest = term - sum(found[k] * below[lowest + power - k] for k in range(power))
+        found.append(rest / below[lowest])
+    return sum(found)
+
+
+def _series(expression: Any, variable: Any) -> Iterator[Any]:
+    """Give the coefficients of the powers of a variable, from the lowest."""
+    for power in count():
+        yield expression.subs(variable, 0) / sympy.factorial(power)
+        expression = expression.diff(variable)
 
 
 def solve(laws: list[Any], *unknowns: Any) -> Facts:
-    """Return the only solution of some laws."""
-    (solution,) = sympy.solve(laws, unknowns, dict=True)
-    return dict(solution)
+    """Return the only solution of some linear laws."""
+    (solution,) = sympy.linsolve(laws, *unknowns)
+    return dict(zip(unknowns, solution, strict=True))
+
+
+def where_one(ratio: Any, unknown: Any) -> Any:
+    """Return the positive unknown at which a ratio, a power of it, is one."""
+    factor, exponent = ratio.as_coeff_exponent(unknown)
+    if factor.has(unknown):
+        raise ValueError(f"{ratio} is no power of {unknown}")
+    return factor ** (-1 / exponent)

@@ -8,7 +8,7 @@ import numpy as np
 import sympy
 
 from microimpact.ledgers import _equation_impulses as impulses
-from microimpact.ledgers._equation_forms import Form, declared, symbols
+from microimpact.ledgers._equation_forms import Form, declared, symbols, vanishes
 from microimpact.ledgers._equation_records import (
     At,
     Case,
@@ -51,8 +51,8 @@ def rotation() -> Facts:
     local = alpha + phi
     turn = sympy.Matrix([[sympy.cos(phi), -sympy.sin(phi)], [sympy.sin(phi), sympy.cos(phi)]])
     before = sympy.Matrix([v * sympy.cos(local), -v * sympy.sin(local)])
-    arrived = (turn * before).applyfunc(sympy.trigsimp)
-    if arrived != sympy.Matrix([v * sympy.cos(alpha), -v * sympy.sin(alpha)]):
+    arrived = sympy.Matrix([v * sympy.cos(alpha), -v * sympy.sin(alpha)])
+    if not all(map(vanishes, turn * before - arrived)):
         raise AssertionError("the rotation does not give the nominal angle")
     after = turn * sympy.Matrix([Vp_t, -e * before[1]])
     impulse_t, impulse_n = turn * sympy.Matrix([mu, 1])
