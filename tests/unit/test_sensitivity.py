@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from pydantic import ValidationError
+from SALib.analyze.sobol import analyze
 
 from microimpact.config import load, validate
 from microimpact.model.calibration import two_stage
@@ -60,6 +61,25 @@ def test_linear_function():
     assert found.total == pytest.approx(shares, abs=0.01)
     assert np.all((found.first_low < shares) & (shares < found.first_high))
     assert np.all((found.total_low < shares) & (shares < found.total_high))
+
+
+def test_indices_are_those_of_the_library():
+    # A few base samples, so that some resamples hold one of them alone.
+    response = np.exp(saltelli_sample(3, 4, generator(1)) @ np.array([1.0, 2.0, 3.0])) + 100.0
+    found = indices(response)
+    known = analyze(
+        {"num_vars": 3, "names": ["a", "b", "c"], "bounds": [[0.0, 1.0]] * 3},
+        response.ravel(),
+        calc_second_order=False,
+        num_resamples=200,
+        keep_resamples=True,
+        seed=generator(2),
+    )
+    for name, key in (("first", "S1"), ("total", "ST")):
+        assert getattr(found, name) == pytest.approx(known[key], rel=1e-9)
+        for end, share in (("low", 0.025), ("high", 0.975)):
+            ends = np.quantile(known[f"{key}_conf_all"], share, axis=0)
+            assert getattr(found, f"{name}_{end}") == pytest.approx(ends, rel=1e-9)
 
 
 def test_ishigami():
