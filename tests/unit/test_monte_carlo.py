@@ -335,7 +335,7 @@ def test_mean_over_slopes_alone_is_a_known_integral(flux_weighted, must_leave, a
 
 
 def replicate(one, key, number):
-    return replicate_sums(one, 20.0, replicate_shares(one, key, number))
+    return replicate_sums(one, 20.0, [replicate_shares(one, key, number)])[0]
 
 
 def test_ensembles_may_share_what_is_drawn():
@@ -363,7 +363,7 @@ def test_threads_change_no_digit_and_longer_runs_begin_with_shorter_ones():
     counted = []
     one = estimate(base, 20.0, done=counted.append)
     assert estimate(base, 20.0, threads=3) == one
-    assert counted == [64] * 70
+    assert counted == [70 * 64]
     short, long = long_run(base, BLOCK + 1), long_run(base, 3 * BLOCK)
     assert (short.plan.replicates, long.plan.replicates) == (2, 3)
     assert np.array_equal(replicate(short, 0, 1), replicate(long, 0, 1))

@@ -2,7 +2,8 @@
 
 Events come in replicates: batches of a fixed size, each with random numbers of its own. A replicate
 is a pure function of the ensemble, the angle and its number, so that neither the order in which
-replicates are computed nor the place matters; each thread holds only one in memory. The scatter of
+replicates are computed nor the place matters; small ones are computed several at a time, and each
+thread holds no more events than `BLOCK`, or one replicate, in memory. The scatter of
 their means gives the error of every estimate, whatever the method of sampling. Sums over replicates
 are exact, so an estimate does not depend on the number of threads in its last digit either.
 """
@@ -28,7 +29,7 @@ from microimpact.studies._monte_carlo import Draws, Ensemble, Plan
 
 # Events of a replicate of a long run: its arrays fit the processor's second cache.
 BLOCK = 2**14
-# Replicates handed to threads at a time: enough to keep them busy, few enough to wait for.
+# Tasks handed to threads at a time: enough to keep them busy, few enough to wait for.
 BATCH = 64
 
 # Columns of the sums of a replicate.
@@ -75,22 +76,33 @@ def estimate(
     threads
         That share the replicates; results do not depend on it.
     done
-        Called with the number of events after each replicate.
+        Called with the number of events after each task.
     shares
         What `replicate_shares` gives for every replicate, if there already; estimates of ensembles
         that differ in their parameters alone may share them.
     """
 
-    def one(number: int) -> FloatArray:
-        drawn = replicate_shares(ensemble, key, number) if shares is None else shares[number]
+    plan = ensemble.plan
+
+    def some(numbers: range) -> FloatArray:
+        drawn = (
+            [replicate_shares(ensemble, key, number) for number in numbers]
+            if shares is None
+            else shares[numbers.start : numbers.stop]
+        )
         return replicate_sums(ensemble, angle_deg, drawn)
 
+    together = max(1, BLOCK // plan.events)
+    tasks = (
+        range(first, min(first + together, plan.replicates))
+        for first in range(0, plan.replicates, together)
+    )
     sums = []
-    for part in _shared(one, range(ensemble.plan.replicates), threads):
+    for part in _shared(some, tasks, threads):
         sums.append(part)
         if done is not None:
-            done(ensemble.plan.events)
-    return summary(np.stack(sums), ensemble.plan.events)
+            done(plan.events * len(part))
+    return summary(np.concatenate(sums), plan.events)
 
 
 def long_run(ensemble: Ensemble, events: int) -> Ensemble:
@@ -100,9 +112,9 @@ def long_run(ensemble: Ensemble, events: int) -> Ensemble:
 
 
 def _shared(
-    task: Callable[[int], FloatArray], numbers: Iterable[int], threads: int
+    task: Callable[[range], FloatArray], numbers: Iterable[range], threads: int
 ) -> Iterator[FloatArray]:
-    """Yield the results of a task, in the order of the numbers."""
+    """Yield the results of a task, in the order of its numbers."""
     if threads == 1:
         yield from map(task, numbers)
         return
@@ -142,19 +154,28 @@ def replicate_shares(ensemble: Ensemble, key: int, number: int) -> Draws:
     )
 
 
-def replicate_sums(ensemble: Ensemble, angle_deg: float, shares: Draws) -> FloatArray:
-    """Return counts of rejections, and sums of e and -mu and of their squares, shape (8,)."""
+def replicate_sums(ensemble: Ensemble, angle_deg: float, shares: Sequence[Draws]) -> FloatArray:
+    """Return counts of rejections, and sums of e and -mu and of their squares.
+
+    Shape (replicates, 8), of the shares of each replicate.
+    """
     distributions = ensemble.process.distributions
-    draws = {name: d.quantile(shares[name]) for name, d in distributions.items()}
+    all_shares = {name: np.concatenate([one[name] for one in shares]) for name in shares[0]}
+    draws = {name: d.quantile(all_shares[name]) for name, d in distributions.items()}
     before, spin_speed = _approach(draws, angle_deg)
-    after, faced, captured = _contacts(ensemble, shares, draws, before, spin_speed)
+    after, faced, captured = _contacts(ensemble, all_shares, draws, before, spin_speed)
     left = after[:, 2] > 0.0 if ensemble.rules.must_leave else np.ones_like(faced)
     accepted = faced & ~captured & left
     change = after[accepted] - before[accepted]
-    e, mu = -after[accepted, 2] / before[accepted, 2], -change[:, 0] / change[:, 2]
+    e, mu = np.zeros((2, len(accepted)))
+    e[accepted] = -after[accepted, 2] / before[accepted, 2]
+    mu[accepted] = -change[:, 0] / change[:, 2]
     counts = (~faced, faced & captured, faced & ~captured & ~left, accepted)
-    sums = (np.sum(values) for values in (*counts, e, e**2, mu, mu**2))
-    return np.array([float(value) for value in sums])
+    sums = [
+        values.reshape(len(shares), -1).sum(axis=1, dtype=float)
+        for values in (*counts, e, e**2, mu, mu**2)
+    ]
+    return np.stack(sums, axis=1)
 
 
 @dataclass(frozen=True, slots=True)
