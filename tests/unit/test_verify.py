@@ -106,10 +106,7 @@ def test_the_same_figure_drawn_again_is_the_same(built, reference):
 def test_structure_tells_texts_ticks_and_points(built):
     parts = structure((built / "figures/fig14.svg").read_text())["axes_1"]
     assert {"speed", "e", "restitution"} <= set(parts["texts"])
-    assert [tick.strip("$") for tick in parts["y ticks"]][:2] == [
-        "\\mathdefault{0.0}",
-        "\\mathdefault{0.2}",
-    ]
+    assert parts["y ticks"][:2] == ["0.0", "0.2"]
     assert "line2d: 30 points, 0 marks" in parts["artists"]
     assert "line2d: 0 points, 2 marks" in parts["artists"]
 
