@@ -19,6 +19,8 @@ from microimpact.lab.ptis import Instrument, Setup, Systematics
 from microimpact.model.compiled import jit
 
 BRIGHTEST = 255
+# Less light than this, in counts, is not seen; rounding leaves less between dashes.
+UNSEEN = 1e-4
 # Noise of a pixel is one of so many quantiles of the normal distribution: its standard deviation is
 # right to 1e-5, and it is drawn in a fifth of the time.
 QUANTILES = 2**16
@@ -101,7 +103,7 @@ def _expose(light, boxes, draw, normal, dark, background, electrons, least, fram
         for row in range(top, bottom):
             for column in range(left, right):
                 bright, noise = light[row, column], normal[draw[row * light.shape[1] + column]]
-                if bright > 0.0:
+                if bright > UNSEEN:
                     frame[row, column] = _grey(bright, noise, background, electrons, least)
 
 

@@ -49,7 +49,10 @@ def image(
 def lights(
     exposure: Exposure, diameter: FloatArray, setup: Setup, errors: Systematics
 ) -> Iterator[tuple[NDArray[np.float32], IntArray]]:
-    """Yield the `image` of each event and its boxes of light: left, top, right, bottom, (m, 4)."""
+    """Yield the `image` of each event and its boxes of light: left, top, right, bottom, (m, 4).
+
+    The array is the same every time, for memory is dear.
+    """
     size, blur = np.array(setup.instrument.frame_px), setup.instrument.blur_px
     event = exposure.event
     start = np.maximum(exposure.start, exposure.field[0][event])
@@ -63,8 +66,10 @@ def lights(
     bright, first = (end - start) * setup.chop_rate, leg % LEGS < LATER
     disk = diameter / setup.pixel
     bounds = np.searchsorted(event, np.arange(len(exposure) + 1))
+    frame = np.empty(size[::-1], dtype=np.float32)
     for i, (begin, stop) in enumerate(pairwise(bounds.tolist())):
-        frame, boxes = np.zeros(size[::-1], dtype=np.float32), np.empty((0, 4), dtype=np.int64)
+        frame.fill(0.0)
+        boxes = np.empty((0, 4), dtype=np.int64)
         own, pad = slice(begin, stop), REACH * blur + 0.5 * disk[i]
         n = max(8, int(np.ceil(SAMPLES_PER_BLUR * length[own].max(initial=0.0) / blur)))
         path = _parabola(n) @ points[own]

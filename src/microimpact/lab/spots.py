@@ -117,27 +117,28 @@ def _core(frame, background, least):  # type: ignore[no-untyped-def]
     them does.
     """
     height, width = frame.shape
-    place, light = np.empty(frame.size, dtype=np.int64), np.empty(frame.size, dtype=np.float32)
+    place, light = np.empty(8 * width, dtype=np.int64), np.empty(8 * width, dtype=np.float32)
     found, threshold = 0, least
     # Rows smoothed along themselves, as many as one smoothed row needs: memory would cost more.
     rows = np.empty((2 * REACH + 1, width), dtype=np.float32)
     line, smooth = np.empty(width + 2 * REACH, dtype=np.float32), np.empty_like(rows[0])
-    lit = np.zeros((2 * REACH + 1, width // STRETCH + 1), dtype=np.int64)
+    lit = np.zeros((2 * REACH + 1, -(-width // STRETCH)), dtype=np.uint64)
+    above = np.zeros(lit.shape[1] * STRETCH, dtype=np.uint8)
+    eights = above.view(np.uint64)
     for i in range(-REACH, height + REACH):
         mirrored = -1 - i if i < 0 else i if i < height else 2 * height - 1 - i
         _along(frame[mirrored], background, line, rows[i % 7])
         # A little less, for sums are rounded.
-        _mark(rows[i % 7], np.float32(0.999) * threshold, lit[i % 7])
+        _mark(rows[i % 7], np.float32(0.999) * threshold, above, eights, lit[i % 7])
+        if found + width > place.size:
+            place, light = np.append(place, place), np.append(light, light)
         for part in range(lit.shape[1] if i >= REACH else 0):
-            if not np.any(lit[:, part]):
-                continue
-            begin, end = part * STRETCH, min((part + 1) * STRETCH, width)
-            _across(rows, i, begin, end, smooth)
-            for j in range(begin, end):
-                if smooth[j] > threshold:
-                    place[found], light[found] = (i - REACH) * width + j, smooth[j]
-                    found += 1
-                    threshold = max(threshold, np.float32(LEAST_BRIGHTNESS * smooth[j]))
+            if np.any(lit[:, part]):
+                begin, end = part * STRETCH, min((part + 1) * STRETCH, width)
+                _across(rows, i, begin, end, smooth)
+                found, threshold = _above(
+                    smooth, begin, end, (i - REACH) * width, place, light, found, threshold
+                )
     return place[:found][light[:found] > threshold]
 
 
@@ -159,13 +160,13 @@ def _along(source, background, line, row):  # type: ignore[no-untyped-def]
 
 
 @_jit
-def _mark(row, threshold, lit):  # type: ignore[no-untyped-def]
-    """Count the pixels above the threshold in each stretch of a row."""
+def _mark(row, threshold, above, eights, lit):  # type: ignore[no-untyped-def]
+    """Tell in which stretches of a row a pixel is above the threshold: eight are read at once."""
+    for j in range(row.size):
+        above[j] = row[j] > threshold
     for part in range(lit.size):
-        number = 0
-        for j in range(part * STRETCH, min((part + 1) * STRETCH, row.size)):
-            number += row[j] > threshold
-        lit[part] = number
+        k = 4 * part
+        lit[part] = eights[k] | eights[k + 1] | eights[k + 2] | eights[k + 3]
 
 
 @_jit
@@ -179,6 +180,17 @@ def _across(rows, i, begin, end, smooth):  # type: ignore[no-untyped-def]
             k[0] * a[j] + k[1] * b[j] + k[2] * c[j] + k[3] * d[j]
             + k[4] * e[j] + k[5] * f[j] + k[6] * g[j]
         )  # fmt: skip
+
+
+@_jit
+def _above(smooth, begin, end, first, place, light, found, threshold):  # type: ignore[no-untyped-def]
+    """Add what exceeds the threshold in a stretch to the places found, and raise the threshold."""
+    for j in range(begin, end):
+        if smooth[j] > threshold:
+            place[found], light[found] = first + j, smooth[j]
+            found += 1
+            threshold = max(threshold, np.float32(LEAST_BRIGHTNESS * smooth[j]))
+    return found, threshold
 
 
 @_jit
@@ -260,25 +272,24 @@ def _sums(frame, background, spot, core, boxes, lines, surface):  # type: ignore
         own[NEAR] += edge or (column - x_0) * cos - (y - y_0) * sin < SURFACE_PX
     for k in range(len(boxes)):
         top, left, bottom, right = boxes[k]
-        own = sums[:, k]
+        light = x = y = full = across = down = mixed = 0.0
         for row in range(top, bottom):
-            y = lines * row + 0.5 * (lines - 1)
+            level = lines * row + 0.5 * (lines - 1)
             for column in range(left, right):
                 if spot[row, column] == k + 1:
                     weight = frame[row, column] - background
-                    own[LIGHT] += weight
-                    own[COLUMN] += weight * column
-                    own[ROW] += weight * y
-                    own[FULL] += frame[row, column] == BRIGHTEST
-        own[COLUMN] /= own[LIGHT]
-        own[ROW] /= own[LIGHT]
+                    light += weight
+                    x += weight * column
+                    y += weight * level
+                    full += frame[row, column] == BRIGHTEST
+        x, y = x / light, y / light
         for row in range(top, bottom):
-            dy = lines * row + 0.5 * (lines - 1) - own[ROW]
+            dy = lines * row + 0.5 * (lines - 1) - y
             for column in range(left, right):
                 if spot[row, column] == k + 1:
-                    weight, dx = frame[row, column] - background, column - own[COLUMN]
-                    own[ACROSS] += weight * dx * dx
-                    own[DOWN] += weight * dy * dy
-                    own[MIXED] += weight * dx * dy
-        own[ACROSS : MIXED + 1] /= own[LIGHT]
+                    weight, dx = frame[row, column] - background, column - x
+                    across += weight * dx * dx
+                    down += weight * dy * dy
+                    mixed += weight * dx * dy
+        sums[:CORE, k] = light, x, y, across / light, down / light, mixed / light, full
     return sums
