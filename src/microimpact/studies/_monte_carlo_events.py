@@ -81,7 +81,6 @@ def estimate(
         What `replicate_shares` gives for every replicate, if there already; estimates of ensembles
         that differ in their parameters alone may share them.
     """
-
     plan = ensemble.plan
 
     def some(numbers: range) -> FloatArray:
