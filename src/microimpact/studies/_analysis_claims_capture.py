@@ -92,14 +92,13 @@ def c97(context: Context) -> Numbers:
 def c98(context: Context, contact: Contact) -> dict[str, float]:
     """Return normal speeds of capture without slopes, and where half are captured with them."""
     capture = context.params.capture
-    speeds = decoupled_speeds(contact, np.array(capture.decoupled_angles_deg))
-    upright = decoupled_speeds(contact, np.array([90.0]))
+    *speeds, upright = decoupled_speeds(contact, np.array([*capture.decoupled_angles_deg, 90.0]))
     apparent, steep = (
         apparent_speed(context, contact, angle) for angle in (capture.oblique_angle_deg, 90.0)
     )
     return {
         "largest_difference_of_normal_capture_speeds_over_angles": float(
-            np.max(np.abs(speeds / upright - 1.0))
+            np.max(np.abs(np.array(speeds) / upright - 1.0))
         ),
         "apparent_capture_speed_10_over_90_deg_with_slopes": apparent / steep,
         "share_that_rolls_away_or_bounces_again": share_lost(context, contact, apparent),
