@@ -7,7 +7,7 @@ damping. Drawn independently, the four carry all correlation of w_A, c_A and c_H
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -38,9 +38,16 @@ class Targets:
     damping_share: FloatArray
     stiffness: FloatArray
 
+    def some(self, chosen: BoolArray) -> Targets:
+        """Return the targets of some calibrations."""
+        arrays = ("restitution", "capture_velocity", "damping_share", "stiffness")
+        return replace(self, **{name: getattr(self, name)[chosen] for name in arrays})
+
 
 def calibrated_sample(start: Contact, targets: Targets) -> tuple[Contact, BoolArray]:
     """Calibrate a contact to many targets by Newton's method in ln w_A and ln c_A.
+
+    Each search ends one turn after it meets its targets; few of them take the last turns.
 
     Parameters
     ----------
@@ -54,22 +61,31 @@ def calibrated_sample(start: Contact, targets: Targets) -> tuple[Contact, BoolAr
     tuple
         Contacts of shape (n,), and which of them meet their targets.
     """
-    multiples = np.ones((targets.stiffness.size, len(NAMES)))
-    multiples[:, NAMES.index("stiffness")] = targets.stiffness
-    # The ridge goes with the velocity scale, V ~ K^(-1/3) w_A^(5/6).
-    multiples[:, NAMES.index("work_of_adhesion")] = targets.stiffness**0.4
-    moved = at_levels(start, multiples).replace(
-        hertz_damping=targets.damping_share
-        * material_damping(targets.high_speed, targets.restitution)
-    )
+    damping = targets.damping_share * material_damping(targets.high_speed, targets.restitution)
+    moved = _moved(start, targets.stiffness, damping)
     logs = np.log(np.array([moved.work_of_adhesion, moved.adhesion_damping]))
     miss = _misses(moved, targets, logs)
+    left = np.ones(targets.stiffness.size, dtype=bool)
     for _ in range(TURNS):
-        if np.all(np.abs(miss) < TOLERANCE):
+        met = np.all(np.abs(miss) < TOLERANCE, axis=0)
+        if np.all(met):
             break
-        logs = logs - np.clip(_move(moved, targets, logs, miss), -LARGEST_MOVE, LARGEST_MOVE)
-        miss = _misses(moved, targets, logs)
+        some = targets.some(left)
+        search = _moved(start, some.stiffness, damping[left]), some
+        steps = _move(*search, logs[:, left], miss[:, left])
+        logs[:, left] -= np.clip(steps, -LARGEST_MOVE, LARGEST_MOVE)
+        miss[:, left] = _misses(*search, logs[:, left])
+        left &= ~met
     return _placed(moved, logs), np.all(np.abs(miss) < TOLERANCE, axis=0)
+
+
+def _moved(start: Contact, stiffness: FloatArray, damping: FloatArray) -> Contact:
+    """Return contacts of other stiffness and material damping, near the ridge."""
+    multiples = np.ones((stiffness.size, len(NAMES)))
+    multiples[:, NAMES.index("stiffness")] = stiffness
+    # The ridge goes with the velocity scale, V ~ K^(-1/3) w_A^(5/6).
+    multiples[:, NAMES.index("work_of_adhesion")] = stiffness**0.4
+    return at_levels(start, multiples).replace(hertz_damping=damping)
 
 
 def material_damping(speed: float, restitution: FloatArray) -> FloatArray:
