@@ -85,7 +85,7 @@ def friction_share() -> Facts:
     """Next order of e_m at shallow angles, over the excess phi/alpha that Eq. (37) is about."""
     measured = sliding()[e_m]
     two, one = (leading(measured, "alpha phi", order) for order in (1, 0))
-    return {small: sympy.simplify(-(two - one) / (phi / alpha))}
+    return {small: sympy.cancel(-(two - one) / (phi / alpha))}
 
 
 @cache
@@ -123,7 +123,7 @@ def critical() -> Facts:
 def _exceeds(form: Form, _: Case) -> Outcome:
     """Leading order at phi = alpha, for every e."""
     measured = leading(sliding()[e_m], "alpha phi", 0).subs(phi, alpha)
-    gap = sympy.simplify(form.residual.subs(e_m, measured))
+    gap = sympy.cancel(form.residual.subs(e_m, measured))
     return passed(form.relation == ">" and bool(gap.is_positive))
 
 
