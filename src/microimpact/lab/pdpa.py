@@ -209,14 +209,15 @@ def passages(
     n = len(impacts)
     reached, inside = np.empty((2, 2, n), dtype=np.bool_)
     time, velocity, chord, transit = np.empty((4, 2, n))
-    level = np.ascontiguousarray(np.broadcast_to(height, n), dtype=float)
+    # One kind of arrays, for which the compiled loop is in the cache.
+    level, position = np.full(n, height), np.ascontiguousarray(impacts.position)
     axes = half_axes(instrument)
     for leg, sign, path in (
-        (INCIDENT, -1.0, impacts.velocity),
-        (REBOUND, 1.0, impacts.rebound_velocity),
+        (INCIDENT, -1.0, np.ascontiguousarray(impacts.velocity)),
+        (REBOUND, 1.0, np.ascontiguousarray(impacts.rebound_velocity)),
     ):
         found = reached[leg], inside[leg], time[leg], velocity[leg], chord[leg], transit[leg]
-        _cross(impacts.time, impacts.position, path, level, sign, axes, gravity, *found)
+        _cross(impacts.time, position, path, level, sign, axes, gravity, *found)
     reached[INCIDENT] &= np.asarray(fall) > height
     reached[REBOUND] &= ~impacts.captured
     return Passages(
