@@ -47,7 +47,9 @@ try:
         load(path)  # stricter than the engine, which lets a repeated key pass
     # The engine's own reader (`configfile:`) takes ten times as long for the same values.
     overlay = copy.deepcopy(config)
-    update_config(config, load(CONFIGURATION if CONFIGURATION.exists() else PROJECT / CONFIGURATION))
+    update_config(
+        config, load(CONFIGURATION if CONFIGURATION.exists() else PROJECT / CONFIGURATION)
+    )
     update_config(config, overlay)
     SETTINGS = validated(config, SHIPPED, Path(".snakemake/validated.json"))
     INPUTS = read_inputs(SETTINGS)
