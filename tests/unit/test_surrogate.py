@@ -191,6 +191,30 @@ def test_speeds_beyond_the_table_are_integrated(scaled):
     assert worst(found, expected) < 1e-12
 
 
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"hertz_damping": 0.5},
+        {"adhesion_damping": 0.5},
+        {"adhesion_rate_exponent": 0.5, "reference_velocity": 1.0},
+        {"damped_attachment": True},
+        {"work_of_adhesion": 0.0},
+    ],
+)
+@pytest.mark.parametrize("kind", ["one V", "several V", "no adhesion"])
+def test_tables_of_other_contacts_are_refused(scaled, kind, change):
+    own = scaled(0.02, 0.3)
+    if kind == "several V":
+        own = own.replace(diameter=own.diameter * np.array([0.9, 1.1]))
+    if kind == "no adhesion":
+        own, change = own.replace(work_of_adhesion=0.0), {"work_of_adhesion": 0.1}
+    speed = own.velocity_scale * 5.0 + 1.0
+    surrogate = Surrogate.of(own, speed)
+    surrogate.normal_impact(own, speed)
+    with pytest.raises(NoSurrogateError, match="damping must be those"):
+        surrogate.normal_impact(own.replace(**change), speed)
+
+
 def test_near_the_threshold_verdicts_are_the_integrators(scaled):
     contact = scaled(0.02, 0.3)
     limit = float(capture_velocity(contact))

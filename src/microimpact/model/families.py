@@ -25,6 +25,8 @@ RESTITUTION, CONTACT_TIME, COMPRESSION_TIME, COMPRESSION, COMPRESSIVE, PEAK, HER
 
 # Numbers that differ by no more are the same, computed in another order.
 SAME = 1e-14
+# And that of contacts of which one was made from the other.
+LIKE = 1e-9
 # Places stay this far inside [-1, 1] of a family made for them.
 MARGIN = 1e-6
 
@@ -129,6 +131,40 @@ class Family:
             velocity_scale=1.0,
             half_width=0.0,
         )
+
+    def require(self, contact: Contact) -> None:
+        """Refuse contacts that are damped otherwise than the family is.
+
+        Raises
+        ------
+        NoSurrogateError
+            Naming what must be the same.
+        """
+        if not (self._damped_so(contact) if self.adhesive else self._bare_too(contact)):
+            raise NoSurrogateError(
+                "contact: adhesion and damping must be those of the contacts that the tables were "
+                "made for"
+            )
+
+    def _bare_too(self, contact: Contact) -> bool:
+        damped = np.asarray(contact.hertz_damping) > 0.0
+        adhesive = np.any(np.asarray(contact.velocity_scale) > 0.0)
+        return not adhesive and bool(np.all(damped == (self.hertz > 0.0)))
+
+    def _damped_so(self, contact: Contact) -> bool:
+        scale = np.asarray(contact.velocity_scale)
+        if not np.all(scale > 0.0) or self.damped_attachment != contact.damped_attachment:
+            return False
+        # Where V differs, the damping is the same; else the damping groups are.
+        unit = scale if self.alike else np.asarray(self.velocity_scale)
+        rate = 1.0 if contact.reference_velocity is None else contact.reference_velocity
+        n = np.asarray(contact.adhesion_rate_exponent)
+        pairs = (
+            (contact.hertz_damping * unit, self.hertz),
+            (contact.adhesion_damping * unit * np.power(rate / unit, n), self.adhesion),
+            (n, self.exponent),
+        )
+        return all(bool(np.all(np.abs(a - b) <= LIKE * b)) for a, b in pairs)
 
     def coordinates(self, contact: Contact, speed: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return what determines impacts: the scaled speed, and the place of V.

@@ -205,7 +205,13 @@ class Surrogate:
 
         Contacts whose velocity scale is not in the family share its damping all the same.
         Impulses of captured impacts are zero.
+
+        Raises
+        ------
+        NoSurrogateError
+            If the contacts are damped otherwise, or only some adhere.
         """
+        self.family.require(contact)
         shape = common_shape({"contact": np.empty(contact.shape), "speed": speed})
         w, place = self.family.coordinates(contact, np.broadcast_to(speed, shape))
         found, captured = self.quantities(np.ravel(w), np.ravel(place), threads=threads)
