@@ -23,7 +23,7 @@ from microimpact.lab.exposure import LATER, LEGS, Exposure, Flight
 from microimpact.lab.ptis import Setup, Systematics
 from microimpact.model.compiled import jit
 
-# Samples of the path per blur; the sum then equals the integral to parts in 10^8.
+# Samples of the path per blur; within a dash the sum then equals the integral to parts in 10^8.
 SAMPLES_PER_BLUR = 1.25
 # Half width of a window beyond the disk, in blurs.
 REACH = 5.5
