@@ -55,5 +55,10 @@ rule all:
         lambda wildcards: everything(),
 
 
+onstart:
+    if workflow.local_exec:
+        prefork.start()
+
+
 onsuccess:
     write_stamp(workflow.pathvars.apply("<results>/run.json"), config, PROJECT, STARTED)

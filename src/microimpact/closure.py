@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable, Iterator
+import hashlib
+import os
+from collections.abc import Iterable
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -86,15 +88,44 @@ def source_files(*modules: str, scripts: Iterable[Path | str] = ()) -> list[str]
         file = package if package.exists() else stem.with_suffix(".py")
         files.add(str(file))
         folders.add(file.parent)
-    files.update(str(data) for folder in folders for data in _data_files(folder))
+    files.update(data for folder in folders for data in _data_files(folder))
     return sorted(files)
 
 
-def _data_files(folder: Path) -> Iterator[Path]:
+def digest(files: Iterable[Path | str], root: Path) -> str:
+    """Return a word of 32 hexadecimal digits that tells files by their content and names.
+
+    Parameters
+    ----------
+    files
+        In any order; a file named twice counts once.
+    root
+        Folder that the names are relative to.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be read.
+    """
+    found = hashlib.sha256()
+    for line in sorted({_line(str(file), str(root)) for file in files}):
+        found.update(line.encode())
+    return found.hexdigest()[:32]
+
+
+@cache
+def _line(file: str, root: str) -> str:
+    return f"{hashlib.sha256(Path(file).read_bytes()).hexdigest()} {os.path.relpath(file, root)}\n"
+
+
+@cache
+def _data_files(folder: Path) -> list[str]:
+    found = []
     for path in folder.iterdir():
         known = path.suffix in {".py", ".pyc", ".pyi"} or path.name == "py.typed"
         if path.is_file() and not known and not path.name.startswith("."):
-            yield path
+            found.append(str(path))
+    return found
 
 
 @cache

@@ -41,6 +41,24 @@ def test_a_run_killed_at_random_moments_and_finished_by_the_next(project, undist
     assert elsewhere.results() == undisturbed
 
 
+def test_each_job_by_itself(undisturbed, elsewhere):
+    """Without the process that jobs fork from: what one has loaded or computed changes no other."""
+    elsewhere.run("--no-hooks", *TARGETS)
+    assert elsewhere.results() == undisturbed
+
+
+def test_what_a_killed_run_has_started_ends_with_it(elsewhere):
+    run = elsewhere.start("--nolock", "ptis_accuracy")
+    part = elsewhere.root / elsewhere.out
+    while not part.exists():
+        assert run.poll() is None
+        time.sleep(0.02)
+    run.kill()
+    # The end of what all of them write to is the end of the last of them.
+    run.communicate(timeout=60)
+    assert not (part / "figures/ptis_accuracy.svg").exists()
+
+
 def test_another_place_and_zone_without_other_tools(undisturbed, tmp_path):
     """A path with blanks and letters beyond ASCII, none of which the locale knows; no git."""
     tools = tmp_path / "tools"

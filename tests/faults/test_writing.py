@@ -117,5 +117,6 @@ def test_nothing_in_the_package_writes_a_file_in_another_way():
         ("src/microimpact/files.py", "mkstemp"),
         ("src/microimpact/files.py", "fdopen"),
         # Into memory.
+        ("src/microimpact/prefork.py", "fdopen"),
         ("src/microimpact/figures/style.py", "savefig"),
     }

@@ -5,16 +5,15 @@ rule capture_velocities:
     """tables/capture_laws.csv: v_c per pair and law, data/capture_law_curves.csv: over diameter."""
     input:
         calibration="<results>/tables/calibration.csv",
-        code=study_code("capture_velocities"),
     output:
         capture_laws="<results>/tables/capture_laws.csv",
         capture_law_curves="<results>/data/capture_law_curves.csv",
     log:
         "<results>/logs/capture_velocities.log",
-    benchmark:
-        "<results>/benchmarks/capture_velocities.tsv"
+        benchmark="<results>/benchmarks/capture_velocities.tsv",
     params:
         branch=SETTINGS.branches["capture_velocities"],
         rows=ROWS["capture_velocities"],
+        code=study_code("capture_velocities"),
     script:
         "../scripts/run_study.py"

@@ -25,15 +25,14 @@ rule laboratory_claims:
                 "loss_resolution",
             )
         },
-        code=study_code("laboratory_claims"),
     output:
         laboratory_claims="<results>/tables/laboratory_claims.csv",
     log:
         "<results>/logs/laboratory_claims.log",
-    benchmark:
-        "<results>/benchmarks/laboratory_claims.tsv"
+        benchmark="<results>/benchmarks/laboratory_claims.tsv",
     params:
         branch=SETTINGS.branches["laboratory_claims"],
         rows=ROWS["laboratory_claims"],
+        code=study_code("laboratory_claims"),
     script:
         "../scripts/run_study.py"

@@ -9,15 +9,14 @@ rule model_claims:
         force_ratios="<results>/tables/force_ratios.csv",
         rolling_dissipation="<results>/tables/rolling_dissipation.csv",
         restitution_fits="<results>/tables/restitution_fits.csv",
-        code=study_code("model_claims"),
     output:
         model_claims="<results>/tables/model_claims.csv",
     log:
         "<results>/logs/model_claims.log",
-    benchmark:
-        "<results>/benchmarks/model_claims.tsv"
+        benchmark="<results>/benchmarks/model_claims.tsv",
     params:
         branch=SETTINGS.branches["model_claims"],
         rows=ROWS["model_claims"],
+        code=study_code("model_claims"),
     script:
         "../scripts/run_study.py"

@@ -29,7 +29,7 @@ os.environ.update(
     OPENBLAS_NUM_THREADS="1",
 )
 
-from microimpact import closure, digitized
+from microimpact import closure, digitized, prefork
 from microimpact.config import load
 from microimpact.inputs import read_inputs
 from microimpact.remembered import validated
@@ -59,9 +59,16 @@ except (ValueError, OSError) as error:
     raise WorkflowError(f"problems in the declared inputs:\n{error}") from None
 
 
+# Code comes as a parameter and not as input, since the engine asks for the state of all inputs of
+# all waiting jobs, some forty files of code each, whenever a job has ended.
+def digest(files):
+    """Return a word that changes with the content or the names of files, but not with their dates."""
+    return closure.digest(files, PROJECT)
+
+
 def study_code(study):
-    """Return the files that decide what a study computes."""
-    return _relative(closure.source_files(f"microimpact.studies.{study}", scripts=[RUN_STUDY]))
+    """Return a digest of the files that decide what a study computes."""
+    return digest(closure.source_files(f"microimpact.studies.{study}", scripts=[RUN_STUDY]))
 
 
 def chunk_files(study):
@@ -71,13 +78,13 @@ def chunk_files(study):
 
 
 def figure_code(name):
-    """Return the files that decide how a figure is drawn."""
-    return _relative(closure.source_files(FIGURES[name].module, scripts=[DRAW_FIGURE]))
+    """Return a digest of the files that decide how a figure is drawn."""
+    return digest(closure.source_files(FIGURES[name].module, scripts=[DRAW_FIGURE]))
 
 
 def ledger_code(ledger):
-    """Return the files that decide what a ledger says."""
-    return _relative(closure.source_files(f"microimpact.ledgers.{ledger}", scripts=[JUDGE_LEDGER]))
+    """Return a digest of the files that decide what a ledger says."""
+    return digest(closure.source_files(f"microimpact.ledgers.{ledger}", scripts=[JUDGE_LEDGER]))
 
 
 def digitised_file(name):
@@ -98,10 +105,6 @@ def sample_files(node):
         return []
     own = [node["path"]] if node.get("kind") == "sample_file" else []
     return own + sample_files(list(node.values()))
-
-
-def _relative(paths):
-    return [os.path.relpath(path) for path in paths]
 
 
 def everything():

@@ -4,18 +4,17 @@
 rule fit_coverage_part:
     """chunks/fit_coverage-*.json: what one part of the study gives, until all are gathered."""
     input:
-        code=study_code("fit_coverage"),
         calibration="<results>/tables/calibration.csv",
         restitution_fits="<results>/tables/restitution_fits.csv",
     output:
         temp("<results>/chunks/fit_coverage-{chunk}.json"),
     log:
         "<results>/logs/fit_coverage-{chunk}.log",
-    benchmark:
-        "<results>/benchmarks/fit_coverage-{chunk}.tsv"
+        benchmark="<results>/benchmarks/fit_coverage-{chunk}.tsv",
     params:
         branch=SETTINGS.branches["fit_coverage"],
         rows=ROWS["fit_coverage"],
+        code=study_code("fit_coverage"),
     script:
         "../scripts/run_study.py"
 
@@ -24,7 +23,6 @@ rule fit_coverage:
     """data/capture_recovery.csv; tables/fit_coverage.csv, fit_intervals.csv and fit_coverage_statements.csv."""
     input:
         parts=chunk_files("fit_coverage"),
-        code=study_code("fit_coverage"),
         calibration="<results>/tables/calibration.csv",
         restitution_fits="<results>/tables/restitution_fits.csv",
     output:
@@ -34,10 +32,10 @@ rule fit_coverage:
         capture_recovery="<results>/data/capture_recovery.csv",
     log:
         "<results>/logs/fit_coverage.log",
-    benchmark:
-        "<results>/benchmarks/fit_coverage.tsv"
+        benchmark="<results>/benchmarks/fit_coverage.tsv",
     params:
         branch=SETTINGS.branches["fit_coverage"],
         rows=ROWS["fit_coverage"],
+        code=study_code("fit_coverage"),
     script:
         "../scripts/run_study.py"

@@ -5,7 +5,6 @@ rule doe:
     """data/fig24.csv, data/fig25.csv: effects drawn; tables/doe_*.csv: designs and their analysis."""
     input:
         calibration="<results>/tables/calibration.csv",
-        code=study_code("doe"),
     output:
         doe_levels="<results>/tables/doe_levels.csv",
         doe_design="<results>/tables/doe_design.csv",
@@ -18,11 +17,11 @@ rule doe:
         fig25="<results>/data/fig25.csv",
     log:
         "<results>/logs/doe.log",
-    benchmark:
-        "<results>/benchmarks/doe.tsv"
+        benchmark="<results>/benchmarks/doe.tsv",
     params:
         branch=SETTINGS.branches["doe"],
         rows=ROWS["doe"],
+        code=study_code("doe"),
     script:
         "../scripts/run_study.py"
 
@@ -33,7 +32,6 @@ rule sensitivity:
         calibration="<results>/tables/calibration.csv",
         doe_levels="<results>/tables/doe_levels.csv",
         doe_effects="<results>/tables/doe_effects.csv",
-        code=study_code("sensitivity"),
     output:
         sensitivity_indices="<results>/tables/sensitivity_indices.csv",
         sensitivity_convergence="<results>/tables/sensitivity_convergence.csv",
@@ -42,10 +40,10 @@ rule sensitivity:
         sobol="<results>/data/sobol.csv",
     log:
         "<results>/logs/sensitivity.log",
-    benchmark:
-        "<results>/benchmarks/sensitivity.tsv"
+        benchmark="<results>/benchmarks/sensitivity.tsv",
     params:
         branch=SETTINGS.branches["sensitivity"],
         rows=ROWS["sensitivity"],
+        code=study_code("sensitivity"),
     script:
         "../scripts/run_study.py"

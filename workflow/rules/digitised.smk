@@ -9,15 +9,14 @@ rule digitised_comparison:
             for figure in DIGITIZED
             for table in FIGURES[figure].data
         },
-        code=study_code("digitised_comparison"),
     output:
         digitised_residuals="<results>/tables/digitised_residuals.csv",
     log:
         "<results>/logs/digitised_comparison.log",
-    benchmark:
-        "<results>/benchmarks/digitised_comparison.tsv"
+        benchmark="<results>/benchmarks/digitised_comparison.tsv",
     params:
         branch=SETTINGS.branches["digitised_comparison"],
         rows=digitised_rows(*DIGITIZED),
+        code=study_code("digitised_comparison"),
     script:
         "../scripts/run_study.py"

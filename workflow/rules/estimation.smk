@@ -3,8 +3,6 @@
 
 rule calibration:
     """tables/calibration.csv, calibration_family.csv and molybdenum_capture.csv; data/ridge*.csv."""
-    input:
-        code=study_code("calibration"),
     output:
         calibration="<results>/tables/calibration.csv",
         calibration_family="<results>/tables/calibration_family.csv",
@@ -13,11 +11,11 @@ rule calibration:
         ridge_curves="<results>/data/ridge_curves.csv",
     log:
         "<results>/logs/calibration.log",
-    benchmark:
-        "<results>/benchmarks/calibration.tsv"
+        benchmark="<results>/benchmarks/calibration.tsv",
     params:
         branch=SETTINGS.branches["calibration"],
         rows=ROWS["calibration"],
+        code=study_code("calibration"),
     script:
         "../scripts/run_study.py"
 
@@ -25,7 +23,6 @@ rule calibration:
 rule restitution_fits:
     """data/fig15.csv, data/fig16.csv: simulated e and its fits; tables/restitution_fits.csv."""
     input:
-        code=study_code("restitution_fits"),
         calibration="<results>/tables/calibration.csv",
     output:
         fig15="<results>/data/fig15.csv",
@@ -33,10 +30,10 @@ rule restitution_fits:
         restitution_fits="<results>/tables/restitution_fits.csv",
     log:
         "<results>/logs/restitution_fits.log",
-    benchmark:
-        "<results>/benchmarks/restitution_fits.tsv"
+        benchmark="<results>/benchmarks/restitution_fits.tsv",
     params:
         branch=SETTINGS.branches["restitution_fits"],
         rows=ROWS["restitution_fits"] | digitised_rows("fig15", "fig16"),
+        code=study_code("restitution_fits"),
     script:
         "../scripts/run_study.py"

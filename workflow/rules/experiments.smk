@@ -5,7 +5,6 @@ rule normal_experiments:
     """data/fig04.csv, data/fig05.csv: normal impacts seen by the PDPA; tables of the same."""
     input:
         calibration="<results>/tables/calibration.csv",
-        code=study_code("normal_experiments"),
     output:
         fig04="<results>/data/fig04.csv",
         fig05="<results>/data/fig05.csv",
@@ -13,11 +12,11 @@ rule normal_experiments:
         size_effects="<results>/tables/size_effects.csv",
     log:
         "<results>/logs/normal_experiments.log",
-    benchmark:
-        "<results>/benchmarks/normal_experiments.tsv"
+        benchmark="<results>/benchmarks/normal_experiments.tsv",
     params:
         branch=SETTINGS.branches["normal_experiments"],
         rows=ROWS["normal_experiments"],
+        code=study_code("normal_experiments"),
     script:
         "../scripts/run_study.py"
 
@@ -26,16 +25,15 @@ rule oblique_experiments_part:
     """chunks/oblique_experiments-*.json: what one part of the study gives, until all are gathered."""
     input:
         calibration="<results>/tables/calibration.csv",
-        code=study_code("oblique_experiments"),
     output:
         temp("<results>/chunks/oblique_experiments-{chunk}.json"),
     log:
         "<results>/logs/oblique_experiments-{chunk}.log",
-    benchmark:
-        "<results>/benchmarks/oblique_experiments-{chunk}.tsv"
+        benchmark="<results>/benchmarks/oblique_experiments-{chunk}.tsv",
     params:
         branch=SETTINGS.branches["oblique_experiments"],
         rows=ROWS["oblique_experiments"],
+        code=study_code("oblique_experiments"),
     script:
         "../scripts/run_study.py"
 
@@ -45,17 +43,16 @@ rule oblique_experiments:
     input:
         parts=chunk_files("oblique_experiments"),
         calibration="<results>/tables/calibration.csv",
-        code=study_code("oblique_experiments"),
     output:
         **{f"fig{n:02d}": f"<results>/data/fig{n:02d}.csv" for n in range(6, 13)},
         fig23_points="<results>/data/fig23_points.csv",
         oblique_experiments="<results>/tables/oblique_experiments.csv",
     log:
         "<results>/logs/oblique_experiments.log",
-    benchmark:
-        "<results>/benchmarks/oblique_experiments.tsv"
+        benchmark="<results>/benchmarks/oblique_experiments.tsv",
     params:
         branch=SETTINGS.branches["oblique_experiments"],
         rows=ROWS["oblique_experiments"],
+        code=study_code("oblique_experiments"),
     script:
         "../scripts/run_study.py"

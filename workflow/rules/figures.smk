@@ -8,7 +8,6 @@ for figure in FIGURES:
         input:
             **{table: f"<results>/data/{table}.csv" for table in FIGURES[figure].data},
             **digitised_file(figure),
-            code=figure_code(figure),
         output:
             svg=report(
                 f"<results>/figures/{figure}.svg",
@@ -19,9 +18,9 @@ for figure in FIGURES:
             png=f"<results>/figures/{figure}.png",
         log:
             f"<results>/logs/{figure}.log",
-        benchmark:
-            f"<results>/benchmarks/{figure}.tsv"
+            benchmark=f"<results>/benchmarks/{figure}.tsv",
         params:
             entry=FIGURE_ENTRIES[figure],
+            code=figure_code(figure),
         script:
             "../scripts/draw_figure.py"

@@ -5,7 +5,6 @@ rule pair_search:
     """tables/pairing_*.csv, surface_correction.csv, slow_rebounds.csv; data of doppler_pairs."""
     input:
         calibration="<results>/tables/calibration.csv",
-        code=study_code("pair_search"),
     output:
         pairing_quality="<results>/tables/pairing_quality.csv",
         pairing_losses="<results>/tables/pairing_losses.csv",
@@ -17,19 +16,17 @@ rule pair_search:
         correction_curves="<results>/data/correction_curves.csv",
     log:
         "<results>/logs/pair_search.log",
-    benchmark:
-        "<results>/benchmarks/pair_search.tsv"
+        benchmark="<results>/benchmarks/pair_search.tsv",
     params:
         branch=SETTINGS.branches["pair_search"],
         rows=ROWS["pair_search"],
+        code=study_code("pair_search"),
     script:
         "../scripts/run_study.py"
 
 
 rule track_imaging:
     """tables/ptis_*.csv: range, errors and losses of the imaging; data of ptis_frame, ptis_accuracy."""
-    input:
-        code=study_code("track_imaging"),
     output:
         ptis_range="<results>/tables/ptis_range.csv",
         ptis_views="<results>/tables/ptis_views.csv",
@@ -40,10 +37,10 @@ rule track_imaging:
         ptis_accuracy="<results>/data/ptis_accuracy.csv",
     log:
         "<results>/logs/track_imaging.log",
-    benchmark:
-        "<results>/benchmarks/track_imaging.tsv"
+        benchmark="<results>/benchmarks/track_imaging.tsv",
     params:
         branch=SETTINGS.branches["track_imaging"],
         rows=ROWS["track_imaging"],
+        code=study_code("track_imaging"),
     script:
         "../scripts/run_study.py"

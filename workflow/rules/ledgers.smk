@@ -3,8 +3,6 @@
 
 rule equations:
     """tables/equations.csv: every equation as printed and as used, checked and judged."""
-    input:
-        code=ledger_code("equations"),
     output:
         equations=report(
             "<results>/tables/equations.csv",
@@ -14,10 +12,10 @@ rule equations:
         ),
     log:
         "<results>/logs/equations.log",
-    benchmark:
-        "<results>/benchmarks/equations.tsv"
+        benchmark="<results>/benchmarks/equations.tsv",
     params:
         rows=DECLARED.named_in({"particle": "stainless-steel-316", "surface": "silicon"}),
+        code=ledger_code("equations"),
     script:
         "../scripts/judge_ledger.py"
 
@@ -33,7 +31,6 @@ rule claims:
         laboratory_claims="<results>/tables/laboratory_claims.csv",
         digitised_residuals="<results>/tables/digitised_residuals.csv",
         criteria=SETTINGS.general.claims,
-        code=ledger_code("claims"),
     output:
         claims=report(
             "<results>/tables/claims.csv",
@@ -43,9 +40,9 @@ rule claims:
         ),
     log:
         "<results>/logs/claims.log",
-    benchmark:
-        "<results>/benchmarks/claims.tsv"
+        benchmark="<results>/benchmarks/claims.tsv",
     params:
         rows={},
+        code=ledger_code("claims"),
     script:
         "../scripts/judge_ledger.py"

@@ -5,7 +5,6 @@ rule mechanisms:
     """Tables of spin, slope, spore, adhesion and speed mechanisms; data of the figure causes."""
     input:
         calibration="<results>/tables/calibration.csv",
-        code=study_code("mechanisms"),
     output:
         **{
             table: f"<results>/tables/{table}.csv"
@@ -34,11 +33,11 @@ rule mechanisms:
         causes_shallow="<results>/data/causes_shallow.csv",
     log:
         "<results>/logs/mechanisms.log",
-    benchmark:
-        "<results>/benchmarks/mechanisms.tsv"
+        benchmark="<results>/benchmarks/mechanisms.tsv",
     params:
         branch=SETTINGS.branches["mechanisms"],
         rows=ROWS["mechanisms"],
+        code=study_code("mechanisms"),
     script:
         "../scripts/run_study.py"
 
@@ -47,18 +46,17 @@ rule pile_up:
     """data/pile_up_onset.csv: spheres that end on the target; tables of shares and onsets."""
     input:
         calibration="<results>/tables/calibration.csv",
-        code=study_code("pile_up"),
     output:
         pile_up_onset="<results>/data/pile_up_onset.csv",
         pile_up="<results>/tables/pile_up.csv",
         pile_up_onsets="<results>/tables/pile_up_onsets.csv",
     log:
         "<results>/logs/pile_up.log",
-    benchmark:
-        "<results>/benchmarks/pile_up.tsv"
+        benchmark="<results>/benchmarks/pile_up.tsv",
     params:
         branch=SETTINGS.branches["pile_up"],
         rows=ROWS["pile_up"],
+        code=study_code("pile_up"),
     script:
         "../scripts/run_study.py"
 
@@ -67,15 +65,14 @@ rule laboratory_sensitivity:
     """tables/laboratory_sensitivity.csv: means with each declared spread halved and doubled."""
     input:
         calibration="<results>/tables/calibration.csv",
-        code=study_code("laboratory_sensitivity"),
     output:
         laboratory_sensitivity="<results>/tables/laboratory_sensitivity.csv",
     log:
         "<results>/logs/laboratory_sensitivity.log",
-    benchmark:
-        "<results>/benchmarks/laboratory_sensitivity.tsv"
+        benchmark="<results>/benchmarks/laboratory_sensitivity.tsv",
     params:
         branch=SETTINGS.branches["laboratory_sensitivity"],
         rows=ROWS["laboratory_sensitivity"],
+        code=study_code("laboratory_sensitivity"),
     script:
         "../scripts/run_study.py"

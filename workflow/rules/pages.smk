@@ -48,11 +48,11 @@ def _relative_result(path):
 
 
 def report_code():
-    """Return the files that decide what the pages say: the code of the studies is read, too."""
+    """Return a digest of what decides what the pages say: the code of the studies is read, too."""
     modules = [f"microimpact.studies.{study}" for study in SETTINGS.branches]
     files = closure.source_files(*modules, scripts=[WRITE_REPORT])
     folders = [SITE / "templates", SITE / "assets"]
-    return _relative([*files, *(path for folder in folders for path in sorted(folder.iterdir()))])
+    return digest([*files, *(path for folder in folders for path in sorted(folder.iterdir()))])
 
 
 def registry_words():
@@ -65,8 +65,8 @@ def registry_words():
 
 
 def explorer_code():
-    """Return the files that decide what the explorer's page is."""
+    """Return a digest of the files that decide what the explorer's page is."""
     files = closure.source_files("microimpact.report.explorer.build", scripts=[WRITE_EXPLORER])
     folders = [EXPLORER / "templates", EXPLORER / "assets"]
     parts = [path for folder in folders for path in sorted(folder.iterdir())]
-    return _relative([*files, *parts, FRAME])
+    return digest([*files, *parts, FRAME])

@@ -9,14 +9,12 @@ rule report:
         [f"<results>/{file}" for file in shown_files()],
         # The pages link to it.
         explorer="<results>/report/explorer.html",
-        code=report_code(),
     output:
         [f"<results>/report/{name}.html" for name in site.PAGES],
         record="<results>/report/record.json",
     log:
         "<results>/logs/report.log",
-    benchmark:
-        "<results>/benchmarks/report.tsv"
+        benchmark="<results>/benchmarks/report.tsv",
     params:
         record=lambda wildcards: site_record.record_of(
             config=config,
@@ -25,5 +23,6 @@ rule report:
             rules=result_rules(),
             project=PROJECT,
         ).plain(),
+        code=report_code(),
     script:
         "../scripts/write_report.py"

@@ -3,8 +3,6 @@
 
 rule schematics:
     """data/fig01.csv ... fig22.csv: Figs. 1, 2, 3, 13, 19, 22; tables/schematic_values.csv."""
-    input:
-        code=study_code("schematics"),
     output:
         fig01="<results>/data/fig01.csv",
         fig02="<results>/data/fig02.csv",
@@ -17,10 +15,10 @@ rule schematics:
         schematic_values="<results>/tables/schematic_values.csv",
     log:
         "<results>/logs/schematics.log",
-    benchmark:
-        "<results>/benchmarks/schematics.tsv"
+        benchmark="<results>/benchmarks/schematics.tsv",
     params:
         branch=SETTINGS.branches["schematics"],
         rows=ROWS["schematics"],
+        code=study_code("schematics"),
     script:
         "../scripts/run_study.py"

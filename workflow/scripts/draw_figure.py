@@ -1,14 +1,9 @@
 """Draw the figure that bears the rule's name from its tables, as SVG and PNG."""
 
-import sys
 from importlib import import_module
 from typing import Any
 
-from microimpact.digitized import overlaid, read_points
-from microimpact.figures.registry import figure_spec
-from microimpact.figures.style import save
-from microimpact.job import logged
-from microimpact.tables import read_figure_data
+from microimpact.job import run
 
 
 def main(job: Any) -> str:
@@ -17,6 +12,11 @@ def main(job: Any) -> str:
     The rule gives the registry entry as ``params.entry`` and the tables as named inputs, and so
     the file of digitised points, ``digitised``, if there is one.
     """
+    from microimpact.digitized import overlaid, read_points
+    from microimpact.figures.registry import figure_spec
+    from microimpact.figures.style import save
+    from microimpact.tables import read_figure_data
+
     spec = figure_spec(job.rule, job.params.entry)
     tables = {
         name: read_figure_data(job.input[name], unit.x, unit.y) for name, unit in spec.data.items()
@@ -32,4 +32,4 @@ def main(job: Any) -> str:
 
 
 if __name__ == "__main__":
-    sys.exit(logged(main, snakemake))  # type: ignore[name-defined]  # noqa: F821
+    run(main, snakemake)  # type: ignore[name-defined]  # noqa: F821

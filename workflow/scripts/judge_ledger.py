@@ -1,11 +1,9 @@
 """Judge the ledger that bears the rule's name and write its verdicts."""
 
-import sys
 from importlib import import_module
 from typing import Any
 
-from microimpact.job import logged
-from microimpact.tables import parse_table, read_table, write_table
+from microimpact.job import run
 
 
 def main(job: Any) -> str:
@@ -14,9 +12,11 @@ def main(job: Any) -> str:
     The rule gives rows of declared tables as ``params.rows`` (name -> CSV text), tables of studies
     as named input files and, for some, a file of criteria; its only output is the ledger.
     """
+    from microimpact.tables import parse_table, read_table, write_table
+
     ledger = import_module(f"microimpact.ledgers.{job.rule}")
     tables = {name: parse_table(text) for name, text in job.params.rows.items()}
-    files = {name: path for name, path in job.input.items() if name != "code"}
+    files = dict(job.input.items())
     criteria = files.pop("criteria", None)
     tables |= {name: read_table(path) for name, path in files.items()}
     judged = ledger.judge(tables, criteria) if criteria else ledger.judge(tables)
@@ -26,4 +26,4 @@ def main(job: Any) -> str:
 
 
 if __name__ == "__main__":
-    sys.exit(logged(main, snakemake))  # type: ignore[name-defined]  # noqa: F821
+    run(main, snakemake)  # type: ignore[name-defined]  # noqa: F821

@@ -1,17 +1,12 @@
 """Run the study that bears the rule's name, or one part of it, and write what it gives."""
 
-import sys
 import time
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from microimpact.files import write_file
-from microimpact.job import logged
-from microimpact.parameters import build
-from microimpact.parts import part_from_text, part_text
-from microimpact.selection import NamedTables
-from microimpact.tables import parse_table, read_table, write_table
+from microimpact.job import run
 
 
 def main(job: Any) -> str:
@@ -22,9 +17,14 @@ def main(job: Any) -> str:
     rule ``STUDY_part`` makes part ``chunk``, as in ``1-of-2``, of a study that comes in parts;
     the study's own rule gathers the files ``parts``.
     """
+    from microimpact.parameters import build
+    from microimpact.parts import part_from_text, part_text
+    from microimpact.selection import NamedTables
+    from microimpact.tables import parse_table, read_table, write_table
+
     begin = time.perf_counter()
     study = import_module(f"microimpact.studies.{job.rule.removesuffix('_part')}")
-    files = {name: path for name, path in job.input.items() if name not in {"code", "parts"}}
+    files = {name: path for name, path in job.input.items() if name not in {"parts", "samples"}}
     inputs = NamedTables({name: parse_table(text) for name, text in job.params.rows.items()})
     inputs.update({name: read_table(path) for name, path in files.items()})
     params = build(study.Params, job.params.branch)
@@ -47,4 +47,4 @@ def main(job: Any) -> str:
 
 
 if __name__ == "__main__":
-    sys.exit(logged(main, snakemake))  # type: ignore[name-defined]  # noqa: F821
+    run(main, snakemake)  # type: ignore[name-defined]  # noqa: F821

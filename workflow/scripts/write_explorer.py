@@ -1,13 +1,10 @@
 """Write the page of the explorer and its scripts from the tables of its study."""
 
-import sys
 from pathlib import Path
 from typing import Any
 
 from microimpact.files import write_file
-from microimpact.job import logged
-from microimpact.report.explorer.build import page_files
-from microimpact.tables import read_table
+from microimpact.job import run
 
 
 def main(job: Any) -> str:
@@ -16,7 +13,10 @@ def main(job: Any) -> str:
     The rule gives the tables as named inputs and the end of their axis of damping as
     ``params.largest_damping``; the page is the output ``page``, its scripts stand beside it.
     """
-    tables = {name: read_table(path) for name, path in job.input.items() if name != "code"}
+    from microimpact.report.explorer.build import page_files
+    from microimpact.tables import read_table
+
+    tables = {name: read_table(path) for name, path in job.input.items()}
     files = page_files(tables, job.params.largest_damping)
     report = Path(job.output.page).parent
     for name, text in files.items():
@@ -26,4 +26,4 @@ def main(job: Any) -> str:
 
 
 if __name__ == "__main__":
-    sys.exit(logged(main, snakemake))  # type: ignore[name-defined]  # noqa: F821
+    run(main, snakemake)  # type: ignore[name-defined]  # noqa: F821

@@ -1,12 +1,9 @@
 """Write the report of a run, a static site, from its tables and figures."""
 
-import sys
 from pathlib import Path
 from typing import Any
 
-from microimpact.job import logged
-from microimpact.report.site.build import REPORT, write_site
-from microimpact.report.site.record import from_plain, write_record
+from microimpact.job import run
 
 
 def main(job: Any) -> str:
@@ -14,6 +11,9 @@ def main(job: Any) -> str:
 
     The rule gives the record as ``params.record`` and ``record.json`` in the report as an output.
     """
+    from microimpact.report.site.build import REPORT, write_site
+    from microimpact.report.site.record import from_plain, write_record
+
     results = Path(job.output.record).parents[1]
     record = from_plain(job.params.record, "params.record")
     write_record(results, record)
@@ -22,4 +22,4 @@ def main(job: Any) -> str:
 
 
 if __name__ == "__main__":
-    sys.exit(logged(main, snakemake))  # type: ignore[name-defined]  # noqa: F821
+    run(main, snakemake)  # type: ignore[name-defined]  # noqa: F821
