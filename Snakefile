@@ -58,6 +58,8 @@ rule all:
 onstart:
     if workflow.local_exec:
         prefork.start()
+        # Meant for submissions: it wakes the scheduler once a second for each job that has ended.
+        workflow.scheduler.job_rate_limiter = None
 
 
 onsuccess:

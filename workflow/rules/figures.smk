@@ -19,6 +19,8 @@ for figure in FIGURES:
         log:
             f"<results>/logs/{figure}.log",
             benchmark=f"<results>/benchmarks/{figure}.tsv",
+        # Nothing but the report waits for a figure; studies wait for studies.
+        priority: -1
         params:
             entry=FIGURE_ENTRIES[figure],
             code=figure_code(figure),
