@@ -12,10 +12,10 @@ import pytest
 from click.testing import CliRunner
 
 from microimpact.cli import commands
+from microimpact.report.site import PAGES
 from microimpact.report.site.build import (
     CLAIM_COLUMNS,
     EQUATION_COLUMNS,
-    PAGES,
     site_pages,
     write_site,
 )

@@ -43,13 +43,12 @@ JUDGE_LEDGER = PROJECT / "workflow/scripts/judge_ledger.py"
 
 try:
     SHIPPED = load(PROJECT / CONFIGURATION)
+    own = CONFIGURATION.exists() and not CONFIGURATION.samefile(PROJECT / CONFIGURATION)
     for path in workflow.overwrite_configfiles:
         load(path)  # stricter than the engine, which lets a repeated key pass
     # The engine's own reader (`configfile:`) takes ten times as long for the same values.
     overlay = copy.deepcopy(config)
-    update_config(
-        config, load(CONFIGURATION if CONFIGURATION.exists() else PROJECT / CONFIGURATION)
-    )
+    update_config(config, load(CONFIGURATION) if own else copy.deepcopy(SHIPPED))
     update_config(config, overlay)
     SETTINGS = validated(config, SHIPPED, Path(".snakemake/validated.json"))
     INPUTS = read_inputs(SETTINGS)

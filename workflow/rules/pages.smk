@@ -3,8 +3,7 @@
 Makes no file.
 """
 
-from microimpact.report.explorer import build as explorer
-from microimpact.report.site import build as site
+from microimpact.report import explorer, site
 from microimpact.report.site import record as site_record
 
 WRITE_REPORT = PROJECT / "workflow/scripts/write_report.py"

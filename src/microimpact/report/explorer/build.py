@@ -12,6 +12,7 @@ import pandas as pd
 
 from microimpact.model.normal import HOPELESS_ADHESION_GROUP, HOPELESS_HERTZ_GROUP
 from microimpact.model.rigid_body import INERTIA
+from microimpact.report.explorer import FILES, SCRIPTS
 from microimpact.report.site.pages import render
 from microimpact.studies._explorer_coordinates import (
     IMPULSE_EXPONENT,
@@ -20,9 +21,6 @@ from microimpact.studies._explorer_coordinates import (
 )
 
 HERE = Path(__file__).parent
-# In the order in which they run: each knows those before it.
-SCRIPTS = ("model.js", "plots.js", "fields.js", "words.js", "views.js", "page.js")
-FILES = (*SCRIPTS, "explorer.css")
 
 # Single precision is ten times finer than the interpolation, but e near the threshold goes with
 # the square root of an error of the threshold.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -9,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from microimpact.files import write_file
-from microimpact.report.site import ledgers
+from microimpact.report.site import PAGES, ledgers
 from microimpact.report.site.figures import Figure, figures, label
 from microimpact.report.site.graph import needs, picture
 from microimpact.report.site.ledgers import Row, read_rows
@@ -19,7 +20,6 @@ from microimpact.report.site.record import Record, Rule
 REPORT = "report"
 # Folders of the report that belong to the site alone: made anew each time.
 FOLDERS = ("figures", "files")
-PAGES = ("index", "claims", "equations", "tables", "workflow", "run")
 # What is copied into the report, so that it can be moved and sent alone.
 COPIED = {"figures": ("*.svg", "*.png"), "tables": ("*.csv",), "data": ("*.csv",)}
 
@@ -167,14 +167,12 @@ def _tables(results: Path, record: Record) -> list[Table]:
     for folder in ("tables", "data"):
         for path in _visible(results / folder, "*.csv"):
             file = f"{folder}/{path.name}"
-            rows = read_rows(path)
-            columns = tuple(rows[0]) if rows else _header(path)
-            found.append(Table(file=file, columns=columns, rows=len(rows), maker=makers.get(file)))
+            with path.open(encoding="utf-8", newline="") as stream:
+                lines = csv.reader(stream)
+                columns = tuple(next(lines, ()))
+                rows = sum(1 for _ in lines)
+            found.append(Table(file=file, columns=columns, rows=rows, maker=makers.get(file)))
     return found
-
-
-def _header(path: Path) -> tuple[str, ...]:
-    return tuple(path.read_text(encoding="utf-8").partition("\n")[0].split(","))
 
 
 def shortened(text: str, most: int) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import pandas as pd
@@ -122,6 +123,7 @@ def parts(text: str) -> list[str]:
     return [words(part.strip()) for part in text.split(";") if part.strip()]
 
 
+@cache
 def formula(text: str) -> Markup | str:
     """Return a formula as MathML, or as it stands if it is none."""
     try:

@@ -53,30 +53,32 @@ def reached(*starts: str) -> frozenset[str]:
         module = _module_of(name)
         attributes |= definition.attributes
         possible |= {f"{name}.{method}" for method in definition.methods}
-        waiting += [n for chain in definition.chains for n in _targets(module, chain)]
+        waiting += [n for chain in definition.chains if (n := _target(module, chain))]
         waiting += [m for m in possible - found if m.rpartition(".")[2] in attributes]
     return frozenset(found)
 
 
-def _targets(module: str, chain: tuple[str, ...]) -> Iterator[str]:
-    """Yield the definition that a chain of attributes, as seen in a module, leads to."""
+@cache
+def _target(module: str, chain: tuple[str, ...]) -> str | None:
+    """Return the definition that a chain of attributes, as seen in a module, leads to."""
     known = _read(module)
     if known is None:
-        return
+        return None
     if chain[0] in known.definitions:
-        yield f"{module}.{chain[0]}"
-    elif chain[0] in known.imports:
+        return f"{module}.{chain[0]}"
+    if chain[0] in known.imports:
         path = ".".join((known.imports[chain[0]], *chain[1:]))
         # The longest part that is a module; what follows is a name in it.
         parts = path.split(".")
         for end in range(len(parts), 0, -1):
             inner = ".".join(parts[:end])
             if _read(inner) is not None:
-                if end < len(parts) and inner != module:
-                    yield from _targets(inner, tuple(parts[end:]))
-                return
+                rest = tuple(parts[end:])
+                return _target(inner, rest) if rest and inner != module else None
+    return None
 
 
+@cache
 def _module_of(name: str) -> str:
     while _read(name) is None:
         name = name.rpartition(".")[0]
