@@ -32,7 +32,7 @@ ADDRESS = "MICROIMPACT_PREFORK"
 _STREAMS = (0, 1, 2)
 # Messages have bounds, and their ends are seen.
 _KIND = socket.SOCK_SEQPACKET if sys.platform == "linux" else socket.SOCK_STREAM
-_LONGEST = 1 << 17  # bytes of a message
+_LONGEST = 1 << 20  # bytes of a message
 _FORKED = b"forked"
 
 
@@ -51,7 +51,8 @@ def start() -> subprocess.Popen[bytes] | None:
     with socket.socket(socket.AF_UNIX, _KIND) as listener:
         listener.bind("")
         listener.listen()
-        command = [sys.executable, "-m", __name__, str(listener.fileno())]
+        # -P: what lies in the folder of the run is no library.
+        command = [sys.executable, "-P", "-m", __name__, str(listener.fileno())]
         waiting = subprocess.Popen(command, stdin=subprocess.PIPE, pass_fds=[listener.fileno()])
         os.environ[ADDRESS] = listener.getsockname().hex()
     return waiting
@@ -177,7 +178,7 @@ def _finish(key: selectors.SelectorKey, events: selectors.BaseSelector) -> None:
     with suppress(KeyError):
         events.unregister(fork.asking)
     with fork.asking, suppress(OSError):  # gone, too
-        fork.asking.send(str(code if code >= 0 else 128 - code).encode())
+        fork.asking.send(b"%d" % (code if code >= 0 else 128 - code))  # as shells tell a signal
     events.unregister(key.fileobj)
     os.close(key.fd)
     with os.fdopen(fork.loaded) as file:
@@ -215,14 +216,15 @@ def _run(message: bytes, streams: list[int], loaded: int) -> NoReturn:
         os.environ.update(environment)
         del os.environ[ADDRESS]
         sys.argv = arguments
-        sys.path[0] = os.path.dirname(arguments[0])  # noqa: PTH120
+        sys.path.insert(0, os.path.dirname(arguments[0]))  # noqa: PTH120
         code = _exit_code(arguments[0])
         names = [name for name in sys.modules if name not in before and name != "__main__"]
         with os.fdopen(loaded, "w") as file:
             file.write("\n".join(names))
     finally:
-        sys.stdout.flush()
-        sys.stderr.flush()
+        with suppress(OSError):  # a closed pipe
+            sys.stdout.flush()
+            sys.stderr.flush()
         os._exit(code)
 
 

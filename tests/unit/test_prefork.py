@@ -128,6 +128,14 @@ def test_what_a_script_loads_the_next_finds_loaded(waiting, script):
     assert run(script("import colorsys; print(hasattr(colorsys, 'mark'))")).stdout == "False\n"
 
 
+def test_files_in_the_folder_of_the_run_are_no_modules(script, tmp_path, monkeypatch, request):
+    (tmp_path / "colorsys.py").write_text("raise SystemExit('wrong')\n")
+    monkeypatch.chdir(tmp_path)
+    request.getfixturevalue("waiting")
+    work = "sys.path.pop(0); import colorsys; print(colorsys.rgb_to_hsv(1, 0, 0))"
+    assert [run(script(work)).stdout for _ in range(2)] == ["(0.0, 1.0, 1)\n"] * 2
+
+
 def test_a_module_that_cannot_be_loaded_again_is_left_to_the_scripts(waiting, script, tmp_path):
     (tmp_path / "once.py").write_text("from pathlib import Path\nPath(__file__).unlink()\n")
     assert run(script("import once; print('loaded')")).stdout == "loaded\n"
