@@ -18,7 +18,7 @@ from tests.unit.imaging_cases import (
 
 from microimpact.lab.exposure import INCIDENT, LATER, REBOUND, expose, flight
 from microimpact.lab.frames import render
-from microimpact.lab.light import _gaussian, _spread, image
+from microimpact.lab.light import _gaussian, _spread, lights
 from microimpact.lab.ptis import Systematics, child, draw_systematics, event_generator
 
 EXACT = Systematics()
@@ -28,6 +28,11 @@ def lit(speed, angle, instrument=NOISELESS, seed=0, **changes):
     events = impacts(speed, angle, **changes)
     setup = setup_for(speed, angle, instrument)
     return expose(events, 0, setup, EXACT, generator(seed)), setup
+
+
+def light_of(exposure, setup):
+    """The light of the first event."""
+    return next(lights(exposure, np.array([DIAMETER]), setup, EXACT))[0]
 
 
 def middle_field(exposure):
@@ -121,7 +126,7 @@ def test_a_rebound_out_of_plane_leaves_the_sheet_half_a_millimetre_off():
 
 def test_nothing_is_lit_outside_the_sheet():
     exposure, setup = lit(1.0, 60.0, position=np.array([[0.0, 0.6e-3]]))
-    assert not image(exposure, DIAMETER, setup, EXACT).any()
+    assert not light_of(exposure, setup).any()
 
 
 def test_moments_of_a_dash_are_those_of_disk_blur_and_way():
@@ -130,7 +135,7 @@ def test_moments_of_a_dash_are_those_of_disk_blur_and_way():
     one = np.flatnonzero(exposure.whole & (exposure.leg == INCIDENT) & exposure.in_view)[-2:-1]
     names = ("leg", "start", "end", "whole", "in_sheet", "in_view", "in_field")
     single = replace(exposure, **{name: getattr(exposure, name)[one] for name in names})
-    light = image(single, DIAMETER, setup, EXACT).astype(float)
+    light = light_of(single, setup).astype(float)
     assert light.max() == pytest.approx(exposure.peak, rel=1e-6)
     rows, columns = np.indices(light.shape)
     total = light.sum()
@@ -160,7 +165,7 @@ def test_every_whole_pulse_gives_the_same_light_and_the_slower_leg_is_brighter()
     # One incident and one rebound dash, far enough from each other.
     pair = [np.flatnonzero(whole & (exposure.leg == leg))[k] for leg, k in ((0, -3), (1, 3))]
     two = replace(exposure, **{name: getattr(exposure, name)[pair] for name in names})
-    light = image(two, DIAMETER, setup, EXACT)
+    light = light_of(two, setup)
     column = int(setup.columns_rows(two.flight.at(two.leg, two.start), EXACT)[:, 0].mean())
     left, right = light[:, :column], light[:, column:]
     assert left.sum() == pytest.approx(right.sum(), rel=1e-3)
@@ -183,7 +188,7 @@ def test_grey_levels_are_light_with_shot_and_reading_noise(interlace):
     events, setup = impacts(1.66, 60.0), setup_for(1.66, 60.0, instrument)
     frame = render(events, 0, setup, EXACT, generator(3))
     rng = generator(3)
-    light = image(expose(events, 0, setup, EXACT, rng), DIAMETER, setup, EXACT).astype(float)
+    light = light_of(expose(events, 0, setup, EXACT, rng), setup).astype(float)
     if interlace:
         light = 0.5 * (light[::2] + light[1::2])
     draws = rng.integers(0, 2**16, light.shape, dtype=np.uint16)

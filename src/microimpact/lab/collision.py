@@ -88,7 +88,7 @@ def collide(
     for _ in range(most_contacts):
         # All n are drawn for, so that the facets of one particle do not depend on another's fate.
         drawn = uniforms(rng, (2, n))[:, moving]
-        frames = _frames(velocity[moving], slope_sd, drawn, planar_slopes)
+        frames = facet_frames(velocity[moving], slope_sd, drawn, planar_slopes)
         after, turn, stays = _on_facets(
             _of(contact, moving, n), velocity[moving], spin[moving], frames, method
         )
@@ -135,7 +135,7 @@ def _on_facets(
 
 
 def facet_frames(
-    velocity: FloatArray, slope_sd: float, rng: np.random.Generator, planar_slopes: bool = False
+    velocity: FloatArray, slope_sd: float, drawn: FloatArray, planar_slopes: bool
 ) -> FloatArray:
     """Return the frames of the facets hit: rows t1, t2 and normal, shape (n, 3, 3).
 
@@ -145,18 +145,11 @@ def facet_frames(
         Of approach, m/s, shape (n, 3).
     slope_sd
         Standard deviation of the slope along each axis.
-    rng
-        Source of the facets; two uniform numbers per particle, also on a smooth surface.
+    drawn
+        Uniform numbers that choose the facets, along the motion and across it, shape (2, n).
     planar_slopes
         As in `collide`.
     """
-    return _frames(velocity, slope_sd, uniforms(rng, (2, len(velocity))), planar_slopes)
-
-
-def _frames(
-    velocity: FloatArray, slope_sd: float, drawn: FloatArray, planar_slopes: bool
-) -> FloatArray:
-    """Return the frames of the facets that uniform numbers, shape (2, n), choose."""
     facing, across = drawn
     along = np.hypot(velocity[:, 0], velocity[:, 1])
     rise = slope_sd * weighted_slope(facing, -velocity[:, 2], slope_sd * along)

@@ -35,23 +35,15 @@ STEPS = 64
 _jit = jit()
 
 
-def image(
-    exposure: Exposure, diameter: float, setup: Setup, errors: Systematics
-) -> NDArray[np.float32]:
-    """Return the light of one field above its background, in counts, before noise.
-
-    The camera's gain is taken to suit the track: its brightest dash, that of the slower leg,
-    reaches the peak of the exposure. Dashes that overlap add up, and may saturate.
-    """
-    return next(lights(exposure, np.array([diameter]), setup, errors))[0]
-
-
 def lights(
     exposure: Exposure, diameter: FloatArray, setup: Setup, errors: Systematics
 ) -> Iterator[tuple[NDArray[np.float32], IntArray]]:
-    """Yield the `image` of each event and its boxes of light: left, top, right, bottom, (m, 4).
+    """Yield the light of each event and the boxes that hold it: left, top, right, bottom, (m, 4).
 
-    The array is the same every time, for memory is dear.
+    The light is that of one field above its background, in counts, before noise. The camera's
+    gain is taken to suit the track: its brightest dash, that of the slower leg, reaches the peak
+    of the exposure. Dashes that overlap add up, and may saturate. The array is the same every
+    time, for memory is dear.
     """
     size, blur = np.array(setup.instrument.frame_px), setup.instrument.blur_px
     event = exposure.event
