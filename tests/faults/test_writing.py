@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import ast
-import resource
 import signal
 import subprocess
 import sys
 import time
 
 import numpy as np
-import pytest
 from tests.faults.places import read_only
 from tests.faults.projects import ROOT
 
@@ -55,20 +53,19 @@ def test_what_a_killed_writer_left_is_no_result(tmp_path):
     assert not altered_files(tmp_path)
 
 
-@pytest.fixture
-def full_disk():
-    """No file of this process may grow beyond 1000 bytes."""
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, hard))
-    yield
-    resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
-
-
-def test_a_file_that_finds_no_room_is_named_and_leaves_the_old_one(tmp_path, full_disk):
+def test_a_file_that_finds_no_room_is_named_and_leaves_the_old_one(tmp_path):
     path = tmp_path / "fig17.csv"
     write_file(path, "old\n")
-    with pytest.raises(OSError, match=rf"cannot be written: File too large: '{path}'"):
-        write_file(path, "new\n" * 1000)
+    program = (
+        "import resource; from microimpact.files import write_file; "
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)); "  # of each file, in bytes
+        f"write_file({str(path)!r}, 'new' * 1000)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False
+    )
+    last = done.stderr.splitlines()[-1]
+    assert last == f"OSError: [Errno 27] cannot be written: File too large: '{path}'"
     assert path.read_text() == "old\n"
     assert list(tmp_path.iterdir()) == [path]
 
