@@ -11,6 +11,7 @@ and gives the same. Needs Linux: the address is one of its abstract sockets, whi
 
 from __future__ import annotations
 
+import ctypes
 import gc
 import json
 import os
@@ -34,6 +35,7 @@ _STREAMS = (0, 1, 2)
 _KIND = socket.SOCK_SEQPACKET if sys.platform == "linux" else socket.SOCK_STREAM
 _LONGEST = 1 << 20  # bytes of a message
 _FORKED = b"forked"
+_PR_SET_PDEATHSIG = 1  # of <sys/prctl.h>
 
 
 @cache
@@ -203,6 +205,7 @@ def _run(message: bytes, streams: list[int], loaded: int) -> NoReturn:
     code = 1
     try:
         before = set(sys.modules)
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)  # end with the parent
         signal.signal(signal.SIGINT, signal.default_int_handler)
         for own, stream in zip(_STREAMS, streams, strict=True):
             os.dup2(stream, own)

@@ -157,12 +157,16 @@ def test_a_script_ends_with_the_one_who_asked(waiting, script):
     assert run(script("print('still here')")).stdout == "still here\n"
 
 
-def test_all_scripts_end_with_the_one_who_started(waiting, script):
+@pytest.mark.parametrize("end", ["input", "kill"])
+def test_all_scripts_end_with_the_process_that_waits(waiting, script, end):
     asking = subprocess.Popen(
         script(SLEEP), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
     process = int(asking.stdout.readline())
-    waiting.stdin.close()
+    if end == "kill":
+        waiting.kill()
+    else:
+        waiting.stdin.close()
     _, told = asking.communicate(timeout=60)
     assert asking.returncode == 1
     assert "ChildProcessError: the process that runs the scripts has ended" in told
