@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from microimpact.closure import closure, imports_of, source_files
+from microimpact.closure import closure, digest, imports_of, source_files
 
 SCRIPTS = Path(__file__).parents[2] / "workflow/scripts"
 
@@ -48,6 +48,24 @@ def test_scripts_are_read_for_imports(tmp_path):
         "microimpact.model.restitution",
         "microimpact.tables",
     ]
+
+
+def test_a_digest_tells_content_and_names_and_nothing_else(tmp_path):
+    def digest_of(folder, **texts):
+        (tmp_path / folder).mkdir()
+        paths = [tmp_path / folder / name for name in texts]
+        for path, text in zip(paths, texts.values(), strict=True):
+            path.write_text(text)
+        return digest(paths, tmp_path / folder)
+
+    first = digest_of("first", a="1", b="2")
+    assert digest_of("later and elsewhere", b="2", a="1") == first
+    others = {"text": {"a": "1", "b": "3"}, "name": {"a": "1", "c": "2"}, "fewer": {"a": "1"}}
+    others["exchanged"] = {"a": "2", "b": "1"}
+    found = {first, *(digest_of(name, **texts) for name, texts in others.items())}
+    assert len(found) == 1 + len(others)
+    a, b = tmp_path / "first/a", tmp_path / "first/b"
+    assert digest([b, a, a], tmp_path / "first") == first
 
 
 def test_an_unknown_module_is_refused():
