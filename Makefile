@@ -50,7 +50,7 @@ help: ## list these targets
 
 reproduce: .venv/.run ## run the whole study into results/ and say what was built
 	@$(ACTIVE) .venv/bin/snakemake $(SNAKEMAKE_ARGS)
-	@.venv/bin/python -m microimpact.summary results
+	@.venv/bin/python -m microimpact.run.summary results
 
 check: .venv/.run ## compare RESULTS=..., or a new small run, with tests/reference
 ifeq ($(RESULTS),)

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.special import beta
 
 from benchmarks.cases import Cases, as_contact
-from microimpact.model.normal import normal_impact
+from microimpact.model.dynamics.normal import normal_impact
 
 
 def hertz_time(cases: Cases) -> np.ndarray:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from benchmarks.cases import GROUPS, Cases, as_contact
-from microimpact.model import kernel
-from microimpact.model.normal import integrate, normal_impact, scaled_problems
-from microimpact.model.surrogate import Surrogate as Tables
+from microimpact.model.dynamics import kernel
+from microimpact.model.dynamics.normal import integrate, normal_impact, scaled_problems
+from microimpact.model.law.table import Surrogate as Tables
 
 
 class Package:

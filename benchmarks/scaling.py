@@ -27,13 +27,13 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from microimpact import Contact, Material
-from microimpact.lab.distributions import Constant, Normal, TruncatedNormal, Uniform
-from microimpact.model.normal import normal_impact
-from microimpact.model.surrogate import Surrogate
-from microimpact.studies._monte_carlo import Ensemble, Plan, Process, Rules
-from microimpact.studies._monte_carlo_events import Estimate, estimate, long_run
-from microimpact.studies._monte_carlo_impacts import RigidBody
-from microimpact.studies._progress import progress
+from microimpact.model.dynamics.normal import normal_impact
+from microimpact.model.law.table import Surrogate
+from microimpact.statistics.distributions import Constant, Normal, TruncatedNormal, Uniform
+from microimpact.studies.analyses.monte_carlo.ensembles import Ensemble, Plan, Process, Rules
+from microimpact.studies.analyses.monte_carlo.events import Estimate, estimate, long_run
+from microimpact.studies.analyses.monte_carlo.impacts import RigidBody
+from microimpact.studies.analyses.monte_carlo.progress import progress
 
 ANGLE_DEG = 20.0
 SEED = 20011

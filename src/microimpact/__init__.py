@@ -11,36 +11,36 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from microimpact.materials import Material as Material
-    from microimpact.model.capture import capture_velocity as capture_velocity
+    from microimpact.core.materials import Material as Material
     from microimpact.model.contact import Contact as Contact
-    from microimpact.model.impact import Impact as Impact
-    from microimpact.model.impact import SpatialImpact as SpatialImpact
-    from microimpact.model.impact import planar as planar
-    from microimpact.model.impact import simulate as simulate
-    from microimpact.model.impact import spatial as spatial
-    from microimpact.model.restitution import restitution as restitution
-    from microimpact.model.restitution_fit import bootstrap_v_c as bootstrap_v_c
-    from microimpact.model.restitution_fit import fit_restitution as fit_restitution
-    from microimpact.model.rigid_body import rigid_body_rebound as rigid_body_rebound
-    from microimpact.model.trajectory import Trajectory as Trajectory
-    from microimpact.model.trajectory import trajectory as trajectory
+    from microimpact.model.dynamics.capture import capture_velocity as capture_velocity
+    from microimpact.model.dynamics.impact import Impact as Impact
+    from microimpact.model.dynamics.impact import SpatialImpact as SpatialImpact
+    from microimpact.model.dynamics.impact import planar as planar
+    from microimpact.model.dynamics.impact import simulate as simulate
+    from microimpact.model.dynamics.impact import spatial as spatial
+    from microimpact.model.dynamics.trajectory import Trajectory as Trajectory
+    from microimpact.model.dynamics.trajectory import trajectory as trajectory
+    from microimpact.model.empirical.equations import restitution as restitution
+    from microimpact.model.empirical.fit import bootstrap_v_c as bootstrap_v_c
+    from microimpact.model.empirical.fit import fit_restitution as fit_restitution
+    from microimpact.model.rigid_body.algebra import rigid_body_rebound as rigid_body_rebound
 
 _HOME = {
-    "Material": "materials",
+    "Material": "core.materials",
     "Contact": "model.contact",
-    "Impact": "model.impact",
-    "SpatialImpact": "model.impact",
-    "Trajectory": "model.trajectory",
-    "bootstrap_v_c": "model.restitution_fit",
-    "capture_velocity": "model.capture",
-    "fit_restitution": "model.restitution_fit",
-    "planar": "model.impact",
-    "restitution": "model.restitution",
-    "rigid_body_rebound": "model.rigid_body",
-    "simulate": "model.impact",
-    "spatial": "model.impact",
-    "trajectory": "model.trajectory",
+    "Impact": "model.dynamics.impact",
+    "SpatialImpact": "model.dynamics.impact",
+    "Trajectory": "model.dynamics.trajectory",
+    "bootstrap_v_c": "model.empirical.fit",
+    "capture_velocity": "model.dynamics.capture",
+    "fit_restitution": "model.empirical.fit",
+    "planar": "model.dynamics.impact",
+    "restitution": "model.empirical.equations",
+    "rigid_body_rebound": "model.rigid_body.algebra",
+    "simulate": "model.dynamics.impact",
+    "spatial": "model.dynamics.impact",
+    "trajectory": "model.dynamics.trajectory",
 }
 
 __all__ = list(_HOME)

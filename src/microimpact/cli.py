@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
-from microimpact.materials import declared_file, materials_from_rows
+from microimpact.core.materials import declared_file, materials_from_rows
+from microimpact.declared.selection import CONTACT_COLUMNS, MATERIAL_COLUMNS, read_declared
 from microimpact.report.commands import (
     check_command,
     compare_command,
@@ -20,10 +21,9 @@ from microimpact.report.commands import (
     report_command,
     timings_command,
 )
-from microimpact.selection import CONTACT_COLUMNS, MATERIAL_COLUMNS, read_declared
 
 if TYPE_CHECKING:
-    from microimpact.materials import Material
+    from microimpact.core.materials import Material
     from microimpact.model.contact import Contact
 
 Command = Callable[..., None]
@@ -111,7 +111,7 @@ def simulate_command(
     speed: float, angle: float, spin: float, friction_basis: str, as_json: bool, **pair: Any
 ) -> None:
     """Simulate one impact."""
-    from microimpact.model.impact import simulate
+    from microimpact.model.dynamics.impact import simulate
 
     contact = _contact(**pair)
     outcome = simulate(contact, speed, angle, spin, friction_basis)
@@ -134,7 +134,7 @@ def simulate_command(
 @_contact_options
 def capture_command(as_json: bool, **pair: Any) -> None:
     """Find the capture velocity of a sphere, and the scales of its contact."""
-    from microimpact.model.capture import capture_velocity
+    from microimpact.model.dynamics.capture import capture_velocity
 
     contact = _contact(**pair)
     found = float(capture_velocity(contact))

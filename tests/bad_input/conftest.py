@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from microimpact.config import validate
-from microimpact.documents import load
-from microimpact.inputs import read_inputs
+from microimpact.declared.documents import load
+from microimpact.run.config import validate
+from microimpact.run.inputs import read_inputs
 
 CONFIG = "config/config.yaml"
 ROOT = Path(__file__).parents[2]

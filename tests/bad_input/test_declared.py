@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from tests.bad_input.conftest import DIGITIZED
 
-from microimpact.selection import NamedTables
+from microimpact.declared.selection import NamedTables
 
 CONFIG, MATERIALS, CONTACTS = "config.yaml", "materials.csv", "contacts.csv"
 PRINTED, FIGURES, POINTS = "printed_values.csv", "figures.yaml", "digitized/fig16.csv"

@@ -7,11 +7,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from tests.bad_input.conftest import ROOT
 
-from microimpact.digitized import DigitizedError, read_points
-from microimpact.documents import ConfigError, load
+from microimpact.declared.documents import ConfigError, load
+from microimpact.declared.selection import MATERIAL_COLUMNS, SelectionError, read_declared
 from microimpact.figures.registry import RegistryError, registry
-from microimpact.ledgers.criteria import ClaimsError, read_claims
-from microimpact.selection import MATERIAL_COLUMNS, SelectionError, read_declared
+from microimpact.ledgers.claims.criteria import ClaimsError, read_claims
+from microimpact.run.digitised import DigitizedError, read_points
 
 fuzz = settings(
     deadline=None,

@@ -31,14 +31,14 @@ def test_an_analysis_is_shown_in_every_kind_of_file_it_is_made_of():
     quoted = {b.path for b in blocks("quoted") if b.page == "docs/adding-an-analysis.md"}
     assert quoted >= {
         "src/microimpact/model/separation.py",
-        "src/microimpact/studies/particle_separation.py",
-        "src/microimpact/figures/separation.py",
+        "src/microimpact/studies/analyses/particle_separation.py",
+        "src/microimpact/figures/analyses/separation.py",
         "config/config.yaml",
         "config/printed_values.csv",
         "config/figures.yaml",
         "workflow/rules/separation.smk",
         "Snakefile",
-        "tests/figures/test_separation.py",
+        "tests/article/test_separation.py",
     }
 
 

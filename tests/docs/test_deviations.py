@@ -10,8 +10,8 @@ from click.testing import CliRunner
 from tests.docs.blocks import ROOT
 
 from microimpact.cli import commands
-from microimpact.ledgers.criteria import read_claims
-from microimpact.ledgers.deviations import CLAIM_VERDICTS, deviations, in_words, readable
+from microimpact.ledgers.claims.criteria import read_claims
+from microimpact.ledgers.claims.deviations import CLAIM_VERDICTS, deviations, in_words, readable
 
 REFERENCE = ROOT / "tests/reference"
 CRITERIA = ROOT / "config/claims.yaml"

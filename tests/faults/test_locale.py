@@ -15,13 +15,13 @@ import locale, sys
 from importlib import import_module
 
 locale.setlocale(locale.LC_ALL, "")
-from microimpact.config import load
+from microimpact.run.config import load
 from microimpact.figures.registry import figure_spec, filled
 from microimpact.figures.style import save
-from microimpact.parameters import build
-from microimpact.provenance import plain
-from microimpact.studies import restitution_trends as study
-from microimpact.tables import read_figure_data, write_table
+from microimpact.declared.parameters import build
+from microimpact.declared.provenance import plain
+from microimpact.studies.models import restitution_trends as study
+from microimpact.core.tables import read_figure_data, write_table
 
 (out,) = sys.argv[1:]
 branch = plain(load("config/config.yaml")["restitution_trends"])

@@ -9,16 +9,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from microimpact.files import AlteredError, require_unaltered, write_checksums
-from microimpact.job import logged
-from microimpact.report.timings import read_timings
-from microimpact.tables import (
+from microimpact.core.files import AlteredError, require_unaltered, write_checksums
+from microimpact.core.tables import (
     TableError,
     read_figure_data,
     read_table,
     series_frame,
     write_table,
 )
+from microimpact.report.timings import read_timings
+from microimpact.run.job import logged
 
 
 @pytest.fixture

@@ -12,12 +12,12 @@ import numpy as np
 from tests.faults.places import read_only
 from tests.faults.projects import ROOT
 
-from microimpact.files import altered_files, write_checksums, write_file
-from microimpact.report.results import figure_files, table_files
+from microimpact.core.files import altered_files, write_checksums, write_file
+from microimpact.report.check.results import figure_files, table_files
 
 WRITER = """
 import itertools, sys
-from microimpact.files import write_file
+from microimpact.core.files import write_file
 contents = [bytes([letter]) * 300_000 for letter in b"ab"]
 for content in itertools.cycle(contents):
     write_file(sys.argv[1], content)
@@ -57,7 +57,7 @@ def test_a_file_that_finds_no_room_is_named_and_leaves_the_old_one(tmp_path):
     path = tmp_path / "fig17.csv"
     write_file(path, "old\n")
     program = (
-        "import resource; from microimpact.files import write_file; "
+        "import resource; from microimpact.core.files import write_file; "
         "resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)); "  # of each file, in bytes
         f"write_file({str(path)!r}, 'new' * 1000)"
     )
@@ -73,7 +73,7 @@ def test_a_file_that_finds_no_room_is_named_and_leaves_the_old_one(tmp_path):
 def test_a_folder_that_is_read_only_is_named_by_the_file(tmp_path):
     path = tmp_path / "fig17.csv"
     write_file(path, "old\n")
-    program = f"from microimpact.files import write_file; write_file({str(path)!r}, 'new')"
+    program = f"from microimpact.core.files import write_file; write_file({str(path)!r}, 'new')"
     with read_only(tmp_path) as prefix:
         done = subprocess.run(
             [*prefix, sys.executable, "-c", program], capture_output=True, text=True, check=False
@@ -111,9 +111,9 @@ def test_nothing_in_the_package_writes_a_file_in_another_way():
         for call in writing_calls(path)
     }
     assert found == {
-        ("src/microimpact/files.py", "mkstemp"),
-        ("src/microimpact/files.py", "fdopen"),
+        ("src/microimpact/core/files.py", "mkstemp"),
+        ("src/microimpact/core/files.py", "fdopen"),
         # Into memory.
-        ("src/microimpact/prefork.py", "fdopen"),
+        ("src/microimpact/run/prefork.py", "fdopen"),
         ("src/microimpact/figures/style.py", "savefig"),
     }

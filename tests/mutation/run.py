@@ -30,9 +30,9 @@ PARTS = (
 COMPARE = """
 import sys
 from pathlib import Path
-from microimpact.report.differences import compare_tables
-from microimpact.report.results import key_columns, read_cells
-from microimpact.report.tolerances import FILE, read_tolerances
+from microimpact.report.check.differences import compare_tables
+from microimpact.report.check.results import key_columns, read_cells
+from microimpact.report.check.tolerances import FILE, read_tolerances
 name, kept = sys.argv[1], Path("tests/reference")
 tables = [read_cells(root / "tables" / f"{name}.csv") for root in (kept, Path("build/ci"))]
 accepted = read_tolerances(kept / FILE).of(f"tables/{name}.csv")
@@ -72,7 +72,7 @@ def call(root: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
 
 def failing(root: Path, tests: tuple[str, ...]) -> str:
     """Return the first test that fails, or an empty text."""
-    files = [f"tests/unit/test_{name}.py" for name in tests]
+    files = [f"tests/{name}.py" for name in tests]
     done = call(root, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *files)
     if done.returncode not in {PASSED, FAILED}:
         # A module that cannot even be imported has noticed, too.

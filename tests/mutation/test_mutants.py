@@ -16,7 +16,7 @@ def test_the_right_form_stands_there_once_and_its_tests_exist(mutant):
     assert mutant.apply(text) != text
     assert bool(mutant.tests) != bool(mutant.table)
     for name in mutant.tests:
-        assert (ROOT / f"tests/unit/test_{name}.py").is_file()
+        assert (ROOT / f"tests/{name}.py").is_file()
     if mutant.table:
         assert (ROOT / f"tests/reference/tables/{mutant.table}.csv").is_file()
 

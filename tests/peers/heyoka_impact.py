@@ -20,7 +20,7 @@ Number = np.longdouble
 
 @dataclass(frozen=True)
 class Impact:
-    """As `microimpact.model.normal.NormalImpact` and its ledger; SI units."""
+    """As `microimpact.model.dynamics.normal.NormalImpact` and its ledger; SI units."""
 
     captured: bool
     coefficient_of_restitution: float

@@ -10,7 +10,7 @@ pytest.importorskip("diffrax", reason="diffrax is not installed; make test-peers
 from benchmarks.cases import as_contact, judge, make_cases
 from benchmarks.traced import Tsit5
 
-from microimpact.model.normal import normal_impact
+from microimpact.model.dynamics.normal import normal_impact
 
 
 def test_restitution_and_verdicts() -> None:

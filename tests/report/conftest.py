@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from microimpact.documents import load
+from microimpact.declared.documents import load
+from microimpact.declared.provenance import plain
 from microimpact.figures.registry import filled
-from microimpact.provenance import plain
-from microimpact.report.results import read_text, table_files
+from microimpact.report.check.results import read_text, table_files
 from microimpact.report.site.build import write_site
 from microimpact.report.site.record import Change, Record, Rule, write_record
 

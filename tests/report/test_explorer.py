@@ -10,19 +10,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from microimpact.config import load, validate
-from microimpact.files import write_file
-from microimpact.materials import Material
-from microimpact.model.capture import capture_velocity
+from microimpact.core.files import write_file
+from microimpact.core.materials import Material
+from microimpact.core.tables import parse_table, read_table
+from microimpact.declared.parameters import build
+from microimpact.declared.selection import read_all
 from microimpact.model.contact import Contact
-from microimpact.model.impact import FRICTION_BASES, simulate, velocity_components
-from microimpact.model.normal import normal_impact
-from microimpact.parameters import build
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import FRICTION_BASES, simulate, velocity_components
+from microimpact.model.dynamics.normal import normal_impact
 from microimpact.report.explorer.build import page_files
 from microimpact.report.site.pages import ASSETS
-from microimpact.selection import read_all
-from microimpact.studies import explorer_tables
-from microimpact.tables import parse_table, read_table
+from microimpact.run.config import load, validate
+from microimpact.studies.models import explorer_tables
 
 pytestmark = pytest.mark.slow
 

@@ -67,26 +67,26 @@ def test_what_is_no_formula_is_refused(formula):
 
 
 def test_calls_are_followed_and_not_imports():
-    friction = reached("microimpact.studies.coulomb_friction.run")
-    assert "microimpact.model.rigid_body.rigid_body_rebound" in friction
+    friction = reached("microimpact.studies.models.coulomb_friction.run")
+    assert "microimpact.model.rigid_body.algebra.rigid_body_rebound" in friction
     # In the same module as that one, and not called.
-    assert "microimpact.model.rigid_body.energy_loss" not in friction
-    trends = reached("microimpact.studies.restitution_trends.run")
-    assert "microimpact.model.restitution.restitution" in trends
-    assert "microimpact.model.rigid_body.rigid_body_rebound" not in trends
+    assert "microimpact.model.rigid_body.algebra.energy_loss" not in friction
+    trends = reached("microimpact.studies.models.restitution_trends.run")
+    assert "microimpact.model.empirical.equations.restitution" in trends
+    assert "microimpact.model.rigid_body.algebra.rigid_body_rebound" not in trends
 
 
 def test_methods_count_where_their_name_is_used():
-    force = reached("microimpact.studies.force_history.run")
+    force = reached("microimpact.studies.models.force_history.run")
     assert "microimpact.model.contact.Contact.stiffness" in force
     assert "microimpact.model.contact.Contact" in force
 
 
 def test_every_function_of_the_ledger_is_reached_by_some_study(results):
-    from microimpact.config import study_names
+    from microimpact import studies
 
     ledger = pd.read_csv(results / "tables/equations.csv", dtype=str, keep_default_na=False)
-    called = reached(*(f"microimpact.studies.{study}.run" for study in study_names()))
+    called = reached(*(f"{home}.run" for home in studies.homes().values()))
     assert set(ledger["function"]) - {""} <= called
 
 

@@ -97,7 +97,7 @@ def test_the_stamp_is_written_once_by_the_head_of_the_run(on_slurm):
 @contextmanager
 def held(project, study, marker):
     """Make a study wait for ever the first time, and leave a marker when it does so."""
-    path = project.root / f"src/microimpact/studies/{study}.py"
+    path = next(project.root.glob(f"src/microimpact/studies/*/{study}.py"))
     before = path.read_text(encoding="utf-8")
     path.write_text(
         before

@@ -95,14 +95,14 @@ def test_one_property_of_one_material_changed_by_a_thousandth(checked):
     [
         # Slip of the surface of a spinning sphere: only Fig. 17 has initial spin.
         (
-            "src/microimpact/model/rigid_body.py",
+            "src/microimpact/model/rigid_body/algebra.py",
             "mu_0 = rolling_impulse_ratio(v_n, v_t - radius * omega, e)",
             "mu_0 = rolling_impulse_ratio(v_n, v_t + radius * omega, e)",
             ["fig17"],
         ),
         # Speed in excess of the capture velocity.
         (
-            "src/microimpact/model/restitution.py",
+            "src/microimpact/model/empirical/equations.py",
             "_share(scale, np.maximum(speed - capture, 0.0), exponent)",
             "_share(scale, np.maximum(speed + capture, 0.0), exponent)",
             ["fig14"],

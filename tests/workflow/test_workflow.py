@@ -61,14 +61,18 @@ def test_the_run_stamp(project):
 @pytest.mark.parametrize(
     ("path", "reruns", "spares"),
     [
-        ("src/microimpact/figures/restitution.py", {"fig14"}, {"fig17", "restitution_trends"}),
         (
-            "src/microimpact/model/rigid_body.py",
+            "src/microimpact/figures/models/restitution.py",
+            {"fig14"},
+            {"fig17", "restitution_trends"},
+        ),
+        (
+            "src/microimpact/model/rigid_body/algebra.py",
             {"coulomb_friction", "fig17"},
             {"restitution_trends", "fig14", "declared_inputs"},
         ),
         (
-            "src/microimpact/model/restitution.py",
+            "src/microimpact/model/empirical/equations.py",
             {"restitution_trends", "fig14"},
             {"coulomb_friction", "fig17", "declared_inputs"},
         ),
@@ -83,7 +87,7 @@ def test_the_run_stamp(project):
             {"restitution_trends", "coulomb_friction", "declared_inputs"},
         ),
         (
-            "src/microimpact/tables.py",
+            "src/microimpact/core/tables.py",
             {"restitution_trends", "coulomb_friction", "declared_inputs", "fig14", "fig17"},
             set(),
         ),
@@ -251,7 +255,7 @@ def test_a_nested_number_on_the_command_line_is_explained(project):
 
 def test_a_failing_study_of_the_copy_is_named_and_leaves_no_table(project):
     """The copy runs its own code, not that of the checkout the package is installed from."""
-    path = "src/microimpact/studies/restitution_trends.py"
+    path = "src/microimpact/studies/models/restitution_trends.py"
     broken = "\n\ndef run(params, inputs):\n    raise ValueError('speed out of reach')\n"
     root = ("--config", "pathvars={results: build/broken}")
     with project.edited(path, lambda text: text + broken):

@@ -29,11 +29,14 @@ os.environ.update(
     OPENBLAS_NUM_THREADS="1",
 )
 
-from microimpact import closure, digitized, prefork
-from microimpact.config import load
-from microimpact.inputs import read_inputs
-from microimpact.remembered import validated
-from microimpact.runstamp import run_date, write_stamp
+from microimpact import studies
+from microimpact.run import closure
+from microimpact.run import digitised as digitized
+from microimpact.run import prefork
+from microimpact.run.config import load
+from microimpact.run.inputs import read_inputs
+from microimpact.run.remembered import validated
+from microimpact.run.stamp import run_date, write_stamp
 
 STARTED = run_date()
 CONFIGURATION = Path("config/config.yaml")
@@ -67,7 +70,7 @@ def digest(files):
 
 def study_code(study):
     """Return a digest of the files that decide what a study computes."""
-    return digest(closure.source_files(f"microimpact.studies.{study}", scripts=[RUN_STUDY]))
+    return digest(closure.source_files(studies.homes()[study], scripts=[RUN_STUDY]))
 
 
 def chunk_files(study):

@@ -48,7 +48,7 @@ def _relative_result(path):
 
 def report_code():
     """Return a digest of what decides what the pages say: the code of the studies is read, too."""
-    modules = [f"microimpact.studies.{study}" for study in SETTINGS.branches]
+    modules = studies.homes().values()
     files = closure.source_files(*modules, scripts=[WRITE_REPORT])
     folders = [SITE / "templates", SITE / "assets"]
     return digest([*files, *(path for folder in folders for path in sorted(folder.iterdir()))])

@@ -3,7 +3,7 @@
 from importlib import import_module
 from typing import Any
 
-from microimpact.job import run
+from microimpact.run.job import run
 
 
 def main(job: Any) -> str:
@@ -12,10 +12,10 @@ def main(job: Any) -> str:
     The rule gives the registry entry as ``params.entry`` and the tables as named inputs, and so
     the file of digitised points, ``digitised``, if there is one.
     """
-    from microimpact.digitized import overlaid, read_points
+    from microimpact.core.tables import read_figure_data
     from microimpact.figures.registry import figure_spec
     from microimpact.figures.style import save
-    from microimpact.tables import read_figure_data
+    from microimpact.run.digitised import overlaid, read_points
 
     spec = figure_spec(job.rule, job.params.entry)
     tables = {

@@ -1,12 +1,12 @@
 """Run the study that bears the rule's name, or one part of it, and write what it gives."""
 
 import time
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from microimpact.files import write_file
-from microimpact.job import run
+from microimpact import studies
+from microimpact.core.files import write_file
+from microimpact.run.job import run
 
 
 def main(job: Any) -> str:
@@ -17,13 +17,13 @@ def main(job: Any) -> str:
     rule ``STUDY_part`` makes part ``chunk``, as in ``1-of-2``, of a study that comes in parts;
     the study's own rule gathers the files ``parts``.
     """
-    from microimpact.parameters import build
-    from microimpact.parts import part_from_text, part_text
-    from microimpact.selection import NamedTables
-    from microimpact.tables import parse_table, read_table, write_table
+    from microimpact.core.tables import parse_table, read_table, write_table
+    from microimpact.declared.parameters import build
+    from microimpact.declared.selection import NamedTables
+    from microimpact.run.parts import part_from_text, part_text
 
     begin = time.perf_counter()
-    study = import_module(f"microimpact.studies.{job.rule.removesuffix('_part')}")
+    study = studies.study(job.rule.removesuffix("_part"))
     files = {name: path for name, path in job.input.items() if name not in {"parts", "samples"}}
     inputs = NamedTables({name: parse_table(text) for name, text in job.params.rows.items()})
     inputs.update({name: read_table(path) for name, path in files.items()})

@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-from microimpact.files import write_file
-from microimpact.job import run
+from microimpact.core.files import write_file
+from microimpact.run.job import run
 
 
 def main(job: Any) -> str:
@@ -13,8 +13,8 @@ def main(job: Any) -> str:
     The rule gives the tables as named inputs and the end of their axis of damping as
     ``params.largest_damping``; the page is the output ``page``, its scripts stand beside it.
     """
+    from microimpact.core.tables import read_table
     from microimpact.report.explorer.build import page_files
-    from microimpact.tables import read_table
 
     tables = {name: read_table(path) for name, path in job.input.items()}
     files = page_files(tables, job.params.largest_damping)

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from microimpact.job import run
+from microimpact.run.job import run
 
 
 def main(job: Any) -> str:

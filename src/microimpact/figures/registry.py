@@ -9,9 +9,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError
 
-from microimpact.nearest import nearest
-from microimpact.parameters import Finite, Name, build, explain
-from microimpact.tables import RESULT_EVIDENCE
+from microimpact.core.nearest import nearest
+from microimpact.core.tables import RESULT_EVIDENCE
+from microimpact.declared.parameters import Finite, Name, build, explain
 
 Range = tuple[Finite, Finite]
 Place = Literal[
@@ -87,7 +87,7 @@ class FigureSpec:
     name: Annotated[str, Field(pattern=FIGURE_NAME)]
     title: Name
     caption: Name
-    module: Annotated[str, Field(pattern=r"^microimpact\.figures\.\w+$")]
+    module: Annotated[str, Field(pattern=r"^microimpact\.figures\.\w+\.\w+$")]
     function: Name = "draw"
     study: Name
     data: dict[str, DataSpec]
@@ -112,7 +112,7 @@ class FigureSpec:
     @property
     def is_schematic(self) -> bool:
         """Whether the figure is a drawing of parts, not a plot of one quantity over another."""
-        return self.module.rpartition(".")[2].startswith("schematics")
+        return ".schematics." in self.module
 
 
 def figure_spec(name: str, entry: object) -> FigureSpec:

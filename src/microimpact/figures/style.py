@@ -17,9 +17,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from microimpact.core.files import write_file
+from microimpact.core.tables import POINTS
 from microimpact.figures.registry import FigureSpec, PanelSpec, SeriesSpec
-from microimpact.files import write_file
-from microimpact.tables import POINTS
 
 STYLE_FILE = Path(__file__).with_name("microimpact.mplstyle")
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from microimpact.arrays import BoolArray, FloatArray
-from microimpact.constants import gravity
+from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.constants import gravity
 from microimpact.lab.events import Impacts, IntArray
 
 # velocity, spin (k, 3) before a later impact, whose sphere (k,) -> velocity, spin, captured after

@@ -15,13 +15,13 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from microimpact.arrays import BoolArray, FloatArray
-from microimpact.lab.distributions import uniforms
+from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.compiled import jit
 from microimpact.lab.events import IntArray
-from microimpact.model.compiled import jit
 from microimpact.model.contact import Contact
-from microimpact.model.impact import spatial
-from microimpact.model.surrogate import Surrogate
+from microimpact.model.dynamics.impact import spatial
+from microimpact.model.law.table import Surrogate
+from microimpact.statistics.distributions import uniforms
 
 MOST_CONTACTS = 5
 NEWTON_STEPS = 60

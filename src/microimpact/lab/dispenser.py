@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from microimpact.arrays import BoolArray, FloatArray
-from microimpact.constants import gravity
-from microimpact.lab.distributions import Distribution, HalfNormal, mean, sample
-from microimpact.parameters import Finite, NonNegative, Positive
+from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.constants import gravity
+from microimpact.declared.parameters import Finite, NonNegative, Positive
+from microimpact.statistics.distributions import Distribution, HalfNormal, mean, sample
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from microimpact.arrays import BoolArray, FloatArray
+from microimpact.core.arrays import BoolArray, FloatArray
 
 IntArray = NDArray[np.int64]
 

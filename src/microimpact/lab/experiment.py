@@ -9,11 +9,11 @@ import numpy as np
 
 from microimpact.lab.collision import collide
 from microimpact.lab.dispenser import Dispenser, Falling, InitialSpin, drop_height, release
-from microimpact.lab.distributions import Distribution
 from microimpact.lab.events import Impacts
 from microimpact.model.contact import Contact, resized
-from microimpact.model.families import Family, NoSurrogateError
-from microimpact.model.surrogate import Surrogate
+from microimpact.model.law.families import Family, NoSurrogateError
+from microimpact.model.law.table import Surrogate
+from microimpact.statistics.distributions import Distribution
 
 # Share of the sizes beyond either end of a table, and its speeds, m/s: impacts of all others are
 # integrated. Tables in memory.

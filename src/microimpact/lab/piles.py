@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from microimpact.arrays import BoolArray, FloatArray
-from microimpact.constants import gravity
+from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.constants import gravity
 from microimpact.lab.collision import collide
 from microimpact.lab.events import IntArray
 from microimpact.lab.experiment import Target

@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from microimpact.arrays import FloatArray, Real
+from microimpact.core.arrays import FloatArray, Real
 
 FEWEST_EVENTS = 2
 

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from microimpact.arrays import FloatArray
-from microimpact.lab.distributions import (
+from microimpact.core.arrays import FloatArray
+from microimpact.lab.events import IntArray
+from microimpact.statistics.distributions import (
     LARGEST_PROBABILITY,
     SMALLEST_PROBABILITY,
     Distribution,
 )
-from microimpact.lab.events import IntArray
 
 # The distribution is cut into cells of equal width in normal scores, uniform within each: the
 # width of 1/64 changes the variance of a normal slope by 2e-5 of itself.

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from microimpact.lab import pdpa
+from microimpact.core.materials import Material
 from microimpact.lab.collision import collide
 from microimpact.lab.events import Impacts
-from microimpact.lab.ptis import Instrument, Setup
-from microimpact.lab.ptis_observation import observe
-from microimpact.materials import Material
+from microimpact.lab.pdpa import analyser as pdpa
+from microimpact.lab.ptis.observation import observe
+from microimpact.lab.ptis.system import Instrument, Setup
 from microimpact.model import warm
 from microimpact.model.contact import Contact
 

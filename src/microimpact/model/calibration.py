@@ -11,11 +11,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 
-from microimpact.arrays import POSITIVE, Range, checked
-from microimpact.model.capture import capture_velocity
+from microimpact.core.arrays import POSITIVE, Range, checked
 from microimpact.model.contact import Contact
-from microimpact.model.normal import normal_impact
-from microimpact.model.trajectory import trajectory
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.normal import normal_impact
+from microimpact.model.dynamics.trajectory import trajectory
 
 OPEN_UNIT_INTERVAL = Range(lower=0.0, upper=1.0)
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from microimpact.arrays import NON_NEGATIVE, POSITIVE, Real, checked, choice, common_shape
-from microimpact.materials import Material
+from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, Real, checked, choice, common_shape
+from microimpact.core.materials import Material
 
 STIFFNESS_MODELS = ("hertz", "reduced")
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from microimpact.materials import Material, Row, find_material, quantity
-from microimpact.model.contact import Contact
-from microimpact.nearest import nearest
-from microimpact.units import (
+from microimpact.core.materials import Material, Row, find_material, quantity
+from microimpact.core.nearest import nearest
+from microimpact.core.units import (
     ENERGY_PER_AREA,
     FORCE_PER_LENGTH,
     LENGTH,
@@ -16,6 +15,7 @@ from microimpact.units import (
     SLOWNESS,
     SPEED,
 )
+from microimpact.model.contact import Contact
 
 UNITS = {
     "diameter": LENGTH,

@@ -12,8 +12,8 @@ from dataclasses import dataclass, fields
 import numpy as np
 import scipy
 
-from microimpact.arrays import NON_NEGATIVE, POSITIVE, FloatArray, Range, Real, checked, choice
-from microimpact.constants import epsilon_0
+from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, FloatArray, Range, Real, checked, choice
+from microimpact.core.constants import epsilon_0
 
 PLACEMENTS = ("lifted", "even", "random")
 WEIGHT_FRACTION = Range(lower=0.0, upper=1.0, lower_closed=True)

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from microimpact.materials import Material
+from microimpact.core.materials import Material
 from microimpact.model.contact import Contact
-from microimpact.model.facets import facet_normals, facet_rebound
-from microimpact.model.restitution_batch import data_sets, fit_batch
-from microimpact.model.surrogate import Surrogate
-from microimpact.model.trajectory import trajectory
+from microimpact.model.dynamics.trajectory import trajectory
+from microimpact.model.empirical.batch import data_sets, fit_batch
+from microimpact.model.law.table import Surrogate
+from microimpact.model.rigid_body.facets import facet_normals, facet_rebound
 
 
 def main() -> None:

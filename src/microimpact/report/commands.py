@@ -26,9 +26,9 @@ _few_option = click.option(
 @_few_option
 def check_command(results: Path, reference: Path, few: int) -> None:
     """Compare the tables, data and figures in RESULTS with committed references."""
-    from microimpact.report.results import drawn_from, figure_files, table_files
-    from microimpact.report.verify import concerned, verify
-    from microimpact.report.wording import markdown
+    from microimpact.report.check.results import drawn_from, figure_files, table_files
+    from microimpact.report.check.verify import concerned, verify
+    from microimpact.report.check.wording import markdown
 
     differences = verify(results, reference)
     count = len(table_files(results)) + len(figure_files(results))
@@ -50,8 +50,8 @@ def check_command(results: Path, reference: Path, few: int) -> None:
 @click.option("--remove", is_flag=True, help="Drop references of files that RESULTS lacks.")
 def reference_command(results: Path, reference: Path, few: int, remove: bool) -> None:
     """Show how RESULTS differs from the references, then make it the reference."""
-    from microimpact.report.verify import renew, verify
-    from microimpact.report.wording import markdown
+    from microimpact.report.check.verify import renew, verify
+    from microimpact.report.check.wording import markdown
 
     reference.mkdir(parents=True, exist_ok=True)
     differences = verify(results, reference)
@@ -68,9 +68,9 @@ def reference_command(results: Path, reference: Path, few: int, remove: bool) ->
 @_few_option
 def compare_command(baseline: Path, changed: Path, html: Path | None, few: int) -> None:
     """Tell which inputs, numbers, verdicts and figures differ between two results folders."""
-    from microimpact.files import write_file
-    from microimpact.report.compare import as_text, compare
-    from microimpact.report.page import page
+    from microimpact.core.files import write_file
+    from microimpact.report.check.compare import as_text, compare
+    from microimpact.report.check.page import page
 
     changes = compare(baseline, changed)
     click.echo(as_text(changes, few))
@@ -97,7 +97,7 @@ def crate_command(results: Path, project: Path) -> None:
 @click.argument("results", type=_folder)
 def report_command(results: Path) -> None:
     """Write the report of RESULTS anew, as pages for a browser: RESULTS/report/index.html."""
-    from microimpact.report.results import require_results
+    from microimpact.report.check.results import require_results
     from microimpact.report.site.build import write_site
     from microimpact.report.site.record import read_record
 
@@ -117,9 +117,9 @@ def deviations_command(
     results: Path, claims: Path | None, settings: str, output: Path | None
 ) -> None:
     """Tell as Markdown how RESULTS deviates from the article: equations, claims, criteria."""
-    from microimpact.files import write_file
-    from microimpact.ledgers.deviations import deviations
-    from microimpact.materials import declared_file
+    from microimpact.core.files import write_file
+    from microimpact.core.materials import declared_file
+    from microimpact.ledgers.claims.deviations import deviations
 
     page = deviations(results, claims or declared_file("claims.yaml"), settings)
     if output:

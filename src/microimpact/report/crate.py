@@ -28,9 +28,9 @@ from typing import Any
 from rocrate.model.contextentity import ContextEntity
 from rocrate.rocrate import ROCrate
 
-from microimpact.files import require_unaltered, write_file
-from microimpact.report.results import TABLE_FOLDERS, ResultsError, read_json, require_results
-from microimpact.runstamp import git_state
+from microimpact.core.files import require_unaltered, write_file
+from microimpact.report.check.results import TABLE_FOLDERS, ResultsError, read_json, require_results
+from microimpact.run.stamp import git_state
 
 STAMP = "run.json"
 METADATA = "ro-crate-metadata.json"

@@ -1,6 +1,37 @@
-"""Studies: one module per analysis, each from a branch of the configuration to tables.
+"""Studies: one per analysis, each from a branch of the configuration to tables, by section.
 
-A study module bears the name of its branch in ``config/config.yaml`` and defines a frozen
-dataclass ``Params`` and a pure function ``run(params, inputs)`` that returns its tables by
-name. Modules are found by name; nothing is registered here.
+A study bears the name of its branch in ``config/config.yaml``. It is a module, or a package whose
+parts are its own, that stands directly in one of the folders here, and defines a frozen dataclass
+``Params`` and a pure function ``run(params, inputs)`` that returns its tables by name. Studies are
+found by name; nothing is registered here.
 """
+
+from __future__ import annotations
+
+import pkgutil
+from functools import cache
+from importlib import import_module
+from types import MappingProxyType, ModuleType
+
+
+@cache
+def homes() -> MappingProxyType[str, str]:
+    """Return the full module name of every study by the study's name, in order of the names."""
+    sections = [module.name for module in pkgutil.iter_modules(__path__) if module.ispkg]
+    found = {
+        module.name: f"{__name__}.{section}.{module.name}"
+        for section in sections
+        for module in pkgutil.iter_modules([f"{place}/{section}" for place in __path__])
+    }
+    return MappingProxyType(dict(sorted(found.items())))
+
+
+def study(name: str) -> ModuleType:
+    """Return the module of a study, given its name.
+
+    Raises
+    ------
+    KeyError
+        If there is no such study.
+    """
+    return import_module(homes()[name])

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from microimpact.model.normal import HOPELESS_ADHESION_GROUP, HOPELESS_HERTZ_GROUP
-from microimpact.model.rigid_body import INERTIA
+from microimpact.model.dynamics.normal import HOPELESS_ADHESION_GROUP, HOPELESS_HERTZ_GROUP
+from microimpact.model.rigid_body.algebra import INERTIA
 from microimpact.report.explorer import FILES, SCRIPTS
 from microimpact.report.site.pages import render
-from microimpact.studies._explorer_coordinates import (
+from microimpact.studies.models.explorer_tables.coordinates import (
     IMPULSE_EXPONENT,
     SLOW_PASSAGE,
     THRESHOLD_EXPONENT,

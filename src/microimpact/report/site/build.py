@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from microimpact.files import write_file
+from microimpact.core.files import write_file
 from microimpact.report.site import PAGES, ledgers
 from microimpact.report.site.figures import Figure, figures, label
 from microimpact.report.site.graph import needs, picture

@@ -10,6 +10,7 @@ from typing import Any
 
 import pandas as pd
 
+from microimpact import studies
 from microimpact.report.site.graph import needs, upstream
 from microimpact.report.site.ledgers import Row
 from microimpact.report.site.reached import reached
@@ -159,7 +160,7 @@ def _inputs(
     equations: Sequence[Row],
 ) -> Inputs:
     rule = rules.get(study, Rule(name=study))
-    called = reached(f"microimpact.studies.{study}.run")
+    called = reached(f"{studies.homes()[study]}.run")
     values = [
         row | {"key": row["key"].removeprefix(f"{study}.")}
         for row in declared

@@ -40,7 +40,7 @@ def reached(*starts: str) -> frozenset[str]:
     Parameters
     ----------
     starts
-        Full names, as ``microimpact.studies.coulomb_friction.run``.
+        Full names, as ``microimpact.studies.models.coulomb_friction.run``.
     """
     found, waiting, attributes = set[str](), list(starts), set[str]()
     possible = set[str]()

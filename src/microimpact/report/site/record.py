@@ -16,12 +16,12 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from microimpact.documents import load
+from microimpact.core.files import write_file
+from microimpact.core.materials import declared_file
+from microimpact.declared.documents import load
+from microimpact.declared.provenance import plain
 from microimpact.figures.registry import filled
-from microimpact.files import write_file
-from microimpact.materials import declared_file
-from microimpact.provenance import plain
-from microimpact.runstamp import git_state, package_versions
+from microimpact.run.stamp import git_state, package_versions
 
 RECORD = "report/record.json"
 STAMP = "run.json"

@@ -1,0 +1,119 @@
+"""Materials: elastic constants and density, and the tables they are declared in."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from microimpact.core.arrays import POSITIVE, Range, Real, checked, common_shape
+from microimpact.core.nearest import nearest
+from microimpact.core.units import DENSITY, NUMBER, PRESSURE, si_factor
+
+POISSON_RANGE = Range(lower=-1.0, upper=0.5, upper_closed=True)
+
+Row = Mapping[str, Any]
+
+_UNITS = {"youngs_modulus": PRESSURE, "poissons_ratio": NUMBER, "density": DENSITY}
+_RANGES = {"youngs_modulus": POSITIVE, "poissons_ratio": POISSON_RANGE, "density": POSITIVE}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Material:
+    """An isotropic elastic material.
+
+    Parameters
+    ----------
+    name
+        What it is called.
+    youngs_modulus
+        E, Pa.
+    poissons_ratio
+        nu, in (-1, 0.5].
+    density
+        rho, kg/m3.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a property is not a number (or array of numbers), not finite or out of range.
+    """
+
+    name: str
+    youngs_modulus: Real
+    poissons_ratio: Real
+    density: Real
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str):
+            raise TypeError(f"name must be text, got {self.name!r}")
+        for key, allowed in _RANGES.items():
+            object.__setattr__(self, key, checked(key, getattr(self, key), allowed))
+        common_shape({key: getattr(self, key) for key in _RANGES})
+
+
+def declared_file(name: str) -> Path:
+    """Return a shipped table of declared inputs: packaged, or the project's ``config`` folder."""
+    package = Path(__file__).parents[1]
+    packaged = package / "config" / name
+    return packaged if packaged.exists() else package.parents[1] / "config" / name
+
+
+def quantity(row: Row, units: Mapping[str, dict[str, float]], where: str) -> float:
+    """Return the SI value of one declared row (keys property, value, unit).
+
+    Raises
+    ------
+    ValueError
+        If the property is unknown, its unit another or its value no number.
+    """
+    name = row["property"]
+    if name not in units:
+        raise ValueError(f"{where}: property {name!r} unknown{nearest(name, units)}")
+    where = f"{where}, {name}"
+    try:
+        value = float(row["value"])
+    except ValueError:
+        raise ValueError(f"{where}: value {row['value']!r} must be a number") from None
+    return value * si_factor(row["unit"], units[name], where)
+
+
+def materials_from_rows(rows: Iterable[Row]) -> dict[str, Material]:
+    """Build every material of a declared table (columns material, property, value, unit, ...).
+
+    Raises
+    ------
+    ValueError
+        If a property is unknown, declared twice or missing, or has a wrong unit or value.
+    """
+    found: dict[str, dict[str, float]] = {}
+    for row in rows:
+        properties = found.setdefault(row["material"], {})
+        where = f"material {row['material']!r}"
+        if row["property"] in properties:
+            raise ValueError(f"{where}: {row['property']} is declared twice")
+        properties[row["property"]] = quantity(row, _UNITS, where)
+    built = {}
+    for name, properties in found.items():
+        missing = [key for key in _UNITS if key not in properties]
+        if missing:
+            raise ValueError(f"material {name!r}: {', '.join(missing)} not declared")
+        try:
+            built[name] = Material(name=name, **properties)
+        except ValueError as problem:
+            raise ValueError(f"material {name!r}: {problem}") from None
+    return built
+
+
+def find_material(name: str, materials: Mapping[str, Material]) -> Material:
+    """Return one material by name.
+
+    Raises
+    ------
+    ValueError
+        If it is not declared; the message names the nearest.
+    """
+    if name not in materials:
+        raise ValueError(f"unknown material {name!r}{nearest(name, materials)}")
+    return materials[name]

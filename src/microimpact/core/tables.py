@@ -1,0 +1,183 @@
+"""Tables on disk: CSV files written in one step, read back exactly, with checked headers."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from microimpact.core.files import write_file
+
+# Loaded where a table is made or read: the workflow, which asks for names alone, starts sooner.
+if TYPE_CHECKING:
+    import pandas as pd
+
+RESULT_EVIDENCE = (
+    "computed",
+    "printed",
+    "virtual experiment",
+    "digitised",
+    "calibrated",
+    "assumed",
+)
+
+# Series of digitised points begin so, in every table: none is taken for another series, nor for
+# a number, and the legend says what it is.
+POINTS = "digitised: "
+
+
+class TableError(ValueError):
+    """A table file that does not have the agreed form."""
+
+
+def series_frame(
+    *,
+    panel: str,
+    series: str,
+    evidence: str,
+    x: ArrayLike,
+    y: ArrayLike,
+    x_unit: str,
+    y_unit: str,
+    y_low: ArrayLike = np.nan,
+    y_high: ArrayLike = np.nan,
+) -> pd.DataFrame:
+    """Return one series of a figure in the tidy form of the figure data.
+
+    Parameters
+    ----------
+    panel, series
+        Where the series is drawn and what it is called in the legend.
+    evidence
+        One of `RESULT_EVIDENCE`.
+    x, y
+        Coordinates, which broadcast to shape (n,).
+    x_unit, y_unit
+        Units as they stand in column names: ``deg``, ``m_per_s``, ``1`` for a pure number.
+    y_low, y_high
+        Ends of the interval around y, if there is one.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Columns as named by `figure_columns`, n rows.
+
+    Raises
+    ------
+    ValueError
+        If the evidence is not one of the known classes.
+    """
+    import pandas as pd
+
+    if evidence not in RESULT_EVIDENCE:
+        raise ValueError(f"evidence: {evidence!r} must be one of {', '.join(RESULT_EVIDENCE)}")
+    # Adding zero takes the sign off a zero that has one.
+    columns = np.broadcast_arrays(*(np.atleast_1d(np.asarray(a, float)) + 0.0 for a in (x, y)))
+    n = columns[0].size
+    values = [panel, series, evidence, *columns, y_low, y_high]
+    names = figure_columns(x_unit, y_unit)
+    return pd.DataFrame(dict(zip(names, values, strict=True)), index=range(n))
+
+
+def result_evidence(quantity: str, calibration_targets: Sequence[str]) -> str:
+    """Return the evidence class of a computed number: calibrated, if it fixed an input."""
+    return "calibrated" if quantity in calibration_targets else "computed"
+
+
+def figure_columns(x_unit: str, y_unit: str) -> list[str]:
+    """Return the column names of figure data in the given units."""
+    return ["panel", "series", "evidence", f"x_{x_unit}", f"y_{y_unit}", "y_low", "y_high"]
+
+
+def write_table(table: pd.DataFrame, path: Path | str) -> None:
+    """Write a table as CSV so that no reader ever meets half of it.
+
+    Numbers are written with as many digits as bring back the same number.
+    """
+    write_file(path, table.to_csv(index=False, lineterminator="\n"))
+
+
+def read_table(path: Path | str, columns: Sequence[str] | None = None) -> pd.DataFrame:
+    """Read a CSV table; empty fields are missing values, all else is taken as it stands.
+
+    Parameters
+    ----------
+    path
+        The file.
+    columns
+        The header it must have, in this order; any header if not given.
+
+    Raises
+    ------
+    TableError
+        Naming the file and the missing, misnamed or unexpected columns, or the line that is cut
+        or has too many fields; also for a file that is no text.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+        _require_whole_rows(text, str(path))
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise TableError(f"{path}: no CSV table in UTF-8: {error}") from None
+    table = parse_table(text)
+    if columns is not None:
+        check_columns(list(table.columns), columns, str(path))
+    return table
+
+
+def read_figure_data(path: Path | str, x_unit: str, y_unit: str) -> pd.DataFrame:
+    """Read the data of a figure in the given units.
+
+    Raises
+    ------
+    TableError
+        As for `read_table`, and naming the row where x or y is missing or no number.
+    """
+    import pandas as pd
+
+    columns = figure_columns(x_unit, y_unit)
+    table = read_table(path, columns)
+    for column in columns[3:5]:
+        numbers = pd.to_numeric(table[column], errors="coerce")
+        if numbers.isna().any():
+            row = int(numbers.isna().argmax())
+            cell = table[column].iloc[row]
+            found = "nothing" if pd.isna(cell) else repr(cell)
+            raise TableError(f"{path}, row {row + 1}: {column} must be a number, got {found}")
+    return table
+
+
+def parse_table(text: str) -> pd.DataFrame:
+    """Return the table that a CSV text holds, read as `read_table` does."""
+    import pandas as pd
+
+    return pd.read_csv(io.StringIO(text), keep_default_na=False, na_values=[""])
+
+
+def _require_whole_rows(text: str, name: str) -> None:
+    # Missing fields at the end of a row would be read as missing values, a cut number as another.
+    rows = csv.reader(io.StringIO(text, newline=""))
+    expected = len(next(rows, ()))
+    for row in rows:
+        if len(row) != expected:
+            raise TableError(
+                f"{name}, line {rows.line_num}: {len(row)} fields where the header has {expected}"
+            )
+    if not text.endswith("\n"):
+        raise TableError(f"{name}: cut short: its last line does not end")
+
+
+def check_columns(found: Sequence[str], expected: Sequence[str], name: str) -> None:
+    """Raise `TableError` unless the header is the expected one."""
+    if list(found) == list(expected):
+        return
+    missing = [column for column in expected if column not in found]
+    surplus = [column for column in found if column not in expected]
+    parts = [f"column {m!r} is missing" for m in missing]
+    parts += [f"column {s!r} is not expected" for s in surplus]
+    detail = ", ".join(parts) or f"columns stand in another order than {', '.join(expected)}"
+    raise TableError(f"{name}: {detail}")

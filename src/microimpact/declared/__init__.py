@@ -1,0 +1,1 @@
+"""Declared inputs: provenance, admissible values, YAML files, rows of the declared tables."""

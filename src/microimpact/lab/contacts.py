@@ -1,0 +1,63 @@
+"""The contact that a study's parameters name, from the declared rows handed to it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import pandas as pd
+
+from microimpact.core.materials import Material, materials_from_rows
+from microimpact.core.nearest import nearest
+from microimpact.model.contact import Contact
+from microimpact.model.pairs import Pairs, pair_contact, pairs_from_rows
+
+
+def declared_contact(
+    inputs: Mapping[str, pd.DataFrame], particle: str, surface: str, **changes: Any
+) -> Contact:
+    """Return the contact of a declared pair.
+
+    Parameters
+    ----------
+    inputs
+        ``materials`` and ``contacts``, declared rows as tables.
+    particle, surface
+        Names of the materials.
+    **changes
+        Fields of `Contact` in place of the declared ones.
+    """
+    return pair_contact(particle, surface, *declared(inputs), **changes)
+
+
+def calibrated_contact(inputs: Mapping[str, pd.DataFrame], case: str) -> Contact:
+    """Return the contact of a calibrated case.
+
+    Parameters
+    ----------
+    inputs
+        ``calibration``, the table of that study, and ``materials``, declared rows.
+    case
+        Name of the case.
+
+    Raises
+    ------
+    ValueError
+        If there is no such case; the message names the nearest.
+    """
+    table = inputs["calibration"]
+    rows = table[(table["case"] == case) & (table["role"] == "parameter")]
+    if rows.empty:
+        raise ValueError(f"no calibrated case {case!r}{nearest(case, set(table['case']))}")
+    fields = dict(zip(rows["quantity"], rows["value"].astype(float), strict=True))
+    materials: Any = inputs["materials"].to_dict("records")
+    particle, surface = rows["particle"].iloc[0], rows["surface"].iloc[0]
+    return pair_contact(particle, surface, materials_from_rows(materials), {}, **fields)
+
+
+def declared(inputs: Mapping[str, pd.DataFrame]) -> tuple[dict[str, Material], Pairs]:
+    """Return the declared materials and pairs of a study's inputs."""
+    rows: dict[str, Any] = {
+        name: inputs[name].to_dict("records") for name in ("materials", "contacts")
+    }
+    return materials_from_rows(rows["materials"]), pairs_from_rows(rows["contacts"])

@@ -1,0 +1,247 @@
+"""One experiment with the phase Doppler analyzer: what it reports, and how good that is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.random import Generator
+
+from microimpact.core.arrays import BoolArray
+from microimpact.lab.bounces import Rebound, with_later_impacts
+from microimpact.lab.events import Impacts, IntArray, Measured
+from microimpact.lab.pdpa.analyser import (
+    INCIDENT,
+    REBOUND,
+    Instrument,
+    Passages,
+    Stream,
+    Truth,
+    passages,
+    records,
+    true_height,
+)
+from microimpact.lab.pdpa.pairing import Form, Pairing, correct, search
+
+# What became of an impact: the first of these that holds, in the order in which they can happen.
+FATES = (
+    "incident below probe",
+    "incident missed probe",
+    "captured",
+    "rebound below probe",
+    "rebound missed probe",
+    "overlap",
+    "drop-out",
+    "not paired",
+    "paired",
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Quality:
+    """How well the pairs of a stream agree with the truth.
+
+    Attributes
+    ----------
+    pairs, true_pairs, later_pairs
+        Accepted pairs, those of them whose records are of one impact, and those of a later one.
+    recorded_pairs
+        Impacts of which both records exist.
+    unpaired_incidents
+        Falling records without a rebound: captured, or lost.
+    height, estimated_height, estimated_height_error
+        Of the probe volume: true, found from the pairs, its standard error, m.
+    converged
+        Whether the search came to rest.
+    rebounds, seen_rebounds
+        First impacts with a rebound, and those of them with an incident record.
+    fates
+        Number of first impacts by `FATES`; they add up to all of them.
+    """
+
+    pairs: int
+    true_pairs: int
+    later_pairs: int
+    recorded_pairs: int
+    unpaired_incidents: int
+    height: float
+    estimated_height: float
+    estimated_height_error: float
+    converged: bool
+    rebounds: int
+    seen_rebounds: int
+    fates: Mapping[str, int]
+
+    @property
+    def precision(self) -> float:
+        """Share of the accepted pairs that are of one impact; nan without a pair."""
+        return ratio(self.true_pairs, self.pairs)
+
+    @property
+    def recall(self) -> float:
+        """Share found of the impacts of which both records exist; nan without any."""
+        return ratio(self.true_pairs, self.recorded_pairs)
+
+    @property
+    def recall_of_rebounds(self) -> float:
+        """Share found of the first impacts with a rebound; nan without any."""
+        return ratio(self.fates["paired"], self.rebounds)
+
+    @property
+    def recall_of_seen_rebounds(self) -> float:
+        """Share found of the first impacts with a rebound and an incident record; nan of none."""
+        return ratio(self.fates["paired"], self.seen_rebounds)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Observation:
+    """All that one experiment leaves.
+
+    Attributes
+    ----------
+    measured
+        Events, at the surface; `event` counts in `impacts`.
+    quality
+        Against the truth.
+    impacts
+        First and later impacts.
+    crossing, stream, truth, pairing
+        Passages through the probe volume, the records, what they are of, and the pairs found.
+    """
+
+    measured: Measured
+    quality: Quality
+    impacts: Impacts
+    crossing: Passages
+    stream: Stream
+    truth: Truth
+    pairing: Pairing
+
+
+def observe(
+    impacts: Impacts,
+    later: Rebound,
+    duration: float,
+    instrument: Instrument,
+    rng: Generator,
+    *,
+    drop_height: float = np.inf,
+    form: Form = "exact",
+) -> Observation:
+    """Observe one experiment of normal impacts on a horizontal target.
+
+    Parameters
+    ----------
+    impacts
+        First impacts.
+    later
+        Outcome of impacts of spheres that fall back, see `bounces.with_later_impacts`.
+    duration
+        Of the experiment, s.
+    instrument
+        Settings; the height of the probe volume is drawn once.
+    rng
+        Source of all draws of the instrument.
+    drop_height
+        Height from which the spheres fall, m; spheres from below the probe volume rise into it
+        but do not fall through it.
+    form
+        Correction to the surface.
+    """
+    height = true_height(instrument, rng)
+    followed = with_later_impacts(impacts, later, instrument.later_impacts)
+    fall = np.full(len(followed), np.inf)
+    fall[: len(impacts)] = drop_height
+    crossing = passages(followed, height, instrument, fall)
+    stream, truth = records(crossing, duration, instrument, rng)
+    estimate = 1e-3 * instrument.probe_height_mm * (1.0 + instrument.initial_estimate_error)
+    pairing = search(stream, estimate, instrument)
+    return Observation(
+        measured=at_surface(stream, pairing, truth, form),
+        quality=judge(pairing, stream, truth, crossing, impacts.captured, height),
+        impacts=followed,
+        crossing=crossing,
+        stream=stream,
+        truth=truth,
+        pairing=pairing,
+    )
+
+
+def at_surface(stream: Stream, pairing: Pairing, truth: Truth, form: Form = "exact") -> Measured:
+    """Reduce accepted pairs to normal velocities at the surface, with the height found."""
+    velocities = (stream.velocity[index] for index in (pairing.incident, pairing.rebound))
+    incident, rebound = (np.asarray(correct(v, pairing.height, form)) for v in velocities)
+    return Measured(
+        event=pair_events(pairing, truth),
+        incident_normal=incident,
+        incident_tangential=np.zeros(len(incident)),
+        rebound_normal=rebound,
+        rebound_tangential=np.zeros(len(rebound)),
+    )
+
+
+def pair_events(pairing: Pairing, truth: Truth) -> IntArray:
+    """Return the impact that both records of a pair are of; -1 if there is none, shape (k,)."""
+    first, second = truth.impact[pairing.incident], truth.impact[pairing.rebound]
+    legs = (truth.leg[pairing.incident] == INCIDENT) & (truth.leg[pairing.rebound] == REBOUND)
+    return np.where((first == second) & legs, first, -1)
+
+
+def judge(
+    pairing: Pairing,
+    stream: Stream,
+    truth: Truth,
+    crossing: Passages,
+    captured: BoolArray,
+    height: float,
+) -> Quality:
+    """Compare pairs with the truth.
+
+    Parameters
+    ----------
+    pairing, stream, truth, crossing
+        As in `Observation`.
+    captured
+        Of the first impacts, shape (n,).
+    height
+        True height, m.
+    """
+    event, first = pair_events(pairing, truth), len(captured)
+    return Quality(
+        pairs=len(event),
+        true_pairs=int(np.sum(event >= 0)),
+        later_pairs=int(np.sum(event >= first)),
+        recorded_pairs=int(np.sum(np.all(truth.recorded, axis=0))),
+        unpaired_incidents=int(np.sum(stream.velocity < 0.0)) - len(event),
+        height=height,
+        estimated_height=pairing.height,
+        estimated_height_error=pairing.height_error,
+        converged=pairing.converged,
+        rebounds=int(np.sum(~captured)),
+        seen_rebounds=int(np.sum(truth.recorded[INCIDENT, :first] & ~captured)),
+        fates=_fates(crossing, truth, captured, event),
+    )
+
+
+def _fates(
+    crossing: Passages, truth: Truth, captured: BoolArray, event: IntArray
+) -> dict[str, int]:
+    (falls, rises), (enters, returns) = crossing.reached, crossing.inside
+    conditions = [
+        ~falls,
+        ~enters,
+        np.pad(captured, (0, len(falls) - len(captured))),
+        ~rises,
+        ~returns,
+        np.any(truth.overlapped, axis=0),
+        np.any(truth.dropped, axis=0),
+        ~np.isin(np.arange(len(falls)), event),
+    ]
+    fate = np.select(conditions, list(range(len(conditions))), len(conditions))[: len(captured)]
+    return dict(zip(FATES, np.bincount(fate, minlength=len(FATES)).tolist(), strict=True))
+
+
+def ratio(part: float, whole: float) -> float:
+    """Return a share; nan of nothing."""
+    return part / whole if whole else float("nan")

@@ -1,0 +1,276 @@
+"""Search for pairs in the records of a phase Doppler analyzer, and reduction to the surface.
+
+From an initial estimate of the height h of the probe volume: which rebound record is of the same
+sphere as which incident record? The delay between them is known from h and both velocities, the
+sphere falling and rising freely; sizes must agree. Accepted pairs give a better h, and so on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import scipy
+
+from microimpact.core.arrays import BoolArray, FloatArray, Real
+from microimpact.core.constants import gravity
+from microimpact.lab.events import IntArray
+from microimpact.lab.pdpa.analyser import Instrument, Stream
+
+# With fewer pairs than this, h is left as it is: they may all be accidental.
+FEWEST_PAIRS = 3
+MOST_ROUNDS = 30
+
+Form = Literal["exact", "printed"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pairing:
+    """Accepted pairs, and the height found from them.
+
+    Attributes
+    ----------
+    incident, rebound
+        Records of each pair, indices into the stream, in order of the incident's time; shape (k,).
+    height, height_error
+        Of the probe volume and its standard error, m; the initial estimate and its uncertainty
+        where there are too few pairs.
+    rounds
+        Searches made.
+    converged
+        Whether the last search found the same pairs as the one before.
+    """
+
+    incident: IntArray
+    rebound: IntArray
+    height: float
+    height_error: float
+    rounds: int
+    converged: bool
+
+
+def correct(velocity: Real, height: Real, form: Form = "exact") -> Real:
+    """Return velocities at the surface from those in the probe volume.
+
+    Parameters
+    ----------
+    velocity
+        Vertical, m/s; incident negative, rebound positive, any shape.
+    height
+        Of the probe volume, m; broadcasts.
+    form
+        ``exact``: v^2 + 2 g h, the energy of free fall. ``printed``: the article's constant
+        sqrt(2 g h) is added to the speed (Section 2.1).
+    """
+    if form == "printed":
+        return np.asarray(velocity + np.sign(velocity) * _surface_speed(0.0, height))
+    return np.asarray(np.sign(velocity) * _surface_speed(velocity, height))
+
+
+def _surface_speed(velocity: Real, height: Real) -> FloatArray:
+    return np.sqrt(np.square(velocity) + 2.0 * gravity * np.asarray(height))
+
+
+def delay(incident: Real, rebound: Real, height: Real) -> Real:
+    """Return the time from the incident to the rebound passage, s, from speeds in the probe."""
+    return _leg_time(incident, height) + _leg_time(rebound, height)
+
+
+def _leg_time(velocity: Real, height: Real) -> Real:
+    return np.asarray(2.0 * height / (np.abs(velocity) + _surface_speed(velocity, height)))
+
+
+def height_from_delay(incident: Real, rebound: Real, time: Real) -> Real:
+    """Return the height at which the `delay` of two passages is the given time: its inverse."""
+    # With x = 2 g h the surface speeds have sum s and the difference of their squares is known.
+    s = gravity * np.asarray(time) + np.abs(incident) + np.abs(rebound)
+    at_surface = 0.5 * (s + (np.square(incident) - np.square(rebound)) / s)
+    return np.asarray((np.square(at_surface) - np.square(incident)) / (2.0 * gravity))
+
+
+def delay_noise(
+    incident: FloatArray, rebound: FloatArray, height: Real, instrument: Instrument
+) -> tuple[FloatArray, FloatArray]:
+    """Return the standard deviation of predicted less recorded delays, s, and d delay / d h."""
+    stamps = 1e-6 * instrument.time_resolution_us / np.sqrt(6.0)
+    variance, slope = np.full(incident.shape, stamps**2), np.zeros(incident.shape)
+    for velocity in (incident, rebound):
+        at_surface = _surface_speed(velocity, height)
+        # d(time)/d(velocity) = -time / surface speed, d(time)/d(height) = 1 / surface speed
+        change = _leg_time(velocity, height) / at_surface
+        variance += np.square(change * instrument.velocity_noise(velocity))
+        slope += 1.0 / at_surface
+    return np.sqrt(variance), slope
+
+
+def search(stream: Stream, height: float, instrument: Instrument) -> Pairing:
+    """Find the pairs of a stream and the height of the probe volume.
+
+    Parameters
+    ----------
+    stream
+        The records, in any order.
+    height
+        Initial estimate of the height, m, wrong by about ``initial_estimate_error``.
+    instrument
+        Settings, for the noise to be expected and the width of the windows.
+    """
+    initial = height, abs(instrument.initial_estimate_error) * height
+    found, pairs, converged, rounds = initial, None, False, 0
+    while not converged and rounds < MOST_ROUNDS:
+        before, pairs, rounds = pairs, assign(stream, *found, instrument), rounds + 1
+        if len(pairs[0]) < FEWEST_PAIRS:
+            found = initial
+            break
+        converged = before is not None and np.array_equal(pairs, before)
+        found = estimate_height(stream, pairs, found[0], instrument)
+    incident, rebound = pairs or (np.zeros(0, dtype=np.int64),) * 2
+    return Pairing(
+        incident=incident,
+        rebound=rebound,
+        height=found[0],
+        height_error=found[1],
+        rounds=rounds,
+        converged=converged,
+    )
+
+
+def estimate_height(
+    stream: Stream, pairs: tuple[IntArray, IntArray], height: float, instrument: Instrument
+) -> tuple[float, float]:
+    """Return the height that fits the delays of some pairs, and its standard error, m.
+
+    Least absolute deviations in units of the noise at the present height: a weighted median,
+    which a few wrong pairs hardly move. Where the deviations exceed the noise, the error grows.
+    """
+    best, error = heights(stream, np.stack(pairs), np.asarray(height), instrument)
+    return float(best), float(error)
+
+
+def heights(
+    stream: Stream, pairs: IntArray, height: FloatArray, instrument: Instrument
+) -> tuple[FloatArray, FloatArray]:
+    """Return what `estimate_height` does for many sets of pairs at once.
+
+    Parameters
+    ----------
+    stream
+        The records.
+    pairs
+        Of incident and rebound, shape (2, ..., pairs).
+    height
+        Present height of each set, m; broadcasts to shape (...).
+    instrument
+        Settings.
+    """
+    incident, rebound = stream.velocity[pairs]
+    recorded = stream.time[pairs[1]] - stream.time[pairs[0]]
+    noise, slope = delay_noise(incident, rebound, height[..., None], instrument)
+    found, weight = np.asarray(height_from_delay(incident, rebound, recorded)), slope / noise
+    order = np.argsort(found, axis=-1, kind="stable")
+    reached = np.cumsum(np.take_along_axis(weight, order, -1), axis=-1)
+    middle = np.sum(reached < 0.5 * reached[..., -1:], axis=-1, keepdims=True)
+    best = np.take_along_axis(found, np.take_along_axis(order, middle, -1), -1)
+    excess = np.sqrt(np.mean(np.square((found - best) * weight), axis=-1))
+    error = np.sqrt(0.5 * np.pi / np.sum(np.square(weight), axis=-1))
+    return best[..., 0], np.maximum(1.0, excess) * error
+
+
+def assign(
+    stream: Stream, height: float, height_error: float, instrument: Instrument
+) -> tuple[IntArray, IntArray]:
+    """Return the best one-to-one pairs at a height known to a standard error.
+
+    A pair costs its squared deviations of size and delay, in units of the noise; as many of the
+    pairs inside the windows as fit together are worth more than none (see `matched`).
+
+    Returns
+    -------
+    incident, rebound
+        Indices into the stream, in order of the incident's time.
+    """
+    incident, rebound = _candidates(stream, height, height_error, instrument)
+    falling, rising = stream.velocity[incident], stream.velocity[rebound]
+    noise, slope = delay_noise(falling, rising, height, instrument)
+    late = stream.time[rebound] - stream.time[incident] - delay(falling, rising, height)
+    lateness = late / np.hypot(noise, slope * height_error)
+    sizes = np.hypot(*(instrument.diameter_noise(stream.diameter[i]) for i in (incident, rebound)))
+    growth = np.log(stream.diameter[rebound] / stream.diameter[incident]) / sizes
+    inside = (np.abs(growth) < instrument.gate) & (np.abs(lateness) < instrument.gate)
+    cost = np.square(growth[inside]) + np.square(lateness[inside])
+    chosen = matched(incident[inside], rebound[inside], 2.0 * instrument.gate**2 - cost)
+    first, second = incident[inside][chosen], rebound[inside][chosen]
+    order = np.lexsort((second, stream.time[first]))
+    return first[order], second[order]
+
+
+def _candidates(
+    stream: Stream, height: float, height_error: float, instrument: Instrument
+) -> tuple[IntArray, IntArray]:
+    """Return all pairs of a falling and a rising record that are not out of the question."""
+    down, up = (np.flatnonzero(sign * stream.velocity > 0.0) for sign in (-1.0, 1.0))
+    up = up[np.argsort(stream.time[up], kind="stable")]
+    # The slowest rise starts from rest in the probe volume, seen backwards.
+    highest = height + instrument.gate * height_error
+    slowest = np.zeros(len(down))
+    noise, slope = delay_noise(stream.velocity[down], slowest, height, instrument)
+    longest = delay(stream.velocity[down], slowest, highest)
+    longest = longest + instrument.gate * np.hypot(noise, slope * height_error)
+    start = stream.time[down]
+    first = np.searchsorted(stream.time[up], start, side="left")
+    last = np.searchsorted(stream.time[up], start + longest, side="right")
+    number = last - first
+    incident = np.repeat(down, number)
+    within = np.arange(number.sum()) - np.repeat(np.cumsum(number) - number, number)
+    return incident, up[np.repeat(first, number) + within]
+
+
+def matched(incident: IntArray, rebound: IntArray, worth: FloatArray) -> IntArray:
+    """Return which of some possible pairs to accept: one-to-one, of the greatest total worth.
+
+    Parameters
+    ----------
+    incident, rebound
+        Whom each possible pair would join, shape (m,).
+    worth
+        Positive; of each possible pair, shape (m,).
+
+    Returns
+    -------
+    ndarray
+        Indices into the possible pairs. Pairs that compete, directly or through others, are
+        settled together and apart from the rest, so that the cost grows with the length of the
+        stream and not with its cube.
+    """
+    alone = _once(incident) & _once(rebound)
+    contested = np.flatnonzero(~alone)
+    if not len(contested):
+        return np.flatnonzero(alone)
+    rows, columns = (
+        np.unique(ends[contested], return_inverse=True)[1] for ends in (incident, rebound)
+    )
+    n, m = int(rows.max()) + 1, int(columns.max()) + 1
+    edges = np.ones(len(contested)), (rows, n + columns)
+    graph = scipy.sparse.coo_array(edges, shape=(n + m, n + m))
+    cluster = scipy.sparse.csgraph.connected_components(graph, directed=False)[1][rows]
+    order = np.argsort(cluster, kind="stable")
+    groups = np.split(order, np.flatnonzero(np.diff(cluster[order])) + 1)
+    settled = [_settled(group, rows, columns, worth[contested]) for group in groups]
+    return np.concatenate([np.flatnonzero(alone), contested[np.concatenate(settled)]])
+
+
+def _once(ends: IntArray) -> BoolArray:
+    """Tell which of some records are in one possible pair only."""
+    once: BoolArray = np.bincount(ends)[ends] == 1
+    return once
+
+
+def _settled(group: IntArray, rows: IntArray, columns: IntArray, worth: FloatArray) -> IntArray:
+    (own_rows, r), (own_columns, c) = (
+        np.unique(ends[group], return_inverse=True) for ends in (rows, columns)
+    )
+    table, which = np.zeros((2, len(own_rows), len(own_columns)))
+    table[r, c], which[r, c] = worth[group], group + 1
+    joined = which[scipy.optimize.linear_sum_assignment(table, maximize=True)].astype(np.int64)
+    return joined[joined > 0] - 1

@@ -1,0 +1,241 @@
+"""What the chopped light sheet shows of spheres: pieces of their paths, pulse by pulse."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.random import Generator
+
+from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.constants import gravity
+from microimpact.lab.events import Impacts, IntArray
+from microimpact.lab.ptis.system import Setup, Systematics
+
+INCIDENT, REBOUND, LATER = 0, 1, 2
+LEGS = 3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Flight:
+    """Paths of the centres of n spheres: falling, rebounding, and after a second bounce.
+
+    Leg 3 i + `INCIDENT`, `REBOUND` or `LATER` is of sphere i.
+
+    Attributes
+    ----------
+    begin, end
+        Of each leg, s after impact, shape (3 n,); an empty leg ends where it begins.
+    start, origin, velocity
+        Each leg passes `origin` (3 n, 3), m, with `velocity` (3 n, 3), m/s, at the time `start`.
+    gravity
+        m/s2, shape (3,).
+    """
+
+    begin: FloatArray
+    end: FloatArray
+    start: FloatArray
+    origin: FloatArray
+    velocity: FloatArray
+    gravity: FloatArray
+
+    def select(self, which: IntArray) -> Flight:
+        """Return the paths of some spheres."""
+        legs = (LEGS * which[:, None] + np.arange(LEGS)).ravel()
+        own = {k: getattr(self, k)[legs] for k in ("begin", "end", "start", "origin", "velocity")}
+        return replace(self, **own)
+
+    def at(self, leg: IntArray, time: FloatArray) -> FloatArray:
+        """Return the position, m, shape (..., 3), of a leg at times s after impact."""
+        t = (time - self.start[leg])[..., None]
+        return self.origin[leg] + self.velocity[leg] * t + 0.5 * self.gravity * np.square(t)
+
+
+def flight(impacts: Impacts, i: int, setup: Setup) -> Flight:
+    """Return the path of one sphere."""
+    return flights(impacts.select(slice(i, i + 1)), setup)
+
+
+def flights(impacts: Impacts, setup: Setup) -> Flight:
+    """Return the paths of all spheres.
+
+    No sphere was ever slower than at rest: the first leg begins where it would have been. A
+    second bounce is taken to keep the share of the normal velocity that the first one kept.
+    """
+    pull = setup.gravity
+    before, after = impacts.velocity, impacts.rebound_velocity
+    fallen = np.maximum(before @ pull, 0.0) / gravity**2
+    aloft = np.where(impacts.captured, 0.0, 2.0 * after[:, 2] / -pull[2])
+    kept = after[:, 2] / -before[:, 2]
+    origin = np.column_stack([impacts.position, 0.5 * impacts.diameter])
+    time, never = aloft[:, None], np.zeros(len(impacts))
+    landing = origin + after * time + 0.5 * pull * time**2
+    again = after + pull * time
+    again[:, 2] *= -kept
+
+    def legs(*of: FloatArray) -> FloatArray:
+        return np.stack(of, axis=1).reshape(LEGS * len(impacts), *of[0].shape[1:])
+
+    return Flight(
+        begin=legs(-fallen, never, aloft),
+        end=legs(never, aloft, aloft * (1.0 + kept)),
+        start=legs(never, never, aloft),
+        origin=legs(origin, origin, landing),
+        velocity=legs(before, after, again),
+        gravity=pull,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Exposure:
+    """What each pulse lights of the paths of n spheres: m pieces, by sphere and in order of time.
+
+    Attributes
+    ----------
+    leg
+        Of the `flight`, shape (m,).
+    start, end
+        s after impact; of the part in the sheet (none if not `start` < `end`), in whatever field.
+    whole
+        True where the pulse falls on this leg alone, not cut by the impact.
+    in_sheet
+        True where all of it lies in the sheet.
+    in_view
+        True where the image lies inside the frame.
+    in_field
+        True where the pulse lies in the field that holds the impact.
+    field
+        Beginning and end of that field, s after impact, each of shape (n,).
+    peak
+        Grey level of the brightest dash above the background, shape (n,).
+    flight
+        The paths.
+    """
+
+    leg: IntArray
+    start: FloatArray
+    end: FloatArray
+    whole: BoolArray
+    in_sheet: BoolArray
+    in_view: BoolArray
+    in_field: BoolArray
+    field: tuple[FloatArray, FloatArray]
+    peak: FloatArray
+    flight: Flight
+
+    def __len__(self) -> int:
+        return len(self.peak)
+
+    @property
+    def event(self) -> IntArray:
+        """Whose each piece is, shape (m,)."""
+        return self.leg // LEGS
+
+    def select(self, which: IntArray) -> Exposure:
+        """Return what is lit of some events, numbers that ascend."""
+        number = np.full(len(self), -1)
+        number[which] = np.arange(len(which))
+        kept = number[self.event] >= 0
+        names = ("start", "end", "whole", "in_sheet", "in_view", "in_field")
+        return replace(
+            self,
+            **{name: getattr(self, name)[kept] for name in names},
+            leg=LEGS * number[self.event[kept]] + self.leg[kept] % LEGS,
+            field=(self.field[0][which], self.field[1][which]),
+            peak=self.peak[which],
+            flight=self.flight.select(which),
+        )
+
+
+def expose(
+    impacts: Impacts,
+    i: int,
+    setup: Setup,
+    errors: Systematics,
+    rng: Generator,
+    *,
+    jitter: bool = True,
+) -> Exposure:
+    """Light one event: the impact falls anywhere in a field, and the chopper runs free.
+
+    Parameters
+    ----------
+    impacts, i
+        The impacts and which of them.
+    setup, errors
+        The instrument as set and the errors of the experiment.
+    rng
+        Of the event; see `event_generator`.
+    jitter
+        Whether the pulses come at irregular times.
+    """
+    return exposures(impacts.select(slice(i, i + 1)), setup, errors, [rng], jitter=jitter)
+
+
+def exposures(
+    impacts: Impacts,
+    setup: Setup,
+    errors: Systematics,
+    rngs: Sequence[Generator],
+    *,
+    jitter: bool = True,
+) -> Exposure:
+    """Light all events, as `expose` does one; each draws from its own generator."""
+    instrument = setup.instrument
+    rate, exposure = setup.chop_rate * (1.0 + errors.rate), 1.0 / instrument.fields_per_s
+    most = int(np.ceil(exposure * rate)) + 1
+    uniform, noise = np.empty((len(impacts), 3)), np.empty((len(impacts), 2 * most + 1))
+    for i, rng in enumerate(rngs):
+        rng.random(out=uniform[i])
+        rng.standard_normal(out=noise[i])
+    begin, phase = -exposure * uniform[:, 0], uniform[:, 1:2]
+    least, largest = instrument.least_peak_counts, instrument.largest_peak_counts
+    peak = least + (largest - least) * uniform[:, 2]
+    pulse = np.arange(-most, most + 1) + phase + instrument.jitter * noise * jitter
+    opening = pulse / rate
+    closing = opening + instrument.duty / rate
+    path = flights(impacts, setup)
+    first, last = (time.reshape(-1, 1, LEGS) for time in (path.begin, path.end))
+    lit = np.maximum(opening[..., None], first) < np.minimum(closing[..., None], last)
+    event, number, leg = np.nonzero(lit)
+    opens, closes = opening[event, number], closing[event, number]
+    leg = LEGS * event + leg
+    begins, ends = np.maximum(opens, path.begin[leg]), np.minimum(closes, path.end[leg])
+    entry, leaving = _in_sheet(path, 0.5e-3 * instrument.sheet_thickness_mm)
+    start, end = np.maximum(begins, entry[leg]), np.minimum(ends, leaving[leg])
+    spot = 0.5 * impacts.diameter[event] / setup.pixel + 1.5 * instrument.blur_px
+    return Exposure(
+        leg=leg,
+        start=start,
+        end=end,
+        whole=(begins == opens) & (ends == closes),
+        in_sheet=(start == begins) & (end == ends),
+        in_view=np.all(
+            [_inside(setup, errors, path.at(leg, t), spot) for t in (start, end)], axis=0
+        ),
+        in_field=(opens >= begin[event]) & (closes <= begin[event] + exposure),
+        field=(begin, begin + exposure),
+        peak=peak - instrument.background_counts,
+        flight=path,
+    )
+
+
+def _in_sheet(path: Flight, half: float) -> tuple[FloatArray, FloatArray]:
+    """Return when each leg enters and leaves the sheet; nothing but inertia acts across it."""
+    y, speed = path.origin[:, 1], path.velocity[:, 1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        crossings = np.sort([(-half - y) / speed, (half - y) / speed], axis=0)
+    never = np.where(np.abs(y) < half, -np.inf, np.inf)
+    entry = np.where(speed == 0.0, never, path.start + crossings[0])
+    leaving = np.where(speed == 0.0, np.inf, path.start + crossings[1])
+    return np.clip(entry, path.begin, path.end), np.clip(leaving, path.begin, path.end)
+
+
+def _inside(
+    setup: Setup, errors: Systematics, position: FloatArray, margin: FloatArray
+) -> BoolArray:
+    place, margin = setup.columns_rows(position, errors), margin[:, None]
+    size = np.asarray(setup.instrument.frame_px)
+    inside: BoolArray = np.all((place >= margin) & (place <= size - 1 - margin), axis=-1)
+    return inside

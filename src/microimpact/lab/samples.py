@@ -1,0 +1,250 @@
+"""Large samples of virtual impacts and their means, compared as experiments of few events would."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import scipy
+
+from microimpact.core.arrays import BoolArray
+from microimpact.declared.parameters import Count, Fraction, Name, NonNegative, Positive
+from microimpact.lab.collision import MOST_CONTACTS
+from microimpact.lab.contacts import calibrated_contact
+from microimpact.lab.dispenser import Dispenser, InitialSpin
+from microimpact.lab.events import Impacts, Measured
+from microimpact.lab.experiment import Target, combined_slope, true_impacts
+from microimpact.lab.ptis.experiment import quantities, turned
+from microimpact.model.contact import Contact, resized
+from microimpact.statistics.distributions import Distribution, generator, mean
+
+QUANTITIES = ("restitution", "impulse_ratio", "energy_loss")
+# Below this number of rebounds there is no mean.
+FEWEST_REBOUNDS = 20
+# Samples kept in memory.
+KEPT_SAMPLES = 16
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Dropped:
+    """What is dropped on what: contact, sizes, slopes, speed class and spin."""
+
+    particle: Name
+    surface: Name
+    case: Name
+    friction: Fraction
+    diameter_um: Distribution
+    surface_slope: NonNegative
+    particle_slope: NonNegative
+    speed_m_per_s: Positive
+    speed_range_m_per_s: tuple[Positive, Positive]
+    spin: InitialSpin
+
+    def __post_init__(self) -> None:
+        """Refuse a class that does not ascend."""
+        low, high = self.speed_range_m_per_s
+        if low >= high:
+            raise ValueError(f"speed_range_m_per_s: [{low:g}, {high:g}] must ascend")
+
+    @property
+    def slope_sd(self) -> float:
+        """Slope between surface and particle."""
+        return combined_slope(self.surface_slope, self.particle_slope)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sampling:
+    """How samples are drawn and what an experiment is.
+
+    Attributes
+    ----------
+    seed
+        Root of all draws; all samples share them (common random numbers).
+    impacts
+        Particles dropped per sample.
+    events
+        Events behind a mean of the article's experiments, for the half-widths.
+    angle_error_deg
+        Standard uncertainty of a target's angle, shared by the events of an experiment.
+    dispenser
+        Spreads of release.
+    tabulated
+        Whether normal impacts come from a table per contact, which pays where many samples have
+        the same.
+    """
+
+    seed: int
+    impacts: Count
+    events: Count
+    angle_error_deg: NonNegative
+    dispenser: Dispenser
+    tabulated: bool = True
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Statistic:
+    """Mean of a quantity over events, their standard deviation, and the error they share."""
+
+    mean: float
+    sd: float
+    systematic: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Seen:
+    """Rebounds of one sample in the plane of measurement, within the speed class.
+
+    Attributes
+    ----------
+    measured
+        The rebounds.
+    captured_share
+        Share of those that arrived that is not among them: captured, or unseen by an instrument.
+    statistics
+        Of every quantity.
+    """
+
+    measured: Measured
+    captured_share: float
+    statistics: Mapping[str, Statistic]
+
+
+def contact_of(dropped: Dropped, inputs: Mapping[str, pd.DataFrame]) -> Contact:
+    """Return the calibrated contact, at the mean diameter."""
+    contact = calibrated_contact(inputs, dropped.case).replace(friction=dropped.friction)
+    return resized(contact, mean(dropped.diameter_um) * 1e-6)
+
+
+@lru_cache(maxsize=KEPT_SAMPLES)
+def impacts_of(
+    dropped: Dropped, contact: Contact, angle: float, sampling: Sampling, n: int | None = None
+) -> Impacts:
+    """Return the true impacts of a sample; other settings, the same random numbers.
+
+    Not to be changed: the last samples are kept, for several mechanisms look at the same ones.
+    """
+    target = Target(contact=contact, slope_sd=dropped.slope_sd)
+    return true_impacts(
+        n or sampling.impacts,
+        target=target.tabulated(dropped.diameter_um) if sampling.tabulated else target,
+        angle=angle,
+        speed=dropped.speed_m_per_s,
+        diameter_um=dropped.diameter_um,
+        dispenser=sampling.dispenser,
+        spin=dropped.spin,
+        rng=generator(sampling.seed, 0),
+    )
+
+
+def in_plane(impacts: Impacts, which: BoolArray) -> Measured:
+    """Return some of the true impacts as an ideal instrument reports them."""
+    index = np.flatnonzero(which)
+    before, after = impacts.velocity[index], impacts.rebound_velocity[index]
+    return Measured(
+        event=index,
+        incident_normal=before[:, 2],
+        incident_tangential=before[:, 0],
+        rebound_normal=after[:, 2],
+        rebound_tangential=after[:, 0],
+    )
+
+
+def in_class(dropped: Dropped, impacts: Impacts) -> BoolArray:
+    """Tell which particles arrive with a speed of the class."""
+    low, high = dropped.speed_range_m_per_s
+    speed = np.hypot(impacts.velocity[:, 0], impacts.velocity[:, 2])
+    inside: BoolArray = (speed >= low) & (speed <= high)
+    return inside
+
+
+def seen(
+    dropped: Dropped,
+    contact: Contact,
+    angle: float,
+    sampling: Sampling,
+    most_contacts: int = MOST_CONTACTS,
+) -> Seen:
+    """Drop a sample and average its rebounds.
+
+    Parameters
+    ----------
+    dropped, contact, angle, sampling
+        As in `impacts_of`.
+    most_contacts
+        Particles that need more contacts to leave count as captured.
+    """
+    impacts = impacts_of(dropped, contact, angle, sampling)
+    inside = in_class(dropped, impacts)
+    free = ~impacts.captured & (impacts.contacts <= most_contacts)
+    return reduce_to(in_plane(impacts, inside & free), int(np.sum(inside)), sampling)
+
+
+def reduce_to(measured: Measured, arrived: int, sampling: Sampling) -> Seen:
+    """Return the statistics of the rebounds among so many particles that arrived."""
+    return Seen(
+        measured=measured,
+        captured_share=1.0 - len(measured) / max(1, arrived),
+        statistics=statistics(measured, sampling.angle_error_deg),
+    )
+
+
+def statistics(measured: Measured, angle_error: float) -> dict[str, Statistic]:
+    """Return mean, scatter and shared error of every quantity; nan with too few rebounds."""
+    if len(measured) < FEWEST_REBOUNDS:
+        return {name: Statistic(mean=np.nan, sd=np.nan, systematic=np.nan) for name in QUANTITIES}
+    high, low = (quantities(turned(measured, sign * angle_error)) for sign in (1.0, -1.0))
+    return {
+        name: Statistic(
+            mean=float(np.mean(values)),
+            sd=float(np.std(values, ddof=1)),
+            systematic=float(0.5 * abs(np.mean(high[name] - low[name]))),
+        )
+        for name, values in quantities(measured).items()
+    }
+
+
+def mean_columns(seen: Seen) -> dict[str, Any]:
+    """Return the means of a sample as columns of a table."""
+    columns: dict[str, Any] = {
+        "rebounds": len(seen.measured),
+        "captured_share": seen.captured_share,
+    }
+    for name, of in seen.statistics.items():
+        columns |= {name: of.mean, f"{name}_sd": of.sd}
+    return columns
+
+
+def half_width(one: Statistic, other: Statistic, sampling: Sampling) -> float:
+    """Return the half-width of the 95 % interval of a difference of means.
+
+    Of two experiments of ``sampling.events`` events each, either with its own setting of the
+    target.
+    """
+    quantile = float(scipy.special.stdtrit(2 * (sampling.events - 1), 0.975))
+    noise = (one.sd**2 + other.sd**2) / sampling.events
+    return quantile * float(np.sqrt(noise + one.systematic**2 + other.systematic**2))
+
+
+def difference_columns(one: Seen, other: Seen, sampling: Sampling) -> dict[str, float]:
+    """Return the differences of means, one less other, alone and over their half-widths."""
+    columns = {}
+    for name in QUANTITIES:
+        a, b = one.statistics[name], other.statistics[name]
+        columns[f"{name}_difference"] = a.mean - b.mean
+        width = half_width(a, b, sampling)
+        columns[f"{name}_difference_over_half_width"] = (a.mean - b.mean) / width
+    return columns
+
+
+def with_spin(dropped: Dropped, *, mean: float, sd: float) -> Dropped:
+    """Return the same with another initial spin, as shares of the speed."""
+    return replace(dropped, spin=InitialSpin(sd=sd, mean=mean))
+
+
+def rough(dropped: Dropped, surface_slope: float) -> Dropped:
+    """Return the same on a surface of another slope."""
+    return replace(dropped, surface_slope=surface_slope)

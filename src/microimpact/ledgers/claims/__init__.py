@@ -1,0 +1,167 @@
+"""Claims ledger: the verdict on every claim from the numbers that the studies computed for it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from microimpact.core.nearest import nearest
+from microimpact.ledgers.claims.criteria import Amendment, Claim, Verdict, read_claims
+from microimpact.ledgers.claims.digitised import digitised_rows, read_digitised
+from microimpact.ledgers.claims.judging import Numbers, described, failures, judged, place
+
+__all__ = ["COLUMNS", "NUMBER_COLUMNS", "LedgerError", "described", "judge", "verdict", "verdicts"]
+
+# Numbers of a claim, as a study gives them; the case is empty where nothing is left open.
+NUMBER_COLUMNS = ("claim", "case", "quantity", "value", "unit", "evidence", "code")
+
+# Table of the differences between digitised points and what was computed.
+RESIDUALS = "digitised_residuals"
+
+COLUMNS = (
+    "id",
+    "where",
+    "statement",
+    "kind",
+    "criterion",
+    "article_value",
+    "computed_value",
+    "unit",
+    "verdict",
+    "evidence",
+    "figures",
+    "code",
+    "note",
+)
+
+
+class LedgerError(ValueError):
+    """Numbers that do not belong to the claims, or claims without numbers: one line each."""
+
+
+def judge(tables: Mapping[str, pd.DataFrame], criteria: Path | str) -> pd.DataFrame:
+    """Return the verdict on every claim of a file, from tables of numbers.
+
+    Parameters
+    ----------
+    tables
+        Numbers of groups of claims, each with `NUMBER_COLUMNS`, and ``digitised_residuals``, whose
+        series of digitised points have rows after the claims.
+    criteria
+        The file of claims, see `criteria.read_claims` and `digitised.read_digitised`.
+    """
+    numbers = [table for name, table in tables.items() if name != RESIDUALS]
+    claims = verdicts(read_claims(criteria), pd.concat(numbers, ignore_index=True))
+    rows = digitised_rows(read_digitised(criteria), tables[RESIDUALS])
+    if not rows:
+        return claims
+    return pd.concat([claims, pd.DataFrame(rows, columns=list(COLUMNS))], ignore_index=True)
+
+
+def verdicts(claims: Mapping[str, Claim], numbers: pd.DataFrame) -> pd.DataFrame:
+    """Return the verdict on every claim.
+
+    Parameters
+    ----------
+    claims
+        Claims by id, as from `criteria.read_claims`.
+    numbers
+        All numbers of all claims, with `NUMBER_COLUMNS`.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row per claim with `COLUMNS`: the numbers behind the verdict and which criterion of
+        which case failed.
+
+    Raises
+    ------
+    LedgerError
+        If a number is missing, not finite, of an unknown claim, case or quantity, or of another
+        unit than declared.
+    """
+    numbers = numbers.assign(case=numbers["case"].fillna(""))
+    problems = [line for claim in claims.values() for line in _problems(claim, numbers)]
+    strangers = [str(name) for name in dict.fromkeys(numbers["claim"]) if name not in claims]
+    problems += [f"{name}: no such claim{nearest(name, claims)}" for name in strangers]
+    if problems:
+        raise LedgerError("\n".join(problems))
+    return pd.DataFrame([_row(claim, numbers) for claim in claims.values()], columns=list(COLUMNS))
+
+
+def verdict(claim: Claim, values: Numbers) -> tuple[Verdict, list[str]]:
+    """Return the verdict on one claim, and which criteria failed, in words.
+
+    Parameters
+    ----------
+    claim
+        The claim.
+    values
+        Numbers by quantity, by case; the only case of a claim without alternatives is ``""``.
+    """
+    positive = claim.positive
+    if positive is None:
+        return claim.verdicts[0], []
+    unidentified = failures(claim.identified_if, values)
+    if unidentified:
+        return "not identified", unidentified
+    return judged(positive, claim.criteria, values)
+
+
+def _problems(claim: Claim, numbers: pd.DataFrame) -> list[str]:
+    own = numbers[numbers["claim"] == claim.id]
+    cases = claim.cases or ("",)
+    wanted = {(case, name) for case in cases for name in claim.quantities}
+    if claim.positive is None:
+        wanted = set()
+    given = list(zip(own["case"], own["quantity"], strict=True))
+    lines = [f"{claim.id}: {place(*key)} is missing" for key in sorted(wanted - set(given))]
+    for key, unit, value in zip(given, own["unit"], own["value"], strict=True):
+        if key not in wanted:
+            lines.append(f"{claim.id}: {place(*key)} is not declared")
+        elif unit != claim.quantities[key[1]]:
+            lines.append(f"{claim.id}: {place(*key)} in {unit}, not {claim.quantities[key[1]]}")
+        elif not np.isfinite(value):
+            lines.append(f"{claim.id}: {place(*key)} = {value} must be finite")
+    if len(set(given)) != len(given):
+        lines.append(f"{claim.id}: a number is given twice")
+    return lines
+
+
+def _row(claim: Claim, numbers: pd.DataFrame) -> dict[str, object]:
+    own = numbers[numbers["claim"] == claim.id]
+    values = {
+        str(case): dict(zip(rows["quantity"], rows["value"].astype(float), strict=True))
+        for case, rows in own.groupby("case", sort=False)
+    }
+    found, failed = verdict(claim, values)
+    computed = "; ".join(
+        f"{place(case, name)} = {value:.6g}"
+        + ("" if claim.quantities[name] == "-" else f" {claim.quantities[name]}")
+        for case, some in values.items()
+        for name, value in some.items()
+    )
+    return {
+        "id": claim.id,
+        "where": claim.where,
+        "statement": claim.statement,
+        "kind": claim.kind,
+        "criterion": "; ".join(f"{c.quantity} {described(c)}" for c in claim.criteria),
+        "article_value": claim.article_value,
+        "computed_value": computed,
+        "unit": claim.unit,
+        "verdict": found,
+        "evidence": "; ".join(dict.fromkeys(own["evidence"])),
+        "figures": " ".join(claim.figures),
+        "code": " ".join(dict.fromkeys(own["code"])),
+        "note": " | ".join(["; ".join(failed) or claim.reason, *map(in_words, claim.amendments)]),
+    }
+
+
+def in_words(amendment: Amendment) -> str:
+    """Return what was changed after a claim had first been judged, and why."""
+    was, now = (text.rstrip(".") for text in (amendment.was, amendment.now))
+    return f"Amended {amendment.part}: was {was}; now {now}. {amendment.reason}"

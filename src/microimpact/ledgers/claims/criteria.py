@@ -1,0 +1,299 @@
+"""Claims of the article and the criteria fixed for them beforehand, read from one file.
+
+``config/claims.yaml`` says what the article states, which numbers decide it and within which
+bounds; it knows no result. `read_claims` checks it, `holds` applies one criterion to one number,
+`amendments` lists what was changed after the claims had first been judged.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from decimal import Decimal
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field, ValidationError
+
+from microimpact.core.nearest import nearest
+from microimpact.declared.documents import load
+from microimpact.declared.parameters import Finite, Name, NonNegative, build, explain
+
+CLAIM_NAME = r"^C\d{2,3}$"
+# The key of a file of claims that is no claim.
+DIGITISED = "digitised"
+
+Kind = Literal["model", "virtual experiment", "arithmetic", "contradiction"]
+Test = Literal["within", "at_least", "at_most", "between", "outside"]
+Verdict = Literal[
+    "reproduced",
+    "reproduced with a correction",
+    "calibrated",
+    "not reproduced",
+    "not identified",
+    "not testable",
+]
+Quantity = Annotated[str, Field(pattern=r"^[a-z][a-z0-9]*(_[a-z0-9]+)*$")]
+# A figure of the article, 01 to 25, or one of the project's own.
+Figure = Annotated[str, Field(pattern=r"^(fig(0[1-9]|1\d|2[0-5])|[a-z]+(_[a-z]+)*)$")]
+Equation = Annotated[str, Field(pattern=r"^([1-9]|[1-3]\d|4[01])$")]
+
+# What a claim gets if all its criteria hold: a property of the claim, not of the result.
+POSITIVE: tuple[Verdict, ...] = ("reproduced", "reproduced with a correction", "calibrated")
+
+# Bounds that each test takes.
+BOUNDS: Mapping[Test, tuple[str, ...]] = {
+    "within": ("value", "tolerance"),
+    "at_least": ("value",),
+    "at_most": ("value",),
+    "between": ("low", "high"),
+    "outside": ("low", "high"),
+}
+
+
+class ClaimsError(ValueError):
+    """A file of claims with problems: one line each, beginning with the dotted key."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Criterion:
+    """A test of one quantity; which bounds it takes is laid down in `BOUNDS`."""
+
+    quantity: Quantity
+    test: Test
+    value: Finite | None = None
+    tolerance: NonNegative | None = None
+    low: Finite | None = None
+    high: Finite | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse bounds that the test lacks or does not take, and an empty range."""
+        wanted = BOUNDS[self.test]
+        for name in ("value", "tolerance", "low", "high"):
+            given = getattr(self, name) is not None
+            if given != (name in wanted):
+                has = "does not take" if given else "needs"
+                raise ValueError(f"{self.test} {has} '{name}' (it takes {' and '.join(wanted)})")
+        if self.low is not None and self.high is not None and self.low >= self.high:
+            raise ValueError(f"low {self.low} must be below high {self.high}")
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Ends of the interval that is accepted, or by `outside` refused, maybe infinite."""
+        if self.low is not None and self.high is not None:
+            return self.low, self.high
+        centre = Decimal(repr(self.value))
+        if self.test == "within":
+            # Decimal, so that 0.705 lies on the boundary of 0.70 +- 0.005.
+            reach = Decimal(repr(self.tolerance))
+            return float(centre - reach), float(centre + reach)
+        bound = float(centre)
+        return (bound, math.inf) if self.test == "at_least" else (-math.inf, bound)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Break:
+    """One changed input or misprinted equation, and the verdict that must then come out."""
+
+    change: Name
+    expect: Verdict
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Amendment:
+    """A part of a claim that was changed after the claim had first been judged.
+
+    Attributes
+    ----------
+    part
+        What of the claim was changed.
+    was, now
+        In words, before and after.
+    reason
+        Why, in terms that do not depend on the verdict.
+    """
+
+    part: Literal["statement", "criteria", "cases", "quantities", "break"]
+    was: Name
+    now: Name
+    reason: Name
+
+    def __post_init__(self) -> None:
+        """Refuse an amendment that changes nothing."""
+        if self.was == self.now:
+            raise ValueError(f"now: {self.now!r} must differ from 'was'")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Claim:
+    """A testable statement of the article and what decides it, fixed before the results.
+
+    Attributes
+    ----------
+    id
+        ``C`` and a number.
+    where
+        Section, figure or both.
+    statement
+        What is claimed, in our words.
+    kind
+        What the test is; `arithmetic` rows are listed but not counted.
+    article_value, unit
+        The printed number, or the shape, sign or order claimed.
+    quantities
+        Numbers to compute, with their units.
+    criteria
+        All must hold.
+    reason
+        Why these bounds decide.
+    verdicts
+        What can come out: at most one of `POSITIVE`, and what comes if it fails.
+    cases
+        Alternatives that the published facts leave open. The criteria are judged in each;
+        if some cases meet them and others do not, the claim is `not identified`.
+    identified_if
+        Criteria without which the published facts cannot decide: if one fails in any case, the
+        claim is `not identified`.
+    figures, equations
+        What it concerns.
+    break_
+        The control of the test; ``break`` in the file.
+    amendments
+        What was changed after the claim had first been judged, oldest first.
+    """
+
+    id: Annotated[str, Field(pattern=CLAIM_NAME)]
+    where: Name
+    statement: Name
+    kind: Kind
+    article_value: Name
+    unit: Name
+    quantities: dict[Quantity, Name] = field(default_factory=dict)
+    criteria: tuple[Criterion, ...] = ()
+    reason: Name
+    verdicts: tuple[Verdict, ...]
+    cases: tuple[Name, ...] = ()
+    identified_if: tuple[Criterion, ...] = ()
+    figures: tuple[Figure, ...] = ()
+    equations: tuple[Equation, ...] = ()
+    break_: Annotated[Break | None, Field(alias="break")] = None
+    amendments: tuple[Amendment, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Refuse a claim whose parts do not fit together."""
+        for problem in (
+            self._unknown_quantity(),
+            self._verdicts_problem(),
+            self._identification_problem(),
+            self._break_problem(),
+        ):
+            if problem:
+                raise ValueError(problem)
+
+    @property
+    def positive(self) -> Verdict | None:
+        """The verdict if all criteria hold; none if the claim cannot be tested."""
+        return next((verdict for verdict in self.verdicts if verdict in POSITIVE), None)
+
+    def _unknown_quantity(self) -> str:
+        for criterion in (*self.criteria, *self.identified_if):
+            if criterion.quantity not in self.quantities:
+                name = criterion.quantity
+                return f"'{name}' is not among the quantities{nearest(name, self.quantities)}"
+        return ""
+
+    def _verdicts_problem(self) -> str:
+        if len(set(self.verdicts)) != len(self.verdicts):
+            return "verdicts must differ"
+        if self.verdicts == ("not testable",):
+            return "a claim that is not testable has no criteria" if self.criteria else ""
+        if "not testable" in self.verdicts:
+            return "'not testable' must stand alone"
+        if sum(verdict in POSITIVE for verdict in self.verdicts) != 1:
+            return f"verdicts need exactly one of {', '.join(POSITIVE)}"
+        if "not reproduced" not in self.verdicts:
+            return "verdicts need 'not reproduced': a check must be able to fail"
+        return "" if self.criteria else "criteria: at least one is needed"
+
+    def _identification_problem(self) -> str:
+        open_facts = bool(self.cases or self.identified_if)
+        if len(self.cases) == 1:
+            return "cases: one alone is no alternative"
+        if open_facts != ("not identified" in self.verdicts):
+            return "'not identified' goes with cases or identified_if, and they with it"
+        return ""
+
+    def _break_problem(self) -> str:
+        if self.break_ is None:
+            return "a claim that can be reproduced needs a break" if self.positive else ""
+        if self.break_.expect not in self.verdicts:
+            return f"break expects '{self.break_.expect}', which is not among the verdicts"
+        return ""
+
+
+def holds(criterion: Criterion, value: float) -> bool:
+    """Tell whether a number meets a criterion.
+
+    Boundaries belong to the accepted side, and are those of the decimal numbers as written:
+    `within` accepts ``value - tolerance <= x <= value + tolerance``, `at_least` ``x >= value``,
+    `at_most` ``x <= value``, `between` ``low <= x <= high``, and `outside` ``x <= low`` or
+    ``x >= high``.
+
+    Parameters
+    ----------
+    criterion
+        The test and its bounds.
+    value
+        The computed number, in the unit of the quantity.
+
+    Raises
+    ------
+    ValueError
+        If the number is not finite.
+    """
+    if not math.isfinite(value):
+        raise ValueError(f"{criterion.quantity}: {value} must be a finite number")
+    low, high = criterion.interval
+    if criterion.test == "outside":
+        return value <= low or value >= high
+    return low <= value <= high
+
+
+def read_claims(path: Path | str) -> dict[str, Claim]:
+    """Read and check a file of claims.
+
+    Returns
+    -------
+    dict
+        Claims by id, in ascending order.
+
+    Raises
+    ------
+    ClaimsError
+        Naming the dotted key of every problem in any claim, one line each.
+    microimpact.declared.documents.ConfigError
+        If the file is not YAML or holds something else than a mapping.
+    """
+    found, problems = {}, []
+    for key, entry in load(path).items():
+        if key == DIGITISED:
+            continue
+        if not isinstance(entry, Mapping):
+            problems.append(f"{key}: {entry!r} must be a mapping")
+            continue
+        try:
+            found[key] = build(Claim, {"id": str(key), **entry})
+        except ValidationError as error:
+            # The field cannot bear the name of its key, a word of the language.
+            problems += [
+                line.replace("'break_'", "'break'") for line in explain(error, Claim, str(key))
+            ]
+    if problems:
+        raise ClaimsError("\n".join(problems))
+    return dict(sorted(found.items(), key=lambda item: int(item[0][1:])))
+
+
+def amendments(path: Path | str) -> dict[str, tuple[Amendment, ...]]:
+    """Return what was changed in the claims of a file after they had first been judged, by id."""
+    return {name: claim.amendments for name, claim in read_claims(path).items() if claim.amendments}

@@ -1,0 +1,279 @@
+"""Deviations from the article as a page: what was mended, what does not hold, what was changed.
+
+All words and numbers come from the two ledgers and the file of claims; nothing is written by hand.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+import pandas as pd
+
+from microimpact.ledgers.claims import described
+from microimpact.ledgers.claims.criteria import (
+    CLAIM_NAME,
+    Amendment,
+    Claim,
+    Criterion,
+    holds,
+    read_claims,
+)
+
+# Smaller than this, in the units of the claims, a difference of numbers is rounding.
+ROUNDING = 1e-9
+
+# Verdicts on claims that the page explains, in its order, and what each means.
+CLAIM_VERDICTS: Mapping[str, str] = {
+    "not reproduced": "A criterion fails whatever the published facts leave open.",
+    "not identified": "The published facts do not decide: some of the contacts that fit them meet"
+    " the criteria and others do not, or they leave an interval that is too wide.",
+    "reproduced with a correction": "All criteria hold, once an equation or a relation was mended.",
+    "not testable": "Nothing is published that could be computed against.",
+}
+
+Row = Mapping[str, Any]
+
+MENDED = ("corrected", "typographical slip")
+SLIPS: Mapping[str, str] = {
+    "scan": "a slip of the scan or the typesetting",
+    "article": "an error of the article",
+    "scan or article": "a slip of the scan, or an error of the article",
+}
+
+_NUMBER = re.compile(
+    r"^(?P<quantity>\w+)(?: \((?P<case>[^)]*)\))? = (?P<value>\S+)(?: (?P<unit>.+))?$"
+)
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def deviations(results: Path, criteria: Path, settings: str) -> str:
+    """Return the page, in Markdown.
+
+    Parameters
+    ----------
+    results
+        Folder with ``tables/claims.csv`` and ``tables/equations.csv``.
+    criteria
+        The file of claims, see `criteria.read_claims`.
+    settings
+        Where the settings of the run stand, to be named at the top.
+
+    Raises
+    ------
+    ValueError
+        If the table and the file do not hold the same claims.
+    """
+    tables = results / "tables"
+    claims, equations = (
+        pd.read_csv(tables / name, keep_default_na=False)
+        for name in ("claims.csv", "equations.csv")
+    )
+    # Rows after the claims are about digitised points of the user's own.
+    claims = claims[claims["id"].str.match(CLAIM_NAME)]
+    declared = read_claims(criteria)
+    strangers = set(claims["id"]) ^ set(declared)
+    if strangers:
+        raise ValueError(
+            f"{tables / 'claims.csv'} and {criteria} do not hold the same claims:"
+            f" {', '.join(sorted(strangers))} in one of them only; run the study again"
+        )
+    return (
+        "\n\n".join(
+            [
+                *_opening(claims, equations, settings),
+                *_equation_part(equations),
+                *_claim_part(claims, declared),
+                *_amendment_part(declared),
+            ]
+        ).rstrip()
+        + "\n"
+    )
+
+
+def verdict_counts(claims: pd.DataFrame) -> dict[str, int]:
+    """Return how many claims got each verdict; arithmetic identities are not counted."""
+    counted = claims[claims["kind"] != "arithmetic"]
+    return {str(name): int(count) for name, count in counted["verdict"].value_counts().items()}
+
+
+def readable(value: float, unit: str = "-", rounding: float = 0.0) -> str:
+    """Return a number in four digits with its unit; what is below rounding is zero."""
+    if abs(value) <= rounding:
+        digits = "0"
+    elif 1e-3 <= abs(value) < 1e6:
+        digits = np.format_float_positional(value, precision=4, fractional=False, trim="-")
+    else:
+        mantissa, _, exponent = f"{value:.2e}".partition("e")
+        digits = f"{mantissa} × 10{str(int(exponent)).translate(_SUPERSCRIPTS)}"
+    return digits if unit in {"-", "1", ""} else f"{digits} {unit.replace('**', '^')}"
+
+
+def in_words(quantity: str) -> str:
+    """Return the name of a quantity of a claim in words: ``at_0p45_m_per_s`` is at 0.45 m/s."""
+    decimal = re.sub(r"(?<=\d)p(?=\d)", ".", quantity)
+    return decimal.replace("_m_per_s", " m/s").replace("_", " ")
+
+
+def computed_numbers(text: str) -> list[tuple[str, str, float, str]]:
+    """Return quantity, case, value and unit of the numbers in a cell of computed values."""
+    matches = [(part, _NUMBER.match(part)) for part in text.split("; ")]
+    for part, match in matches:
+        if match is None:
+            raise ValueError(
+                f"computed value {part!r} must be of the form 'name (case) = 1.0 unit'"
+            )
+    return [
+        (match["quantity"], match["case"] or "", float(match["value"]), match["unit"] or "-")
+        for _, match in matches
+        if match is not None
+    ]
+
+
+def _opening(claims: pd.DataFrame, equations: pd.DataFrame, settings: str) -> list[str]:
+    return [
+        "# Deviations from the article",
+        "Every equation that had to be mended, every statement that does not hold as printed, and"
+        " every criterion that was changed after it had first been judged. This page is made by"
+        " `microimpact deviations` from the tables `equations` and `claims` and from"
+        " `config/claims.yaml`; do not edit it. Statements and reasons are in our words.",
+        f"The numbers are those of the settings in `{settings}`.",
+        _table(
+            ("equations and relations", "number"),
+            [
+                (str(name), str(count))
+                for name, count in equations["verdict"].value_counts().items()
+            ],
+        ),
+        _table(
+            ("statements, without arithmetic identities", "number"),
+            [(name, str(count)) for name, count in verdict_counts(claims).items()],
+        ),
+    ]
+
+
+def _equation_part(equations: pd.DataFrame) -> list[str]:
+    mended = equations[equations["verdict"].isin(MENDED)]
+    choices = equations[equations["verdict"] == "undecidable"]
+    return [
+        "## Equations that were mended",
+        "Formulas are written as in code; `vp` and `Vp` are velocities in the frame of a facet."
+        " Each was checked for its dimension and derived anew; the column `evidence` of"
+        " `tables/equations.csv` says how. Numbers are those of a steel sphere of 62 µm on silicon"
+        " at 1.66 m/s, unless said otherwise.",
+        *(_equation(row) for row in _rows(mended)),
+        "## Choices that the text leaves open",
+        *(_equation(row) for row in _rows(choices)),
+    ]
+
+
+def _equation(row: Row) -> str:
+    identity, section = str(row["equation"]), str(row["section"])
+    # An unnumbered relation is named by its section and a word.
+    heading = (
+        f"{section}: {identity.removeprefix(section).strip()}"
+        if identity.startswith(f"{section} ")
+        else f"Eq. {identity} ({section})"
+    )
+    lines = [f"### {heading}", f"- as printed: `{row['printed']}`"]
+    if row["used"] != row["printed"]:
+        lines.append(f"- as used: `{row['used']}`")
+    slip = SLIPS.get(str(row["kind_of_slip"]))
+    lines.append(f"- why: {row['reason']}" + (f" Taken for {slip}." if slip else ""))
+    if row["consequence"]:
+        value = readable(float(str(row["consequence_value"])), str(row["consequence_unit"]))
+        lines.append(f"- consequence: {row['consequence']}: **{value}**")
+    if row["function"]:
+        lines.append(f"- code: `{row['function']}`")
+    return lines[0] + "\n\n" + "\n".join(lines[1:])
+
+
+def _claim_part(claims: pd.DataFrame, declared: Mapping[str, Claim]) -> list[str]:
+    parts = [
+        "## Statements",
+        "Criteria were fixed before any claim was judged. Numbers that fail one are bold; a number"
+        " without a criterion is told because it helps to understand the others.",
+    ]
+    for verdict, meaning in CLAIM_VERDICTS.items():
+        rows = _rows(claims[claims["verdict"] == verdict])
+        if rows:
+            parts += [f"## Statements {verdict}", meaning]
+            parts += [_claim(row, declared[str(row["id"])]) for row in rows]
+    return parts
+
+
+def _claim(row: Row, claim: Claim) -> str:
+    parts = [f"### {claim.id} ({claim.where})", claim.statement]
+    if computed := str(row["computed_value"]):
+        parts += [f"The article: {claim.article_value}{_unit(claim)}.", _numbers(computed, claim)]
+    parts.append(f"Reason: {claim.reason}")
+    if claim.equations:
+        parts.append(f"It rests on Eq. {', '.join(claim.equations)}.")
+    if code := str(row.get("code", "")):
+        parts.append("Code: " + ", ".join(f"`{path}`" for path in code.split()) + ".")
+    return "\n\n".join(parts)
+
+
+def _unit(claim: Claim) -> str:
+    last = claim.article_value[-1]
+    return f" {claim.unit}" if claim.unit != "-" and last.isdigit() else ""
+
+
+def _numbers(computed: str, claim: Claim) -> str:
+    """Return the numbers of a claim as a table: one row per quantity, one column per case."""
+    found: dict[str, dict[str, str]] = {}
+    cases: dict[str, None] = {}
+    for quantity, case, value, unit in computed_numbers(computed):
+        cases[case] = None
+        text = _cell(value, unit, _about(quantity, claim))
+        found.setdefault(quantity, {})[case] = text
+    return _table(
+        ("quantity", "criterion", *(case or "computed" for case in cases)),
+        [
+            (in_words(name), "; ".join(map(described, _about(name, claim))), *values.values())
+            for name, values in found.items()
+        ],
+    )
+
+
+def _about(quantity: str, claim: Claim) -> list[Criterion]:
+    return [c for c in (*claim.criteria, *claim.identified_if) if c.quantity == quantity]
+
+
+def _cell(value: float, unit: str, criteria: Iterable[Criterion]) -> str:
+    text = readable(value, unit, ROUNDING)
+    return text if all(holds(criterion, value) for criterion in criteria) else f"**{text}**"
+
+
+def _amendment_part(declared: Mapping[str, Claim]) -> list[str]:
+    changed = [(claim, one) for claim in declared.values() for one in claim.amendments]
+    return [
+        "## Criteria changed after judging",
+        "A criterion may be changed later only for a reason that does not depend on the verdict,"
+        " and the change is declared in `config/claims.yaml` beside the claim.",
+        *([_amendment(claim, one) for claim, one in changed] or ["None was changed."]),
+    ]
+
+
+def _amendment(claim: Claim, amendment: Amendment) -> str:
+    return "\n".join(
+        (
+            f"### {claim.id}, {amendment.part} ({claim.where})\n",
+            f"- was: {amendment.was}",
+            f"- now: {amendment.now}",
+            f"- why: {amendment.reason}",
+        )
+    )
+
+
+def _rows(table: pd.DataFrame) -> list[Row]:
+    return cast("list[Row]", table.to_dict("records"))
+
+
+def _table(header: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
+    head = list(header)
+    lines = [head, ["---"] * len(head), *map(list, rows)]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)

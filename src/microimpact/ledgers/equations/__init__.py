@@ -1,0 +1,175 @@
+"""Ledger of equations: every relation of the article, proved by a check of its own.
+
+A row says what is printed and what is used. Both are checked when the ledger is judged: the
+dimensions of all parts by Pint, and a proof from first principles by SymPy, or by numbers. The
+verdict follows from these checks alone; only where a slip comes from is declared.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import pandas as pd
+
+from microimpact.ledgers.equations import (
+    contact,
+    empirical,
+    energies,
+    impulses,
+    laboratory,
+    motion,
+    roughness,
+)
+from microimpact.ledgers.equations.case import reference_case
+from microimpact.ledgers.equations.forms import DimensionError, check_dimensions, parse
+from microimpact.ledgers.equations.records import At, Case, Equation, Outcome
+
+EQUATIONS: tuple[Equation, ...] = (
+    *laboratory.EQUATIONS,
+    *impulses.EQUATIONS,
+    *energies.EQUATIONS,
+    *contact.EQUATIONS,
+    *motion.EQUATIONS,
+    *empirical.EQUATIONS,
+    *roughness.EQUATIONS,
+)
+
+COLUMNS = (
+    "equation",
+    "section",
+    "printed",
+    "used",
+    "dimension_printed",
+    "dimension_used",
+    "derivation_printed",
+    "derivation_used",
+    "verdict",
+    "kind_of_slip",
+    "reason",
+    "function",
+    "consequence",
+    "consequence_value",
+    "consequence_unit",
+    "evidence",
+)
+
+# A formula and the function that implements it differ by rounding only.
+AGREEMENT = 1e-9
+
+
+class Checks(NamedTuple):
+    """Outcomes of the checks of one form; `remark` says what does not agree in dimension."""
+
+    dimension: Outcome
+    derivation: Outcome
+    remark: str = ""
+
+    @property
+    def hold(self) -> bool:
+        """Whether nothing speaks against the form."""
+        return self.dimension == "passed" and self.derivation != "failed"
+
+
+def check(equation: Equation, text: str, case: Case) -> Checks:
+    """Check the dimensions of a form, and prove it.
+
+    Parameters
+    ----------
+    equation
+        Whose symbols and derivation count.
+    text
+        The form.
+    case
+        The impact for numeric proofs.
+    """
+    proof = equation.derivation
+    derivation = "none" if proof is None else proof.check(parse(text), case)
+    try:
+        check_dimensions(text, equation.units)
+    except DimensionError as error:
+        return Checks("failed", derivation, str(error))
+    return Checks("passed", derivation)
+
+
+def agreement(equation: Equation, case: Case) -> float | None:
+    """Return the relative difference between the used form and the function, if there is one."""
+    if equation.implementation is None:
+        return None
+    at = At(equation, case)
+    formula, computed = at.used(), equation.implementation(at.values())
+    difference = abs(computed - formula)
+    return difference / max(abs(formula), abs(computed)) if difference else 0.0
+
+
+def verdict(equation: Equation, printed: Checks, used: Checks, apart: float | None) -> str:
+    """Return the verdict that the checks of both forms give.
+
+    Returns
+    -------
+    str
+        ``definition``, ``correct``, ``typographical slip``, ``corrected`` (an error of the
+        article, or not to be told from a slip), ``undecidable`` (the text leaves a choice open), or
+        ``unproved``: the form used fails a check, or the function does not compute it.
+    """
+    if not used.hold or (apart is not None and apart > AGREEMENT):
+        return "unproved"
+    if not printed.hold:
+        return "typographical slip" if equation.slip == "scan" else "corrected"
+    return {"none": "definition", "open": "undecidable"}.get(printed.derivation, "correct")
+
+
+def judge(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+    """Judge all relations.
+
+    Parameters
+    ----------
+    tables
+        ``materials`` and ``contacts``, declared rows of one pair, steel on silicon.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row per relation.
+    """
+    case = reference_case(tables)
+    return pd.DataFrame([row(equation, case) for equation in EQUATIONS], columns=COLUMNS)
+
+
+def row(equation: Equation, case: Case) -> dict[str, Any]:
+    """Return one judged relation."""
+    printed = check(equation, equation.printed, case)
+    used = check(equation, equation.form_used, case) if equation.used else printed
+    apart = agreement(equation, case)
+    judged = verdict(equation, printed, used, apart)
+    consequence = equation.consequence
+    return {
+        "equation": equation.id,
+        "section": equation.section,
+        "printed": equation.printed,
+        "used": equation.form_used,
+        "dimension_printed": printed.dimension,
+        "dimension_used": used.dimension,
+        "derivation_printed": printed.derivation,
+        "derivation_used": used.derivation,
+        "verdict": judged,
+        "kind_of_slip": equation.slip if judged in {"typographical slip", "corrected"} else "none",
+        "reason": equation.reason,
+        "function": equation.function,
+        "consequence": consequence.text if consequence else "",
+        "consequence_value": consequence.value(At(equation, case)) if consequence else math.nan,
+        "consequence_unit": consequence.unit if consequence else "",
+        "evidence": _evidence(equation, printed, apart),
+    }
+
+
+def _evidence(equation: Equation, printed: Checks, apart: float | None) -> str:
+    """Say how the row was checked."""
+    parts = [equation.derivation.method if equation.derivation else "dimensions alone"]
+    if printed.remark:
+        parts.append(f"printed: {printed.remark}")
+    if apart is not None:
+        agrees = "agrees" if apart <= AGREEMENT else "disagrees"
+        parts.append(f"function {agrees} within {AGREEMENT:g}")
+    return "; ".join(parts)

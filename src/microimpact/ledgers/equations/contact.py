@@ -1,0 +1,284 @@
+"""Section 3.2, Eqs. (19) to (25): normal contact, stiffness and damping of the simulation."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import sympy
+
+from microimpact.ledgers.equations.forms import Form, declared, symbols, vanishes
+from microimpact.ledgers.equations.records import (
+    At,
+    Case,
+    Consequence,
+    Derivation,
+    Equation,
+    Facts,
+    Outcome,
+    Values,
+    follows,
+    where_one,
+)
+from microimpact.model.contact import hertz_stiffness
+from microimpact.model.dynamics.trajectory import Trajectory, trajectory
+
+# Moment of the traced impact at which forces are compared: rebound, still pressed together.
+TRACED_POINTS, TRACED_MOMENT = 400, 240
+
+UNITS = declared(
+    {
+        "": "e f zeta_H zeta_A nu_i nu_1 nu_2",
+        "m": "n a a_c r R R_S r_S r_n",
+        "m/s": "v v_n v_t V_t n_dot t_dot",
+        "m/s**2": "n_ddot t_ddot",
+        "rad/s": "omega Omega theta_dot",
+        "rad/s**2": "theta_ddot",
+        "s": "s T_H",
+        "1/s": "strain_rate",
+        "s/m": "c_A c_H",
+        "kg": "m",
+        "kg*m**2": "I",
+        "N": "F_n F_t",
+        "N/m": "f_0",
+        "Pa": "K K_H E_i E_1 E_2",
+        "1/Pa": "k_1 k_2 k_i",
+        "J/m**2": "w_A",
+    }
+)
+
+a, c_A, c_H, f_0, K, m, n, r, R, r_S, R_S, v_n = symbols("a c_A c_H f_0 K m n r R r_S R_S v_n")
+E_1, E_2, k_1, k_2, nu_1, nu_2 = symbols("E_1 E_2 k_1 k_2 nu_1 nu_2")
+n_dot, n_ddot, T_H, zeta_A, zeta_H = symbols("n_dot n_ddot T_H zeta_A zeta_H")
+
+
+@cache
+def hertz() -> Facts:
+    """Contact radius, and stiffness K = load / (r^(1/2) (-n)^(3/2)), from the pressure of Hertz.
+
+    The semi-ellipsoidal pressure sinks the centre by (2/E*) times its integral over the radius,
+    and the edge by half of that.
+    """
+    angle, peak, d = sympy.symbols("angle p_0 d", positive=True)
+    compliance = (1 - nu_1**2) / E_1 + (1 - nu_2**2) / E_2
+    at, pressure = sympy.sin(angle), peak * sympy.cos(angle)
+    radius = where_one(a**2 / (2 * r) / (d - d / 2), a)
+    whole = (angle, 0, sympy.pi / 2)
+    sunk = 2 * compliance * radius * sympy.integrate(pressure * at.diff(angle), whole)
+    load = 2 * sympy.pi * radius**2 * sympy.integrate(pressure * at * at.diff(angle), whole)
+    load = load.subs(peak, where_one(sunk / d, peak))
+    return {
+        a: radius.subs(d, -n),
+        K: load / (sympy.sqrt(r) * d ** sympy.Rational(3, 2)),
+        k_1: (1 - nu_1**2) / (sympy.pi * E_1),
+        k_2: (1 - nu_2**2) / (sympy.pi * E_2),
+    }
+
+
+def curvature() -> Facts:
+    """Radius of the sphere that leaves the same gap to a plane as both surfaces leave."""
+    x = sympy.Symbol("x", positive=True)
+    gap = x**2 / (2 * R_S) + x**2 / (2 * r_S)
+    return {r: x**2 / (2 * gap)}
+
+
+@cache
+def newton() -> Facts:
+    """Acceleration under the forces of Hertz and ring, each damped so that it costs energy."""
+    radius = hertz()[a]
+    elastic = sympy.sqrt(r) * K * (-n) ** sympy.Rational(3, 2)
+    attraction = 2 * sympy.pi * radius * f_0
+    material, adhesive = -elastic * c_H * n_dot, -attraction * c_A * n_dot
+    if not all((force * n_dot).is_nonpositive for force in (material, adhesive)):
+        raise AssertionError("damping must not give energy")
+    return {n_ddot: (elastic - attraction + material + adhesive) / m, a: radius}
+
+
+@cache
+def time_scale() -> sympy.Expr:
+    """Time T at which inertia m (v T)/T^2 equals the Hertz force at the distance v T."""
+    T = sympy.Symbol("T", positive=True)
+    force = sympy.sqrt(r) * K * (-v_n * T) ** sympy.Rational(3, 2)
+    return where_one(force / (m * -v_n * T / T**2), T)
+
+
+def damping() -> Facts:
+    """Damping as the radius over the way at the time scale, on a plane (R = r)."""
+    return {R: r, zeta_H: r * c_H / time_scale(), zeta_A: r * c_A / time_scale()}
+
+
+def scaled_newton() -> Facts:
+    """Acceleration with the damping coefficients written by zeta."""
+    by_zeta = {c_H: zeta_H * time_scale() / r, c_A: zeta_A * time_scale() / r}
+    return {n_ddot: newton()[n_ddot].subs(by_zeta), R: r}
+
+
+@cache
+def period() -> sympy.Expr:
+    """Period of contact by Hertz: twice the time to the depth that stops the sphere."""
+    d = sympy.Symbol("d", positive=True)
+    stored = sympy.Rational(2, 5) * sympy.sqrt(r) * K * d ** sympy.Rational(5, 2)
+    deepest = where_one(stored / (m * v_n**2 / 2), d)
+    # integral of (1 - y^(5/2))^(-1/2) from 0 to 1
+    share = sympy.Rational(2, 5) * sympy.beta(sympy.Rational(2, 5), sympy.Rational(1, 2))
+    return 2 * deepest / -v_n * share
+
+
+def _constant(form: Form, _: Case) -> Outcome:
+    """Compare both expressions: equal, apart by a number, or unlike."""
+    ratio = sympy.powdenest((form.right / form.left).subs(T_H, period()), force=True)
+    if not ratio.is_number:
+        return "failed"
+    return "passed" if vanishes(ratio - 1) else "open"
+
+
+def _period_over_scale(_: At) -> float:
+    return float(sympy.powdenest(period() / time_scale(), force=True).evalf())
+
+
+def traced(x: Values) -> Trajectory:
+    """Return the impact in time."""
+    return trajectory(x["contact"], x["v"], x["angle"], points=TRACED_POINTS)
+
+
+def _traced_force(x: Values) -> float:
+    return float(traced(x).normal_force[TRACED_MOMENT])
+
+
+def _damping_of_unit_zeta(at: At) -> float:
+    return 1.0 / at.printed(c_H=1.0, c_A=1.0, v_n=at.values()["v"])
+
+
+_GROUP = "(r**3*K*sqrt(Abs(v_n))/m)**(2/5)"
+_ADVICE = "5/2 stands in (23), (24) and (25) alike, yet only 2/5 gives a number and the time scale."
+
+EQUATIONS = (
+    Equation(
+        id="19",
+        section="3.2",
+        printed="m*n_ddot = sqrt(r*K)*n**(3/2) - sqrt(r*K)*n**(3/2)*c_H*n_dot"
+        " - 2*pi*a*f_0 - 2*pi*a*f_0*c_A*n_dot",
+        used="m*n_ddot = sqrt(r)*K*Abs(n)**(3/2) - sqrt(r)*K*Abs(n)**(3/2)*c_H*n_dot"
+        " - 2*pi*a*f_0 - 2*pi*a*f_0*c_A*n_dot",
+        slip="scan or article",
+        units=UNITS,
+        derivation=follows("Hertz, ring force, damping that costs energy", newton),
+        reason="The root covers r alone, and n < 0 in contact asks for its size; all signs hold.",
+        function="microimpact.model.dynamics.trajectory.trajectory",
+        implementation=_traced_force,
+        consequence=Consequence(
+            text="factor on the Hertz force from the root over K, which has a dimension",
+            unit="Pa**-0.5",
+            value=lambda at: at.values()["K"] ** -0.5,
+        ),
+    ),
+    Equation(
+        id="3.2 contact radius",
+        section="3.2",
+        printed="a**2 = r_n",
+        used="a**2 = r*Abs(n)",
+        slip="scan or article",
+        units=UNITS,
+        derivation=follows("pressure of Hertz", hertz),
+        reason="The index is a factor, and n < 0 in contact.",
+        function="microimpact.model.contact.Contact.equilibrium_contact_radius",
+    ),
+    Equation(
+        id="20",
+        section="3.2",
+        printed="K = 4/(3*pi*(k_1 + k_2)**2)",
+        used="K = 4/(3*pi*(k_1 + k_2))",
+        slip="scan or article",
+        units=UNITS,
+        derivation=follows("pressure of Hertz", hertz),
+        reason="The square would make K the square of a pressure.",
+        function="microimpact.model.contact.hertz_stiffness",
+        implementation=lambda x: float(
+            hertz_stiffness(x["contact"].particle, x["contact"].surface)
+        ),
+        consequence=Consequence(
+            text="factor on K of steel on silicon, which has a dimension",
+            unit="Pa",
+            value=lambda at: at.printed() / at.used(),
+        ),
+    ),
+    Equation(
+        id="21",
+        section="3.2",
+        printed="k_i = (1 - nu_i**2)/(pi*E_i)",
+        units=UNITS,
+        reason="Names the compliance of each body for Eq. (20).",
+        function="microimpact.model.contact.hertz_stiffness",
+    ),
+    Equation(
+        id="22",
+        section="3.2",
+        printed="r = R_S*r_S/(R_S + r_S)",
+        units=UNITS,
+        derivation=follows("gap between two paraboloids", curvature),
+        reason="On a plane r is the radius of the sphere.",
+        function="microimpact.model.contact.Contact.hertz_radius",
+        implementation=lambda x: float(x["contact"].replace(surface_radius=x["r_S"]).hertz_radius),
+    ),
+    Equation(
+        id="23",
+        section="3.2",
+        printed="zeta_H = c_H*(R**3*K*sqrt(v_n)/m)**(5/2)",
+        used=f"zeta_H = c_H*{_GROUP}",
+        slip="scan or article",
+        units=UNITS,
+        derivation=follows("time scale of Hertz impact", damping),
+        reason=_ADVICE,
+        function="microimpact.model.contact.Contact.damping_unit",
+        implementation=lambda x: float(x["contact"].hertz_damping / x["contact"].damping_unit),
+        consequence=Consequence(
+            text="c_H that zeta_H = 1 would mean at 1.66 m/s",
+            unit="(s/m)**6.25",
+            value=_damping_of_unit_zeta,
+        ),
+    ),
+    Equation(
+        id="24",
+        section="3.2",
+        printed="zeta_A = c_A*(R**3*K*sqrt(v_n)/m)**(5/2)",
+        used=f"zeta_A = c_A*{_GROUP}",
+        slip="scan or article",
+        units=UNITS,
+        derivation=follows("time scale of Hertz impact", damping),
+        reason=_ADVICE,
+        function="microimpact.model.contact.Contact.damping_unit",
+        implementation=lambda x: float(x["contact"].adhesion_damping / x["contact"].damping_unit),
+        consequence=Consequence(
+            text="c_A that zeta_A = 1 would mean at 1.66 m/s",
+            unit="(s/m)**6.25",
+            value=_damping_of_unit_zeta,
+        ),
+    ),
+    Equation(
+        id="23 period",
+        section="3.2",
+        printed=f"r*c_H/T_H = c_H*{_GROUP}",
+        units=UNITS,
+        derivation=Derivation(method="symbolic: period of Hertz contact", check=_constant),
+        reason="The text calls T_H the period, which is 3.218 time scales; taken here: the scale.",
+        function="microimpact.model.contact.Contact.damping_unit",
+        consequence=Consequence(
+            text="factor on every zeta if T_H were the period",
+            unit="1",
+            value=_period_over_scale,
+        ),
+    ),
+    Equation(
+        id="25",
+        section="3.2",
+        printed="m*w_ddot = sqrt(f)*K*pi**(3/2)*(1 - zeta_H*(m/(R**3*K*sqrt(v_n)))**(5/2)*w_dot)"
+        " - 2*pi*sqrt(m)*w_dot*(1 + zeta_A*(m/(R**3*K*sqrt(v_n)))**(5/2)*w_dot)",
+        used=f"m*n_ddot = sqrt(r)*K*Abs(n)**(3/2)*(1 - zeta_H/{_GROUP}*n_dot)"
+        f" - 2*pi*sqrt(r*Abs(n))*f_0*(1 + zeta_A/{_GROUP}*n_dot)",
+        slip="scan or article",
+        units=UNITS,
+        derivation=follows("Eq. (19) with zeta of Eqs. (23), (24)", scaled_newton),
+        reason="Eq. (19) with zeta; garbled by the scan, but the 5/2 is that of Eqs. (23), (24).",
+        function="microimpact.model.dynamics.trajectory.trajectory",
+        implementation=_traced_force,
+    ),
+)

@@ -1,0 +1,256 @@
+"""Couples that oppose rolling: during an impact (Section 3.2.3), and on a captured sphere.
+
+The equations of motion leave out the couple M of the contact area (Fig. 13). Its parts are bounded
+and estimated here, a the contact radius, F the compressive force, f_0 the ring force. A couple is
+positive where it opposes the spin.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+
+from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, FloatArray, Range, Real, checked
+from microimpact.core.constants import gravity
+from microimpact.model.contact import Contact, require_contact
+from microimpact.model.dynamics.trajectory import Trajectory, trajectory
+from microimpact.model.rigid_body.algebra import INERTIA
+
+TILT = Range(lower=0.0, upper=90.0, lower_closed=True, upper_closed=True)
+
+# Times added about the instant at which the centre of the contact is at rest.
+NEAR_REST = 301
+
+
+@dataclass(frozen=True, slots=True)
+class CoupleImpulses:
+    """Time integrals of couples over one impact, N m s, and how far it rolled.
+
+    Attributes
+    ----------
+    friction
+        r times the impulse of friction, which spins the sphere up.
+    bound_deformation, bound_adhesion
+        What no pressure without tension, and no ring force between zero and its greatest, exceeds.
+    steady_deformation, steady_adhesion
+        As if it rolled steadily: hysteresis of deformation, and `peeling_couple`.
+    impact_deformation, impact_adhesion
+        Hysteresis of deformation, and of the whole ring force, only where and while one part of
+        the contact closes and another opens.
+    damping
+        From this model's own damping, applied at each point of the contact.
+    rolled
+        Distance rolled during contact, r times the angle turned, m.
+    contact_radius
+        Greatest contact radius, m.
+    """
+
+    friction: float
+    bound_deformation: float
+    bound_adhesion: float
+    steady_deformation: float
+    steady_adhesion: float
+    impact_deformation: float
+    impact_adhesion: float
+    damping: float
+    rolled: float
+    contact_radius: float
+
+
+def opening_level(contact_radius: Real, separation_speed: Real, spin: Real) -> Real:
+    """Return ``h = u / (spin a)``, between -1 and 1.
+
+    A point at x behind the centre opens at u + spin x, u the speed of the centre away from the
+    surface. With h = 0 the leading half closes and the trailing half opens, as in steady rolling;
+    at -1 the whole contact closes, at 1 it all opens.
+    """
+    edge = np.abs(np.asarray(spin * contact_radius, dtype=np.float64))
+    at_rest = np.asarray(np.sign(separation_speed) * np.ones_like(edge))
+    level: Real = np.divide(separation_speed, edge, out=at_rest, where=edge > 0.0)
+    return np.clip(level, -1.0, 1.0)
+
+
+def deformation_couple_bound(contact_radius: Real, force: Real) -> Real:
+    """Greatest couple of a pressure without tension, N m: ``a F``, all at the leading edge."""
+    return contact_radius * force
+
+
+def deformation_couple(contact_radius: Real, force: Real, loss: Real, level: Real = 0.0) -> Real:
+    """Couple of hysteresis of deformation, N m: ``(3/16) loss a F (1 - h^2)^2``.
+
+    Where the contact opens, Hertz's pressure is less by the share `loss`. On the part x > x_0 its
+    moment about the centre is (3/16) a F (1 - (x_0/a)^2)^2; the boundary lies where `opening_level`
+    says. With h = 0 this is rolling friction by Greenwood, Minshall and Tabor (1961).
+    """
+    return 3.0 / 16.0 * loss * contact_radius * force * np.square(1.0 - np.square(level))
+
+
+def adhesion_couple_bound(contact_radius: Real, ring_force: Real, level: Real = 0.0) -> Real:
+    """Greatest couple of a ring force that holds only where the contact opens, N m.
+
+    ``2 f a^2 sqrt(1 - h^2)``: f a^2 times the integral of cos(theta) over the part of the edge that
+    opens (`opening_level`). With h = 0, all on the trailing half, it is the greatest couple of any
+    ring force between zero and `ring_force`.
+    """
+    return 2.0 * ring_force * np.square(contact_radius) * np.sqrt(1.0 - np.square(level))
+
+
+def hertz_damping_couple(contact_radius: Real, force: Real, damping: Real, spin: Real) -> Real:
+    """Couple of the Hunt-Crossley damping of Eq. (19) where rolling adds to the rate, N m.
+
+    At a distance x ahead of the centre the compression grows faster by spin x, and the pressure p
+    by ``c_H spin x p``; its moment is ``c_H spin F a^2/5``, as x^2 averages a^2/5 over Hertz's
+    pressure.
+    """
+    return 0.2 * damping * spin * force * np.square(contact_radius)
+
+
+def adhesion_damping_couple(
+    contact_radius: Real, ring_force: Real, damping: Real, spin: Real, level: Real = 0.0
+) -> Real:
+    """Couple of the adhesion damping of Eq. (19) where rolling adds to the rate, N m.
+
+    A point of the edge at theta from the trailing end opens at ``spin a (h + cos(theta))``
+    (`opening_level`); its ring force is greater by c_A f_0 times that while positive. The moment is
+    ``c_A f_0 spin a^3 (arccos(-h) + h sqrt(1 - h^2))``.
+    """
+    share = np.arccos(-level) + level * np.sqrt(1.0 - np.square(level))
+    return damping * ring_force * spin * np.power(contact_radius, 3) * share
+
+
+def peeling_couple(contact: Contact, shift: Real, contact_radius: Real | None = None) -> Real:
+    """Couple of adhesion that a rolling sphere has to overcome, N m.
+
+    ``4 F_c (a/a_0)^(3/2) shift`` with JKR's pull-off force F_c = 3/2 pi w_A r and radius at no
+    load, ``a_0^3 = 6 pi w_A r^2/K``: that is ``(6 pi w_A K)^(1/2) a^(3/2) shift``, and 6 pi w_A r
+    shift at a_0, which is taken if no contact radius is given. The shift is how far the contact
+    area lags before its edge moves on (Dominik and Tielens 1995).
+    """
+    six_pi_work = 6.0 * math.pi * np.asarray(contact.work_of_adhesion)
+    if contact_radius is None:
+        return (six_pi_work * contact.hertz_radius * shift)[()]
+    stretch = np.sqrt(six_pi_work * contact.hertz_stiffness) * np.power(contact_radius, 1.5)
+    return (stretch * shift)[()]
+
+
+def couple_impulses(
+    contact: Contact, speed: float, angle: float, shift: float, points: int = 400
+) -> CoupleImpulses:
+    """Integrate bounds and estimates of the neglected couples over one impact without spin.
+
+    The bounds allow pressures without tension that sum to the compressive force, and a ring force
+    between zero and what it is at the trailing end, ``f_0 (1 + c_A (u + spin a))``. Hysteresis is
+    given all that the impact loses, 1 - e^2. The peeling couple grows with the distance rolled up
+    to the shift.
+
+    Parameters
+    ----------
+    contact
+        One contact (no arrays).
+    speed, angle
+        Speed before impact, m/s, and angle of incidence from the surface, degrees.
+    shift
+        Of `peeling_couple`, m.
+    points
+        Times at which the impact is sampled.
+
+    Raises
+    ------
+    ValueError
+        If the sphere is captured, or an argument is not admissible.
+    """
+    shift = float(checked("shift", shift, NON_NEGATIVE))
+    path = trajectory(contact, speed, angle, points=points)
+    if path.captured:
+        raise ValueError(f"no rebound at speed {speed:g} m/s and angle {angle:g} deg")
+    radius, ring_force = float(contact.radius), float(np.asarray(contact.ring_force))
+    c_a = float(contact.adhesion_damping_at(-path.velocity[0]))
+    time = _times(path, float(contact.hertz_radius))
+    compression, velocity, spin, hertz, damped = (
+        np.interp(time, path.time, values)
+        for values in (
+            path.compression,
+            path.velocity,
+            path.spin,
+            path.hertz_force,
+            path.hertz_damping_force,
+        )
+    )
+    a = np.sqrt(contact.hertz_radius * compression)
+    level = opening_level(a, velocity, spin)
+    trailing = ring_force * (1.0 + c_a * np.maximum(velocity + spin * a, 0.0))
+    loss = 1.0 - (path.velocity[-1] / path.velocity[0]) ** 2
+    rolled = scipy.integrate.cumulative_trapezoid(radius * spin, time, initial=0)
+    damping = hertz_damping_couple(a, hertz, contact.hertz_damping, spin)
+    damping = damping + adhesion_damping_couple(a, ring_force, c_a, spin, level)
+
+    def impulse(couple: Real) -> float:
+        return float(np.trapezoid(couple, time))
+
+    return CoupleImpulses(
+        friction=radius * float(contact.mass) * float(np.ptp(path.tangential_velocity)),
+        bound_deformation=impulse(deformation_couple_bound(a, np.maximum(hertz + damped, 0.0))),
+        bound_adhesion=impulse(adhesion_couple_bound(a, trailing)),
+        steady_deformation=impulse(deformation_couple(a, hertz, loss)),
+        steady_adhesion=impulse(peeling_couple(contact, np.minimum(rolled, shift), a)),
+        impact_deformation=impulse(deformation_couple(a, hertz, loss, level)),
+        impact_adhesion=impulse(adhesion_couple_bound(a, trailing, level)),
+        damping=impulse(damping),
+        rolled=float(rolled[-1]),
+        contact_radius=float(np.max(a)),
+    )
+
+
+def _times(path: Trajectory, hertz_radius: float) -> FloatArray:
+    """Times of a path, closer where one part of the contact closes and another opens."""
+    turn = int(np.argmax(path.compression))
+    near = slice(max(turn - 1, 0), turn + 2)
+    rest = np.interp(0.0, path.velocity[near], path.time[near])
+    rate = np.ptp(path.velocity[near]) / np.ptp(path.time[near])
+    edge = np.max(path.spin) * np.sqrt(hertz_radius * np.max(path.compression))
+    window = rest + edge / rate * np.linspace(-1.5, 1.5, NEAR_REST)
+    return np.union1d(path.time, np.clip(window, 0.0, path.time[-1]))
+
+
+def rolling_distance(
+    contact: Contact, tangential_velocity: object, shift: object, tilt: object = 0.0
+) -> Real:
+    """Distance that a captured sphere rolls, m; infinite where gravity keeps it rolling.
+
+    It starts rolling with V_t, so with the energy (7/10) m V_t^2, and is held back by the force M/r
+    of `peeling_couple`, less the weight along a target tilted downhill: ``(7/10) m V_t^2 / (M/r - m
+    g sin(tilt))``. A sphere that struck without spin starts with V_t = (5/7) v_t.
+
+    Parameters
+    ----------
+    contact
+        The contact; its fields broadcast with the other arguments.
+    tangential_velocity
+        V_t after capture, m/s.
+    shift
+        Of `peeling_couple`, m.
+    tilt
+        Angle of the target from the horizontal, degrees, in [0, 90]; 0 leaves gravity out.
+    """
+    require_contact(contact)
+    velocity = checked("tangential_velocity", tangential_velocity, NON_NEGATIVE)
+    shift = checked("shift", shift, NON_NEGATIVE)
+    tilt = checked("tilt", tilt, TILT)
+    weight = contact.mass * gravity * np.sin(np.radians(tilt))
+    hold = np.asarray(peeling_couple(contact, shift) / contact.radius - weight)
+    energy = 0.5 * (1.0 + INERTIA) * contact.mass * np.square(velocity)
+    shape = np.broadcast_shapes(hold.shape, np.shape(energy))
+    distance = np.full(shape, np.inf)
+    found: Real = np.divide(energy, hold, out=distance, where=hold > 0.0)[()]
+    return found
+
+
+def gravity_ratio(contact: Contact, shift: object, tilt: object) -> Real:
+    """Couple of the weight over that of adhesion, ``m g r sin(tilt) / M``: above 1 it rolls."""
+    require_contact(contact)
+    shift, tilt = checked("shift", shift, POSITIVE), checked("tilt", tilt, TILT)
+    weight = contact.mass * gravity * np.sin(np.radians(tilt))
+    return weight * contact.radius / peeling_couple(contact, shift)

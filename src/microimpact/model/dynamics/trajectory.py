@@ -1,0 +1,255 @@
+"""Dense trajectory of one impact: compression, velocity, spin and every force against time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from microimpact.core.arrays import FINITE, POSITIVE, FloatArray, Real, checked, choice
+from microimpact.model.contact import Contact, require_contact
+from microimpact.model.dynamics import kernel
+from microimpact.model.dynamics.impact import (
+    ANGLE,
+    FRICTION_BASES,
+    SLIP_PER_IMPULSE,
+    velocity_components,
+)
+from microimpact.model.dynamics.normal import Scales, integrate, is_shallow, scaled_problems
+from microimpact.model.rigid_body.algebra import INERTIA
+
+# Room for the series of so many steps, widened where it does not suffice.
+STEPS, MOST_STEPS = 256, 1_000_000
+
+# A captured sphere is followed for this many times its first compression, or the time after which
+# an overdamped one is known to creep.
+CAPTURED_PERIODS = 8.0
+
+# Newton's last move in a search for a time, relative: the error that it leaves is about its
+# square. Most turns of it, and the rounding of times.
+SMALLEST_MOVE, MOST_TURNS, ROUNDING = 1e-12, 60, 1e-14
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
+
+
+@dataclass(frozen=True, slots=True)
+class Trajectory:
+    """One impact against time; every array has the shape (points,), SI units.
+
+    Attributes
+    ----------
+    time
+        From touch, evenly spaced to separation (or into the adhesive well, where captured), s.
+    compression
+        Approach of the sphere beyond touch, -n, m.
+    velocity, tangential_velocity
+        Normal velocity (negative: approaching) and tangential velocity of the centre, m/s.
+    spin, slip
+        Spin, rad/s, and velocity of the contact point along the surface, m/s.
+    hertz_force, hertz_damping_force, adhesion_force, adhesion_damping_force
+        The four terms of Eq. (19), N, positive away from the surface.
+    normal_force, friction_force
+        Their sum, and the tangential force of Eq. (27) as corrected, N.
+    captured
+        Whether the sphere stays.
+    """
+
+    time: FloatArray
+    compression: FloatArray
+    velocity: FloatArray
+    tangential_velocity: FloatArray
+    spin: FloatArray
+    slip: FloatArray
+    hertz_force: FloatArray
+    hertz_damping_force: FloatArray
+    adhesion_force: FloatArray
+    adhesion_damping_force: FloatArray
+    normal_force: FloatArray
+    friction_force: FloatArray
+    captured: bool
+
+
+@dataclass(frozen=True, slots=True)
+class _Path:
+    """Scaled state at the sampled times: s, u, and impulses so far (Hertz: if asked for)."""
+
+    time: FloatArray
+    s: FloatArray
+    u: FloatArray
+    compressive: FloatArray
+    hertz: FloatArray
+
+
+def trajectory(
+    contact: Contact,
+    speed: object,
+    angle: object = 90.0,
+    spin: object = 0.0,
+    points: int = 400,
+    friction_basis: str = "compressive",
+) -> Trajectory:
+    """Follow one impact in time.
+
+    Parameters
+    ----------
+    contact
+        One contact (no arrays).
+    speed, angle, spin, friction_basis
+        As in `simulate`; single numbers.
+    points
+        Number of times, at least 2.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not a single number, or out of range.
+    RuntimeError
+        If the integration failed.
+    """
+    require_contact(contact)
+    basis = choice("friction_basis", friction_basis, FRICTION_BASES)
+    if isinstance(points, bool) or not isinstance(points, int | np.integer):
+        raise TypeError(f"points must be a whole number, got {points!r}")
+    if points < 2:
+        raise ValueError(f"points must be at least 2, got {points}")
+    speed = checked("speed", speed, POSITIVE)
+    angle = checked("angle", angle, ANGLE)
+    spin = checked("spin", spin, FINITE)
+    for name, value in {"speed": speed, "angle": angle, "spin": spin}.items():
+        if np.ndim(value):
+            raise ValueError(f"{name} must be a single number, got an array of {np.shape(value)}")
+    if contact.shape:
+        raise ValueError(f"contact must be a single one, got fields of shape {contact.shape}")
+    v_n, v_t = velocity_components(speed, angle)
+    problems, scales, _ = scaled_problems(contact, -v_n)
+    problem, result = problems[0], integrate(problems, ledger=True)[0]
+    captured = bool(result[kernel.STATUS] == kernel.CAPTURED)
+    if problem[kernel.DOOMED]:
+        # the kernel drops the damping of a hopeless rebound; the path needs it
+        damping = contact.adhesion_damping_at(-v_n) * scales.velocity[0]
+        problem[kernel.DAMPING_2] = float(damping)
+    end = result[kernel.DURATION]
+    if captured:
+        end = CAPTURED_PERIODS * min(result[kernel.TURNING_TIME], end)
+    path = _sample(problem, float(end), captured, points, hertz=basis == "hertz")
+    return _dimensional(contact, problem, path, v_t, spin, basis, captured, scales)
+
+
+def _sample(problem: FloatArray, end: float, captured: bool, points: int, *, hertz: bool) -> _Path:
+    room, steps = STEPS, -1
+    while steps < 0:
+        if room > MOST_STEPS:
+            raise RuntimeError(
+                f"more than {MOST_STEPS} steps; the impact in scaled form: {problem}"
+            )
+        series, ends = np.zeros((room, 2, kernel.ORDER + 1)), np.zeros((room, 3))
+        # An impact that rebounds ends at s = 0, not by the clock, whose last digit is rounding.
+        stop = end if captured else np.inf
+        steps = kernel.record(problem, bool(is_shallow(problem)), stop, series, ends)
+        room *= 8
+    series, ends = series[:steps], ends[:steps]
+    stops = np.cumsum(ends[:, 1])
+    time = np.linspace(0.0, end if captured else stops[-1], points)
+    step = np.minimum(np.searchsorted(stops, time), steps - 1)
+    local = time - (stops - ends[:, 1])[step]
+    # Coefficients come first: Horner's scheme then runs over neighbours in memory.
+    s_series, u_series = (np.ascontiguousarray(series[step, i].T) for i in (0, 1))
+    tau = _invert(s_series, ends[step, 0], ends[step, 1], local)
+    s, u = np.maximum(_value(s_series, tau), 0.0), _value(u_series, tau)
+    if not captured:
+        s[-1] = 0.0
+    # the force has one sign within a step, so u falls through a compressive one
+    drop = series[:, 1, 0] - _value(series[:, 1].T, ends[:, 0])
+    compressive = np.concatenate([[0.0], np.cumsum(np.maximum(drop, 0.0))])[step]
+    compressive = compressive + np.maximum(u_series[0] - u, 0.0)
+    impulse = np.zeros_like(tau)
+    if hertz:
+        impulse = np.concatenate([[0.0], np.cumsum(ends[:, 2])])[step]
+        for node, weight in zip(0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS, strict=True):
+            impulse = impulse + weight * tau * _value(s_series, node * tau) ** 4
+    return _Path(time, s, u, compressive, impulse)
+
+
+def _value(series: FloatArray, tau: FloatArray) -> FloatArray:
+    """Value at tau (n,) of power series, coefficients (orders, n)."""
+    value = np.zeros_like(tau)
+    for coefficient in series[::-1]:
+        value = value * tau + coefficient
+    return value
+
+
+def _invert(
+    s_series: FloatArray, upper: FloatArray, duration: FloatArray, time: FloatArray
+) -> FloatArray:
+    """Find tau in [0, upper] at which the contact time, the integral of s, has the given value.
+
+    By Newton's method, with bisection where it would leave the bracket; the ends, at which the
+    integral may be flat, are met exactly.
+    """
+    orders = np.arange(1, len(s_series) + 1)
+    clock = np.concatenate([np.zeros((1, time.size)), s_series / orders[:, None]])
+    low = np.where(time >= (1.0 - ROUNDING) * duration, upper, 0.0)
+    high = np.where(time <= 0.0, 0.0, upper)
+    tau = 0.5 * (low + high)
+    for _ in range(MOST_TURNS):
+        miss, slope = _value(clock, tau) - time, _value(s_series, tau)
+        late = miss > 0.0
+        low, high = np.where(late, low, tau), np.where(late, tau, high)
+        new = tau - miss / np.where(slope > 0.0, slope, np.inf)
+        new = np.where((low <= new) & (new <= high), new, 0.5 * (low + high))
+        moved, tau = np.abs(new - tau), new
+        if np.all(moved <= SMALLEST_MOVE * upper):
+            break
+    return tau
+
+
+def _dimensional(
+    contact: Contact,
+    problem: FloatArray,
+    path: _Path,
+    v_t: Real,
+    spin: Real,
+    basis: str,
+    captured: bool,
+    scales: Scales,
+) -> Trajectory:
+    length, velocity, mass = scales.length[0], scales.velocity[0], scales.mass[0]
+    force = mass * velocity**2 / length
+    s, u = path.s, path.u
+    beta = problem[kernel.ADHESION]
+    damping = np.where(u > 0.0, problem[kernel.DAMPING_1], problem[kernel.DAMPING_2])
+    terms = (
+        s**3 * force,
+        s**3 * problem[kernel.HERTZ_DAMPING] * u * force,
+        -beta * s * force,
+        beta * s * damping * u * force,
+    )
+    normal = sum(terms[1:], terms[0])
+    supports = {"compressive": np.maximum(normal, 0.0), "hertz": terms[0], "net": normal}[basis]
+    impulse = {
+        "compressive": path.compressive,
+        "hertz": path.hertz,
+        "net": problem[kernel.START_U] - u,
+    }[basis] * velocity
+    radius, friction = contact.radius, contact.friction
+    slip_0 = v_t - radius * spin
+    used = SLIP_PER_IMPULSE * friction * impulse
+    # the first passage decides: what has rolled once rolls on
+    rolling = np.maximum.accumulate(used) >= abs(slip_0)
+    slip = np.where(rolling, 0.0, slip_0 - np.sign(slip_0) * used)
+    change = (slip_0 - slip) / SLIP_PER_IMPULSE
+    return Trajectory(
+        time=path.time * length / velocity,
+        compression=s**2 * length,
+        velocity=-u * velocity,
+        tangential_velocity=v_t - change,
+        spin=spin + change / (INERTIA * radius),
+        slip=slip,
+        hertz_force=terms[0],
+        hertz_damping_force=terms[1],
+        adhesion_force=terms[2],
+        adhesion_damping_force=terms[3],
+        normal_force=normal,
+        friction_force=np.where(rolling, 0.0, -np.sign(slip_0) * friction * supports),
+        captured=captured,
+    )

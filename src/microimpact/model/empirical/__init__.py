@@ -1,0 +1,1 @@
+"""Empirical coefficients of restitution, Section 3.3: equations, fits, intervals."""

@@ -1,0 +1,307 @@
+"""Compiled search for minima of Eq. (34) by Levenberg and Marquardt, many side by side.
+
+``LANES`` searches advance together; one that has ended gives its lane to the next. What a search
+finds does not depend on its neighbours. The loops over lanes compile to SIMD code, for they have a
+length known to the compiler, the rows of an array stand a known distance apart, and `_exp` and
+`_log` are polynomials without branches. `microimpact.model.empirical.search.model` is the same
+curve in plain form.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from microimpact.core.compiled import jit
+from microimpact.model.empirical.search import V_C, Q
+
+# A search ends where the quadratic model and the step taken lower chi-square by less than this
+# share of it, or where no damping finds a lower point.
+TOLERANCE = 1e-9
+STUCK = 1e10
+ITERATIONS = 300
+# Damping at the start and the least, as shares of the diagonal of the normal matrix, and the
+# largest decrease after one step.
+FIRST_DAMPING = 1e-3
+LIGHTEN = 1.0 / 3.0
+LEAST_DAMPING = 1e-9
+# The damping at which a small decrease means a minimum and not a small step.
+LIGHT_DAMPING = 0.1
+# Largest change of a logarithm in one step: beyond it the quadratic model says nothing.
+STRIDE = 2.0
+# Keeps a normal matrix of full rank in directions that the data do not determine.
+RIDGE = 1e-14
+
+LANES = 32
+VARIABLES = 5
+
+# Points are evaluated some at a time, so that fewer sums go through memory. Rows of the points of
+# each lane, four to a point: v less the end of its range, ln v, e, 1/sigma.
+GROUP = 4
+SPEED, LOG_SPEED, MEASURED, WEIGHT = range(4)
+POINT_ROWS = 4
+
+# Beside the slopes of a misfit in the variables stands the misfit itself, and the sums of all their
+# products are the normal equations: matrix, half the gradient as last column, sum of squares.
+COLUMNS = VARIABLES + 1
+PRODUCTS = COLUMNS**2
+
+# Rows of the state of each lane.
+X, LOW, HIGH, TRIAL, FREE = range(0, 5 * VARIABLES, VARIABLES)
+SUMS, NEW_SUMS, FACTOR = range(25, 25 + 3 * PRODUCTS, PRODUCTS)
+EXPECTED, DAMPING, HEAVIER, LEFT, CONVERGED, LOWER = range(133, 139)
+P, EXPONENT, GAP, LARGEST = range(139, 143)
+GRADIENT, CHI_SQUARE, NEW_CHI_SQUARE = SUMS + VARIABLES, SUMS + PRODUCTS - 1, FACTOR - 1
+STATE_ROWS = LARGEST + 1
+# Taylor series of exp, and that of log(m) = 2 artanh((m - 1)/(m + 1)); the highest powers first.
+_EXP = tuple(1.0 / math.factorial(k) for k in range(13, -1, -1))
+_LOG = tuple(2.0 / k for k in range(21, 0, -2))
+# ln 2 in two parts, the first short, so that its multiples are exact.
+_LN2_HIGH, _LN2_LOW = float.fromhex("0x1.62e42feep-1"), float.fromhex("0x1.a39ef35793c76p-33")
+# The last bits of a number so much larger hold its integer part.
+_SHIFT = 1.5 * 2.0**52
+_BITS_OF_ROOT_HALF = int(np.sqrt(0.5).view(np.int64))
+_LARGEST = 708.0
+
+
+_jit = jit()
+_jit_contract = jit(fastmath={"contract", "nsz"})
+_jit_inline = jit(inline="always")
+
+
+@_jit_inline
+def _exp(x):  # type: ignore[no-untyped-def]
+    """e^x, for an x within 708 of 0; one beyond is taken for that bound."""
+    x = min(max(x, -_LARGEST), _LARGEST)
+    shifted = x * (1.0 / math.log(2.0)) + _SHIFT
+    power = shifted - _SHIFT
+    rest = (x - power * _LN2_HIGH) - power * _LN2_LOW
+    value = _EXP[0]
+    for k in range(1, len(_EXP)):
+        value = value * rest + _EXP[k]
+    return value * np.int64((np.float64(shifted).view(np.int64) + 1023) << 52).view(np.float64)
+
+
+@_jit_inline
+def _log(x):  # type: ignore[no-untyped-def]
+    """Ln x of a positive, normal number."""
+    bits = np.float64(x).view(np.int64)
+    power = (bits - _BITS_OF_ROOT_HALF) >> 52
+    mantissa = np.int64(bits - (power << 52)).view(np.float64)
+    ratio = (mantissa - 1.0) / (mantissa + 1.0)
+    square = ratio * ratio
+    value = _LOG[0]
+    for k in range(1, len(_LOG)):
+        value = value * square + _LOG[k]
+    return (power * _LN2_LOW + ratio * value) + power * _LN2_HIGH
+
+
+@_jit_contract
+def enter(v, e, weight, end, low, high, x, lane, points, state):  # type: ignore[no-untyped-def]
+    """Put a search, without data that are missing, on a lane; return its number of groups."""
+    count = 0
+    for i in range(v.size):
+        if weight[i] > 0.0:
+            row = POINT_ROWS * count
+            points[row + SPEED, lane], points[row + LOG_SPEED, lane] = v[i] - end, _log(v[i])
+            points[row + MEASURED, lane], points[row + WEIGHT, lane] = e[i], weight[i]
+            count += 1
+    for row in range(POINT_ROWS * count, len(points)):
+        points[row, lane] = 0.0
+    # Without slopes and with an endless sum of squares, the first step is to evaluate the start.
+    for row in range(STATE_ROWS):
+        state[row, lane] = 0.0
+    for i in range(VARIABLES):
+        state[X + i, lane], state[LOW + i, lane], state[HIGH + i, lane] = x[i], low[i], high[i]
+    state[CHI_SQUARE, lane], state[LEFT, lane] = np.inf, ITERATIONS + 1
+    state[DAMPING, lane], state[HEAVIER, lane] = FIRST_DAMPING / LIGHTEN, 2.0
+    return -(-count // GROUP)
+
+
+@_jit_contract
+def evaluate(points, groups, state, slopes):  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912
+    """Sums at the trial; ``slopes`` is room for those of a group of points."""
+    if not (points.shape[1] == state.shape[1] == slopes.shape[1] == LANES):
+        return  # never: tells the compiler the distance of rows
+    for lane in range(LANES):
+        state[P, lane] = _exp(state[TRIAL + 1, lane])
+        state[EXPONENT, lane] = _exp(state[TRIAL + Q, lane])
+        state[GAP, lane] = _exp(state[TRIAL + V_C, lane])
+    for row in range(NEW_SUMS, NEW_SUMS + PRODUCTS):
+        for lane in range(LANES):
+            state[row, lane] = 0.0
+    for group in range(groups):
+        for k in range(GROUP):
+            point, row = POINT_ROWS * (GROUP * group + k), COLUMNS * k
+            for lane in range(LANES):
+                p, q, gap = state[P, lane], state[EXPONENT, lane], state[GAP, lane]
+                excess = points[point + SPEED, lane] + gap
+                rebounds = excess > 0.0
+                excess = excess if rebounds else 1.0
+                fall = points[point + LOG_SPEED, lane] - state[TRIAL, lane]
+                rise = _log(excess) - state[TRIAL + 2, lane]
+                body = 1.0 / (1.0 + _exp(p * fall))
+                kept = 1.0 / (1.0 + _exp(-q * rise))
+                kept = kept if rebounds else 0.0
+                weight, e = points[point + WEIGHT, lane], body * kept
+                loss, taken = weight * e * (1.0 - body) * p, weight * e * (1.0 - kept) * q
+                slopes[row, lane], slopes[row + 1, lane] = loss, -loss * fall
+                slopes[row + 2, lane], slopes[row + Q, lane] = -taken, taken * rise
+                slopes[row + V_C, lane] = taken * gap / excess
+                slopes[row + VARIABLES, lane] = (e - points[point + MEASURED, lane]) * weight
+        for row in range(COLUMNS):
+            for column in range(row, COLUMNS):
+                entry = NEW_SUMS + COLUMNS * row + column
+                for lane in range(LANES):
+                    total = 0.0
+                    for k in range(GROUP):
+                        one, other = COLUMNS * k + row, COLUMNS * k + column
+                        total += slopes[one, lane] * slopes[other, lane]
+                    state[entry, lane] += total
+
+
+@_jit_inline
+def _solve(state):  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912
+    """Put the solution of the damped normal equations, by L D L^T, on trial.
+
+    Variables that would leave the box stay. The factor has D L^T above its diagonal, L below.
+    """
+    for lane in range(LANES):
+        state[LARGEST, lane] = 1.0
+    for i in range(VARIABLES):
+        for lane in range(LANES):
+            slope, x = state[GRADIENT + COLUMNS * i, lane], state[X + i, lane]
+            below = (x <= state[LOW + i, lane]) & (slope >= 0.0)
+            above = (x >= state[HIGH + i, lane]) & (slope <= 0.0)
+            free = 0.0 if below | above else 1.0
+            state[FREE + i, lane], state[TRIAL + i, lane] = free, -free * slope
+            diagonal = free * state[SUMS + (COLUMNS + 1) * i, lane]
+            state[LARGEST, lane] = max(state[LARGEST, lane], diagonal)
+    for i in range(VARIABLES):
+        for j in range(i, VARIABLES):
+            entry = COLUMNS * i + j
+            for lane in range(LANES):
+                both = state[FREE + i, lane] * state[FREE + j, lane]
+                state[FACTOR + entry, lane] = both * state[SUMS + entry, lane]
+        pivot = FACTOR + (COLUMNS + 1) * i
+        for lane in range(LANES):
+            state[pivot, lane] *= 1.0 + state[DAMPING, lane]
+            state[pivot, lane] += RIDGE * state[LARGEST, lane] + (1.0 - state[FREE + i, lane])
+    for k in range(VARIABLES):
+        pivot = FACTOR + (COLUMNS + 1) * k
+        for lane in range(LANES):
+            state[pivot, lane] = 1.0 / state[pivot, lane]
+        for i in range(k + 1, VARIABLES):
+            above, below = FACTOR + COLUMNS * k + i, FACTOR + COLUMNS * i + k
+            for lane in range(LANES):
+                state[below, lane] = state[above, lane] * state[pivot, lane]
+                state[TRIAL + i, lane] -= state[below, lane] * state[TRIAL + k, lane]
+            for j in range(i, VARIABLES):
+                entry, other = FACTOR + COLUMNS * i + j, FACTOR + COLUMNS * k + j
+                for lane in range(LANES):
+                    state[entry, lane] -= state[below, lane] * state[other, lane]
+    for i in range(VARIABLES):
+        for lane in range(LANES):
+            state[TRIAL + i, lane] *= state[FACTOR + (COLUMNS + 1) * i, lane]
+    for i in range(VARIABLES - 1, 0, -1):
+        for j in range(i):
+            for lane in range(LANES):
+                share = state[FACTOR + COLUMNS * i + j, lane]
+                state[TRIAL + j, lane] -= share * state[TRIAL + i, lane]
+
+
+@_jit_contract
+def _propose(state):  # type: ignore[no-untyped-def]
+    """Put a damped step within the box on trial, and note the decrease expected of it."""
+    if state.shape[1] != LANES:
+        return  # never
+    _solve(state)
+    for lane in range(LANES):
+        state[EXPECTED, lane] = 0.0
+    for i in range(VARIABLES):
+        for lane in range(LANES):
+            x, step = state[X + i, lane], min(max(state[TRIAL + i, lane], -STRIDE), STRIDE)
+            step = min(max(step, state[LOW + i, lane] - x), state[HIGH + i, lane] - x)
+            state[TRIAL + i, lane] = step
+            slope = 2.0 * state[GRADIENT + COLUMNS * i, lane]
+            slope += state[SUMS + (COLUMNS + 1) * i, lane] * step
+            state[EXPECTED, lane] -= slope * step
+        for j in range(i):
+            for lane in range(LANES):
+                both = state[TRIAL + i, lane] * state[TRIAL + j, lane]
+                state[EXPECTED, lane] -= 2.0 * state[SUMS + COLUMNS * j + i, lane] * both
+    for i in range(VARIABLES):
+        for lane in range(LANES):
+            trial = state[X + i, lane] + state[TRIAL + i, lane]
+            trial = min(max(trial, state[LOW + i, lane]), state[HIGH + i, lane])
+            state[TRIAL + i, lane] = trial
+
+
+@_jit_contract
+def _judge(state):  # type: ignore[no-untyped-def]
+    """Move to the trial where it is lower, change the damping (Nielsen), see which have ended."""
+    if state.shape[1] != LANES:
+        return  # never
+    for lane in range(LANES):
+        expected, damping = state[EXPECTED, lane], state[DAMPING, lane]
+        decrease = state[CHI_SQUARE, lane] - state[NEW_CHI_SQUARE, lane]
+        small = TOLERANCE * state[NEW_CHI_SQUARE, lane]
+        # Of either sign, so that rounding does not keep a search at its minimum from ending.
+        flat = (abs(decrease) <= small) & (abs(expected) <= small) & (damping < LIGHT_DAMPING)
+        ended = flat | (damping > STUCK)
+        state[CONVERGED, lane] = 1.0 if ended else 0.0
+        state[LEFT, lane] = 0.0 if ended else state[LEFT, lane] - 1.0
+        lower, heavier = decrease >= 0.0, state[HEAVIER, lane]
+        state[LOWER, lane] = 1.0 if lower else 0.0
+        excess = 2.0 * decrease / expected - 1.0 if expected > 0.0 else 1.0
+        lighter = max(1.0 - excess * excess * excess, LIGHTEN)
+        state[DAMPING, lane] = max(damping * (lighter if lower else heavier), LEAST_DAMPING)
+        state[HEAVIER, lane] = 2.0 if lower else 2.0 * heavier
+    for old, new, rows in ((X, TRIAL, VARIABLES), (SUMS, NEW_SUMS, PRODUCTS)):
+        for i in range(rows):
+            for lane in range(LANES):
+                lower = state[LOWER, lane] > 0.0
+                state[old + i, lane] = state[new + i, lane] if lower else state[old + i, lane]
+
+
+@_jit
+def descend_all(v, e, weight, owner, end, low, high, start, x, chi_square, converged):  # type: ignore[no-untyped-def]
+    """Move every start to its minimum."""
+    points = np.zeros((POINT_ROWS * GROUP * -(-v.shape[1] // GROUP), LANES))
+    state, slopes = np.zeros((STATE_ROWS, LANES)), np.zeros((COLUMNS * GROUP, LANES))
+    running, groups = np.zeros(LANES, np.intp) - 1, np.zeros(LANES, np.intp)
+    begun = ended = 0
+    while ended < start.size:
+        most = 0
+        for lane in range(LANES):
+            most = max(most, groups[lane])
+        _propose(state)
+        evaluate(points, most, state, slopes)
+        _judge(state)
+        for lane in range(LANES):
+            if state[LEFT, lane] > 0.0:
+                continue
+            if running[lane] >= 0:
+                done = running[lane]
+                for i in range(VARIABLES):
+                    x[done, i] = state[X + i, lane]
+                chi_square[done], converged[done] = state[CHI_SQUARE, lane], state[CONVERGED, lane]
+                ended += 1
+                running[lane] = -1
+            if begun < start.size:
+                i, row = start[begun], owner[start[begun]]
+                groups[lane] = enter(
+                    v[row],
+                    e[row],
+                    weight[row],
+                    end[i],
+                    low[i],
+                    high[i],
+                    x[begun],
+                    lane,
+                    points,
+                    state,
+                )
+                running[lane] = begun
+                begun += 1

@@ -1,0 +1,250 @@
+"""Contacts whose normal impacts are one function of the speed and, at most, of one number more.
+
+Similarity: with speeds in velocity scales V, C_H = c_H V and C_A = c_A (v_N/v)^n V determine an
+impact. Where c_H, c_A, n and v_N are one for all contacts, V alone is left; where even the groups
+are one (c_H = 0 and n = 1; the same zeta by Eqs. 23, 24 at the same diameter), nothing is.
+Without adhesion c_H v is the one number.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from microimpact.core.arrays import FloatArray, Real
+from microimpact.model.contact import Contact
+from microimpact.model.dynamics import kernel
+from microimpact.model.dynamics.capture import scaled_capture_velocity
+from microimpact.model.dynamics.normal import HOPELESS_ADHESION_GROUP, HOPELESS_HERTZ_GROUP
+from microimpact.model.law.pieces import WIDTH
+
+# Quantities of an impact in its scales, the rows of what a table gives.
+RESTITUTION, CONTACT_TIME, COMPRESSION_TIME, COMPRESSION, COMPRESSIVE, PEAK, HERTZ = range(7)
+
+# Numbers that differ by no more are the same, computed in another order.
+SAME = 1e-14
+# And that of contacts of which one was made from the other.
+LIKE = 1e-9
+# Places stay this far inside [-1, 1] of a family made for them.
+MARGIN = 1e-6
+
+
+class NoSurrogateError(ValueError):
+    """These impacts cannot be interpolated."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Family:
+    """Contacts that differ in their velocity scale V alone.
+
+    Attributes
+    ----------
+    hertz, adhesion, exponent
+        With rho = V over ``velocity_scale``: ``C_H = hertz rho`` and
+        ``C_A = adhesion rho^(1-n) (v/V)^-n``, n the exponent. Without adhesion damping of the
+        material counts as c_H v, and ``hertz`` is 1 (0 where there is none).
+    damped_attachment
+        As in `Contact`.
+    adhesive
+        Whether there is adhesion.
+    velocity_scale
+        The middle of the velocity scales, m/s.
+    half_width
+        Half the width of ln V; zero where the damping groups are the same for all V.
+    """
+
+    hertz: float
+    adhesion: float
+    exponent: float
+    damped_attachment: bool
+    adhesive: bool
+    velocity_scale: float
+    half_width: float
+
+    @property
+    def alike(self) -> bool:
+        """Whether the speed in velocity scales alone determines an impact."""
+        return self.half_width == 0.0
+
+    @classmethod
+    def of(cls, contact: Contact) -> Family:
+        """Return the smallest family that holds all contacts of an array.
+
+        Raises
+        ------
+        NoSurrogateError
+            If they share neither their damping nor their damping groups, or only some adhere.
+        """
+        scale, c_h, c_a, n = (
+            np.asarray(value)
+            for value in (
+                contact.velocity_scale,
+                contact.hertz_damping,
+                contact.adhesion_damping,
+                contact.adhesion_rate_exponent,
+            )
+        )
+        if not np.any(scale > 0.0):
+            return cls._bare(c_h, contact.damped_attachment)
+        if not np.all(scale > 0.0):
+            raise NoSurrogateError("work_of_adhesion must be positive, or zero, for all impacts")
+        rate = np.asarray(1.0 if contact.reference_velocity is None else contact.reference_velocity)
+        hertz, adhesion = c_h * scale, c_a * scale * np.power(rate / scale, n)
+        if _same(hertz) and _same(adhesion) and _same(n):
+            half_width = 0.0
+        elif _same(c_h) and _same(c_a * np.power(rate, n)) and _same(n):
+            half_width = 0.5 * math.log(scale.max() / scale.min()) * (1.0 + MARGIN)
+        else:
+            raise NoSurrogateError(
+                "hertz_damping, adhesion_damping, adhesion_rate_exponent and reference_velocity "
+                "(or the damping groups C_H, C_A) must be the same for all impacts"
+            )
+        middle = math.sqrt(float(scale.min()) * float(scale.max()))
+        first = (float(np.ravel(value)[0]) for value in (c_h, c_a, rate, n))
+        c_h1, c_a1, rate1, n1 = first
+        if half_width == 0.0:
+            hertz1, adhesion1 = float(np.ravel(hertz)[0]), float(np.ravel(adhesion)[0])
+        else:
+            hertz1, adhesion1 = c_h1 * middle, c_a1 * middle * (rate1 / middle) ** n1
+        return cls(
+            hertz=hertz1,
+            adhesion=adhesion1,
+            exponent=n1,
+            damped_attachment=contact.damped_attachment,
+            adhesive=True,
+            velocity_scale=middle,
+            half_width=half_width,
+        )
+
+    @classmethod
+    def _bare(cls, hertz_damping: FloatArray, damped_attachment: bool) -> Family:
+        if np.any(hertz_damping > 0.0) and not np.all(hertz_damping > 0.0):
+            raise NoSurrogateError("hertz_damping must be positive, or zero, for all impacts")
+        return cls(
+            hertz=float(np.any(hertz_damping > 0.0)),
+            adhesion=0.0,
+            exponent=0.0,
+            damped_attachment=damped_attachment,
+            adhesive=False,
+            velocity_scale=1.0,
+            half_width=0.0,
+        )
+
+    def require(self, contact: Contact) -> None:
+        """Refuse contacts that are damped otherwise than the family is.
+
+        Raises
+        ------
+        NoSurrogateError
+            Naming what must be the same.
+        """
+        if not (self._damped_so(contact) if self.adhesive else self._bare_too(contact)):
+            raise NoSurrogateError(
+                "contact: adhesion and damping must be those of the contacts that the tables were "
+                "made for"
+            )
+
+    def _bare_too(self, contact: Contact) -> bool:
+        damped = np.asarray(contact.hertz_damping) > 0.0
+        adhesive = np.any(np.asarray(contact.velocity_scale) > 0.0)
+        return not adhesive and bool(np.all(damped == (self.hertz > 0.0)))
+
+    def _damped_so(self, contact: Contact) -> bool:
+        scale = np.asarray(contact.velocity_scale)
+        if not np.all(scale > 0.0) or self.damped_attachment != contact.damped_attachment:
+            return False
+        # Where V differs, the damping is the same; else the damping groups are.
+        unit = scale if self.alike else np.asarray(self.velocity_scale)
+        rate = 1.0 if contact.reference_velocity is None else contact.reference_velocity
+        n = np.asarray(contact.adhesion_rate_exponent)
+        pairs = (
+            (contact.hertz_damping * unit, self.hertz),
+            (contact.adhesion_damping * unit * np.power(rate / unit, n), self.adhesion),
+            (n, self.exponent),
+        )
+        return all(bool(np.all(np.abs(a - b) <= LIKE * b)) for a, b in pairs)
+
+    def coordinates(self, contact: Contact, speed: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return what determines impacts: the scaled speed, and the place of V.
+
+        Within the family places are in [-1, 1].
+        """
+        if not self.adhesive:
+            return np.asarray(speed * (contact.hertz_damping if self.hertz else 1.0)), np.zeros(1)
+        scale = np.asarray(contact.velocity_scale)
+        w = np.asarray(speed / scale)
+        if self.alike:
+            return w, np.zeros(1)
+        place = np.log(scale / self.velocity_scale) / self.half_width
+        return w, np.broadcast_to(place, w.shape)
+
+    def scales(self, contact: Contact, speed: FloatArray) -> tuple[Real, Real, Real]:
+        """Return the units of length, velocity and mass of impacts."""
+        if self.adhesive:
+            return contact.equilibrium_compression, contact.velocity_scale, contact.mass
+        hertz = np.sqrt(contact.hertz_radius) * contact.stiffness
+        return (contact.mass * speed**2 / hertz) ** 0.4, speed, contact.mass
+
+    def groups(self, w: FloatArray, place: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return C_H and, at the scaled speed w, C_A."""
+        rho = np.exp(self.half_width * place)
+        with np.errstate(over="ignore"):
+            rate = np.power(rho, 1.0 - self.exponent) * np.power(w, -self.exponent)
+        return np.asarray(self.hertz * rho), np.asarray(self.adhesion * rate)
+
+    def capture_speed(self, place: FloatArray) -> FloatArray:
+        """Return the capture velocity in velocity scales."""
+        if not self.adhesive:
+            return np.zeros_like(place)
+        hertz, adhesion = self.groups(np.ones_like(place), place)
+        return scaled_capture_velocity(
+            hertz,
+            adhesion,
+            np.full_like(place, self.exponent),
+            np.ones_like(place),
+            damped_attachment=self.damped_attachment,
+        )
+
+    def problems(self, w: FloatArray, place: FloatArray) -> FloatArray:
+        """Write impacts as problems of the kernel, in the adhesive scale (in their own without)."""
+        problems = np.zeros((w.size, kernel.PROBLEM_COLUMNS))
+        if not self.adhesive:
+            problems[:, kernel.START_U] = 1.0
+            problems[:, kernel.HERTZ_DAMPING] = self.hertz * w
+            return problems
+        hertz, adhesion = self.groups(w, place)
+        hopeless = (hertz > HOPELESS_HERTZ_GROUP) | (adhesion > HOPELESS_ADHESION_GROUP)
+        problems[:, kernel.START_U] = w
+        problems[:, kernel.ADHESION] = 1.0
+        problems[:, kernel.HERTZ_DAMPING] = hertz
+        problems[:, kernel.DAMPING_2] = np.where(hopeless, 0.0, adhesion)
+        if self.damped_attachment:
+            problems[:, kernel.DAMPING_1] = adhesion
+        problems[:, kernel.DOOMED] = hopeless
+        return problems
+
+
+def quantities(problems: FloatArray, results: FloatArray) -> FloatArray:
+    """Return the quantities of a table (WIDTH, n) from the kernel's results."""
+    start = problems[:, kernel.START_U]
+    captured = results[:, kernel.STATUS] == kernel.CAPTURED
+    found = np.zeros((WIDTH, len(problems)))
+    found[RESTITUTION] = np.where(captured, 0.0, -results[:, kernel.END_U] / start)
+    found[CONTACT_TIME] = np.where(captured, np.inf, results[:, kernel.DURATION])
+    found[COMPRESSION_TIME] = results[:, kernel.TURNING_TIME]
+    found[COMPRESSION] = results[:, kernel.TURNING_S] ** 2
+    impulses = {
+        COMPRESSIVE: results[:, kernel.COMPRESSIVE_IMPULSE],
+        PEAK: start - results[:, kernel.LOWEST_U],
+        HERTZ: results[:, kernel.HERTZ_IMPULSE],
+    }
+    for column, impulse in impulses.items():
+        found[column] = np.where(captured, 0.0, impulse)
+    return found
+
+
+def _same(values: FloatArray) -> bool:
+    low, high = float(np.min(values)), float(np.max(values))
+    return high - low <= SAME * abs(high)

@@ -1,0 +1,369 @@
+"""Ensembles of normal impacts from a table of a few, to a stated error.
+
+In the adhesive scale the outcome of a normal impact follows from its speed in velocity scales V and
+from the damping groups, and these follow from V where the damping is one for all. So impacts that
+share their damping, or their groups, are one function of the speed and, at most, of V, whatever
+diameters, works of adhesion and materials differ. Speeds count from the threshold of capture,
+x = v/v_c - 1: there, and nowhere else, the outcome is singular (e ~ sqrt(x)), so on pieces that
+grow with x polynomials converge fast.
+
+Impacts within `THRESHOLD` of capture, and those beyond the table in speed or in V, are integrated:
+verdicts are the integrator's, and the bound of the relative error of e holds down to the threshold.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from microimpact.core.arrays import BoolArray, FloatArray, Real, choice, common_shape
+from microimpact.model.contact import Contact, require_contact
+from microimpact.model.dynamics import kernel
+from microimpact.model.dynamics.normal import NormalImpact, integrate, normal_impact
+from microimpact.model.law.families import (
+    COMPRESSION,
+    COMPRESSION_TIME,
+    COMPRESSIVE,
+    CONTACT_TIME,
+    HERTZ,
+    PEAK,
+    RESTITUTION,
+    Family,
+    NoSurrogateError,
+    quantities,
+)
+from microimpact.model.law.pieces import (
+    NOTHING,
+    Sampled,
+    Table,
+    between,
+    both_sides,
+    first_above,
+    nodes,
+    tabulate,
+)
+
+METHODS = ("auto", "direct", "surrogate")
+TOLERANCE = 1e-9
+
+# Relative distance from the capture velocity within which impacts are integrated.
+THRESHOLD = 2.0**-9
+NEAREST = -8  # the binary exponent of it
+
+# From so many impacts on a table is the quicker way, for one velocity scale and for many; smaller
+# ensembles stay what they are to the last digit.
+LARGE, LARGE_OF_MANY_SCALES = 100_000, 400_000
+
+# Octaves of speed that a table has at most; pieces per octave, and bands of velocity scales, that
+# are tried in turn; nodes in a band.
+MOST_OCTAVES = 64
+SPLITS, BANDS = (1, 2, 4, 8), (1, 2, 4, 8, 16, 32)
+WIDTHS = 6
+
+# Nodes for the capture velocity over the velocity scale; its error, divided by THRESHOLD, enters e.
+CAPTURE_WIDTHS = (8, 11, 15, 20, 30, 45, 60)
+CAPTURE_TOLERANCE = 1e-13
+
+# The error stated is so many times the error measured between the nodes.
+SAFETY = 2.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Surrogate:
+    """Normal impacts of a family of contacts, interpolated.
+
+    Attributes
+    ----------
+    family
+        The contacts.
+    slowness
+        Chebyshev coefficients, over the place in the family, of the reciprocal of the capture
+        velocity in velocity scales, which is nearly linear; empty where nothing is captured.
+    rebounds, captures
+        Tables of the impacts above and below it; empty where no speed asked for is there.
+    error
+        Bound of the relative errors of all quantities: twice the largest difference from direct
+        integration at points between the nodes.
+    """
+
+    family: Family
+    slowness: FloatArray
+    rebounds: Table
+    captures: Table
+    error: float
+
+    @classmethod
+    def of(cls, contact: Contact, speed: Real, *, tolerance: float = TOLERANCE) -> Surrogate:
+        """Make the tables for some contacts and all speeds between the least and the greatest.
+
+        Parameters
+        ----------
+        contact
+            Contacts that share their damping, or their damping groups.
+        speed
+            Normal speeds of approach, m/s, positive.
+        tolerance
+            Largest relative error.
+
+        Raises
+        ------
+        NoSurrogateError
+            A ValueError: if the contacts share neither, if at no speed a sphere of them rebounds,
+            or if no table reaches the tolerance.
+        """
+        require_contact(contact)
+        family = Family.of(contact)
+        w, _ = family.coordinates(contact, np.asarray(speed))
+        return cls.of_family(family, float(np.min(w)), float(np.max(w)), tolerance=tolerance)
+
+    @classmethod
+    def of_family(
+        cls, family: Family, slowest: float, fastest: float, *, tolerance: float = TOLERANCE
+    ) -> Surrogate:
+        """Make the tables for a family and all scaled speeds between two; otherwise as `of`."""
+        slowness = _slowness(family)
+        if not slowness.size:
+            rebounds = _fitted(family, slowness, _span(slowest, fastest), tolerance)
+            return cls._with(family, slowness, rebounds, NOTHING)
+        limits = 1.0 / chebyshev.chebval(between(60), slowness)
+        rebounds = captures = NOTHING
+        excess = fastest / float(limits.min()) - 1.0
+        if excess >= THRESHOLD:
+            span = (NEAREST, _span(THRESHOLD, excess)[1])
+            rebounds = _fitted(family, slowness, span, tolerance)
+        if slowest < float(limits.max()):
+            span = _span(slowest / float(limits.max()), 1.0 - THRESHOLD)
+            captures = _fitted(family, slowness, span, tolerance, captured=True)
+        return cls._with(family, slowness, rebounds, captures)
+
+    @classmethod
+    def _with(
+        cls,
+        family: Family,
+        slowness: FloatArray,
+        rebounds: Table,
+        captures: Table,
+    ) -> Surrogate:
+        error = SAFETY * max(rebounds.error, captures.error)
+        return cls(
+            family=family,
+            slowness=slowness,
+            rebounds=rebounds,
+            captures=captures,
+            error=error,
+        )
+
+    @property
+    def pieces(self) -> int:
+        """Number of pieces of both tables."""
+        return self.rebounds.pieces + self.captures.pieces
+
+    def quantities(
+        self, w: FloatArray, place: FloatArray, *, threads: int = 1
+    ) -> tuple[FloatArray, BoolArray]:
+        """Return the scaled quantities (WIDTH, n) of impacts, and which are captured.
+
+        Parameters
+        ----------
+        w, place
+            Coordinates of the impacts, see `Family.coordinates`; a place of one element is all
+            impacts' own.
+        threads
+            Among which the work is shared; results do not depend on it.
+        """
+        tables = self.captures, self.rebounds
+        found = both_sides(w, place, self.slowness, *tables, THRESHOLD, threads=threads)
+        _leave_out(found[RESTITUTION], place)
+        captured = found[RESTITUTION] == 0.0
+        rest = np.flatnonzero(np.isnan(found[RESTITUTION]))
+        if rest.size:
+            places = np.broadcast_to(place, w.shape)[rest]
+            problems = self.family.problems(w[rest], places)
+            results = integrate(problems, ledger=True)
+            captured[rest] = results[:, kernel.STATUS] == kernel.CAPTURED
+            found[:, rest] = quantities(problems, results)
+        found[CONTACT_TIME, captured] = np.inf
+        return found, captured
+
+    def restitution(self, w: FloatArray, place: FloatArray) -> FloatArray:
+        """Return e alone, shape (n,), of impacts given as in `quantities`; 0 where captured."""
+        found = first_above(w, place, self.slowness, self.rebounds, THRESHOLD)
+        _leave_out(found, place)
+        rest = np.flatnonzero(np.isnan(found))
+        if rest.size:
+            problems = self.family.problems(w[rest], np.broadcast_to(place, w.shape)[rest])
+            results = integrate(problems, ledger=False)
+            captured = results[:, kernel.STATUS] == kernel.CAPTURED
+            found[rest] = np.where(captured, 0.0, -results[:, kernel.END_U] / w[rest])
+        return found
+
+    def normal_impact(self, contact: Contact, speed: Real, *, threads: int = 1) -> NormalImpact:
+        """Return normal impacts of contacts of this family; as `normal.normal_impact`.
+
+        Contacts whose velocity scale is not in the family share its damping all the same.
+        Impulses of captured impacts are zero.
+
+        Raises
+        ------
+        NoSurrogateError
+            If the contacts are damped otherwise, or only some adhere.
+        """
+        self.family.require(contact)
+        shape = common_shape({"contact": np.empty(contact.shape), "speed": speed})
+        w, place = self.family.coordinates(contact, np.broadcast_to(speed, shape))
+        found, captured = self.quantities(np.ravel(w), np.ravel(place), threads=threads)
+        length, velocity, mass = self.family.scales(contact, np.asarray(speed))
+
+        def scaled(column: int, unit: Real = 1.0) -> FloatArray:
+            return np.asarray(found[column].reshape(shape) * unit)
+
+        return NormalImpact(
+            captured=captured.reshape(shape),
+            coefficient_of_restitution=scaled(RESTITUTION),
+            contact_time=scaled(CONTACT_TIME, length / velocity),
+            compression_time=scaled(COMPRESSION_TIME, length / velocity),
+            maximum_compression=scaled(COMPRESSION, length),
+            compressive_impulse=scaled(COMPRESSIVE, mass * velocity),
+            peak_net_impulse=scaled(PEAK, mass * velocity),
+            hertz_impulse=scaled(HERTZ, mass * velocity),
+            method="surrogate",
+            interpolation_error=self.error,
+        )
+
+
+def ensemble_impact(
+    contact: Contact,
+    speed: Real,
+    *,
+    method: str | Surrogate = "auto",
+    hertz: bool = False,
+    threads: int = 1,
+) -> NormalImpact:
+    """Return normal impacts by the quicker way.
+
+    Parameters
+    ----------
+    contact, speed
+        As in `normal_impact`.
+    method
+        ``"direct"``: every impact is integrated. ``"surrogate"``: tables. ``"auto"``: tables for
+        large ensembles for which they can be made. A `Surrogate`: tables made before, for a family
+        of these contacts.
+    hertz
+        Whether the impulse of the Hertz term is asked for.
+    threads
+        Of the evaluation of tables.
+
+    Raises
+    ------
+    ValueError
+        If shapes do not broadcast, or there can be no surrogate but it is asked for.
+    """
+    if isinstance(method, Surrogate):
+        return method.normal_impact(contact, speed, threads=threads)
+    choice("method", method, METHODS)
+    if method != "direct":
+        count = math.prod(common_shape({"contact": np.empty(contact.shape), "speed": speed}))
+        try:
+            if method == "surrogate" or count >= _large(contact, count):
+                made = Surrogate.of(contact, speed)
+                return made.normal_impact(contact, speed, threads=threads)
+        except NoSurrogateError:
+            if method == "surrogate":
+                raise
+    return normal_impact(contact, speed, ledger=hertz)
+
+
+def _leave_out(restitution: FloatArray, place: FloatArray) -> None:
+    """Mark impacts whose velocity scale is not in the family: there a table means nothing."""
+    if np.max(np.abs(place), initial=0.0) > 1.0:
+        restitution[np.broadcast_to(np.abs(place) > 1.0, restitution.shape)] = np.nan
+
+
+def _large(contact: Contact, count: int) -> int:
+    if count < LARGE:
+        return LARGE
+    return LARGE if Family.of(contact).alike else LARGE_OF_MANY_SCALES
+
+
+def _span(lowest: float, highest: float) -> tuple[int, int]:
+    """First and last octave, by binary exponents, from the lowest to the highest x."""
+    last = math.frexp(highest)[1]
+    return max(math.frexp(lowest)[1], last - MOST_OCTAVES + 1), last
+
+
+def _slowness(family: Family) -> FloatArray:
+    """Chebyshev coefficients of one over the capture velocity, in velocity scales."""
+    for count in (1,) if family.alike else CAPTURE_WIDTHS:
+        limit = family.capture_speed(nodes(count))
+        if not np.all(np.isfinite(limit)):
+            raise NoSurrogateError("at no speed does a sphere of these contacts rebound")
+        if not np.any(limit):
+            return np.zeros(0)
+        coefficients = chebyshev.chebfit(nodes(count), 1.0 / limit, count - 1)
+        held_out = between(count)
+        found = chebyshev.chebval(held_out, coefficients) * family.capture_speed(held_out)
+        if np.max(np.abs(found - 1.0)) <= CAPTURE_TOLERANCE:
+            return np.asarray(coefficients)
+    raise NoSurrogateError("the velocity scales of these contacts differ by too much")
+
+
+def _fitted(
+    family: Family,
+    slowness: FloatArray,
+    span: tuple[int, int],
+    tolerance: float,
+    *,
+    captured: bool = False,
+) -> Table:
+    """Return the smallest table that reaches the tolerance."""
+
+    def sampled(x: FloatArray, place: FloatArray) -> FloatArray:
+        w = x
+        if slowness.size:
+            w = (x if captured else 1.0 + x) / chebyshev.chebval(place, slowness)
+        problems = family.problems(w, place)
+        if captured:
+            problems[:, kernel.DOOMED] = 1.0
+        results = integrate(problems, ledger=True)
+        found = quantities(problems, results)
+        wrong = (results[:, kernel.STATUS] == kernel.CAPTURED) != captured
+        found[:, wrong] = np.nan
+        if captured:
+            found[CONTACT_TIME] = 0.0  # infinite in truth, and not asked of the table
+        return found
+
+    made = _tried(sampled, span, SPLITS, (1,), 1, tolerance if family.alike else 0.25 * tolerance)
+    if not family.alike:
+        made = _tried(sampled, span, (made.split,), BANDS, WIDTHS, tolerance)
+    return made
+
+
+def _tried(
+    sampled: Sampled,
+    span: tuple[int, int],
+    splits: tuple[int, ...],
+    bands: tuple[int, ...],
+    widths: int,
+    tolerance: float,
+) -> Table:
+    error = math.inf
+    for split in splits:
+        for band in bands:
+            made = tabulate(
+                sampled,
+                lowest=span[0],
+                octaves=span[1] - span[0] + 1,
+                split=split,
+                widths=widths,
+                bands=band,
+            )
+            if SAFETY * made.error <= tolerance:
+                return made
+            error = min(error, made.error)
+    raise NoSurrogateError(
+        f"no table reaches the tolerance {tolerance:g}; the closest comes to {SAFETY * error:.1g}"
+    )

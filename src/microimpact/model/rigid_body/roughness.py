@@ -1,0 +1,270 @@
+"""Impact on a slope of a rough surface, Section 4.1, Eqs. (35)-(41).
+
+Angles are in radians here: ``angle`` is the nominal angle of incidence alpha from the surface,
+``slope`` the angle phi by which the surface faces the sphere where it strikes, so that the sphere
+meets the local surface at alpha + phi. Signs are those of `rigid_body`: v_n < 0 before impact, mu
+negative where friction opposes v_t > 0. Spin is given as r omega / v, v the speed before impact.
+
+The primed velocities, along the local surface, are ``v'_t = v cos(alpha + phi)`` and ``v'_n = -v
+sin(alpha + phi)``; turned back by phi, ``V_n = V'_n cos(phi) + V'_t sin(phi)``, and v_n likewise.
+Each expansion comes as it should be, and with ``printed=True`` as the article has it.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from microimpact.core.arrays import (
+    FINITE,
+    NON_NEGATIVE,
+    BoolArray,
+    FloatArray,
+    Range,
+    Real,
+    checked,
+    common_shape,
+)
+from microimpact.model.rigid_body.algebra import INERTIA, UNIT_INTERVAL, rigid_body_rebound
+
+ANGLE = Range(lower=0.0, upper=np.pi / 2, upper_closed=True)
+SLOPE = Range(lower=-np.pi / 2, upper=np.pi / 2)
+
+# Share of its slip that a sphere has lost in tangential velocity when it rolls: 2/7.
+ROLLING_SHARE = INERTIA / (1.0 + INERTIA)
+
+
+class RoughRebound(NamedTuple):
+    """Impulse ratio about the local normal, and what is measured about the nominal one.
+
+    `rolling` is False where the sphere slides throughout. A measured restitution below zero is a
+    sphere that moves on towards the nominal surface and has to strike it again.
+    """
+
+    impulse_ratio: FloatArray
+    measured_restitution: FloatArray
+    measured_impulse_ratio: FloatArray
+    rolling: BoolArray
+
+
+def rough_rebound(
+    angle: object, slope: object, e: object, friction: object, spin_ratio: object = 0.0
+) -> RoughRebound:
+    """Rebound from a slope by the rigid body model, and its coefficients as measured.
+
+    Parameters
+    ----------
+    angle, slope
+        Nominal angle of incidence, in (0, pi/2], and slope, rad; the slope must face the sphere.
+    e
+        Coefficient of restitution about the local normal, in [0, 1].
+    friction
+        Coulomb coefficient f.
+    spin_ratio
+        r omega / v before impact.
+
+    Returns
+    -------
+    RoughRebound
+        Arrays of the common shape.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not a number or out of range, the slope faces away from the sphere, or
+        the shapes do not broadcast.
+    """
+    angle, slope = _facing(angle, slope)
+    e = checked("e", e, UNIT_INTERVAL)
+    friction = checked("friction", friction, NON_NEGATIVE)
+    spin_ratio = checked("spin_ratio", spin_ratio, FINITE)
+    shape = common_shape(
+        {"angle": angle, "slope": slope, "e": e, "friction": friction, "spin_ratio": spin_ratio}
+    )
+    local = angle + slope
+    mu = rigid_body_rebound(-np.sin(local), np.cos(local), spin_ratio, 1.0, e, friction).mu
+
+    def shaped(values: Real) -> FloatArray:
+        return np.broadcast_to(np.asarray(values, dtype=np.float64), shape)[()]
+
+    return RoughRebound(
+        shaped(mu),
+        shaped(measured_restitution(angle, slope, e, mu)),
+        shaped(measured_impulse_ratio(slope, mu)),
+        np.broadcast_to(np.abs(mu) < friction, shape)[()],
+    )
+
+
+def measured_restitution(
+    angle: object, slope: object, e: object, mu: object, *, printed: bool = False
+) -> Real:
+    """Restitution about the nominal normal, Eq. (35) with + in the denominator.
+
+    ``e_m = (e cos phi - (V'_t/v'_n) sin phi) / (cos phi + (v'_t/v'_n) sin phi)`` with
+    ``v'_t/v'_n = -cot(alpha + phi)`` and ``V'_t/v'_n = v'_t/v'_n - mu (1 + e)``. The denominator is
+    ``v_n/v'_n = sin(alpha) / sin(alpha + phi)``. With the printed minus it would be
+    ``sin(alpha + 2 phi) / sin(alpha + phi)``, which vanishes at phi = -alpha/2.
+
+    Parameters
+    ----------
+    angle, slope
+        As in `rough_rebound`.
+    e, mu
+        Restitution and signed impulse ratio about the local normal.
+    printed
+        With the minus of the article; infinite where its denominator vanishes.
+    """
+    angle, slope = _facing(angle, slope)
+    e, mu = checked("e", e, UNIT_INTERVAL), checked("mu", mu, FINITE)
+    local = angle + slope
+    into = mu * (1.0 + e) * np.sin(local) + np.cos(local)
+    after = e * np.cos(slope) * np.sin(local) + into * np.sin(slope)
+    before = np.sin(angle + 2.0 * slope) if printed else np.sin(angle)
+    with np.errstate(divide="ignore"):
+        ratio: Real = np.divide(after, before)
+    return ratio
+
+
+def measured_impulse_ratio(slope: object, mu: object) -> Real:
+    """Signed impulse ratio about the nominal normal, Eq. (36): the impulse turned by phi."""
+    slope, mu = checked("slope", slope, SLOPE), checked("mu", mu, FINITE)
+    return (mu - np.tan(slope)) / (1.0 + mu * np.tan(slope))
+
+
+def shallow_restitution(
+    angle: object, slope: object, e: object, mu: object, *, printed: bool = False
+) -> Real:
+    """Measured restitution at shallow incidence of a sliding sphere, Eq. (37).
+
+    ``e_m = (1 + phi/alpha) (e + phi/(phi + alpha)) + mu (1 + e) phi (1 + phi/alpha)``, mu = -f: the
+    last term, which is not printed, is the next order in the angles. Where phi > 0 it is less than
+    ``f (1 + e) (alpha + phi)`` of the others: that must be small, not the printed f/alpha.
+
+    Parameters
+    ----------
+    angle, slope, e, mu
+        As in `measured_restitution`.
+    printed
+        Without the term of friction.
+    """
+    angle, slope = _facing(angle, slope)
+    e, mu = checked("e", e, UNIT_INTERVAL), checked("mu", mu, FINITE)
+    steeper = 1.0 + slope / angle
+    leading = e * steeper + slope / angle
+    return leading if printed else leading + mu * (1.0 + e) * slope * steeper
+
+
+def sloped_impulse_ratio(slope: object, mu: object, *, printed: bool = False) -> Real:
+    """Measured impulse ratio on a small slope, Eq. (38): ``mu_m = mu - (1 + mu^2) phi``.
+
+    Printed without mu^2. For v_t > 0 mu is -f, so ``|mu_m|`` is f + phi at first order: a slope
+    that faces the sphere lowers the signed ratio and raises its size.
+    """
+    slope, mu = checked("slope", slope, SLOPE), checked("mu", mu, FINITE)
+    return mu - slope * (1.0 if printed else 1.0 + np.square(mu))
+
+
+def normal_restitution(slope: object, e: object, mu: object, *, printed: bool = False) -> Real:
+    """Measured restitution at normal incidence, Eq. (39).
+
+    ``e_m = e - (1 + e) phi^2 + (1 + e) mu phi``, from the exact ``e cos^2 phi - sin^2 phi + (1 + e)
+    mu sin phi cos phi``. Printed without the e phi^2 that the denominator of Eq. (35) brings.
+
+    Parameters
+    ----------
+    slope, e, mu
+        As in `measured_restitution`; mu is mu_0 of Eq. (40) where the sphere rolls.
+    printed
+        With - phi^2.
+    """
+    slope, e = checked("slope", slope, SLOPE), checked("e", e, UNIT_INTERVAL)
+    mu = checked("mu", mu, FINITE)
+    bend = 1.0 if printed else 1.0 + e
+    return e - bend * np.square(slope) + (1.0 + e) * mu * slope
+
+
+def rolling_restitution(
+    slope: object, e: object, spin_ratio: object = 0.0, *, printed: bool = False
+) -> Real:
+    """Measured restitution at normal incidence of a sphere that ends rolling (below Eq. 40).
+
+    ``e_m = e - (e + 5/7) phi^2 + (2/7) (r omega/v) phi``, from the exact ``e cos^2 phi - (5/7)
+    sin^2 phi + (2/7) (r omega/v) sin phi``. Without spin ``v'_t/v'_n = tan phi``, so that (1 + e)
+    mu_0 is +2 phi/7; the article has -2 phi/7, hence e - 9 phi^2/7, and no number for the spin.
+
+    Parameters
+    ----------
+    slope, e, spin_ratio
+        As in `rough_rebound`.
+    printed
+        ``e - 9 phi^2/7``.
+    """
+    slope, e = checked("slope", slope, SLOPE), checked("e", e, UNIT_INTERVAL)
+    spin_ratio = checked("spin_ratio", spin_ratio, FINITE)
+    if printed:
+        return e - 9.0 / 7.0 * np.square(slope)
+    bend = e + 1.0 - ROLLING_SHARE
+    return e - bend * np.square(slope) + ROLLING_SHARE * spin_ratio * slope
+
+
+def rolling_impulse_ratio_measured(
+    slope: object, e: object, spin_ratio: object = 0.0, *, printed: bool = False
+) -> Real:
+    """Measured impulse ratio at normal incidence of a sphere that ends rolling, Eq. (41).
+
+    ``mu_m = -phi (1 - c + s^2) + s`` with ``c = (2/7)/(1 + e)`` and ``s = c r omega/v``, the
+    impulse ratio of the spin alone. Printed are -s (v'_n < 0 makes the term positive) and no s^2.
+
+    Parameters
+    ----------
+    slope, e, spin_ratio
+        As in `rough_rebound`.
+    printed
+        ``-phi (1 - c) - s``.
+    """
+    slope, e = checked("slope", slope, SLOPE), checked("e", e, UNIT_INTERVAL)
+    share = ROLLING_SHARE / (1.0 + e)
+    spun = share * checked("spin_ratio", spin_ratio, FINITE)
+    if printed:
+        return -slope * (1.0 - share) - spun
+    return -slope * (1.0 - share + np.square(spun)) + spun
+
+
+def energy_bound(angle: object, spin_ratio: object = 0.0) -> Real:
+    """Greatest measured restitution that energy allows.
+
+    ``sqrt(1 + (2/5) (r omega/v)^2)/sin alpha``: all energy, that of the spin included, in the
+    nominal normal velocity.
+    """
+    angle, spin_ratio = checked("angle", angle, ANGLE), checked("spin_ratio", spin_ratio, FINITE)
+    return np.sqrt(1.0 + INERTIA * np.square(spin_ratio)) / np.sin(angle)
+
+
+def greatest_restitution(angle: object, e: object) -> Real:
+    """Greatest measured restitution over all slopes without spin: ``((1+e)/sin alpha - (1-e))/2``.
+
+    Without friction ``e_m = ((1 + e) sin(alpha + 2 phi)/sin alpha - (1 - e))/2``, greatest on the
+    slope ``phi = (pi/2 - alpha)/2``. On a slope that faces the sphere friction takes from e_m; on
+    others e_m stays below e. Equal to the bound of energy at e = 1.
+    """
+    angle, e = checked("angle", angle, ANGLE), checked("e", e, UNIT_INTERVAL)
+    return 0.5 * ((1.0 + e) / np.sin(angle) - (1.0 - e))
+
+
+def kept_energy(angle: object, measured_e: object, measured_mu: object) -> Real:
+    """Translational energy after impact over that before, from measured coefficients.
+
+    ``(e_m sin alpha)^2 + (cos alpha + mu_m (1 + e_m) sin alpha)^2``; without spin at most 1.
+    """
+    angle, e_m = checked("angle", angle, ANGLE), checked("measured_e", measured_e, FINITE)
+    mu_m = checked("measured_mu", measured_mu, FINITE)
+    along = np.cos(angle) + mu_m * (1.0 + e_m) * np.sin(angle)
+    return np.square(e_m * np.sin(angle)) + np.square(along)
+
+
+def _facing(angle: object, slope: object) -> tuple[Real, Real]:
+    angle, slope = checked("angle", angle, ANGLE), checked("slope", slope, SLOPE)
+    common_shape({"angle": angle, "slope": slope})
+    checked("angle + slope", angle + slope, Range(lower=0.0, upper=np.pi))
+    return angle, slope

@@ -1,0 +1,1 @@
+"""Results against references, and runs against each other."""

@@ -1,0 +1,1 @@
+"""A run of the study: its configuration, inputs, jobs and stamp."""

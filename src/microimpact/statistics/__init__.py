@@ -1,0 +1,1 @@
+"""Distributions and draws, designs and their effects, Sobol' indices, shares."""

@@ -1,0 +1,207 @@
+"""Effects of a two-level design: aliases, contrasts, Lenth's margins, plotting positions.
+
+An effect is a word of factor letters (``BD``); the responses are deterministic, so effects are
+exact contrasts, and Lenth's margins screen for sparsity; they are no tests.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from microimpact.core.arrays import FloatArray
+
+LEAST_RESOLUTION = 3
+
+SignedWords = Mapping[str, int]
+
+
+def words(letters: str) -> list[str]:
+    """Return all main effects and interactions, by order and then by letter."""
+    return [
+        "".join(word) for size in range(1, len(letters) + 1) for word in combinations(letters, size)
+    ]
+
+
+def product(first: str, second: str) -> str:
+    """Return the product of two words: letters that stand in one of them only."""
+    return "".join(sorted(set(first) ^ set(second)))
+
+
+def defining_relation(generator: str, letters: str) -> dict[str, int]:
+    """Words that are constant over a fraction, each with its sign.
+
+    Parameters
+    ----------
+    generator
+        One word per factor: ``"a b c d abcd"``.
+    letters
+        Letters of the factors, in the generator's order.
+
+    Raises
+    ------
+    ValueError
+        If the number of words is not that of the factors, a word repeats or misses a letter, or
+        two factors could not be told apart (resolution below III).
+    """
+    given = generator.split()
+    if len(given) != len(letters):
+        raise ValueError(
+            f"generator {generator!r}: must have {len(letters)} words, one for each of"
+            f" {', '.join(letters)}, got {len(given)}"
+        )
+    free: dict[str, str] = {}
+    independent: dict[str, int] = {}
+    for letter, word in zip(letters, given, strict=True):
+        body = word.lstrip("+-")
+        if len(word) == 1 and word.isalpha() and word not in free:
+            free[word] = letter
+            continue
+        if not body.isalpha() or len(set(body)) != len(body):
+            raise ValueError(f"generator {generator!r}: {word!r} must be a product of letters")
+        independent[letter + body] = -1 if word.startswith("-") else 1
+    unknown = sorted({c for word in independent for c in word[1:] if c not in free})
+    if unknown:
+        detail = f"letters {', '.join(unknown)} are no factors of their own"
+        raise ValueError(f"generator {generator!r}: {detail}")
+    relation = _group(
+        {
+            product(word[0], "".join(free[c] for c in word[1:])): sign
+            for word, sign in independent.items()
+        }
+    )
+    shortest = min(relation, key=len, default=letters)
+    if len(shortest) < LEAST_RESOLUTION:
+        raise ValueError(
+            f"generator {generator!r}: {shortest!r} is constant over the runs; every such word"
+            " must have three factors or more (resolution III), or main effects fall together"
+        )
+    return relation
+
+
+def _group(generators: SignedWords) -> dict[str, int]:
+    """Return all products of the generating words."""
+    found = {"": 1}
+    for word, sign in generators.items():
+        found |= {product(word, other): sign * s for other, s in found.items()}
+    return {word: sign for word, sign in found.items() if word}
+
+
+def quarter_fractions(letters: str) -> list[tuple[str, str]]:
+    """Return every pair of defining words, one per 2^(k-2) fraction of resolution III or more."""
+    long = [word for word in words(letters) if len(word) >= LEAST_RESOLUTION]
+    found: dict[frozenset[str], tuple[str, str]] = {}
+    for pair in combinations(long, 2):
+        group = frozenset((*pair, product(*pair)))
+        if min(map(len, group)) >= LEAST_RESOLUTION:
+            found.setdefault(group, pair)
+    return list(found.values())
+
+
+def aliases(relation: SignedWords, letters: str) -> dict[str, dict[str, int]]:
+    """Return each estimable effect with the effects it cannot be told from, and their signs.
+
+    An effect of the lowest order stands for its class; an effect of the defining relation belongs
+    to none.
+    """
+    classes: dict[str, dict[str, int]] = {}
+    seen = set(relation)
+    for word in words(letters):
+        if word in seen:
+            continue
+        classes[word] = {product(word, other): sign for other, sign in relation.items()}
+        seen |= {word, *classes[word]}
+    return classes
+
+
+def effects(
+    design: FloatArray, letters: str, chosen: Sequence[str], response: FloatArray
+) -> FloatArray:
+    """Effects: the mean response where the word's product is +1 less that where it is -1.
+
+    Parameters
+    ----------
+    design
+        Coded levels -1 and +1, shape (runs, factors).
+    letters
+        Letters of the factors.
+    chosen
+        Words of the effects.
+    response
+        Shape (..., runs).
+
+    Returns
+    -------
+    ndarray
+        Shape (..., effects).
+    """
+    columns = [design[:, [letters.index(c) for c in word]].prod(axis=1) for word in chosen]
+    contrasts = np.stack(columns, axis=1)
+    found: FloatArray = 2.0 / len(design) * np.asarray(response) @ contrasts
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class Margins:
+    """Lenth's pseudo standard error, margin and simultaneous margin, in the effects' unit."""
+
+    pseudo_error: float
+    margin: float
+    simultaneous: float
+
+
+def lenth(found: FloatArray, confidence: float = 0.95) -> Margins:
+    """Lenth's margins for the effects of an unreplicated design.
+
+    Parameters
+    ----------
+    found
+        The m effects.
+    confidence
+        Of one effect (margin), and of all together (simultaneous).
+
+    References
+    ----------
+    R. V. Lenth, Technometrics 31 (1989) 469-473.
+    """
+    from scipy.special import stdtrit
+
+    sizes = np.abs(found)
+    first = 1.5 * float(np.median(sizes))
+    # Effects that are all zero have no error.
+    error = 1.5 * float(np.median(sizes[sizes < 2.5 * first])) if first > 0.0 else 0.0
+    one = 0.5 * (1.0 + confidence)
+    together = 0.5 * (1.0 + confidence ** (1.0 / sizes.size))
+    quantile, wide = stdtrit(sizes.size / 3.0, [one, together])
+    return Margins(error, float(quantile) * error, float(wide) * error)
+
+
+def normal_positions(found: FloatArray) -> FloatArray:
+    """Normal quantiles of the ranks of effects, for a normal probability plot."""
+    from scipy.special import ndtri
+
+    positions: FloatArray = ndtri(_ranks(found))
+    return positions
+
+
+def half_normal_positions(found: FloatArray) -> FloatArray:
+    """Quantiles of the absolute normal variate, for a half-normal plot of absolute effects."""
+    from scipy.special import ndtri
+
+    positions: FloatArray = ndtri(0.5 + 0.5 * _ranks(np.abs(found)))
+    return positions
+
+
+def _ranks(values: FloatArray) -> FloatArray:
+    """Return the ranks as probabilities (i - 1/2) / m; equal effects rank in order of their names.
+
+    Equal means to a millionth of the largest: rounding must not decide between B and C.
+    """
+    largest = float(np.max(np.abs(values), initial=0.0)) or 1.0
+    ranks = np.empty(values.size)
+    order = np.argsort(np.round(values / largest, 6), kind="stable")
+    ranks[order] = (np.arange(values.size) + 0.5) / values.size
+    return ranks

@@ -1,0 +1,382 @@
+"""Monte Carlo analysis of impacts on a rough surface (Section 4.2, Fig. 23)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import chain
+from typing import Annotated, Literal
+
+import numpy as np
+import pandas as pd
+from pydantic import Field
+
+from microimpact.declared.parameters import AngleDegrees, Name
+from microimpact.lab.contacts import calibrated_contact
+from microimpact.statistics.distributions import Distribution, mean
+from microimpact.statistics.sampling import Correlation, require_varying
+from microimpact.studies.analyses.monte_carlo.ensembles import (
+    Ensemble,
+    Impact,
+    Plan,
+    Process,
+    Rules,
+    deterministic,
+)
+from microimpact.studies.analyses.monte_carlo.events import Estimate, estimate, long_run
+from microimpact.studies.analyses.monte_carlo.figure import figure_data
+from microimpact.studies.analyses.monte_carlo.impacts import impact_of, require_meaning
+from microimpact.studies.analyses.monte_carlo.progress import progress
+from microimpact.studies.analyses.monte_carlo.slope_inference import SlopeInference, infer_slope
+from microimpact.studies.analyses.monte_carlo.tables import (
+    Ablation,
+    Comparison,
+    Statements,
+    ablation_table,
+    sampling_table,
+    statements_table,
+)
+
+# First number of every stream's key; the second is the number of the variant.
+ESTIMATES, SAMPLING, ABLATION, INFERENCE, LONG_RUN = range(5)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pair:
+    """A calibrated case and its materials."""
+
+    case: Name
+    particle: Name
+    surface: Name
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Materials:
+    """Two smooth materials whose relative restitution is compared."""
+
+    one: Pair
+    other: Pair
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Variant:
+    """A surface and rules by which it is struck.
+
+    Attributes
+    ----------
+    name
+        In tables and in the figure.
+    drawn
+        Whether it is in the figure; of all others the slope is inferred only.
+    rules
+        Facets hit and events observed.
+    two_axes
+        Whether the surface slopes across the motion as it does along it.
+    slope
+        Distribution of the slope in place of the process's.
+    """
+
+    name: Name
+    drawn: bool
+    rules: Rules
+    two_axes: bool = False
+    slope: Distribution | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Replacement:
+    """Another distribution of one parameter of the process."""
+
+    parameter: Name
+    distribution: Distribution
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params:
+    """What is drawn, what an impact does, and what is asked of the ensembles.
+
+    Attributes
+    ----------
+    seed
+        Root of every draw.
+    model
+        ``"rigid_body"``: e of simulated normal impacts and Coulomb friction. ``"simulation"``: the
+        equations of motion for every impact.
+    smooth
+        The smooth surface of the ensembles.
+    compared
+        Materials that subtraction of a value should make alike.
+    process, correlation, variants, plan
+        See `_monte_carlo`.
+    replaced
+        Distributions of another kind in place of those of the process: a file given by
+        ``--configfile`` is merged key by key and cannot change a kind there.
+    angles_deg, reference_angle_deg
+        Nominal angles, and that from which relative restitution counts.
+    points
+        Of the deterministic curves.
+    events_measured
+        Events behind one measured mean, for the band of such means.
+    """
+
+    seed: Annotated[int, Field(ge=0)]
+    model: Literal["rigid_body", "simulation"]
+    smooth: Pair
+    compared: Annotated[tuple[Materials, ...], Field(min_length=1)]
+    process: Process
+    replaced: tuple[Replacement, ...]
+    correlation: Correlation
+    variants: Annotated[tuple[Variant, ...], Field(min_length=1)]
+    plan: Plan
+    angles_deg: Annotated[tuple[AngleDegrees, ...], Field(min_length=2)]
+    reference_angle_deg: AngleDegrees
+    points: Annotated[int, Field(ge=10)]
+    events_measured: Annotated[int, Field(ge=2)]
+    comparison: Comparison
+    ablation: Ablation
+    slope_inference: SlopeInference
+    statements: Statements
+    calibration_targets: tuple[Name, ...]
+
+    def __post_init__(self) -> None:
+        """Refuse what only shows when parameters are seen together."""
+        variants = [variant.name for variant in self.variants]
+        if len(set(variants)) < len(variants):
+            raise ValueError(f"variants: names must differ, got {', '.join(variants)}")
+        if not any(variant.drawn for variant in self.variants):
+            raise ValueError("variants: at least one must be drawn")
+        wanted = {
+            "reference_angle_deg": (self.reference_angle_deg,),
+            "statements.differ_at_deg": (self.statements.differ_at_deg,),
+            "statements.impulse_angles_deg": self.statements.impulse_angles_deg,
+        }
+        for key, angles in wanted.items():
+            for angle in angles:
+                if angle not in self.angles_deg:
+                    raise ValueError(f"{key}: {angle:g} must be one of angles_deg")
+        if self.model == "simulation" and self.slope_inference.restitution_half_width > 0.0:
+            raise ValueError(
+                "slope_inference.restitution_half_width: must be 0 with the model 'simulation', "
+                f"whose restitution cannot be shifted, got "
+                f"{self.slope_inference.restitution_half_width:g}"
+            )
+        known = self.process.distributions
+        named = {
+            "replaced": [item.parameter for item in self.replaced],
+            "ablation.sources": [item.parameter for item in self.ablation.sources],
+        }
+        for key, names in named.items():
+            for name in names:
+                if name not in known:
+                    raise ValueError(f"{key}: {name!r} must be one of {', '.join(known)}")
+        require_meaning(self.model, self.drawn)
+        require_varying(self.correlation, self.drawn.distributions)
+
+    @property
+    def drawn(self) -> Process:
+        """The process with its replacements."""
+        return replace(self.process, **{r.parameter: r.distribution for r in self.replaced})
+
+
+# A pair of variant and angle by its number, and the fields of its `Estimate`.
+Numbered = tuple[int, list[float]]
+
+
+def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+    """Draw impacts on rough surfaces over angles of incidence.
+
+    Parameters
+    ----------
+    params
+        Parameters of the study.
+    inputs
+        ``calibration``: table of that study; ``materials``: declared rows.
+
+    Returns
+    -------
+    mapping
+        ``fig23``: relative e and -mu against the angle in degrees, of the smooth surface and of
+        every drawn variant, with bands of two standard errors and, of the first, of measured means.
+        ``monte_carlo``: means, errors and rejected shares; empty where the smooth surface captures.
+        ``monte_carlo_sampling``, ``monte_carlo_ablation``, ``monte_carlo_statements``,
+        ``slope_inference``: see `_monte_carlo_tables` and `_slope_inference`.
+    """
+    return gather(params, inputs, [part(params, inputs, 0, 1)])
+
+
+def part(
+    params: Params, inputs: Mapping[str, pd.DataFrame], index: int, count: int
+) -> list[Numbered]:
+    """Return the estimates of one part: every so many of all pairs of drawn variant and angle."""
+    ensembles = _ensembles(params, inputs)
+    angles = sorted(params.angles_deg)
+    pairs = [(v.name, key) for v in params.variants if v.drawn for key in range(len(angles))]
+    return [
+        (number, list(estimate(ensembles[name], angles[key], key)))
+        for number, (name, key) in enumerate(pairs)
+        if number % count == index
+    ]
+
+
+def gather(
+    params: Params, inputs: Mapping[str, pd.DataFrame], parts: Sequence[Sequence[Numbered]]
+) -> Mapping[str, pd.DataFrame]:
+    """Return the tables, from the estimates of all parts."""
+    ensembles = _ensembles(params, inputs)
+    drawn = {v.name: ensembles[v.name] for v in params.variants if v.drawn}
+    base = deterministic(next(iter(drawn.values())))
+    estimates = iter([Estimate(*numbers) for _, numbers in sorted(chain(*parts))])
+    means = pd.concat(
+        [
+            _means(params, name, [next(estimates) for _ in params.angles_deg], base)
+            for name in drawn
+        ],
+        ignore_index=True,
+    )
+    first = _stream(next(iter(drawn.values())), SAMPLING)
+    apart = {name: _stream(one, ABLATION) for name, one in drawn.items()}
+    compared = {
+        f"{pair.one.case} and {pair.other.case}": (
+            calibrated_contact(inputs, pair.one.case),
+            calibrated_contact(inputs, pair.other.case),
+        )
+        for pair in params.compared
+    }
+    return {
+        "fig23": figure_data(
+            means,
+            base,
+            points=params.points,
+            events_measured=params.events_measured,
+            calibration_targets=params.calibration_targets,
+        ),
+        "monte_carlo": means,
+        "monte_carlo_sampling": sampling_table(first, params.comparison),
+        "monte_carlo_ablation": ablation_table(apart, base, params.ablation),
+        "monte_carlo_statements": statements_table(means, compared, params.statements),
+        "slope_inference": _slopes(params, ensembles),
+    }
+
+
+def stream(
+    params: Params,
+    inputs: Mapping[str, pd.DataFrame],
+    *,
+    variant: str,
+    angle_deg: float,
+    events: int,
+    threads: int = 1,
+) -> Estimate:
+    """Estimate the measured coefficients at one angle from any number of events.
+
+    Memory does not grow with the number of events, and a bar on the terminal shows how far it is.
+
+    Parameters
+    ----------
+    params, inputs
+        As for `run`.
+    variant
+        Name of one of the variants.
+    angle_deg
+        Nominal angle of incidence from the surface.
+    events
+        Number of events, rounded up to whole replicates of `BLOCK`; a longer run begins with the
+        events of a shorter one.
+    threads
+        That share the work; results do not depend on it.
+
+    Raises
+    ------
+    ValueError
+        If there is no such variant, or no event is asked for.
+    """
+    numbers = {item.name: number for number, item in enumerate(params.variants)}
+    if variant not in numbers:
+        raise ValueError(f"variant must be one of {', '.join(numbers)}, got {variant!r}")
+    if events < 1 or threads < 1:
+        raise ValueError(f"events and threads must be 1 or more, got {events} and {threads}")
+    number = numbers[variant]
+    impact = impact_of(params.model, calibrated_contact(inputs, params.smooth.case), params.drawn)
+    one = _stream(_ensemble(params, impact, params.variants[number], number), LONG_RUN)
+    long = long_run(one, events)
+    with progress(f"{variant}, {angle_deg:g} deg", long.plan.replicates * long.plan.events) as done:
+        return estimate(long, angle_deg, threads=threads, done=done)
+
+
+def _ensembles(params: Params, inputs: Mapping[str, pd.DataFrame]) -> dict[str, Ensemble]:
+    contact = calibrated_contact(inputs, params.smooth.case)
+    impact = impact_of(params.model, contact, params.drawn)
+    return {
+        variant.name: _ensemble(params, impact, variant, number)
+        for number, variant in enumerate(params.variants)
+    }
+
+
+def _ensemble(params: Params, impact: Impact, variant: Variant, number: int) -> Ensemble:
+    slope = variant.slope or params.drawn.slope
+    across = slope if variant.two_axes else params.drawn.cross_slope
+    process = replace(params.drawn, slope=slope, cross_slope=across)
+    return Ensemble(
+        process=process,
+        rules=variant.rules,
+        impact=impact,
+        plan=params.plan,
+        seed=(params.seed, ESTIMATES, number),
+        correlation=params.correlation,
+    )
+
+
+def _stream(ensemble: Ensemble, analysis: int) -> Ensemble:
+    """Return the ensemble with the random numbers of another analysis."""
+    seed = (ensemble.seed[0], analysis, *ensemble.seed[2:])
+    return replace(ensemble, seed=seed)
+
+
+def _means(params: Params, variant: str, found: list[Estimate], base: Ensemble) -> pd.DataFrame:
+    """Estimates of a variant at every angle, ascending, beside the smooth surface's."""
+    angles = sorted(params.angles_deg)
+    smooth = [estimate(base, angle) for angle in angles]
+    reference = angles.index(params.reference_angle_deg)
+    speed = mean(params.drawn.speed_m_per_s)
+    rows = []
+    for angle, one, bare in zip(angles, found, smooth, strict=True):
+        at = one is found[reference]
+        rows.append(
+            {
+                "variant": variant,
+                "angle_deg": angle,
+                **_named(one),
+                "relative_restitution": one.restitution - found[reference].restitution,
+                "relative_restitution_error": 0.0
+                if at
+                else float(np.hypot(one.restitution_error, found[reference].restitution_error)),
+                "smooth_restitution": bare.restitution,
+                "smooth_relative_restitution": bare.restitution - smooth[reference].restitution,
+                "smooth_impulse_ratio": bare.impulse_ratio,
+                "reference_angle_deg": params.reference_angle_deg,
+                "mean_speed_m_per_s": speed,
+                "events": params.plan.replicates * params.plan.events,
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _named(one: Estimate) -> dict[str, float]:
+    shares = ("accepted", "facing_away", "captured", "not_leaving")
+    return {f"{k}_share" if k in shares else k: v for k, v in one._asdict().items()}
+
+
+def _slopes(params: Params, ensembles: Mapping[str, Ensemble]) -> pd.DataFrame:
+    settings = params.slope_inference
+    return pd.DataFrame(
+        {
+            "variant": variant.name,
+            "angle_deg": settings.angle_deg,
+            "restitution": settings.restitution,
+            **infer_slope(
+                _stream(ensembles[variant.name], INFERENCE), settings, two_axes=variant.two_axes
+            ),
+            "evidence": "calibrated",
+        }
+        for variant in params.variants
+    )

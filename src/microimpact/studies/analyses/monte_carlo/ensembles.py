@@ -1,0 +1,173 @@
+"""Ensembles of impacts whose parameters are drawn from distributions (Section 4.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from typing import Annotated, NamedTuple
+
+import numpy as np
+from pydantic import Field
+
+from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.declared.parameters import Count
+from microimpact.statistics.distributions import (
+    LARGEST_PROBABILITY,
+    SMALLEST_PROBABILITY,
+    Constant,
+    Distribution,
+    mean,
+)
+from microimpact.statistics.sampling import (
+    Correlation,
+    Generator,
+    Method,
+    require_varying,
+)
+
+# Draws of a replicate, by the names of the parameters.
+Draws = Mapping[str, FloatArray]
+
+POSITIVE = ("speed_m_per_s", "diameter_um", "work_of_adhesion_factor")
+NON_NEGATIVE = ("friction", "restitution_factor", "hertz_damping_factor", "adhesion_damping_factor")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Process:
+    """Process parameters and initial conditions, each any distribution.
+
+    Attributes
+    ----------
+    speed_m_per_s
+        Speed before impact.
+    angle_offset_deg
+        Deviation from the nominal angle of incidence.
+    diameter_um
+        Of the sphere.
+    slope, cross_slope
+        Of the surface, along the motion and across it: tangents of the article's angle phi.
+    spin_ratio
+        r omega / v about the axis of tilt, positive in the sense of rolling.
+    friction
+        Coulomb coefficient.
+    restitution_factor, restitution_offset
+        The rigid body model takes ``factor e + offset``, within [0, 1], for e; not with the
+        dynamic simulation.
+    work_of_adhesion_factor
+        Multiple of the work of adhesion of the contact.
+    hertz_damping_factor, adhesion_damping_factor
+        Multiples of the coefficients of damping; with the dynamic simulation only.
+    """
+
+    speed_m_per_s: Distribution
+    angle_offset_deg: Distribution
+    diameter_um: Distribution
+    slope: Distribution
+    cross_slope: Distribution
+    spin_ratio: Distribution
+    friction: Distribution
+    restitution_factor: Distribution
+    restitution_offset: Distribution
+    work_of_adhesion_factor: Distribution
+    hertz_damping_factor: Distribution
+    adhesion_damping_factor: Distribution
+
+    def __post_init__(self) -> None:
+        """Refuse distributions that reach values without meaning."""
+        ends = np.array([SMALLEST_PROBABILITY, LARGEST_PROBABILITY])
+        for name, distribution in self.distributions.items():
+            low = float(np.min(distribution.quantile(ends)))
+            if (name in POSITIVE and low <= 0.0) or (name in NON_NEGATIVE and low < 0.0):
+                allowed = "positive" if name in POSITIVE else "zero or more"
+                raise ValueError(
+                    f"{name}: {distribution.kind} reaches down to {low:.4g}, must be {allowed}: "
+                    "take a truncated or lognormal distribution"
+                )
+
+    @property
+    def distributions(self) -> dict[str, Distribution]:
+        """The distributions by name."""
+        return {item.name: getattr(self, item.name) for item in fields(self)}
+
+    def at_means(self, *, but: Sequence[str] = ()) -> Process:
+        """Return the process with all parameters but some held at their means."""
+        held = {k: Constant(at=mean(d)) for k, d in self.distributions.items() if k not in but}
+        return replace(self, **held)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rules:
+    """Which facets are hit and which events are observed.
+
+    Attributes
+    ----------
+    flux_weighted
+        Facets are hit in proportion to their area as seen along the motion; otherwise in
+        proportion to their area on the map, as in adding a random slope to the angle.
+    must_face
+        A facet turned away from the sphere is not hit, and the event does not count. If false, the
+        equations are applied to it all the same, as a program does that does not ask.
+    must_leave
+        An event counts only if the sphere leaves the nominal surface.
+    most_contacts
+        So many facets may be hit in turn by a sphere that does not leave the surface.
+    """
+
+    flux_weighted: bool
+    must_face: bool
+    must_leave: bool
+    most_contacts: Annotated[int, Field(ge=1, le=20)]
+
+
+class Rebound(NamedTuple):
+    """Velocity and r omega after a contact, m/s, shape (n, 3), and which spheres stay."""
+
+    velocity: FloatArray
+    spin_speed: FloatArray
+    captured: BoolArray
+
+
+# Of draws, velocity, r omega and normals of facets.
+Impact = Callable[[Draws, FloatArray, FloatArray, FloatArray], Rebound]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plan:
+    """How many events are drawn, and how; ``events`` of each replicate are a power of two."""
+
+    replicates: Annotated[int, Field(ge=2)]
+    events: Count
+    method: Method = "plain"
+    generator: Generator = "exact"
+
+    def __post_init__(self) -> None:
+        """Refuse a number that a Sobol sequence or antithetic pairs cannot have."""
+        if self.events < 2 or self.events & (self.events - 1):
+            raise ValueError(f"events must be a power of two (2, 4, 8, ...), got {self.events}")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Ensemble:
+    """What is drawn, by which rules, and what an impact does."""
+
+    process: Process
+    rules: Rules
+    impact: Impact
+    plan: Plan
+    seed: tuple[int, ...]
+    correlation: Correlation = field(default_factory=Correlation)
+
+    def __post_init__(self) -> None:
+        """Refuse a correlation with unknown or constant parameters."""
+        require_varying(self.correlation, self.process.distributions)
+
+
+def deterministic(ensemble: Ensemble) -> Ensemble:
+    """Return the ensemble with every parameter at its mean: all events are one."""
+    process = ensemble.process.at_means()
+    return replace(
+        ensemble,
+        process=process,
+        correlation=Correlation(),
+        plan=Plan(replicates=2, events=2),
+    )

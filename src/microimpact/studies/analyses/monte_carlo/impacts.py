@@ -1,0 +1,178 @@
+"""What an impact does in an ensemble: the rigid body model, or the dynamic simulation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from microimpact.core.arrays import FloatArray
+from microimpact.model.contact import Contact, resized
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import spatial
+from microimpact.model.law.families import NoSurrogateError
+from microimpact.model.law.table import TOLERANCE, Surrogate
+from microimpact.model.rigid_body.facets import facet_rebound
+from microimpact.statistics.distributions import LARGEST_PROBABILITY, SMALLEST_PROBABILITY, Constant
+from microimpact.studies.analyses.monte_carlo.ensembles import Draws, Impact, Process, Rebound
+
+# How far the tables of e reach beyond the sizes and speeds drawn: spin before impact may make a
+# second one faster than the first.
+MARGIN, FASTEST = 0.01, 1.5
+# Sizes at which all spheres must have a capture velocity.
+SIZES = 12
+# Very wide distributions of sizes get tables of this relative error.
+WIDE_TOLERANCE = 1e-6
+
+# Parameters of a process that only one of the models has.
+RIGID_BODY_ONLY = ("restitution_factor", "restitution_offset")
+SIMULATION_ONLY = ("hertz_damping_factor", "adhesion_damping_factor")
+NEUTRAL = {"restitution_offset": 0.0}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RigidBody:
+    """Rigid body model with the restitution of simulated normal impacts.
+
+    At given damping, work of adhesion and diameter count by their quotient alone, the velocity
+    scale being its power 5/6: all spheres are one family of `model.families`.
+
+    Attributes
+    ----------
+    surrogate
+        e of all speeds and sizes that a process may draw.
+    sizes
+        Least and greatest diameter in um divided by the factor of the work of adhesion.
+    """
+
+    surrogate: Surrogate
+    sizes: tuple[float, float]
+
+    @classmethod
+    def of(cls, contact: Contact, process: Process) -> RigidBody:
+        """Return the model of a contact for all speeds and sizes that a process may draw.
+
+        Raises
+        ------
+        ValueError
+            If some of these spheres rebound at no speed, or at every one, or the surface is curved.
+        """
+        if np.any(np.isfinite(contact.surface_radius)):
+            raise ValueError(
+                f"surface_radius: must be infinite in the rigid body model of an ensemble, got "
+                f"{contact.surface_radius}"
+            )
+        ends = np.array([SMALLEST_PROBABILITY, LARGEST_PROBABILITY])
+        diameter, factor, speed = (
+            np.asarray(getattr(process, name).quantile(ends))
+            for name in ("diameter_um", "work_of_adhesion_factor", "speed_m_per_s")
+        )
+        smallest, largest = diameter[0] / factor[1], diameter[1] / factor[0]
+        size = np.geomspace(smallest * (1.0 - MARGIN), largest * (1.0 + MARGIN), SIZES)
+        spheres = resized(contact, size * 1e-6)
+        limit = np.asarray(capture_velocity(spheres))
+        odd = size[~(np.isfinite(limit) & (limit > 0.0))]
+        if odd.size:
+            raise ValueError(
+                f"process: spheres of {odd.max():.3g} um (diameter_um over "
+                "work_of_adhesion_factor) have no capture velocity; narrow these distributions"
+            )
+        speeds = np.array([[limit.max()], [FASTEST * max(speed[1], limit.max())]])
+        return cls(surrogate=_table(spheres, speeds), sizes=(float(size[0]), float(size[-1])))
+
+    def restitution(self, normal_speed: FloatArray, draws: Draws) -> FloatArray:
+        """Return e at normal speeds in m/s, zero at capture, before factor and offset."""
+        size = draws["diameter_um"] / draws["work_of_adhesion_factor"]
+        smallest, largest = self.sizes
+        if size.size and not (smallest <= size.min() and size.max() <= largest):
+            raise ValueError(
+                f"diameter_um over work_of_adhesion_factor: drew {size.min():.4g} to "
+                f"{size.max():.4g}, must lie in that of the process, {smallest:.4g} to "
+                f"{largest:.4g}"
+            )
+        family = self.surrogate.family
+        steps = (5.0 / 6.0) * np.log(size / np.sqrt(smallest * largest))
+        w = normal_speed / family.velocity_scale * np.exp(steps)
+        return self.surrogate.restitution(
+            w, np.zeros(1) if family.alike else -steps / family.half_width
+        )
+
+    def __call__(
+        self, draws: Draws, velocity: FloatArray, spin_speed: FloatArray, normal: FloatArray
+    ) -> Rebound:
+        """Return the state after impacts on facets of given normals."""
+        bare = self.restitution(-np.vecdot(velocity, normal), draws)
+        moved = draws["restitution_factor"] * bare + draws["restitution_offset"]
+        after = facet_rebound(
+            velocity, spin_speed, normal, np.clip(moved, 0.0, 1.0), draws["friction"]
+        )
+        return Rebound(*after, bare <= 0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Simulation:
+    """Dynamic simulation of every impact (Eqs. 19-29)."""
+
+    contact: Contact
+
+    def __call__(
+        self, draws: Draws, velocity: FloatArray, spin_speed: FloatArray, normal: FloatArray
+    ) -> Rebound:
+        """Return the state after impacts on facets of given normals."""
+        base, diameter = self.contact, draws["diameter_um"] * 1e-6
+        contact = base.replace(
+            diameter=diameter,
+            friction=draws["friction"],
+            work_of_adhesion=np.asarray(base.work_of_adhesion) * draws["work_of_adhesion_factor"],
+            hertz_damping=base.hertz_damping * draws["hertz_damping_factor"],
+            adhesion_damping=base.adhesion_damping * draws["adhesion_damping_factor"],
+        )
+        frames = _frames(normal)
+        radius = 0.5 * diameter[:, None]
+        outcome = spatial(contact, _turned(frames, velocity), _turned(frames, spin_speed / radius))
+        back = np.swapaxes(frames, 1, 2)
+        return Rebound(
+            _turned(back, outcome.velocity),
+            _turned(back, outcome.spin) * radius,
+            np.asarray(outcome.captured),
+        )
+
+
+def _table(spheres: Contact, speeds: FloatArray) -> Surrogate:
+    try:
+        return Surrogate.of(spheres, speeds, tolerance=TOLERANCE)
+    except NoSurrogateError:
+        return Surrogate.of(spheres, speeds, tolerance=WIDE_TOLERANCE)
+
+
+def impact_of(model: str, contact: Contact, process: Process) -> Impact:
+    """Return the impact of a model, ``"rigid_body"`` or ``"simulation"``.
+
+    Raises
+    ------
+    ValueError
+        If some of the process's spheres have no capture velocity (rigid body model only).
+    """
+    return RigidBody.of(contact, process) if model == "rigid_body" else Simulation(contact=contact)
+
+
+def require_meaning(model: str, process: Process) -> None:
+    """Raise a ValueError if a process varies what a model does not have."""
+    for name in SIMULATION_ONLY if model == "rigid_body" else RIGID_BODY_ONLY:
+        neutral = NEUTRAL.get(name, 1.0)
+        if getattr(process, name) != Constant(at=neutral):
+            raise ValueError(
+                f"process.{name}: without meaning in the model {model!r}, must be the constant "
+                f"{neutral:g}"
+            )
+
+
+def _frames(normal: FloatArray) -> FloatArray:
+    """Rows t1, t2 and normal of right-handed frames, shape (n, 3, 3)."""
+    first = np.stack([normal[:, 2], np.zeros(len(normal)), -normal[:, 0]], axis=1)
+    first /= np.linalg.norm(first, axis=1)[:, None]
+    return np.stack([first, np.cross(normal, first), normal], axis=1)
+
+
+def _turned(frames: FloatArray, vectors: FloatArray) -> FloatArray:
+    return np.asarray(np.einsum("nij,nj->ni", frames, vectors))

@@ -1,0 +1,1 @@
+"""Numbers that decide the claims of the article."""

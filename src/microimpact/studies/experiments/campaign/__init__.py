@@ -1,0 +1,274 @@
+"""The article's campaign: 187 virtual experiments of about 40 events each (Section 2)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import chain
+from operator import itemgetter
+from typing import Annotated, Any
+
+import numpy as np
+import pandas as pd
+from pydantic import Field
+
+from microimpact.core.materials import find_material, materials_from_rows
+from microimpact.core.tables import series_frame
+from microimpact.declared.parameters import Count, Fraction, Name
+from microimpact.lab.contacts import calibrated_contact
+from microimpact.lab.dispenser import Dispenser, InitialSpin
+from microimpact.lab.experiment import Target, combined_slope
+from microimpact.lab.pdpa import analyser as doppler
+from microimpact.lab.pdpa import experiment as normal_incidence
+from microimpact.lab.ptis import experiment as oblique_incidence
+from microimpact.lab.ptis import system as imaging
+from microimpact.lab.ptis.experiment import Method, Recipe
+from microimpact.model.contact import Contact, resized
+from microimpact.statistics.distributions import generator, mean
+from microimpact.studies.experiments.campaign.plan import (
+    COUNTED,
+    Block,
+    Experiment,
+    Particles,
+    SpeedClass,
+    Surface,
+    check_counts,
+    counts,
+    expand,
+)
+from microimpact.studies.experiments.campaign.rows import (
+    Outcome,
+    by_doppler,
+    by_imaging,
+    experiment_row,
+)
+
+NORMAL = 90.0
+ALL, FEW = "all", "too few events"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params:
+    """What is dropped on what, in blocks, and how it is observed.
+
+    Normal impacts are seen by the analyzer, with `dropped` particles at first; the others by
+    trajectory imaging.
+    """
+
+    seed: Annotated[int, Field(ge=0)]
+    particles: tuple[Particles, ...]
+    surfaces: tuple[Surface, ...]
+    speed_classes: tuple[SpeedClass, ...]
+    blocks: tuple[Block, ...]
+    speed_ranges_within: Annotated[int, Field(ge=0)]
+    friction: Fraction
+    events: Annotated[int, Field(ge=2)]
+    fewest_events: Annotated[int, Field(ge=2)]
+    dropped: Count
+    most_dropped: Count
+    most_dropped_for_imaging: Count
+    method: Method
+    dispenser: Dispenser
+    pdpa: doppler.Instrument
+    ptis: imaging.Instrument
+    anchors: tuple[Name, ...]
+
+    def __post_init__(self) -> None:
+        """Refuse more events for a mean than an experiment has."""
+        if self.fewest_events > self.events:
+            raise ValueError(
+                f"fewest_events: {self.fewest_events} must be at most events, {self.events}"
+            )
+
+    @property
+    def experiments(self) -> list[Experiment]:
+        """All experiments that the blocks declare."""
+        return expand(self.blocks, self.particles, self.surfaces, self.speed_classes)
+
+
+def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+    """Run all experiments of the campaign.
+
+    Parameters
+    ----------
+    params
+        Parameters of the study.
+    inputs
+        ``calibration``: calibrated contacts; ``materials``: declared rows; ``anchors``: printed
+        values.
+
+    Returns
+    -------
+    mapping
+        ``campaign``: one row per experiment: what, how many dropped, lost and measured, means with
+        intervals, and the truth. ``campaign_summary``: counts against the printed ones.
+        ``campaign_map``: angle and speed of all experiments, and of those with too few events.
+
+    Raises
+    ------
+    ValueError
+        If the blocks do not give as many experiments and levels as the article counts.
+    """
+    return gather(params, inputs, [part(params, inputs, 0, 1)])
+
+
+def part(
+    params: Params, inputs: Mapping[str, pd.DataFrame], index: int, count: int
+) -> list[tuple[int, dict[str, Any]]]:
+    """Return the rows of every ``count``-th experiment, from ``index`` on, with their numbers."""
+    experiments = params.experiments
+    check_counts(experiments, _printed(inputs), params.speed_ranges_within)
+    pairs = {one.pair: one for one in experiments}
+    contacts = {pair: contact(params, one, inputs) for pair, one in pairs.items()}
+    return [
+        (number, conducted(params, one, *contacts[one.pair]))
+        for number, one in enumerate(experiments)
+        if number % count == index
+    ]
+
+
+def gather(
+    params: Params,
+    inputs: Mapping[str, pd.DataFrame],
+    parts: Sequence[list[tuple[int, dict[str, Any]]]],
+) -> Mapping[str, pd.DataFrame]:
+    """Return the tables, from the rows of all parts."""
+    rows = pd.DataFrame([row for _, row in sorted(chain(*parts), key=itemgetter(0))])
+    return {
+        "campaign": rows,
+        "campaign_summary": summary(params, rows, counts(params.experiments), _printed(inputs)),
+        "campaign_map": mapped(rows, params.fewest_events),
+    }
+
+
+def _printed(inputs: Mapping[str, pd.DataFrame]) -> pd.Series:
+    return inputs["anchors"].set_index("key")["value"].astype(float)
+
+
+def conducted(params: Params, one: Experiment, of: Contact, evidence: str) -> dict[str, Any]:
+    """Return one experiment as a row of the table; it does not depend on the others.
+
+    Parameters
+    ----------
+    params, one
+        Settings, and which experiment.
+    of, evidence
+        As from `contact`.
+    """
+    outcome = _normal(params, one, of) if one.angle == NORMAL else _oblique(params, one, of)
+    return experiment_row(one, evidence, outcome)
+
+
+def contact(
+    params: Params, one: Experiment, inputs: Mapping[str, pd.DataFrame]
+) -> tuple[Contact, str]:
+    """Return the contact of an experiment: adhesion and damping of its case, its own materials.
+
+    And whether it was calibrated for these materials, or is assumed to be as for others.
+    """
+    rows: Any = inputs["materials"].to_dict("records")
+    materials = materials_from_rows(rows)
+    case = calibrated_contact(inputs, one.case)
+    own = case.replace(
+        particle=find_material(one.particles.particle, materials),
+        surface=find_material(one.surface.surface, materials),
+        work_of_adhesion=case.work_of_adhesion,
+        friction=params.friction,
+    )
+    table = inputs["calibration"]
+    calibrated = tuple(table.loc[table["case"] == one.case, ["particle", "surface"]].iloc[0])
+    same = calibrated == (one.particles.particle, one.surface.surface)
+    diameter = mean(one.particles.diameter_um) * 1e-6
+    return resized(own, diameter), "calibrated" if same else "assumed"
+
+
+def _target(one: Experiment, of: Contact) -> Target:
+    return Target(contact=of, slope_sd=combined_slope(one.surface.slope, one.particles.slope))
+
+
+def _oblique(params: Params, one: Experiment, of: Contact) -> Outcome:
+    recipe = Recipe(
+        target=_target(one, of),
+        diameter_um=one.particles.diameter_um,
+        speed=one.speed_class.speed_m_per_s,
+        speed_range=one.speed_class.range_m_per_s,
+        dispenser=params.dispenser,
+        spin=InitialSpin(sd=one.particles.spin_sd, mean=0.0),
+        instrument=params.ptis,
+        method=params.method,
+    )
+    collected = oblique_incidence.collect(
+        recipe,
+        one.angle,
+        params.events,
+        params.most_dropped_for_imaging,
+        generator(params.seed, *one.key),
+    )
+    return by_imaging(collected, params.ptis.angle_error_deg, params.fewest_events)
+
+
+def _normal(params: Params, one: Experiment, of: Contact) -> Outcome:
+    collected = normal_incidence.collect(
+        one.speed_class.range_m_per_s,
+        params.events,
+        params.dropped,
+        params.most_dropped,
+        generator(params.seed, *one.key),
+        target=_target(one, of).tabulated(one.particles.diameter_um),
+        speed=one.speed_class.speed_m_per_s,
+        diameter_um=one.particles.diameter_um,
+        dispenser=params.dispenser,
+        spin=InitialSpin(sd=one.particles.spin_sd, mean=0.0),
+        instrument=params.pdpa,
+    )
+    return by_doppler(collected, params.fewest_events)
+
+
+def summary(
+    params: Params, rows: pd.DataFrame, counted: Mapping[str, int], printed: pd.Series
+) -> pd.DataFrame:
+    """Return the counts of the campaign beside the printed ones, and what came of it."""
+    events = rows["events"]
+    facts: dict[str, float] = {
+        **counted,
+        "events": int(events.sum()),
+        "events per experiment": float(events.mean()),
+        "particles dropped": int(rows["dropped"].sum()),
+        "by PDPA": int((rows["instrument"] == "PDPA").sum()),
+        "with a calibrated contact": int((rows["contact_evidence"] == "calibrated").sum()),
+        f"fewer than {params.fewest_events} events": int((events < params.fewest_events).sum()),
+        f"fewer than {params.events} events": int((events < params.events).sum()),
+    }
+    wanted = {name: printed[key] for name, key in COUNTED.items()}
+    wanted["events per experiment"] = printed["campaign_events_per_experiment"]
+    return pd.DataFrame(
+        [
+            {
+                "quantity": name,
+                "value": value,
+                "printed": wanted.get(name, np.nan),
+                "evidence": "chosen" if name in counted else "virtual experiment",
+            }
+            for name, value in facts.items()
+        ]
+    )
+
+
+def mapped(rows: pd.DataFrame, fewest: int) -> pd.DataFrame:
+    """Return where the experiments lie, by particles and surface: angle and nominal speed."""
+    frames = []
+    few = rows["events"] < fewest
+    for panel, shown in ((ALL, rows), (FEW, rows[few])):
+        for (particles, surface), own in shown.groupby(["particles", "surface"], sort=False):
+            frames.append(
+                series_frame(
+                    panel=panel,
+                    series=f"{particles} on {surface}",
+                    evidence="virtual experiment",
+                    x=own["angle_deg"],
+                    y=own["nominal_speed_m_per_s"],
+                    x_unit="deg",
+                    y_unit="m_per_s",
+                )
+            )
+    return pd.concat(frames, ignore_index=True)

@@ -1,0 +1,176 @@
+"""Mechanisms that the article supposes behind its measured means, each alone (2.4, 3.1.4)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+import pandas as pd
+import scipy
+from numpy.typing import ArrayLike
+from pydantic import Field
+
+from microimpact.core.tables import series_frame
+from microimpact.declared.parameters import AngleDegrees, Count, Name
+from microimpact.lab.dispenser import Dispenser
+from microimpact.lab.ptis.system import Instrument
+from microimpact.lab.samples import Sampling
+from microimpact.studies.experiments.mechanisms.shallow import (
+    Curve,
+    Shallow,
+    adhesion_or_roughness,
+    shallow_curves,
+    shallow_series,
+)
+from microimpact.studies.experiments.mechanisms.slope import Slope, slope_tables
+from microimpact.studies.experiments.mechanisms.speed_and_angle import SpeedAndAngle, speed_tables
+from microimpact.studies.experiments.mechanisms.spin import Spin, spin_tables
+from microimpact.studies.experiments.mechanisms.spore import CAMERA, Spore, spore_tables
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params:
+    """All mechanisms, on common random numbers."""
+
+    seed: Annotated[int, Field(ge=0)]
+    impacts: Count
+    events: Annotated[int, Field(ge=2)]
+    dispenser: Dispenser
+    instrument: Instrument
+    spin: Spin
+    slope: Slope
+    spore: Spore
+    shallow: Shallow
+    speed: SpeedAndAngle
+    drawn_case: Name
+    drawn_angles_deg: tuple[AngleDegrees, ...]
+    drawn_mechanisms: tuple[Name, ...]
+    anchors: tuple[Name, ...]
+    printed_deg: tuple[AngleDegrees, ...]
+
+    def __post_init__(self) -> None:
+        """Refuse printed values without their angles."""
+        if len(self.anchors) != len(self.printed_deg):
+            raise ValueError("anchors and printed_deg must have the same length")
+
+
+def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+    """Quantify every mechanism.
+
+    Parameters
+    ----------
+    params
+        Parameters of the study.
+    inputs
+        ``calibration``: calibrated contacts; ``materials``: declared rows; ``anchors``: printed
+        values.
+
+    Returns
+    -------
+    mapping
+        Spin: ``spin_mechanism``, ``spin_needed``, ``rolling_limits``, ``spin_or_tilt``. Slopes:
+        ``slope_mechanism``, ``surface_pairs``, ``slope_needed``, ``formica_mechanism``. Spores:
+        ``spore_mechanism``, ``spore_trends``, ``spore_comparison``, ``smooth_spore``. Shallow
+        angles: ``adhesion_or_roughness``. Speed and angle: ``speed_and_angle``,
+        ``impulse_regions``, ``loss_slopes``, ``loss_resolution``. ``causes``, ``causes_slope``,
+        ``causes_shallow``: data of the figure.
+    """
+    sampling = Sampling(
+        seed=params.seed,
+        impacts=params.impacts,
+        events=params.events,
+        angle_error_deg=params.instrument.angle_error_deg,
+        dispenser=params.dispenser,
+    )
+    curves = shallow_curves(params.shallow, sampling, inputs)
+    tables = {
+        **spin_tables(params.spin, sampling, inputs),
+        **slope_tables(params.slope, sampling, inputs),
+        **spore_tables(params.spore, sampling, params.instrument, inputs),
+        "adhesion_or_roughness": adhesion_or_roughness(params.shallow, curves),
+        **speed_tables(params.speed, sampling, inputs),
+    }
+    printed = inputs["anchors"].set_index("key")
+    return {**tables, **figure_data(params, tables, curves, printed)}
+
+
+def figure_data(
+    params: Params,
+    tables: Mapping[str, pd.DataFrame],
+    curves: Mapping[tuple[str, str], tuple[Curve, Curve]],
+    printed: pd.DataFrame,
+) -> dict[str, pd.DataFrame]:
+    """Return the data of the figure, a table per unit of its abscissa."""
+    case = params.drawn_case
+    spin = tables["spin_mechanism"].query("case == @case")
+    slope = tables["slope_mechanism"].query("case == @case")
+    slope = slope[slope["angle_deg"].isin(params.drawn_angles_deg)]
+    spore = tables["spore_mechanism"]
+    spore = spore[spore["mechanism"].isin(params.drawn_mechanisms)]
+    frames = {
+        "causes": [*_spin_frames(spin), *_spore_frames(params, spore, printed)],
+        "causes_slope": _slope_frames(slope),
+        "causes_shallow": (
+            _frame("shallow", f"{cause}, {which}", x, y, x_unit="m_per_s")
+            for cause, which, x, y in shallow_series(curves, case)
+        ),
+    }
+    return {name: pd.concat(list(parts), ignore_index=True) for name, parts in frames.items()}
+
+
+def _spin_frames(table: pd.DataFrame) -> Iterator[pd.DataFrame]:
+    for (mean, sd), rows in table.groupby(["spin_mean", "spin_sd"], sort=False):
+        yield _frame("spin", f"mean {mean:g}, sd {sd:g}", rows["angle_deg"], rows["impulse_ratio"])
+
+
+def _slope_frames(table: pd.DataFrame) -> Iterator[pd.DataFrame]:
+    for angle, rows in table.groupby("angle_deg", sort=False):
+        yield _frame("slope", f"{angle:g} deg", rows["slope_sd"], rows["restitution"], x_unit="1")
+
+
+def _spore_frames(
+    params: Params, table: pd.DataFrame, printed: pd.DataFrame
+) -> Iterator[pd.DataFrame]:
+    for name, rows in table.groupby("mechanism", sort=False):
+        known = rows[np.isfinite(rows["restitution"])]
+        seen = name == CAMERA
+        e = known["restitution"].to_numpy()
+        half = known["restitution_sd"].to_numpy() * scipy.special.stdtrit(params.events - 1, 0.975)
+        half = half / np.sqrt(params.events)
+        yield _frame(
+            "spore",
+            str(name),
+            known["angle_deg"],
+            e,
+            evidence="virtual experiment" if seen else "computed",
+            y_low=e - half if seen else np.nan,
+            y_high=e + half if seen else np.nan,
+        )
+    values = printed.loc[list(params.anchors), "value"].astype(float)
+    yield _frame("spore", "printed", params.printed_deg, values, evidence="printed")
+
+
+def _frame(
+    panel: str,
+    series: str,
+    x: ArrayLike,
+    y: ArrayLike,
+    *,
+    evidence: str = "computed",
+    x_unit: str = "deg",
+    y_low: ArrayLike = np.nan,
+    y_high: ArrayLike = np.nan,
+) -> pd.DataFrame:
+    return series_frame(
+        panel=panel,
+        series=series,
+        evidence=evidence,
+        x=x,
+        y=y,
+        x_unit=x_unit,
+        y_unit="1",
+        y_low=y_low,
+        y_high=y_high,
+    )

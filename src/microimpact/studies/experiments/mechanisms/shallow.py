@@ -1,0 +1,193 @@
+"""Rise of the impulse ratio at shallow angles: by adhesion or by slopes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+
+from microimpact.core.arrays import FloatArray
+from microimpact.declared.parameters import (
+    AngleDegrees,
+    Count,
+    Fraction,
+    Name,
+    NonNegative,
+    Positive,
+)
+from microimpact.lab.samples import Dropped, Sampling, contact_of, rough, seen
+from microimpact.model.calibration import hertz_damping_for
+from microimpact.model.contact import Contact
+
+FEWEST_MEANS = 2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shallow:
+    """Adhesion and slopes, each alone, at two speeds.
+
+    Attributes
+    ----------
+    dropped
+        Spheres and smooth surface; speed and class are those of the list.
+    cases
+        Calibrated contacts.
+    speeds_m_per_s
+        Two, the slower first.
+    half_width_m_per_s
+        Of their classes.
+    slope_sd
+        Of the surface without adhesion; its material damping gives ``restitution`` at the faster
+        speed.
+    restitution
+        At normal incidence.
+    normal_speeds
+        Number of normal speeds from the slowest that rebounds to where sliding ends.
+    steepest_deg
+        Steepest angle that counts as sliding, at both speeds.
+    most_captured
+        Largest share captured in a mean that counts.
+    trend_deg
+        Angles between which the change at the slower speed is taken.
+    """
+
+    dropped: Dropped
+    cases: tuple[Name, ...]
+    speeds_m_per_s: tuple[Positive, Positive]
+    half_width_m_per_s: Positive
+    slope_sd: NonNegative
+    restitution: Fraction
+    normal_speeds: Count
+    steepest_deg: AngleDegrees
+    most_captured: Fraction
+    trend_deg: tuple[AngleDegrees, AngleDegrees]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Curve:
+    """Mean impulse ratio of one speed against angle (degrees) and normal speed (m/s)."""
+
+    angle: FloatArray
+    normal_speed: FloatArray
+    ratio: FloatArray
+
+
+def shallow_curves(
+    params: Shallow, sampling: Sampling, inputs: Mapping[str, pd.DataFrame]
+) -> dict[tuple[str, str], tuple[Curve, Curve]]:
+    """Return the curves at both speeds, by case and cause (``adhesion`` or ``slopes``)."""
+    curves = {}
+    for case in params.cases:
+        dropped = replace(params.dropped, case=case)
+        contact = contact_of(dropped, inputs)
+        bare = hertz_damping_for(
+            contact.replace(work_of_adhesion=0.0, adhesion_damping=0.0),
+            max(params.speeds_m_per_s),
+            params.restitution,
+        )
+        sloped = rough(dropped, params.slope_sd)
+        curves[case, "adhesion"] = _both(params, dropped, contact, sampling)
+        curves[case, "slopes"] = _both(params, sloped, bare, sampling)
+    return curves
+
+
+def _both(
+    params: Shallow, dropped: Dropped, contact: Contact, sampling: Sampling
+) -> tuple[Curve, Curve]:
+    """Curves at the slower and the faster speed, at the same normal speeds where both slide."""
+    slow, fast = params.speeds_m_per_s
+    shallowest, steepest = np.radians(np.array([4.0, params.steepest_deg]))
+    top = slow * np.sin(steepest)
+    normal = np.unique(
+        np.concatenate(
+            [
+                np.linspace(fast * np.sin(shallowest), top, params.normal_speeds),
+                np.linspace(top, fast * np.sin(steepest), params.normal_speeds),
+            ]
+        )
+    )
+    return _curve(params, dropped, contact, sampling, slow, normal[normal <= top]), _curve(
+        params, dropped, contact, sampling, fast, normal
+    )
+
+
+def _curve(
+    params: Shallow,
+    dropped: Dropped,
+    contact: Contact,
+    sampling: Sampling,
+    speed: float,
+    normal_speed: FloatArray,
+) -> Curve:
+    width = params.half_width_m_per_s
+    own = replace(dropped, speed_m_per_s=speed, speed_range_m_per_s=(speed - width, speed + width))
+    angle = np.degrees(np.arcsin(np.minimum(normal_speed / speed, 1.0)))
+    samples = [seen(own, contact, float(a), sampling) for a in angle]
+    ratio = [
+        one.statistics["impulse_ratio"].mean
+        if one.captured_share <= params.most_captured
+        else np.nan
+        for one in samples
+    ]
+    if np.sum(np.isfinite(ratio)) < FEWEST_MEANS:
+        raise ValueError(
+            f"shallow.speeds_m_per_s: at {speed:g} m/s nearly all spheres are captured below "
+            f"{params.steepest_deg:g} deg; there is nothing to compare"
+        )
+    return Curve(angle=angle, normal_speed=normal_speed, ratio=np.array(ratio))
+
+
+def adhesion_or_roughness(
+    params: Shallow, curves: Mapping[tuple[str, str], tuple[Curve, Curve]]
+) -> pd.DataFrame:
+    """Return how far the curves of both speeds lie apart at equal normal speed and equal angle.
+
+    The spread is the largest difference over the friction coefficient.
+    """
+    friction = params.dropped.friction
+    rows = []
+    for (case, cause), (slow, fast) in curves.items():
+        by_speed = _spread(slow.normal_speed, slow.ratio, fast.normal_speed, fast.ratio)
+        by_angle = _spread(slow.angle, slow.ratio, fast.angle, fast.ratio)
+        found = np.isfinite(fast.ratio)
+        shallowest = int(np.flatnonzero(found)[0])
+        steep, flat = sorted(params.trend_deg, reverse=True)
+        rebounding = np.isfinite(slow.ratio)
+        trend = np.interp(
+            [flat, steep], slow.angle[rebounding], slow.ratio[rebounding], left=np.nan
+        )
+        rows.append(
+            {
+                "case": case,
+                "cause": cause,
+                "spread_at_equal_normal_speed": by_speed / friction,
+                "spread_at_equal_angle": by_angle / friction,
+                "collapses_in": "normal speed" if by_speed < by_angle else "angle",
+                "shallowest_rebound_deg": fast.angle[shallowest],
+                "rise_at_shallowest_rebound": fast.ratio[shallowest] / friction,
+                "shallowest_rebound_at_slower_speed_deg": slow.angle[rebounding][0],
+                "change_at_slower_speed_towards_shallow": trend[0] - trend[1],
+                "evidence": "virtual experiment",
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _spread(x: FloatArray, y: FloatArray, other_x: FloatArray, other_y: FloatArray) -> float:
+    """Largest difference of two curves where both are known."""
+    known, other = np.isfinite(y), np.isfinite(other_y)
+    there = np.interp(x[known], other_x[other], other_y[other], left=np.nan, right=np.nan)
+    return float(np.nanmax(np.abs(y[known] - there)))
+
+
+def shallow_series(
+    curves: Mapping[tuple[str, str], tuple[Curve, Curve]], case: str
+) -> Iterator[tuple[str, str, FloatArray, FloatArray]]:
+    """Yield cause, which speed (``slow`` or ``fast``), normal speed and impulse ratio of a case."""
+    for (name, cause), pair in curves.items():
+        if name == case:
+            for which, curve in zip(("slow", "fast"), pair, strict=True):
+                known = np.isfinite(curve.ratio)
+                yield cause, which, curve.normal_speed[known], curve.ratio[known]

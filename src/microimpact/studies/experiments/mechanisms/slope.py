@@ -1,0 +1,203 @@
+"""What slopes of the surface do to restitution, impulse ratio and energy loss."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import scipy
+
+from microimpact.declared.parameters import AngleDegrees, Name, NonNegative, Positive
+from microimpact.lab.samples import (
+    Dropped,
+    Sampling,
+    Seen,
+    contact_of,
+    difference_columns,
+    half_width,
+    mean_columns,
+    rough,
+    seen,
+)
+from microimpact.model.contact import Contact
+
+# A measured restitution is sought between these slopes.
+SLOPE_RANGE = (0.0, 0.6)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pair:
+    """A smooth and a rough surface of one material, each with its own contact."""
+
+    name: Name
+    smooth: Dropped
+    rough: Dropped
+    adhesion_factor: NonNegative
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Slope:
+    """Surfaces compared, and slopes swept.
+
+    Attributes
+    ----------
+    pairs
+        Of surfaces; the work of adhesion of the rough one is multiplied by ``adhesion_factor``.
+    angles_deg
+        Of incidence.
+    swept
+        Spheres and smooth surface whose slope is swept.
+    cases
+        Calibrated contacts of these.
+    slope_sds
+        Swept.
+    formica_steel, formica_spore
+        Steel and spores on one rough surface.
+    needed_angles_deg, needed_restitution
+        Measured restitution at these angles for which the slope is sought.
+    """
+
+    pairs: tuple[Pair, ...]
+    angles_deg: tuple[AngleDegrees, ...]
+    swept: Dropped
+    cases: tuple[Name, ...]
+    slope_sds: tuple[NonNegative, ...]
+    formica_steel: Dropped
+    formica_spore: Dropped
+    needed_angles_deg: tuple[AngleDegrees, ...]
+    needed_restitution: Positive
+
+
+def slope_tables(
+    params: Slope, sampling: Sampling, inputs: Mapping[str, pd.DataFrame]
+) -> dict[str, pd.DataFrame]:
+    """Return the tables of the slope mechanism, by name."""
+    return {
+        "slope_mechanism": pd.DataFrame(sweep_rows(params, sampling, inputs)),
+        "surface_pairs": pd.DataFrame(pair_rows(params, sampling, inputs)),
+        "slope_needed": pd.DataFrame(needed_rows(params, sampling, inputs)),
+        "formica_mechanism": formica_comparison(params, sampling, inputs),
+    }
+
+
+def sweep_rows(
+    params: Slope, sampling: Sampling, inputs: Mapping[str, pd.DataFrame]
+) -> Iterator[dict[str, Any]]:
+    """Means over slopes and angles, and their differences from the smooth surface."""
+    for case in params.cases:
+        dropped = replace(params.swept, case=case)
+        contact = contact_of(dropped, inputs)
+        for angle in params.angles_deg:
+            smooth = seen(rough(dropped, 0.0), contact, angle, sampling)
+            for slope in params.slope_sds:
+                found = seen(rough(dropped, slope), contact, angle, sampling)
+                yield (
+                    {"case": case, "slope_sd": slope, "angle_deg": angle}
+                    | mean_columns(found)
+                    | difference_columns(found, smooth, sampling)
+                    | {"evidence": "virtual experiment"}
+                )
+
+
+def pair_rows(
+    params: Slope, sampling: Sampling, inputs: Mapping[str, pd.DataFrame]
+) -> Iterator[dict[str, Any]]:
+    """Rough less smooth surface at every angle, and the loss that squared restitutions predict."""
+    for pair in params.pairs:
+        contacts = [contact_of(dropped, inputs) for dropped in (pair.smooth, pair.rough)]
+        work = contacts[1].work_of_adhesion
+        assert work is not None
+        contacts[1] = contacts[1].replace(work_of_adhesion=work * pair.adhesion_factor)
+        for angle in params.angles_deg:
+            smooth = seen(pair.smooth, contacts[0], angle, sampling)
+            found = seen(pair.rough, contacts[1], angle, sampling)
+            predicted = (
+                smooth.statistics["restitution"].mean ** 2
+                - found.statistics["restitution"].mean ** 2
+            )
+            columns = difference_columns(found, smooth, sampling)
+            width = half_width(
+                found.statistics["energy_loss"],
+                smooth.statistics["energy_loss"],
+                sampling,
+            )
+            error = columns["energy_loss_difference"] - predicted
+            yield (
+                {
+                    "pair": pair.name,
+                    "case": pair.rough.case,
+                    "adhesion_factor": pair.adhesion_factor,
+                    "slope_sd": pair.rough.slope_sd,
+                    "angle_deg": angle,
+                }
+                | mean_columns(found)
+                | columns
+                | {
+                    "difference_of_squared_restitutions": predicted,
+                    "loss_less_squares_over_half_width": error / width,
+                    "evidence": "virtual experiment",
+                }
+            )
+
+
+def needed_rows(
+    params: Slope, sampling: Sampling, inputs: Mapping[str, pd.DataFrame]
+) -> Iterator[dict[str, Any]]:
+    """Slope at which the measured restitution is as sought."""
+    for dropped in (*(replace(params.swept, case=c) for c in params.cases), params.formica_steel):
+        contact = contact_of(dropped, inputs)
+        for angle in params.needed_angles_deg:
+            slope = slope_for(params.needed_restitution, dropped, contact, angle, sampling)
+            yield {
+                "case": dropped.case,
+                "angle_deg": angle,
+                "restitution": params.needed_restitution,
+                "slope_sd_needed": slope,
+                "declared_slope_sd": dropped.slope_sd,
+                "evidence": "virtual experiment",
+            }
+
+
+def slope_for(
+    restitution: float, dropped: Dropped, contact: Contact, angle: float, sampling: Sampling
+) -> float:
+    """Return the standard deviation of slopes that gives a measured mean restitution."""
+
+    def excess(slope: float) -> float:
+        found: Seen = seen(rough(dropped, slope), contact, angle, sampling)
+        return found.statistics["restitution"].mean - restitution
+
+    return float(scipy.optimize.brentq(excess, *SLOPE_RANGE, xtol=1e-4))
+
+
+def formica_comparison(
+    params: Slope, sampling: Sampling, inputs: Mapping[str, pd.DataFrame]
+) -> pd.DataFrame:
+    """Return steel and spores on one rough surface: means, differences, captured and biased."""
+    rows = []
+    steel, spore = params.formica_steel, params.formica_spore
+    contacts = contact_of(steel, inputs), contact_of(spore, inputs)
+    for angle in params.angles_deg:
+        one, other = (
+            seen(steel, contacts[0], angle, sampling),
+            seen(spore, contacts[1], angle, sampling),
+        )
+        free = other.statistics["restitution"].mean
+        rows.append(
+            {"angle_deg": angle}
+            | {f"steel_{name}": value for name, value in mean_columns(one).items()}
+            | {f"spore_{name}": value for name, value in mean_columns(other).items()}
+            | difference_columns(one, other, sampling)
+            | {
+                # Captured particles have a restitution of zero.
+                "spore_bias_of_conditional_mean": free * other.captured_share,
+                "evidence": "virtual experiment",
+            }
+        )
+    table = pd.DataFrame(rows)
+    sines = np.sin(np.radians(table["angle_deg"]))
+    table["squared_sine"] = sines**2
+    return table

@@ -1,0 +1,216 @@
+"""Restitution and energy loss over speed and angle: what follows from the normal speed alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from microimpact.declared.parameters import AngleDegrees, Fraction, Name, NonNegative, Positive
+from microimpact.lab.samples import (
+    Dropped,
+    Sampling,
+    Statistic,
+    contact_of,
+    half_width,
+    seen,
+)
+from microimpact.model.contact import Contact
+from microimpact.model.dynamics.impact import simulate, velocity_components
+from microimpact.model.rigid_body.algebra import energy_loss, rigid_body_rebound
+from microimpact.studies.experiments.mechanisms.impulse_regions import regions
+
+# Half-width of a 95 % interval over its standard error.
+ERROR_BAR = 1.96
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SpeedClass:
+    """A nominal speed and the range of speeds accepted."""
+
+    speed_m_per_s: Positive
+    speed_range_m_per_s: tuple[Positive, Positive]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SpeedAndAngle:
+    """Speed classes of one kind of spheres, and the energy loss of the rigid body.
+
+    Attributes
+    ----------
+    dropped, cases, classes
+        Spheres, calibrated contacts, speed classes from the fastest.
+    angles_deg
+        In descending order from the one with which the loss is compared.
+    trend_deg
+        Angles between which restitution falls.
+    loss_restitutions, loss_frictions, loss_angles_deg
+        Grid on which the slope of the energy loss is looked at.
+    resolved_deg, resolved_restitutions
+        Angle and restitutions of steel and spores there.
+    resolved_steel, resolved_spore
+        Samples that give the scatter.
+    region_angles_deg, constant_within
+        Angles at which the regions of the impulse ratio are looked for, descending, and the
+        relative change up to which it is constant.
+    """
+
+    dropped: Dropped
+    cases: tuple[Name, ...]
+    classes: tuple[SpeedClass, ...]
+    angles_deg: tuple[AngleDegrees, ...]
+    trend_deg: tuple[AngleDegrees, AngleDegrees]
+    loss_restitutions: tuple[Fraction, ...]
+    loss_frictions: tuple[NonNegative, ...]
+    loss_angles_deg: tuple[AngleDegrees, ...]
+    resolved_deg: AngleDegrees
+    resolved_restitutions: tuple[Fraction, Fraction]
+    resolved_steel: Dropped
+    resolved_spore: Dropped
+    region_angles_deg: tuple[AngleDegrees, ...]
+    constant_within: Fraction
+
+
+def speed_tables(
+    params: SpeedAndAngle, sampling: Sampling, inputs: Mapping[str, pd.DataFrame]
+) -> dict[str, pd.DataFrame]:
+    """Return the tables, by name."""
+    rows, found = [], []
+    for case in params.cases:
+        base = replace(params.dropped, case=case)
+        contact = contact_of(base, inputs)
+        rows += [class_row(params, base, contact, one, sampling) for one in params.classes]
+        found += region_rows(params, base, contact, sampling)
+    return {
+        "speed_and_angle": pd.DataFrame(rows),
+        "impulse_regions": pd.DataFrame(found),
+        "loss_slopes": pd.DataFrame(loss_slopes(params)),
+        "loss_resolution": pd.DataFrame([resolution(params, sampling, inputs)]),
+    }
+
+
+def class_row(
+    params: SpeedAndAngle, base: Dropped, contact: Contact, one: SpeedClass, sampling: Sampling
+) -> dict[str, Any]:
+    """Restitution of the mean sphere and of the sieve class, and where the loss departs."""
+    dropped = replace(
+        base, speed_m_per_s=one.speed_m_per_s, speed_range_m_per_s=one.speed_range_m_per_s
+    )
+    steep, shallow = sorted(params.trend_deg, reverse=True)
+    sphere = simulate(contact, one.speed_m_per_s, np.array([steep, shallow]))
+    e = sphere.coefficient_of_restitution
+    conditional = [
+        seen(dropped, contact, angle, sampling).statistics["restitution"].mean
+        for angle in (steep, shallow)
+    ]
+    losses = [
+        seen(dropped, contact, a, sampling).statistics["energy_loss"] for a in params.angles_deg
+    ]
+    departure = np.nan
+    for angle, loss in zip(params.angles_deg[1:], losses[1:], strict=True):
+        if abs(loss.mean - losses[0].mean) > half_width(loss, losses[0], sampling):
+            departure = angle
+            break
+    return {
+        "case": base.case,
+        "speed_m_per_s": one.speed_m_per_s,
+        "restitution_steep": e[0],
+        "restitution_shallow": e[1],
+        "fall_of_restitution": e[0] - e[1],
+        "conditional_mean_steep": conditional[0],
+        "conditional_mean_shallow": conditional[1],
+        "steep_deg": steep,
+        "shallow_deg": shallow,
+        "energy_loss_steep": losses[0].mean,
+        "first_departure_of_loss_deg": departure,
+        "evidence": "virtual experiment",
+    }
+
+
+def region_rows(
+    params: SpeedAndAngle, base: Dropped, contact: Contact, sampling: Sampling
+) -> list[dict[str, Any]]:
+    """Regions of the mean impulse ratio of the fastest class."""
+    one = params.classes[0]
+    dropped = replace(
+        base, speed_m_per_s=one.speed_m_per_s, speed_range_m_per_s=one.speed_range_m_per_s
+    )
+    samples = [seen(dropped, contact, a, sampling) for a in params.region_angles_deg]
+    means = np.array([s.statistics["impulse_ratio"].mean for s in samples])
+    known = np.isfinite(means)
+    ratio = [s.statistics["impulse_ratio"] for s, k in zip(samples, known, strict=True) if k]
+    counts = np.array([len(s.measured) for s in samples])[known]
+    # The interval of one mean: that of its difference from an exactly known number.
+    exact = Statistic(mean=0.0, sd=0.0, systematic=0.0)
+    width = np.array([half_width(of, exact, sampling) for of in ratio])
+    sample = np.array([of.sd for of in ratio]) / np.sqrt(counts)
+    angles, means = np.array(params.region_angles_deg)[known], means[known]
+    return [
+        {"case": base.case, "speed_m_per_s": one.speed_m_per_s, "errors": name}
+        | row
+        | {"evidence": "virtual experiment"}
+        for name, error in (("sample", sample), ("experiment", width / ERROR_BAR))
+        for row in regions(angles, means, error, params.constant_within)
+    ]
+
+
+def loss_slopes(params: SpeedAndAngle) -> Iterator[dict[str, Any]]:
+    """Share of angles at which the rigid body's energy loss falls as the angle becomes shallow."""
+    angle = np.array(params.loss_angles_deg)
+    for e in params.loss_restitutions:
+        for friction in params.loss_frictions:
+            loss = rigid_loss(e, friction, angle)
+            falling = np.diff(loss) / np.diff(angle) > 0.0
+            middle = 0.5 * (angle[1:] + angle[:-1])
+            rising = middle[~falling]
+            yield {
+                "restitution": e,
+                "friction": friction,
+                "share_falling": float(np.mean(falling)),
+                "rising_from_deg": float(rising.max()) if rising.size else np.nan,
+                "rising_to_deg": float(rising.min()) if rising.size else np.nan,
+                "evidence": "computed",
+            }
+
+
+def rigid_loss(e: float, friction: float, angle: np.ndarray) -> np.ndarray:
+    """Return T_L of a rigid sphere without spin at angles in degrees, Eqs. (12)-(14)."""
+    v_n, v_t = velocity_components(1.0, angle)
+    rebound = rigid_body_rebound(v_n, v_t, 0.0, 1.0, e, friction)
+    return np.asarray(energy_loss(v_n, v_t, 0.0, 1.0, e, rebound.mu).translational)
+
+
+def resolution(
+    params: SpeedAndAngle, sampling: Sampling, inputs: Mapping[str, pd.DataFrame]
+) -> dict[str, Any]:
+    """Differences of printed restitutions and of their losses against what 40 events resolve."""
+    angle = params.resolved_deg
+    one, other = (
+        seen(dropped, contact_of(dropped, inputs), angle, sampling).statistics
+        for dropped in (params.resolved_steel, params.resolved_spore)
+    )
+    e = params.resolved_restitutions
+    losses = [
+        float(rigid_loss(value, dropped.friction, np.array(angle)))
+        for value, dropped in zip(e, (params.resolved_steel, params.resolved_spore), strict=True)
+    ]
+    widths = {
+        name: half_width(one[name], other[name], sampling)
+        for name in ("restitution", "energy_loss")
+    }
+    return {
+        "angle_deg": angle,
+        "difference_of_restitutions": e[0] - e[1],
+        "half_width_of_restitutions": widths["restitution"],
+        "difference_of_restitutions_over_half_width": (e[0] - e[1]) / widths["restitution"],
+        "difference_of_losses": losses[1] - losses[0],
+        "normal_part_of_difference": float(
+            np.sin(np.radians(angle)) ** 2 * (e[0] ** 2 - e[1] ** 2)
+        ),
+        "half_width_of_losses": widths["energy_loss"],
+        "difference_of_losses_over_half_width": (losses[1] - losses[0]) / widths["energy_loss"],
+        "evidence": "virtual experiment",
+    }

@@ -1,0 +1,264 @@
+"""What initial spin does to the impulse ratio: spread alone, and a mean sense."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import scipy
+
+from microimpact.declared.parameters import AngleDegrees, Finite, Name, NonNegative, Positive
+from microimpact.lab.events import Measured
+from microimpact.lab.ptis.experiment import quantities, turned
+from microimpact.lab.samples import (
+    Dropped,
+    Sampling,
+    Seen,
+    contact_of,
+    mean_columns,
+    seen,
+    with_spin,
+)
+from microimpact.model.contact import Contact, resized
+from microimpact.model.dynamics.impact import simulate
+from microimpact.model.rigid_body.algebra import INERTIA
+from microimpact.statistics.distributions import mean
+
+# Spin sought, as a share of the speed, and range of angles in which a limit of rolling is sought.
+LARGEST_SPIN = 3.0
+LIMIT_RANGE = (35.0, 89.0)
+SHIFTING_SPINS = (-1.0, 0.5)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spin:
+    """Spins tried at one speed.
+
+    Attributes
+    ----------
+    dropped
+        Spheres and surface; its own spin is not used.
+    cases
+        Calibrated contacts.
+    angles_deg
+        Of incidence, from the steepest.
+    spreads
+        Standard deviations of spins without a mean, r omega/v.
+    means, spread_about_mean
+        Spins with a mean, and their spread.
+    limit_speeds_m_per_s, back_spin
+        Speeds at which the limit of rolling is sought, without spin and with this one.
+    limit_shift_deg
+        Shift for which the spin is sought.
+    bias
+        Impulse ratio at 90 deg for which spin and tilt are sought.
+    bias_speed_m_per_s
+        At which.
+    """
+
+    dropped: Dropped
+    cases: tuple[Name, ...]
+    angles_deg: tuple[AngleDegrees, ...]
+    spreads: tuple[NonNegative, ...]
+    means: tuple[Finite, ...]
+    spread_about_mean: NonNegative
+    limit_speeds_m_per_s: tuple[Positive, ...]
+    back_spin: Finite
+    limit_shift_deg: Positive
+    bias: Positive
+    bias_speed_m_per_s: Positive
+
+
+def spin_tables(
+    params: Spin, sampling: Sampling, inputs: Mapping[str, pd.DataFrame]
+) -> dict[str, pd.DataFrame]:
+    """Return the tables of the spin mechanism, by name."""
+    rows: dict[str, list[dict[str, Any]]] = {
+        "spin_mechanism": [],
+        "spin_needed": [],
+        "rolling_limits": [],
+        "spin_or_tilt": [],
+    }
+    for case in params.cases:
+        dropped = replace(params.dropped, case=case)
+        contact = contact_of(dropped, inputs)
+        grid = _grid(params, dropped, contact, sampling)
+        rows["spin_mechanism"] += grid
+        zero = [row["impulse_ratio"] for row in grid if row["spin_mean"] == 0.0]
+        needed = needed_rows(params, dropped, contact, sampling)
+        rows["spin_needed"] += [
+            row | {"least_without_mean": float(np.nanmin(zero))} for row in needed
+        ]
+        rows["rolling_limits"] += limit_rows(params, dropped, contact)
+        rows["spin_or_tilt"].append(bias_row(params, dropped, contact, sampling))
+    return {name: pd.DataFrame(part) for name, part in rows.items()}
+
+
+def _grid(
+    params: Spin, dropped: Dropped, contact: Contact, sampling: Sampling
+) -> list[dict[str, Any]]:
+    """Means over all spins and angles, with the trend over the angles of each spin."""
+    spins = [(0.0, sd) for sd in params.spreads]
+    spins += [(m, params.spread_about_mean) for m in params.means]
+    rows = []
+    for spin_mean, sd in spins:
+        turning = with_spin(dropped, mean=spin_mean, sd=sd)
+        found = [seen(turning, contact, a, sampling) for a in params.angles_deg]
+        mu = np.array([one.statistics["impulse_ratio"].mean for one in found])
+        known = np.isfinite(mu)
+        trend = float(np.corrcoef(np.array(params.angles_deg)[known], mu[known])[0, 1])
+        rows += [
+            {"case": dropped.case, "spin_mean": spin_mean, "spin_sd": sd, "angle_deg": angle}
+            | mean_columns(one)
+            | {"correlation_of_impulse_ratio_with_angle": trend, "evidence": "virtual experiment"}
+            for angle, one in zip(params.angles_deg, found, strict=True)
+        ]
+    return rows
+
+
+def needed_rows(
+    params: Spin, dropped: Dropped, contact: Contact, sampling: Sampling
+) -> list[dict[str, Any]]:
+    """Mean spin that brings the mean impulse ratio to zero; empty with too few rebounds."""
+    rows = []
+    for angle in params.angles_deg:
+
+        def ratio(spin: float, angle: float = angle) -> float:
+            turning = with_spin(dropped, mean=spin, sd=params.spread_about_mean)
+            of: Seen = seen(turning, contact, angle, sampling)
+            return of.statistics["impulse_ratio"].mean
+
+        # Spin does not decide on capture: too few rebounds without it are too few with it.
+        enough = np.isfinite(ratio(0.0))
+        spin = (
+            float(scipy.optimize.brentq(ratio, 0.0, LARGEST_SPIN, xtol=1e-4)) if enough else np.nan
+        )
+        rows.append(
+            {
+                "case": dropped.case,
+                "angle_deg": angle,
+                "mean_spin_needed": spin,
+                "spin_sd": params.spread_about_mean,
+                "rotational_over_translational_energy": INERTIA * spin**2,
+                "speed_along_surface": float(np.cos(np.radians(angle))),
+                "evidence": "virtual experiment",
+            }
+        )
+    return rows
+
+
+def limit_rows(params: Spin, dropped: Dropped, contact: Contact) -> list[dict[str, Any]]:
+    """Shallowest angle at which the mean sphere leaves rolling, per speed, and what moves it."""
+    rows: list[dict[str, Any]] = []
+    for speed in params.limit_speeds_m_per_s:
+        still = rolling_limit(contact, speed, 0.0)
+        spun = rolling_limit(contact, speed, params.back_spin)
+        rows.append(
+            {
+                "case": dropped.case,
+                "speed_m_per_s": speed,
+                "limit_deg": still,
+                "limit_with_back_spin_deg": spun,
+                "back_spin": params.back_spin,
+                "restitution_at_limit": float(
+                    simulate(contact, speed, still).coefficient_of_restitution
+                ),
+                "evidence": "computed",
+            }
+        )
+    base = rows[0]["limit_deg"]
+    aim = base + params.limit_shift_deg
+    for row in rows:
+        speed = row["speed_m_per_s"]
+
+        def excess(spin: float, speed: float = speed) -> float:
+            return float(rolling_limit(contact, speed, spin) - aim)
+
+        row["shift_deg"] = row["limit_deg"] - base
+        row["back_spin_for_shift"] = float(
+            scipy.optimize.brentq(excess, *SHIFTING_SPINS, xtol=1e-4)
+        )
+        row["shift_sought_deg"] = params.limit_shift_deg
+    return rows
+
+
+def rolling_limit(contact: Contact, speed: float, spin: float) -> float:
+    """Return the angle (degrees) below which a sphere still slides as it leaves.
+
+    Parameters
+    ----------
+    contact
+        Of one sphere.
+    speed
+        m/s.
+    spin
+        r omega/v.
+    """
+    low, high = LIMIT_RANGE
+    while high - low > 1e-3:
+        middle = 0.5 * (low + high)
+        rolls = simulate(contact, speed, middle, spin * speed / contact.radius).rolling
+        low, high = (low, middle) if rolls else (middle, high)
+    return 0.5 * (low + high)
+
+
+def bias_row(
+    params: Spin, dropped: Dropped, contact: Contact, sampling: Sampling
+) -> dict[str, Any]:
+    """Spin, or tilt of the target, that shows as a given impulse ratio at normal incidence."""
+    sphere = resized(contact, mean(dropped.diameter_um) * 1e-6)
+    speed = params.bias_speed_m_per_s
+
+    def by_spin(spin: float) -> float:
+        impact = simulate(sphere, speed, 90.0, -spin * speed / sphere.radius)
+        return float(impact.impulse_ratio) - params.bias
+
+    def by_tilt(tilt: float) -> float:
+        return -tilted_ratio(sphere, speed, tilt) - params.bias
+
+    e = float(simulate(sphere, speed).coefficient_of_restitution)
+    spin, tilt = (
+        float(scipy.optimize.brentq(f, 0.0, end, xtol=1e-9))
+        for f, end in ((by_spin, 0.5), (by_tilt, 5))
+    )
+    return {
+        "case": dropped.case,
+        "impulse_ratio": params.bias,
+        "spin_over_speed": spin,
+        "spin_rad_per_s": spin * speed / float(sphere.radius),
+        "spin_over_speed_closed_form": 3.5 * (1.0 + e) * params.bias,
+        "tilt_deg": tilt,
+        "tilt_deg_closed_form": float(np.degrees(params.bias / (1.0 - 2.0 / 7.0 / (1.0 + e)))),
+        "tilt_uncertainty_deg": sampling.angle_error_deg,
+        "tilt_over_its_uncertainty": tilt / sampling.angle_error_deg,
+        "evidence": "computed",
+    }
+
+
+def tilted_ratio(contact: Contact, speed: float, tilt: float) -> float:
+    """Return the impulse ratio measured at normal incidence on a target tilted unknown to all.
+
+    The components are those along and across the nominal surface. The target throws the sphere to
+    the side to which it slopes: the ratio counted along that side is negative.
+
+    Parameters
+    ----------
+    contact
+        Of one sphere.
+    speed
+        m/s.
+    tilt
+        Degrees.
+    """
+    impact = simulate(contact, speed, 90.0 - tilt)
+    true = Measured(
+        event=np.zeros(1, dtype=np.int64),
+        incident_normal=np.array([-speed * np.cos(np.radians(tilt))]),
+        incident_tangential=np.array([speed * np.sin(np.radians(tilt))]),
+        rebound_normal=np.atleast_1d(impact.normal_velocity),
+        rebound_tangential=np.atleast_1d(impact.tangential_velocity),
+    )
+    return float(quantities(turned(true, tilt))["impulse_ratio"][0])

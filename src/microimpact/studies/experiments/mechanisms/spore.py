@@ -1,0 +1,367 @@
+"""What could raise the measured restitution of spores at shallow angles, each cause alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import scipy
+
+from microimpact.core.arrays import FloatArray
+from microimpact.declared.parameters import (
+    AngleDegrees,
+    Count,
+    Fraction,
+    Name,
+    NonNegative,
+    Positive,
+)
+from microimpact.lab.events import Measured
+from microimpact.lab.experiment import Target
+from microimpact.lab.ptis.experiment import Recipe, collect
+from microimpact.lab.ptis.system import Instrument
+from microimpact.lab.samples import (
+    QUANTITIES,
+    Dropped,
+    Sampling,
+    Seen,
+    contact_of,
+    difference_columns,
+    half_width,
+    impacts_of,
+    in_class,
+    mean_columns,
+    reduce_to,
+    seen,
+    with_spin,
+)
+from microimpact.model.contact import Contact, resized
+from microimpact.model.dynamics.impact import simulate
+from microimpact.model.dynamics.normal import normal_impact
+from microimpact.model.rigid_body.eccentric import eccentric_rebound
+from microimpact.statistics.distributions import generator
+
+# Offsets are cut here: a point of contact lies on the lower half of the body.
+LARGEST_OFFSET = 0.9
+
+
+def off_centre(
+    dropped: Dropped, contact: Contact, angle: float, offset_sd: float, sampling: Sampling
+) -> Seen:
+    """Return a sample of bodies that touch a smooth plane off their centre.
+
+    The offset along the motion is normal. Restitution at the point of contact, and the friction
+    that its compressive impulse can support, are those of the sphere at its normal speed. Bodies
+    that still move towards the plane count as captured.
+
+    Parameters
+    ----------
+    dropped, contact, angle, sampling
+        As in `_dropped.seen`; slopes and spin are not used.
+    offset_sd
+        Standard deviation of the offset over the radius.
+    """
+    impacts = impacts_of(dropped, contact, angle, sampling)
+    inside = np.flatnonzero(in_class(dropped, impacts))
+    diameter, v = impacts.diameter[inside], impacts.velocity[inside]
+    draws = generator(sampling.seed, 1).standard_normal(sampling.impacts)[inside]
+    offset = np.clip(offset_sd * draws, -LARGEST_OFFSET, LARGEST_OFFSET)
+    normal = normal_impact(resized(contact, diameter), -v[:, 2])
+    e = normal.coefficient_of_restitution
+    pressed = normal.compressive_impulse / resized(contact, diameter).mass
+    after = eccentric_rebound(
+        v[:, 2],
+        v[:, 0],
+        0.0,
+        0.5 * diameter,
+        offset,
+        e,
+        contact.friction * pressed / ((1.0 + e) * -v[:, 2]),
+    )
+    free = ~normal.captured & (after.V_n > 0.0)
+    measured = Measured(
+        event=inside[free],
+        incident_normal=v[free, 2],
+        incident_tangential=v[free, 0],
+        rebound_normal=after.V_n[free],
+        rebound_tangential=after.V_t[free],
+    )
+    return reduce_to(measured, inside.size, sampling)
+
+
+def as_imaged(
+    dropped: Dropped,
+    contact: Contact,
+    angle: float,
+    sampling: Sampling,
+    instrument: Instrument,
+    *,
+    events: int,
+    most_dropped: int,
+) -> Seen:
+    """Return what the camera sees of a sample, without errors that its events share.
+
+    Parameters
+    ----------
+    dropped, contact, angle, sampling
+        As in `_dropped.seen`.
+    instrument
+        The imaging system; its errors of rate, scale and angle are left out.
+    events, most_dropped
+        Events wanted, and particles after which the sample is taken as it is.
+    """
+    exact = replace(instrument, rate_error=0.0, scale_error=0.0, angle_error_deg=0.0)
+    recipe = Recipe(
+        target=Target(contact=contact, slope_sd=dropped.slope_sd),
+        diameter_um=dropped.diameter_um,
+        speed=dropped.speed_m_per_s,
+        speed_range=dropped.speed_range_m_per_s,
+        dispenser=sampling.dispenser,
+        spin=dropped.spin,
+        instrument=exact,
+        method="model",
+    )
+    rng = generator(sampling.seed, 2, round(10 * angle))
+    outcome = collect(recipe, angle, events, most_dropped, rng)
+    return reduce_to(outcome.measured, outcome.captured + outcome.rebounded, sampling)
+
+
+# Angles (degrees) between which the article states trends.
+TREND_DEG = (85.0, 45.0, 38.0, 20.0, 15.0, 10.0, 5.0)
+# Factors on the damping between which a calibration is sought.
+FACTORS = (0.3, 3.0)
+# Name of the sample of slopes that the imaging system sees.
+CAMERA = "slopes, seen by the camera"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spore:
+    """Spores on a smooth surface, and the causes tried.
+
+    Attributes
+    ----------
+    spore
+        Spores; each cause alone takes their slope or none.
+    steel, steel_cases
+        Spheres beside which they stand.
+    angles_deg
+        Of incidence, in descending order.
+    compared_deg, calibrated_restitution
+        Angles of the comparison with steel, and the measured restitution of both at the first.
+    slope_sds
+        Other slopes tried.
+    offset_sds
+        Standard deviations of the offset of the point of contact over the radius.
+    mean_spin
+        r omega/v, tried as a cause.
+    seen_deg, seen_events, seen_dropped
+        Angles, events and particles of the sample seen by the imaging system.
+    quoted_capture_velocity_m_per_s
+        Of Paw U.
+    smooth_deg
+        Angles at which the smooth spore is computed.
+    """
+
+    spore: Dropped
+    steel: Dropped
+    steel_cases: tuple[Name, ...]
+    angles_deg: tuple[AngleDegrees, ...]
+    compared_deg: tuple[AngleDegrees, ...]
+    calibrated_restitution: Fraction
+    slope_sds: tuple[NonNegative, ...]
+    offset_sds: tuple[NonNegative, ...]
+    mean_spin: Fraction
+    seen_deg: tuple[AngleDegrees, ...]
+    seen_events: Count
+    seen_dropped: Count
+    quoted_capture_velocity_m_per_s: Positive
+    smooth_deg: tuple[AngleDegrees, ...]
+
+    def __post_init__(self) -> None:
+        """Refuse angles without those between which the article states trends."""
+        missing = [angle for angle in TREND_DEG if angle not in self.angles_deg]
+        if missing:
+            raise ValueError(f"angles_deg: must hold {', '.join(f'{a:g}' for a in missing)}")
+
+
+def spore_tables(
+    params: Spore,
+    sampling: Sampling,
+    instrument: Instrument,
+    inputs: Mapping[str, pd.DataFrame],
+) -> dict[str, pd.DataFrame]:
+    """Return the tables of the spore mechanisms, by name."""
+    contact = contact_of(params.spore, inputs)
+    found = causes(params, sampling, contact)
+    found[CAMERA] = {
+        angle: as_imaged(
+            params.spore,
+            contact,
+            angle,
+            sampling,
+            instrument,
+            events=params.seen_events,
+            most_dropped=params.seen_dropped,
+        )
+        for angle in params.seen_deg
+    }
+    means = [
+        {"mechanism": name, "angle_deg": angle}
+        | mean_columns(one)
+        | {"evidence": "virtual experiment"}
+        for name, samples in found.items()
+        for angle, one in samples.items()
+    ]
+    trends = [trend_row(name, samples, sampling) for name, samples in found.items()]
+    trends.append(_second_contacts(found, sampling))
+    return {
+        "spore_mechanism": pd.DataFrame(means),
+        "spore_trends": pd.DataFrame(trends),
+        "spore_comparison": comparison(params, sampling, inputs),
+        "smooth_spore": smooth_spore(params, contact),
+    }
+
+
+def causes(params: Spore, sampling: Sampling, contact: Contact) -> dict[str, dict[float, Seen]]:
+    """Return the samples of every cause at every angle."""
+    slopes, smooth = params.spore, replace(params.spore, particle_slope=0.0)
+    spun = with_spin(smooth, mean=params.mean_spin, sd=params.spore.spin.sd)
+    ways: dict[str, Callable[[float], Seen]] = {
+        "none": lambda angle: seen(smooth, contact, angle, sampling),
+        "slopes, first contacts": lambda angle: seen(slopes, contact, angle, sampling, 1),
+        "slopes": lambda angle: seen(slopes, contact, angle, sampling),
+        "spin with a mean": lambda angle: seen(spun, contact, angle, sampling),
+    }
+    found = {name: {a: way(a) for a in params.angles_deg} for name, way in ways.items()}
+    for sd in params.slope_sds:
+        other = replace(slopes, particle_slope=sd)
+        found[f"slopes of {sd:g}"] = {
+            a: seen(other, contact, a, sampling) for a in params.angles_deg
+        }
+    for sd in params.offset_sds:
+        found[f"off centre, {sd:g}"] = {
+            a: off_centre(smooth, contact, a, sd, sampling) for a in params.angles_deg
+        }
+    return found
+
+
+def trend_row(name: str, samples: Mapping[float, Seen], sampling: Sampling) -> dict[str, Any]:
+    """Return the trends that the article describes, over half-widths, and where e is least."""
+    e = {a: one.statistics["restitution"].mean for a, one in samples.items()}
+    present = {a: value for a, value in e.items() if np.isfinite(value)}
+
+    def change(quantity: str, start: float, end: float) -> float:
+        if start not in samples or end not in samples:
+            return np.nan
+        one, other = samples[end].statistics[quantity], samples[start].statistics[quantity]
+        return (one.mean - other.mean) / half_width(one, other, sampling)
+
+    return {
+        "mechanism": name,
+        "angle_of_least_restitution_deg": min(present, key=lambda a: present[a]),
+        "restitution_rise_38_to_15_over_half_width": change("restitution", 38.0, 15.0),
+        "impulse_ratio_rise_85_to_20_over_half_width": change("impulse_ratio", 85.0, 20.0),
+        "impulse_ratio_rise_45_to_20_over_half_width": change("impulse_ratio", 45.0, 20.0),
+        "impulse_ratio_fall_15_to_5_over_half_width": -change("impulse_ratio", 15.0, 5.0),
+        "impulse_ratio_fall_15_to_10_over_half_width": -change("impulse_ratio", 15.0, 10.0),
+        "evidence": "virtual experiment",
+    }
+
+
+def _second_contacts(
+    found: Mapping[str, Mapping[float, Seen]], sampling: Sampling
+) -> dict[str, Any]:
+    """Return what second contacts add to the trends of slopes."""
+    every, first = found["slopes"], found["slopes, first contacts"]
+
+    def added(quantity: str, start: float, end: float) -> float:
+        one, other = every[end].statistics[quantity], every[start].statistics[quantity]
+        before = first[end].statistics[quantity], first[start].statistics[quantity]
+        change = (one.mean - before[0].mean) - (other.mean - before[1].mean)
+        return change / half_width(one, other, sampling)
+
+    return {
+        "mechanism": "second contacts, added to slopes",
+        "angle_of_least_restitution_deg": np.nan,
+        "restitution_rise_38_to_15_over_half_width": added("restitution", 38.0, 15.0),
+        "impulse_ratio_rise_85_to_20_over_half_width": added("impulse_ratio", 85.0, 20.0),
+        "impulse_ratio_rise_45_to_20_over_half_width": added("impulse_ratio", 45.0, 20.0),
+        "impulse_ratio_fall_15_to_5_over_half_width": -added("impulse_ratio", 15.0, 5.0),
+        "impulse_ratio_fall_15_to_10_over_half_width": -added("impulse_ratio", 15.0, 10.0),
+        "evidence": "virtual experiment",
+    }
+
+
+def comparison(
+    params: Spore, sampling: Sampling, inputs: Mapping[str, pd.DataFrame]
+) -> pd.DataFrame:
+    """Return steel less spore, each with its slopes and calibrated at the first angle alone."""
+
+    def calibrated(dropped: Dropped) -> Contact:
+        return met_at(
+            params.calibrated_restitution,
+            dropped,
+            contact_of(dropped, inputs),
+            params.compared_deg[0],
+            sampling,
+        )
+
+    rows = []
+    # Every contact tried, and each of those found, is looked at in a few samples only.
+    sampling = replace(sampling, tabulated=False)
+    contact = calibrated(params.spore)
+    for case in params.steel_cases:
+        steel = replace(params.steel, case=case)
+        own = calibrated(steel)
+        for angle in params.compared_deg:
+            one = seen(steel, own, angle, sampling)
+            other = seen(params.spore, contact, angle, sampling)
+            rows.append(
+                {"case": case, "angle_deg": angle}
+                | {f"steel_{name}": one.statistics[name].mean for name in QUANTITIES}
+                | {f"spore_{name}": other.statistics[name].mean for name in QUANTITIES}
+                | difference_columns(one, other, sampling)
+                | {"evidence": "virtual experiment"}
+            )
+    return pd.DataFrame(rows)
+
+
+def met_at(
+    restitution: float, dropped: Dropped, contact: Contact, angle: float, sampling: Sampling
+) -> Contact:
+    """Return the contact with both dampings scaled to give a measured mean restitution."""
+
+    def scaled(factor: float) -> Contact:
+        return contact.replace(
+            hertz_damping=factor * contact.hertz_damping,
+            adhesion_damping=factor * contact.adhesion_damping,
+        )
+
+    def excess(factor: float) -> float:
+        found = seen(dropped, scaled(factor), angle, sampling)
+        return found.statistics["restitution"].mean - restitution
+
+    return scaled(float(scipy.optimize.brentq(excess, *FACTORS, xtol=1e-4)))
+
+
+def smooth_spore(params: Spore, contact: Contact) -> pd.DataFrame:
+    """Return the mean spore without slopes: what its calibrated contact does at each angle."""
+    angle: FloatArray = np.array(params.smooth_deg)
+    speed = params.spore.speed_m_per_s
+    impact = simulate(contact, speed, angle)
+    quoted = params.quoted_capture_velocity_m_per_s
+    normal = speed * np.sin(np.radians(angle))
+    return pd.DataFrame(
+        {
+            "angle_deg": angle,
+            "normal_speed_m_per_s": normal,
+            "restitution": impact.coefficient_of_restitution,
+            "captured": impact.captured,
+            "normal_speed_over_quoted_capture_velocity": normal / quoted,
+            "angle_of_quoted_capture_velocity_deg": np.degrees(np.arcsin(quoted / speed)),
+            "evidence": "computed",
+        }
+    )

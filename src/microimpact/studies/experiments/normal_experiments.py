@@ -1,0 +1,339 @@
+"""Normal impacts as the article's laboratory measures them: two sieve classes (Figs. 4 and 5)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike
+from pydantic import Field
+
+from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.tables import series_frame
+from microimpact.declared.parameters import Count, Fraction, Name, Positive
+from microimpact.lab.contacts import calibrated_contact
+from microimpact.lab.dispenser import Dispenser, InitialSpin
+from microimpact.lab.events import Measured
+from microimpact.lab.experiment import Target
+from microimpact.lab.pdpa.analyser import Instrument
+from microimpact.lab.pdpa.experiment import drop_and_observe, reduced, true_restitution
+from microimpact.lab.pdpa.observation import Observation
+from microimpact.lab.reduction import Mean
+from microimpact.model.contact import Contact, resized
+from microimpact.model.dynamics.normal import normal_impact
+from microimpact.statistics.distributions import Distribution, generator, mean
+
+NO_SPIN = InitialSpin(sd=0.0, mean=0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Population:
+    """Particles of one sieve class."""
+
+    name: Name
+    diameter_um: Distribution
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params:
+    """Two sieve classes on one surface over a range of speeds."""
+
+    seed: Annotated[int, Field(ge=0)]
+    particle: Name
+    surface: Name
+    case: Name
+    other_case: Name
+    populations: tuple[Population, ...]
+    speeds_m_per_s: tuple[Positive, ...]
+    dropped: Count
+    most_dropped: Count
+    speed_window: Fraction
+    events: Annotated[int, Field(ge=2)]
+    fewest_events: Annotated[int, Field(ge=2)]
+    dispenser: Dispenser
+    instrument: Instrument
+    sizes: Annotated[int, Field(ge=10)]
+    points: Annotated[int, Field(ge=10)]
+    plateau_share: Fraction
+    hidden_share: Fraction
+    anchors: tuple[Name, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Curve:
+    """What a sieve class does at given speeds, without instrument.
+
+    Attributes
+    ----------
+    speed
+        m/s, shape (n,).
+    rebounding
+        Mean restitution of the particles that rebound, shape (n,); nan where none does.
+    captured
+        Share captured, shape (n,).
+    """
+
+    speed: FloatArray
+    rebounding: FloatArray
+    captured: FloatArray
+
+
+class Point(NamedTuple):
+    """One plotted point: population, quantity, speed (m/s) and mean."""
+
+    population: str
+    quantity: str
+    speed: float
+    mean: Mean
+
+
+def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+    """Drop both classes at every speed, observe, reduce.
+
+    Parameters
+    ----------
+    params
+        Parameters of the study.
+    inputs
+        ``calibration``: calibrated contacts; ``materials``: declared rows; ``anchors``: printed
+        values.
+
+    Returns
+    -------
+    mapping
+        ``fig04``: restitution against the normal speed. ``fig05``: energy loss.
+        ``normal_experiments``: one row per experiment, measured and true. ``size_effects``: what
+        the spread of sizes does to restitution and capture.
+    """
+    contacts = {case: calibrated_contact(inputs, case) for case in (params.case, params.other_case)}
+    rows, points = [], []
+    for i, population in enumerate(params.populations):
+        for k, speed in enumerate(params.speeds_m_per_s):
+            row, found = experiment(params, population, speed, contacts[params.case], (i, k))
+            rows.append(row)
+            points += [
+                Point(population.name, name, float(row["speed_m_per_s"]), of)
+                for name, of in found.items()
+            ]
+    curves = {
+        (case, population.name): sieve_curve(params, population, contact)
+        for case, contact in contacts.items()
+        for population in params.populations
+    }
+    printed = inputs["anchors"].set_index("key")
+    return {
+        "fig04": restitution_data(params, points, curves, contacts[params.case], printed),
+        "fig05": loss_data(params, points, curves, printed),
+        "normal_experiments": pd.DataFrame(rows),
+        "size_effects": size_effects(params, curves, contacts),
+    }
+
+
+def experiment(
+    params: Params,
+    population: Population,
+    speed: float,
+    contact: Contact,
+    key: tuple[int, int],
+) -> tuple[dict[str, Any], Mapping[str, Mean]]:
+    """Return one experiment as a row of the table, and the means that can be plotted.
+
+    The first ``events`` accepted pairs are averaged, as one would stop an experiment; with fewer
+    than ``fewest_events`` there is no point to plot.
+    """
+    dropped, observation = collected(params, population, speed, contact, key)
+    accepted = observation.measured.select(in_class(params, observation.measured, speed))
+    measured = accepted.select(slice(params.events))
+    enough = len(measured) >= params.fewest_events
+    found = reduced(measured, observation.pairing.height_error) if enough else {}
+    quality, fates = observation.quality, observation.quality.fates
+    truth = true_restitution(observation)
+    row: dict[str, Any] = {
+        "population": population.name,
+        "nominal_speed_m_per_s": speed,
+        "speed_m_per_s": float(np.mean(-measured.incident_normal)) if len(measured) else np.nan,
+        "dropped": dropped,
+        "near_the_probe": len(truth),
+        "events": len(measured),
+        "captured": fates["captured"],
+        "too_slow_for_the_probe": fates["rebound below probe"],
+        "missed_the_probe": fates["incident missed probe"] + fates["rebound missed probe"],
+        "precision": quality.precision,
+        "recall": quality.recall,
+        "probe_height_found_mm": 1e3 * quality.estimated_height,
+        "probe_height_true_mm": 1e3 * quality.height,
+    }
+    for name in ("restitution", "energy_loss"):
+        of = found.get(name)
+        row[name] = of.value if of else np.nan
+        row[f"{name}_low"] = of.low if of else np.nan
+        row[f"{name}_high"] = of.high if of else np.nan
+    row["true_restitution_of_rebounds"] = (
+        float(np.mean(truth[truth > 0.0])) if np.any(truth > 0.0) else np.nan
+    )
+    row["true_restitution_of_all"] = float(np.mean(truth))
+    row["evidence"] = "virtual experiment"
+    return row, found
+
+
+def collected(
+    params: Params, population: Population, speed: float, contact: Contact, key: tuple[int, int]
+) -> tuple[int, Observation]:
+    """Drop more particles, until there are enough events or the experiment is given up."""
+    dropped = params.dropped
+    target = Target(contact=contact, slope_sd=0.0).tabulated(population.diameter_um)
+    while True:
+        observation = drop_and_observe(
+            dropped,
+            target=target,
+            speed=speed,
+            diameter_um=population.diameter_um,
+            dispenser=params.dispenser,
+            spin=NO_SPIN,
+            instrument=params.instrument,
+            rng=generator(params.seed, *key),
+        )
+        found = int(np.sum(in_class(params, observation.measured, speed)))
+        if found >= params.events or dropped >= params.most_dropped:
+            return dropped, observation
+        dropped = min(4 * dropped, params.most_dropped)
+
+
+def in_class(params: Params, measured: Measured, speed: float) -> BoolArray:
+    """Tell which events have a measured speed near the nominal one: later bounces are slower."""
+    return np.abs(measured.speed / speed - 1.0) <= params.speed_window
+
+
+def sieve_curve(params: Params, population: Population, contact: Contact) -> Curve:
+    """Return the mean of a sieve class over its sizes, at speeds up to the largest."""
+    share = (np.arange(params.sizes) + 0.5) / params.sizes
+    sized = resized(contact, population.diameter_um.quantile(share) * 1e-6)
+    speed = np.geomspace(0.05, max(params.speeds_m_per_s), params.points)
+    impact = normal_impact(sized, speed[:, None])
+    e, captured = impact.coefficient_of_restitution, np.asarray(impact.captured)
+    rebounds = np.sum(~captured, axis=1)
+    with np.errstate(invalid="ignore"):
+        rebounding = np.sum(np.where(captured, 0.0, e), axis=1) / rebounds
+    return Curve(speed=speed, rebounding=rebounding, captured=np.mean(captured, axis=1))
+
+
+def size_effects(
+    params: Params, curves: Mapping[tuple[str, str], Curve], contacts: Mapping[str, Contact]
+) -> pd.DataFrame:
+    """Return where restitution has fallen to a share of its plateau, and the width of capture."""
+    rows = []
+    for (case, name), curve in curves.items():
+        plateau = float(curve.rebounding[-1])
+        low = np.flatnonzero(curve.rebounding < params.plateau_share * plateau)
+        fallen = float(curve.speed[low[-1]]) if low.size else np.nan
+        half = {
+            share: float(np.interp(-share, -curve.captured, curve.speed))
+            for share in (0.9, 0.5, 0.1)
+        }
+        rows.append(
+            {
+                "case": case,
+                "population": name,
+                "fallen_speed_m_per_s": fallen,
+                "captured_90_percent_m_per_s": half[0.9],
+                "captured_50_percent_m_per_s": half[0.5],
+                "captured_10_percent_m_per_s": half[0.1],
+                "restitution_at_0.75_m_per_s": float(
+                    np.interp(0.75, curve.speed, curve.rebounding)
+                ),
+                "restitution_at_highest_speed": plateau,
+                "evidence": "computed",
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def restitution_data(
+    params: Params,
+    points: list[Point],
+    curves: Mapping[tuple[str, str], Curve],
+    contact: Contact,
+    printed: pd.DataFrame,
+) -> pd.DataFrame:
+    """Return the data of Fig. 4."""
+    frames = [*_measured("restitution", points)]
+    for (case, name), curve in curves.items():
+        end = "" if case == params.case else ", other end"
+        shown = curve.captured < params.hidden_share
+        x, y = curve.speed[shown], curve.rebounding[shown]
+        frames.append(_frame(f"{name} sieve{end}", x, y))
+    for population in params.populations:
+        diameter = mean(population.diameter_um) * 1e-6
+        speed = curves[params.case, population.name].speed
+        e = normal_impact(resized(contact, diameter), speed).coefficient_of_restitution
+        frames.append(_frame(f"{population.name} mean size", speed[e > 0], e[e > 0]))
+    level, ends = _level(params, printed)
+    frames.append(_frame("printed level", ends, [level, level], "printed"))
+    return pd.concat([*frames, _pile_up(printed)], ignore_index=True)
+
+
+def loss_data(
+    params: Params,
+    points: list[Point],
+    curves: Mapping[tuple[str, str], Curve],
+    printed: pd.DataFrame,
+) -> pd.DataFrame:
+    """Return the data of Fig. 5: 1 - e^2 of every event, and of the simulation at the mean e."""
+    frames = [*_measured("energy_loss", points)]
+    for (case, name), curve in curves.items():
+        if case == params.case:
+            shown = curve.captured < params.hidden_share
+            x, e = curve.speed[shown], curve.rebounding[shown]
+            frames.append(_frame(f"{name} sieve", x, 1.0 - e**2))
+    level, ends = _level(params, printed)
+    frames.append(_frame("printed level", ends, [1.0 - level**2] * 2, "printed"))
+    return pd.concat([*frames, _pile_up(printed)], ignore_index=True)
+
+
+def _measured(name: str, points: list[Point]) -> Iterator[pd.DataFrame]:
+    for population in dict.fromkeys(point.population for point in points):
+        own = [p for p in points if p.population == population and p.quantity == name]
+        yield _frame(
+            population,
+            [p.speed for p in own],
+            [p.mean.value for p in own],
+            "virtual experiment",
+            [p.mean.low for p in own],
+            [p.mean.high for p in own],
+        )
+
+
+def _level(params: Params, printed: pd.DataFrame) -> tuple[float, list[float]]:
+    """Printed restitution, and the speeds between which it is said to hold."""
+    value = printed["value"].astype(float)
+    start = float(value["plateau_speed_sst_silicon"])
+    return float(value["restitution_sst_silicon_normal"]), [start, max(params.speeds_m_per_s)]
+
+
+def _pile_up(printed: pd.DataFrame) -> pd.DataFrame:
+    ends = printed.loc["pile_up_speed_sst_silicon", ["low", "high"]].astype(float)
+    return _frame("printed pile-up", ends, [0.0, 0.0], "printed")
+
+
+def _frame(
+    series: str,
+    x: ArrayLike,
+    y: ArrayLike,
+    evidence: str = "computed",
+    y_low: ArrayLike = np.nan,
+    y_high: ArrayLike = np.nan,
+) -> pd.DataFrame:
+    return series_frame(
+        panel="all",
+        series=series,
+        evidence=evidence,
+        x=x,
+        y=y,
+        x_unit="m_per_s",
+        y_unit="1",
+        y_low=y_low,
+        y_high=y_high,
+    )

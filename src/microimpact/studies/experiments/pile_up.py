@@ -1,0 +1,241 @@
+"""Does a pile on the target tell the capture velocity? Repeated bounces on it (2.3.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import numpy as np
+import pandas as pd
+from pydantic import Field
+
+from microimpact.core.arrays import FloatArray
+from microimpact.core.tables import series_frame
+from microimpact.declared.parameters import Count, Fraction, Name, NonNegative, Positive
+from microimpact.lab.contacts import calibrated_contact
+from microimpact.lab.dispenser import Dispenser, InitialSpin, drop_height, release
+from microimpact.lab.experiment import Target
+from microimpact.lab.piles import Resting, follow
+from microimpact.model.calibration import two_stage
+from microimpact.model.contact import Contact, resized
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.statistics.distributions import Distribution, generator, mean
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params:
+    """Spheres dropped on a flat target, for two capture velocities.
+
+    Attributes
+    ----------
+    case
+        Calibrated contact, whose capture velocity holds for the diameter of its calibration.
+    other_work_of_adhesion_J_per_m2, other_capture_velocity_m_per_s
+        Of a contact with less adhesion, calibrated anew to the same restitution at high speed.
+    high_speed_m_per_s, restitution
+        That restitution.
+    radii_mm, slopes_deg
+        Of targets, and spread of their slopes per axis.
+    drawn_radius_mm, drawn_slope_deg
+        Of the figure.
+    shares
+        Shares of spheres on the target at which it begins to pile up.
+    """
+
+    seed: Annotated[int, Field(ge=0)]
+    particle: Name
+    surface: Name
+    case: Name
+    friction: Fraction
+    diameter_um: Distribution
+    spin: InitialSpin
+    dispenser: Dispenser
+    spheres: Count
+    most_impacts: Count
+    high_speed_m_per_s: Positive
+    restitution: Fraction
+    other_work_of_adhesion_J_per_m2: Positive  # noqa: N815 (the unit)
+    other_capture_velocity_m_per_s: Positive
+    radii_mm: tuple[Positive, ...]
+    slopes_deg: tuple[NonNegative, ...]
+    drawn_radius_mm: Positive
+    drawn_slope_deg: NonNegative
+    speeds_m_per_s: tuple[Positive, ...]
+    shares: tuple[Fraction, ...]
+    indistinct_m_per_s: Positive
+    anchors: tuple[Name, ...]
+
+    def __post_init__(self) -> None:
+        """Refuse speeds out of order, and a figure of what is not computed."""
+        if any(b <= a for a, b in zip(self.speeds_m_per_s, self.speeds_m_per_s[1:], strict=False)):
+            raise ValueError(f"speeds_m_per_s must ascend, got {list(self.speeds_m_per_s)}")
+        for drawn, known in (("drawn_radius_mm", "radii_mm"), ("drawn_slope_deg", "slopes_deg")):
+            if getattr(self, drawn) not in getattr(self, known):
+                raise ValueError(
+                    f"{drawn}: {getattr(self, drawn):g} must be one of {known} "
+                    f"{list(getattr(self, known))}"
+                )
+
+
+def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+    """Drop spheres at every speed on every target.
+
+    Parameters
+    ----------
+    params
+        Parameters of the study.
+    inputs
+        ``calibration``: calibrated contacts; ``materials``: declared rows; ``anchors``: printed
+        values.
+
+    Returns
+    -------
+    mapping
+        ``pile_up``: share of spheres that rest on the target, per contact, target and speed.
+        ``pile_up_onsets``: speeds below which it piles up. ``pile_up_onset``: data of the figure.
+    """
+    table = pd.DataFrame(_rows(params, contacts(params, inputs)))
+    printed = inputs["anchors"].set_index("key")
+    return {
+        "pile_up": table,
+        "pile_up_onsets": onsets(params, table),
+        "pile_up_onset": figure_data(params, table, printed),
+    }
+
+
+def contacts(params: Params, inputs: Mapping[str, pd.DataFrame]) -> dict[float, Contact]:
+    """Return both contacts by their capture velocity (m/s) at the diameter of the calibration."""
+    strong = calibrated_contact(inputs, params.case).replace(friction=params.friction)
+    weak = two_stage(
+        strong.replace(work_of_adhesion=params.other_work_of_adhesion_J_per_m2),
+        params.high_speed_m_per_s,
+        params.restitution,
+        params.other_capture_velocity_m_per_s,
+    ).contact
+    return {round(float(capture_velocity(c)), 6): c for c in (strong, weak)}
+
+
+def _rows(params: Params, known: Mapping[float, Contact]) -> Iterator[dict[str, Any]]:
+    for velocity, contact in known.items():
+        own = float(capture_velocity(resized(contact, mean(params.diameter_um) * 1e-6)))
+        for slope in params.slopes_deg:
+            for speed in params.speeds_m_per_s:
+                resting = rest(params, contact, slope, speed)
+                for radius in params.radii_mm:
+                    stays = resting.on_target(radius * 1e-3)
+                    yield {
+                        "capture_velocity_m_per_s": velocity,
+                        "capture_velocity_of_mean_sphere_m_per_s": own,
+                        "target_radius_mm": radius,
+                        "slope_deg": slope,
+                        "speed_m_per_s": speed,
+                        "share_on_target": float(np.mean(stays)),
+                        "share_captured_at_first_impact": float(
+                            np.mean(stays & (resting.impacts == 1))
+                        ),
+                        "mean_impacts": float(np.mean(resting.impacts)),
+                        "evidence": "virtual experiment",
+                    }
+
+
+def rest(params: Params, contact: Contact, slope_deg: float, speed: float) -> Resting:
+    """Drop spheres at one nominal speed and follow them; all cases share the random numbers."""
+    rng = generator(params.seed, 0)
+    falling = release(
+        params.spheres,
+        angle=90.0,
+        height=drop_height(speed, params.dispenser),
+        diameter_um=params.diameter_um,
+        dispenser=params.dispenser,
+        spin=params.spin,
+        rng=rng,
+    )
+    target = Target(contact=contact, slope_sd=float(np.tan(np.radians(slope_deg))))
+    return follow(
+        target.tabulated(params.diameter_um),
+        falling.diameter,
+        falling.position,
+        falling.velocity,
+        falling.spin,
+        rng,
+        most_impacts=params.most_impacts,
+        farthest=max(params.radii_mm) * 1e-3,
+    )
+
+
+def onsets(params: Params, table: pd.DataFrame) -> pd.DataFrame:
+    """Return the speeds below which given shares rest, and whether capture velocities show."""
+    rows: list[dict[str, Any]] = []
+    for (radius, slope), part in table.groupby(["target_radius_mm", "slope_deg"], sort=False):
+        for share in params.shares:
+            found: dict[str, Any] = {
+                "target_radius_mm": radius,
+                "slope_deg": slope,
+                "share": share,
+            }
+            speeds = []
+            for velocity, own in part.groupby("capture_velocity_m_per_s", sort=False):
+                name = f"{velocity:g}".replace(".", "p")
+                for column, label in (
+                    ("share_on_target", "onset"),
+                    ("share_captured_at_first_impact", "first_impact_onset"),
+                ):
+                    speed = onset(own["speed_m_per_s"].to_numpy(), own[column].to_numpy(), share)
+                    found[f"{label}_at_{name}_m_per_s"] = speed
+                    if label == "onset":
+                        speeds.append(speed)
+            found["difference_m_per_s"] = speeds[0] - speeds[1]
+            found["identified"] = bool(abs(speeds[0] - speeds[1]) > params.indistinct_m_per_s)
+            found["evidence"] = "virtual experiment"
+            rows.append(found)
+    return pd.DataFrame(rows)
+
+
+def onset(speed: FloatArray, share: FloatArray, wanted: float) -> float:
+    """Return the highest speed at which a share rests; nan if there is none in the range.
+
+    Parameters
+    ----------
+    speed
+        Ascending, m/s, shape (n,).
+    share
+        At each, shape (n,).
+    wanted
+        The share looked for.
+    """
+    above = np.flatnonzero(share >= wanted)
+    if above.size == 0 or above[-1] == speed.size - 1:
+        return float("nan")
+    k = int(above[-1])
+    step = (share[k] - wanted) / (share[k] - share[k + 1])
+    return float(speed[k] + step * (speed[k + 1] - speed[k]))
+
+
+def figure_data(params: Params, table: pd.DataFrame, printed: pd.DataFrame) -> pd.DataFrame:
+    """Return the data of the figure: share on the target, at first impact and in the end."""
+    shown = table[
+        (table["target_radius_mm"] == params.drawn_radius_mm)
+        & (table["slope_deg"] == params.drawn_slope_deg)
+    ]
+    common: dict[str, Any] = {"panel": "all", "x_unit": "m_per_s", "y_unit": "1"}
+    frames = []
+    for velocity, own in shown.groupby("capture_velocity_m_per_s", sort=False):
+        for column, name in (
+            ("share_on_target", "in the end"),
+            ("share_captured_at_first_impact", "first impact"),
+        ):
+            frames.append(
+                series_frame(
+                    series=f"{velocity:g} m/s, {name}",
+                    evidence="virtual experiment" if name == "in the end" else "computed",
+                    x=own["speed_m_per_s"],
+                    y=own[column],
+                    **common,
+                )
+            )
+    ends = printed.loc[params.anchors[0], ["low", "high"]].astype(float)
+    frames.append(
+        series_frame(series="printed pile-up", evidence="printed", x=ends, y=0.0, **common)
+    )
+    return pd.concat(frames, ignore_index=True)

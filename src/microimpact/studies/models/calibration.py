@@ -1,0 +1,415 @@
+"""Parameters estimated from printed numbers (3.2.1), and how far the printed numbers fix them.
+
+Steel on silicon by the two-stage method, over the family of works of adhesion and rate exponents
+that the article leaves open; ammonium fluorescein on molybdenum from the force ratios of Fig. 20,
+as an interval; other pairs by their work of adhesion or by their damping alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from microimpact.core.tables import series_frame
+from microimpact.declared.parameters import Finite, Fraction, Name, NonNegative, Positive
+from microimpact.lab.contacts import declared_contact
+from microimpact.model.calibration import (
+    NoSolutionError,
+    damping_factor_for,
+    dissipation_ratio_for,
+    hertz_damping_for_adhesion_ratio,
+    peak_ratios,
+    two_stage,
+    work_of_adhesion_for,
+)
+from microimpact.model.contact import Contact, resized
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import simulate
+from microimpact.model.dynamics.normal import normal_impact
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Facts:
+    """Printed facts that were not fitted, and how well a member of the family must meet them."""
+
+    flat_from_m_per_s: Positive
+    flat_within: Positive
+    shallow_angle_deg: Positive
+    shallow_speed_m_per_s: Positive
+    shallow_restitution: Fraction
+    shallow_within: Positive
+    grazing_angle_deg: Positive
+    grazing_restitution: Fraction
+    plateau_angles_deg: tuple[Finite, Finite]
+    rise_angles_deg: tuple[Finite, Finite]
+    about: Positive
+    contact_times_ns: tuple[Finite, Finite]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TwoStageTargets:
+    """Steel on silicon: targets, the family looked through, and the members others use."""
+
+    particle: Name
+    surface: Name
+    diameter_um: Positive
+    high_speed_m_per_s: Positive
+    restitution: Fraction
+    capture_velocity_m_per_s: Positive
+    rate_exponents: tuple[NonNegative, ...]
+    works_of_adhesion_J_per_m2: tuple[Positive, ...]  # noqa: N815
+    member_exponents: tuple[NonNegative, ...]
+    member_works_J_per_m2: tuple[Positive, ...]  # noqa: N815
+    facts: Facts
+
+    def __post_init__(self) -> None:
+        """Refuse members that do not pair up."""
+        if len(self.member_exponents) != len(self.member_works_J_per_m2):
+            raise ValueError("member_exponents and member_works_J_per_m2 must have the same length")
+
+
+def bare_contact(targets: TwoStageTargets, inputs: Mapping[str, pd.DataFrame]) -> Contact:
+    """Return the steel-silicon contact, normalised at the speed of the high target."""
+    return declared_contact(
+        inputs,
+        targets.particle,
+        targets.surface,
+        diameter=targets.diameter_um * 1e-6,
+        reference_velocity=targets.high_speed_m_per_s,
+    )
+
+
+def solved(contact: Contact, targets: TwoStageTargets, exponent: float, work: float) -> Contact:
+    """Return the member of the family at one rate exponent and work of adhesion."""
+    changed = contact.replace(adhesion_rate_exponent=exponent, work_of_adhesion=work)
+    return two_stage(
+        changed, targets.high_speed_m_per_s, targets.restitution, targets.capture_velocity_m_per_s
+    ).contact
+
+
+def family(targets: TwoStageTargets, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+    """Return every member looked for: its parameters and facts, or why there is none."""
+    contact = bare_contact(targets, inputs)
+    rows: list[dict[str, object]] = []
+    for exponent in targets.rate_exponents:
+        for work in targets.works_of_adhesion_J_per_m2:
+            row: dict[str, object] = {"rate_exponent": exponent, "work_of_adhesion_J_per_m2": work}
+            try:
+                member = solved(contact, targets, exponent, work)
+            except NoSolutionError as reason:
+                rows.append(row | {"solved": False, "reason": str(reason)})
+                continue
+            unit = member.damping_unit
+            parameters = {
+                "hertz_damping_s_per_m": float(member.hertz_damping),
+                "adhesion_damping_s_per_m": float(member.adhesion_damping),
+                "zeta_hertz": float(member.hertz_damping / unit),
+                "zeta_adhesion": float(member.adhesion_damping / unit),
+            }
+            rows.append(row | {"solved": True} | parameters | facts(member, targets))
+    return pd.DataFrame(rows)
+
+
+def facts(member: Contact, targets: TwoStageTargets) -> dict[str, object]:
+    """Return the printed facts that were not fitted, as this member has them, and the verdicts."""
+    wanted, speed = targets.facts, targets.high_speed_m_per_s
+    between = np.geomspace(wanted.flat_from_m_per_s, speed, 20)
+    e = simulate(member, between).coefficient_of_restitution
+    deviation = float(np.abs(e - targets.restitution).max())
+    shallow = simulate(member, wanted.shallow_speed_m_per_s, wanted.shallow_angle_deg)
+    grazing = simulate(member, speed, wanted.grazing_angle_deg)
+    plateau = simulate(member, speed, np.array(wanted.plateau_angles_deg)).impulse_ratio
+    rise = simulate(member, speed, np.array(wanted.rise_angles_deg)).impulse_ratio
+    ledger = normal_impact(member, speed, ledger=True).ledger
+    assert ledger is not None
+    share = float(ledger.adhesion_work / (ledger.adhesion_work + ledger.hertz_work))
+    times = simulate(member, np.array([1.2 * targets.capture_velocity_m_per_s, speed])).contact_time
+    shortest, longest = float(times.min()) * 1e9, float(times.max()) * 1e9
+    low, high = wanted.contact_times_ns
+    e_shallow = float(shallow.coefficient_of_restitution)
+    e_grazing = float(grazing.coefficient_of_restitution)
+    flat, raised = float(plateau[0] / plateau[1]), float(rise[0] / rise[1])
+    return {
+        "deviation_from_plateau": deviation,
+        "plateau_of_e_holds": deviation <= wanted.flat_within,
+        "e_shallow": e_shallow,
+        "e_shallow_holds": abs(e_shallow - wanted.shallow_restitution) <= wanted.shallow_within,
+        "e_grazing": e_grazing,
+        "e_grazing_holds": abs(e_grazing / wanted.grazing_restitution - 1.0) <= wanted.about,
+        "plateau_of_impulse_ratio": flat,
+        "plateau_of_impulse_ratio_holds": abs(flat - 1.0) <= wanted.about,
+        "rise_of_impulse_ratio": raised,
+        "rise_of_impulse_ratio_holds": raised > 1.0 + wanted.about,
+        "adhesion_share_of_loss": share,
+        "most_loss_by_adhesion_holds": share > 0.5,
+        "shortest_contact_ns": shortest,
+        "longest_contact_ns": longest,
+        "contact_times_hold": shortest >= low * (1 - wanted.about)
+        and longest <= high * (1 + wanted.about),
+    }
+
+
+def ridge(members: pd.DataFrame, flat_within: float) -> pd.DataFrame:
+    """Return how far e leaves its plateau, against the work of adhesion, per exponent."""
+    frames = []
+    for exponent, rows in members[members["solved"]].groupby("rate_exponent"):
+        frames.append(
+            series_frame(
+                panel="ridge",
+                series=f"n = {exponent:g}",
+                evidence="calibrated",
+                x=rows["work_of_adhesion_J_per_m2"].to_numpy(float),
+                y=rows["deviation_from_plateau"].to_numpy(float),
+                x_unit="J_per_m2",
+                y_unit="1",
+            )
+        )
+    works = members["work_of_adhesion_J_per_m2"].to_numpy(float)
+    frames.append(
+        series_frame(
+            panel="ridge",
+            series="criterion",
+            evidence="computed",
+            x=[works.min(), works.max()],
+            y=flat_within,
+            x_unit="J_per_m2",
+            y_unit="1",
+        )
+    )
+    return pd.concat(frames, ignore_index=True)
+
+
+def curves(targets: TwoStageTargets, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+    """Return e against speed for the members that others use, with the printed targets."""
+    contact, frames = bare_contact(targets, inputs), []
+    speed = np.geomspace(targets.capture_velocity_m_per_s, 3.0, 200)
+    common = {"panel": "curves", "x_unit": "m_per_s", "y_unit": "1"}
+    for exponent, work in zip(targets.member_exponents, targets.member_works_J_per_m2, strict=True):
+        e = simulate(solved(contact, targets, exponent, work), speed).coefficient_of_restitution
+        # At the capture velocity itself rounding decides between none and hardly any.
+        e = np.where(speed > targets.capture_velocity_m_per_s, e, 0.0)
+        name = f"n = {exponent:g}, w = {work:g} J/m2"
+        frames.append(series_frame(series=name, evidence="calibrated", x=speed, y=e, **common))
+    x = [targets.capture_velocity_m_per_s, targets.high_speed_m_per_s]
+    y = [0.0, targets.restitution]
+    frames.append(series_frame(series="targets", evidence="printed", x=x, y=y, **common))
+    return pd.concat(frames, ignore_index=True)
+
+
+PARAMETERS = {
+    "diameter": "m",
+    "work_of_adhesion": "J/m2",
+    "hertz_damping": "s/m",
+    "adhesion_damping": "s/m",
+    "adhesion_rate_exponent": "-",
+    "reference_velocity": "m/s",
+}
+
+
+# Contacts with the least, the nominal and the greatest capture velocity of an admissible set.
+Corners = tuple[Contact, Contact, Contact]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ForceRatios:
+    """Ammonium fluorescein on molybdenum: ratios of peaks, as bands, and the sizes to look at."""
+
+    particle: Name
+    surface: Name
+    diameter_um: Positive
+    speed_m_per_s: Positive
+    adhesion_over_hertz: Positive
+    dissipation_over_adhesion: Positive
+    band: Fraction
+    other_diameters_um: tuple[Positive, ...]
+    printed_capture_velocity_m_per_s: Positive
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WorkTarget:
+    """A pair whose work of adhesion follows from its capture velocity."""
+
+    particle: Name
+    surface: Name
+    diameter_um: Positive
+    capture_velocity_m_per_s: Positive
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RestitutionTarget:
+    """A pair of which one restitution is known: one factor on both its damping coefficients."""
+
+    case: Name
+    particle: Name
+    surface: Name
+    speed_m_per_s: Positive
+    restitution: Fraction
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params:
+    """What is calibrated, and on which printed numbers."""
+
+    two_stage: TwoStageTargets
+    force_ratios: ForceRatios
+    by_work_of_adhesion: tuple[WorkTarget, ...]
+    by_restitution: tuple[RestitutionTarget, ...]
+
+
+def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+    """Calibrate every case.
+
+    Parameters
+    ----------
+    params
+        Parameters of the study.
+    inputs
+        ``materials``, ``contacts``: the declared rows of the pairs.
+
+    Returns
+    -------
+    mapping
+        ``calibration``: per case its targets, as met, and the parameters found.
+        ``calibration_family``: steel on silicon over works of adhesion and exponents, each member
+        judged by printed facts. ``molybdenum_capture``: capture velocities in m/s as intervals.
+        ``ridge`` and ``ridge_curves``: the family drawn.
+    """
+    targets, ratios = params.two_stage, params.force_ratios
+    corners = _corners(ratios, inputs)
+    rows = [
+        *_member_rows(targets, inputs),
+        *_ratio_rows(ratios, corners),
+        *(row for target in params.by_work_of_adhesion for row in _work_rows(target, inputs)),
+        *(row for known in params.by_restitution for row in _damping_rows(known, inputs)),
+    ]
+    members = family(targets, inputs)
+    return {
+        "calibration": pd.DataFrame(rows),
+        "calibration_family": members,
+        "molybdenum_capture": capture_intervals(ratios, corners),
+        "ridge": ridge(members, targets.facts.flat_within),
+        "ridge_curves": curves(targets, inputs),
+    }
+
+
+def capture_intervals(ratios: ForceRatios, corners: Corners) -> pd.DataFrame:
+    """Return capture velocities over the admissible set, at every size.
+
+    Both ratios are bands. The adhesion ratio grows with c_H >= 0, so c_H runs from zero to where
+    the band's end is met; the capture velocity grows with c_H and with the dissipation ratio, so
+    the corners of the set give the interval. Material parameters are the same at every size.
+    """
+    rows = []
+    for diameter in sorted({ratios.diameter_um, *ratios.other_diameters_um}):
+        low, nominal, high = (
+            float(capture_velocity(resized(contact, diameter * 1e-6))) for contact in corners
+        )
+        printed = ratios.printed_capture_velocity_m_per_s
+        rows.append(
+            {
+                "diameter_um": diameter,
+                "capture_velocity_m_per_s": nominal,
+                "low_m_per_s": low,
+                "high_m_per_s": high,
+                "printed_m_per_s": printed,
+                "printed_inside": low <= printed <= high,
+                "evidence": "computed",
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _corners(ratios: ForceRatios, inputs: Mapping[str, pd.DataFrame]) -> Corners:
+    """Contacts with the least, the nominal and the greatest capture velocity."""
+    contact = declared_contact(
+        inputs, ratios.particle, ratios.surface, diameter=ratios.diameter_um * 1e-6
+    )
+    elastic = contact.replace(hertz_damping=0.0)
+    speed, wanted, band = ratios.speed_m_per_s, ratios.dissipation_over_adhesion, ratios.band
+    return (
+        dissipation_ratio_for(elastic, speed, wanted * (1 - band)),
+        dissipation_ratio_for(elastic, speed, wanted),
+        hertz_damping_for_adhesion_ratio(
+            elastic, speed, ratios.adhesion_over_hertz * (1 + band), wanted * (1 + band)
+        ),
+    )
+
+
+def _rows(
+    case: str, contact: Contact, targets: Mapping[str, tuple[float, float, str]]
+) -> list[dict[str, object]]:
+    """Return the rows of one case: targets as (value met, target, unit), then parameters."""
+    names = {"case": case, "particle": contact.particle.name, "surface": contact.surface.name}
+    met = [
+        names
+        | {"role": "target", "quantity": name, "value": value, "target": target, "unit": unit}
+        | {"evidence": "calibrated"}
+        for name, (value, target, unit) in targets.items()
+    ]
+    found = [
+        names
+        | {"role": "parameter", "quantity": name, "value": float(getattr(contact, name))}
+        | {"target": np.nan, "unit": unit, "evidence": "calibrated"}
+        for name, unit in PARAMETERS.items()
+        if getattr(contact, name) is not None
+    ]
+    return met + found
+
+
+def _member_rows(
+    targets: TwoStageTargets, inputs: Mapping[str, pd.DataFrame]
+) -> list[dict[str, object]]:
+    contact, rows = bare_contact(targets, inputs), []
+    for exponent, work in zip(targets.member_exponents, targets.member_works_J_per_m2, strict=True):
+        member = solved(contact, targets, exponent, work)
+        e = float(simulate(member, targets.high_speed_m_per_s).coefficient_of_restitution)
+        met = {
+            "coefficient_of_restitution": (e, targets.restitution, "-"),
+            "capture_velocity": (
+                float(capture_velocity(member)),
+                targets.capture_velocity_m_per_s,
+                "m/s",
+            ),
+        }
+        rows += _rows(f"steel-silicon, n = {exponent:g}", member, met)
+    return rows
+
+
+def _ratio_rows(ratios: ForceRatios, corners: Corners) -> list[dict[str, object]]:
+    rows: list[dict[str, object]] = []
+    names = ("least", "nominal", "greatest")
+    for name, contact in zip(names, corners, strict=True):
+        adhesion, dissipation = peak_ratios(contact, ratios.speed_m_per_s)
+        met = {
+            "adhesion_over_hertz": (adhesion, ratios.adhesion_over_hertz, "-"),
+            "dissipation_over_adhesion": (dissipation, ratios.dissipation_over_adhesion, "-"),
+        }
+        rows += _rows(f"fluorescein-molybdenum, {name}", contact, met)
+    return rows
+
+
+def _work_rows(target: WorkTarget, inputs: Mapping[str, pd.DataFrame]) -> list[dict[str, object]]:
+    contact = declared_contact(
+        inputs, target.particle, target.surface, diameter=target.diameter_um * 1e-6
+    )
+    found = work_of_adhesion_for(contact, target.capture_velocity_m_per_s)
+    met = {
+        "capture_velocity": (
+            float(capture_velocity(found)),
+            target.capture_velocity_m_per_s,
+            "m/s",
+        )
+    }
+    return _rows(f"{target.particle}-{target.surface}", found, met)
+
+
+def _damping_rows(
+    target: RestitutionTarget, inputs: Mapping[str, pd.DataFrame]
+) -> list[dict[str, object]]:
+    contact = declared_contact(inputs, target.particle, target.surface)
+    found = damping_factor_for(contact, target.speed_m_per_s, target.restitution)
+    e = float(simulate(found, target.speed_m_per_s).coefficient_of_restitution)
+    return _rows(target.case, found, {"coefficient_of_restitution": (e, target.restitution, "-")})

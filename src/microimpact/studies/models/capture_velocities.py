@@ -1,0 +1,286 @@
+"""Capture velocity by competing laws, for declared and calibrated contacts and over diameter.
+
+Codes that compute the deposition of particles in flows rely on the law of Brach and Dunn (1992) in
+El-Batsh's form. It holds no energy of adhesion: its constant 0.51 is dimensional (SI). Beside it
+stand JKR's quasi-static law, Dahneke's of 1971 and this model, which take the adhesion of the pair.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+import pandas as pd
+from pydantic import Field
+
+from microimpact.core.arrays import FloatArray
+from microimpact.core.tables import result_evidence, series_frame
+from microimpact.declared.parameters import Name, Positive
+from microimpact.lab.contacts import calibrated_contact, declared_contact
+from microimpact.model.closed_forms import (
+    adhesion_energy,
+    brach_dunn_velocity,
+    dahneke_velocity,
+    jkr_sticking_velocity,
+    plastic_restitution,
+    sticking_restitution,
+    yield_velocity,
+)
+from microimpact.model.contact import Contact, resized
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import simulate
+
+MODEL, JKR = "model", "jkr"
+BRACH_DUNN, DAHNEKE = "brach_dunn_1992", "dahneke_1971"
+YIELD = "thornton_ning_yield"
+
+NOTES = {
+    MODEL: "work of adhesion and damping of this contact, Eq. 25 run backwards from capture",
+    JKR: "quasi-static loss of the snap-off alone, no damping (Johnson and Pollock 1994; Thornton "
+    "and Ning 1998)",
+    BRACH_DUNN: "stick criterion of deposition codes (El-Batsh); holds no energy of adhesion, its "
+    "0.51 is dimensional (SI)",
+    DAHNEKE: "energy of adhesion and restitution far above capture are those of this model",
+    YIELD: "onset of yield, for context; no law of capture, the same at every diameter",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PairCase:
+    """One pair: a calibrated case, or without `case` the pair as declared.
+
+    Parameters
+    ----------
+    particle, surface
+        Names of the materials.
+    case
+        A case of the table ``calibration``.
+    anchors
+        Key of the printed capture velocity, if there is one.
+    calibration_targets
+        Holds ``capture_velocity`` if the printed one fixed a parameter of the contact.
+    yield_strength_MPa
+        Of the softer body, for the onset of yield.
+    """
+
+    particle: Name
+    surface: Name
+    case: str = ""
+    anchors: Annotated[tuple[Name, ...], Field(max_length=1)] = ()
+    calibration_targets: tuple[Name, ...] = ()
+    yield_strength_MPa: Positive | None = None  # noqa: N815 (the unit)
+
+    @property
+    def label(self) -> str:
+        """What table and figure call it."""
+        return self.case or f"{self.particle}-{self.surface}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params:
+    """The pairs, the range of diameters, and where restitutions and exponents are read.
+
+    Dahneke's restitution is read off the model at ``plateau_speed_ratio`` times its capture
+    velocity, those of all laws at ``compared_speed_ratio`` times the printed one.
+    """
+
+    pairs: Annotated[tuple[PairCase, ...], Field(min_length=1)]
+    smallest_diameter_um: Positive
+    largest_diameter_um: Positive
+    points: Annotated[int, Field(ge=5)]
+    plateau_speed_ratio: Annotated[float, Field(gt=1, allow_inf_nan=False)]
+    compared_speed_ratio: Annotated[float, Field(gt=1, allow_inf_nan=False)]
+    exponent_step: Annotated[float, Field(gt=0, le=0.5)]
+
+    def __post_init__(self) -> None:
+        """Refuse an empty range, and two pairs under one name."""
+        if self.smallest_diameter_um >= self.largest_diameter_um:
+            raise ValueError(
+                f"largest_diameter_um {self.largest_diameter_um} must be above "
+                f"smallest_diameter_um {self.smallest_diameter_um}"
+            )
+        labels = [pair.label for pair in self.pairs]
+        twice = sorted({label for label in labels if labels.count(label) > 1})
+        if twice:
+            raise ValueError(f"pairs: {', '.join(map(repr, twice))} listed twice")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Law:
+    """One law for one pair: capture velocity of a contact, and e at a speed above it.
+
+    ``restitution`` is None where the law is a criterion of capture and nothing else.
+    """
+
+    velocity: Callable[[Contact], FloatArray]
+    restitution: Callable[[float], float] | None
+
+
+def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+    """Compare the laws.
+
+    Parameters
+    ----------
+    params
+        Parameters of the study.
+    inputs
+        ``materials``, ``contacts``: the declared rows of the pairs; ``calibration``: table of that
+        study; ``anchors``: printed values.
+
+    Returns
+    -------
+    mapping
+        ``capture_laws``: per pair and law the capture velocity at the pair's diameter, its ratios
+        to the printed one and to this model, the exponent of the diameter, and e at a compared
+        speed.
+        ``capture_law_curves``: capture velocity in m/s against diameter in um, one panel per pair.
+    """
+    rows, frames = [], []
+    for pair in params.pairs:
+        contact = _contact(pair, inputs)
+        printed = _printed(pair, inputs)
+        laws = laws_of(pair, contact, params.plateau_speed_ratio)
+        rows += _rows(params, pair, contact, laws, printed)
+        frames += _curves(params, pair, contact, laws, printed)
+    return {
+        "capture_laws": pd.DataFrame(rows),
+        "capture_law_curves": pd.concat(frames, ignore_index=True),
+    }
+
+
+def laws_of(pair: PairCase, contact: Contact, plateau_speed_ratio: float) -> dict[str, Law]:
+    """Return the laws that apply to a pair, by name.
+
+    What the pair gives to a law, such as Dahneke's restitution, is taken at the pair's diameter.
+    """
+
+    def modelled(speed: float) -> float:
+        return float(simulate(contact, speed).coefficient_of_restitution)
+
+    captured_below = float(capture_velocity(contact))
+    plateau = modelled(plateau_speed_ratio * captured_below)
+    dahneke = _dahneke(plateau)
+    laws = {
+        MODEL: Law(velocity=capture_velocity, restitution=modelled),
+        JKR: Law(
+            velocity=lambda c: np.asarray(jkr_sticking_velocity(c)),
+            restitution=lambda v: float(sticking_restitution(v, jkr_sticking_velocity(contact))),
+        ),
+        BRACH_DUNN: Law(velocity=lambda c: np.asarray(brach_dunn_velocity(c)), restitution=None),
+        DAHNEKE: Law(
+            velocity=dahneke,
+            restitution=lambda v: float(sticking_restitution(v, dahneke(contact), plateau)),
+        ),
+    }
+    if pair.yield_strength_MPa is None:
+        return laws
+    strength = pair.yield_strength_MPa * 1e6
+    yields = Law(
+        velocity=lambda c: np.asarray(yield_velocity(c, strength)),
+        restitution=lambda v: float(plastic_restitution(v, yield_velocity(contact, strength))),
+    )
+    return laws | {YIELD: yields}
+
+
+def local_exponent(
+    velocity: Callable[[Contact], FloatArray], contact: Contact, step: float
+) -> float:
+    """Return d ln v_c / d ln d over a step in ln d to either side; NaN without a finite v_c."""
+    ends = velocity(resized(contact, contact.diameter * np.exp([-step, step])))
+    if not np.all(np.isfinite(ends) & (ends > 0.0)):
+        return np.nan
+    return float(np.diff(np.log(ends))[0] / (2.0 * step))
+
+
+def _dahneke(restitution: float) -> Callable[[Contact], FloatArray]:
+    def velocity(contact: Contact) -> FloatArray:
+        energy = adhesion_energy(contact)
+        return np.asarray(dahneke_velocity(energy, contact.mass, restitution))
+
+    return velocity
+
+
+def _contact(pair: PairCase, inputs: Mapping[str, pd.DataFrame]) -> Contact:
+    if not pair.case:
+        contact = declared_contact(inputs, pair.particle, pair.surface)
+    else:
+        contact = calibrated_contact(inputs, pair.case)
+    limit = float(capture_velocity(contact))
+    if not 0.0 < limit < np.inf:
+        raise ValueError(f"{pair.label}: a capture velocity of {limit:g} m/s has no law beside it")
+    return contact
+
+
+def _printed(pair: PairCase, inputs: Mapping[str, pd.DataFrame]) -> float:
+    if not pair.anchors:
+        return np.nan
+    values = inputs["anchors"].set_index("key")["value"].astype(float)
+    return float(values[pair.anchors[0]])
+
+
+def _evidence(pair: PairCase, law: str) -> str:
+    """Only this model's own capture velocity can have fixed a parameter."""
+    targets = pair.calibration_targets if law == MODEL else ()
+    return result_evidence("capture_velocity", targets)
+
+
+def _rows(
+    params: Params, pair: PairCase, contact: Contact, laws: Mapping[str, Law], printed: float
+) -> list[dict[str, object]]:
+    modelled = float(laws[MODEL].velocity(contact))
+    compared = params.compared_speed_ratio * printed
+    rows: list[dict[str, object]] = []
+    for name, law in laws.items():
+        velocity = float(law.velocity(contact))
+        gives_e = law.restitution if np.isfinite(compared) else None
+        rows.append(
+            {
+                "pair": pair.label,
+                "particle": pair.particle,
+                "surface": pair.surface,
+                "diameter_um": float(contact.diameter) * 1e6,
+                "law": name,
+                "capture_velocity_m_per_s": velocity,
+                "printed_m_per_s": printed,
+                "ratio_to_printed": velocity / printed,
+                "ratio_to_model": velocity / modelled,
+                "exponent": local_exponent(law.velocity, contact, params.exponent_step),
+                "compared_speed_m_per_s": compared,
+                "restitution_at_compared_speed": gives_e(compared) if gives_e else np.nan,
+                "evidence": _evidence(pair, name),
+                "note": NOTES[name],
+            }
+        )
+    return rows
+
+
+def _curves(
+    params: Params, pair: PairCase, contact: Contact, laws: Mapping[str, Law], printed: float
+) -> list[pd.DataFrame]:
+    diameter = np.geomspace(params.smallest_diameter_um, params.largest_diameter_um, params.points)
+    sized = resized(contact, diameter * 1e-6)
+    frames = []
+    for name, law in laws.items():
+        velocity = np.broadcast_to(law.velocity(sized), diameter.shape)
+        finite = np.isfinite(velocity)
+        frames.append(_frame(pair, name, _evidence(pair, name), diameter[finite], velocity[finite]))
+    if np.isfinite(printed):
+        own = np.array([float(contact.diameter) * 1e6])
+        frames.append(_frame(pair, "printed", "printed", own, np.array([printed])))
+    return frames
+
+
+def _frame(
+    pair: PairCase, series: str, evidence: str, x: FloatArray, y: FloatArray
+) -> pd.DataFrame:
+    return series_frame(
+        panel=pair.label,
+        series=series,
+        evidence=evidence,
+        x=x,
+        y=y,
+        x_unit="um",
+        y_unit="m_per_s",
+    )

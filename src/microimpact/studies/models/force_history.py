@@ -1,0 +1,114 @@
+"""Normal force against time and its four terms (Fig. 20, Eq. 25)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+import pandas as pd
+from pydantic import Field
+
+from microimpact.core.tables import result_evidence, series_frame
+from microimpact.declared.parameters import AngleDegrees, Name, Positive
+from microimpact.lab.contacts import declared_contact
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import simulate
+from microimpact.model.dynamics.trajectory import Trajectory, trajectory
+
+TERMS = {
+    "total": "normal_force",
+    "hertz": "hertz_force",
+    "adhesion": "adhesion_force",
+    "adhesion damping": "adhesion_damping_force",
+    "hertz damping": "hertz_damping_force",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params:
+    """One impact, how finely its path is sampled, and which printed numbers fixed its inputs."""
+
+    particle: Name
+    surface: Name
+    diameter_um: Positive
+    speed_m_per_s: Positive
+    angle_deg: AngleDegrees
+    points: Annotated[int, Field(ge=20)]
+    anchors: tuple[Name, ...]
+    calibration_targets: tuple[Name, ...]
+
+
+def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+    """Return the data of Fig. 20 and the ratios of its peaks.
+
+    Parameters
+    ----------
+    params
+        Parameters of the study.
+    inputs
+        ``materials``, ``contacts``: the declared rows of the pair; ``anchors``: printed values.
+
+    Returns
+    -------
+    mapping
+        ``fig20``: the normal force and its terms in uN against time in ns.
+        ``force_ratios``: peak ratios, dips, contact time and restitution beside printed values.
+    """
+    contact = declared_contact(
+        inputs, params.particle, params.surface, diameter=params.diameter_um * 1e-6
+    )
+    path = trajectory(contact, params.speed_m_per_s, params.angle_deg, points=params.points)
+    frames = [
+        series_frame(
+            panel="force",
+            series=series,
+            evidence="computed",
+            x=path.time * 1e9,
+            y=getattr(path, name) * 1e6,
+            x_unit="ns",
+            y_unit="uN",
+        )
+        for series, name in TERMS.items()
+    ]
+    outcome = simulate(contact, params.speed_m_per_s, params.angle_deg)
+    numbers = peak_ratios(path) | {
+        ("contact_time", "ns"): float(outcome.contact_time) * 1e9,
+        ("coefficient_of_restitution", "-"): float(outcome.coefficient_of_restitution),
+        ("capture_velocity", "m/s"): float(capture_velocity(contact)),
+    }
+    printed = inputs["anchors"].set_index("key")["value"].astype(float)
+    table = pd.DataFrame(
+        [
+            (
+                quantity,
+                value,
+                unit,
+                printed.get(quantity, np.nan),
+                result_evidence(quantity, params.calibration_targets),
+            )
+            for (quantity, unit), value in numbers.items()
+        ],
+        columns=["quantity", "value", "unit", "printed", "evidence"],
+    )
+    return {"fig20": pd.concat(frames, ignore_index=True), "force_ratios": table}
+
+
+def peak_ratios(path: Trajectory) -> dict[tuple[str, str], float]:
+    """Return ratios of the peaks of the terms, and the dips of the total near both ends in uN."""
+    hertz = float(np.max(path.hertz_force))
+    adhesion = float(np.max(-path.adhesion_force))
+    turn = int(np.argmax(path.compression))
+    return {
+        ("peak_adhesion_over_peak_hertz", "-"): adhesion / hertz,
+        ("peak_adhesion_dissipation_over_adhesion", "-"): float(
+            np.max(np.abs(path.adhesion_damping_force)) / adhesion
+        ),
+        ("peak_hertz_dissipation_over_hertz", "-"): float(
+            np.max(np.abs(path.hertz_damping_force)) / hertz
+        ),
+        ("dip_on_approach", "uN"): float(np.min(path.normal_force[: turn + 1])) * 1e6,
+        ("dip_on_rebound", "uN"): float(np.min(path.normal_force[turn:])) * 1e6,
+        ("peak_normal_force", "uN"): float(np.max(path.normal_force)) * 1e6,
+    }

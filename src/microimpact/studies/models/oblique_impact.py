@@ -1,0 +1,178 @@
+"""Impulse ratio and energy loss against angle, steel on silicon (Figs. 18 and 21)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike
+from pydantic import Field
+
+from microimpact.core.arrays import FloatArray
+from microimpact.core.tables import result_evidence, series_frame
+from microimpact.declared.parameters import AngleDegrees, Finite, Fraction, Name, Positive
+from microimpact.lab.contacts import declared_contact
+from microimpact.model.contact import Contact
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import FRICTION_BASES, simulate, velocity_components
+from microimpact.model.rigid_body.algebra import rigid_body_rebound
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params:
+    """One pair at one speed, over angles of incidence from the surface up to the normal."""
+
+    particle: Name
+    surface: Name
+    diameter_um: Positive
+    speed_m_per_s: Positive
+    spin_rad_per_s: Finite
+    rigid_body_restitution: Fraction
+    spin_angle_deg: AngleDegrees
+    points: Annotated[int, Field(ge=20)]
+    anchors: tuple[Name, ...]
+    calibration_targets: tuple[Name, ...]
+
+
+def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+    """Return the data of Figs. 18 and 21, and numbers the article's text gives beside them.
+
+    Parameters
+    ----------
+    params
+        Parameters of the study.
+    inputs
+        ``materials``, ``contacts``: the declared rows of the pair; ``anchors``: printed values.
+
+    Returns
+    -------
+    mapping
+        ``fig18``: impulse ratio against the angle in degrees; panel ``adhesion`` compares the
+        rigid body with the simulation, panel ``basis`` the forces that may support friction.
+        ``fig21``: energy loss, total and translational. ``oblique_summary``: final spin, contact
+        time and the angle of capture. Captured impacts are left out of the curves.
+    """
+    contact = declared_contact(
+        inputs, params.particle, params.surface, diameter=params.diameter_um * 1e-6
+    )
+    if capture_angle(params, contact) >= 90.0:
+        raise ValueError(
+            f"oblique_impact: at {params.speed_m_per_s:g} m/s the sphere is captured at every angle"
+            f" (capture velocity {float(capture_velocity(contact)):.4g} m/s)"
+        )
+    angle = np.linspace(0.0, 90.0, params.points + 1)[1:]
+    printed = inputs["anchors"].set_index("key")
+    return {
+        "fig18": impulse_ratios(params, contact, angle, printed),
+        "fig21": energy_losses(params, contact, angle),
+        "oblique_summary": summary(params, contact, printed),
+    }
+
+
+def impulse_ratios(
+    params: Params, contact: Contact, angle: FloatArray, printed: pd.DataFrame
+) -> pd.DataFrame:
+    """Return the data of Fig. 18."""
+    v_n, v_t = velocity_components(params.speed_m_per_s, angle)
+    rigid = rigid_body_rebound(
+        v_n,
+        v_t,
+        params.spin_rad_per_s,
+        contact.radius,
+        params.rigid_body_restitution,
+        contact.friction,
+    )
+    frames = [_frame("adhesion", "rigid body", angle, 0.0 - rigid.mu)]
+    for basis in FRICTION_BASES:
+        outcome = simulate(contact, params.speed_m_per_s, angle, params.spin_rad_per_s, basis)
+        rebound = ~outcome.captured
+        ratio = outcome.impulse_ratio[rebound]
+        frames.append(_frame("basis", basis, angle[rebound], ratio))
+        if basis == "compressive":
+            frames.append(_frame("adhesion", "simulation", angle[rebound], ratio))
+    ends = printed.loc[["plateau_end_angle", "rolling_to_sliding_angle"], "value"].astype(float)
+    plateau = printed["value"].astype(float)["impulse_ratio_plateau"]
+    frames.append(_frame("adhesion", "printed plateau", ends, plateau, "printed"))
+    frames.append(_capture_line("adhesion", params, contact))
+    frames.append(_capture_line("basis", params, contact))
+    return pd.concat(frames, ignore_index=True)
+
+
+def energy_losses(params: Params, contact: Contact, angle: FloatArray) -> pd.DataFrame:
+    """Return the data of Fig. 21."""
+    outcome = simulate(contact, params.speed_m_per_s, angle, params.spin_rad_per_s)
+    rebound = ~outcome.captured
+    frames = [
+        _frame("loss", series, angle[rebound], loss[rebound])
+        for series, loss in (
+            ("total", outcome.energy_loss),
+            ("translational", outcome.translational_energy_loss),
+        )
+    ]
+    frames.append(_capture_line("loss", params, contact))
+    return pd.concat(frames, ignore_index=True)
+
+
+def capture_angle(params: Params, contact: Contact) -> float:
+    """Return the angle in degrees at and below which the sphere is captured; 90 if always."""
+    ratio = float(capture_velocity(contact)) / params.speed_m_per_s
+    return float(np.degrees(np.arcsin(min(ratio, 1.0))))
+
+
+def summary(params: Params, contact: Contact, printed: pd.DataFrame) -> pd.DataFrame:
+    """Return single numbers of the simulation beside what the text prints."""
+    oblique = simulate(contact, params.speed_m_per_s, params.spin_angle_deg, params.spin_rad_per_s)
+    normal = simulate(contact, params.speed_m_per_s)
+    spin = printed.loc["final_spin_sst_silicon"]
+    duration = printed.loc["contact_duration"]
+    at = f"{params.spin_angle_deg:g} deg"
+    rows = [
+        ("final_spin", at, float(oblique.spin), "rad/s", spin["value"], np.nan, np.nan),
+        (
+            "contact_time",
+            "90 deg",
+            float(normal.contact_time) * 1e9,
+            "ns",
+            np.nan,
+            duration["low"],
+            duration["high"],
+        ),
+        ("capture_angle", "", capture_angle(params, contact), "deg", np.nan, np.nan, np.nan),
+        (
+            "capture_velocity",
+            "",
+            float(capture_velocity(contact)),
+            "m/s",
+            printed.loc["capture_velocity_sst_silicon", "value"],
+            np.nan,
+            np.nan,
+        ),
+        (
+            "coefficient_of_restitution",
+            "90 deg",
+            float(normal.coefficient_of_restitution),
+            "-",
+            printed.loc["restitution_sst_silicon_normal", "value"],
+            np.nan,
+            np.nan,
+        ),
+    ]
+    columns = ["quantity", "at", "value", "unit", "printed", "printed_low", "printed_high"]
+    table = pd.DataFrame(rows, columns=columns)
+    table["evidence"] = [result_evidence(q, params.calibration_targets) for q in table["quantity"]]
+    return table
+
+
+def _capture_line(panel: str, params: Params, contact: Contact) -> pd.DataFrame:
+    return _frame(panel, "capture", capture_angle(params, contact), [0.0])
+
+
+def _frame(
+    panel: str, series: str, x: ArrayLike, y: ArrayLike, evidence: str = "computed"
+) -> pd.DataFrame:
+    return series_frame(
+        panel=panel, series=series, evidence=evidence, x=x, y=y, x_unit="deg", y_unit="1"
+    )

@@ -1,0 +1,185 @@
+"""Simulated restitution curves and their fits by Eq. (34) (Figs. 15 and 16)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+import numpy as np
+import pandas as pd
+from pydantic import Field
+
+from microimpact.core.arrays import FloatArray
+from microimpact.core.tables import POINTS, series_frame
+from microimpact.declared.parameters import Fraction, Name, Positive
+from microimpact.lab.contacts import calibrated_contact
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import simulate
+from microimpact.model.empirical.fit import RestitutionFit, fit_restitution
+
+# Curves begin at this share of the capture velocity.
+DRAWN_FROM = 0.7
+# Height of the line that marks the capture velocity of a fit.
+V_C_MARK = 0.1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Case:
+    """One calibrated contact, where its curve is drawn and from which speeds it is fitted.
+
+    ``fitted_from`` and ``fitted_to`` are speeds in capture velocities of the simulation. Cases that
+    are not ``fitted`` are drawn only: the ends of an interval.
+    """
+
+    case: Name
+    particle: Name
+    surface: Name
+    figure: Literal["fig15", "fig16"]
+    result_evidence: Literal["computed", "calibrated"]
+    fitted: bool
+    fitted_from: Annotated[float, Field(gt=1)]
+    fitted_to: Annotated[float, Field(gt=1)]
+    printed_capture_velocity_m_per_s: Positive
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params:
+    """The cases, and how their curves are sampled and fitted."""
+
+    cases: tuple[Case, ...]
+    points: Annotated[int, Field(ge=20)]
+    fitted_points: Annotated[int, Field(ge=8)]
+    fixed_exponent: Fraction
+    largest_speed_m_per_s: Positive
+
+    def __post_init__(self) -> None:
+        """Refuse a figure without a case."""
+        missing = {"fig15", "fig16"} - {case.figure for case in self.cases}
+        if missing:
+            raise ValueError(f"cases: none is drawn in {', '.join(sorted(missing))}")
+
+
+def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+    """Simulate and fit every case.
+
+    Parameters
+    ----------
+    params
+        Parameters of the study.
+    inputs
+        ``calibration``: table of that study; ``materials``: declared rows; ``digitised``: points of
+        the figures, if there are any, of which those of a series named as a case are fitted too.
+
+    Returns
+    -------
+    mapping
+        ``fig15``, ``fig16``: e against speed in m/s, the simulation, its fit with q free, and the
+        printed capture velocity. ``restitution_fits``: per case the fits with q free and fixed,
+        those of digitised points last; where these cannot be fitted, ``note`` says why.
+    """
+    frames: dict[str, list[pd.DataFrame]] = {"fig15": [], "fig16": []}
+    rows: list[dict[str, object]] = []
+    later: list[dict[str, object]] = []
+    for case in params.cases:
+        contact = calibrated_contact(inputs, case.case)
+        limit = float(capture_velocity(contact))
+        largest = max(params.largest_speed_m_per_s, case.fitted_to * limit)
+        speed = np.union1d(np.geomspace(DRAWN_FROM * limit, largest, params.points), [limit])
+        e = simulate(contact, speed).coefficient_of_restitution
+        frames[case.figure].append(_frame(case, f"{case.case}, simulation", speed, e))
+        found, curves = _digitised_fits(case, params, inputs.get("digitised"), limit)
+        later += found
+        frames[case.figure] += curves
+        if not case.fitted:
+            continue
+        sampled = np.geomspace(case.fitted_from, case.fitted_to, params.fitted_points) * limit
+        measured = simulate(contact, sampled).coefficient_of_restitution
+        fits = [fit_restitution(sampled, measured, q=q) for q in (None, params.fixed_exponent)]
+        rows += [_row(case, limit, fit) for fit in fits]
+        v_c = np.full(2, fits[0].v_c)
+        frames[case.figure] += [
+            _frame(case, f"{case.case}, fit", speed, fits[0].curve(speed)),
+            _frame(case, f"{case.case}, v_c of the fit", v_c, np.array([0.0, V_C_MARK])),
+        ]
+        printed = case.printed_capture_velocity_m_per_s
+        mark = _frame(
+            case, f"printed, {printed:g} m/s", np.array([printed]), np.zeros(1), "printed"
+        )
+        if not any(mark.equals(other) for other in frames[case.figure]):
+            frames[case.figure].append(mark)
+    tables = {name: pd.concat(parts, ignore_index=True) for name, parts in frames.items()}
+    return tables | {"restitution_fits": pd.DataFrame(rows + later)}
+
+
+def _digitised_fits(
+    case: Case, params: Params, points: pd.DataFrame | None, limit: float
+) -> tuple[list[dict[str, object]], list[pd.DataFrame]]:
+    """Rows of the fits to digitised points of a case, and the curve of that with q free."""
+    if points is None:
+        return [], []
+    is_own = (points["figure"] == case.figure) & (points["series"] == POINTS + case.case)
+    v, e = (points.loc[is_own, name].to_numpy(float) for name in ("x", "y"))
+    rows: list[dict[str, object]] = []
+    curves: list[pd.DataFrame] = []
+    for exponent, q in (("free", None), ("fixed", params.fixed_exponent)) if v.size else ():
+        row: dict[str, object] = {"case": case.case, "exponent": exponent, "evidence": "digitised"}
+        try:
+            fit = fit_restitution(v, e, q=q)
+        except ValueError as error:  # too few points, or what is no coefficient of restitution
+            row |= _known(case, limit) | {"note": f"not fitted: {error}"}
+        else:
+            row = _row(case, limit, fit) | row
+            if q is None:
+                curves.append(_fitted_curve(case, fit, params.points))
+        rows.append(row)
+    return rows, curves
+
+
+def _fitted_curve(case: Case, fit: RestitutionFit, points: int) -> pd.DataFrame:
+    start = DRAWN_FROM * max(fit.v_c, 0.5 * float(fit.v.min()))
+    speed = np.union1d(np.geomspace(start, fit.v.max(), points), [max(start, fit.v_c)])
+    series = f"{case.case}, fit of digitised points"
+    return _frame(case, series, speed, fit.curve(speed), "computed")
+
+
+def _known(case: Case, limit: float) -> dict[str, object]:
+    return {
+        "simulated_v_c_m_per_s": limit,
+        "printed_v_c_m_per_s": case.printed_capture_velocity_m_per_s,
+    }
+
+
+def _row(case: Case, limit: float, fit: RestitutionFit) -> dict[str, object]:
+    low, high = fit.v_c_interval
+    return {
+        "case": case.case,
+        "exponent": "fixed" if fit.q_fixed else "free",
+        "k_m_per_s": fit.k,
+        "p": fit.p,
+        "kappa_m_per_s": fit.kappa,
+        "q": fit.q,
+        "v_c_m_per_s": fit.v_c,
+        "v_c_low_m_per_s": low,
+        "v_c_high_m_per_s": high,
+        **_known(case, limit),
+        "rms_residual": float(np.sqrt(np.mean(np.square(fit.residuals)))),
+        "r_squared": fit.r_squared,
+        "on_bound": " ".join(fit.on_bound),
+        "evidence": case.result_evidence,
+        "note": "",
+    }
+
+
+def _frame(
+    case: Case, series: str, x: FloatArray, y: FloatArray, evidence: str | None = None
+) -> pd.DataFrame:
+    return series_frame(
+        panel="restitution",
+        series=series,
+        evidence=evidence or case.result_evidence,
+        x=x,
+        y=y,
+        x_unit="m_per_s",
+        y_unit="1",
+    )

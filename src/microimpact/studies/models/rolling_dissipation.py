@@ -1,0 +1,218 @@
+"""Couples of rolling that the models neglect, against the couple of friction (Section 3.2.3).
+
+The article neglects them because the contact radius is small. Three grades are compared: what no
+distribution of forces in the contact can exceed, what steady rolling would give, and what can arise
+in an impact, during which the sphere rolls through a small part of its own contact radius.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise, product
+from typing import Annotated
+
+import numpy as np
+import pandas as pd
+import scipy
+from pydantic import Field
+
+from microimpact.core.arrays import FloatArray
+from microimpact.core.tables import series_frame
+from microimpact.declared.parameters import AngleDegrees, Fraction, Name, Positive
+from microimpact.lab.contacts import calibrated_contact
+from microimpact.model.contact import Contact, resized
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.rolling import CoupleImpulses, couple_impulses
+
+# Grades of the neglected couple, and the parts that add up to each.
+GRADES = {
+    "bound": ("bound_deformation", "bound_adhesion"),
+    "steady": ("steady_deformation", "steady_adhesion"),
+    "impact": ("impact_deformation", "impact_adhesion"),
+    "damping": ("damping",),
+}
+PARTS = tuple(part for parts in GRADES.values() for part in parts)
+
+# Ends of ranges of angles are found to within so many degrees.
+ANGLE_ERROR = 1e-3
+# Curves begin so much above the normal speed of capture.
+ABOVE_CAPTURE = 1e-3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params:
+    """Calibrated cases, and the impacts over which couples are compared.
+
+    A couple is negligible if its impulse is below ``negligible`` of that of friction.
+    """
+
+    particle: Name
+    surface: Name
+    cases: Annotated[tuple[Name, ...], Field(min_length=1)]
+    diameters_um: Annotated[tuple[Positive, ...], Field(min_length=1)]
+    speeds_m_per_s: Annotated[tuple[Positive, ...], Field(min_length=1)]
+    angles_deg: Annotated[tuple[AngleDegrees, ...], Field(min_length=2)]
+    rolling_shift_nm: Positive
+    negligible: Annotated[Fraction, Field(gt=0)]
+    drawn_diameter_um: Positive
+    drawn_speeds_m_per_s: Annotated[tuple[Positive, ...], Field(min_length=1)]
+    points: Annotated[int, Field(ge=5)]
+
+    def __post_init__(self) -> None:
+        """Refuse angles that do not ascend, or at which no couple of friction is left."""
+        if list(self.angles_deg) != sorted(set(self.angles_deg)):
+            raise ValueError(f"angles_deg {list(self.angles_deg)} must ascend")
+        if self.angles_deg[-1] >= 90.0:
+            raise ValueError(
+                f"angles_deg {self.angles_deg[-1]:g} must be below 90: no friction there"
+            )
+
+
+def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+    """Compare the neglected couples with that of friction.
+
+    Parameters
+    ----------
+    params
+        Parameters of the study.
+    inputs
+        ``calibration``, the table of that study; ``materials``, the declared rows of the pair.
+
+    Returns
+    -------
+    mapping
+        ``rolling_dissipation``: per case, diameter, speed and angle the impulse of each couple over
+        that of friction, and their sums by grade; empty where the sphere is captured.
+        ``rolling_ranges``: per case, diameter, speed and grade the least and greatest ratio at the
+        angles given, and the angles around the least one between which it is negligible (empty:
+        none); an end may be the limit, the outermost of those angles. Diameters and speeds with
+        no rebound at two of the angles have no row.
+        ``rolling``: data of the figure.
+    """
+    rows: list[dict[str, object]] = []
+    summary: list[dict[str, object]] = []
+    for case, diameter in product(params.cases, params.diameters_um):
+        contact = resized(calibrated_contact(inputs, case), diameter * 1e-6)
+        limit = float(capture_velocity(contact))
+        for speed in params.speeds_m_per_s:
+            start = {"case": case, "diameter_um": diameter, "speed_m_per_s": speed}
+            couples = _couples(params, contact, speed)
+            found = {a: couples(a) for a in _rebounding(limit, speed, params.angles_deg)}
+            rows += [
+                {**start, "angle_deg": angle, **_row(contact, speed, found.get(angle))}
+                for angle in params.angles_deg
+            ]
+            if len(found) > 1:
+                summary += [{**start, **row} for row in _summary(params, couples, found)]
+    return {
+        "rolling_dissipation": pd.DataFrame(rows).assign(evidence="computed"),
+        "rolling_ranges": pd.DataFrame(summary).assign(evidence="computed"),
+        "rolling": curves(params, inputs),
+    }
+
+
+def ratio(couples: CoupleImpulses, grade: str) -> float:
+    """Return the sum of a grade over the couple of friction."""
+    total = sum(getattr(couples, part) for part in GRADES[grade])
+    return float(total / couples.friction)
+
+
+def _couples(params: Params, contact: Contact, speed: float) -> Callable[[float], CoupleImpulses]:
+    shift = params.rolling_shift_nm * 1e-9
+    return cache(lambda angle: couple_impulses(contact, speed, float(angle), shift))
+
+
+def _rebounding(limit: float, speed: float, angles: tuple[float, ...] | FloatArray) -> FloatArray:
+    """Return the angles at which a sphere rebounds whose capture velocity is the limit."""
+    degrees = np.asarray(angles, dtype=np.float64)
+    normal_speed = speed * np.sin(np.radians(degrees))
+    return np.extract(normal_speed > limit * (1.0 + ABOVE_CAPTURE), degrees)
+
+
+def _row(contact: Contact, speed: float, couples: CoupleImpulses | None) -> dict[str, object]:
+    if couples is None:
+        return {"captured": True}
+    scale = float(contact.radius) * float(contact.mass) * speed
+    return {
+        "captured": False,
+        "friction_over_r_m_v": couples.friction / scale,
+        "contact_radius_over_r": couples.contact_radius / float(contact.radius),
+        "rolled_nm": couples.rolled * 1e9,
+        "rolled_over_contact_radius": couples.rolled / couples.contact_radius,
+        **{part: getattr(couples, part) / couples.friction for part in PARTS},
+        **{f"{grade}_over_friction": ratio(couples, grade) for grade in GRADES},
+    }
+
+
+def _summary(
+    params: Params,
+    couples: Callable[[float], CoupleImpulses],
+    found: Mapping[float, CoupleImpulses],
+) -> list[dict[str, object]]:
+    angles = np.array(list(found))
+    rows: list[dict[str, object]] = []
+    for grade in GRADES:
+        ratios = np.array([ratio(c, grade) for c in found.values()])
+
+        def excess(angle: float, grade: str = grade) -> float:
+            return ratio(couples(angle), grade) - params.negligible
+
+        low, high = around_least(excess, angles, ratios - params.negligible)
+        rows.append(
+            {
+                "grade": grade,
+                "least_ratio": ratios.min(),
+                "greatest_ratio": ratios.max(),
+                "greatest_at_deg": angles[np.argmax(ratios)],
+                "negligible_below": params.negligible,
+                "negligible_from_deg": low,
+                "negligible_to_deg": high,
+                "from_is_limit": low == angles[0],
+                "to_is_limit": high == angles[-1],
+            }
+        )
+    return rows
+
+
+def around_least(
+    excess: Callable[[float], float], x: FloatArray, values: FloatArray
+) -> tuple[float, float]:
+    """Return between which x the excess stays negative, around the least of its values at x.
+
+    The outermost x, if it stays so up to there; NaN, if it is nowhere negative.
+    """
+    least = int(np.argmin(values))
+    if values[least] >= 0.0:
+        return np.nan, np.nan
+
+    def end(order: range) -> float:
+        for inner, outer in pairwise(order):
+            if values[outer] >= 0.0:
+                return float(scipy.optimize.brentq(excess, x[inner], x[outer], xtol=ANGLE_ERROR))
+        return float(x[order[-1]])
+
+    return end(range(least, -1, -1)), end(range(least, x.size))
+
+
+def curves(params: Params, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+    """Return the data of the figure: each grade against the angle, per case and speed."""
+    frames = []
+    angles = np.linspace(params.angles_deg[0], params.angles_deg[-1], params.points)
+    for case, speed in product(params.cases, params.drawn_speeds_m_per_s):
+        contact = resized(calibrated_contact(inputs, case), params.drawn_diameter_um * 1e-6)
+        rebounding = _rebounding(float(capture_velocity(contact)), speed, angles)
+        couples = [_couples(params, contact, speed)(angle) for angle in rebounding]
+        for grade in GRADES:
+            ratios = np.array([ratio(c, grade) for c in couples])
+            frames.append(_frame(grade, f"{case}, {speed:g} m/s", rebounding, ratios))
+    ends = np.array(params.angles_deg)[[0, -1]]
+    frames += [_frame(grade, "negligible", ends, np.full(2, params.negligible)) for grade in GRADES]
+    return pd.concat(frames, ignore_index=True)
+
+
+def _frame(panel: str, series: str, x: FloatArray, y: FloatArray) -> pd.DataFrame:
+    return series_frame(
+        panel=panel, series=series, evidence="computed", x=x, y=y, x_unit="deg", y_unit="1"
+    )

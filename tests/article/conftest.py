@@ -1,0 +1,104 @@
+"""Studies and figures as the workflow runs them, in this process."""
+
+from __future__ import annotations
+
+import json
+import xml.etree.ElementTree as ET
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+from tests.shared import made_once
+
+from microimpact import studies
+from microimpact.core.tables import parse_table
+from microimpact.declared.parameters import build
+from microimpact.declared.selection import read_all
+from microimpact.figures.registry import filled, registry
+from microimpact.figures.style import save
+from microimpact.ledgers.claims.criteria import read_claims
+from microimpact.run.config import load, validate
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="session")
+def settings():
+    base = load(ROOT / "config/config.yaml")
+    return validate(base, base)
+
+
+@pytest.fixture(scope="session")
+def claims():
+    return read_claims(ROOT / "config/claims.yaml")
+
+
+@pytest.fixture(scope="session")
+def run_study(settings):
+    """Return a function that runs a study with shipped parameters, or some of its own.
+
+    Tables of earlier studies may be given by name.
+    """
+    declared = read_all(*(str(ROOT / path) for path in settings.general.tables))
+
+    def run(name, tables=None, /, **changes):
+        study = studies.study(name)
+        branch = {**settings.branches[name], **changes}
+        inputs = {key: parse_table(text) for key, text in declared.named_in(branch).items()}
+        inputs |= tables or {}
+        return study.run(build(study.Params, branch), inputs)
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def shipped_calibration(run_study, tmp_path_factory):
+    """The tables of the calibration as shipped, from which most studies start."""
+
+    def write(place):
+        tables = run_study("calibration").items()
+        place.write_text(json.dumps({name: table.to_csv(index=False) for name, table in tables}))
+
+    made = json.loads(made_once(tmp_path_factory, "calibration", write).read_text())
+    return {name: parse_table(text) for name, text in made.items()}
+
+
+@pytest.fixture(scope="module")
+def calibration(shipped_calibration):
+    """The table of calibrated cases by its name, as studies take it."""
+    return {"calibration": shipped_calibration["calibration"]}
+
+
+@pytest.fixture(scope="session")
+def figures(settings):
+    return registry(filled(load(ROOT / "config/figures.yaml"), settings.branches))
+
+
+@pytest.fixture
+def draw(figures, tmp_path):
+    """Return a function that draws a figure twice, demands equal bytes, and returns it."""
+
+    def drawn(name, tables):
+        spec = figures[name]
+        function = getattr(import_module(spec.module), spec.function)
+        for turn in ("one.svg", "two.svg"):
+            figure = function({key: tables[key] for key in spec.data}, spec)
+            save(figure, tmp_path / turn)
+        assert (tmp_path / "one.svg").read_bytes() == (tmp_path / "two.svg").read_bytes()
+        tree = ET.parse(tmp_path / "one.svg")
+        assert not tree.findall(".//{http://purl.org/dc/elements/1.1/}date")
+        return figure
+
+    return drawn
+
+
+def legend_texts(figure):
+    """Return all texts of the legends of a figure, those of its panels included."""
+    legends = [*figure.legends, *(ax.get_legend() for ax in figure.axes)]
+    present = [legend for legend in legends if legend is not None]
+    return [text.get_text() for legend in present for text in legend.get_texts()]
+
+
+@pytest.fixture(name="legend_texts")
+def _legend_texts():
+    return legend_texts

@@ -1,0 +1,300 @@
+"""Made-up digitised points: laid over figures, fitted by Eq. (34), compared with the computed."""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.colors import same_color
+from tests.article.conftest import ROOT
+
+from microimpact.core.tables import parse_table, series_frame
+from microimpact.ledgers.claims.digitised import digitised_rows, read_digitised
+from microimpact.model.empirical.equations import restitution
+from microimpact.run.digitised import as_rows, overlaid, read_points
+from microimpact.studies.analyses.digitised_comparison import is_named
+
+TOP = "# source: made up\n# licence: CC0-1.0\n# digitised_by: nobody\nseries,x,y,y_low,y_high\n"
+CASE = "steel-silicon, n = 0"
+OTHER = "steel-silicon, n = 1"
+# k, p, kappa, q, v_c of Eq. (34)
+TRUTH = (40.0, 1.0, 0.1, 0.6, 0.2)
+
+
+@pytest.fixture
+def points(figures, tmp_path):
+    """Return a function that makes digitised points of a figure from lines."""
+
+    def made(name, *lines):
+        path = tmp_path / f"{name}.csv"
+        path.write_text(TOP + "\n".join(lines))
+        return read_points(str(path), figures[name])
+
+    return made
+
+
+@pytest.fixture
+def drawn_over(figures):
+    """Return a function that draws a figure with digitised points, and saves nothing."""
+
+    def drawn(name, tables, points):
+        spec = figures[name]
+        function = getattr(import_module(spec.module), spec.function)
+        return function(overlaid(tables, spec, points), spec)
+
+    return drawn
+
+
+@pytest.fixture(scope="module")
+def coulomb(run_study):
+    return run_study("coulomb_friction")
+
+
+def crosses(ax):
+    return [line for line in ax.lines if line.get_marker() == "x"]
+
+
+def test_points_lie_over_the_panel_they_name(coulomb, figures, points, draw, legend_texts):
+    own = points(
+        "fig17",
+        "friction: 0.15,30,0.14,0.12,0.17",
+        "friction: 0.15,60,0.10,,",
+        "friction: other,45,0.24,,",
+    )
+    figure = draw("fig17", overlaid(coulomb, figures["fig17"], own))
+    friction, spin = figure.axes
+    assert not crosses(spin)
+    named, other = crosses(friction)
+    np.testing.assert_array_equal(named.get_xydata(), [[30, 0.14], [60, 0.10]])
+    np.testing.assert_array_equal(other.get_xydata(), [[45, 0.24]])
+    # a series named as a computed one has its colour
+    assert same_color(named.get_color(), "C2")
+    # one bar, for the one point that has one
+    segments = [np.reshape(s, (-1, 2)) for bar in friction.collections for s in bar.get_segments()]
+    heights = [segment[:, 1] for segment in segments if len(segment) and np.isfinite(segment).all()]
+    np.testing.assert_allclose(heights, [[0.12, 0.17]])
+    texts = legend_texts(figure)
+    new = ["digitised from the article", "digitised: 0.15", "digitised: other"]
+    assert [text for text in texts if text.startswith("digitised")] == new
+
+
+def test_axes_grow_to_show_every_point(coulomb, points, drawn_over):
+    own = points("fig17", "spin: a,-5,0.9,0.8,1.2", "spin: a,30,0.1,,")
+    _, spin = drawn_over("fig17", coulomb, own).axes
+    assert spin.get_xlim()[0] < -5
+    assert spin.get_ylim()[1] > 1.2
+    (marks,) = crosses(spin)
+    assert np.isfinite(marks.get_xydata()).all()
+
+
+def test_a_name_is_no_markup(coulomb, figures, points, draw, tmp_path):
+    names = ["$x", "$x^2$", r"a\$b$", "<script>", "_x", "a -- b", "100 %", "{"]
+    lines = [f'"spin: {name}",{i},0.1,,' for i, name in enumerate(names)]
+    figure = draw("fig17", overlaid(coulomb, figures["fig17"], points("fig17", *lines)))
+    (key,) = figure.legends
+    # Matplotlib takes a dollar for its own unless it is escaped
+    texts = [text.get_text().replace(r"\$", "$") for text in key.get_texts()]
+    assert texts[-len(names) :] == [f"digitised: {name}" for name in names]
+    assert "<script" not in (tmp_path / "one.svg").read_text(encoding="utf-8")
+
+
+def test_a_name_of_the_figures_own_is_no_part_of_the_figure(run_study, points, drawn_over):
+    """Series that a figure draws in a way of its own, as capture, are not mistaken for points."""
+    trends = run_study("restitution_trends")
+    plain = drawn_over("fig14", trends, points("fig14", "other,9,0.5,,"))
+    named = drawn_over("fig14", trends, points("fig14", "capture velocity,9,0.5,,"))
+    widths = [figure.axes[0].patches[0].get_width() for figure in (plain, named)]
+    assert widths[0] == widths[1] < 2
+
+
+def test_an_enlarged_view_stays_one(run_study, points, drawn_over):
+    figure = drawn_over("fig20", run_study("force_history"), points("fig20", "force: a,10,70,,"))
+    whole, dips = figure.axes
+    assert [len(crosses(ax)) for ax in (whole, dips)] == [1, 1]
+    assert dips.get_ylim() == (-12, 12)
+    assert np.isnan(crosses(dips)[0].get_ydata()).all()
+    assert crosses(whole)[0].get_ydata() == [70]
+
+
+def made_up_effects():
+    rows = [("v_c: A", 30.0, 1.0), ("v_c: margin", 40.0, 0.0), ("v_c by Eq. 34: A", 28.0, 1.0)]
+    rows += [("ln v_c: A", 20.0, 1.0), ("v_c: simultaneous margin", 50.0, 0.0)]
+    frames = [
+        series_frame(
+            panel=panel, series=s, evidence="computed", x=x, y=y, x_unit="percent", y_unit="1"
+        )
+        for panel in ("normal", "half_normal")
+        for s, x, y in rows
+    ]
+    return {"fig24": pd.concat(frames, ignore_index=True)}
+
+
+def test_a_figure_with_a_drawing_of_its_own_shows_them_too(points, drawn_over, legend_texts):
+    own = points("fig24", "normal: v_c,10,0.5,,", "half_normal: v_c,400,0.5,,")
+    figure = drawn_over("fig24", made_up_effects(), own)
+    assert [len(crosses(ax)) for ax in figure.axes] == [1, 1]
+    assert figure.axes[1].get_xlim()[1] > 400
+    assert legend_texts(figure).count("digitised: v_c") == 1
+
+
+def test_every_plot_of_the_article_takes_points(figures):
+    plots = [spec for name, spec in figures.items() if name[3:].isdigit() and not spec.is_schematic]
+    assert len(plots) == 19
+    for spec in plots:
+        # the points have the units of the first table, and are compared with all of them
+        assert len({(unit.x, unit.y) for unit in spec.data.values()}) == 1
+        assert all(name.partition("_")[0] == spec.name for name in spec.data)
+    # and has a bound for those without bars
+    bounds = read_digitised(ROOT / "config/claims.yaml").rms_difference
+    assert set(bounds) == {spec.name for spec in plots}
+
+
+def eq_34(case, speeds, noise=0.0):
+    k, p, kappa, q, v_c = TRUTH
+    e = restitution(np.asarray(speeds), k, p, kappa, q, v_c)
+    e = np.where(e > 0, e + noise * (-1.0) ** np.arange(e.size), 0.0)
+    return [f'"{case}",{v},{y!r},,' for v, y in zip(speeds, e.tolist(), strict=True)]
+
+
+def rows_of(points):
+    return parse_table(as_rows({points.figure: points}, [points.figure])["digitised"])
+
+
+SPEEDS = [0.15, 0.19, 0.21, 0.25, 0.3, 0.4, 0.5, 0.7, 1.0, 1.4, 1.7, 2.0]
+
+
+def test_points_of_a_case_are_fitted(
+    run_study, calibration, settings, points, drawn_over, legend_texts
+):
+    lines = [*eq_34(CASE, SPEEDS, noise=1e-4), f'"{OTHER}",1.0,0.6,,', "unknown,1,0.5,,"]
+    cases = settings.branches["restitution_fits"]["cases"]
+    few = [case for case in cases if case["figure"] == "fig16" or not case["fitted"]]
+    inputs = calibration | {"digitised": rows_of(points("fig16", *lines))}
+    tables = run_study("restitution_fits", inputs, cases=few)
+    fits = tables["restitution_fits"]
+    assert "unknown" not in set(fits["case"])
+    digitised = fits[fits["evidence"] == "digitised"]
+    # simulated fits come first, as others take them by case
+    assert list(digitised.index) == list(fits.index[-4:])
+    own = digitised[digitised["case"] == CASE].set_index("exponent")
+    free = own.loc["free"]
+    assert free["v_c_m_per_s"] == pytest.approx(TRUTH[-1], rel=0.01)
+    assert free["v_c_low_m_per_s"] < TRUTH[-1] < free["v_c_high_m_per_s"]
+    assert free["rms_residual"] < 1e-4
+    assert own.loc["fixed", "q"] == 0.5
+    assert set(own["note"]) == {""}
+    # too few points: a row that says so, and no curve
+    other = digitised[digitised["case"] == OTHER]
+    assert list(other["exponent"]) == ["free", "fixed"]
+    assert other["v_c_m_per_s"].isna().all()
+    assert other["note"].str.startswith("not fitted: v must hold at least").all()
+    curves = tables["fig16"][tables["fig16"]["series"].str.endswith("fit of digitised points")]
+    assert set(curves["series"]) == {f"{CASE}, fit of digitised points"}
+    assert curves["y_1"].iloc[0] == 0.0
+    # and it is drawn
+    figure = drawn_over("fig16", tables, points("fig16", *lines))
+    assert {"$n$ = 0, fit of digitised points", f"digitised: {CASE}"} <= set(legend_texts(figure))
+    assert len(crosses(figure.axes[0])) == 3
+    # a logarithmic axis grows on its own scale
+    slow = drawn_over("fig16", tables, points("fig16", "slow,0.02,0,,"))
+    assert 0.01 < slow.axes[0].get_xlim()[0] < 0.02
+
+
+def curve(series, x, y, evidence="computed"):
+    return series_frame(
+        panel="friction", series=series, evidence=evidence, x=x, y=y, x_unit="deg", y_unit="1"
+    )
+
+
+def test_differences_from_a_curve(run_study, points):
+    own = points(
+        "fig17",
+        "friction: 5,10,0.2,0.05,0.3",  # 0.1 above the line, bar holds it
+        "friction: 5,20,0.1,0.05,0.15",  # 0.1 below, bar does not
+        "friction: 5,30,0.4,,",  # 0.1 above, no bar
+        "friction: 5,95,0.1,,",  # beyond
+    )
+    table = pd.concat(
+        [
+            curve("line", [0, 90], [0.0, 0.9]),
+            curve("falling", [90, 0], [0.9, 0.0], "virtual experiment"),
+            curve("gap", [0, 15, 25, 90], [0.0, np.nan, np.nan, 0.9], "calibrated"),
+            curve("upright", [5, 5], [0.0, 1.0]),
+            curve("loop", [0, 20, 10], [0.0, 1.0, 2.0]),
+            curve("printed", [0, 90], [0.0, 0.9], "printed"),
+        ]
+    )
+    other = curve("measured", [0, 50], [0.2, 0.2], "virtual experiment")
+    inputs = {"digitised": rows_of(own), "fig17": table, "fig17_points": other, "fig18": other}
+    found = run_study("digitised_comparison", inputs)["digitised_residuals"]
+    assert list(found["series"]) == ["line", "falling", "gap", "measured"]
+    assert set(found["points"]) == {"5"}
+    line = found.iloc[0]
+    assert (line["figure"], line["panel"], line["unit"]) == ("fig17", "friction", "1")
+    assert (line["n"], line["beyond"], line["bars"]) == (3, 1, 2)
+    assert line["bias"] == pytest.approx(0.1 / 3)
+    assert line["rms_difference"] == pytest.approx(0.1)
+    assert line["within_bars"] == 0.5
+    # bars of 0.25 and 0.1 are four standard uncertainties long
+    assert line["normalised_rms"] == pytest.approx(np.sqrt((1.6**2 + 4.0**2) / 2))
+    # the direction in which a curve is written is nothing to it
+    numbers = ["n", "beyond", "bias", "rms_difference", "bars", "within_bars", "normalised_rms"]
+    assert line[numbers].to_list() == pytest.approx(found.iloc[1][numbers].to_list())
+    # nothing is bridged: no computed value, no difference
+    assert (found.iloc[2]["n"], found.iloc[2]["beyond"]) == (0, 4)
+    assert np.isnan(found.iloc[2]["bias"])
+
+
+@pytest.fixture(scope="module")
+def ledger_of(run_study, coulomb):
+    """Return a function that judges points of Fig. 17."""
+
+    def judged(points):
+        tables = {"digitised": rows_of(points), "fig17": coulomb["fig17"]}
+        residuals = run_study("digitised_comparison", tables)["digitised_residuals"]
+        # as the workflow hands it on: names that are numbers come back as numbers
+        again = parse_table(residuals.to_csv(index=False))
+        return digitised_rows(read_digitised(ROOT / "config/claims.yaml"), again)
+
+    return judged
+
+
+@pytest.mark.parametrize("sd", [0.02, None], ids=["with bars", "without"])
+@pytest.mark.parametrize(("shift", "verdict"), [(0.0, "reproduced"), (0.1, "not reproduced")])
+def test_points_drawn_from_a_curve_agree_with_it_and_others_do_not(
+    sd, shift, verdict, coulomb, points, ledger_of
+):
+    curves = coulomb["fig17"]
+    own = curves[(curves["panel"] == "friction") & (curves["series"] == "0.15")].iloc[::8]
+    noise = np.random.default_rng(np.random.PCG64(17)).normal(0.0, 0.02, len(own))
+    lines = []
+    for x, y in zip(own.iloc[:, 3], own.iloc[:, 4] + noise + shift, strict=True):
+        bar = "," if sd is None else f"{y - 2 * sd:.6f},{y + 2 * sd:.6f}"
+        lines.append(f"friction: 0.15,{x:.6f},{y:.6f},{bar}")
+    (row,) = ledger_of(points("fig17", *lines))
+    assert row["id"] == "D17-friction-0.15"
+    assert row["evidence"] == "digitised"
+    assert row["criterion"].startswith("rms_difference" if sd is None else "normalised_rms")
+    assert row["verdict"] == verdict
+
+
+def test_a_series_is_named_alone_or_before_a_comma():
+    assert is_named("0.15", "0.15")
+    assert is_named("0.15, slow", "0.15")
+    assert not is_named("0.151", "0.15")
+    assert not is_named("slow, 0.15", "0.15")
+
+
+def test_a_bar_without_length_agrees_with_its_own_point_alone(run_study, points):
+    own = points("fig17", "friction: 5,10,0.1,0.1,0.1", "friction: 6,20,0.3,0.3,0.3")
+    inputs = {"digitised": rows_of(own), "fig17": curve("line", [0, 90], [0.0, 0.9])}
+    found = run_study("digitised_comparison", inputs)["digitised_residuals"]
+    assert found["normalised_rms"].tolist() == pytest.approx([0.0, np.inf])
+
+
+def test_without_points_the_table_is_a_header(run_study):
+    table = run_study("digitised_comparison")["digitised_residuals"]
+    assert table.empty
+    assert {"figure", "points", "series", "rms_difference", "within_bars"} <= set(table.columns)

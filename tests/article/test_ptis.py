@@ -1,0 +1,94 @@
+"""Imaging system: its range, its error model against its frames, and the figures."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from microimpact.figures.experiments.imaging import grey_levels
+
+SMALL = {
+    "speeds_m_per_s": [0.1, 0.3, 3.0, 30.0],
+    # Where the shares observed lie far from the least that counts.
+    "angles_deg": [60.0],
+    "drawn_angle_deg": 60.0,
+    "pixels_um": [10.0, 100.0],
+    "dash_pitches_px": [25.0, 40.0],
+    "modelled_events": 12,
+    "rendered_events": 6,
+    "experiments": 1,
+    "events": 24,
+}
+
+
+@pytest.fixture(scope="module")
+def tables(run_study):
+    return run_study("track_imaging", **SMALL)
+
+
+@pytest.fixture(scope="module")
+def ranges(tables):
+    return tables["ptis_range"]
+
+
+def test_no_field_of_view_covers_the_printed_range(tables, ranges):
+    """The article gives about 0.1 to 30 m/s (Section 2.1)."""
+    assert not tables["ptis_views"]["covers_range"].any()
+    covered = ranges[ranges["covered"]].groupby("pixel_um")["speed_m_per_s"].agg(["min", "max"])
+    # Enlarged, it loses the fast: at 5 kHz dashes of 30 m/s are 6 mm apart. Reduced, the slow: in a
+    # field of 1/60 s, 0.3 m/s moves by 5 mm, 50 pixels of 100 um for both legs.
+    assert covered.loc[10.0].tolist() == [0.3, 3.0]
+    assert covered.loc[100.0].tolist() == [3.0, 30.0]
+
+
+def test_the_chopper_stays_within_its_limit(ranges):
+    assert ranges["chop_per_s"].max() <= 5000.0
+    assert np.allclose(ranges["disk_rev_per_min"], 6.0 * ranges["chop_per_s"])
+
+
+def test_the_lowest_speed_falls_half_a_millimetre_and_is_never_seen(ranges):
+    slow = ranges[ranges["speed_m_per_s"] == 0.1]
+    assert slow["fall_height_mm"].iloc[0] == pytest.approx(0.1**2 / (2 * 9.80665) * 1e3)
+    assert (slow["fraction_observed"] == 0.0).all()
+
+
+def test_paths_under_gravity_are_unbiased_and_straight_lines_are_not(ranges):
+    slow = ranges[ranges["speed_m_per_s"] == 0.3].set_index("method")
+    assert abs(slow.loc["frames", "incident_speed_error"]) < 2e-3
+    assert slow.loc["straight lines", "incident_speed_error"] < -0.02
+
+
+def test_frames_and_error_model_agree(tables):
+    errors = tables["ptis_errors"]
+    assert (errors["selection_agrees"] > 0.9).all()
+    # 13 to 24 events: the standard deviation of 1 is known to a fifth.
+    assert errors["normalised_sd"].between(0.4, 1.7).all()
+    assert errors["ks_p_value"].min() > 1e-3
+
+
+def test_losses_add_up(tables):
+    keys = ["speed_m_per_s", "angle_deg", "pixel_um", "method"]
+    for _, rows in tables["ptis_losses"].groupby(keys):
+        assert rows["fraction"].sum() == pytest.approx(1.0)
+
+
+def test_the_pixels_of_the_figure_are_those_of_a_frame(tables):
+    image, (left, right, bottom, top) = grey_levels(tables["ptis_pixels"])
+    assert image.shape == (bottom - top, right - left)
+    assert np.median(image) == pytest.approx(20.0, abs=1.0)
+    # Every centroid lies on light.
+    marks = tables["ptis_frame"].query("evidence == 'virtual experiment'")
+    for column, row in marks[["x_px", "y_px"]].to_numpy():
+        assert image[round(row - top - 0.5), round(column - left - 0.5)] > 60.0
+    assert len(tables["ptis_pixels"].to_csv(index=False)) < 1_000_000
+
+
+def test_drawn(draw, tables, legend_texts):
+    frame = draw("ptis_frame", tables)
+    assert {"surface", "incident dashes", "virtual experiment"} <= set(legend_texts(frame))
+    assert frame.axes[0].get_images()
+    low, high = frame.axes[0].get_ylim()
+    assert low > high  # rows count downwards
+    accuracy = draw("ptis_accuracy", tables)
+    assert [ax.get_yscale() for ax in accuracy.axes] == ["symlog", "symlog"]
+    assert {"path under gravity", "straight line"} <= set(legend_texts(accuracy))

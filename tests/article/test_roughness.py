@@ -1,0 +1,142 @@
+"""Coefficients measured on a slope: what Section 4.1 says, and how far its equations reach."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from microimpact.model.rigid_body.roughness import rough_rebound, shallow_restitution
+from microimpact.studies.analyses.roughness_expansions import first_excess
+
+
+@pytest.fixture(scope="module")
+def tables(run_study):
+    return run_study("roughness_expansions")
+
+
+@pytest.fixture(scope="module")
+def values(tables):
+    return tables["roughness_expansions"]
+
+
+@pytest.fixture(scope="module")
+def ranges(tables):
+    columns = ["equation", "form", "spin_ratio", "criterion", "variable", "fixed_deg"]
+    return tables["roughness_ranges"].set_index(columns).sort_index()
+
+
+def test_every_equation_stands_beside_the_exact_value(values):
+    assert set(values["equation"]) == {"35", "37", "38", "39", "after 40", "41"}
+    assert (values["angle_deg"] + values["slope_deg"] > 0).all()
+    row = values.query("equation == '37' and angle_deg == 10 and slope_deg == 10").iloc[0]
+    assert row["printed"] == pytest.approx(2.40)
+    assert row["exact"] == pytest.approx(2.21, abs=5e-3)
+    row = values.query("equation == '35' and angle_deg == 10 and slope_deg == 10").iloc[0]
+    assert row["printed"] == pytest.approx(0.77, abs=5e-3)
+    assert row["corrected"] == pytest.approx(row["exact"], rel=1e-14)
+
+
+def test_corrections_bring_every_equation_nearer(values):
+    small = values[values["slope_deg"].abs() <= 2.0]
+    # without spin both forms of Eq. 41 are one
+    small = small[(small["equation"] != "41") | (small["spin_ratio"] != 0.0)]
+    for name, rows in small.groupby("equation"):
+        assert (rows["corrected_error"] < rows["printed_error"]).all(), name
+
+
+def test_measured_restitution_exceeds_one_at_shallow_angles(values):
+    facing = values.query("equation == '37' and angle_deg <= 10 and slope_deg >= 5")
+    assert (facing["exact"] > 1.0).all()
+    steeper = values.query("equation == '37' and angle_deg == 5 and slope_deg == 5")
+    assert (steeper["exact"] > 2.0).all()
+
+
+def test_exact_values_never_break_energy_but_equation_35_as_printed_does(values):
+    e_m = values[values["quantity"] == "restitution"]
+    assert e_m["exact_within_bound"].all()
+    no_spin = e_m[e_m["spin_ratio"] == 0.0]
+    assert (no_spin["exact"] <= no_spin["greatest_without_spin"]).all()
+    printed = e_m[e_m["equation"] == "35"]
+    broken = printed[~printed["printed_within_bound"].astype(bool)]
+    assert (broken["slope_deg"] < 0).all()
+    assert len(broken) > 0
+    facing = printed[printed["slope_deg"] > 0]
+    assert (facing["printed"] < 1.0).all()
+
+
+def test_ends_of_ranges_are_where_the_error_is_one_per_cent(ranges):
+    row = ranges.loc[("37", "printed", 0.0, "accuracy", "slope", 10.0)]
+    for end in row[["low_deg", "high_deg"]]:
+        slope, angle = np.radians(end), np.radians(10.0)
+        exact = rough_rebound(angle, slope, 0.7, 0.15).measured_restitution
+        printed = shallow_restitution(angle, slope, 0.7, -0.15, printed=True)
+        assert abs(printed / exact - 1.0) == pytest.approx(0.01, rel=1e-6)
+    assert not row["low_is_limit"]
+    assert not row["high_is_limit"]
+
+
+def test_the_corrected_expansions_reach_further(ranges):
+    for name, fixed in (("37", 10.0), ("38", 10.0), ("39", 90.0), ("after 40", 90.0)):
+        printed, corrected = (
+            ranges.loc[(name, form, 0.0, "accuracy", "slope", fixed)]
+            for form in ("printed", "corrected")
+        )
+        assert corrected["low_deg"] < printed["low_deg"] < 0.0, name
+        assert corrected["high_deg"] > printed["high_deg"] > 0.0, name
+
+
+def test_equation_37_is_exact_to_one_per_cent_within_about_a_degree(ranges):
+    row = ranges.loc[("37", "printed", 0.0, "accuracy", "slope", 10.0)]
+    assert -1.1 < row["low_deg"] < -0.9
+    assert 1.1 < row["high_deg"] < 1.3
+
+
+def test_equation_41_is_nowhere_right_with_spin(ranges):
+    printed = ranges.loc[("41", "printed", 0.2, "accuracy", "slope", 90.0)]
+    assert printed[["low_deg", "high_deg"]].isna().all()
+    corrected = ranges.loc[("41", "corrected", 0.2, "accuracy", "slope", 90.0)]
+    assert corrected["low_deg"] < -5.0 < 0.0 < corrected["high_deg"]
+
+
+def test_equation_35_as_printed_breaks_energy_before_its_pole(ranges):
+    for angle in (5.0, 10.0, 20.0):
+        row = ranges.loc[("35", "printed", 0.0, "energy", "slope", angle)]
+        assert -angle / 2 < row["low_deg"] < -0.45 * angle
+    # and Eq. 37 on very steep slopes
+    row = ranges.loc[("37", "printed", 0.0, "energy", "slope", 10.0)]
+    assert 29.0 < row["high_deg"] < 31.0
+
+
+def test_equation_38_ends_where_the_sphere_begins_to_roll(ranges):
+    row = ranges.loc[("38", "corrected", 0.0, "accuracy", "angle", 2.0)]
+    local = np.degrees(np.arctan(2 / (7 * 0.15 * 1.7)))
+    assert row["high_deg"] == pytest.approx(local - 2.0, abs=0.5)
+
+
+def test_first_excess():
+    assert first_excess(lambda x: np.asarray(x) - 0.3, 0.0, 1.0) == pytest.approx(0.3, abs=1e-12)
+    assert first_excess(lambda x: np.asarray(x) - 2.0, 0.0, 1.0) == 1.0
+    assert np.isnan(first_excess(lambda x: 0.5 - np.asarray(x), 0.0, 1.0))
+    # the first of several
+    found = first_excess(lambda x: np.sin(10.0 * np.asarray(x)) - 0.5, 0.0, 3.0)
+    assert found == pytest.approx(np.pi / 60, abs=1e-9)
+
+
+def test_another_tolerance_widens_the_ranges(run_study, ranges):
+    loose = run_study("roughness_expansions", tolerance=0.1)["roughness_ranges"]
+    row = loose.query(
+        "equation == '37' and form == 'printed' and criterion == 'accuracy'"
+        " and variable == 'slope' and fixed_deg == 10"
+    ).iloc[0]
+    assert row["high_deg"] > 5.0 * 1.2
+
+
+def test_drawn(draw, tables, legend_texts):
+    figure = draw("roughness", tables)
+    assert len(figure.axes) == 6
+    assert {"exact", "expansion as printed", "expansion corrected"} <= set(legend_texts(figure))
+    assert "computed" in legend_texts(figure)
+    bars = [[line for line in ax.lines if line.get_marker() == "|"] for ax in figure.axes]
+    # no bar for Eq. 41 as printed, with spin
+    assert [len(lines) for lines in bars] == [2, 2, 2, 2, 2, 1]
+    assert all(np.ptp(line.get_xdata()) > 0 for lines in bars for line in lines)

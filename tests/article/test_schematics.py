@@ -1,0 +1,367 @@
+"""Figs. 1, 2, 3, 13, 19 and 22: the schematics say what they show, and what is to scale is."""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgba
+from matplotlib.patches import FancyArrowPatch
+
+from microimpact.declared.selection import read_declared
+from microimpact.figures import style
+
+ROOT = Path(__file__).parents[2]
+NAMES = ("fig01", "fig02", "fig03", "fig13", "fig19", "fig22")
+PRINTED = {
+    "disk_slots": ("ptis_disk_slots", "value"),
+    "probe_height_mm": ("pdpa_probe_height", "value"),
+    "least_drop_height_m": ("drop_height", "low"),
+    "greatest_drop_height_m": ("drop_height", "high"),
+}
+
+
+@pytest.fixture(scope="module")
+def tables(run_study):
+    return run_study("schematics")
+
+
+@pytest.fixture(scope="module")
+def parameters(settings):
+    return settings.branches["schematics"]
+
+
+@pytest.fixture(scope="module")
+def numbers(tables):
+    return tables["schematic_values"].set_index("quantity")["value"]
+
+
+def points(table, panel, series):
+    rows = table[(table["panel"] == panel) & (table["series"] == series)]
+    assert len(rows), (panel, series)
+    return rows.iloc[:, 3:5].to_numpy(float)
+
+
+def vector(table, panel, series):
+    tail, tip = points(table, panel, series)
+    return tip - tail
+
+
+@style.context()
+def texts(figure):
+    """Return every text that is drawn, with its box in pixels."""
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    figure.draw(renderer)
+    found = [*figure.texts, *itertools.chain(*(ax.texts for ax in figure.axes))]
+    legends = [*figure.legends, *(ax.get_legend() for ax in figure.axes)]
+    for legend in filter(None, legends):
+        found += legend.get_texts()
+    return [(t.get_text(), t.get_window_extent(renderer)) for t in found if t.get_text()]
+
+
+def words(figure):
+    return " | ".join(" ".join(word.split()) for word, _ in texts(figure))
+
+
+def computed_arrows(figure):
+    """Return the vectors of the arrows of the first panel that are marked as computed."""
+    patches = [p for p in figure.axes[0].patches if isinstance(p, FancyArrowPatch)]
+    blue = to_rgba("#0072B2")
+    ends = [np.array(p._posA_posB) for p in patches if p.get_edgecolor() == blue]
+    return [tip - tail for tail, tip in ends]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_words_are_inside_the_canvas_and_clear_of_each_other(draw, tables, name):
+    figure = draw(name, tables)
+    found = texts(figure)
+    width, height = figure.canvas.get_width_height()
+    for word, box in found:
+        assert box.x0 >= 0, word
+        assert box.y0 >= 0, word
+        assert box.x1 <= width, word
+        assert box.y1 <= height, word
+    for (one, first), (two, second) in itertools.combinations(found, 2):
+        assert not first.overlaps(second), f"{one!r} and {two!r} overlap"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_key_names_every_class_of_evidence(draw, tables, legend_texts, name):
+    figure = draw(name, tables)
+    present = set(tables[name]["evidence"])
+    key = " | ".join(legend_texts(figure))
+    for evidence, word in {
+        "printed": "in the article",
+        "assumed": "assumed",
+        "computed": "computed",
+    }.items():
+        assert (word in key) == (evidence in present)
+
+
+@pytest.mark.parametrize(
+    ("name", "parts"),
+    [
+        (
+            "fig01",
+            "argon-ion laser|collimator|chopper|10 slots|plano-convex lens|light sheet|vacuum|"
+            "dispenser|rotor|hypodermic needle|target surface|CCD camera|porthole|video recorder|"
+            "90°|0.01 to 1.0 m|-4",
+        ),
+        (
+            "fig02",
+            "argon-ion laser|454|514 nm|frequency shifting|probe volume|vacuum|target surface|"
+            "3 detectors|90°|data file|1 mm",
+        ),
+    ],
+)
+def test_parts_of_the_set_ups_are_named(draw, tables, name, parts):
+    found = words(draw(name, tables))
+    for part in parts.split("|"):
+        assert part in found
+
+
+def test_counts_are_drawn_as_declared(run_study, parameters, tables):
+    def slots(of):
+        return len(points(of["fig01"], "side", "slots")) // 2
+
+    assert slots(tables) == 10
+    assert len(points(tables["fig02"], "top", "detectors")) == 3
+    other = run_study(
+        "schematics", set_ups={**parameters["set_ups"], "disk_slots": 6, "detectors": 2}
+    )
+    assert slots(other) == 6
+    assert len(points(other["fig02"], "top", "detectors")) == 2
+
+
+def test_numbers_on_the_set_ups_are_those_of_the_article(parameters):
+    rows = read_declared(
+        str(ROOT / "config/printed_values.csv"),
+        ("key", "value", "low", "high", "unit", "where", "note"),
+        ("value", "low", "high"),
+    ).rows
+    printed = {row["key"]: row for row in rows}
+    for name, (key, column) in PRINTED.items():
+        assert parameters["set_ups"][name] == float(printed[key][column])
+
+
+def test_tracks_of_fig01_follow_the_rigid_body_model(tables, parameters):
+    """At 60 deg the sphere ends rolling: V_t = 5/7 v_t, whatever f; V_n = -e v_n."""
+    rebound, alpha = parameters["rebound"], np.radians(60.0)
+    fall, bounce = (
+        points(tables["fig01"], "side", f"{leg} track").reshape(-1, 2, 2)
+        for leg in ("incident", "rebound")
+    )
+    normal = vector(tables["fig01"], "side", "normal")
+    normal /= np.hypot(*normal)
+    target = vector(tables["fig01"], "side", "target")
+    target /= np.hypot(*target)
+    np.testing.assert_allclose(fall[:, :, 0], fall[0, 0, 0])
+    assert normal @ target == pytest.approx(0.0, abs=1e-12)
+    assert -target[1] == pytest.approx(np.cos(alpha)), "the fall meets the target at alpha"
+    pitch = np.diff(bounce[:, 0], axis=0)[0] / np.hypot(*np.diff(fall[:, 0], axis=0)[0])
+    assert pitch @ normal == pytest.approx(rebound["restitution"] * np.sin(alpha))
+    assert pitch @ target == pytest.approx(5.0 / 7.0 * np.cos(alpha))
+
+
+@pytest.mark.parametrize("name", ["fig01", "fig02"])
+def test_parts_stand_on_the_drawing(figures, tables, name):
+    for panel, spec in figures[name].panels.items():
+        rows = tables[name][tables[name]["panel"] == panel]
+        assert rows["x_mm"].between(*spec.x_range).all()
+        assert rows["y_mm"].between(*spec.y_range).all()
+
+
+def test_drawn_rebound_has_the_stated_restitution_and_friction(draw, tables, parameters):
+    rebound = parameters["rebound"]
+    drawn = computed_arrows(draw("fig03", tables))
+    scale = rebound["speed_m_per_s"] / max(np.hypot(*arrow) for arrow in drawn)
+
+    def shown(series):
+        wanted = vector(tables["fig03"], "impact", series)
+        return any(np.allclose(scale * arrow, wanted, atol=1e-12) for arrow in drawn)
+
+    v, V = (vector(tables["fig03"], "impact", f"{leg} velocity") for leg in ("incident", "rebound"))
+    assert shown("incident velocity")
+    assert shown("rebound velocity")
+    for leg, whole in (("incident", v), ("rebound", V)):
+        parts = [vector(tables["fig03"], "impact", f"{leg} {p}") for p in ("tangential", "normal")]
+        np.testing.assert_allclose(sum(parts), whole)
+    assert np.hypot(*v) == pytest.approx(rebound["speed_m_per_s"])
+    assert np.degrees(np.arctan2(-v[1], v[0])) == pytest.approx(rebound["angle_deg"])
+    assert -V[1] / v[1] == pytest.approx(rebound["restitution"])
+    # v_t > 0 and sliding: the signed ratio is -f
+    assert (V[0] - v[0]) / (V[1] - v[1]) == pytest.approx(-rebound["friction"])
+
+
+def test_friction_raises_the_spin_in_the_sense_of_rolling(tables):
+    """Eq. (8) as mended: r (Omega - omega) = -(5/2) (V_t - v_t)."""
+    spins = [vector(tables["fig03"], "impact", f"{leg} spin")[0] for leg in ("incident", "rebound")]
+    along = [
+        vector(tables["fig03"], "impact", f"{leg} tangential")[0] for leg in ("incident", "rebound")
+    ]
+    assert spins[1] - spins[0] == pytest.approx(-2.5 * (along[1] - along[0]))
+    assert spins[1] > spins[0] > 0
+    assert along[1] - spins[1] > 0, "it still slides"
+
+
+def test_momentum_and_impulses_of_fig13_add_up(tables, parameters):
+    table = tables["fig13"]
+    for part in ("normal", "tangential"):
+        before, impulse, after = (
+            vector(table, panel, part) for panel in ("before", "impulse", "after")
+        )
+        np.testing.assert_allclose(before + impulse, after)
+    normal = vector(table, "impulse", "normal")
+    along = vector(table, "impulse", "tangential")
+    assert along[0] / normal[1] == pytest.approx(-parameters["rebound"]["friction"])
+
+
+def test_drawn_pressure_carries_the_hertz_force(tables, numbers):
+    rho, pressure = points(tables["fig19_pressure"], "stresses", "pressure").T
+    half = rho >= 0
+    force = np.trapezoid(2.0 * np.pi * rho[half] * pressure[half], rho[half])  # um2 GPa = mN
+    assert force * 1e3 == pytest.approx(numbers["hertz_force"], rel=2e-3)
+
+
+def test_contact_of_fig19_follows_hertz(tables, numbers):
+    """a and p_0 from the force alone: a^3 = F r / K, p_0 = 3 F / (2 pi a^2), K by hand."""
+    k = [(1 - nu**2) / (np.pi * E) for E, nu in ((1.2e9, 0.3), (325e9, 0.31))]
+    stiffness = 4.0 / (3.0 * np.pi * sum(k))
+    force, radius = numbers["hertz_force"] * 1e-6, 2.45e-6
+    a = (force * radius / stiffness) ** (1.0 / 3.0)
+    rho, pressure = points(tables["fig19_pressure"], "stresses", "pressure").T
+    assert rho.max() * 1e-6 == pytest.approx(a, rel=1e-9)
+    assert pressure.max() * 1e9 == pytest.approx(1.5 * force / (np.pi * a**2), rel=1e-9)
+    assert numbers["compression"] * 1e-9 == pytest.approx(a**2 / radius, rel=1e-9)
+    edge = points(tables["fig19_ring"], "stresses", "ring tension")
+    np.testing.assert_allclose(edge[:, 0] * 1e-6, [-a, a])
+    pull = 2.0 * np.pi * a * edge[0, 1]
+    assert pull * 1e6 == pytest.approx(numbers["adhesion_force"], rel=1e-9)
+
+
+def test_section_of_fig19_is_a_flattened_sphere(tables, numbers):
+    outline, free = (points(tables["fig19"], "section", part) for part in ("sphere", "free shape"))
+    radius, a = 2.45, numbers["contact_radius"]
+    (centre,) = points(tables["fig19"], "section", "centre")
+    assert free[:, 1].min() == pytest.approx(-numbers["compression"] * 1e-3, abs=1e-3)
+    # It touches over the contact alone; further out it approaches the free shape from outside.
+    gap = outline[:, 1]
+    assert gap.min() > -1e-3
+    assert gap[np.abs(outline[:, 0]) > 1.2 * a].min() > 5e-3
+    away = np.hypot(*(outline - centre).T) - radius
+    assert np.abs(away).max() == pytest.approx(a**2 / (2 * radius), rel=0.02)
+
+
+def test_stated_values_of_fig19_are_those_of_the_tables(draw, tables, numbers):
+    found = words(draw("fig19", tables))
+    assert f"{numbers['peak_pressure']:.3f} GPa" in found
+    assert f"{numbers['compression']:.0f} nm" in found
+    assert f"{numbers['contact_radius']:.2f}" in found
+    assert f"{numbers['ring_force']:.2f} N/m" in found
+
+
+def test_a_faster_impact_is_drawn_with_a_wider_contact(run_study, parameters, numbers):
+    contact = {**parameters["contact"], "speed_m_per_s": 10.4}
+    faster = run_study("schematics", contact=contact)["schematic_values"]
+    faster = faster.set_index("quantity")["value"]
+    assert faster["contact_radius"] > 1.2 * numbers["contact_radius"]
+
+
+def turned(one, other):
+    """Angle in degrees from one vector to another, counterclockwise."""
+    cross = one[0] * other[1] - one[1] * other[0]
+    return np.degrees(np.arctan2(cross, one @ other))
+
+
+def test_angles_of_fig22(tables, parameters, numbers):
+    table = tables["fig22"]
+    surface = points(table, "geometry", "surface")
+    wave = parameters["wavy_surface"]
+    axes = {
+        f"{kind} {axis}": vector(table, "geometry", f"{kind} {axis}")
+        for kind, axis in itertools.product(("nominal", "local"), ("tangent", "normal"))
+    }
+    phi = turned(axes["nominal tangent"], axes["local tangent"])
+    assert phi > 0, "the surface faces the sphere"
+    slope = np.interp(0.0, surface[:, 0], np.gradient(surface[:, 1], surface[:, 0]))
+    assert slope == pytest.approx(np.tan(np.radians(phi)), rel=1e-3)
+    assert turned(axes["nominal normal"], axes["local normal"]) == pytest.approx(phi)
+    incoming = vector(table, "geometry", "incident velocity")
+    alpha = turned(incoming, axes["nominal tangent"])
+    local = turned(incoming, axes["local tangent"])
+    assert alpha == pytest.approx(wave["angle_deg"])
+    assert local == pytest.approx(alpha + phi)
+    assert (numbers["slope_angle"], numbers["local_angle_of_incidence"]) == pytest.approx(
+        (phi, local)
+    )
+
+
+def test_sphere_of_fig22_touches_at_the_point_of_impact_alone(tables, parameters):
+    circle = points(tables["fig22"], "geometry", "sphere")[:-1]
+    x, z = points(tables["fig22"], "geometry", "surface").T
+    centre, radius = circle.mean(axis=0), parameters["wavy_surface"]["diameter_um"] / 2
+    distance = np.hypot(x - centre[0], z - centre[1])
+    assert distance.min() == pytest.approx(radius, rel=1e-6)
+    assert x[np.argmin(distance)] == pytest.approx(0.0, abs=1e-9)
+    assert np.hypot(*centre) == pytest.approx(radius)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            {"place_um": 25.0, "angle_deg": 10.0},
+            r"wavy_surface\.place_um: 25\.0 has a slope of -20",
+        ),
+        (
+            {"wavelength_um": 40.0, "diameter_um": 100.0},
+            r"wavy_surface\.diameter_um: a sphere of 100\.0 um",
+        ),
+    ],
+)
+def test_an_impossible_wave_is_refused(run_study, parameters, change, message):
+    with pytest.raises(ValueError, match=message):
+        run_study("schematics", wavy_surface={**parameters["wavy_surface"], **change})
+
+
+def test_a_slope_that_turns_away_is_drawn(run_study, parameters, draw):
+    wave = {**parameters["wavy_surface"], "place_um": 10.0, "angle_deg": 35.0}
+    tables = run_study("schematics", wavy_surface=wave)
+    tangent = vector(tables["fig22"], "geometry", "local tangent")
+    assert tangent[1] < 0
+    draw("fig22", tables)
+
+
+@pytest.mark.parametrize(
+    ("branch", "change", "name"),
+    [
+        # nothing but a fall, and no rebound: arrows of no length
+        ("rebound", {"angle_deg": 90.0, "restitution": 0.0, "spin_ratio": 0.0}, "fig03"),
+        ("rebound", {"angle_deg": 90.0, "restitution": 0.0, "spin_ratio": 0.0}, "fig13"),
+        ("rebound", {"speed_m_per_s": 0.03, "spin_ratio": -0.3}, "fig03"),
+        ("set_ups", {"target_angle_deg": 30.0, "camera_angle_deg": 80.0}, "fig01"),
+        ("set_ups", {"receiver_angle_deg": 75.0, "detectors": 2}, "fig02"),
+        (
+            "contact",
+            {
+                "particle": "stainless-steel-316",
+                "surface": "silicon",
+                "diameter_um": 62.0,
+                "speed_m_per_s": 1.66,
+            },
+            "fig19",
+        ),
+    ],
+)
+def test_a_changed_configuration_is_drawn(run_study, parameters, draw, branch, change, name):
+    tables = run_study("schematics", **{branch: {**parameters[branch], **change}})
+    figure = draw(name, tables)
+    ax = figure.axes[0]
+    (left, low), (right, high) = ax.transData.inverted().transform(ax.bbox)
+    for word in ax.texts:
+        x, y = word.get_position()
+        assert left <= x <= right, word.get_text()
+        assert low <= y <= high, word.get_text()

@@ -1,0 +1,156 @@
+"""What importing loads, and where compiled code is kept."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+HEAVY = ("numba", "llvmlite", "pandas", "scipy", "matplotlib", "pydantic", "sympy", "pint", "yaml")
+
+IMPACT = """
+from microimpact import Contact, Material, simulate
+steel = Material(name="steel", youngs_modulus=193e9, poissons_ratio=0.28, density=8000.0)
+contact = Contact(particle=steel, surface=steel, diameter=62e-6, work_of_adhesion=0.5)
+print(float(simulate(contact, 1.0).coefficient_of_restitution))
+"""
+
+
+def run(code, **environment):
+    return subprocess.run(
+        [sys.executable, "-c", code],
+        env={**os.environ, **environment},
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=True,
+    ).stdout
+
+
+def loaded_after(code, *watched):
+    listed = run(
+        f"import sys\n{code}\nprint('LOADED', *[n for n in {watched!r} if n in sys.modules])"
+    )
+    return set(listed.rpartition("LOADED")[2].split())
+
+
+def test_the_package_itself_loads_nothing_heavy():
+    assert loaded_after("import microimpact", *HEAVY, "numpy") == set()
+
+
+def test_the_watch_sees_what_is_loaded():
+    first_call = "from microimpact.model.dynamics import kernel\nkernel._value.compiled()"
+    assert loaded_after(first_call, *HEAVY) >= {"numba", "llvmlite"}
+
+
+@pytest.mark.parametrize(
+    "module", ["dynamics.kernel", "law.pieces", "rigid_body.facets", "dynamics.impact"]
+)
+def test_the_compiler_waits_for_the_first_call(module):
+    assert loaded_after(f"import microimpact.model.{module}", "numba", "llvmlite") == set()
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["simulate", "--help"], ["capture", "-h"]])
+def test_help_loads_nothing_heavy(arguments):
+    code = (
+        f"import sys; sys.argv[1:] = {arguments!r}\n"
+        "from microimpact.cli import main\n"
+        "try:\n    main()\nexcept SystemExit:\n    pass"
+    )
+    heavy = set(HEAVY) - {"yaml"}
+    assert loaded_after(code, *heavy) == set()
+
+
+def test_an_impact_needs_the_compiler_and_no_more():
+    # Numba itself looks whether there is a scipy, and loads its root.
+    parts = ("scipy.optimize", "scipy.stats", "scipy.special", "scipy.interpolate")
+    watched = set(HEAVY) - {"yaml", "scipy"} | set(parts)
+    assert loaded_after(IMPACT, *watched) == {"numba", "llvmlite"}
+
+
+def test_the_study_of_declared_inputs_does_not_load_the_compiler():
+    assert "numba" not in loaded_after(
+        "import microimpact.studies.analyses.declared_inputs", "numba"
+    )
+
+
+# Compiled code
+
+TINY = """
+from microimpact.core.compiled import jit
+
+@jit()
+def twice(x):
+    return 2.0 * x
+"""
+CALL = (
+    "import tiny\nfirst = tiny.twice\nvalue = first(2.0)\nassert first(1.0) == tiny.twice(1.0)\n"
+    "print(value, tiny.twice.stats.cache_path, len(tiny.twice.stats.cache_hits))"
+)
+
+
+@pytest.fixture
+def call(tmp_path):
+    """Return a function that calls a compiled function in a new process."""
+    (tmp_path / "tiny.py").write_text(TINY)
+
+    def called(**environment):
+        return run(CALL, PYTHONPATH=str(tmp_path), **environment).split()
+
+    return called
+
+
+def test_compiled_code_is_kept_where_the_environment_says(call, tmp_path):
+    place = tmp_path / "kept"
+    value, where, hits = call(NUMBA_CACHE_DIR=str(place))
+    assert (value, hits) == ("4.0", "0")
+    assert where.startswith(str(place))
+    assert len(list(place.rglob("tiny.twice*.nbi"))) == 1
+    # Another process compiles nothing.
+    assert call(NUMBA_CACHE_DIR=str(place)) == ["4.0", where, "1"]
+
+
+def test_an_installation_for_reading_keeps_it_in_the_users_cache(call, tmp_path):
+    # As where the source's folder cannot be written (which does not hinder a superuser).
+    environment = {"NUMBA_CACHE_LOCATOR_CLASSES": "UserWideCacheLocator", "NUMBA_CACHE_DIR": ""}
+    environment |= {"HOME": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path / "cache")}
+    _, where, hits = call(**environment)
+    assert (hits, Path(where).is_relative_to(tmp_path / "cache")) == ("0", True)
+    assert call(**environment)[2] == "1"
+
+
+def test_nowhere_to_keep_compiled_code_is_no_error(call, tmp_path):
+    blocked = tmp_path / "home"
+    blocked.write_text("not a folder")
+    environment = {"NUMBA_CACHE_LOCATOR_CLASSES": "UserWideCacheLocator", "NUMBA_CACHE_DIR": ""}
+    environment |= {"HOME": str(blocked), "XDG_CACHE_HOME": str(blocked / "cache")}
+    assert call(**environment) == ["4.0", "None", "0"]
+
+
+@pytest.mark.parametrize("name", ["dynamics.kernel", "law.pieces", "rigid_body.facets"])
+def test_functions_of_the_model_are_kept(name):
+    code = (
+        f"import microimpact.model.{name} as m\n"
+        "from numba.core.dispatcher import Dispatcher\n"
+        "from microimpact.core.compiled import _Uncompiled\n"
+        "next(f for f in vars(m).values() if isinstance(f, _Uncompiled)).compiled()\n"
+        "found = [f for f in vars(m).values() if isinstance(f, Dispatcher)]\n"
+        "kept = [f for f in found if not f.targetoptions.get('inline')]\n"
+        "print(len(kept), all(f.stats.cache_path for f in kept))"
+    )
+    number, kept = run(code).split()
+    assert int(number) >= 2
+    assert kept == "True"
+
+
+def test_compiled_code_of_a_module_calls_no_other_modules(tmp_path):
+    # Numba's cache would keep stale code of the other module.
+    root = Path(__file__).parents[2] / "src/microimpact"
+    users = [path for path in root.rglob("*.py") if "import jit\n" in path.read_text()]
+    assert {path.stem for path in users} >= {"kernel", "pieces", "facets"}
+    names = {path: ".".join(path.relative_to(root.parent).with_suffix("").parts) for path in users}
+    for path in users:
+        text = path.read_text()
+        others = [name for other, name in names.items() if other != path]
+        assert not any(f"from {name} import _" in text for name in others)

@@ -1,0 +1,118 @@
+"""Materials and the tables they are declared in."""
+
+import csv
+import math
+
+import numpy as np
+import pytest
+
+from microimpact.core.materials import (
+    Material,
+    declared_file,
+    find_material,
+    materials_from_rows,
+)
+
+GOOD = {"name": "steel", "youngs_modulus": 193e9, "poissons_ratio": 0.28, "density": 8000.0}
+
+
+def rows(**values):
+    table = {"youngs_modulus": ("193", "GPa"), "poissons_ratio": ("0.28", "-")}
+    table |= {"density": ("8000", "kg/m3")} | values
+    return [
+        {"material": "steel", "property": name, "value": value, "unit": unit}
+        for name, (value, unit) in table.items()
+    ]
+
+
+@pytest.mark.parametrize("ratio", [-0.999999, 0.0, 0.5])
+def test_poissons_ratio_may_be_anything_a_stable_solid_has(ratio):
+    assert Material(**GOOD | {"poissons_ratio": ratio}).poissons_ratio == ratio
+
+
+@pytest.mark.parametrize("key", ["youngs_modulus", "density", "poissons_ratio"])
+@pytest.mark.parametrize("value", ["1", True, None, 1j])
+def test_a_property_that_is_no_number_is_a_type_error(key, value):
+    with pytest.raises(TypeError, match=f"^{key} must be a real number"):
+        Material(**GOOD | {key: value})
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "said"),
+    [
+        ("youngs_modulus", 0.0, "0"),
+        ("youngs_modulus", -1.0, "-1"),
+        ("youngs_modulus", math.nan, "nan"),
+        ("youngs_modulus", math.inf, "inf"),
+        ("density", 0, "0"),
+        ("density", -2, "-2"),
+        ("poissons_ratio", -1.0, "-1"),
+        ("poissons_ratio", 0.51, "0.51"),
+        ("poissons_ratio", math.nan, "nan"),
+    ],
+)
+def test_a_property_out_of_range_is_a_value_error(key, value, said):
+    with pytest.raises(ValueError, match=f"^{key} must be .*got {said}$"):
+        Material(**GOOD | {key: value})
+
+
+def test_the_name_is_text():
+    with pytest.raises(TypeError, match="name must be text, got 3"):
+        Material(**GOOD | {"name": 3})
+
+
+def test_properties_broadcast():
+    material = Material(**GOOD | {"density": [1.0, 2.0]})
+    assert np.shape(material.density) == (2,)
+    with pytest.raises(ValueError, match=r"youngs_modulus \(3,\).*density \(2,\)"):
+        Material(**GOOD | {"density": [1.0, 2.0], "youngs_modulus": [1.0, 2.0, 3.0]})
+
+
+def test_rows_become_a_material_in_si_units():
+    steel = materials_from_rows(rows(density=("8", "g/cm3")))["steel"]
+    assert steel.youngs_modulus == 193e9
+    assert steel.density == 8000.0
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        (
+            {"density": ("8000", "GPa")},
+            "material 'steel', density: unit 'GPa' must be one of kg/m3",
+        ),
+        ({"youngs_modulus": ("193", "gpa")}, "youngs_modulus: unit 'gpa' must be one of"),
+        ({"youngs_modulus": ("much", "GPa")}, "youngs_modulus: value 'much' must be a number"),
+        ({"density": ("-1", "kg/m3")}, "material 'steel': density must be .* got -1"),
+        ({"density": ("nan", "kg/m3")}, "material 'steel': density must be .* got nan"),
+        ({"densty": ("1", "kg/m3")}, r"property 'densty' unknown \(did you mean 'density'\?\)"),
+    ],
+)
+def test_a_wrong_row_is_a_value_error_that_names_it(changed, said):
+    with pytest.raises(ValueError, match=said):
+        materials_from_rows(rows(**changed))
+
+
+def test_a_missing_property_is_named():
+    with pytest.raises(ValueError, match="material 'steel': density not declared"):
+        materials_from_rows(rows()[:2])
+
+
+def test_a_property_declared_twice_is_named():
+    with pytest.raises(ValueError, match="material 'steel': density is declared twice"):
+        materials_from_rows(rows() + rows()[-1:])
+
+
+def test_an_unknown_material_is_an_error_that_names_the_nearest():
+    known = materials_from_rows(rows())
+    assert find_material("steel", known) is known["steel"]
+    with pytest.raises(ValueError, match=r"unknown material 'stel' \(did you mean 'steel'\?\)"):
+        find_material("stel", known)
+
+
+def test_every_declared_material_is_sound():
+    text = declared_file("materials.csv").read_text(encoding="utf-8")
+    declared = materials_from_rows(csv.DictReader(text.splitlines()))
+    assert {"stainless-steel-316", "silicon"} <= set(declared)
+    assert all(1e8 < m.youngs_modulus < 1e12 for m in declared.values())
+    assert all(500 < m.density < 25000 for m in declared.values())

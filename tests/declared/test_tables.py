@@ -1,0 +1,129 @@
+"""Tables on disk, selection of declared rows, provenance."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from microimpact.core import tables
+from microimpact.declared import selection
+from microimpact.declared.provenance import unit_of
+
+
+def test_numbers_survive_the_way_to_disk_and_back(tmp_path):
+    numbers = np.array([0.1 + 0.2, 1e-300, -math.pi * 1e17, math.nan])
+    table = pd.DataFrame({"name": ["a", "NA", "None", "d,e"], "number": numbers})
+    path = tmp_path / "deep/table.csv"
+    tables.write_table(table, path)
+    back = tables.read_table(path, ["name", "number"])
+    assert back["number"].equals(table["number"])
+    assert list(back["name"]) == ["a", "NA", "None", "d,e"]
+    assert [p.name for p in path.parent.iterdir()] == ["table.csv"]
+
+
+def test_a_wrong_unit_column_is_named(tmp_path):
+    frame = tables.series_frame(
+        panel="p", series="s", evidence="computed", x=[1, 2], y=3, x_unit="rad", y_unit="1"
+    )
+    assert len(frame) == 2
+    path = tmp_path / "fig99.csv"
+    tables.write_table(frame, path)
+    with pytest.raises(tables.TableError, match=r"fig99\.csv: column 'x_deg' is missing, column"):
+        tables.read_table(path, tables.figure_columns("deg", "1"))
+
+
+def test_unknown_evidence_is_refused():
+    with pytest.raises(ValueError, match="evidence: 'measured' must be one of"):
+        tables.series_frame(
+            panel="p", series="s", evidence="measured", x=1, y=1, x_unit="m", y_unit="m"
+        )
+
+
+@pytest.mark.parametrize(
+    ("key", "unit"),
+    [
+        ("a.speed_m_per_s", "m/s"),
+        ("diameter_um", "um"),
+        ("damping_s_per_m", "s/m"),
+        ("work_of_adhesion_J_per_m2", "J/m2"),
+        ("density_kg_per_m3", "kg/m3"),
+        ("spin_rad_per_s", "rad/s"),
+        ("angle_deg[3]", "deg"),
+        ("points", "-"),
+        ("spin_ratio", "-"),
+    ],
+)
+def test_units_in_names(key, unit):
+    assert unit_of(key) == unit
+
+
+HEADER = ",".join(selection.MATERIAL_COLUMNS)
+
+
+def material_table(tmp_path, *rows, header=HEADER):
+    path = tmp_path / "materials.csv"
+    path.write_text("\n".join([header, *rows]) + "\n")
+    return selection.read_declared(str(path), selection.MATERIAL_COLUMNS, ("value", "low", "high"))
+
+
+def test_only_named_rows_are_selected(tmp_path):
+    table = material_table(
+        tmp_path,
+        'steel,density,8000,kg/m3,,,found,"data, sheet"',
+        "silicon,density,2330,kg/m3,2320,2340,textbook,handbook",
+    )
+    branch = {"cases": [{"particle": "steel", "surface": "steel", "angle_deg": 3}]}
+    assert selection.named_contacts(branch) == [("steel", "steel")]
+    text = table.where(selection.named_materials(branch), "material")
+    assert text == f'{HEADER}\nsteel,density,8000,kg/m3,,,found,"data, sheet"\n'
+
+
+def test_an_unknown_name_is_refused_with_the_nearest(tmp_path):
+    table = material_table(tmp_path, "silicon,density,2330,kg/m3,,,textbook,handbook")
+    with pytest.raises(selection.SelectionError, match=r"no rows for 'silcon'.*'silicon'"):
+        table.where([("silcon",)], "material")
+
+
+def test_a_pair_and_an_anchor_that_are_not_declared_are_refused():
+    root = Path(__file__).parents[2] / "config"
+    files = ("materials.csv", "contacts.csv", "printed_values.csv")
+    declared = selection.read_all(*(str(root / name) for name in files))
+    pair = {"particle": "stainless-steel-316", "surface": "mica"}
+    with pytest.raises(selection.SelectionError, match="no rows for 'stainless-steel-316 on mica'"):
+        declared.named_in(pair)
+    with pytest.raises(selection.SelectionError, match="no rows for 'friction'"):
+        declared.named_in({"anchors": ["friction"]})
+    assert declared.named_in({"points": 3}) == {}
+
+
+@pytest.mark.parametrize(
+    ("row", "message"),
+    [
+        ("silicon,density,many,kg/m3,,,textbook,handbook", "line 2: value 'many' must be a finite"),
+        ("silicon,density,inf,kg/m3,,,textbook,handbook", "value 'inf' must be a finite"),
+        ("silicon,density,,kg/m3,,,textbook,handbook", "value '' must be a finite"),
+        ("silicon,density,1,,,,textbook,handbook", "unit is empty"),
+        ("silicon,density,1,kg/m3,,,guess,handbook", "evidence 'guess' must be one of"),
+        ("silicon,density,1,kg/m3,,,textbook,", "source is empty"),
+        ("silicon,density,1,kg/m3", "must have 8 fields"),
+    ],
+)
+def test_a_malformed_row_is_named(tmp_path, row, message):
+    with pytest.raises(selection.SelectionError, match=message):
+        material_table(tmp_path, row)
+
+
+def test_a_wrong_header_is_shown(tmp_path):
+    with pytest.raises(selection.SelectionError, match="it must be material, property, value"):
+        material_table(tmp_path, header=HEADER.replace("unit", "units"))
+
+
+def test_a_zero_has_no_sign():
+    frame = tables.series_frame(
+        panel="main", series="a", evidence="computed", x=-0.0, y=[-0.0], x_unit="s", y_unit="N"
+    )
+    assert "-0.0" not in frame.to_csv()

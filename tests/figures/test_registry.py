@@ -1,0 +1,79 @@
+"""The figure registry: what it refuses, and how values get into its words."""
+
+from __future__ import annotations
+
+import copy
+from pathlib import Path
+
+import pytest
+
+from microimpact.figures.registry import RegistryError, figure_spec, filled, registry
+from microimpact.run.config import load
+
+ENTRIES = load(Path(__file__).parents[2] / "config/figures.yaml")
+
+
+def changed(**keys):
+    return {**copy.deepcopy(ENTRIES["fig14"]), **keys}
+
+
+def test_figures_come_in_order_with_words_of_their_own():
+    specs = registry(ENTRIES)
+    # the article's by number, then the project's own
+    assert list(specs) == sorted(specs, key=lambda name: (not name.startswith("fig"), name))
+    for spec in specs.values():
+        assert len(spec.caption) > 80
+        assert spec.panels
+        assert spec.data
+
+
+@pytest.mark.parametrize(
+    ("entry", "message"),
+    [
+        (changed(captoin="x"), r"fig14\.captoin: unknown key \(did you mean 'caption'\?\)"),
+        (changed(width="huge"), r"fig14\.width: 'huge' must be 'single' or 'double'"),
+        (changed(module="os"), r"fig14\.module: 'os' "),
+        (changed(data={"fig14": {"x": "deg", "y": 1}}), r"fig14\.data\.fig14\.y: 1 must be"),
+        (
+            changed(evidence_labels={"printet": "x"}),
+            r"fig14: evidence_labels: 'printet' is no evidence .*'printed'\?\)",
+        ),
+        (None, "fig14: None must be a mapping"),
+    ],
+)
+def test_a_bad_entry_is_named(entry, message):
+    with pytest.raises(RegistryError, match=message):
+        figure_spec("fig14", entry)
+
+
+def test_an_empty_axis_is_refused():
+    entry = changed()
+    entry["panels"]["trends"]["x_range"] = [1.0, 1.0]
+    with pytest.raises(RegistryError, match=r"panels\.trends\.x_range: \[1\.0, 1\.0\] must ascend"):
+        figure_spec("fig14", entry)
+
+
+@pytest.mark.parametrize(
+    "name", ["fig4", "fig123", "Ridge", "capture-laws", "capture__laws", "capture_", "laws2"]
+)
+def test_a_name_that_is_no_figure_is_refused(name):
+    with pytest.raises(RegistryError, match=name):
+        figure_spec(name, changed())
+
+
+def test_a_figure_of_the_projects_own_has_a_name_of_words():
+    assert figure_spec("capture_laws", changed()).name == "capture_laws"
+
+
+def test_parameters_fill_the_words():
+    entries = {"fig14": {"study": "s", "title": "f = [[f:.2f]]", "list": ["[[n]]"], "number": 3}}
+    assert filled(entries, {"s": {"f": 0.5, "n": 7}})["fig14"] == {
+        "study": "s",
+        "title": "f = 0.50",
+        "list": ["7"],
+        "number": 3,
+    }
+    with pytest.raises(RegistryError, match=r"fig14\.title: no parameter 'f' "):
+        filled(entries, {"s": {"g": 1}})
+    with pytest.raises(RegistryError, match=r"fig14\.study: 's' is no study"):
+        filled(entries, {"t": {}})

@@ -1,0 +1,135 @@
+"""Oblique experiments: what is counted, and that nothing depends on chunks or on other events."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tests.lab.ptis.imaging_cases import INSTRUMENT, generator, impacts, setup_for
+
+from microimpact.lab.dispenser import Dispenser, InitialSpin
+from microimpact.lab.experiment import Target
+from microimpact.lab.ptis import experiment as oblique_incidence
+from microimpact.lab.ptis.errors import modelled, theory
+from microimpact.lab.ptis.experiment import OUTSIDE_CLASS, Recipe, collect, turned
+from microimpact.lab.ptis.exposure import expose, exposures
+from microimpact.lab.ptis.observation import MEASURED, OFF_SHEET
+from microimpact.lab.ptis.system import Systematics, event_generator
+from microimpact.lab.ptis.tracks import longest_runs
+from microimpact.statistics.distributions import TruncatedNormal
+
+DISPENSER = Dispenser(
+    exit_speed_m_per_s=0.15,
+    lateral_speed_m_per_s=0.01,
+    lateral_position_mm=0.15,
+    taps_per_s=2.0,
+    particles_per_tap=3.0,
+    release_delay_ms=20.0,
+)
+
+
+@pytest.fixture
+def recipe(contact):
+    return Recipe(
+        target=Target(contact=contact, slope_sd=0.1),
+        diameter_um=TruncatedNormal(mean=62.0, sd=4.5, low=45.0, high=76.0),
+        speed=1.66,
+        speed_range=(1.6, 1.72),
+        dispenser=DISPENSER,
+        spin=InitialSpin(sd=0.0, mean=0.0),
+        instrument=INSTRUMENT,
+        method="model",
+    )
+
+
+def same(a, b):
+    names = type(a).__dataclass_fields__
+    return all(np.array_equal(getattr(a, name), getattr(b, name)) for name in names)
+
+
+@pytest.mark.parametrize("method", ["model", "frames"])
+def test_an_experiment_does_not_depend_on_how_many_are_looked_at_together(
+    recipe, monkeypatch, method
+):
+    recipe, number = replace(recipe, method=method), 20 if method == "model" else 4
+    whole = collect(recipe, 45.0, number, 2000, generator(3))
+    for chunk in (1, 7):
+        monkeypatch.setattr(oblique_incidence, "LOOKED_AT_ONCE", chunk)
+        part = collect(recipe, 45.0, number, 2000, generator(3))
+        assert same(part.measured, whole.measured)
+        assert same(part.impacts, whole.impacts)
+        assert (part.dropped, part.fates) == (whole.dropped, whole.fates)
+
+
+def test_all_particles_have_a_fate_and_the_last_one_is_the_last_event(recipe):
+    found = collect(recipe, 30.0, 40, 8000, generator(1))
+    assert len(found.measured) == 40
+    fates = dict(found.fates)
+    outside = fates.pop(OUTSIDE_CLASS)
+    assert sum(fates.values()) == found.dropped
+    assert fates[MEASURED] == 40 + outside
+    assert found.measured.event[-1] == len(found.impacts) - 1
+    assert np.all(np.diff(found.measured.event) > 0)
+    assert found.captured + found.rebounded == len(found.impacts)
+
+
+def test_an_experiment_without_events_is_given_up(recipe):
+    never = replace(recipe, speed_range=(0.01, 0.02))
+    found = collect(never, 60.0, 5, 500, generator(1))
+    assert len(found.measured) == 0
+    assert found.dropped == 500
+    assert found.fates[OUTSIDE_CLASS] == found.fates[MEASURED] > 0
+
+
+@pytest.mark.parametrize("method", ["model", "frames"])
+def test_an_experiment_in_which_nothing_meets_the_sheet_ends_too(recipe, method):
+    thin = replace(recipe.instrument, sheet_thickness_mm=1e-9)
+    found = collect(replace(recipe, instrument=thin, method=method), 60.0, 5, 300, generator(1))
+    assert len(found.measured) == len(found.impacts) == 0
+    assert found.fates[OFF_SHEET] == found.dropped == 300
+
+
+def test_impacts_lit_together_are_lit_as_each_by_itself():
+    n, errors = 6, Systematics(rate=0.003, scale=-0.004, angle_deg=0.2)
+    events, setup = impacts(0.45, 45.0, n, seed=4), setup_for(0.45, 45.0)
+
+    def draws():
+        return [event_generator(generator(2), i) for i in range(n)]
+
+    together = exposures(events, setup, errors, draws())
+    for i, rng in enumerate(draws()):
+        own = expose(events, i, setup, errors, rng)
+        picked = together.select(np.array([i]))
+        for name in ("leg", "start", "end", "whole", "in_sheet", "in_view", "in_field", "peak"):
+            assert np.array_equal(getattr(picked, name), getattr(own, name)), name
+        assert same(picked.flight, own.flight)
+    one, alone = (theory(events.select(which), setup, errors, draws()[:k])
+                  for which, k in ((slice(n), n), (slice(1), 1)))  # fmt: skip
+    assert one[0][0] == alone[0][0]
+    if alone[0][0] == MEASURED:
+        assert one[1].velocities[0] == pytest.approx(alone[1].velocities[0], rel=1e-12)
+
+
+def test_shared_errors_stretch_and_turn_what_is_measured():
+    """The repetitions of `studies._repeated` rest on this."""
+    events, setup = impacts(1.66, 45.0, 40), setup_for(1.66, 45.0)
+    errors = Systematics(rate=0.01, scale=-0.02, angle_deg=0.5)
+    right = modelled(events, setup, generator(1), errors=Systematics()).measured
+    wrong = modelled(events, setup, generator(1), errors=errors).measured
+    common, a, b = np.intersect1d(right.event, wrong.event, return_indices=True)
+    assert common.size > 20
+    stretch = 1.0 / (1.01 * 0.98)
+    expected = turned(right.select(a), 0.5)
+    for name in ("incident_normal", "incident_tangential", "rebound_normal"):
+        found = getattr(wrong.select(b), name) / stretch
+        assert found == pytest.approx(getattr(expected, name), abs=6e-3), name
+
+
+def test_longest_stretch_of_each_group():
+    good = np.array([1, 1, 0, 1, 1, 1, 1, 0, 0, 1, 0, 1], dtype=bool)
+    group = np.array([0, 0, 0, 0, 0, 2, 2, 2, 3, 4, 4, 4])
+    start, number = longest_runs(good, group, 6)
+    assert number.tolist() == [2, 0, 2, 0, 1, 0]
+    # The first of two equally long ones; none begins at zero.
+    assert start[[0, 2, 4]].tolist() == [0, 5, 9]

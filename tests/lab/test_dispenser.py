@@ -1,0 +1,138 @@
+"""Release and fall, and the interval of an experiment's mean."""
+
+import numpy as np
+import pytest
+from scipy import constants, stats
+
+from microimpact.lab.dispenser import Dispenser, InitialSpin, drop_height, release
+from microimpact.lab.experiment import Target, combined_slope, true_impacts
+from microimpact.lab.reduction import mean_interval
+from microimpact.statistics.distributions import Constant, TruncatedNormal, generator
+
+STILL = Dispenser(
+    exit_speed_m_per_s=0.0,
+    lateral_speed_m_per_s=0.0,
+    lateral_position_mm=0.0,
+    taps_per_s=2.0,
+    particles_per_tap=3.0,
+    release_delay_ms=20.0,
+)
+USUAL = Dispenser(
+    exit_speed_m_per_s=0.15,
+    lateral_speed_m_per_s=0.01,
+    lateral_position_mm=0.15,
+    taps_per_s=2.0,
+    particles_per_tap=3.0,
+    release_delay_ms=20.0,
+)
+NO_SPIN = InitialSpin(sd=0.0, mean=0.0)
+
+
+def fall(n=5000, *, dispenser=USUAL, spin=NO_SPIN, angle=30.0, height=0.05):
+    return release(
+        n,
+        angle=angle,
+        height=height,
+        diameter_um=TruncatedNormal(mean=62, sd=4.5, low=45, high=76),
+        dispenser=dispenser,
+        spin=spin,
+        rng=generator(7),
+    )
+
+
+@pytest.mark.parametrize("angle", [90.0, 60.0, 5.0])
+def test_particles_fall_along_gravity_and_meet_the_target_at_its_angle(angle):
+    falling = fall(10, dispenser=STILL, angle=angle)
+    speed = np.sqrt(2 * constants.g * 0.05)
+    a = np.radians(angle)
+    np.testing.assert_allclose(
+        falling.velocity,
+        np.tile([speed * np.cos(a), 0.0, -speed * np.sin(a)], (10, 1)),
+        atol=1e-14,
+    )
+    assert np.all(falling.position == 0.0)
+    assert np.all(falling.spin == 0.0)
+
+
+def test_nominal_speed_is_met_and_printed_classes_are_about_as_wide_as_their_ranges():
+    # 1.59-1.69 m/s and 0.39-0.49 m/s (Section 2.4.2) hold most of what falls.
+    for nominal, low, high in [(1.62, 1.59, 1.69), (0.45, 0.39, 0.49)]:
+        falling = fall(height=drop_height(nominal, USUAL))
+        speed = np.linalg.norm(falling.velocity, axis=1)
+        assert np.mean(speed) == pytest.approx(nominal, rel=0.02)
+        assert np.mean((speed > low) & (speed < high)) > 0.6
+
+
+def test_drop_height_is_that_of_free_fall():
+    assert drop_height(np.sqrt(2 * constants.g * 0.01), STILL) == pytest.approx(0.01, rel=1e-12)
+    with pytest.raises(ValueError, match=r"above the mean speed at the needle, 0.12 m/s, got 0.1"):
+        drop_height(0.1, USUAL)
+
+
+def test_lateral_spread_is_seen_as_declared():
+    falling = fall(20_000, angle=90.0)
+    assert np.std(falling.velocity[:, 1]) == pytest.approx(0.01, rel=0.03)
+    assert np.std(falling.velocity[:, 0]) == pytest.approx(0.01, rel=0.03)
+    # On a tilted target the spot is drawn out along the slope.
+    tilted = fall(20_000, angle=30.0)
+    assert np.std(tilted.position[:, 0]) == pytest.approx(
+        2 * np.std(falling.position[:, 0]), rel=0.03
+    )
+
+
+def test_spin_has_its_declared_share_and_sense():
+    falling = fall(20_000, spin=InitialSpin(sd=0.1, mean=0.2))
+    share = falling.spin * (falling.diameter / 2)[:, None]
+    share /= np.linalg.norm(falling.velocity, axis=1)[:, None]
+    np.testing.assert_allclose(share.mean(axis=0), [0.0, 0.2, 0.0], atol=0.004)
+    np.testing.assert_allclose(share.std(axis=0), 0.1, rtol=0.03)
+
+
+def test_rolling_sense_of_spin_is_that_of_the_impact(contact):
+    """Spin with the mean r omega = v_t makes the slip vanish: no friction."""
+    angle = 40.0
+    spin = InitialSpin(sd=0.0, mean=np.cos(np.radians(angle)))
+    impacts = true_impacts(
+        4,
+        target=Target(contact=contact, slope_sd=0.0),
+        angle=angle,
+        speed=1.0,
+        diameter_um=Constant(at=62.0),
+        dispenser=STILL,
+        spin=spin,
+        rng=generator(1),
+    )
+    np.testing.assert_allclose(impacts.rebound_velocity[:, 0], impacts.velocity[:, 0], rtol=1e-12)
+
+
+def test_arrivals_are_in_order_and_come_in_bursts():
+    time = fall(4000).time
+    assert np.all(np.diff(time) >= 0.0)
+    assert 4000 / time[-1] == pytest.approx(2.0 * 3.0, rel=0.05)
+    gaps = np.diff(time)
+    assert np.std(gaps) > 1.3 * np.mean(gaps)  # 1 for single particles at random
+
+
+def test_slopes_of_both_bodies_add_in_quadrature():
+    assert combined_slope(0.3, 0.4) == pytest.approx(0.5)
+
+
+def test_interval_is_students_and_shared_errors_do_not_average():
+    values = np.array([0.68, 0.71, 0.70, 0.73, 0.66])
+    plain = mean_interval(values)
+    low, high = stats.t.interval(0.95, 4, values.mean(), stats.sem(values))
+    assert (plain.low, plain.high) == pytest.approx((low, high))
+    many = mean_interval(np.tile(values, 2000), systematic=[0.03, 0.04])
+    assert many.high - many.value == pytest.approx(1.96 * 0.05, rel=0.01)
+    with pytest.raises(ValueError, match="at least 2 events, got 1"):
+        mean_interval([0.7])
+
+
+def test_interval_covers_the_true_mean_as_often_as_it_says():
+    rng = generator(11)
+    held = [
+        (m := mean_interval(row)).low <= 0.7 <= m.high
+        for row in 0.7 + 0.05 * rng.standard_normal((4000, 40))
+    ]
+    # Four standard errors of 4000 repetitions.
+    assert np.mean(held) == pytest.approx(0.95, abs=4 * np.sqrt(0.95 * 0.05 / 4000))

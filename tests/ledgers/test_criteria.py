@@ -1,0 +1,303 @@
+"""The declared claims: complete, consistent, and each criterion sharp at its boundary."""
+
+from __future__ import annotations
+
+import copy
+import math
+import re
+from pathlib import Path
+
+import pytest
+import yaml
+
+from microimpact.ledgers.claims.criteria import (
+    BOUNDS,
+    POSITIVE,
+    ClaimsError,
+    Criterion,
+    amendments,
+    holds,
+    read_claims,
+)
+from microimpact.ledgers.claims.digitised import read_digitised
+from microimpact.run.config import ConfigError
+
+SHIPPED = Path(__file__).parents[2] / "config/claims.yaml"
+CLAIMS = read_claims(SHIPPED)
+FIGURE = re.compile(r"fig(0[1-9]|1[0-9]|2[0-5])|[a-z]+(_[a-z]+)*")
+REMOVED = object()
+
+GOOD = {
+    "where": "3.1",
+    "statement": "A restitution is about 0.70.",
+    "kind": "model",
+    "article_value": "0.70",
+    "unit": "-",
+    "quantities": {"restitution": "-"},
+    "criteria": [{"quantity": "restitution", "test": "within", "value": 0.7, "tolerance": 0.07}],
+    "reason": "About means 10 %.",
+    "verdicts": ["reproduced", "not reproduced"],
+    "figures": ["fig14", "capture_laws"],
+    "equations": ["16"],
+    "break": {"change": "adhesion off", "expect": "not reproduced"},
+}
+
+
+def changed(**keys):
+    entry = copy.deepcopy(GOOD) | keys
+    return {key: value for key, value in entry.items() if value is not REMOVED}
+
+
+def with_criterion(**keys):
+    return changed(criteria=[GOOD["criteria"][0] | keys])
+
+
+def amended(**keys):
+    return changed(amendments=[{"part": "break", "was": "a", "now": "b", "reason": "c"} | keys])
+
+
+def read(tmp_path, claims):
+    path = tmp_path / "claims.yaml"
+    path.write_text(yaml.safe_dump(claims), encoding="utf-8")
+    return read_claims(path)
+
+
+def test_every_row_is_there_once():
+    # YAML keeps the last of two equal keys without a word
+    written = re.findall(r"(?m)^(C\d+):", SHIPPED.read_text(encoding="utf-8"))
+    assert written == list(CLAIMS)
+    assert set(CLAIMS) >= {f"C{number:02d}" for number in range(1, 101)}
+    assert list(CLAIMS) == [f"C{number:02d}" for number in range(1, len(CLAIMS) + 1)]
+
+
+@pytest.mark.parametrize("claim", CLAIMS.values(), ids=CLAIMS)
+def test_a_claim_fits_together(claim):
+    judged = {criterion.quantity for criterion in (*claim.criteria, *claim.identified_if)}
+    assert judged <= set(claim.quantities)
+    assert all(FIGURE.fullmatch(name) for name in claim.figures)
+    if any(verdict in POSITIVE for verdict in claim.verdicts):
+        assert claim.break_ is not None
+        assert claim.break_.expect in claim.verdicts
+        assert {"not reproduced"} < set(claim.verdicts)
+        assert claim.criteria
+    else:
+        assert claim.verdicts == ("not testable",)
+
+
+def test_only_the_rows_named_beforehand_are_identities():
+    identities = {key for key, claim in CLAIMS.items() if claim.kind == "arithmetic"}
+    assert identities == {"C06", "C18", "C20", "C24", "C26", "C44"}
+
+
+@pytest.mark.parametrize(
+    "key", ["C05", "C08", "C28", "C31", "C32", "C33", "C35", "C36", "C51", "C52", "C86"]
+)
+def test_a_number_that_fixed_a_parameter_proves_nothing(key):
+    assert CLAIMS[key].positive == "calibrated"
+
+
+def test_a_misprinted_equation_is_named_where_it_decides():
+    # a mended equation must be undone by its printed form, which then fails
+    for claim in CLAIMS.values():
+        if claim.positive == "reproduced with a correction":
+            assert claim.break_.expect == "not reproduced"
+            assert "printed" in claim.break_.change
+
+
+@pytest.mark.parametrize(
+    ("bounds", "accepted", "refused"),
+    [
+        (
+            {"test": "within", "value": 0.70, "tolerance": 0.005},
+            [0.695, 0.70, 0.705],
+            [0.6949999, 0.7050001],
+        ),
+        ({"test": "within", "value": -1.0, "tolerance": 0.0}, [-1.0], [-1.0000001, -0.9999999]),
+        ({"test": "at_least", "value": 0.1}, [0.1, 0.1000001, 1e9], [0.0999999, -1e9]),
+        ({"test": "at_most", "value": -0.001}, [-0.001, -1e9], [-0.0009999, 0.0, 1e9]),
+        (
+            {"test": "between", "low": 0.18, "high": 0.33},
+            [0.18, 0.25, 0.33],
+            [0.1799999, 0.3300001],
+        ),
+        (
+            {"test": "outside", "low": 0.25, "high": 0.5},
+            [0.25, 0.5, 0.0, 9.0],
+            [0.2500001, 0.4, 0.4999999],
+        ),
+    ],
+)
+def test_boundaries_are_sharp_and_belong_to_the_accepted_side(bounds, accepted, refused):
+    criterion = Criterion(quantity="x", **bounds)
+    assert [holds(criterion, value) for value in accepted] == [True] * len(accepted)
+    assert [holds(criterion, value) for value in refused] == [False] * len(refused)
+
+
+def test_boundaries_are_those_of_the_decimals_as_written():
+    # 0.1 + 0.2 is not 0.3 and 0.3 - 0.1 is not 0.2 in binary
+    criterion = Criterion(quantity="x", test="within", value=0.1, tolerance=0.2)
+    assert criterion.interval == (-0.1, 0.3)
+    assert not holds(criterion, math.nextafter(0.3, 1.0))
+    assert holds(Criterion(quantity="x", test="within", value=0.3, tolerance=0.1), 0.2)
+
+
+@pytest.mark.parametrize("test", BOUNDS)
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_what_is_no_finite_number_is_not_judged(test, value):
+    bounds = {"value": 1.0, "tolerance": 0.1, "low": 0.0, "high": 1.0}
+    criterion = Criterion(
+        quantity="speed", test=test, **{name: bounds[name] for name in BOUNDS[test]}
+    )
+    with pytest.raises(ValueError, match=r"^speed: -?(nan|inf) must be a finite number$"):
+        holds(criterion, value)
+
+
+def test_every_shipped_criterion_can_hold_and_can_fail():
+    for claim in CLAIMS.values():
+        for criterion in (*claim.criteria, *claim.identified_if):
+            ends = [end for end in criterion.interval if math.isfinite(end)]
+            assert ends
+            assert all(holds(criterion, end) for end in ends)
+            beyond = [ends[0] - 1.0, ends[-1] + 1.0, sum(ends) / len(ends)]
+            assert len({holds(criterion, value) for value in beyond}) == 2
+
+
+def test_a_good_file_is_read(tmp_path):
+    claims = read(tmp_path, {"C10": changed(), "C02": changed(), "C100": changed()})
+    assert list(claims) == ["C02", "C10", "C100"]
+    assert claims["C02"].break_.change == "adhesion off"
+    assert claims["C02"].positive == "reproduced"
+
+
+UNTESTABLE = {"criteria": REMOVED, "quantities": REMOVED, "break": REMOVED}
+
+
+@pytest.mark.parametrize(
+    ("entry", "message"),
+    [
+        ("text", "C01: 'text' must be a mapping"),
+        (changed(reason=REMOVED), "C01.reason: missing"),
+        (changed(resaon="x"), "C01.resaon: unknown key (did you mean 'reason'?)"),
+        (changed(brek={}), "C01.brek: unknown key (did you mean 'break'?)"),
+        (changed(kind="guess"), "C01.kind: 'guess' must be 'model', "),
+        (changed(where=2.4), "C01.where: 2.4 must be a valid string"),
+        (changed(statement=""), "C01.statement: '' "),
+        (changed(figures=["fig26"]), "C01.figures[0]: 'fig26' "),
+        (changed(figures=["fig00"]), "C01.figures[0]: 'fig00' "),
+        (changed(figures=["Fig-04"]), "C01.figures[0]: 'Fig-04' "),
+        (changed(equations=["42"]), "C01.equations[0]: '42' "),
+        (changed(quantities={"restitution": "-", "Bad name": "-"}), "C01.quantities.Bad name"),
+        (with_criterion(test="near"), "C01.criteria[0].test: 'near' must be 'within', "),
+        (with_criterion(value="0.7"), "C01.criteria[0].value: '0.7' must be a valid number (it"),
+        (with_criterion(value=math.nan), "C01.criteria[0].value: nan must be a finite number"),
+        (with_criterion(tolerance=-0.1), "C01.criteria[0].tolerance: -0.1 must be greater than"),
+        (with_criterion(tolerance=None), "C01.criteria[0]: within needs 'tolerance' (it takes "),
+        (with_criterion(high=1.0), "C01.criteria[0]: within does not take 'high' (it takes "),
+        (
+            changed(criteria=[{"quantity": "restitution", "test": "between", "low": 1, "high": 1}]),
+            "C01.criteria[0]: low 1.0 must be below high 1.0",
+        ),
+        (
+            with_criterion(quantity="restituton"),
+            "C01: 'restituton' is not among the quantities (did you mean 'restitution'?)",
+        ),
+        (changed(criteria=[]), "C01: criteria: at least one is needed"),
+        (changed(verdicts=[]), "C01: verdicts need exactly one of "),
+        (changed(verdicts=["right"]), "C01.verdicts[0]: 'right' must be 'reproduced', "),
+        (changed(verdicts=["reproduced"]), "C01: verdicts need 'not reproduced'"),
+        (changed(verdicts=["not reproduced"]), "C01: verdicts need exactly one of reproduced, "),
+        (
+            changed(verdicts=["reproduced", "calibrated", "not reproduced"]),
+            "C01: verdicts need exactly one of reproduced, ",
+        ),
+        (changed(verdicts=["reproduced", "reproduced", "not reproduced"]), "C01: verdicts must"),
+        (
+            changed(verdicts=["reproduced", "not reproduced", "not testable"]),
+            "C01: 'not testable' must stand alone",
+        ),
+        (changed(verdicts=["not testable"]), "C01: a claim that is not testable has no criteria"),
+        (
+            changed(verdicts=["reproduced", "not reproduced", "not identified"]),
+            "C01: 'not identified' goes with cases or identified_if",
+        ),
+        (changed(cases=["n = 0", "n = 1"]), "C01: 'not identified' goes with cases or identified"),
+        (changed(cases=["n = 0"]), "C01: cases: one alone is no alternative"),
+        (changed(**{"break": REMOVED}), "C01: a claim that can be reproduced needs a break"),
+        (
+            changed(**{"break": {"change": "x", "expect": "calibrated"}}),
+            "C01: break expects 'calibrated', which is not among the verdicts",
+        ),
+        (changed(**{"break": {"change": "x"}}), "C01.break.expect: missing"),
+        (amended(part="verdicts"), "C01.amendments[0].part: 'verdicts' must be 'statement', "),
+        (amended(was="b"), "C01.amendments[0]: now: 'b' must differ from 'was'"),
+        (amended(reason=""), "C01.amendments[0].reason: '' "),
+    ],
+)
+def test_a_bad_entry_gives_one_clear_line(tmp_path, entry, message):
+    with pytest.raises(ClaimsError) as caught:
+        read(tmp_path, {"C01": entry, "C02": changed()})
+    assert str(caught.value).startswith(message)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_claim_that_is_not_testable_needs_no_numbers(tmp_path):
+    claims = read(tmp_path, {"C90": changed(verdicts=["not testable"], **UNTESTABLE)})
+    assert claims["C90"].positive is None
+
+
+@pytest.mark.parametrize("key", ["C5", "c05", "C1000", "D01", "C05b"])
+def test_a_key_that_is_no_claim_is_refused(tmp_path, key):
+    with pytest.raises(ClaimsError, match=rf"^{key}\.id: '{key}' "):
+        read(tmp_path, {key: changed()})
+
+
+def test_all_problems_are_told_together(tmp_path):
+    with pytest.raises(ClaimsError) as caught:
+        read(tmp_path, {"C01": changed(kind="guess", where=1), "C02": None})
+    assert [line.partition(":")[0] for line in str(caught.value).splitlines()] == [
+        "C01.where",
+        "C01.kind",
+        "C02",
+    ]
+
+
+def test_amendments_are_those_of_the_claims_that_have_some(tmp_path):
+    path = tmp_path / "claims.yaml"
+    path.write_text(yaml.safe_dump({"C02": amended(), "C01": changed()}), encoding="utf-8")
+    found = amendments(path)
+    assert list(found) == ["C02"]
+    (only,) = found["C02"]
+    assert (only.part, only.was, only.now, only.reason) == ("break", "a", "b", "c")
+
+
+@pytest.mark.parametrize("name", amendments(SHIPPED))
+def test_an_amendment_says_what_the_claim_says_now(name):
+    claim = CLAIMS[name]
+    now = {"statement": claim.statement, "break": claim.break_.change}
+    latest = {one.part: one.now for one in claim.amendments}
+    for part in latest.keys() & now.keys():
+        assert latest[part].startswith(now[part])
+
+
+def test_the_bounds_of_digitised_points_are_checked(tmp_path):
+    path = tmp_path / "claims.yaml"
+    good = {"normalised_rms": 2.0, "rms_difference": {"fig04": 0.05}, "reason": "r"}
+    path.write_text(yaml.safe_dump({"digitised": good, "C01": changed()}), encoding="utf-8")
+    assert read_digitised(path).rms_difference == {"fig04": 0.05}
+    assert list(read_claims(path)) == ["C01"]
+    for key, value, message in (
+        ("normalised_rms", 0.0, r"^digitised\.normalised_rms: 0\.0 "),
+        ("rms_difference", {"fig26": 1.0}, r"^digitised\.rms_difference\.fig26"),
+        ("reason", "", r"^digitised\.reason: '' "),
+    ):
+        path.write_text(yaml.safe_dump({"digitised": good | {key: value}}), encoding="utf-8")
+        with pytest.raises(ClaimsError, match=message):
+            read_digitised(path)
+
+
+@pytest.mark.parametrize("text", ["- C01", "C01: [", ""])
+def test_what_is_no_mapping_is_refused(tmp_path, text):
+    path = tmp_path / "claims.yaml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(ConfigError, match=r"claims\.yaml.*: (must hold a mapping|not valid YAML)"):
+        read_claims(path)

@@ -1,0 +1,302 @@
+"""Normal impact against closed forms, a table of high precision and conservation laws."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad
+from scipy.optimize import brentq
+from scipy.special import gamma, lambertw
+
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.normal import (
+    HOPELESS_ADHESION_GROUP,
+    HOPELESS_HERTZ_GROUP,
+    SMALLEST_SPEED,
+    normal_impact,
+)
+
+EPSILON = np.finfo(float).eps
+TABLE = Path(__file__).parents[2] / "reference" / "restitution.csv"
+REFERENCE = [
+    {name: float(value) for name, value in row.items()}
+    for row in csv.DictReader(TABLE.read_text(encoding="utf-8").splitlines())
+]
+
+
+def _label(row):
+    kind = "" if row["adhesion"] else "bare-"
+    return f"{kind}w{row['w']:g}-cH{row['c_h']:g}-cA{row['c_a']:g}-{row['damped_attachment']:g}"
+
+
+def in_units_of_the_table(scaled, row):
+    """Contact and speed of a row, with the units of velocity, time and length of its results."""
+    if row["adhesion"]:
+        contact = scaled(row["c_h"], row["c_a"], damped_attachment=bool(row["damped_attachment"]))
+        velocity, length = contact.velocity_scale, contact.equilibrium_compression
+    else:
+        velocity = 2.0
+        contact = scaled().replace(ring_force=0.0, hertz_damping=row["c_h"] / velocity)
+        hertz = np.sqrt(contact.hertz_radius) * contact.stiffness
+        length = (contact.mass * velocity**2 / hertz) ** 0.4
+    return contact, row["w"] * velocity, velocity, length / velocity, length
+
+
+def conditioning(row):
+    """Relative error of e that a rounding of the inputs alone brings about near the threshold."""
+    return EPSILON * row["w"] / (row["w"] - row["capture_speed"])
+
+
+@pytest.mark.parametrize("row", REFERENCE, ids=_label)
+def test_restitution_agrees_with_the_table_of_high_precision(scaled, row):
+    contact, speed, *_ = in_units_of_the_table(scaled, row)
+    e = normal_impact(contact, speed).coefficient_of_restitution
+    # e ~ sqrt(v/v_c - 1): within 1e-6 of the threshold a speed given to 16 digits gives e to 10.
+    assert abs(e / row["e"] - 1) <= max(1e-12, 100 * conditioning(row))
+
+
+@pytest.mark.parametrize("row", REFERENCE, ids=_label)
+def test_contact_time_and_compression_agree_with_the_table(scaled, row):
+    contact, speed, _, time, length = in_units_of_the_table(scaled, row)
+    impact = normal_impact(contact, speed)
+    tolerance = max(1e-12, 100 * conditioning(row))
+    assert abs(impact.contact_time / time / row["contact_time"] - 1) <= tolerance
+    assert abs(impact.maximum_compression / length / row["compression"] - 1) <= 1e-12
+
+
+@pytest.mark.parametrize("row", [r for r in REFERENCE if r["capture_speed"] > 0], ids=_label)
+def test_capture_velocity_agrees_with_the_table(scaled, row):
+    contact, _, velocity, *_ = in_units_of_the_table(scaled, row)
+    assert capture_velocity(contact) / velocity == pytest.approx(row["capture_speed"], rel=2e-12)
+
+
+@pytest.mark.parametrize(
+    ("w", "c_h", "c_a", "damped"),
+    [
+        (0.7, 0.02, 0.1, False),
+        (2.0, 0.0, 0.5, False),
+        (3.0, 0.05, 0.5, True),
+        (10.0, 0.05, 0.2, False),
+        (0.3, 0.02, 0.1, False),
+    ],
+)
+def test_the_time_form_gives_the_same_impact(scaled, time_form, w, c_h, c_a, damped):
+    contact = scaled(c_h, c_a, damped_attachment=damped)
+    velocity, length = contact.velocity_scale, contact.equilibrium_compression
+    momentum = contact.mass * velocity
+    impact = normal_impact(contact, w * velocity)
+    march = time_form(w, c_h, c_a, damped_attachment=damped)
+    assert bool(impact.captured) == march.captured
+    assert impact.coefficient_of_restitution == pytest.approx(march.e, rel=1e-8)
+    assert impact.maximum_compression / length == pytest.approx(march.compression, rel=1e-8)
+    if not march.captured:
+        assert impact.contact_time * velocity / length == pytest.approx(
+            march.contact_time, rel=1e-7
+        )
+        assert impact.compressive_impulse / momentum == pytest.approx(
+            march.compressive_impulse, rel=1e-7
+        )
+        assert impact.peak_net_impulse / momentum == pytest.approx(march.peak_net_impulse, rel=1e-6)
+
+
+class TestWithoutAdhesion:
+    @pytest.mark.parametrize("damping", [1e-6, 1e-3, 0.1, 1.0, 10.0, 100.0])
+    def test_restitution_is_that_of_hunt_and_crossley(self, contact, damping):
+        bare = contact.replace(ring_force=0.0, hertz_damping=damping, adhesion_damping=0.0)
+        e = normal_impact(bare, 1.0).coefficient_of_restitution
+        # d - ln(1 + d) = -e d - ln(1 - e d): the other real branch of Lambert's function
+        d = damping
+        if d >= 0.1:
+            exact = (1 + lambertw(-(1 + d) * np.exp(-(1 + d))).real) / d
+            assert e == pytest.approx(exact, rel=1e-12)
+        if d <= 10:
+            lost = d - np.log1p(d)
+            assert -e * d - np.log1p(-e * d) == pytest.approx(lost, rel=1e-9, abs=1e-15)
+
+    def test_adhesive_damping_has_nothing_to_act_on(self, contact):
+        bare = contact.replace(ring_force=0.0, hertz_damping=0.1, adhesion_damping=0.0)
+        damped = contact.replace(ring_force=0.0, hertz_damping=0.1, adhesion_damping=1e3)
+        assert (
+            normal_impact(damped, 1.0).coefficient_of_restitution
+            == normal_impact(bare, 1.0).coefficient_of_restitution
+        )
+
+    def test_the_elastic_contact_time_is_that_of_hertz(self, contact):
+        bare = contact.replace(ring_force=0.0, hertz_damping=0.0)
+        speed = np.array([1e-6, 1.0, 30.0])
+        impact = normal_impact(bare, speed)
+        constant = 0.8 * np.sqrt(np.pi) * gamma(0.4) / gamma(0.9)
+        assert constant == pytest.approx(2.9433, abs=5e-5)
+        assert impact.contact_time == pytest.approx(
+            constant * impact.maximum_compression / speed, rel=1e-13
+        )
+        assert impact.compression_time == pytest.approx(impact.contact_time / 2, rel=1e-13)
+        hertz = np.sqrt(bare.hertz_radius) * bare.stiffness
+        deepest = (1.25 * bare.mass * speed**2 / hertz) ** 0.4
+        assert impact.maximum_compression == pytest.approx(deepest, rel=1e-13)
+
+    def test_nothing_is_ever_captured(self, contact):
+        bare = contact.replace(ring_force=0.0, hertz_damping=5.0)
+        impact = normal_impact(bare, np.geomspace(1e-9, 1e3, 50))
+        assert not impact.captured.any()
+        assert (np.diff(impact.coefficient_of_restitution) < 0).all()
+        assert impact.coefficient_of_restitution[0] == pytest.approx(1.0, abs=1e-7)
+
+
+class TestWithoutDamping:
+    @pytest.mark.parametrize("basis", ["adhesive", "bare"])
+    def test_restitution_is_one_at_every_speed(self, scaled, basis):
+        contact = scaled() if basis == "adhesive" else scaled(ring_force=0.0)
+        speed = scaled().velocity_scale * np.geomspace(1e-6, 1e6, 121)
+        impact = normal_impact(contact, speed)
+        assert not impact.captured.any()
+        assert np.abs(impact.coefficient_of_restitution - 1).max() <= 1e-12
+
+    @pytest.mark.parametrize("w", [1e-6, 1e-3, 0.5, 1.0, 30.0])
+    def test_the_compression_follows_from_the_energy(self, scaled, w):
+        contact = scaled()
+        impact = normal_impact(contact, w * contact.velocity_scale)
+
+        def excess(x):
+            return 0.4 * x**2.5 - 2 / 3 * x**1.5 - w**2 / 2
+
+        deepest = brentq(excess, 5 / 3 * (1 - 1e-9), 10 + 10 * w, xtol=1e-15, rtol=1e-14)
+        assert impact.maximum_compression / contact.equilibrium_compression == pytest.approx(
+            deepest, rel=1e-12
+        )
+
+    def test_a_sphere_from_rest_reaches_five_thirds_of_the_equilibrium(self, scaled):
+        contact = scaled()
+        impact = normal_impact(contact, 1e-9 * contact.velocity_scale)
+        assert impact.maximum_compression / contact.equilibrium_compression == pytest.approx(
+            5 / 3, rel=1e-13
+        )
+
+
+class TestNearTheThreshold:
+    @pytest.mark.parametrize(("c_h", "c_a"), [(0.0, 1e-10), (1e-10, 0.0), (3e-11, 1e-10)])
+    def test_a_small_damping_captures_what_it_can_dissipate(self, scaled, c_h, c_a):
+        integral, _ = quad(
+            lambda x: np.sqrt(x) * np.sqrt(4 / 3 * x**1.5 - 0.8 * x**2.5), 0, 5 / 3, epsabs=1e-13
+        )
+        assert integral == pytest.approx(0.82735, abs=5e-6)
+        contact = scaled(c_h, c_a)
+        predicted = np.sqrt(2 * integral * (c_a + 2 * c_h))
+        # the next order in the damping is relatively of the order of w_c
+        assert capture_velocity(contact) / contact.velocity_scale == pytest.approx(
+            predicted, rel=predicted
+        )
+
+    @pytest.mark.parametrize(("c_h", "c_a"), [(0.0, 0.01), (0.1, 0.0), (0.05, 0.5)])
+    def test_restitution_rises_as_the_square_root_of_the_excess_speed(self, scaled, c_h, c_a):
+        contact = scaled(c_h, c_a)
+        excess = np.array([1e-5, 1e-6, 1e-7])
+        impact = normal_impact(contact, capture_velocity(contact) * (1 + excess))
+        assert not impact.captured.any()
+        exponent = np.diff(np.log(impact.coefficient_of_restitution)) / np.diff(np.log(excess))
+        assert exponent == pytest.approx(0.5, abs=2e-3)
+
+    def test_contact_ends_at_no_compression_and_not_before(self, scaled):
+        """At equilibrium or where the force vanishes the sphere is still faster."""
+        contact = scaled(0.0, 0.1)
+        impact = normal_impact(contact, 2.0 * contact.velocity_scale, ledger=True)
+        assert impact.ledger.stored == 0.0
+        e = impact.coefficient_of_restitution
+        at_equilibrium = np.sqrt(e**2 + 2 * 4 / 15 / 2.0**2)
+        assert at_equilibrium > e + 0.05
+
+    def test_hopeless_contacts_capture_every_speed(self, scaled):
+        speed = scaled().velocity_scale * np.geomspace(1e-2, 1e3, 21)
+        for c_h, c_a in [(HOPELESS_HERTZ_GROUP, 0.0), (0.0, HOPELESS_ADHESION_GROUP), (0.6, 3.0)]:
+            impact = normal_impact(scaled(1.001 * c_h, 1.001 * c_a), speed)
+            assert impact.captured.all()
+            assert np.isinf(impact.contact_time).all()
+
+    @pytest.mark.parametrize("damped", [False, True])
+    @pytest.mark.parametrize(
+        ("w", "c_h", "c_a"),
+        [(0.01, 2.5, 0.0), (2.0, 8.0, 0.0), (0.01, 0.0, 2.5), (2.0, 0.0, 100.0), (1.0, 1e4, 1e4)],
+    )
+    def test_overdamped_contacts_are_captured_at_once(self, scaled, w, c_h, c_a, damped):
+        """The approach may creep into the well and never turn."""
+        contact = scaled(c_h, c_a, damped_attachment=damped)
+        impact = normal_impact(contact, w * contact.velocity_scale)
+        assert impact.captured
+        assert impact.maximum_compression >= (1 - 1e-9) * contact.equilibrium_compression
+        assert np.isfinite(impact.compressive_impulse)
+
+
+admissible = st.tuples(
+    st.floats(-3, 2.5).map(lambda p: 10**p),
+    st.one_of(st.just(0.0), st.floats(-8, -0.5).map(lambda p: 10**p)),
+    st.one_of(st.just(0.0), st.floats(-8, 0).map(lambda p: 10**p)),
+    st.booleans(),
+)
+
+
+class TestLedger:
+    @given(drawn=admissible)
+    def test_energy_and_momentum_balance(self, scaled, drawn):
+        w, c_h, c_a, damped = drawn
+        contact = scaled(c_h, c_a, damped_attachment=damped)
+        impact = normal_impact(contact, w * contact.velocity_scale, ledger=True)
+        ledger = impact.ledger
+        assert abs(ledger.energy_residual) <= 2e-12
+        assert abs(ledger.momentum_residual) <= 2e-12
+        assert ledger.hertz_work >= 0.0
+        assert ledger.adhesion_work >= 0.0
+        assert ledger.hertz_impulse > 0.0 > ledger.adhesion_impulse
+
+    @pytest.mark.parametrize(("w", "captured"), [(2.0, False), (0.3, True)])
+    def test_entries_add_up_in_si_units(self, scaled, w, captured):
+        contact = scaled(0.05, 0.3)
+        speed = w * contact.velocity_scale
+        impact = normal_impact(contact, speed, ledger=True)
+        ledger = impact.ledger
+        assert impact.captured == captured
+        before = 0.5 * contact.mass * speed**2
+        assert ledger.kinetic_before == pytest.approx(before, rel=1e-14)
+        left = ledger.kinetic_after + ledger.stored + ledger.hertz_work + ledger.adhesion_work
+        assert left == pytest.approx(before, rel=1e-12)
+        if captured:
+            assert ledger.kinetic_after + ledger.stored <= 0.0
+        else:
+            assert ledger.kinetic_after == pytest.approx(
+                before * impact.coefficient_of_restitution**2, rel=1e-13
+            )
+            total = (
+                ledger.hertz_impulse
+                + ledger.adhesion_impulse
+                + ledger.hertz_damping_impulse
+                + ledger.adhesion_damping_impulse
+            )
+            change = contact.mass * speed * (1 + impact.coefficient_of_restitution)
+            assert total == pytest.approx(change, rel=1e-12)
+
+    def test_material_damping_has_no_impulse_on_the_whole(self, scaled):
+        contact = scaled(0.2, 0.1)
+        ledger = normal_impact(contact, 5 * contact.velocity_scale, ledger=True).ledger
+        assert ledger.hertz_damping_impulse == 0.0
+        assert ledger.adhesion_damping_impulse < 0.0
+
+    def test_it_is_kept_only_when_asked_for(self, contact):
+        impact = normal_impact(contact, 1.0)
+        assert impact.ledger is None
+        assert impact.hertz_impulse is None
+
+
+class TestShapes:
+    def test_every_field_has_the_broadcast_shape(self, contact):
+        many = contact.replace(diameter=np.array([[20e-6], [60e-6]]))
+        impact = normal_impact(many, np.array([0.5, 1.0, 2.0]))
+        assert impact.captured.shape == (2, 3)
+        assert impact.contact_time.shape == (2, 3)
+        assert impact.peak_net_impulse.shape == (2, 3)
+
+    def test_a_speed_beyond_double_precision_is_an_error(self, contact):
+        slow = 0.5 * SMALLEST_SPEED * contact.velocity_scale
+        with pytest.raises(ValueError, match=r"speed must be at least 1e-30 .* got .* m/s"):
+            normal_impact(contact, slow)

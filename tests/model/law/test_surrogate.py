@@ -1,0 +1,316 @@
+"""Interpolated ensembles: the stated error holds, capture is the integrator's, laws are kept."""
+
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import planar, simulate, spatial
+from microimpact.model.dynamics.normal import normal_impact
+from microimpact.model.law.families import Family, NoSurrogateError
+from microimpact.model.law.table import LARGE, THRESHOLD, Surrogate, ensemble_impact
+
+QUANTITIES = (
+    "coefficient_of_restitution",
+    "contact_time",
+    "compression_time",
+    "maximum_compression",
+    "compressive_impulse",
+    "peak_net_impulse",
+    "hertz_impulse",
+)
+CAPTURED_TOO = ("compression_time", "maximum_compression")
+COUNT = 3000
+
+
+def contacts_of(scaled):
+    """Contacts of all kinds, the largest speed in velocity scales, and a tolerance."""
+    unit = scaled().velocity_scale
+    random = np.random.default_rng(5)
+    pairs = [(random.uniform(0.0, 0.2), random.uniform(0.0, 0.6)) for _ in range(6)]
+    rated = {"adhesion_rate_exponent": 1.0, "reference_velocity": 2.0 * unit}
+    found = {f"C_H {h:.3f}, C_A {a:.3f}": (scaled(h, a), 50.0, 1e-9) for h, a in pairs}
+    found["undamped"] = scaled(), 50.0, 1e-9
+    found["material damping alone"] = scaled(0.05, 0.0), 30.0, 1e-9
+    found["fixed loss"] = scaled(0.0, 0.4, **rated), 50.0, 1e-9
+    found["fixed loss and material damping"] = scaled(0.05, 0.4, **rated), 50.0, 1e-9
+    rated["adhesion_rate_exponent"] = 0.5
+    found["rate exponent one half"] = scaled(0.05, 0.4, **rated), 50.0, 1e-9
+    found["damped attachment"] = scaled(0.01, 0.1, damped_attachment=True), 5.0, 1e-9
+    # Beyond C_A = 1.163 nothing rebounds; so close to it direct integration has fewer digits.
+    found["nearly critical"] = scaled(0.0, 1.15), 300.0, 1e-6
+    bare = {"work_of_adhesion": 0.0}
+    found["no adhesion"] = scaled(0.05, 0.3).replace(**bare), 50.0, 1e-9
+    found["no adhesion, undamped"] = scaled().replace(**bare), 50.0, 1e-9
+    return found
+
+
+KINDS = 15
+
+
+def speeds(contact, most, seed=1, unit=None):
+    """Speeds from far below capture to ``most`` velocity scales, a third of them close to it."""
+    random = np.random.default_rng(seed)
+    unit = contact.velocity_scale if unit is None else unit
+    limit = np.asarray(capture_velocity(contact))
+    wide = unit * np.exp(random.uniform(np.log(0.05), np.log(most), COUNT))
+    near = random.choice([-1.0, 1.0], COUNT) * 10.0 ** random.uniform(-5.0, -0.5, COUNT)
+    return np.where(random.random(COUNT) < 0.3, np.where(limit > 0.0, limit, unit), wide) * (
+        1.0 + near
+    )
+
+
+def errors(found, expected):
+    """Largest relative difference of all quantities of each impact; verdicts must be the same."""
+    assert np.array_equal(found.captured, expected.captured)
+    differences = np.zeros(found.captured.shape)
+    for name in QUANTITIES:
+        kept = np.ones_like(found.captured) if name in CAPTURED_TOO else ~found.captured
+        quotient = getattr(found, name)[kept] / getattr(expected, name)[kept]
+        differences[kept] = np.maximum(differences[kept], np.abs(quotient - 1.0))
+    return differences
+
+
+def worst(found, expected):
+    return np.max(errors(found, expected))
+
+
+def distance(contact, v):
+    """Relative distance from capture."""
+    limit = np.asarray(capture_velocity(contact))
+    return np.where(limit > 0.0, np.abs(v / np.where(limit > 0.0, limit, 1.0) - 1.0), 1.0)
+
+
+@pytest.mark.parametrize("kind", range(KINDS))
+def test_the_error_stated_bounds_the_error(scaled, kind):
+    contact, most, tolerance = list(contacts_of(scaled).values())[kind]
+    unit = scaled().velocity_scale
+    v = speeds(contact, most, unit=unit)
+    surrogate = Surrogate.of(contact, v, tolerance=tolerance)
+    assert 0.0 < surrogate.error <= tolerance
+    found = surrogate.normal_impact(contact, v)
+    x = distance(contact, v)
+    differences = errors(found, normal_impact(contact, v, ledger=True))
+    assert np.max(differences[x >= THRESHOLD]) <= surrogate.error
+    # Closer to capture both are integrated, from speeds that rounding makes differ.
+    assert np.all(differences[x < THRESHOLD] <= 1e-4 * tolerance / x[x < THRESHOLD])
+    assert np.all(found.coefficient_of_restitution[found.captured] == 0.0)
+    assert np.all(np.isinf(found.contact_time[found.captured]))
+    assert np.all(np.isfinite(found.contact_time[~found.captured]))
+
+
+def test_every_kind_is_there(scaled):
+    assert len(contacts_of(scaled)) == KINDS
+
+
+@pytest.mark.parametrize("exponent", [0.0, 0.5])
+def test_damping_that_is_the_same_serves_many_diameters(contact, exponent):
+    random = np.random.default_rng(3)
+    unit = contact.velocity_scale
+    spheres = contact.replace(
+        adhesion_rate_exponent=exponent,
+        reference_velocity=3.0 * unit,
+        diameter=random.uniform(50e-6, 75e-6, COUNT),
+        friction=random.uniform(0.1, 0.2, COUNT),
+    )
+    v = speeds(spheres, 20.0, unit=unit)
+    surrogate = Surrogate.of(spheres, v)
+    assert not surrogate.family.alike
+    found, expected = surrogate.normal_impact(spheres, v), normal_impact(spheres, v, ledger=True)
+    away = distance(spheres, v) >= THRESHOLD
+    assert np.max(errors(found, expected)[away]) <= surrogate.error <= 1e-9
+
+
+def test_a_fixed_loss_is_the_same_for_all_diameters_works_and_speeds_in_scales(contact):
+    # n = 1: C_A = c_A v_N/w, in which neither r nor w_A is left; and C_H = 0.
+    rated = contact.replace(
+        adhesion_damping=1.6, hertz_damping=0.0, adhesion_rate_exponent=1.0, reference_velocity=0.05
+    )
+    sizes = np.array([5e-6, 20e-6, 300e-6])
+    assert Family.of(rated.replace(diameter=sizes, work_of_adhesion=np.array([0.1, 1, 2]))).alike
+    assert not Family.of(rated.replace(diameter=sizes, hertz_damping=0.01)).alike
+    v = np.geomspace(0.01, 1.0, COUNT)
+    spheres = rated.replace(diameter=np.resize(sizes, COUNT))
+    surrogate = Surrogate.of(spheres, v)
+    expected = normal_impact(spheres, v, ledger=True)
+    assert worst(surrogate.normal_impact(spheres, v), expected) <= surrogate.error
+
+
+def test_equal_groups_at_different_damping_are_one_family(scaled):
+    sizes = np.array([20e-6, 60e-6])
+    bare = scaled().replace(diameter=sizes)
+    same = bare.replace(adhesion_damping=0.3 / bare.velocity_scale)
+    assert Family.of(same).alike
+    with pytest.raises(NoSurrogateError, match="must be the same"):
+        Family.of(bare.replace(adhesion_damping=np.array([0.1, 0.3]) / bare.velocity_scale))
+
+
+def test_restitution_rises_from_zero_as_the_square_root_at_the_threshold(scaled):
+    contact = scaled(0.02, 0.3)
+    limit = float(capture_velocity(contact))
+    x = np.geomspace(1e-12, 0.5, 4000)
+    v = limit * (1.0 + x)
+    e = Surrogate.of(contact, v).normal_impact(contact, v).coefficient_of_restitution
+    rising = np.diff(e) > -1e-9 * e[1:]
+    assert np.all(rising)
+    near = (x > 1e-9) & (x < 1e-3)
+    assert e[near] / np.sqrt(x[near]) == pytest.approx(e[near][-1] / np.sqrt(x[near][-1]), rel=5e-3)
+
+
+def test_a_wrong_piece_shows(scaled):
+    contact = scaled(0.02, 0.3)
+    v = speeds(contact, 20.0)
+    v = v[distance(contact, v) >= THRESHOLD]
+    good = Surrogate.of(contact, v)
+    expected = normal_impact(contact, v, ledger=True)
+    for name in ("rebounds", "captures"):
+        table = getattr(good, name)
+        for piece in (1, table.pieces // 2):
+            coefficients = table.coefficients.copy()
+            coefficients[0, piece, 0, 2] *= 1.0 + 1e-4
+            bad = replace(good, **{name: replace(table, coefficients=coefficients)})
+            assert worst(bad.normal_impact(contact, v), expected) > good.error
+
+
+def test_pieces_do_not_depend_on_the_speeds_asked_for(scaled):
+    contact = scaled(0.02, 0.3)
+    v = contact.velocity_scale * np.geomspace(2.0, 3.0, 100)
+    narrow = Surrogate.of(contact, v).normal_impact(contact, v)
+    wide = Surrogate.of(contact, np.append(v, 20.0 * v[-1])).normal_impact(contact, v)
+    for name in QUANTITIES:
+        assert np.array_equal(getattr(narrow, name), getattr(wide, name))
+
+
+def test_speeds_beyond_the_table_are_integrated(scaled):
+    contact = scaled(0.02, 0.3)
+    unit = contact.velocity_scale
+    surrogate = Surrogate.of(contact, unit * np.array([1.0, 2.0]))
+    v = unit * np.array([1e-4, 1e-2, 50.0, 400.0])
+    found, expected = surrogate.normal_impact(contact, v), normal_impact(contact, v, ledger=True)
+    assert worst(found, expected) < 1e-12
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"hertz_damping": 0.5},
+        {"adhesion_damping": 0.5},
+        {"adhesion_rate_exponent": 0.5, "reference_velocity": 1.0},
+        {"damped_attachment": True},
+        {"work_of_adhesion": 0.0},
+    ],
+)
+@pytest.mark.parametrize("kind", ["one V", "several V", "no adhesion"])
+def test_tables_of_other_contacts_are_refused(scaled, kind, change):
+    own = scaled(0.02, 0.3)
+    if kind == "several V":
+        own = own.replace(diameter=own.diameter * np.array([0.9, 1.1]))
+    if kind == "no adhesion":
+        own, change = own.replace(work_of_adhesion=0.0), {"work_of_adhesion": 0.1}
+    speed = own.velocity_scale * 5.0 + 1.0
+    surrogate = Surrogate.of(own, speed)
+    surrogate.normal_impact(own, speed)
+    with pytest.raises(NoSurrogateError, match="damping must be those"):
+        surrogate.normal_impact(own.replace(**change), speed)
+
+
+def test_near_the_threshold_verdicts_are_the_integrators(scaled):
+    contact = scaled(0.02, 0.3)
+    limit = float(capture_velocity(contact))
+    v = limit * (1.0 + np.linspace(-2.0, 2.0, 401) * THRESHOLD)
+    found = Surrogate.of(contact, v).normal_impact(contact, v)
+    assert np.array_equal(found.captured, normal_impact(contact, v).captured)
+    assert 100 < found.captured.sum() < 300
+
+
+def test_threads_change_nothing(scaled):
+    contact = scaled(0.02, 0.3)
+    v = contact.velocity_scale * np.geomspace(0.1, 20.0, 100_000)
+    surrogate = Surrogate.of(contact, v)
+    one, three = (surrogate.normal_impact(contact, v, threads=n) for n in (1, 3))
+    for name in QUANTITIES:
+        assert np.array_equal(getattr(one, name), getattr(three, name))
+
+
+# The choice
+
+
+def test_small_ensembles_stay_direct_to_the_last_digit(contact):
+    v = np.geomspace(0.1, 5.0, 200)
+    found = planar(contact, -v, 0.3)
+    assert (found.method, found.interpolation_error) == ("direct", 0.0)
+    direct = planar(contact, -v, 0.3, method="direct")
+    assert np.array_equal(found.coefficient_of_restitution, direct.coefficient_of_restitution)
+
+
+def test_large_ensembles_are_interpolated_and_say_so(contact):
+    v = np.geomspace(0.1, 5.0, LARGE)
+    found = simulate(contact, v, 40.0)
+    assert found.method == "surrogate"
+    assert 0.0 < found.interpolation_error <= 1e-9
+    assert simulate(contact, v[1:], 40.0).method == "direct"
+    assert ensemble_impact(contact, v, method="direct").method == "direct"
+
+
+@pytest.mark.parametrize("basis", ["compressive", "hertz", "net"])
+def test_oblique_impacts_agree_to_the_stated_error(contact, basis):
+    speed = np.geomspace(0.05, 5.0, 500)
+    arguments = contact, speed, 25.0, 1e3, basis
+    found, expected = (simulate(*arguments, method=name) for name in ("surrogate", "direct"))
+    # Energies and velocities after impact are differences of numbers of this accuracy.
+    for field in fields(expected):
+        if field.name not in {"method", "interpolation_error"}:
+            one, other = getattr(found, field.name), getattr(expected, field.name)
+            assert one == pytest.approx(other, rel=1e3 * found.interpolation_error)
+
+
+def test_impacts_in_space_agree_too(contact):
+    velocity = np.stack(np.broadcast_arrays(0.3, -0.2, -np.geomspace(0.05, 5.0, 200)), axis=-1)
+    found, expected = (spatial(contact, velocity, method=m) for m in ("surrogate", "direct"))
+    assert found.method == "surrogate"
+    assert found.velocity == pytest.approx(expected.velocity, rel=1e-8)
+    assert found.spin == pytest.approx(expected.spin, rel=1e-8)
+
+
+def test_what_cannot_be_interpolated_is_refused_or_integrated(scaled):
+    unit = scaled().velocity_scale
+    v = unit * np.geomspace(0.5, 20.0, LARGE)
+    hopeless = scaled(0.0, 1.3)
+    with pytest.raises(ValueError, match="at no speed does a sphere"):
+        ensemble_impact(hopeless, v, method="surrogate")
+    # The force at first touch changes its sign with the speed: impulses have a kink.
+    kinked = scaled(0.0, 0.3, damped_attachment=True)
+    with pytest.raises(ValueError, match="no table reaches the tolerance 1e-09"):
+        ensemble_impact(kinked, v[::100], method="surrogate")
+    with pytest.raises(ValueError, match="no table reaches"):
+        ensemble_impact(
+            scaled(0.001, 0.1).replace(diameter=np.geomspace(10e-6, 1e-3, 9)),
+            unit,
+            method="surrogate",
+        )
+    with pytest.raises(ValueError, match="or zero, for all impacts"):
+        Family.of(scaled().replace(work_of_adhesion=np.array([0.0, 0.5])))
+    mixed = scaled(np.array([0.0, 0.1]), 0.0).replace(work_of_adhesion=0.0)
+    with pytest.raises(ValueError, match="hertz_damping must be positive, or zero"):
+        Family.of(mixed)
+    assert ensemble_impact(hopeless, v).method == "direct"
+
+
+def test_other_methods_are_refused(contact):
+    with pytest.raises(ValueError, match="method must be one of 'auto', 'direct', 'surrogate'"):
+        simulate(contact, 1.0, method="fast")
+
+
+def test_a_surrogate_integrates_impacts_of_spheres_it_was_not_made_for(contact):
+    spheres = contact.replace(diameter=np.array([50e-6, 60e-6]))
+    surrogate = Surrogate.of(spheres, 0.5)
+    others = contact.replace(diameter=np.array([40e-6, 55e-6, 90e-6]))
+    found, exact = surrogate.normal_impact(others, 0.5), normal_impact(others, 0.5)
+    difference = found.coefficient_of_restitution / exact.coefficient_of_restitution - 1.0
+    assert np.all(np.abs(difference) < [1e-13, surrogate.error, 1e-13])
+    w, place = surrogate.family.coordinates(others, np.full(3, 0.5))
+    assert np.array_equal(np.abs(place) > 1.0, [True, False, True])
+    np.testing.assert_allclose(
+        surrogate.restitution(w, place), exact.coefficient_of_restitution, rtol=1e-9
+    )

@@ -1,0 +1,300 @@
+"""Impact on a slope: rotation, the expansions and their orders, bounds of energy (Eqs. 35-41)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from microimpact.model.rigid_body.algebra import INERTIA, rigid_body_rebound, rolling_impulse_ratio
+from microimpact.model.rigid_body.roughness import (
+    energy_bound,
+    greatest_restitution,
+    kept_energy,
+    measured_impulse_ratio,
+    measured_restitution,
+    normal_restitution,
+    rolling_impulse_ratio_measured,
+    rolling_restitution,
+    rough_rebound,
+    shallow_restitution,
+    sloped_impulse_ratio,
+)
+
+E, F = 0.7, 0.15
+RADIUS, SPEED = 31e-6, 1.66
+
+impacts = st.fixed_dictionaries(
+    {
+        "angle": st.floats(0.02, np.pi / 2),
+        "slope": st.floats(-1.4, 1.4),
+        "e": st.floats(0.0, 1.0),
+        "friction": st.floats(0.0, 1.0),
+        "spin_ratio": st.floats(-1.0, 1.0),
+    }
+)
+
+
+def turned(vector, angle):
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s], [s, c]]) @ vector
+
+
+def rotated_collision(angle, slope, e, friction, spin_ratio):
+    """Turn velocities into the frame of the slope, collide, and turn back; SI units.
+
+    Vectors are (t, n). A slope that faces a sphere moving along +t rises along +t.
+    """
+    v = SPEED * np.array([np.cos(angle), -np.sin(angle)])
+    local_t, local_n = turned(v, -slope)
+    omega = spin_ratio * SPEED / RADIUS
+    after = rigid_body_rebound(local_n, local_t, omega, RADIUS, e, friction)
+    V = turned(np.array([after.V_t, after.V_n]), slope)
+    return v, V, after
+
+
+@given(impact=impacts)
+def test_exact_coefficients_are_those_of_a_rotated_collision(impact):
+    assume(impact["angle"] + impact["slope"] > 0.02)
+    v, V, after = rotated_collision(**impact)
+    change = V - v
+    assume(abs(change[1]) > 0.05 * SPEED)
+    rebound = rough_rebound(**impact)
+    scale = 1.0 / np.sin(impact["angle"])
+    assert rebound.impulse_ratio == pytest.approx(after.mu, abs=1e-13)
+    assert rebound.measured_restitution == pytest.approx(-V[1] / v[1], abs=1e-13 * scale)
+    ratio = change[0] / change[1]
+    assert rebound.measured_impulse_ratio == pytest.approx(ratio, abs=1e-13 * (1 + ratio**2) * 20)
+
+
+def test_rotation_over_a_grid_to_1e13():
+    for angle in np.radians([2.0, 10.0, 45.0, 80.0, 90.0]):
+        for slope in np.radians([-1.0, 0.0, 1.0, 10.0, 30.0]):
+            v, V, _ = rotated_collision(angle, slope, E, F, 0.2)
+            rebound = rough_rebound(angle, slope, E, F, 0.2)
+            assert rebound.measured_restitution == pytest.approx(-V[1] / v[1], rel=1e-13, abs=1e-13)
+            change = V - v
+            assert rebound.measured_impulse_ratio == pytest.approx(
+                change[0] / change[1], rel=1e-13, abs=1e-13
+            )
+
+
+def test_equation_35_term_by_term():
+    """The printed numerator over both denominators, from the primed velocities."""
+    angle, slope, mu = np.radians(25.0), np.radians(7.0), -0.1
+    before_t, before_n = np.cos(angle + slope), -np.sin(angle + slope)
+    after_t = before_t - mu * (1 + E) * before_n
+    numerator = E * np.cos(slope) - after_t * np.sin(slope) / before_n
+    tangent = before_t * np.sin(slope) / before_n
+    found = measured_restitution(angle, slope, E, mu)
+    assert found == pytest.approx(numerator / (np.cos(slope) + tangent), rel=1e-13)
+    printed = measured_restitution(angle, slope, E, mu, printed=True)
+    assert printed == pytest.approx(numerator / (np.cos(slope) - tangent), rel=1e-13)
+
+
+def test_numbers_at_ten_degrees():
+    ten = np.radians(10.0)
+    rebound = rough_rebound(ten, ten, E, F)
+    mu = rebound.impulse_ratio
+    assert mu == -F
+    assert not rebound.rolling
+    assert measured_restitution(ten, ten, E, mu, printed=True) == pytest.approx(0.77, abs=5e-3)
+    assert rebound.measured_restitution == pytest.approx(2.21, abs=5e-3)
+    assert shallow_restitution(ten, ten, E, mu, printed=True) == pytest.approx(2.40, abs=1e-12)
+    assert shallow_restitution(ten, ten, E, mu) == pytest.approx(2.31, abs=5e-3)
+
+
+def test_a_flat_surface_is_measured_as_it_is():
+    rebound = rough_rebound(np.radians([5.0, 45.0, 90.0]), 0.0, E, F, 0.1)
+    assert rebound.measured_restitution == pytest.approx(E, rel=1e-15)
+    assert rebound.measured_impulse_ratio == pytest.approx(rebound.impulse_ratio, rel=1e-15)
+
+
+def order(error):
+    """Power of the small quantity by which an error falls, between its smallest values."""
+    small = np.array([4e-3, 2e-3, 1e-3])
+    errors = np.array([abs(error(x)) for x in small])
+    return np.log2(errors[:-1] / errors[1:])[-1]
+
+
+def shallow_error(x, printed):
+    exact = rough_rebound(x, 0.7 * x, E, F).measured_restitution
+    return shallow_restitution(x, 0.7 * x, E, -F, printed=printed) - exact
+
+
+def test_order_of_the_shallow_expansion_in_both_angles():
+    assert order(lambda x: shallow_error(x, True)) == pytest.approx(1.0, abs=0.1)
+    assert order(lambda x: shallow_error(x, False)) == pytest.approx(2.0, abs=0.1)
+    # without friction the printed form is as good: the condition is on f, not on f over alpha
+    frictionless = rough_rebound(0.01, 0.007, E, 0.0).measured_restitution
+    both = [shallow_restitution(0.01, 0.007, E, 0.0, printed=p) for p in (True, False)]
+    assert both[0] == both[1] == pytest.approx(frictionless, rel=1e-3)
+
+
+@pytest.mark.parametrize("friction", [0.02, 0.15, 0.5])
+@pytest.mark.parametrize("angle", [0.01, 0.03, 0.1])
+def test_condition_of_the_shallow_expansion(friction, angle):
+    """Its relative error is about f (1 + e) phi (alpha + phi)/(...): f/alpha says nothing."""
+    slope = angle
+    exact = rough_rebound(angle, slope, E, friction).measured_restitution
+    error = shallow_restitution(angle, slope, E, -friction, printed=True) / exact - 1.0
+    condition = friction * (1.0 + E) * (angle + slope)
+    assert error < condition + (angle + slope) ** 2
+    share = slope / (E * (angle + slope) + slope)
+    assert error == pytest.approx(condition * share, abs=1.5 * (angle + slope) ** 2)
+
+
+def test_a_large_ratio_of_friction_to_angle_does_no_harm():
+    angle = slope = 0.002
+    assert F / angle > 50
+    exact = rough_rebound(angle, slope, E, F).measured_restitution
+    assert shallow_restitution(angle, slope, E, -F, printed=True) == pytest.approx(exact, rel=1e-3)
+
+
+def test_orders_of_the_sloped_impulse_ratio():
+    def error(x, printed):
+        return sloped_impulse_ratio(x, -F, printed=printed) - measured_impulse_ratio(x, -F)
+
+    assert order(lambda x: error(x, True)) == pytest.approx(1.0, abs=0.1)
+    assert order(lambda x: error(x, False)) == pytest.approx(2.0, abs=0.1)
+
+
+def test_a_facing_slope_raises_the_size_of_the_impulse_ratio():
+    rebound = rough_rebound(np.radians(20.0), np.radians([-5.0, 0.0, 5.0]), E, F)
+    assert (np.diff(rebound.measured_impulse_ratio) < 0).all()
+    assert (np.diff(np.abs(rebound.measured_impulse_ratio)) > 0).all()
+    assert (np.diff(rebound.measured_restitution) > 0).all()
+
+
+def at_normal(x, spin=0.0, friction=10.0):
+    return rough_rebound(np.pi / 2, x, E, friction, spin)
+
+
+def test_exact_forms_at_normal_incidence():
+    x, spin = np.linspace(-0.4, 0.4, 9), 0.3
+    c, s = np.cos(x), np.sin(x)
+    rebound = at_normal(x, spin)
+    assert rebound.rolling.all()
+    general = E * c**2 - s**2 + (1 + E) * rebound.impulse_ratio * s * c
+    assert rebound.measured_restitution == pytest.approx(general, rel=1e-13)
+    rolling = E * c**2 - 5 / 7 * s**2 + 2 / 7 * spin * s
+    assert rebound.measured_restitution == pytest.approx(rolling, rel=1e-13)
+
+
+@pytest.mark.parametrize("spin", [0.0, 0.3])
+def test_orders_of_the_normal_restitution(spin):
+    def error(x, printed):
+        rebound = at_normal(x, spin)
+        value = normal_restitution(x, E, rebound.impulse_ratio, printed=printed)
+        return value - rebound.measured_restitution
+
+    assert order(lambda x: error(x, True)) == pytest.approx(2.0, abs=0.1)
+    # the first error is of (1 + e) mu phi^3, which without spin is of the fourth order
+    assert order(lambda x: error(x, False)) == pytest.approx(3.0 if spin else 4.0, abs=0.1)
+
+
+def test_orders_of_the_rolling_restitution():
+    def error(x, spin, printed):
+        value = rolling_restitution(x, E, spin, printed=printed)
+        return value - at_normal(x, spin).measured_restitution
+
+    assert order(lambda x: error(x, 0.0, True)) == pytest.approx(2.0, abs=0.1)
+    assert order(lambda x: error(x, 0.0, False)) == pytest.approx(4.0, abs=0.1)
+    assert order(lambda x: error(x, 0.3, False)) == pytest.approx(3.0, abs=0.1)
+    # 9/7 for e + 5/7: right at e = 4/7 alone
+    assert rolling_restitution(0.1, 4 / 7) == pytest.approx(
+        rolling_restitution(0.1, 4 / 7, printed=True), rel=1e-14
+    )
+    assert rolling_restitution(0.1, E, printed=True) > rolling_restitution(0.1, E)
+
+
+def test_sign_of_the_critical_impulse_ratio():
+    """Without spin (1 + e) mu_0 is +2 phi/7, not the printed -2 phi/7."""
+    x = 0.01
+    v_n, v_t = turned(np.array([0.0, -SPEED]), -x)[::-1]
+    assert (1 + E) * rolling_impulse_ratio(v_n, v_t, E) == pytest.approx(2 / 7 * x, rel=1e-3)
+
+
+def test_orders_and_sign_of_the_rolling_impulse_ratio():
+    def error(x, spin, printed):
+        value = rolling_impulse_ratio_measured(x, E, spin, printed=printed)
+        return value - at_normal(x, spin).measured_impulse_ratio
+
+    assert order(lambda x: error(x, 0.0, True)) == pytest.approx(3.0, abs=0.1)
+    assert order(lambda x: error(x, 0.3, True)) == pytest.approx(0.0, abs=0.1)
+    assert order(lambda x: error(x, 0.3, False)) == pytest.approx(2.0, abs=0.1)
+    # no slope: the spin alone, forward spin pushes forward
+    exact = at_normal(0.0, 0.3).measured_impulse_ratio
+    assert exact > 0.0
+    assert rolling_impulse_ratio_measured(0.0, E, 0.3) == pytest.approx(exact, rel=1e-14)
+    assert rolling_impulse_ratio_measured(0.0, E, 0.3, printed=True) == pytest.approx(-exact)
+
+
+@given(impact=impacts)
+def test_no_impact_breaks_energy(impact):
+    assume(impact["angle"] + impact["slope"] > 1e-3)
+    rebound = rough_rebound(**impact)
+    e_m, mu_m = rebound.measured_restitution, rebound.measured_impulse_ratio
+    bound = energy_bound(impact["angle"], impact["spin_ratio"])
+    assert abs(e_m) <= bound * (1 + 1e-12)
+    assume(abs(1 + e_m) > 1e-3 and abs(mu_m) < 1e3)
+    most = 1 + INERTIA * impact["spin_ratio"] ** 2
+    assert kept_energy(impact["angle"], e_m, mu_m) <= most * (1 + 1e-9)
+
+
+@given(impact=impacts)
+def test_greatest_restitution_without_spin(impact):
+    assume(impact["angle"] + impact["slope"] > 1e-3)
+    rebound = rough_rebound(**(impact | {"spin_ratio": 0.0}))
+    greatest = greatest_restitution(impact["angle"], impact["e"])
+    assert rebound.measured_restitution <= greatest * (1 + 1e-12)
+
+
+def test_bounds_are_reached():
+    angle = np.radians([5.0, 20.0, 60.0])
+    best = (np.pi / 2 - angle) / 2
+    for e in (0.3, 1.0):
+        reached = rough_rebound(angle, best, e, 0.0).measured_restitution
+        assert reached == pytest.approx(greatest_restitution(angle, e), rel=1e-13)
+    assert greatest_restitution(angle, 1.0) == pytest.approx(energy_bound(angle), rel=1e-14)
+
+
+def test_kept_energy_is_that_of_the_velocities():
+    impact = {"angle": 0.3, "slope": 0.1, "e": E, "friction": F, "spin_ratio": 0.2}
+    v, V, _ = rotated_collision(**impact)
+    rebound = rough_rebound(**impact)
+    kept = kept_energy(0.3, rebound.measured_restitution, rebound.measured_impulse_ratio)
+    assert kept == pytest.approx((V @ V) / (v @ v), rel=1e-12)
+
+
+def test_limit_of_shallow_incidence_on_an_equal_slope():
+    """For phi = alpha going to 0, e_m goes to 1 + 2 e: above 2 e, and above 2 for e > 1/2."""
+    for e in (0.4, 0.6):
+        e_m = rough_rebound(1e-4, 1e-4, e, F).measured_restitution
+        assert e_m == pytest.approx(1 + 2 * e, rel=1e-3)
+        assert (e_m > 2.0) == (e > 0.5)
+
+
+def test_equation_35_as_printed_cannot_exceed_one_on_a_facing_slope():
+    angle = np.radians([2.0, 5.0, 10.0, 20.0])[:, None]
+    slope = np.radians(np.linspace(0.5, 30.0, 60))
+    mu = rough_rebound(angle, slope, E, F).impulse_ratio
+    assert measured_restitution(angle, slope, E, mu, printed=True).max() < 1.0
+    assert measured_restitution(angle, slope, E, mu).max() > 5.0
+    # and has a pole where the exact value is ordinary
+    assert np.isinf(measured_restitution(0.2, -0.1, E, -F, printed=True))
+
+
+def test_wrong_arguments_are_refused():
+    with pytest.raises(ValueError, match=r"angle \+ slope must be .* in \(0, 3.14159\)"):
+        rough_rebound(0.1, -0.1, E, F)
+    with pytest.raises(ValueError, match=r"angle must be .* got 2"):
+        rough_rebound(2.0, 0.1, E, F)
+    with pytest.raises(ValueError, match="slope must be"):
+        measured_impulse_ratio(1.6, 0.1)
+    with pytest.raises(ValueError, match="e must be"):
+        normal_restitution(0.1, 1.2, 0.1)
+    with pytest.raises(ValueError, match="shapes do not broadcast"):
+        rough_rebound([0.1, 0.2], [0.1, 0.2, 0.3], E, F)
+    assert rough_rebound([[0.1], [0.2]], [0.1, 0.2, 0.3], E, F).rolling.shape == (2, 3)

@@ -1,0 +1,219 @@
+"""What must be true of every contact and every impact, whatever the numbers.
+
+Contacts are drawn over four decades of size, soft to hard materials, and damping from none to so
+much that no speed rebounds.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from microimpact import Contact, Material, capture_velocity, simulate, spatial, trajectory
+from microimpact.model.dynamics.normal import normal_impact
+
+settings.register_profile("interface", deadline=None, max_examples=60, derandomize=True)
+settings.load_profile("interface")
+
+
+def decades(low, high):
+    """Numbers whose logarithms are drawn evenly."""
+    return st.floats(low, high).map(lambda power: 10.0**power)
+
+
+@st.composite
+def materials(draw):
+    return Material(
+        name=draw(st.sampled_from(["a", "b"])),
+        youngs_modulus=draw(decades(7.0, 12.0)),
+        poissons_ratio=draw(st.floats(-0.9, 0.5)),
+        density=draw(decades(2.0, 4.3)),
+    )
+
+
+@st.composite
+def contacts(draw, adhesive=True):
+    """Contacts by their damping groups: the numbers that decide, whatever the materials."""
+    fields = {
+        "particle": draw(materials()),
+        "surface": draw(materials()),
+        "diameter": draw(decades(-7.0, -3.0)),
+        "friction": draw(st.floats(0.0, 1.5)),
+    }
+    if not adhesive:
+        bare = Contact(work_of_adhesion=0.0, **fields)
+        return bare.replace(hertz_damping=draw(st.sampled_from([0.0, 1e-3, 0.05, 0.3])))
+    work = draw(decades(-3.0, 0.7))
+    bare = Contact(work_of_adhesion=work, **fields)
+    scale = bare.velocity_scale
+    hertz = draw(st.one_of(st.just(0.0), decades(-4.0, 0.5)))
+    adhesion = draw(st.one_of(st.just(0.0), decades(-3.0, 0.5)))
+    exponent = draw(st.sampled_from([0.0, 0.5, 1.0]))
+    return bare.replace(
+        hertz_damping=hertz / scale,
+        adhesion_damping=adhesion / scale,
+        adhesion_rate_exponent=exponent,
+        reference_velocity=scale * draw(decades(-1.0, 2.0)),
+        damped_attachment=draw(st.booleans()),
+    )
+
+
+# Speeds in units of the contact's own scale, and what else an impact needs.
+ratios = decades(-3.0, 4.0)
+impacts = st.fixed_dictionaries(
+    {
+        "angle": st.floats(0.5, 90.0),
+        "spin_ratio": st.floats(-3.0, 3.0),
+        "friction_basis": st.sampled_from(["compressive", "hertz", "net"]),
+    }
+)
+
+
+def speed_of(contact, ratio):
+    scale = float(contact.velocity_scale)
+    speed = ratio * scale if scale > 0.0 else ratio
+    assume(speed < 1e6)
+    return speed
+
+
+def outcome(contact, ratio, impact):
+    speed = speed_of(contact, ratio)
+    spin = impact["spin_ratio"] * speed / contact.radius
+    return speed, spin, simulate(contact, speed, impact["angle"], spin, impact["friction_basis"])
+
+
+def kinetic(speed, spin, radius):
+    """Translational and rotational energy per half a mass."""
+    return speed**2 + 0.4 * (radius * spin) ** 2
+
+
+@given(contact=contacts(), ratio=ratios, impact=impacts)
+def test_no_impact_gains_energy_and_restitution_lies_between_0_and_1(contact, ratio, impact):
+    speed, spin, found = outcome(contact, ratio, impact)
+    assert 0.0 <= found.coefficient_of_restitution <= 1.0 + 1e-12
+    after = kinetic(
+        np.hypot(found.normal_velocity, found.tangential_velocity), found.spin, contact.radius
+    )
+    assert after <= kinetic(speed, spin, contact.radius) * (1.0 + 1e-12)
+    assert found.energy_loss >= -1e-12 * (1.0 + impact["spin_ratio"] ** 2)
+
+
+@given(contact=contacts(), ratio=ratios)
+def test_energy_and_momentum_are_accounted_for(contact, ratio):
+    ledger = normal_impact(contact, speed_of(contact, ratio), ledger=True).ledger
+    assert abs(ledger.energy_residual) < 1e-11
+    assert abs(ledger.momentum_residual) < 1e-11
+    assert ledger.hertz_work >= 0.0
+    assert ledger.adhesion_work >= 0.0
+
+
+@given(contact=contacts(), ratio=ratios)
+def test_capture_is_what_the_capture_velocity_says(contact, ratio):
+    speed, limit = speed_of(contact, ratio), float(capture_velocity(contact))
+    # Closer than this the speed and the limit cannot be told apart.
+    assume(abs(speed - limit) > 1e-9 * speed)
+    found = simulate(contact, speed)
+    assert bool(found.captured) == (speed < limit)
+    assert bool(found.captured) == (found.coefficient_of_restitution == 0.0)
+    assert bool(found.captured) == np.isinf(found.contact_time)
+
+
+@given(contact=contacts(), factor=decades(0.01, 0.5))
+def test_more_adhesion_or_more_damping_captures_faster_spheres(contact, factor):
+    limit = capture_velocity(contact)
+    at_least = limit * (1.0 - 1e-10)
+    assert capture_velocity(contact.replace(hertz_damping=contact.hertz_damping * factor)) >= (
+        at_least
+    )
+    damped = contact.replace(adhesion_damping=contact.adhesion_damping * factor)
+    assert capture_velocity(damped) >= at_least
+    sticky = contact.replace(work_of_adhesion=contact.work_of_adhesion * factor)
+    assert capture_velocity(sticky) >= at_least
+
+
+@given(contact=contacts(), ratio=ratios, factor=decades(0.001, 1.0))
+def test_faster_spheres_press_deeper_and_leave_faster(contact, ratio, factor):
+    slow = speed_of(contact, ratio)
+    fast = speed_of(contact, ratio * factor)
+    # At constant coefficients two paths of one equation of motion cannot cross.
+    constant = contact.replace(adhesion_rate_exponent=0.0)
+    one, two = simulate(constant, slow), simulate(constant, fast)
+    assert two.maximum_compression >= one.maximum_compression * (1.0 - 1e-12)
+    assert two.normal_velocity >= one.normal_velocity * (1.0 - 1e-12)
+
+
+@given(contact=contacts(adhesive=False), speed=decades(-3.0, 2.0), factor=decades(0.001, 1.0))
+def test_without_adhesion_restitution_falls_with_speed_and_nothing_is_captured(
+    contact, speed, factor
+):
+    slow, fast = simulate(contact, speed), simulate(contact, speed * factor)
+    assert capture_velocity(contact) == 0.0
+    assert not slow.captured
+    assert fast.coefficient_of_restitution <= slow.coefficient_of_restitution * (1.0 + 1e-12)
+    if contact.hertz_damping == 0.0:
+        assert slow.coefficient_of_restitution == pytest.approx(1.0, abs=1e-12)
+
+
+@given(contact=contacts(), ratio=ratios, size=decades(-1.5, 1.5))
+def test_similar_contacts_have_similar_impacts(contact, ratio, size):
+    """e depends on v/V, C_H and C_A alone; w_A/r is kept, so V and the groups are."""
+    other = contact.replace(
+        diameter=contact.diameter * size, work_of_adhesion=contact.work_of_adhesion * size
+    )
+    assert other.velocity_scale == pytest.approx(contact.velocity_scale, rel=1e-12)
+    speed = speed_of(contact, ratio)
+    limit = float(capture_velocity(contact))
+    # At the threshold e has an infinite slope, so rounding of V shows there.
+    assume(abs(speed - limit) > 1e-3 * speed)
+    one, two = simulate(contact, speed), simulate(other, speed)
+    assert two.coefficient_of_restitution == pytest.approx(
+        one.coefficient_of_restitution, rel=1e-9, abs=1e-12
+    )
+    assert two.maximum_compression == pytest.approx(one.maximum_compression * size, rel=1e-9)
+    if not one.captured:
+        assert two.contact_time == pytest.approx(one.contact_time * size, rel=1e-9)
+
+
+@given(contact=contacts(), ratio=ratios, impact=impacts)
+def test_the_mirror_image_is_an_impact(contact, ratio, impact):
+    speed, spin, found = outcome(contact, ratio, impact)
+    angle = np.radians(impact["angle"])
+    along, down = speed * np.cos(angle), -speed * np.sin(angle)
+    basis = impact["friction_basis"]
+    there = spatial(contact, [along, 0.0, down], [0.0, spin, 0.0], basis)
+    back = spatial(contact, [-along, 0.0, down], [0.0, -spin, 0.0], basis)
+    assert back.velocity * [-1.0, 1.0, 1.0] == pytest.approx(there.velocity, rel=1e-12, abs=1e-300)
+    assert -back.spin == pytest.approx(there.spin, rel=1e-12, abs=1e-300)
+    # In its plane the impact in space is the planar one.
+    size = 1e-9 * speed
+    assert there.velocity == pytest.approx(
+        [found.tangential_velocity, 0.0, found.normal_velocity], rel=1e-9, abs=size
+    )
+    assert there.spin[1] == pytest.approx(found.spin, rel=1e-9, abs=size / contact.radius)
+
+
+@settings(max_examples=25)
+@given(contact=contacts(), ratio=decades(-1.0, 2.0), impact=impacts)
+def test_a_path_ends_where_the_impact_does(contact, ratio, impact):
+    speed, spin, found = outcome(contact, ratio, impact)
+    assume(not found.captured)
+    limit = float(capture_velocity(contact))
+    assume(abs(speed * np.sin(np.radians(impact["angle"])) - limit) > 1e-3 * limit)
+    path = trajectory(
+        contact, speed, impact["angle"], spin, friction_basis=impact["friction_basis"]
+    )
+    assert path.time[-1] == pytest.approx(found.contact_time, rel=1e-9)
+    assert path.velocity[-1] == pytest.approx(found.normal_velocity, rel=1e-8, abs=1e-10 * speed)
+    assert path.spin[-1] == pytest.approx(found.spin, rel=1e-6, abs=1e-8 * speed / contact.radius)
+
+
+@given(contact=contacts(), ratio=ratios)
+def test_an_impact_does_not_depend_on_its_neighbours(contact, ratio):
+    speed = speed_of(contact, ratio)
+    assume(speed < 1e4)
+    alone = simulate(contact, speed)
+    among = simulate(contact, speed * np.array([0.5, 1.0, 3.0]))
+    assert among.coefficient_of_restitution[1] == alone.coefficient_of_restitution
+    assert among.maximum_compression[1] == alone.maximum_compression

@@ -1,0 +1,191 @@
+"""The validator of the configuration: what it refuses, and in which words."""
+
+from __future__ import annotations
+
+import copy
+import json
+from pathlib import Path
+
+import jsonschema
+import pytest
+
+from microimpact import studies
+from microimpact.run.config import ConfigError, load, validate
+from microimpact.run.schema import schemas, text
+
+ROOT = Path(__file__).parents[2]
+BASE = load(ROOT / "config/config.yaml")
+
+
+def changed(**branches):
+    """Return the shipped configuration with keys of branches replaced."""
+    config = copy.deepcopy(BASE)
+    for name, keys in branches.items():
+        if isinstance(keys, dict) and isinstance(config.get(name), dict):
+            config[name].update(keys)
+        else:
+            config[name] = keys
+    return config
+
+
+def lines(config):
+    with pytest.raises(ConfigError) as caught:
+        validate(config, BASE)
+    return str(caught.value).splitlines()
+
+
+def test_shipped_configuration_is_valid_and_every_number_has_evidence_and_source():
+    settings = validate(BASE, BASE)
+    assert set(settings.branches) == set(studies.homes())
+    assert settings.declared
+    for row in settings.declared:
+        assert row.evidence != "user", row.key
+        assert row.source, row.key
+
+
+def test_values_are_plain_and_typed():
+    branch = validate(BASE, BASE).branches["coulomb_friction"]
+    assert branch["friction"] == [0.05, 0.10, 0.15, 0.20]
+    assert isinstance(branch["points"], int)
+    one = validate(changed(coulomb_friction={"restitution": 1}), BASE)
+    assert isinstance(one.branches["coulomb_friction"]["restitution"], float)
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        (
+            {"coulomb_frction": {}},
+            "coulomb_frction: unknown key (did you mean 'coulomb_friction'?)",
+        ),
+        (
+            {"coulomb_friction": {"spin_fricton": 0.1}},
+            "coulomb_friction.spin_fricton: unknown key (did you mean 'spin_friction'?)",
+        ),
+        ({"coulomb_friction": {"restitution": 1.5}}, "must be less than or equal to 1"),
+        ({"coulomb_friction": {"restitution": True}}, "must be a valid number"),
+        ({"coulomb_friction": {"spin_friction": float("nan")}}, "must be a finite number"),
+        ({"coulomb_friction": {"friction": [0.1, float("inf")]}}, "coulomb_friction.friction[1]"),
+        ({"coulomb_friction": {"points": 2.5}}, "coulomb_friction.points: 2.5 must be"),
+        ({"coulomb_friction": {"spin_friction": "0.3"}}, "nested values on --config"),
+        ({"coulomb_friction": 3}, "coulomb_friction: 3 must be a mapping"),
+        ({"pathvars": {"reslts": "x"}}, "pathvars.reslts: unknown key (did you mean 'results'?)"),
+        ({"seed": -1}, "seed: -1 must be greater than or equal to 0"),
+        (
+            {"restitution_trends": {"largest_speed_m_per_s": 0.5}},
+            "largest_speed_m_per_s 0.5 must be above capture_speed_m_per_s 1.0",
+        ),
+    ],
+)
+def test_one_line_names_the_key_and_what_is_allowed(change, expected):
+    found = lines(changed(**change))
+    assert len(found) == 1
+    assert expected in found[0]
+
+
+@pytest.mark.parametrize(
+    ("declaration", "expected"),
+    [
+        ({"value": 9, "evidence": "guessed", "source": "x"}, ".evidence: 'guessed' must be one of"),
+        ({"value": 9, "evidence": "chosen"}, ".source: None must say where"),
+        ({"valu": 9, "evidence": "chosen", "source": "x"}, ".valu: unknown key (did you mean"),
+        ({"value": [9], "evidence": "chosen", "source": "x"}, ".value: [9] must be a single value"),
+        ({"value": 9, "values": [9], "evidence": "chosen", "source": "x"}, "either value (one) or"),
+    ],
+)
+def test_malformed_declaration(declaration, expected):
+    found = lines(changed(coulomb_friction={"points": declaration}))
+    assert all(line.startswith("coulomb_friction.points") for line in found)
+    assert any(expected in line for line in found)
+
+
+def test_all_problems_are_listed():
+    config = changed(
+        coulomb_friction={"restitution": 2, "frictoin": 1, "points": {"valu": 1, "source": "x"}},
+        restitution_trends={"points": "many"},
+        sed=1,
+    )
+    found = "\n".join(lines(config))
+    for key in ("restitution:", "frictoin:", "points.valu:", "restitution_trends.points:", "sed:"):
+        assert key in found
+
+
+def test_a_missing_key_and_a_missing_branch_are_named():
+    config = changed()
+    del config["coulomb_friction"]["points"], config["restitution_trends"]
+    assert lines(config) == ["coulomb_friction.points: missing", "restitution_trends: missing"]
+
+
+def declared(config, key):
+    (row,) = (row for row in validate(config, BASE).declared if row.key == key)
+    return row
+
+
+def test_a_bare_number_and_a_changed_value_are_the_users():
+    key = "coulomb_friction.spin_friction"
+    assert declared(BASE, key).evidence == "printed"
+    assert declared(changed(coulomb_friction={"spin_friction": 0.3}), key).evidence == "user"
+    inside = copy.deepcopy(BASE)
+    inside["coulomb_friction"]["spin_friction"]["value"] = 0.3
+    assert declared(inside, key).evidence == "user"
+    own = {"value": 0.3, "evidence": "assumed", "source": "mine"}
+    assert declared(changed(coulomb_friction={"spin_friction": own}), key).source == "mine"
+
+
+def test_units_come_from_the_names():
+    assert declared(BASE, "restitution_trends.capture_speed_m_per_s").unit == "m/s"
+    assert declared(BASE, "coulomb_friction.friction[2]").unit == "-"
+
+
+def test_schemas_on_disk_are_those_of_the_models():
+    for name, schema in schemas().items():
+        stored = (ROOT / "workflow/schemas" / name).read_text(encoding="utf-8")
+        assert stored == text(schema), (
+            f"run: python -m microimpact.run.schema workflow/schemas ({name})"
+        )
+
+
+def validator(name):
+    schema = json.loads((ROOT / "workflow/schemas" / name).read_text(encoding="utf-8"))
+    jsonschema.Draft202012Validator.check_schema(schema)
+    return jsonschema.Draft202012Validator(schema)
+
+
+def test_shipped_files_meet_the_schemas():
+    validator("config.schema.json").validate(BASE)
+    validator("figures.schema.json").validate(load(ROOT / "config/figures.yaml"))
+    overlays = [ROOT / "config/ci.yaml", *(ROOT / "config/examples").glob("*.yaml")]
+    for path in overlays:
+        validator("overlay.schema.json").validate(load(path))
+
+
+def test_schema_refuses_what_the_validator_refuses():
+    schema = validator("config.schema.json")
+    for change in (
+        {"coulomb_frction": {}},
+        {"coulomb_friction": {"restitution": 1.5}},
+        {"seed": "1"},
+    ):
+        assert not schema.is_valid(changed(**change))
+
+
+def test_every_yaml_file_names_its_schema():
+    for path in (ROOT / "config").rglob("*.yaml"):
+        first = path.read_text(encoding="utf-8").splitlines()[0]
+        assert first.startswith("# yaml-language-server: $schema="), path
+        assert (path.parent / first.partition("=")[2]).is_file(), path
+
+
+def test_a_file_that_holds_no_mapping_is_refused(tmp_path):
+    path = tmp_path / "list.yaml"
+    path.write_text("- 1\n")
+    with pytest.raises(ConfigError, match="must hold a mapping"):
+        load(path)
+    path.write_text("a: [1\n")
+    with pytest.raises(ConfigError, match="not valid YAML"):
+        load(path)
+
+
+def test_studies_are_found_by_name():
+    for name in studies.homes():
+        assert studies.study(name).Params.__name__ == "Params"

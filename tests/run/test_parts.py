@@ -1,0 +1,97 @@
+"""Heavy studies in parts: what is gathered does not depend on how many parts there are."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from snakemake.utils import update_config
+
+from microimpact import studies
+from microimpact.core.tables import parse_table, read_table
+from microimpact.declared.parameters import build
+from microimpact.declared.selection import read_all
+from microimpact.run.config import load, validate
+from microimpact.run.parts import part_from_text, part_text
+
+ROOT = Path(__file__).parents[2]
+STUDIES = (
+    "campaign",
+    "fit_coverage",
+    "interval_coverage",
+    "monte_carlo",
+    "oblique_experiments",
+)
+# Smaller still than the small reproduction: some parts are left with nothing, or nearly so.
+TINY = {
+    "campaign": {"events": 4, "fewest_events": 2},
+    "fit_coverage": {
+        "noise_of_e": [0.01],
+        "lowest_speeds_in_v_c": [1.5],
+        "replicates": 6,
+        "interval_replicates": 2,
+        "methods": {"replicates": 2, "resamples": 20},
+    },
+    "interval_coverage": {"experiments": 20},
+    "oblique_experiments": {
+        "angles_deg": [85, 45],
+        "events": 3,
+        "fewest_events": 2,
+        "reference_angle_deg": 85,
+        "points": 10,
+    },
+}
+
+
+@pytest.fixture(scope="module")
+def settings():
+    base, small = (load(ROOT / f"config/{name}.yaml") for name in ("config", "ci"))
+    shipped = load(ROOT / "config/config.yaml")
+    update_config(base, small)
+    update_config(base, TINY)
+    return validate(base, shipped)
+
+
+@pytest.fixture(scope="module")
+def declared(settings):
+    return read_all(*(str(ROOT / path) for path in settings.general.tables))
+
+
+def test_these_are_all_the_studies_in_parts():
+    modules = {name: studies.study(name) for name in studies.homes()}
+    assert {name for name, module in modules.items() if hasattr(module, "part")} == set(STUDIES)
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_the_number_of_parts_changes_no_bit(name, settings, declared):
+    study = studies.study(name)
+    branch = settings.branches[name]
+    params = build(study.Params, branch)
+    inputs = {key: parse_table(text) for key, text in declared.named_in(branch).items()}
+    for table in ("calibration", "restitution_fits"):
+        inputs[table] = read_table(ROOT / f"tests/reference/tables/{table}.csv")
+    # As the workflow does: parts are made by themselves, in any order, and pass through files.
+    parts = [part_text(study.part(params, inputs, i, 3)) for i in (2, 0, 1)]
+    gathered = study.gather(params, inputs, [part_from_text(part) for part in parts])
+    whole = study.run(params, inputs)
+    assert list(gathered) == list(whole)
+    for key, table in whole.items():
+        pd.testing.assert_frame_equal(gathered[key], table, check_exact=True)
+
+
+def test_values_come_back_to_the_last_bit():
+    part = [
+        (0, {"a": np.float64(0.1) + 0.2, "b": np.nan, "c": -np.inf, "d": np.int64(3), "e": None})
+    ]
+    ((number, row),) = part_from_text(part_text(part))
+    assert number == 0
+    assert (row["a"], row["c"], row["d"], row["e"]) == (0.1 + 0.2, -np.inf, 3, None)
+    assert np.isnan(row["b"])
+    assert isinstance(row["d"], int)
+
+
+def test_only_plain_values_are_written():
+    with pytest.raises(TypeError, match="plain values only, not PosixPath"):
+        part_text([Path()])

@@ -1,0 +1,143 @@
+"""Distributions: quantiles against independent formulas, bad parameters, independent streams."""
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+from scipy import stats
+
+from microimpact.declared.parameters import build, explain
+from microimpact.statistics.distributions import (
+    Constant,
+    Distribution,
+    HalfNormal,
+    Histogram,
+    LogNormal,
+    Normal,
+    Sample,
+    TruncatedNormal,
+    Uniform,
+    generator,
+    mean,
+    sample,
+    uniforms,
+)
+
+U = np.linspace(0.0005, 0.9995, 1999)
+
+
+@pytest.mark.parametrize(
+    ("distribution", "reference"),
+    [
+        (Uniform(low=-1.0, high=3.0), stats.uniform(-1.0, 4.0)),
+        (Normal(mean=2.0, sd=0.5), stats.norm(2.0, 0.5)),
+        (Normal(), stats.norm()),
+        (
+            TruncatedNormal(mean=50.0, sd=9.0, low=10.0, high=65.0),
+            stats.truncnorm(-40.0 / 9.0, 15.0 / 9.0, 50.0, 9.0),
+        ),
+        # Far in a tail: the naive form would lose all digits.
+        (
+            TruncatedNormal(mean=0.0, sd=1.0, low=9.0, high=12.0),
+            stats.truncnorm(9.0, 12.0),
+        ),
+        (HalfNormal(sd=0.15), stats.halfnorm(0.0, 0.15)),
+        (LogNormal(median=3.0, geometric_sd=1.5), stats.lognorm(np.log(1.5), 0.0, 3.0)),
+    ],
+)
+def test_quantiles_are_those_of_the_named_distribution(distribution, reference):
+    np.testing.assert_allclose(distribution.quantile(U), reference.ppf(U), rtol=1e-9, atol=1e-12)
+    assert mean(distribution) == pytest.approx(reference.mean(), rel=2e-3, abs=1e-9)
+
+
+def test_constant_is_constant():
+    assert np.all(Constant(at=4.0).quantile(U) == 4.0)
+
+
+def test_histogram_fills_its_bins_in_proportion_and_leaves_empty_ones_empty():
+    values = Histogram(edges=(0.0, 1.0, 2.0, 5.0), counts=(1.0, 0.0, 3.0)).quantile(U)
+    assert np.mean(values < 1.0) == pytest.approx(0.25, abs=1e-3)
+    assert not np.any((values > 1.0) & (values < 2.0))
+    upper = values[values >= 2.0]
+    assert np.mean(upper) == pytest.approx(3.5, abs=2e-3)
+
+
+def test_sample_returns_the_values_seen_in_equal_shares():
+    values = Sample(values_seen=(3.0, 1.0, 2.0, 2.0)).quantile(U)
+    assert [np.mean(values == v) for v in (1.0, 2.0, 3.0)] == pytest.approx(
+        [0.25, 0.5, 0.25], abs=1e-3
+    )
+
+
+def test_sieve_classes_have_the_printed_means():
+    # 49, 75 and 62 um (Sections 2.3.1 and 2.4.1), each printed to the micrometre.
+    assert mean(TruncatedNormal(mean=50, sd=9, low=10, high=65)) == pytest.approx(49.0, abs=1.0)
+    assert mean(TruncatedNormal(mean=71, sd=12, low=60, high=125)) == pytest.approx(75.0, abs=1.0)
+    assert mean(TruncatedNormal(mean=62, sd=4.5, low=45, high=76)) == pytest.approx(62.0, abs=1.0)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: Uniform(low=2.0, high=1.0), "low must be below high, got 2 and 1"),
+        (lambda: TruncatedNormal(mean=0, sd=1, low=3, high=3), "low must be below high"),
+        (lambda: TruncatedNormal(mean=0, sd=1, low=50, high=60), "nothing is drawn"),
+        (lambda: Histogram(edges=(0.0,), counts=()), "counts must not all be zero"),
+        (lambda: Histogram(edges=(0.0, 1.0), counts=(0.0,)), "counts must not all be zero"),
+        (lambda: Histogram(edges=(0.0, 1.0), counts=(1.0, 2.0)), "one more than counts"),
+        (lambda: Histogram(edges=(1.0, 0.0), counts=(1.0,)), "edges must increase"),
+        (lambda: Sample(values_seen=()), "at least one value"),
+    ],
+)
+def test_impossible_distributions_are_refused(make, words):
+    with pytest.raises(ValueError, match=words):
+        make()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Holder:
+    """A parameter class with a distribution, as a study has it."""
+
+    diameter_um: Distribution
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"kind": "normal", "mean": 1.0, "sd": -1.0}, "diameter_um.sd: -1.0 must be"),
+        ({"kind": "normal", "means": 1.0}, "diameter_um.means: unknown key .did you mean 'mean'"),
+        ({"kind": "gauss"}, "diameter_um: .*gauss"),
+        ({"mean": 1.0}, "diameter_um: .*kind"),
+        ({"kind": "uniform", "low": 2.0, "high": 1.0}, "diameter_um: low must be below high"),
+        ({"kind": "uniform", "low": 2.0}, "diameter_um.high: missing"),
+    ],
+)
+def test_a_malformed_distribution_is_named_by_its_key(given, words):
+    with pytest.raises(ValidationError) as caught:
+        build(Holder, {"diameter_um": given})
+    lines = explain(caught.value, Holder, "study")
+    assert len(lines) == 1
+    assert re.search(rf"^study\.{words}", lines[0]), lines[0]
+
+
+def test_streams_of_different_keys_differ_and_of_equal_keys_agree():
+    draws = {key: tuple(generator(1, *key).random(4)) for key in [(), (0,), (1,), (0, 1), (1, 0)]}
+    assert len(set(draws.values())) == len(draws)
+    assert draws[0, 1] == tuple(generator(1, 0, 1).random(4))
+
+
+def test_uniform_numbers_never_reach_the_ends():
+    class Ends:
+        def random(self, shape):
+            return np.array([0.0, 1.0 - 2.0**-53])
+
+    assert np.all(np.isfinite(Normal().quantile(uniforms(Ends(), 2))))
+
+
+def test_samples_follow_their_distribution():
+    d = TruncatedNormal(mean=62.0, sd=4.5, low=45.0, high=76.0)
+    seen = sample(d, generator(3), 20_000)
+    p = stats.kstest(seen, stats.truncnorm(-17 / 4.5, 14 / 4.5, 62, 4.5).cdf).pvalue
+    assert p > 1e-3

@@ -1,0 +1,98 @@
+"""Plan of the campaign: blocks written out, counted, and refused where they do not agree."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pandas as pd
+import pytest
+
+from microimpact.statistics.distributions import Constant
+from microimpact.studies.experiments.campaign.plan import (
+    COUNTED,
+    Block,
+    Particles,
+    SpeedClass,
+    Surface,
+    check_counts,
+    counts,
+    expand,
+)
+
+PARTICLES = tuple(
+    Particles(name=name, particle="steel", diameter_um=Constant(at=d), slope=0.0, spin_sd=0.0)
+    for name, d in (("small", 20.0), ("large", 70.0))
+)
+SURFACES = tuple(
+    Surface(name=name, surface="silicon", slope=s) for name, s in (("front", 0.0), ("back", 0.1))
+)
+CLASSES = (
+    SpeedClass(speed_m_per_s=1.0, range_m_per_s=(0.9, 1.1)),
+    SpeedClass(speed_m_per_s=1.66, range_m_per_s=(1.6, 1.72)),
+)
+BLOCK = Block(
+    particles=("small", "large"),
+    surfaces=("front", "back"),
+    case="any",
+    speeds_m_per_s=(1.0, 1.66),
+    angles_deg=(90.0, 45.0, 10.0),
+)
+PRINTED = pd.Series(dict(zip(COUNTED.values(), (24, 2, 2, 3, 2), strict=True)), dtype=float)
+
+
+def plan(*blocks):
+    return expand(blocks, PARTICLES, SURFACES, CLASSES)
+
+
+def test_a_block_is_all_its_combinations():
+    found = plan(BLOCK)
+    assert counts(found) == dict(zip(COUNTED, (24, 2, 2, 3, 2), strict=True))
+    assert len({one.title for one in found}) == len({one.key for one in found}) == 24
+    check_counts(found, PRINTED, about=0)
+
+
+def test_what_is_declared_but_not_used_does_not_count():
+    found = plan(replace(BLOCK, particles=("small",), speeds_m_per_s=(1.66,)))
+    assert counts(found)["diameter ranges"] == counts(found)["speed ranges"] == 1
+
+
+def test_random_draws_of_an_experiment_do_not_depend_on_its_place():
+    alone = plan(replace(BLOCK, particles=("large",), angles_deg=(10.0,)))
+    keys = {one.title: one.key for one in plan(BLOCK)}
+    assert all(keys[one.title] == one.key for one in alone)
+
+
+def test_another_number_of_experiments_is_refused():
+    fewer = plan(replace(BLOCK, angles_deg=(90.0, 45.0)))
+    with pytest.raises(ValueError, match=r"^blocks: give 16 experiments, not 24; 2 angles, not 3"):
+        check_counts(fewer, PRINTED, about=0)
+
+
+def test_speed_ranges_alone_are_printed_as_about():
+    more = PRINTED.copy()
+    more["campaign_speed_ranges"] = 3
+    check_counts(plan(BLOCK), more, about=1)
+    with pytest.raises(ValueError, match=r"^blocks: give 2 speed ranges, not 3 \(Section 2\)$"):
+        check_counts(plan(BLOCK), more, about=0)
+    more["campaign_surfaces"] = 3
+    with pytest.raises(ValueError, match="give 2 surfaces, not 3"):
+        check_counts(plan(BLOCK), more, about=1)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"particles": ("smal",)}, r"blocks\[1\]\.particles: 'smal' must be .* 'small'"),
+        ({"surfaces": ("side",)}, r"blocks\[1\]\.surfaces: 'side' must be one of those declared"),
+        ({"speeds_m_per_s": (1.7,)}, r"blocks\[1\]\.speeds_m_per_s: '1.7' must be"),
+        ({}, r"blocks\[1\]: small on front, 1 m/s, 90 deg: declared twice"),
+    ],
+)
+def test_bad_blocks_are_refused(change, message):
+    with pytest.raises(ValueError, match=message):
+        plan(BLOCK, replace(BLOCK, **change))
+
+
+def test_a_class_holds_its_nominal_speed():
+    with pytest.raises(ValueError, match=r"\[1\.1, 1\.2\] must ascend and hold 1"):
+        SpeedClass(speed_m_per_s=1.0, range_m_per_s=(1.1, 1.2))

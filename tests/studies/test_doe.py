@@ -1,0 +1,315 @@
+"""Designed experiments: aliases, effects, margins, elasticities, levels and their reasons."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from microimpact.core.materials import materials_from_rows
+from microimpact.declared.parameters import build, explain
+from microimpact.declared.selection import read_all
+from microimpact.model.contact import hertz_stiffness
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.run.config import load, validate
+from microimpact.statistics.designs import fractional_factorial, full_factorial
+from microimpact.statistics.effects import (
+    aliases,
+    defining_relation,
+    effects,
+    half_normal_positions,
+    lenth,
+    normal_positions,
+    quarter_fractions,
+    words,
+)
+from microimpact.studies.analyses import doe
+from microimpact.studies.analyses.doe.factors import (
+    LETTERS,
+    Levels,
+    at_levels,
+    elasticities,
+    factor_values,
+)
+from microimpact.studies.analyses.doe.tables import alias_rows
+
+ROOT = Path(__file__).parents[2]
+# 2^(5-2) of resolution III, D = AB and E = AC, written by hand.
+QUARTER = {
+    "A": {"BD", "CE", "ABCDE"},
+    "B": {"AD", "CDE", "ABCE"},
+    "C": {"AE", "BDE", "ABCD"},
+    "D": {"AB", "BCE", "ACDE"},
+    "E": {"AC", "BCD", "ABDE"},
+    "BC": {"DE", "ACD", "ABE"},
+    "BE": {"CD", "ADE", "ABC"},
+}
+
+
+@pytest.fixture(scope="module")
+def branch():
+    base = load(ROOT / "config/config.yaml")
+    return validate(base, base).branches["doe"]
+
+
+@pytest.fixture
+def rated(contact):
+    """A contact with a damping that falls with the speed of impact, and a v_N."""
+    return contact.replace(adhesion_rate_exponent=0.7, reference_velocity=1.66, hertz_damping=0.5)
+
+
+def test_half_fraction_of_resolution_five():
+    found = aliases(defining_relation("a b c d abcd", LETTERS), LETTERS)
+    # each effect with all letters that it lacks
+    assert {k: list(v) for k, v in found.items()} == {
+        word: [other]
+        for word, other in (
+            *(("A", "BCDE"), ("B", "ACDE"), ("C", "ABDE"), ("D", "ABCE"), ("E", "ABCD")),
+            *(("AB", "CDE"), ("AC", "BDE"), ("AD", "BCE"), ("AE", "BCD"), ("BC", "ADE")),
+            *(("BD", "ACE"), ("BE", "ACD"), ("CD", "ABE"), ("CE", "ABD"), ("DE", "ABC")),
+        )
+    }
+    assert {sign for others in found.values() for sign in others.values()} == {1}
+
+
+def test_quarter_fraction_of_resolution_three():
+    found = aliases(defining_relation("a b c ab ac", LETTERS), LETTERS)
+    assert {word: set(others) for word, others in found.items()} == QUARTER
+
+
+@pytest.mark.parametrize(
+    "generator", ["a b c d abcd", "a b c d -abcd", "a b c ab ac", "a b c -ab abc", "a b ab c ac"]
+)
+def test_aliases_are_columns_of_the_design(generator):
+    design = fractional_factorial(generator)
+    column = {w: design[:, [LETTERS.index(c) for c in w]].prod(axis=1) for w in words(LETTERS)}
+    relation = defining_relation(generator, LETTERS)
+    for word, sign in relation.items():
+        assert np.all(column[word] == sign)
+    classes = aliases(relation, LETTERS)
+    assert len(classes) == len(design) - 1
+    for word, others in classes.items():
+        for other, sign in others.items():
+            np.testing.assert_array_equal(column[other], sign * column[word])
+
+
+def test_the_full_design_has_no_aliases():
+    relation = defining_relation("a b c d e", LETTERS)
+    assert relation == {}
+    (row, *others) = alias_rows(relation)
+    assert row == {
+        "effect": "A",
+        "aliases": "",
+        "defining_relation": "I",
+        "resolution": "full",
+    }
+    assert len(others) == 30
+
+
+def test_there_are_fifteen_quarter_fractions():
+    found = quarter_fractions(LETTERS)
+    # two words of three letters share one, their product has four: 5 x 3 ways
+    assert len(found) == 15
+    assert all(len(set(a) & set(b)) == 1 for a, b in found)
+
+
+@pytest.mark.parametrize(
+    ("generator", "words_of_it"),
+    [
+        ("a b c d", "must have 5 words"),
+        ("a b c d a", "AE"),
+        ("a b c d ae", "letters e"),
+        ("a b c d aab", "product of letters"),
+        ("a b c d -", "product of letters"),
+        ("a b c abc abc", "'DE'"),
+        ("a b c d ab c", "must have 5 words"),
+    ],
+)
+def test_impossible_generators(branch, generator, words_of_it):
+    with pytest.raises(ValidationError) as caught:
+        build(doe.Params, {**branch, "generator": generator})
+    (line,) = explain(caught.value, doe.Params, "doe")
+    assert words_of_it in line
+    assert generator in line
+
+
+def test_effects_of_a_known_polynomial_are_recovered():
+    design = full_factorial(5)
+    a, b, c, d, e = design.T
+    response = 7.0 + 1.5 * a - 2.0 * c + 0.25 * b * d - 0.125 * a * c * e
+    chosen = words(LETTERS)
+    found = dict(zip(chosen, effects(design, LETTERS, chosen, response), strict=True))
+    wanted = {"A": 3.0, "C": -4.0, "BD": 0.5, "ACE": -0.25}
+    for word in chosen:
+        assert found[word] == pytest.approx(wanted.get(word, 0.0), abs=1e-14)
+
+
+def test_a_fraction_adds_aliased_effects():
+    generator = "a b c -ab ac"
+    whole, part = full_factorial(5), fractional_factorial(generator)
+    response = np.random.Generator(np.random.PCG64(1)).random(32)
+    relation = defining_relation(generator, LETTERS)
+    classes = aliases(relation, LETTERS)
+    chosen = words(LETTERS)
+    full = dict(zip(chosen, effects(whole, LETTERS, chosen, response), strict=True))
+    runs = (part > 0) @ 2 ** np.arange(5)
+    np.testing.assert_array_equal(whole[runs], part)
+    found = effects(part, LETTERS, list(classes), response[runs])
+    for (word, others), value in zip(classes.items(), found, strict=True):
+        total = full[word] + sum(sign * full[other] for other, sign in others.items())
+        assert value == pytest.approx(total, abs=1e-13)
+
+
+def test_lenth_by_hand():
+    # median 3, s0 = 4.5; 12 >= 11.25 falls out; median of the six others 2.5, PSE 3.75
+    found = lenth(np.array([1.0, -2.0, 2.0, 3.0, -4.0, 12.0, 5.0]))
+    assert found.pseudo_error == pytest.approx(3.75)
+    # Student's t with 7/3 degrees of freedom at 0.975: tables of m = 7 give 3.764, and 9.008
+    assert found.margin / found.pseudo_error == pytest.approx(3.764, abs=1e-3)
+    assert found.simultaneous / found.pseudo_error == pytest.approx(9.008, abs=1e-2)
+
+
+def test_lenth_of_fifteen_contrasts():
+    found = lenth(np.arange(1.0, 16.0))
+    assert found.margin / found.pseudo_error == pytest.approx(2.571, abs=1e-3)
+    assert found.simultaneous / found.pseudo_error == pytest.approx(5.219, abs=1e-2)
+
+
+def test_plotting_positions():
+    values = np.array([0.1, -3.0, 2.0])
+    # quantiles of (i - 1/2)/3: 1/6, 1/2, 5/6
+    assert normal_positions(values) == pytest.approx([0.0, -0.96742, 0.96742], abs=1e-5)
+    # of 1/2 + (i - 1/2)/6: 7/12, 3/4, 11/12
+    assert half_normal_positions(values) == pytest.approx([0.21043, 1.38299, 0.67449], abs=1e-5)
+
+
+def test_levels_move_the_factors_alone(rated):
+    multiples = np.array([1.2, 0.7, 1.5, 2.0, 0.25])
+    before, after = factor_values(rated), factor_values(at_levels(rated, multiples))
+    for letter, multiple in zip(LETTERS, multiples, strict=True):
+        assert float(after[letter] / before[letter]) == pytest.approx(multiple, rel=1e-12)
+
+
+def test_damping_at_fixed_zeta_follows_the_stiffness_and_not_the_radius(rated):
+    bigger = at_levels(rated, np.array([1.0, 1.0, 2.0, 1.0, 1.0]))
+    assert bigger.adhesion_damping == pytest.approx(rated.adhesion_damping, rel=1e-13)
+    stiffer = at_levels(rated, np.array([32.0, 1.0, 1.0, 1.0, 1.0]))
+    assert stiffer.adhesion_damping == pytest.approx(rated.adhesion_damping / 4.0, rel=1e-13)
+
+
+@pytest.mark.parametrize("rate", [0.0, 0.7, 1.0])
+def test_elasticities_against_differences(contact, rate):
+    contact = contact.replace(
+        adhesion_rate_exponent=rate, reference_velocity=1.66, hertz_damping=2.0
+    )
+    found = elasticities(contact)
+    step = 1e-4
+    for i, letter in enumerate(LETTERS):
+        multiples = np.ones((2, 5))
+        multiples[:, i] = np.exp([step, -step])
+        logs = np.log(capture_velocity(at_levels(contact, multiples)))
+        assert found.at_fixed_zeta[i] == pytest.approx((logs[0] - logs[1]) / 2 / step, rel=1e-6)
+        # at fixed damping coefficients: the same change, its damping put back
+        held = at_levels(contact, multiples)
+        if letter in "ABC":
+            held = held.replace(
+                hertz_damping=contact.hertz_damping, adhesion_damping=contact.adhesion_damping
+            )
+        logs = np.log(capture_velocity(held))
+        assert found.at_fixed_damping[i] == pytest.approx((logs[0] - logs[1]) / 2 / step, rel=1e-6)
+
+
+def test_work_of_adhesion_and_radius_enter_as_their_ratio(rated):
+    for found in (elasticities(rated).at_fixed_zeta, elasticities(rated).at_fixed_damping):
+        assert found[1] == pytest.approx(-found[2], rel=1e-13)
+    both = at_levels(rated, np.array([1.0, 1.7, 1.7, 1.0, 1.0]))
+    assert float(capture_velocity(both)) == pytest.approx(float(capture_velocity(rated)), rel=1e-10)
+
+
+def test_small_damping_gives_five_quarters(scaled):
+    found = elasticities(scaled(1e-6, 1e-6)).at_fixed_zeta
+    # v_c ~ V (C_A + 2 C_H)^(1/2): K^(-1/3 - 1/6 - 1/5), (w/r)^(5/4), and 1/3 and 2/3 of a half
+    assert found == pytest.approx([-0.7, 1.25, -1.25, 1 / 6, 1 / 3], abs=2e-3)
+
+
+def test_log_effects_of_a_power_law_are_elasticities_times_log_ratios(scaled):
+    # with little damping the law is a power law in K, w_A and r; zetas stay put
+    contact = scaled(1e-7, 1e-7)
+    levels = np.array([[0.8, 0.5, 0.9, 0.999999, 0.999999], [1.25, 2.0, 1.1, 1.000001, 1.000001]])
+    design = full_factorial(5)
+    response = capture_velocity(at_levels(contact, np.where(design < 0, levels[0], levels[1])))
+    found = effects(design, LETTERS, words(LETTERS), np.log(response))
+    slopes = elasticities(contact).at_fixed_zeta
+    assert found[:3] == pytest.approx((slopes * np.log(levels[1] / levels[0]))[:3], rel=1e-3)
+    assert np.abs(found[5:]).max() < 2e-3
+
+
+def test_no_elasticity_without_capture(contact):
+    with pytest.raises(ValueError, match="finite, positive"):
+        elasticities(contact.replace(hertz_damping=0.0, adhesion_damping=0.0))
+
+
+def realistic(branch, n):
+    return build(doe.Params, branch).cases[n].realistic.array
+
+
+def test_levels_are_symmetric_in_the_logarithm(branch):
+    for n in (0, 1):
+        assert np.log(realistic(branch, n)).sum(axis=0) == pytest.approx(np.zeros(5), abs=2e-3)
+
+
+def test_levels_of_the_stiffness_come_from_the_declared_moduli(branch):
+    names = "materials", "contacts", "printed_values"
+    table = read_all(*(f"{ROOT}/config/{name}.csv" for name in names))
+    ends = []
+    for end, other in (("low", "high"), ("high", "low")):
+        rows = []
+        for row in table.materials.rows:
+            # a larger modulus and a larger Poisson's ratio both stiffen
+            value = row[end] or row[other] or row["value"]
+            rows.append({**row, "value": value if row["property"] != "density" else row["value"]})
+        known = materials_from_rows(rows)
+        ends.append(hertz_stiffness(known["stainless-steel-316"], known["silicon"]))
+    assert realistic(branch, 0)[1, 0] == pytest.approx(math.sqrt(ends[1] / ends[0]), abs=1e-3)
+
+
+def test_levels_of_the_radius_come_from_the_printed_sieve(branch):
+    assert realistic(branch, 0)[1, 2] == pytest.approx(math.sqrt(125 / 60), abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("change", "words_of_it"),
+    [
+        ({"radius": [1.2, 0.9]}, "radius"),
+        ({"radius": [1.0, 1.0]}, "must be below"),
+        ({"stifness": [0.9, 1.1]}, "stiffness"),
+        ({"radius": [0.0, 1.1]}, "greater than 0"),
+    ],
+)
+def test_bad_levels(branch, change, words_of_it):
+    cases = [dict(case) for case in branch["cases"]]
+    cases[0] = {**cases[0], "realistic": {**cases[0]["realistic"], **change}}
+    with pytest.raises(ValidationError) as caught:
+        build(doe.Params, {**branch, "cases": cases})
+    (line,) = explain(caught.value, doe.Params, "doe")
+    assert line.startswith("doe.cases[0].realistic")
+    assert words_of_it in line
+
+
+def test_a_drawn_case_needs_levels(branch):
+    with pytest.raises(ValidationError, match="realistic levels"):
+        build(doe.Params, {**branch, "drawn_case": "ammonium-fluorescein-mica"})
+
+
+def test_levels_may_not_be_given_for_an_empty_range():
+    with pytest.raises(ValueError, match="stiffness: the low level 1 "):
+        Levels(
+            stiffness=(1.0, 1.0),
+            work_of_adhesion=(0.9, 1.1),
+            radius=(0.9, 1.1),
+            adhesion_dissipation=(0.9, 1.1),
+            hertz_dissipation=(0.9, 1.1),
+        )

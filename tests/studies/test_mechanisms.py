@@ -1,0 +1,240 @@
+"""Samples of virtual impacts, their comparison, and the pieces of each mechanism."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from microimpact.lab.dispenser import Dispenser, InitialSpin
+from microimpact.lab.experiment import Target
+from microimpact.lab.piles import follow
+from microimpact.lab.samples import (
+    Dropped,
+    Sampling,
+    Statistic,
+    difference_columns,
+    half_width,
+    rough,
+    seen,
+    with_spin,
+)
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import simulate
+from microimpact.statistics.distributions import TruncatedNormal, generator
+from microimpact.studies.experiments.laboratory_sensitivity import change
+from microimpact.studies.experiments.mechanisms.impulse_regions import regions, segments
+from microimpact.studies.experiments.mechanisms.shallow import _spread
+from microimpact.studies.experiments.mechanisms.speed_and_angle import rigid_loss
+from microimpact.studies.experiments.mechanisms.spin import rolling_limit, tilted_ratio
+from microimpact.studies.experiments.mechanisms.spore import off_centre
+from microimpact.studies.experiments.pile_up import onset
+
+STILL = Dispenser(
+    exit_speed_m_per_s=0.0,
+    lateral_speed_m_per_s=0.0,
+    lateral_position_mm=0.0,
+    taps_per_s=2.0,
+    particles_per_tap=3.0,
+    release_delay_ms=20.0,
+)
+SAMPLING = Sampling(seed=5, impacts=800, events=40, angle_error_deg=0.25, dispenser=STILL)
+STEEL = Dropped(
+    particle="steel",
+    surface="silicon",
+    case="none",
+    friction=0.15,
+    diameter_um=TruncatedNormal(mean=62, sd=0.01, low=61, high=63),
+    surface_slope=0.0,
+    particle_slope=0.0,
+    speed_m_per_s=1.66,
+    speed_range_m_per_s=(1.6, 1.72),
+    spin=InitialSpin(sd=0.0, mean=0.0),
+)
+
+
+@pytest.mark.parametrize("angle", [85.0, 60.0, 30.0])
+def test_a_sample_without_spreads_is_the_single_impact(contact, angle):
+    one = seen(STEEL, contact, angle, SAMPLING)
+    sphere = simulate(contact, 1.66, angle)
+    e, mu, loss = (one.statistics[q] for q in ("restitution", "impulse_ratio", "energy_loss"))
+    assert e.mean == pytest.approx(float(sphere.coefficient_of_restitution), abs=1e-4)
+    assert mu.mean == pytest.approx(float(sphere.impulse_ratio), abs=1e-4)
+    assert loss.mean == pytest.approx(float(sphere.translational_energy_loss), abs=1e-4)
+    assert one.captured_share == 0.0
+    # A tilt turns part of the tangential speed into normal speed: de = (1 + e) cot(alpha) dalpha
+    # where the tangential speed hardly changes.
+    if angle == 30.0:
+        rebound = float(sphere.tangential_velocity) / (1.66 * np.sin(np.radians(angle)))
+        cot = 1.0 / np.tan(np.radians(angle))
+        slope = rebound + e.mean * cot
+        assert e.systematic == pytest.approx(slope * np.radians(0.25), rel=0.02)
+
+
+def test_spin_without_a_mean_never_turns_the_mean_impulse_ratio(contact):
+    for sd in (0.3, 1.0, 3.0):
+        for angle in (85.0, 45.0, 25.0):
+            spun = seen(with_spin(STEEL, mean=0.0, sd=sd), contact, angle, SAMPLING)
+            mu = spun.statistics["impulse_ratio"]
+            assert mu.mean > -2.0 * mu.sd / np.sqrt(SAMPLING.impacts)
+
+
+def test_a_mean_spin_makes_the_ratio_lowest_at_steep_angles(contact):
+    mu = [
+        seen(with_spin(STEEL, mean=0.5, sd=0.0), contact, a, SAMPLING)
+        .statistics["impulse_ratio"]
+        .mean
+        for a in (85.0, 60.0, 30.0)
+    ]
+    assert mu[0] < -0.05
+    assert mu[1] == pytest.approx(0.0, abs=1e-6)  # cos 60 deg = 0.5: no slip
+    assert mu[2] > 0.1
+
+
+def test_slopes_lower_restitution_at_steep_angles_and_raise_it_at_shallow_ones(contact):
+    steep, shallow = (
+        difference_columns(
+            seen(rough(STEEL, 0.1), contact, a, SAMPLING),
+            seen(STEEL, contact, a, SAMPLING),
+            SAMPLING,
+        )
+        for a in (85.0, 15.0)
+    )
+    e = float(simulate(contact, 1.66, 85.0).coefficient_of_restitution)
+    # Exact at normal incidence: e - (e + 5/7) phi^2, over both axes of slopes.
+    assert steep["restitution_difference"] == pytest.approx(-2 * (e + 5 / 7) * 0.01, rel=0.15)
+    assert shallow["restitution_difference"] > 0.2
+    assert shallow["impulse_ratio_difference"] > 0.0
+
+
+def test_half_width_of_a_difference():
+    one = Statistic(mean=0.7, sd=0.04, systematic=0.0)
+    other = Statistic(mean=0.6, sd=0.03, systematic=0.004)
+    expected = 1.9908 * np.sqrt((0.04**2 + 0.03**2) / 40 + 0.004**2)
+    assert half_width(one, other, SAMPLING) == pytest.approx(expected, rel=1e-4)
+
+
+def test_bodies_without_offset_are_spheres(contact):
+    body = off_centre(STEEL, contact, 40.0, 0.0, SAMPLING)
+    sphere = seen(STEEL, contact, 40.0, SAMPLING)
+    for name, of in sphere.statistics.items():
+        assert body.statistics[name].mean == pytest.approx(of.mean, abs=1e-9), name
+
+
+def test_offsets_lower_restitution_at_every_angle(contact):
+    for angle in (85.0, 38.0, 15.0):
+        body = off_centre(STEEL, contact, angle, 0.2, SAMPLING)
+        sphere = seen(STEEL, contact, angle, SAMPLING)
+        less = body.statistics["restitution"].mean - sphere.statistics["restitution"].mean
+        assert less < -0.02
+
+
+def test_limit_of_rolling(contact):
+    e = float(simulate(contact, 1.66, 48.0).coefficient_of_restitution)
+    found = rolling_limit(contact, 1.66, 0.0)
+    # cot(alpha) = (7/2) f (1 + e); adhesion adds to the compressive impulse that supports friction.
+    closed = np.degrees(np.arctan(1.0 / (3.5 * 0.15 * (1.0 + e))))
+    assert found == pytest.approx(closed, abs=1.0)
+    assert rolling_limit(contact, 1.66, -0.3) > found + 5.0
+
+
+def test_a_tilted_target_shows_as_an_impulse_ratio(contact):
+    e = float(simulate(contact, 1.66).coefficient_of_restitution)
+    closed = -np.radians(0.7) * (1.0 - 2.0 / 7.0 / (1.0 + e))
+    assert tilted_ratio(contact, 1.66, 0.7) == pytest.approx(closed, rel=1e-3)
+
+
+def test_regions_of_an_ideal_curve():
+    angle = np.arange(87.0, 5.0, -2.0)
+    x = 1.0 / np.tan(np.radians(angle))
+    ratio = np.interp(x, [0.0, 0.7, 1.4, 4.0, 11.0], [0.0, 0.12, 0.15, 0.15, 0.24])
+    rows = regions(angle, ratio, np.full(angle.size, 1e-3), 0.1)
+    assert [row["region"] for row in rows] == ["rolling", "transition", "sliding", "departure"]
+    # Without a rise there is no fourth one, and noise makes none.
+    noise = 1e-3 * generator(1).standard_normal(angle.size)
+    plain = regions(angle, np.minimum(ratio, 0.15) + noise, np.full(angle.size, 1e-3), 0.1)
+    assert "departure" not in {row["region"] for row in plain}
+
+
+def test_segments_of_a_line_have_no_inner_knot():
+    x = np.linspace(0.0, 3.0, 20)
+    knots, values = segments(x, 0.2 + 0.5 * x, np.full(20, 0.01))
+    np.testing.assert_allclose(knots, [0.0, 3.0])
+    np.testing.assert_allclose(values, [0.2, 1.7])
+
+
+def test_spread_is_taken_where_both_curves_are_known():
+    x = np.array([0.0, 1.0, 2.0, 3.0])
+    assert _spread(x, x, x[:2], x[:2] + 0.1) == pytest.approx(0.1)
+
+
+def test_loss_of_a_rolling_sphere():
+    # (1 - e^2) sin^2 + (24/49) cos^2
+    angle, e = np.array([80.0, 70.0]), 0.8
+    sine = np.sin(np.radians(angle)) ** 2
+    expected = (1 - e**2) * sine + 24 / 49 * (1 - sine)
+    np.testing.assert_allclose(rigid_loss(e, 0.5, angle), expected, rtol=1e-12)
+
+
+def test_bounces_end_where_a_ball_would(contact):
+    """Straight up and down with a drift: flight 2 V/g, a geometric series until capture."""
+    target = Target(contact=contact, slope_sd=0.0)
+    drift, speed = 0.004, 0.3
+    spin = np.array([[0.0, drift / 31e-6, 0.0]])  # rolls already: friction does nothing
+    resting = follow(
+        target,
+        np.array([62e-6]),
+        np.zeros((1, 2)),
+        np.array([[drift, 0.0, -speed]]),
+        spin,
+        generator(0),
+        most_impacts=60,
+        farthest=1.0,
+    )
+    way, v, count = 0.0, speed, 1
+    while v >= float(capture_velocity(contact)):
+        v *= float(simulate(contact, v).coefficient_of_restitution)
+        way += drift * 2 * v / 9.80665
+        count += 1
+    assert resting.captured.all()
+    assert resting.impacts[0] == count
+    assert resting.reach[0] == pytest.approx(way, rel=1e-6)
+    assert resting.on_target(1.01 * way).all()
+    assert not resting.on_target(0.99 * way).any()
+
+
+def test_spheres_past_the_edge_are_let_go(contact):
+    resting = follow(
+        Target(contact=contact, slope_sd=0.0),
+        np.full(2, 62e-6),
+        np.array([[0.0, 0.0], [2e-3, 0.0]]),
+        np.array([[0.5, 0.0, -0.5], [0.0, 0.0, -0.5]]),
+        np.zeros((2, 3)),
+        generator(0),
+        most_impacts=60,
+        farthest=1e-3,
+    )
+    assert not resting.captured.any()
+    assert list(resting.impacts) == [1, 0]
+
+
+def test_onset_is_the_last_crossing():
+    speed = np.array([0.1, 0.2, 0.3, 0.4])
+    assert onset(speed, np.array([0.9, 0.6, 0.4, 0.0]), 0.5) == pytest.approx(0.25)
+    assert np.isnan(onset(speed, np.zeros(4), 0.5))
+    assert np.isnan(onset(speed, np.ones(4), 0.5))
+
+
+def test_change_of_a_mean_and_its_error():
+    rng = generator(3)
+    values = rng.standard_normal(4000)
+    shifted = change(values, values + 0.01)
+    assert shifted["change"] == pytest.approx(0.01)
+    assert shifted["standard_error"] < 1e-12  # common random numbers
+    other = change(values, rng.standard_normal(4000))
+    assert other["standard_error"] == pytest.approx(np.sqrt(2 / 4000), rel=0.05)
+    # Those that drop out change the mean of the rest.
+    kept = np.where(values > 1.0, np.nan, values)
+    lost = change(values, kept)
+    assert lost["change"] == pytest.approx(np.nanmean(kept) - values.mean())
+    assert lost["standard_error"] > 1e-3
+    assert np.isnan(change(values, np.full(4000, np.nan))["change"])

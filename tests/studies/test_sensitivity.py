@@ -1,0 +1,231 @@
+"""Sobol' indices against closed forms, and many calibrations at once against one by one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from pydantic import ValidationError
+from SALib.analyze.sobol import analyze
+
+from microimpact.declared.parameters import build, explain
+from microimpact.model.calibration import two_stage
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import simulate
+from microimpact.run.config import load, validate
+from microimpact.statistics.sobol import saltelli_sample, sobol_indices
+from microimpact.studies.analyses import sensitivity
+from microimpact.studies.analyses.sensitivity.ridge import (
+    Targets,
+    calibrated_sample,
+    material_damping,
+)
+from microimpact.studies.analyses.sensitivity.tables import Bootstrap, Draw, group_rows, input_rows
+
+ROOT = Path(__file__).parents[2]
+
+
+def generator(*key):
+    return np.random.Generator(np.random.PCG64(np.random.SeedSequence(7, spawn_key=key)))
+
+
+@pytest.fixture(scope="module")
+def branch():
+    base = load(ROOT / "config/config.yaml")
+    return validate(base, base).branches["sensitivity"]
+
+
+@pytest.fixture(scope="module")
+def ridge(steel, silicon, contact):
+    """Steel on silicon, calibrated to e = 0.70 at 1.66 m/s and v_c = 0.18 m/s."""
+    bare = contact.replace(work_of_adhesion=4.0, reference_velocity=1.66)
+    return two_stage(bare, 1.66, 0.70, 0.18).contact
+
+
+def indices(response):
+    return sobol_indices(response, generator(2), resamples=200, confidence=0.95)
+
+
+def test_sample_is_saltelli():
+    cube = saltelli_sample(3, 16, generator(1))
+    assert cube.shape == (16, 5, 3)
+    a, b = cube[:, 0], cube[:, -1]
+    for i in range(3):
+        other = np.arange(3) != i
+        np.testing.assert_array_equal(cube[:, 1 + i, i], b[:, i])
+        np.testing.assert_array_equal(cube[:, 1 + i, other], a[:, other])
+
+
+def test_linear_function():
+    found = indices(saltelli_sample(3, 1024, generator(1)) @ np.array([1.0, 2.0, 3.0]))
+    shares = np.array([1.0, 4.0, 9.0]) / 14.0
+    assert found.first == pytest.approx(shares, abs=0.01)
+    assert found.total == pytest.approx(shares, abs=0.01)
+    assert np.all((found.first_low < shares) & (shares < found.first_high))
+    assert np.all((found.total_low < shares) & (shares < found.total_high))
+
+
+def test_indices_are_those_of_the_library():
+    # A few base samples, so that some resamples hold one of them alone.
+    response = np.exp(saltelli_sample(3, 4, generator(1)) @ np.array([1.0, 2.0, 3.0])) + 100.0
+    found = indices(response)
+    known = analyze(
+        {"num_vars": 3, "names": ["a", "b", "c"], "bounds": [[0.0, 1.0]] * 3},
+        response.ravel(),
+        calc_second_order=False,
+        num_resamples=200,
+        keep_resamples=True,
+        seed=generator(2),
+    )
+    for name, key in (("first", "S1"), ("total", "ST")):
+        assert getattr(found, name) == pytest.approx(known[key], rel=1e-9)
+        for end, share in (("low", 0.025), ("high", 0.975)):
+            ends = np.quantile(known[f"{key}_conf_all"], share, axis=0)
+            assert getattr(found, f"{name}_{end}") == pytest.approx(ends, rel=1e-9)
+
+
+def test_ishigami():
+    x = np.pi * (2.0 * saltelli_sample(3, 4096, generator(1)) - 1.0)
+    response = np.sin(x[..., 0]) + 7.0 * np.sin(x[..., 1]) ** 2
+    response += 0.1 * x[..., 2] ** 4 * np.sin(x[..., 0])
+    found = indices(response)
+    # a = 7, b = 0.1: variances of one, of two, and of one with three
+    one, two = 0.5 * (1 + 0.1 * np.pi**4 / 5) ** 2, 49 / 8
+    both = 0.01 * np.pi**8 * (1 / 18 - 1 / 50)
+    variance = one + two + both
+    assert found.first == pytest.approx(np.array([one, two, 0.0]) / variance, abs=0.02)
+    assert found.total == pytest.approx(np.array([one + both, two, both]) / variance, abs=0.02)
+
+
+def test_groups_of_a_product():
+    # y = x_0 (x_1 + x_2): uncertainty is the sum, variability the factor; they interact
+    cube = 0.5 + saltelli_sample(3, 2048, generator(1))
+    response = cube[..., 0] * (cube[..., 1] + cube[..., 2])
+    draw = Draw(case="c", variation="v", response=response, infinite=0, uncalibrated=0)
+    options = Bootstrap(resamples=50, confidence=0.95)
+    groups = {row["input"]: row for row in group_rows(draw, 0, generator(3), options)}
+    radius, rest = 4.0 / 12.0, 2.0 / 12.0
+    both = radius / 4.0 * rest
+    variance = radius + rest + both
+    wanted = {"variability": (radius, radius + both), "uncertainty": (rest, rest + both)}
+    for name, (first, total) in wanted.items():
+        assert groups[name]["first"] == pytest.approx(first / variance, abs=0.015)
+        assert groups[name]["total"] == pytest.approx(total / variance, abs=0.015)
+    names = ("radius", "b", "c")
+    single = next(iter(input_rows(draw, names, generator(3), options)))
+    assert single["total"] == pytest.approx(groups["variability"]["total"], rel=1e-12)
+
+
+def test_results_do_not_depend_on_what_was_drawn_before():
+    first = saltelli_sample(2, 8, generator(4))
+    np.testing.assert_array_equal(first, saltelli_sample(2, 8, generator(4)))
+    assert not np.array_equal(first, saltelli_sample(2, 8, generator(5)))
+
+
+@pytest.mark.parametrize("samples", [0, 1, 48, 1000])
+def test_samples_must_be_a_power_of_two(branch, samples):
+    with pytest.raises(ValueError, match=f"power of two, 2 or more, got {samples}"):
+        saltelli_sample(2, samples, generator(1))
+    with pytest.raises(ValidationError) as caught:
+        build(sensitivity.Params, {**branch, "samples": samples})
+    (line,) = explain(caught.value, sensitivity.Params, "sensitivity")
+    assert "samples" in line
+
+
+@pytest.mark.parametrize(
+    ("response", "words"),
+    [(np.full((4, 3), 2.0), "varies"), (np.array([[1.0, np.inf, 2.0]] * 4), "finite")],
+)
+def test_responses_without_indices(response, words):
+    with pytest.raises(ValueError, match=words):
+        indices(response)
+
+
+def test_base_samples_with_an_infinite_response_are_left_out_and_counted():
+    response = np.arange(20.0).reshape(4, 5)
+    response[1, 2] = np.inf
+    draw = Draw(case="c", variation="v", response=response, infinite=1, uncalibrated=0)
+    np.testing.assert_array_equal(draw.kept(), response[[0, 2, 3]])
+    assert draw.label["samples_kept"] == 3
+    assert draw.label["points_without_finite_v_c"] == 1
+    with pytest.raises(ValueError, match="1 of 2 base samples"):
+        draw.kept(2)
+
+
+def test_realistic_levels_are_quantiles_and_others_ends():
+    levels = pd.DataFrame({"low_multiple": [0.5, 0.95], "high_multiple": [2.0, 1.05]})
+    points = np.array([[0.05, 0.05], [0.5, 0.5], [0.95, 0.95]])
+    lognormal = sensitivity.multiples_of(points, levels, "realistic", 0.95)
+    assert lognormal[:, 0] == pytest.approx([0.5, 1.0, 2.0])
+    uniform = sensitivity.multiples_of(np.array([[0.0, 0.0], [1.0, 1.0]]), levels, "uniform", 0.95)
+    np.testing.assert_allclose(uniform, [[0.5, 0.95], [2.0, 1.05]])
+
+
+def test_material_damping_alone_gives_the_restitution(contact):
+    e = np.array([0.3, 0.7, 0.95])
+    damped = contact.replace(
+        work_of_adhesion=0.0, adhesion_damping=0.0, hertz_damping=material_damping(1.66, e)
+    )
+    assert simulate(damped, 1.66).coefficient_of_restitution == pytest.approx(e, rel=1e-9)
+
+
+@pytest.mark.parametrize("rate", [0.0, 1.0])
+def test_every_calibration_meets_its_targets(ridge, contact, rate):
+    start = ridge
+    if rate:
+        bare = contact.replace(
+            work_of_adhesion=0.7, adhesion_rate_exponent=rate, reference_velocity=1.66
+        )
+        start = two_stage(bare, 1.66, 0.70, 0.18).contact
+    middle = float(start.hertz_damping / material_damping(1.66, np.array([0.70]))[0])
+    targets = Targets(
+        high_speed=1.66,
+        restitution=np.array([0.70, 0.66, 0.73]),
+        capture_velocity=np.array([0.18, 0.175, 0.188]),
+        damping_share=middle + np.array([0.0, 0.03, -0.03]),
+        stiffness=np.array([1.0, 1.2, 0.9]),
+    )
+    sample, met = calibrated_sample(start, targets)
+    assert met.all()
+    assert capture_velocity(sample) == pytest.approx(targets.capture_velocity, rel=1e-7)
+    e = simulate(sample, 1.66).coefficient_of_restitution
+    assert e == pytest.approx(targets.restitution, rel=1e-7)
+    # the first is the start itself, found by the two-stage method
+    assert sample.work_of_adhesion[0] == pytest.approx(start.work_of_adhesion, rel=1e-6)
+    assert sample.adhesion_damping[0] == pytest.approx(float(start.adhesion_damping), rel=1e-6)
+
+
+def test_a_calibration_without_a_solution_is_told(ridge):
+    targets = Targets(
+        high_speed=1.66,
+        restitution=np.array([0.70, 0.70]),
+        capture_velocity=np.array([0.18, 0.18]),
+        # almost all loss left to the material: adhesion cannot capture at 0.18 m/s besides
+        damping_share=np.array([0.1, 0.999]),
+        stiffness=np.ones(2),
+    )
+    assert calibrated_sample(ridge, targets)[1].tolist() == [True, False]
+
+
+def test_calibration_absorbs_the_stiffness(ridge):
+    targets = Targets(
+        high_speed=1.66,
+        restitution=np.full(2, 0.70),
+        capture_velocity=np.full(2, 0.18),
+        damping_share=np.full(2, 0.1),
+        stiffness=np.array([1.0, 1.5]),
+    )
+    sample, _ = calibrated_sample(ridge, targets)
+    smaller = capture_velocity(sample.replace(diameter=30e-6))
+    assert smaller[0] == pytest.approx(smaller[1], rel=1e-8)
+    # V stays, so w_A goes with K^(2/5)
+    ratio = sample.work_of_adhesion[1] / sample.work_of_adhesion[0]
+    assert ratio == pytest.approx(1.5**0.4, rel=1e-7)
+
+
+def test_ends_of_the_ridge_must_ascend(branch):
+    cases = [{**branch["cases"][0], "damping_share": [0.3, 0.1]}, branch["cases"][1]]
+    with pytest.raises(ValidationError, match=r"0\.3 must be below 0\.1"):
+        build(sensitivity.Params, {**branch, "cases": cases})
