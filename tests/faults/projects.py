@@ -113,10 +113,10 @@ def copied(target, *, whole=False, **how):
 
 def _leave_a_part(root):
     """Take out of a copy all studies but `STUDIES`, with their rules, numbers and figures."""
-    modules = (root / "src/microimpact/studies").glob("[!_]*.py")
-    others = {path.stem: path for path in modules if path.stem not in STUDIES}
+    homes = (root / "src/microimpact/studies").glob("*/[!_]*")
+    others = {path.stem: path for path in homes if path.stem not in STUDIES}
     for path in others.values():
-        path.unlink()
+        shutil.rmtree(path) if path.is_dir() else path.unlink()
 
     def is_kept(key, entry):
         return key not in others and not (isinstance(entry, dict) and entry.get("study") in others)
