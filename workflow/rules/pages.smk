@@ -12,10 +12,6 @@ SHOWN = ("tables", "data", "figures")
 WRITE_EXPLORER = PROJECT / "workflow/scripts/write_explorer.py"
 EXPLORER = PROJECT / "src/microimpact/report/explorer"
 FRAME = PROJECT / "src/microimpact/report/site/templates/base.html"
-EXPLORER_TABLES = [
-    f"explorer_{name}"
-    for name in ("threshold", "restitution", "impulses", "accuracy", "materials", "contacts")
-]
 
 
 def shown_files():

@@ -1,4 +1,4 @@
-"""Write the page of the explorer and its scripts from the tables of its study."""
+"""Write the page of the explorer and its scripts from declared and calibrated contacts."""
 
 from pathlib import Path
 from typing import Any
@@ -10,14 +10,15 @@ from microimpact.run.job import run
 def main(job: Any) -> str:
     """Write the page and return a line on its size.
 
-    The rule gives the tables as named inputs and the end of their axis of damping as
-    ``params.largest_damping``; the page is the output ``page``, its scripts stand beside it.
+    The rule gives declared rows as ``params.rows`` (name -> CSV text) and the table of the
+    calibration as a named input; the page is the output ``page``, its scripts stand beside it.
     """
-    from microimpact.core.tables import read_table
+    from microimpact.core.tables import parse_table, read_table
     from microimpact.report.explorer.build import page_files
 
-    tables = {name: read_table(path) for name, path in job.input.items()}
-    files = page_files(tables, job.params.largest_damping)
+    inputs = {name: parse_table(text) for name, text in job.params.rows.items()}
+    inputs |= {name: read_table(path) for name, path in job.input.items()}
+    files = page_files(inputs)
     report = Path(job.output.page).parent
     for name, text in files.items():
         write_file(report / name, text)

@@ -1,60 +1,45 @@
-"""The page of the explorer and the scripts beside it, from the tables of its study."""
+"""The page of the explorer and the scripts beside it, with declared and calibrated contacts."""
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
+from microimpact.lab.contacts import calibrated_contact, declared
+from microimpact.model.contact import Contact
 from microimpact.model.dynamics.normal import HOPELESS_ADHESION_GROUP, HOPELESS_HERTZ_GROUP
+from microimpact.model.pairs import pair_contact
 from microimpact.model.rigid_body.algebra import INERTIA
 from microimpact.report.explorer import FILES, SCRIPTS
 from microimpact.report.site.pages import render
-from microimpact.studies.models.explorer_tables.coordinates import (
-    IMPULSE_EXPONENT,
-    SLOW_PASSAGE,
-    THRESHOLD_EXPONENT,
-)
 
 HERE = Path(__file__).parent
 
-# Single precision is ten times finer than the interpolation, but e near the threshold goes with
-# the square root of an error of the threshold.
-TABLES = {
-    "threshold": ("double", 2),
-    "restitution": ("single", 3),
-    "impulses": ("single", 3),
-}
-RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-FORMATS = {"double": "<f8", "single": "<f4"}
+MATERIAL = ("youngs_modulus", "poissons_ratio", "density")
+CONTACT = (
+    *("diameter", "work_of_adhesion", "hertz_damping", "adhesion_damping"),
+    *("adhesion_rate_exponent", "reference_velocity", "friction"),
+)
 
 
-def page_files(tables: Mapping[str, pd.DataFrame], largest_damping: float) -> dict[str, str]:
+def page_files(inputs: Mapping[str, pd.DataFrame]) -> dict[str, str]:
     """Return the page and its scripts by their place in the report.
 
     Parameters
     ----------
-    tables
-        The tables of the study `explorer_tables`, by name.
-    largest_damping
-        End of the tables' axis of damping.
+    inputs
+        ``materials``, ``contacts``: all declared rows; ``calibration``: the table of that study.
     """
-    accuracy = tables["explorer_accuracy"]
     page = render(
         "explorer.html",
         templates=HERE / "templates",
         here="explorer",
         wide=True,
-        numbers=numbers(tables, largest_damping),
-        accuracy=accuracy.to_dict("records"),
-        restitution_error=_restitution_error(accuracy),
-        largest_damping=largest_damping,
+        numbers=numbers(inputs),
         scripts=SCRIPTS,
-        power=power_of_ten,
     )
     files = {"explorer.html": page}
     return files | {
@@ -62,52 +47,43 @@ def page_files(tables: Mapping[str, pd.DataFrame], largest_damping: float) -> di
     }
 
 
-def numbers(tables: Mapping[str, pd.DataFrame], largest_damping: float) -> dict[str, Any]:
-    """Return what the page's scripts compute from, ready for JSON.
+def numbers(inputs: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
+    """Return what the page's scripts start from, ready for JSON, in SI units.
 
-    Values are packed as little-endian numbers in base64: text would take three times the room.
+    Parameters
+    ----------
+    inputs
+        As of `page_files`.
+
+    Returns
+    -------
+    dict
+        ``constants`` of the model, ``materials`` as declared, ``contacts``: the calibrated cases,
+        then the declared pairs; a field that nobody declared is None.
     """
+    materials, pairs = declared(inputs)
+    cases = dict.fromkeys(inputs["calibration"]["case"])
     return {
         "constants": {
-            "largest_damping": largest_damping,
-            "threshold_exponent": THRESHOLD_EXPONENT,
-            "impulse_exponent": IMPULSE_EXPONENT,
-            "slow_passage": SLOW_PASSAGE,
             "inertia": INERTIA,
             "hopeless_hertz_group": HOPELESS_HERTZ_GROUP,
             "hopeless_adhesion_group": HOPELESS_ADHESION_GROUP,
         },
-        "tables": {
-            name: _packed(tables[f"explorer_{name}"], precision, axes)
-            for name, (precision, axes) in TABLES.items()
-        },
-        "materials": tables["explorer_materials"].to_dict("records"),
+        "materials": [
+            {"material": material.name} | {name: getattr(material, name) for name in MATERIAL}
+            for material in materials.values()
+        ],
         "contacts": [
-            {key: None if pd.isna(value) else value for key, value in row.items()}
-            for row in tables["explorer_contacts"].to_dict("records")
+            *(_row("calibrated", case, calibrated_contact(inputs, case)) for case in cases),
+            *(
+                _row("declared", f"{one} on {other}", pair_contact(one, other, materials, pairs))
+                for one, other in pairs
+            ),
         ],
     }
 
 
-def power_of_ten(value: float) -> str:
-    """Return a number as readers write it, with two digits: 1.1×10⁻⁶."""
-    mantissa, power = f"{value:.1e}".split("e")
-    return f"{mantissa}×10{str(int(power)).translate(RAISED)}"
-
-
-def _packed(table: pd.DataFrame, precision: str, axes: int) -> dict[str, Any]:
-    form = FORMATS[precision]
-    return {
-        "precision": precision,
-        "axes": [np.unique(table.iloc[:, i].to_numpy()).tolist() for i in range(axes)],
-        "columns": {
-            str(name): base64.b64encode(column.to_numpy(dtype=form).tobytes()).decode("ascii")
-            for name, column in table.iloc[:, axes:].items()
-        },
-    }
-
-
-def _restitution_error(accuracy: pd.DataFrame) -> tuple[float, int]:
-    """Return the largest error of e anywhere, and at how many points it was looked for."""
-    rows = accuracy[accuracy["quantity"] == "coefficient_of_restitution"]
-    return float(rows["largest"].max()), int(rows["points"].sum())
+def _row(origin: str, name: str, contact: Contact) -> dict[str, Any]:
+    bodies = {"particle": contact.particle.name, "surface": contact.surface.name}
+    values = {field: getattr(contact, field) for field in CONTACT}
+    return {"origin": origin, "contact": name} | bodies | values

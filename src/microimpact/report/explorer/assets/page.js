@@ -114,7 +114,7 @@ globalThis.Page = (() => {
     say("f0", `${digits(scale.ring_force)} N/m`);
     say("mass", `${digits(scale.mass)} kg`);
     say("scale", speedText(scale.velocity));
-    say("D", digits(found.damping.total));
+    say("D", digits(found.damping));
     const motion = found.rolling ? "rolling" : "sliding to the end";
     const e = digits(found.coefficient_of_restitution, 3);
     byId("verdict").dataset.outcome = found.captured ? "captured" : "rebound";
@@ -170,17 +170,14 @@ globalThis.Page = (() => {
     const c = Fields.toArguments(now, basis);
     const scale = scales(c);
     const found = impact(c, scale);
-    if (found.outside) {
-      const reached = digits(found.damping.total, 3);
-      const end = numbers.constants.largest_damping;
-      return complain(
-        `Outside the tables: c_A v_n + 2 c_H v_n is ${reached}, and they end at ${end}. ` +
-          "Less damping or a lower speed leads back.",
-      );
-    }
-    const held = [scale.stiffness, scale.mass, scale.velocity, found.energy_loss, found.spin];
+    const held = [scale.stiffness, scale.mass, scale.velocity, found.energy_loss ?? 0, found.spin ?? 0];
     if (!held.every(Number.isFinite) || scale.mass === 0) {
       return complain("These numbers together are beyond what a computer’s arithmetic holds.");
+    }
+    if (found.unsolved) {
+      return complain(
+        `Damping or adhesion is too strong at this speed: following the motion takes more than ${Integrator.MAX_STEPS} steps.`,
+      );
     }
     complain("");
     const limit = captureVelocity(c, scale);

@@ -1,20 +1,19 @@
 // What each picture shows: the present impact among its neighbours in speed and in angle.
 "use strict";
 globalThis.Views = (() => {
-  const { impact, range } = Explorer;
+  const { impact } = Explorer;
   const { digits, speedText } = Words;
 
   function restitution(svg, c, scale, found, limit) {
-    const vc = limit.kind === "finite" ? limit.value : 0;
+    const vc = Number.isFinite(limit) ? limit : 0;
     const now = found.normal_speed;
-    const reach = range(c, scale);
-    const low = Math.max(vc > 0 ? Math.min(vc / 3, now / 1.5) : now / 30, reach.from);
-    const high = Math.min(Math.max(now * 3, vc > 0 ? 12 * vc : 30 * now), reach.to);
-    const from = { finite: Math.max(vc, low), below: low }[limit.kind] ?? high;
+    const low = vc > 0 ? Math.min(vc / 3, now / 1.5) : now / 30;
+    const high = Math.max(now * 3, vc > 0 ? 12 * vc : 30 * now);
+    const from = Math.min(Math.max(limit, low), high);
     const points = Array.from({ length: from < high ? 140 : 0 }, (_, i) => {
       const v = from * (high / from) ** ((i / 139) ** 2);
       const outcome = impact({ ...c, speed: v, angle: 90, spin: 0 }, scale);
-      return outcome.outside ? null : [v, outcome.coefficient_of_restitution];
+      return outcome.unsolved ? null : [v, outcome.coefficient_of_restitution];
     }).filter(Boolean);
     const layers = [];
     if (from > low) layers.push({ kind: "band", from: low, to: from, text: "captured" });
@@ -34,11 +33,9 @@ globalThis.Views = (() => {
     const steps = Array.from({ length: 180 }, (_, i) => (i + 1) / 2);
     const sweep = steps
       .map((angle) => [angle, impact({ ...c, angle }, scale)])
-      .filter(([, o]) => !o.outside);
-    const ratio = limit.kind === "finite" ? limit.value / c.speed : 0;
-    const critical = ratio >= 1 ? 90 : (Math.asin(ratio) * 180) / Math.PI;
-    const ended = limit.kind === "infinite" || limit.kind === "above" || ratio >= 1;
-    const band = { kind: "band", from: 0, to: ended ? 90 : critical, text: "captured" };
+      .filter(([, o]) => !o.unsolved);
+    const critical = (Math.asin(Math.min(limit / c.speed, 1)) * 180) / Math.PI;
+    const band = { kind: "band", from: 0, to: critical, text: "captured" };
     const mark = found.captured ? "captured" : "";
     const x = { low: 0, high: 90, step: 15, label: "angle from the surface, degrees" };
     const draw = (svg, columns, floor, ceiling, name) => {

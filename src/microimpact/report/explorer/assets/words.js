@@ -25,14 +25,9 @@ globalThis.Words = (() => {
   const timeText = (t) => (Number.isFinite(t) ? withUnit(t, "s", SECONDS) : "does not leave");
   const spinText = (w) => withUnit(w, "rad/s");
 
-  function captureText({ kind, value }) {
-    return {
-      finite: () => (value === 0 ? "none" : speedText(value)),
-      infinite: () => "infinite: no speed rebounds",
-      above: () => `above ${speedText(value)}, where the tables end`,
-      below: () => `below ${speedText(value)}, where the tables end`,
-      unknown: () => "beyond the tables",
-    }[kind]();
+  function captureText(value) {
+    if (value === 0) return "none";
+    return value === Infinity ? "infinite: no speed rebounds" : speedText(value);
   }
 
   return { digits, withUnit, speedText, timeText, spinText, captureText };
