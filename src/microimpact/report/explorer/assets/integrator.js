@@ -11,6 +11,7 @@
 "use strict";
 globalThis.Integrator = (() => {
   const ORDER = 20;
+  // Of the path; the works, whose series converge more slowly, then keep about two digits less.
   const TOLERANCE = 1e-16;
   const MAX_STEPS = 1000;
   // Depth of the well, relative to the energy of approach, in which a rebound may stop short of
@@ -176,7 +177,8 @@ globalThis.Integrator = (() => {
     return end("unsolved", NaN);
   }
 
-  /** Start, on the branch that leaves the degenerate point of rest without compression. */
+  // Rest without compression is a degenerate point. On the branch that leaves it, s = r^2 and
+  // u = r^3 y with y regular in r; at this r its neglected terms are below rounding.
   const BRANCH_START = 1e-3;
 
   /**
