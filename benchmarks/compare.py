@@ -21,7 +21,7 @@ from benchmarks.cases import make_cases, make_hertz_cases
 from benchmarks.measure import measure, use_one_core
 
 ADHESIVE = (
-    "own:Package", "own:Kernel", "own:Surrogate", "taylor:Scalar", "taylor:Batch", "traced:Tsit5",
+    "own:Package", "own:Kernel", "own:Table", "taylor:Scalar", "taylor:Batch", "traced:Tsit5",
     "solvers:DOP853", "solvers:RK45", "solvers:TimeForm", "solvers:LSODA", "solvers:Radau",
 )  # fmt: skip
 HERTZ = ("hertz:Package", "hertz:DOP853", "granular:Lammps")

@@ -7,7 +7,7 @@ import numpy as np
 from benchmarks.cases import GROUPS, Cases, as_contact
 from microimpact.model.dynamics import kernel
 from microimpact.model.dynamics.normal import integrate, normal_impact, scaled_problems
-from microimpact.model.law.table import Surrogate as Tables
+from microimpact.model.law.table import tabulate
 
 
 class Package:
@@ -42,13 +42,13 @@ class Kernel(Package):
         return np.where(captured, 0.0, e)
 
 
-class Surrogate:
+class Table:
     """Tables of a family of contacts each, here of the three pairs of damping groups.
 
     Making the tables counts as preparation: they serve any number of impacts of their contacts.
     """
 
-    name = "microimpact, surrogate"
+    name = "microimpact, table"
     source = "microimpact"
     settings = (1e-9, 1e-11)
     share = 1
@@ -59,7 +59,7 @@ class Surrogate:
         for group in GROUPS:
             chosen = np.flatnonzero((cases.hertz == group[0]) & (cases.adhesion == group[1]))
             contact, speed = as_contact(Cases(cases.speed[chosen], *np.array(group)))
-            tables = Tables.of(contact, speed, tolerance=setting)
+            tables = tabulate(contact, np.min(speed), np.max(speed), setting)
             self.parts.append((chosen, tables, contact, speed))
 
     def __call__(self) -> np.ndarray:

@@ -28,7 +28,7 @@ from matplotlib.figure import Figure
 
 from microimpact import Contact, Material
 from microimpact.model.dynamics.normal import normal_impact
-from microimpact.model.law.table import Surrogate
+from microimpact.model.law.table import tabulate
 from microimpact.statistics.distributions import Constant, Normal, TruncatedNormal, Uniform
 from microimpact.studies.analyses.monte_carlo.ensembles import Ensemble, Plan, Process, Rules
 from microimpact.studies.analyses.monte_carlo.events import Estimate, estimate, long_run
@@ -41,8 +41,8 @@ FEWEST = 1000
 ROUNDS, ROUNDS_QUICK = 3, 1
 # Monte Carlo draws whole replicates. More direct impacts would tell nothing new, and there is the
 # long run for Monte Carlo.
-FEWEST_OF = {"direct": FEWEST, "surrogate": FEWEST, "Monte Carlo": 10**5}
-MOST = {"direct": 10**6, "surrogate": 10**9, "Monte Carlo": 10**8}
+FEWEST_OF = {"direct": FEWEST, "table": FEWEST, "Monte Carlo": 10**5}
+MOST = {"direct": 10**6, "table": 10**9, "Monte Carlo": 10**8}
 OUTPUT = Path(__file__).parents[1] / "build" / "benchmarks"
 
 
@@ -135,10 +135,10 @@ def methods(events: int, threads: int) -> dict[str, Callable[[], object]]:
     """What is timed; tables and compiled code are made before."""
     contact = steel_on_silicon()
     speeds = np.random.default_rng(SEED).uniform(0.2, 3.0, events)
-    surrogate = Surrogate.of(contact, np.array([0.2, 3.0]))
+    law = tabulate(contact, 0.2, 3.0)
     rough = long_run(rough_surface(), events)
     found: dict[str, Callable[[], object]] = {
-        "surrogate": partial(surrogate.normal_impact, contact, speeds, threads=threads),
+        "table": partial(law.normal_impact, contact, speeds, threads=threads),
         "Monte Carlo": partial[Estimate](estimate, rough, ANGLE_DEG, threads=threads),
     }
     if threads == 1:

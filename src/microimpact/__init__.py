@@ -24,11 +24,14 @@ if TYPE_CHECKING:
     from microimpact.model.empirical.equations import restitution as restitution
     from microimpact.model.empirical.fit import bootstrap_v_c as bootstrap_v_c
     from microimpact.model.empirical.fit import fit_restitution as fit_restitution
+    from microimpact.model.law.table import Law as Law
+    from microimpact.model.law.table import tabulate as tabulate
     from microimpact.model.rigid_body.algebra import rigid_body_rebound as rigid_body_rebound
 
 _HOME = {
     "Material": "core.materials",
     "Contact": "model.contact",
+    "Law": "model.law.table",
     "Impact": "model.dynamics.impact",
     "SpatialImpact": "model.dynamics.impact",
     "Trajectory": "model.dynamics.trajectory",
@@ -40,6 +43,7 @@ _HOME = {
     "rigid_body_rebound": "model.rigid_body.algebra",
     "simulate": "model.dynamics.impact",
     "spatial": "model.dynamics.impact",
+    "tabulate": "model.law.table",
     "trajectory": "model.dynamics.trajectory",
 }
 

@@ -521,7 +521,7 @@ def test_the_rigid_body_has_the_restitution_of_the_simulation_at_every_size(cont
     assert 0 < np.sum(expected == 0.0) < 300
     # Near capture e is as sensitive to rounding as it is steep.
     assert found == pytest.approx(expected, rel=2e-9, abs=1e-12)
-    assert model.surrogate.error <= 1e-9
+    assert model.law.error <= 1e-9
 
 
 def test_very_wide_sizes_get_wider_tables(contact):

@@ -19,8 +19,7 @@ from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.core.compiled import jit
 from microimpact.lab.events import IntArray
 from microimpact.model.contact import Contact
-from microimpact.model.dynamics.impact import spatial
-from microimpact.model.law.table import Surrogate
+from microimpact.model.dynamics.impact import NormalLaw, spatial
 from microimpact.statistics.distributions import uniforms
 
 MOST_CONTACTS = 5
@@ -59,7 +58,7 @@ def collide(
     *,
     planar_slopes: bool = False,
     most_contacts: int = MOST_CONTACTS,
-    method: str | Surrogate = "auto",
+    law: NormalLaw | None = None,
 ) -> Rebound:
     """Let n particles hit a surface.
 
@@ -78,8 +77,8 @@ def collide(
         Whether facets slope along the motion only, as in the plane of the article's Fig. 22.
     most_contacts
         Contacts after which a particle that does not leave counts as captured.
-    method
-        How normal impacts are found, see `model.impact.spatial`.
+    law
+        Where normal impacts come from, see `model.dynamics.impact.planar`.
     """
     n = len(velocity)
     velocity, spin = np.array(velocity, dtype=float), np.array(spin, dtype=float)
@@ -90,7 +89,7 @@ def collide(
         drawn = uniforms(rng, (2, n))[:, moving]
         frames = facet_frames(velocity[moving], slope_sd, drawn, planar_slopes)
         after, turn, stays = _on_facets(
-            _of(contact, moving, n), velocity[moving], spin[moving], frames, method
+            _of(contact, moving, n), velocity[moving], spin[moving], frames, law
         )
         velocity[moving], spin[moving] = after, turn
         captured[moving] = stays
@@ -117,14 +116,14 @@ def _on_facets(
     velocity: FloatArray,
     spin: FloatArray,
     frames: FloatArray,
-    method: str | Surrogate,
+    law: NormalLaw | None,
 ) -> tuple[FloatArray, FloatArray, BoolArray]:
     """Velocity, spin and capture after one contact on facets given by their frames (m, 3, 3)."""
     outcome = spatial(
         contact,
         np.einsum("mij,mj->mi", frames, velocity),
         np.einsum("mij,mj->mi", frames, spin),
-        method=method,
+        law=law,
     )
     back = np.swapaxes(frames, 1, 2)
     return (

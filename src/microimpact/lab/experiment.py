@@ -11,8 +11,9 @@ from microimpact.lab.collision import collide
 from microimpact.lab.dispenser import Dispenser, Falling, InitialSpin, drop_height, release
 from microimpact.lab.events import Impacts
 from microimpact.model.contact import Contact, resized
-from microimpact.model.law.families import Family, NoSurrogateError
-from microimpact.model.law.table import Surrogate
+from microimpact.model.dynamics.impact import NormalLaw
+from microimpact.model.law.families import NoTableError
+from microimpact.model.law.table import tabulate
 from microimpact.statistics.distributions import Distribution
 
 # Share of the sizes beyond either end of a table, and its speeds, m/s: impacts of all others are
@@ -34,14 +35,14 @@ class Target:
         Standard deviation of the local slope per axis, of surface and particle together.
     planar_slopes
         Whether facets slope along the motion only.
-    method
-        How normal impacts are found, see `collide`.
+    law
+        Where normal impacts come from, see `collide`.
     """
 
     contact: Contact
     slope_sd: float
     planar_slopes: bool = False
-    method: str | Surrogate = "auto"
+    law: NormalLaw | None = None
 
     def tabulated(self, diameter_um: Distribution) -> Target:
         """Return the same with a table of normal impacts, which pays from some 100,000 on.
@@ -49,24 +50,18 @@ class Target:
         It is made for a distribution of diameters, um, and serves all targets of its contact;
         outcomes differ by no more than its error, verdicts on capture not at all.
         """
-        return replace(self, method=_table(self.contact, diameter_um))
+        return replace(self, law=_table(self.contact, diameter_um))
 
 
 @lru_cache(maxsize=KEPT_TABLES)
-def _table(contact: Contact, diameter_um: Distribution) -> str | Surrogate:
+def _table(contact: Contact, diameter_um: Distribution) -> NormalLaw | None:
     ends = diameter_um.quantile(np.array([BEYOND, 1.0 - BEYOND])) * 1e-6
     if ends[0] == ends[1]:
-        return "direct"
+        return None
     try:
-        return _of_family(Family.of(resized(contact, ends)))
-    except NoSurrogateError:
-        return "direct"
-
-
-@lru_cache(maxsize=KEPT_TABLES)
-def _of_family(family: Family) -> Surrogate:
-    slowest, fastest = (speed / family.velocity_scale for speed in SPEEDS)
-    return Surrogate.of_family(family, slowest, fastest)
+        return tabulate(resized(contact, ends), *SPEEDS).normal_impact
+    except NoTableError:
+        return None
 
 
 def combined_slope(surface: float, particle: float) -> float:
@@ -129,7 +124,7 @@ def hit(falling: Falling, target: Target, rng: np.random.Generator) -> Impacts:
         target.slope_sd,
         rng,
         planar_slopes=target.planar_slopes,
-        method=target.method,
+        law=target.law,
     )
     return Impacts(
         time=falling.time,

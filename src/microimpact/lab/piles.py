@@ -83,7 +83,7 @@ def follow(
             target.slope_sd,
             rng,
             planar_slopes=target.planar_slopes,
-            method=target.method,
+            law=target.law,
         )
         impacts[moving] += 1
         captured[moving] = rebound.captured

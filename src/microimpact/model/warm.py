@@ -11,7 +11,7 @@ from microimpact.core.materials import Material
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.trajectory import trajectory
 from microimpact.model.empirical.batch import data_sets, fit_batch
-from microimpact.model.law.table import Surrogate
+from microimpact.model.law.table import tabulate
 from microimpact.model.rigid_body.facets import facet_normals, facet_rebound
 
 
@@ -28,9 +28,9 @@ def main() -> None:
     )
     trajectory(contact, 1.0)
     speed = np.array([0.5, 1.0])
-    surrogate = Surrogate.of(contact, speed)
-    surrogate.normal_impact(contact, speed)
-    surrogate.restitution(speed, np.zeros(1))
+    law = tabulate(contact, *speed)
+    law.normal_impact(contact, speed)
+    law.restitution(speed, np.zeros(1))
     down = np.array([[0.5, 0.0, -1.0]])
     normals = facet_normals(down, np.zeros(1), np.zeros(1))
     facet_rebound(down, np.zeros((1, 3)), normals, np.full(1, 0.7), np.full(1, 0.15))

@@ -65,7 +65,7 @@ def drop_and_observe(
             target.slope_sd,
             rng,
             planar_slopes=target.planar_slopes,
-            method=target.method,
+            law=target.law,
         )
         return rebound.velocity, rebound.spin, rebound.captured
 

@@ -8,6 +8,7 @@ used with the moment ``-R F_t``: with the printed sign friction would speed the 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,8 +24,7 @@ from microimpact.core.arrays import (
     common_shape,
 )
 from microimpact.model.contact import Contact, require_contact
-from microimpact.model.dynamics.normal import NormalImpact
-from microimpact.model.law.table import Surrogate, ensemble_impact
+from microimpact.model.dynamics.normal import NormalImpact, normal_impact
 from microimpact.model.rigid_body.algebra import APPROACHING, INERTIA
 
 FRICTION_BASES = ("compressive", "hertz", "net")
@@ -35,6 +35,9 @@ ANGLE = Range(lower=0.0, upper=90.0, upper_closed=True)
 
 # Slip lost per unit of tangential impulse and mass: 1 + 1/INERTIA.
 SLIP_PER_IMPULSE = 1.0 + 1.0 / INERTIA
+
+# Normal impacts of contacts (first) at normal speeds in m/s (second).
+NormalLaw = Callable[[Contact, Real], NormalImpact]
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,9 +62,9 @@ class Impact:
         Fractions of the initial translational kinetic energy, with and without rotation.
     maximum_compression
         m.
-    method, interpolation_error
-        Whether normal impacts were integrated (``"direct"``) or interpolated (``"surrogate"``),
-        and the bound of the relative error that interpolation adds.
+    interpolation_error
+        Bound of the relative difference of normal impacts from integration: 0 unless they come
+        from a table, see `model.law.table.Law`.
     """
 
     coefficient_of_restitution: FloatArray
@@ -75,8 +78,7 @@ class Impact:
     energy_loss: FloatArray
     translational_energy_loss: FloatArray
     maximum_compression: FloatArray
-    method: str = "direct"
-    interpolation_error: float = 0.0
+    interpolation_error: FloatArray | float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,8 +99,7 @@ class SpatialImpact:
     energy_loss: FloatArray
     translational_energy_loss: FloatArray
     maximum_compression: FloatArray
-    method: str = "direct"
-    interpolation_error: float = 0.0
+    interpolation_error: FloatArray | float = 0.0
 
 
 def friction_impulse(
@@ -133,7 +134,7 @@ def planar(
     v_t: object,
     omega: object = 0.0,
     friction_basis: str = "compressive",
-    method: str = "auto",
+    law: NormalLaw | None = None,
 ) -> Impact:
     """Impact in a plane.
 
@@ -147,10 +148,9 @@ def planar(
         Spin before impact, rad/s, positive in the sense of rolling along t.
     friction_basis
         ``"compressive"``, ``"hertz"`` or ``"net"``; see `friction_impulse`.
-    method
-        ``"direct"`` integrates every impact; ``"surrogate"`` interpolates, to 1e-9, where impacts
-        share their damping or their damping groups; ``"auto"`` does so for 100,000 impacts and
-        more, 400,000 where velocity scales differ.
+    law
+        Where normal impacts come from; every one is integrated if none is given. A table made by
+        `model.law.table.tabulate` is another: its `Law.normal_impact`.
 
     Raises
     ------
@@ -168,7 +168,7 @@ def planar(
         {"contact": np.empty(contact.shape), "v_n": v_n, "v_t": v_t, "omega": omega}
     )
     speed, radius = np.abs(v_n), contact.radius
-    normal = ensemble_impact(contact, speed, method=method, hertz=basis == "hertz")
+    normal = _normal(contact, speed, basis, law)
     slip = np.asarray(v_t - radius * omega)
     size, rolling = friction_impulse(contact, normal, np.abs(slip), basis, speed)
     change = np.sign(slip) * size
@@ -195,7 +195,6 @@ def planar(
         energy_loss=shaped((linear + rotational) / energy),
         translational_energy_loss=shaped(linear / energy),
         maximum_compression=shaped(normal.maximum_compression),
-        method=normal.method,
         interpolation_error=normal.interpolation_error,
     )
 
@@ -206,9 +205,8 @@ def simulate(
     angle: object = 90.0,
     spin: object = 0.0,
     friction_basis: str = "compressive",
-    method: str = "auto",
 ) -> Impact:
-    """Simulate impacts given by speed and angle of incidence.
+    """Simulate impacts given by speed and angle of incidence, each integrated.
 
     Parameters
     ----------
@@ -222,8 +220,6 @@ def simulate(
         Spin before impact, rad/s, positive in the sense of rolling along the motion.
     friction_basis
         Force that supports friction: ``"compressive"``, ``"hertz"`` or ``"net"``.
-    method
-        ``"auto"``, ``"direct"`` or ``"surrogate"``, see `planar`.
 
     Returns
     -------
@@ -237,6 +233,18 @@ def simulate(
     RuntimeError
         If an integration failed.
     """
+    return incident(contact, speed, angle, spin, friction_basis)
+
+
+def incident(
+    contact: Contact,
+    speed: object,
+    angle: object,
+    spin: object,
+    friction_basis: str,
+    law: NormalLaw | None = None,
+) -> Impact:
+    """Return planar impacts by any law of normal impacts; as `simulate` and `planar`."""
     require_contact(contact)
     choice("friction_basis", friction_basis, FRICTION_BASES)
     speed = checked("speed", speed, SPEED)
@@ -244,7 +252,11 @@ def simulate(
     spin = checked("spin", spin, FINITE)
     common_shape({"contact": np.empty(contact.shape), "speed": speed, "angle": angle, "spin": spin})
     v_n, v_t = velocity_components(speed, angle)
-    return planar(contact, v_n, v_t, spin, friction_basis, method)
+    return planar(contact, v_n, v_t, spin, friction_basis, law)
+
+
+def _normal(contact: Contact, speed: Real, basis: str, law: NormalLaw | None) -> NormalImpact:
+    return law(contact, speed) if law else normal_impact(contact, speed, ledger=basis == "hertz")
 
 
 def _shaped(values: Real, shape: tuple[int, ...]) -> FloatArray:
@@ -265,7 +277,7 @@ def spatial(
     velocity: object,
     spin: object = (0.0, 0.0, 0.0),
     friction_basis: str = "compressive",
-    method: str | Surrogate = "auto",
+    law: NormalLaw | None = None,
 ) -> SpatialImpact:
     """Impact in three dimensions; the surface is the plane z = 0, the normal +z.
 
@@ -281,8 +293,8 @@ def spatial(
         Angular velocity before impact (..., 3), rad/s, right-handed.
     friction_basis
         As in `planar`.
-    method
-        As in `planar`; or tables that were made before for a family of these contacts.
+    law
+        As in `planar`.
 
     Raises
     ------
@@ -310,7 +322,7 @@ def spatial(
     v_n = checked("velocity[..., 2]", v[..., 2], APPROACHING)
     speed = np.abs(v_n)
     radius = np.broadcast_to(contact.radius, shape)
-    normal = ensemble_impact(contact, speed, method=method, hertz=basis == "hertz")
+    normal = _normal(contact, speed, basis, law)
     # Velocity of the contact point along the surface: v + w x (-r z).
     slip = np.stack([v[..., 0] - radius * w[..., 1], v[..., 1] + radius * w[..., 0]], axis=-1)
     length = np.hypot(slip[..., 0], slip[..., 1])
@@ -339,6 +351,5 @@ def spatial(
         energy_loss=shaped((linear + rotational) / energy),
         translational_energy_loss=shaped(linear / energy),
         maximum_compression=shaped(normal.maximum_compression),
-        method=normal.method,
         interpolation_error=normal.interpolation_error,
     )

@@ -65,10 +65,8 @@ class NormalImpact:
         Integral of the Hertz term alone, N s; None unless asked for.
     ledger
         Energy and momentum balance; None unless asked for.
-    method
-        ``"direct"`` (integrated) or ``"surrogate"`` (interpolated).
     interpolation_error
-        Bound of the relative error that interpolation adds; 0 without it.
+        Bound of the relative difference from integration; 0 where every impact was integrated.
     """
 
     captured: BoolArray
@@ -80,8 +78,7 @@ class NormalImpact:
     peak_net_impulse: FloatArray
     hertz_impulse: FloatArray | None = None
     ledger: Ledger | None = None
-    method: str = "direct"
-    interpolation_error: float = 0.0
+    interpolation_error: FloatArray | float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -31,7 +31,7 @@ LIKE = 1e-9
 MARGIN = 1e-6
 
 
-class NoSurrogateError(ValueError):
+class NoTableError(ValueError):
     """These impacts cannot be interpolated."""
 
 
@@ -74,7 +74,7 @@ class Family:
 
         Raises
         ------
-        NoSurrogateError
+        NoTableError
             If they share neither their damping nor their damping groups, or only some adhere.
         """
         scale, c_h, c_a, n = (
@@ -89,7 +89,7 @@ class Family:
         if not np.any(scale > 0.0):
             return cls._bare(c_h, contact.damped_attachment)
         if not np.all(scale > 0.0):
-            raise NoSurrogateError("work_of_adhesion must be positive, or zero, for all impacts")
+            raise NoTableError("work_of_adhesion must be positive, or zero, for all impacts")
         rate = np.asarray(1.0 if contact.reference_velocity is None else contact.reference_velocity)
         hertz, adhesion = c_h * scale, c_a * scale * np.power(rate / scale, n)
         if _same(hertz) and _same(adhesion) and _same(n):
@@ -97,7 +97,7 @@ class Family:
         elif _same(c_h) and _same(c_a * np.power(rate, n)) and _same(n):
             half_width = 0.5 * math.log(scale.max() / scale.min()) * (1.0 + MARGIN)
         else:
-            raise NoSurrogateError(
+            raise NoTableError(
                 "hertz_damping, adhesion_damping, adhesion_rate_exponent and reference_velocity "
                 "(or the damping groups C_H, C_A) must be the same for all impacts"
             )
@@ -121,7 +121,7 @@ class Family:
     @classmethod
     def _bare(cls, hertz_damping: FloatArray, damped_attachment: bool) -> Family:
         if np.any(hertz_damping > 0.0) and not np.all(hertz_damping > 0.0):
-            raise NoSurrogateError("hertz_damping must be positive, or zero, for all impacts")
+            raise NoTableError("hertz_damping must be positive, or zero, for all impacts")
         return cls(
             hertz=float(np.any(hertz_damping > 0.0)),
             adhesion=0.0,
@@ -137,11 +137,11 @@ class Family:
 
         Raises
         ------
-        NoSurrogateError
+        NoTableError
             Naming what must be the same.
         """
         if not (self._damped_so(contact) if self.adhesive else self._bare_too(contact)):
-            raise NoSurrogateError(
+            raise NoTableError(
                 "contact: adhesion and damping must be those of the contacts that the tables were "
                 "made for"
             )

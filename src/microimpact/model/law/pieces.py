@@ -247,7 +247,7 @@ def _places(lowest: int, octaves: int, split: int, points: FloatArray) -> FloatA
     return np.asarray((octave[:, None, None] * (1.0 + part)).reshape(octaves * split, -1))
 
 
-def tabulate(
+def piecewise(
     sampled: Sampled, *, lowest: int, octaves: int, split: int, widths: int = 1, bands: int = 1
 ) -> Table:
     """Return the table of a function.

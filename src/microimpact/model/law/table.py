@@ -1,4 +1,4 @@
-"""Ensembles of normal impacts from a table of a few, to a stated error.
+"""The law of normal impacts as a table: ensembles from a few integrations, to a stated error.
 
 In the adhesive scale the outcome of a normal impact follows from its speed in velocity scales V and
 from the damping groups, and these follow from V where the damping is one for all. So impacts that
@@ -19,10 +19,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from microimpact.core.arrays import BoolArray, FloatArray, Real, choice, common_shape
+from microimpact.core.arrays import (
+    POSITIVE,
+    BoolArray,
+    FloatArray,
+    Range,
+    Real,
+    checked,
+    common_shape,
+)
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.dynamics import kernel
-from microimpact.model.dynamics.normal import NormalImpact, integrate, normal_impact
+from microimpact.model.dynamics.impact import SPEED, Impact, incident
+from microimpact.model.dynamics.normal import NormalImpact, integrate
 from microimpact.model.law.families import (
     COMPRESSION,
     COMPRESSION_TIME,
@@ -32,7 +41,7 @@ from microimpact.model.law.families import (
     PEAK,
     RESTITUTION,
     Family,
-    NoSurrogateError,
+    NoTableError,
     quantities,
 )
 from microimpact.model.law.pieces import (
@@ -43,19 +52,14 @@ from microimpact.model.law.pieces import (
     both_sides,
     first_above,
     nodes,
-    tabulate,
+    piecewise,
 )
 
-METHODS = ("auto", "direct", "surrogate")
 TOLERANCE = 1e-9
 
 # Relative distance from the capture velocity within which impacts are integrated.
 THRESHOLD = 2.0**-9
 NEAREST = -8  # the binary exponent of it
-
-# From so many impacts on a table is the quicker way, for one velocity scale and for many; smaller
-# ensembles stay what they are to the last digit.
-LARGE, LARGE_OF_MANY_SCALES = 100_000, 400_000
 
 # Octaves of speed that a table has at most; pieces per octave, and bands of velocity scales, that
 # are tried in turn; nodes in a band.
@@ -67,94 +71,67 @@ WIDTHS = 6
 CAPTURE_WIDTHS = (8, 11, 15, 20, 30, 45, 60)
 CAPTURE_TOLERANCE = 1e-13
 
+# Relative error of e that rounding of the speed makes, times the relative distance from capture.
+ROUNDING = 2e-14
+
 # The error stated is so many times the error measured between the nodes.
 SAFETY = 2.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Surrogate:
-    """Normal impacts of a family of contacts, interpolated.
+class Law:
+    """The law of normal impacts of some contacts as a table; made by `tabulate`.
 
     Attributes
     ----------
+    contact
+        The contacts it was made for, whose impacts `simulate` computes.
     family
-        The contacts.
+        All contacts that it holds for.
     slowness
         Chebyshev coefficients, over the place in the family, of the reciprocal of the capture
         velocity in velocity scales, which is nearly linear; empty where nothing is captured.
     rebounds, captures
         Tables of the impacts above and below it; empty where no speed asked for is there.
     error
-        Bound of the relative errors of all quantities: twice the largest difference from direct
-        integration at points between the nodes.
+        Bound of the relative errors of all quantities further than `THRESHOLD` from capture: twice
+        the largest difference from integration at points between the nodes.
     """
 
+    contact: Contact
     family: Family
     slowness: FloatArray
     rebounds: Table
     captures: Table
     error: float
 
-    @classmethod
-    def of(cls, contact: Contact, speed: Real, *, tolerance: float = TOLERANCE) -> Surrogate:
-        """Make the tables for some contacts and all speeds between the least and the greatest.
+    def simulate(
+        self,
+        speed: object,
+        angle: object = 90.0,
+        spin: object = 0.0,
+        friction_basis: str = "compressive",
+    ) -> Impact:
+        """Simulate impacts as `model.dynamics.impact.simulate` does, from the table.
+
+        Verdicts on capture are those of integration. Normal impacts differ from integrated ones by
+        no more than ``interpolation_error``, relative, which grows towards capture: there rounding
+        of the speed alone moves e by about 2e-14/(v/v_c - 1). Normal speeds beyond the table are
+        integrated.
 
         Parameters
         ----------
-        contact
-            Contacts that share their damping, or their damping groups.
-        speed
-            Normal speeds of approach, m/s, positive.
-        tolerance
-            Largest relative error.
+        speed, angle, spin, friction_basis
+            As of `model.dynamics.impact.simulate`; they broadcast with the contacts.
 
         Raises
         ------
-        NoSurrogateError
-            A ValueError: if the contacts share neither, if at no speed a sphere of them rebounds,
-            or if no table reaches the tolerance.
+        TypeError, ValueError
+            If an argument is not a number or out of range, or the shapes do not broadcast.
+        RuntimeError
+            If an integration failed.
         """
-        require_contact(contact)
-        family = Family.of(contact)
-        w, _ = family.coordinates(contact, np.asarray(speed))
-        return cls.of_family(family, float(np.min(w)), float(np.max(w)), tolerance=tolerance)
-
-    @classmethod
-    def of_family(
-        cls, family: Family, slowest: float, fastest: float, *, tolerance: float = TOLERANCE
-    ) -> Surrogate:
-        """Make the tables for a family and all scaled speeds between two; otherwise as `of`."""
-        slowness = _slowness(family)
-        if not slowness.size:
-            rebounds = _fitted(family, slowness, _span(slowest, fastest), tolerance)
-            return cls._with(family, slowness, rebounds, NOTHING)
-        limits = 1.0 / chebyshev.chebval(between(60), slowness)
-        rebounds = captures = NOTHING
-        excess = fastest / float(limits.min()) - 1.0
-        if excess >= THRESHOLD:
-            span = (NEAREST, _span(THRESHOLD, excess)[1])
-            rebounds = _fitted(family, slowness, span, tolerance)
-        if slowest < float(limits.max()):
-            span = _span(slowest / float(limits.max()), 1.0 - THRESHOLD)
-            captures = _fitted(family, slowness, span, tolerance, captured=True)
-        return cls._with(family, slowness, rebounds, captures)
-
-    @classmethod
-    def _with(
-        cls,
-        family: Family,
-        slowness: FloatArray,
-        rebounds: Table,
-        captures: Table,
-    ) -> Surrogate:
-        error = SAFETY * max(rebounds.error, captures.error)
-        return cls(
-            family=family,
-            slowness=slowness,
-            rebounds=rebounds,
-            captures=captures,
-            error=error,
-        )
+        return incident(self.contact, speed, angle, spin, friction_basis, self.normal_impact)
 
     @property
     def pieces(self) -> int:
@@ -208,7 +185,7 @@ class Surrogate:
 
         Raises
         ------
-        NoSurrogateError
+        NoTableError
             If the contacts are damped otherwise, or only some adhere.
         """
         self.family.require(contact)
@@ -229,64 +206,86 @@ class Surrogate:
             compressive_impulse=scaled(COMPRESSIVE, mass * velocity),
             peak_net_impulse=scaled(PEAK, mass * velocity),
             hertz_impulse=scaled(HERTZ, mass * velocity),
-            method="surrogate",
-            interpolation_error=self.error,
+            interpolation_error=self._error(np.ravel(w), np.ravel(place)).reshape(shape),
         )
 
+    def _error(self, w: FloatArray, place: FloatArray) -> FloatArray:
+        """Bound of the relative difference from integration."""
+        if not self.slowness.size:
+            return np.full(w.shape, self.error + ROUNDING)
+        excess = np.asarray(np.abs(w * chebyshev.chebval(place, self.slowness) - 1.0))
+        if np.any(beyond := np.broadcast_to(np.abs(place) > 1.0, w.shape)):
+            limit = self.family.capture_speed(np.broadcast_to(place, w.shape)[beyond])
+            excess[beyond] = np.abs(w[beyond] / limit - 1.0)
+        with np.errstate(divide="ignore"):
+            return np.asarray(self.error + ROUNDING / excess)
 
-def ensemble_impact(
-    contact: Contact,
-    speed: Real,
-    *,
-    method: str | Surrogate = "auto",
-    hertz: bool = False,
-    threads: int = 1,
-) -> NormalImpact:
-    """Return normal impacts by the quicker way.
+
+def tabulate(contact: Contact, slowest: float, fastest: float, tolerance: float = TOLERANCE) -> Law:
+    """Tabulate the law of normal impacts of some contacts, for ensembles of many impacts.
+
+    It takes some hundredths of a second, and pays from about 100,000 impacts on.
 
     Parameters
     ----------
-    contact, speed
-        As in `normal_impact`.
-    method
-        ``"direct"``: every impact is integrated. ``"surrogate"``: tables. ``"auto"``: tables for
-        large ensembles for which they can be made. A `Surrogate`: tables made before, for a family
-        of these contacts.
-    hertz
-        Whether the impulse of the Hertz term is asked for.
-    threads
-        Of the evaluation of tables.
+    contact
+        One contact, or an array of contacts that share their damping, or their damping groups:
+        spheres of many diameters, say.
+    slowest, fastest
+        Normal speeds of approach between which the table holds, m/s, positive; impacts beyond are
+        integrated.
+    tolerance
+        Largest relative error from interpolation.
+
+    Returns
+    -------
+    Law
+        With `Law.simulate` in place of `model.dynamics.impact.simulate`.
 
     Raises
     ------
-    ValueError
-        If shapes do not broadcast, or there can be no surrogate but it is asked for.
+    TypeError, ValueError
+        If an argument is not a number or out of range.
+    NoTableError
+        A ValueError: if the contacts share neither, if at no speed a sphere of them rebounds, or if
+        no table reaches the tolerance.
     """
-    if isinstance(method, Surrogate):
-        return method.normal_impact(contact, speed, threads=threads)
-    choice("method", method, METHODS)
-    if method != "direct":
-        count = math.prod(common_shape({"contact": np.empty(contact.shape), "speed": speed}))
-        try:
-            if method == "surrogate" or count >= _large(contact, count):
-                made = Surrogate.of(contact, speed)
-                return made.normal_impact(contact, speed, threads=threads)
-        except NoSurrogateError:
-            if method == "surrogate":
-                raise
-    return normal_impact(contact, speed, ledger=hertz)
+    require_contact(contact)
+    slowest = float(checked("slowest", slowest, SPEED))
+    fastest = float(
+        checked("fastest", fastest, Range(lower=slowest, upper=SPEED.upper, lower_closed=True))
+    )
+    tolerance = float(checked("tolerance", tolerance, POSITIVE))
+    family = Family.of(contact)
+    slow, fast = (family.coordinates(contact, np.asarray(v))[0] for v in (slowest, fastest))
+    slowness = _slowness(family)
+    least, greatest = float(np.min(slow)), float(np.max(fast))
+    rebounds = captures = NOTHING
+    if not slowness.size:
+        rebounds = _fitted(family, slowness, _span(least, greatest), tolerance)
+    else:
+        limits = 1.0 / chebyshev.chebval(between(60), slowness)
+        excess = greatest / float(limits.min()) - 1.0
+        if excess >= THRESHOLD:
+            span = (NEAREST, _span(THRESHOLD, excess)[1])
+            rebounds = _fitted(family, slowness, span, tolerance)
+        if least < float(limits.max()):
+            span = _span(least / float(limits.max()), 1.0 - THRESHOLD)
+            captures = _fitted(family, slowness, span, tolerance, captured=True)
+    return Law(
+        contact=contact,
+        family=family,
+        slowness=slowness,
+        rebounds=rebounds,
+        captures=captures,
+        error=SAFETY * max(rebounds.error, captures.error),
+    )
 
 
 def _leave_out(restitution: FloatArray, place: FloatArray) -> None:
     """Mark impacts whose velocity scale is not in the family: there a table means nothing."""
     if np.max(np.abs(place), initial=0.0) > 1.0:
         restitution[np.broadcast_to(np.abs(place) > 1.0, restitution.shape)] = np.nan
-
-
-def _large(contact: Contact, count: int) -> int:
-    if count < LARGE:
-        return LARGE
-    return LARGE if Family.of(contact).alike else LARGE_OF_MANY_SCALES
 
 
 def _span(lowest: float, highest: float) -> tuple[int, int]:
@@ -300,7 +299,7 @@ def _slowness(family: Family) -> FloatArray:
     for count in (1,) if family.alike else CAPTURE_WIDTHS:
         limit = family.capture_speed(nodes(count))
         if not np.all(np.isfinite(limit)):
-            raise NoSurrogateError("at no speed does a sphere of these contacts rebound")
+            raise NoTableError("at no speed does a sphere of these contacts rebound")
         if not np.any(limit):
             return np.zeros(0)
         coefficients = chebyshev.chebfit(nodes(count), 1.0 / limit, count - 1)
@@ -308,7 +307,7 @@ def _slowness(family: Family) -> FloatArray:
         found = chebyshev.chebval(held_out, coefficients) * family.capture_speed(held_out)
         if np.max(np.abs(found - 1.0)) <= CAPTURE_TOLERANCE:
             return np.asarray(coefficients)
-    raise NoSurrogateError("the velocity scales of these contacts differ by too much")
+    raise NoTableError("the velocity scales of these contacts differ by too much")
 
 
 def _fitted(
@@ -353,7 +352,7 @@ def _tried(
     error = math.inf
     for split in splits:
         for band in bands:
-            made = tabulate(
+            made = piecewise(
                 sampled,
                 lowest=span[0],
                 octaves=span[1] - span[0] + 1,
@@ -364,6 +363,6 @@ def _tried(
             if SAFETY * made.error <= tolerance:
                 return made
             error = min(error, made.error)
-    raise NoSurrogateError(
+    raise NoTableError(
         f"no table reaches the tolerance {tolerance:g}; the closest comes to {SAFETY * error:.1g}"
     )

@@ -10,8 +10,8 @@ from microimpact.core.arrays import FloatArray
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import spatial
-from microimpact.model.law.families import NoSurrogateError
-from microimpact.model.law.table import TOLERANCE, Surrogate
+from microimpact.model.law.families import NoTableError
+from microimpact.model.law.table import TOLERANCE, Law, tabulate
 from microimpact.model.rigid_body.facets import facet_rebound
 from microimpact.statistics.distributions import LARGEST_PROBABILITY, SMALLEST_PROBABILITY, Constant
 from microimpact.studies.analyses.monte_carlo.ensembles import Draws, Impact, Process, Rebound
@@ -39,13 +39,13 @@ class RigidBody:
 
     Attributes
     ----------
-    surrogate
+    law
         e of all speeds and sizes that a process may draw.
     sizes
         Least and greatest diameter in um divided by the factor of the work of adhesion.
     """
 
-    surrogate: Surrogate
+    law: Law
     sizes: tuple[float, float]
 
     @classmethod
@@ -77,8 +77,8 @@ class RigidBody:
                 f"process: spheres of {odd.max():.3g} um (diameter_um over "
                 "work_of_adhesion_factor) have no capture velocity; narrow these distributions"
             )
-        speeds = np.array([[limit.max()], [FASTEST * max(speed[1], limit.max())]])
-        return cls(surrogate=_table(spheres, speeds), sizes=(float(size[0]), float(size[-1])))
+        speeds = limit.max(), FASTEST * max(speed[1], limit.max())
+        return cls(law=_table(spheres, speeds), sizes=(float(size[0]), float(size[-1])))
 
     def restitution(self, normal_speed: FloatArray, draws: Draws) -> FloatArray:
         """Return e at normal speeds in m/s, zero at capture, before factor and offset."""
@@ -90,12 +90,10 @@ class RigidBody:
                 f"{size.max():.4g}, must lie in that of the process, {smallest:.4g} to "
                 f"{largest:.4g}"
             )
-        family = self.surrogate.family
+        family = self.law.family
         steps = (5.0 / 6.0) * np.log(size / np.sqrt(smallest * largest))
         w = normal_speed / family.velocity_scale * np.exp(steps)
-        return self.surrogate.restitution(
-            w, np.zeros(1) if family.alike else -steps / family.half_width
-        )
+        return self.law.restitution(w, np.zeros(1) if family.alike else -steps / family.half_width)
 
     def __call__(
         self, draws: Draws, velocity: FloatArray, spin_speed: FloatArray, normal: FloatArray
@@ -138,11 +136,11 @@ class Simulation:
         )
 
 
-def _table(spheres: Contact, speeds: FloatArray) -> Surrogate:
+def _table(spheres: Contact, speeds: tuple[float, float]) -> Law:
     try:
-        return Surrogate.of(spheres, speeds, tolerance=TOLERANCE)
-    except NoSurrogateError:
-        return Surrogate.of(spheres, speeds, tolerance=WIDE_TOLERANCE)
+        return tabulate(spheres, *speeds, tolerance=TOLERANCE)
+    except NoTableError:
+        return tabulate(spheres, *speeds, tolerance=WIDE_TOLERANCE)
 
 
 def impact_of(model: str, contact: Contact, process: Process) -> Impact:

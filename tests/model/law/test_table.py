@@ -1,4 +1,4 @@
-"""Interpolated ensembles: the stated error holds, capture is the integrator's, laws are kept."""
+"""The law of normal impacts as a table: the error stated holds, capture is the integrator's."""
 
 from dataclasses import fields, replace
 
@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.model.dynamics.impact import planar, simulate, spatial
+from microimpact.model.dynamics.impact import simulate, spatial
 from microimpact.model.dynamics.normal import normal_impact
-from microimpact.model.law.families import Family, NoSurrogateError
-from microimpact.model.law.table import LARGE, THRESHOLD, Surrogate, ensemble_impact
+from microimpact.model.law.families import Family, NoTableError
+from microimpact.model.law.table import THRESHOLD, tabulate
 
 QUANTITIES = (
     "coefficient_of_restitution",
@@ -87,12 +87,12 @@ def test_the_error_stated_bounds_the_error(scaled, kind):
     contact, most, tolerance = list(contacts_of(scaled).values())[kind]
     unit = scaled().velocity_scale
     v = speeds(contact, most, unit=unit)
-    surrogate = Surrogate.of(contact, v, tolerance=tolerance)
-    assert 0.0 < surrogate.error <= tolerance
-    found = surrogate.normal_impact(contact, v)
+    law = tabulate(contact, v.min(), v.max(), tolerance=tolerance)
+    assert 0.0 < law.error <= tolerance
+    found = law.normal_impact(contact, v)
     x = distance(contact, v)
     differences = errors(found, normal_impact(contact, v, ledger=True))
-    assert np.max(differences[x >= THRESHOLD]) <= surrogate.error
+    assert np.max(differences[x >= THRESHOLD]) <= law.error
     # Closer to capture both are integrated, from speeds that rounding makes differ.
     assert np.all(differences[x < THRESHOLD] <= 1e-4 * tolerance / x[x < THRESHOLD])
     assert np.all(found.coefficient_of_restitution[found.captured] == 0.0)
@@ -115,11 +115,11 @@ def test_damping_that_is_the_same_serves_many_diameters(contact, exponent):
         friction=random.uniform(0.1, 0.2, COUNT),
     )
     v = speeds(spheres, 20.0, unit=unit)
-    surrogate = Surrogate.of(spheres, v)
-    assert not surrogate.family.alike
-    found, expected = surrogate.normal_impact(spheres, v), normal_impact(spheres, v, ledger=True)
+    law = tabulate(spheres, v.min(), v.max())
+    assert not law.family.alike
+    found, expected = law.normal_impact(spheres, v), normal_impact(spheres, v, ledger=True)
     away = distance(spheres, v) >= THRESHOLD
-    assert np.max(errors(found, expected)[away]) <= surrogate.error <= 1e-9
+    assert np.max(errors(found, expected)[away]) <= law.error <= 1e-9
 
 
 def test_a_fixed_loss_is_the_same_for_all_diameters_works_and_speeds_in_scales(contact):
@@ -132,9 +132,9 @@ def test_a_fixed_loss_is_the_same_for_all_diameters_works_and_speeds_in_scales(c
     assert not Family.of(rated.replace(diameter=sizes, hertz_damping=0.01)).alike
     v = np.geomspace(0.01, 1.0, COUNT)
     spheres = rated.replace(diameter=np.resize(sizes, COUNT))
-    surrogate = Surrogate.of(spheres, v)
+    law = tabulate(spheres, v.min(), v.max())
     expected = normal_impact(spheres, v, ledger=True)
-    assert worst(surrogate.normal_impact(spheres, v), expected) <= surrogate.error
+    assert worst(law.normal_impact(spheres, v), expected) <= law.error
 
 
 def test_equal_groups_at_different_damping_are_one_family(scaled):
@@ -142,7 +142,7 @@ def test_equal_groups_at_different_damping_are_one_family(scaled):
     bare = scaled().replace(diameter=sizes)
     same = bare.replace(adhesion_damping=0.3 / bare.velocity_scale)
     assert Family.of(same).alike
-    with pytest.raises(NoSurrogateError, match="must be the same"):
+    with pytest.raises(NoTableError, match="must be the same"):
         Family.of(bare.replace(adhesion_damping=np.array([0.1, 0.3]) / bare.velocity_scale))
 
 
@@ -151,7 +151,7 @@ def test_restitution_rises_from_zero_as_the_square_root_at_the_threshold(scaled)
     limit = float(capture_velocity(contact))
     x = np.geomspace(1e-12, 0.5, 4000)
     v = limit * (1.0 + x)
-    e = Surrogate.of(contact, v).normal_impact(contact, v).coefficient_of_restitution
+    e = tabulate(contact, v.min(), v.max()).normal_impact(contact, v).coefficient_of_restitution
     rising = np.diff(e) > -1e-9 * e[1:]
     assert np.all(rising)
     near = (x > 1e-9) & (x < 1e-3)
@@ -162,7 +162,7 @@ def test_a_wrong_piece_shows(scaled):
     contact = scaled(0.02, 0.3)
     v = speeds(contact, 20.0)
     v = v[distance(contact, v) >= THRESHOLD]
-    good = Surrogate.of(contact, v)
+    good = tabulate(contact, v.min(), v.max())
     expected = normal_impact(contact, v, ledger=True)
     for name in ("rebounds", "captures"):
         table = getattr(good, name)
@@ -176,8 +176,8 @@ def test_a_wrong_piece_shows(scaled):
 def test_pieces_do_not_depend_on_the_speeds_asked_for(scaled):
     contact = scaled(0.02, 0.3)
     v = contact.velocity_scale * np.geomspace(2.0, 3.0, 100)
-    narrow = Surrogate.of(contact, v).normal_impact(contact, v)
-    wide = Surrogate.of(contact, np.append(v, 20.0 * v[-1])).normal_impact(contact, v)
+    narrow = tabulate(contact, v.min(), v.max()).normal_impact(contact, v)
+    wide = tabulate(contact, v.min(), 20.0 * v.max()).normal_impact(contact, v)
     for name in QUANTITIES:
         assert np.array_equal(getattr(narrow, name), getattr(wide, name))
 
@@ -185,9 +185,9 @@ def test_pieces_do_not_depend_on_the_speeds_asked_for(scaled):
 def test_speeds_beyond_the_table_are_integrated(scaled):
     contact = scaled(0.02, 0.3)
     unit = contact.velocity_scale
-    surrogate = Surrogate.of(contact, unit * np.array([1.0, 2.0]))
+    law = tabulate(contact, unit, 2.0 * unit)
     v = unit * np.array([1e-4, 1e-2, 50.0, 400.0])
-    found, expected = surrogate.normal_impact(contact, v), normal_impact(contact, v, ledger=True)
+    found, expected = law.normal_impact(contact, v), normal_impact(contact, v, ledger=True)
     assert worst(found, expected) < 1e-12
 
 
@@ -209,17 +209,17 @@ def test_tables_of_other_contacts_are_refused(scaled, kind, change):
     if kind == "no adhesion":
         own, change = own.replace(work_of_adhesion=0.0), {"work_of_adhesion": 0.1}
     speed = own.velocity_scale * 5.0 + 1.0
-    surrogate = Surrogate.of(own, speed)
-    surrogate.normal_impact(own, speed)
-    with pytest.raises(NoSurrogateError, match="damping must be those"):
-        surrogate.normal_impact(own.replace(**change), speed)
+    law = tabulate(own, np.min(speed), np.max(speed))
+    law.normal_impact(own, speed)
+    with pytest.raises(NoTableError, match="damping must be those"):
+        law.normal_impact(own.replace(**change), speed)
 
 
 def test_near_the_threshold_verdicts_are_the_integrators(scaled):
     contact = scaled(0.02, 0.3)
     limit = float(capture_velocity(contact))
     v = limit * (1.0 + np.linspace(-2.0, 2.0, 401) * THRESHOLD)
-    found = Surrogate.of(contact, v).normal_impact(contact, v)
+    found = tabulate(contact, v.min(), v.max()).normal_impact(contact, v)
     assert np.array_equal(found.captured, normal_impact(contact, v).captured)
     assert 100 < found.captured.sum() < 300
 
@@ -227,90 +227,92 @@ def test_near_the_threshold_verdicts_are_the_integrators(scaled):
 def test_threads_change_nothing(scaled):
     contact = scaled(0.02, 0.3)
     v = contact.velocity_scale * np.geomspace(0.1, 20.0, 100_000)
-    surrogate = Surrogate.of(contact, v)
-    one, three = (surrogate.normal_impact(contact, v, threads=n) for n in (1, 3))
+    law = tabulate(contact, v.min(), v.max())
+    one, three = (law.normal_impact(contact, v, threads=n) for n in (1, 3))
     for name in QUANTITIES:
         assert np.array_equal(getattr(one, name), getattr(three, name))
 
 
-# The choice
-
-
-def test_small_ensembles_stay_direct_to_the_last_digit(contact):
-    v = np.geomspace(0.1, 5.0, 200)
-    found = planar(contact, -v, 0.3)
-    assert (found.method, found.interpolation_error) == ("direct", 0.0)
-    direct = planar(contact, -v, 0.3, method="direct")
-    assert np.array_equal(found.coefficient_of_restitution, direct.coefficient_of_restitution)
-
-
-def test_large_ensembles_are_interpolated_and_say_so(contact):
-    v = np.geomspace(0.1, 5.0, LARGE)
-    found = simulate(contact, v, 40.0)
-    assert found.method == "surrogate"
-    assert 0.0 < found.interpolation_error <= 1e-9
-    assert simulate(contact, v[1:], 40.0).method == "direct"
-    assert ensemble_impact(contact, v, method="direct").method == "direct"
+# Oblique impacts, and what cannot be tabulated
 
 
 @pytest.mark.parametrize("basis", ["compressive", "hertz", "net"])
 def test_oblique_impacts_agree_to_the_stated_error(contact, basis):
-    speed = np.geomspace(0.05, 5.0, 500)
-    arguments = contact, speed, 25.0, 1e3, basis
-    found, expected = (simulate(*arguments, method=name) for name in ("surrogate", "direct"))
+    arguments = np.geomspace(0.05, 5.0, 500), 25.0, 1e3, basis
+    found, expected = (
+        tabulate(contact, 0.02, 5.0).simulate(*arguments),
+        simulate(contact, *arguments),
+    )
+    error = np.max(found.interpolation_error)
+    assert 0.0 < error < 1e-9
+    assert expected.interpolation_error == 0.0
     # Energies and velocities after impact are differences of numbers of this accuracy.
     for field in fields(expected):
-        if field.name not in {"method", "interpolation_error"}:
+        if field.name != "interpolation_error":
             one, other = getattr(found, field.name), getattr(expected, field.name)
-            assert one == pytest.approx(other, rel=1e3 * found.interpolation_error)
+            assert one == pytest.approx(other, rel=1e3 * error)
 
 
 def test_impacts_in_space_agree_too(contact):
     velocity = np.stack(np.broadcast_arrays(0.3, -0.2, -np.geomspace(0.05, 5.0, 200)), axis=-1)
-    found, expected = (spatial(contact, velocity, method=m) for m in ("surrogate", "direct"))
-    assert found.method == "surrogate"
+    law = tabulate(contact, 0.05, 5.0)
+    found, expected = spatial(contact, velocity, law=law.normal_impact), spatial(contact, velocity)
+    assert np.max(found.interpolation_error) < 1e-9
     assert found.velocity == pytest.approx(expected.velocity, rel=1e-8)
     assert found.spin == pytest.approx(expected.spin, rel=1e-8)
 
 
-def test_what_cannot_be_interpolated_is_refused_or_integrated(scaled):
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_the_stated_error_grows_towards_capture_as_rounding_does(contact, side):
+    limit = float(capture_velocity(contact))
+    v = limit * (1.0 + side * np.geomspace(1e-13, 0.1, 2000))
+    law = tabulate(contact, 0.5 * limit, 2.0 * limit)
+    found, expected = law.simulate(v), simulate(contact, v)
+    same = found.captured == expected.captured
+    # Verdicts may differ within rounding of the threshold alone.
+    assert np.all(np.abs(v[~same] / limit - 1.0) < 1e-12)
+    assert np.all(found.interpolation_error[~same] > 1e-3)
+    kept = same & ~expected.captured
+    quotient = found.coefficient_of_restitution[kept] / expected.coefficient_of_restitution[kept]
+    assert np.all(np.abs(quotient - 1.0) <= found.interpolation_error[kept])
+    assert found.interpolation_error[0] > 1e3 * found.interpolation_error[-1]
+
+
+def test_what_cannot_be_tabulated_is_refused(scaled):
     unit = scaled().velocity_scale
-    v = unit * np.geomspace(0.5, 20.0, LARGE)
-    hopeless = scaled(0.0, 1.3)
+    slowest, fastest = 0.5 * unit, 20.0 * unit
     with pytest.raises(ValueError, match="at no speed does a sphere"):
-        ensemble_impact(hopeless, v, method="surrogate")
+        tabulate(scaled(0.0, 1.3), slowest, fastest)
     # The force at first touch changes its sign with the speed: impulses have a kink.
-    kinked = scaled(0.0, 0.3, damped_attachment=True)
     with pytest.raises(ValueError, match="no table reaches the tolerance 1e-09"):
-        ensemble_impact(kinked, v[::100], method="surrogate")
+        tabulate(scaled(0.0, 0.3, damped_attachment=True), slowest, fastest)
     with pytest.raises(ValueError, match="no table reaches"):
-        ensemble_impact(
-            scaled(0.001, 0.1).replace(diameter=np.geomspace(10e-6, 1e-3, 9)),
-            unit,
-            method="surrogate",
-        )
+        tabulate(scaled(0.001, 0.1).replace(diameter=np.geomspace(10e-6, 1e-3, 9)), unit, unit)
     with pytest.raises(ValueError, match="or zero, for all impacts"):
         Family.of(scaled().replace(work_of_adhesion=np.array([0.0, 0.5])))
     mixed = scaled(np.array([0.0, 0.1]), 0.0).replace(work_of_adhesion=0.0)
     with pytest.raises(ValueError, match="hertz_damping must be positive, or zero"):
         Family.of(mixed)
-    assert ensemble_impact(hopeless, v).method == "direct"
 
 
-def test_other_methods_are_refused(contact):
-    with pytest.raises(ValueError, match="method must be one of 'auto', 'direct', 'surrogate'"):
-        simulate(contact, 1.0, method="fast")
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [((0.0, 1.0), "slowest"), ((2.0, 1.0), "fastest"), ((0.1, 1.0, -1e-9), "tolerance")],
+)
+def test_bad_ranges_are_refused_by_name(contact, arguments, message):
+    with pytest.raises(ValueError, match=message):
+        tabulate(contact, *arguments)
 
 
-def test_a_surrogate_integrates_impacts_of_spheres_it_was_not_made_for(contact):
+def test_a_law_integrates_impacts_of_spheres_it_was_not_made_for(contact):
     spheres = contact.replace(diameter=np.array([50e-6, 60e-6]))
-    surrogate = Surrogate.of(spheres, 0.5)
+    law = tabulate(spheres, 0.5, 0.5)
     others = contact.replace(diameter=np.array([40e-6, 55e-6, 90e-6]))
-    found, exact = surrogate.normal_impact(others, 0.5), normal_impact(others, 0.5)
+    found, exact = law.normal_impact(others, 0.5), normal_impact(others, 0.5)
     difference = found.coefficient_of_restitution / exact.coefficient_of_restitution - 1.0
-    assert np.all(np.abs(difference) < [1e-13, surrogate.error, 1e-13])
-    w, place = surrogate.family.coordinates(others, np.full(3, 0.5))
+    assert np.all(np.abs(difference) < [1e-13, law.error, 1e-13])
+    w, place = law.family.coordinates(others, np.full(3, 0.5))
     assert np.array_equal(np.abs(place) > 1.0, [True, False, True])
     np.testing.assert_allclose(
-        surrogate.restitution(w, place), exact.coefficient_of_restitution, rtol=1e-9
+        law.restitution(w, place), exact.coefficient_of_restitution, rtol=1e-9
     )
