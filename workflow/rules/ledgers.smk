@@ -26,9 +26,7 @@ rule claims:
     Digitised points, if there are any, have rows after the claims.
     """
     input:
-        model_claims="<results>/tables/model_claims.csv",
-        analysis_claims="<results>/tables/analysis_claims.csv",
-        laboratory_claims="<results>/tables/laboratory_claims.csv",
+        claim_numbers="<results>/tables/claim_numbers.csv",
         digitised_residuals="<results>/tables/digitised_residuals.csv",
         criteria=SETTINGS.general.claims,
     output:

@@ -1,4 +1,4 @@
-"""Claims ledger: the verdict on every claim from the numbers that the studies computed for it."""
+"""Claims ledger: the verdict on every claim from the numbers that were computed for it."""
 
 from __future__ import annotations
 
@@ -9,17 +9,22 @@ import numpy as np
 import pandas as pd
 
 from microimpact.core.nearest import nearest
-from microimpact.ledgers.claims.criteria import Amendment, Claim, Verdict, read_claims
+from microimpact.ledgers.claims.criteria import (
+    NOT_COMPUTED,
+    Amendment,
+    Claim,
+    Finding,
+    Verdict,
+    read_claims,
+)
 from microimpact.ledgers.claims.digitised import digitised_rows, read_digitised
 from microimpact.ledgers.claims.judging import Numbers, described, failures, judged, place
 
 __all__ = ["COLUMNS", "NUMBER_COLUMNS", "LedgerError", "described", "judge", "verdict", "verdicts"]
 
-# Numbers of a claim, as a study gives them; the case is empty where nothing is left open.
-NUMBER_COLUMNS = ("claim", "case", "quantity", "value", "unit", "evidence", "code")
-
-# Table of the differences between digitised points and what was computed.
-RESIDUALS = "digitised_residuals"
+# Numbers of a claim; the case is empty where nothing is left open. A row with a problem stands for
+# numbers that could not be computed.
+NUMBER_COLUMNS = ("claim", "case", "quantity", "value", "unit", "evidence", "code", "problem")
 
 COLUMNS = (
     "id",
@@ -48,14 +53,13 @@ def judge(tables: Mapping[str, pd.DataFrame], criteria: Path | str) -> pd.DataFr
     Parameters
     ----------
     tables
-        Numbers of groups of claims, each with `NUMBER_COLUMNS`, and ``digitised_residuals``, whose
-        series of digitised points have rows after the claims.
+        ``claim_numbers``, with `NUMBER_COLUMNS`, and ``digitised_residuals``, whose series of
+        digitised points have rows after the claims.
     criteria
         The file of claims, see `criteria.read_claims` and `digitised.read_digitised`.
     """
-    numbers = [table for name, table in tables.items() if name != RESIDUALS]
-    claims = verdicts(read_claims(criteria), pd.concat(numbers, ignore_index=True))
-    rows = digitised_rows(read_digitised(criteria), tables[RESIDUALS])
+    claims = verdicts(read_claims(criteria), tables["claim_numbers"])
+    rows = digitised_rows(read_digitised(criteria), tables["digitised_residuals"])
     if not rows:
         return claims
     return pd.concat([claims, pd.DataFrame(rows, columns=list(COLUMNS))], ignore_index=True)
@@ -75,7 +79,7 @@ def verdicts(claims: Mapping[str, Claim], numbers: pd.DataFrame) -> pd.DataFrame
     -------
     pandas.DataFrame
         One row per claim with `COLUMNS`: the numbers behind the verdict and which criterion of
-        which case failed.
+        which case failed, or why the claim could not be computed.
 
     Raises
     ------
@@ -83,7 +87,9 @@ def verdicts(claims: Mapping[str, Claim], numbers: pd.DataFrame) -> pd.DataFrame
         If a number is missing, not finite, of an unknown claim, case or quantity, or of another
         unit than declared.
     """
-    numbers = numbers.assign(case=numbers["case"].fillna(""))
+    # A column without any text has been read as one of missing numbers.
+    text = {name: numbers[name].astype(object).fillna("") for name in ("case", "problem")}
+    numbers = numbers.assign(**text)
     problems = [line for claim in claims.values() for line in _problems(claim, numbers)]
     strangers = [str(name) for name in dict.fromkeys(numbers["claim"]) if name not in claims]
     problems += [f"{name}: no such claim{nearest(name, claims)}" for name in strangers]
@@ -112,13 +118,15 @@ def verdict(claim: Claim, values: Numbers) -> tuple[Verdict, list[str]]:
 
 
 def _problems(claim: Claim, numbers: pd.DataFrame) -> list[str]:
-    own = numbers[numbers["claim"] == claim.id]
+    own = numbers[(numbers["claim"] == claim.id) & (numbers["problem"] == "")]
+    whole = len(own) == (numbers["claim"] == claim.id).sum()
     cases = claim.cases or ("",)
     wanted = {(case, name) for case in cases for name in claim.quantities}
     if claim.positive is None:
         wanted = set()
     given = list(zip(own["case"], own["quantity"], strict=True))
-    lines = [f"{claim.id}: {place(*key)} is missing" for key in sorted(wanted - set(given))]
+    missing = sorted(wanted - set(given)) if whole else []
+    lines = [f"{claim.id}: {place(*key)} is missing" for key in missing]
     for key, unit, value in zip(given, own["unit"], own["value"], strict=True):
         if key not in wanted:
             lines.append(f"{claim.id}: {place(*key)} is not declared")
@@ -133,12 +141,22 @@ def _problems(claim: Claim, numbers: pd.DataFrame) -> list[str]:
 
 def _row(claim: Claim, numbers: pd.DataFrame) -> dict[str, object]:
     own = numbers[numbers["claim"] == claim.id]
+    computed = own[own["problem"] == ""]
     values = {
         str(case): dict(zip(rows["quantity"], rows["value"].astype(float), strict=True))
-        for case, rows in own.groupby("case", sort=False)
+        for case, rows in computed.groupby("case", sort=False)
     }
-    found, failed = verdict(claim, values)
-    computed = "; ".join(
+    found: Finding
+    if len(computed) == len(own):
+        found, failed = verdict(claim, values)
+    else:
+        lacking = own[own["problem"] != ""]
+        found = NOT_COMPUTED
+        failed = [
+            f"{case}: {problem}" if case else str(problem)
+            for case, problem in zip(lacking["case"], lacking["problem"], strict=True)
+        ]
+    told = "; ".join(
         f"{place(case, name)} = {value:.6g}"
         + ("" if claim.quantities[name] == "-" else f" {claim.quantities[name]}")
         for case, some in values.items()
@@ -151,7 +169,7 @@ def _row(claim: Claim, numbers: pd.DataFrame) -> dict[str, object]:
         "kind": claim.kind,
         "criterion": "; ".join(f"{c.quantity} {described(c)}" for c in claim.criteria),
         "article_value": claim.article_value,
-        "computed_value": computed,
+        "computed_value": told,
         "unit": claim.unit,
         "verdict": found,
         "evidence": "; ".join(dict.fromkeys(own["evidence"])),

@@ -34,6 +34,9 @@ Verdict = Literal[
     "not identified",
     "not testable",
 ]
+# What a claim gets whose numbers the settings of a run do not allow; no claim can declare it.
+NOT_COMPUTED: Literal["not computed"] = "not computed"
+Finding = Literal[Verdict, "not computed"]
 Quantity = Annotated[str, Field(pattern=r"^[a-z][a-z0-9]*(_[a-z0-9]+)*$")]
 # A figure of the article, 01 to 25, or one of the project's own.
 Figure = Annotated[str, Field(pattern=r"^(fig(0[1-9]|1\d|2[0-5])|[a-z]+(_[a-z]+)*)$")]

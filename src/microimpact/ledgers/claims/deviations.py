@@ -33,6 +33,8 @@ CLAIM_VERDICTS: Mapping[str, str] = {
     " the criteria and others do not, or they leave an interval that is too wide.",
     "reproduced with a correction": "All criteria hold, once an equation or a relation was mended.",
     "not testable": "Nothing is published that could be computed against.",
+    "not computed": "The settings of the run do not allow to compute the numbers; the reason is"
+    " told in words of the program.",
 }
 
 Row = Mapping[str, Any]

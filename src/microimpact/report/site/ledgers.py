@@ -23,6 +23,7 @@ CLAIM_VERDICTS = {
     "not reproduced": "bad",
     "not identified": "open",
     "not testable": "mute",
+    "not computed": "mute",
 }
 EQUATION_VERDICTS = {
     "correct": "good",

@@ -1,21 +1,29 @@
-"""Claims on capture: its sizes, what becomes of captured spheres, and capture on slopes."""
+"""Numbers of the claims of Sections 6 and 7: what the article concludes."""
 
 from __future__ import annotations
-
-from itertools import product
 
 import numpy as np
 import scipy
 
-from microimpact.core.arrays import FloatArray, Real
+from microimpact.core.arrays import FloatArray
 from microimpact.lab.collision import Rebound, collide
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.model.dynamics.impact import planar, velocity_components
+from microimpact.model.dynamics.impact import (
+    planar,
+    simulate,
+    velocity_components,
+)
 from microimpact.model.dynamics.rolling import gravity_ratio, rolling_distance
 from microimpact.statistics.distributions import generator
-from microimpact.studies.claims.analysis_claims.context import Context, Numbers
+from microimpact.studies.claims.claim_numbers.claim import VIRTUAL, claim
+from microimpact.studies.claims.claim_numbers.context import (
+    Context,
+    without_adhesion,
+)
 
+# Yielding starts below the surface where the greatest pressure exceeds 1.6 yield strengths.
+PRESSURE_AT_YIELD = 1.6
 ANALYSIS = 98
 # Where normal speeds of capture are looked for, relative to the one known; halved to rounding.
 AROUND, HALVINGS = 1e-3, 50
@@ -23,75 +31,69 @@ AROUND, HALVINGS = 1e-3, 50
 APPARENT = 1e-3
 
 
-def c08(context: Context, contact: Contact) -> dict[str, float]:
-    """Return the capture velocity of the mean sphere of the smaller sieve class."""
-    diameter = context.params.capture.mean_diameter_um * 1e-6
-    return {"capture_velocity_49_um": float(capture_velocity(sized(context, contact, diameter)))}
+@claim("C40", by_case=True, units={"largest_final_spin": "rad/s"})
+def c40(context: Context) -> dict[str, float]:
+    """Spin after impact, the largest over all rebounds."""
+    _, impact = context.rebounds(context.steel)
+    return {"largest_final_spin": np.max(np.abs(impact.spin))}
 
 
-def c57(context: Context, contact: Contact) -> dict[str, float]:
-    """Return elasticities of the capture velocity at the nominal contact, damping held."""
-    step = context.params.capture.exponent_step
-    work = np.asarray(contact.work_of_adhesion) * np.exp([step, -step])
-    limit = capture_velocity(contact.replace(work_of_adhesion=work))
+@claim("C58", units={"yield_strength_needed": "MPa", "peak_hertz_pressure": "GPa"})
+def c58(context: Context) -> dict[str, float]:
+    """Greatest pressure by Hertz without adhesion and damping, and the yield strength it needs.
+
+    ``p_0 = 3 F/(2 pi a^2)`` with ``F = K a^3/r``.
+    """
+    elastic = without_adhesion(context.steel).replace(hertz_damping=0.0)
+    depth = float(simulate(elastic, context.speed).maximum_compression)
+    slope = np.sqrt(depth / float(elastic.hertz_radius))
+    pressure = 1.5 / np.pi * float(elastic.stiffness) * slope
     return {
-        "elasticity_to_work_of_adhesion": float(np.log(limit[0] / limit[1]) / (2.0 * step)),
-        "elasticity_to_diameter": float(local_exponents(context, contact, contact.diameter)),
+        "yield_strength_needed": pressure / PRESSURE_AT_YIELD * 1e-6,
+        "peak_hertz_pressure": pressure * 1e-9,
     }
 
 
-def c107(context: Context) -> dict[str, float]:
-    """Return local exponents of the capture velocity over the printed sizes on molybdenum."""
-    contact = context.contact(context.params.molybdenum.case)
-    sizes = np.array(context.params.capture.sizes_um) * 1e-6
-    exponents = local_exponents(context, contact, sizes)
+@claim("C59", by_case=True)
+def c59(context: Context) -> dict[str, float]:
+    """Loss of energy, rotation included, with friction less that without; least of all rebounds."""
+    steel = context.steel
+    angles, impact = context.rebounds(steel, np.array(context.params.steel.angles_deg))
+    oblique = angles < 90.0
+    smooth = context.hit(steel.replace(friction=0.0), context.speed, angles)
     return {
-        "greatest_local_exponent": float(np.max(exponents)),
-        "relative_spread_of_local_exponent": float(np.ptp(exponents) / abs(np.mean(exponents))),
+        "least_added_loss_of_total_energy": np.min(
+            (impact.energy_loss - smooth.energy_loss)[oblique]
+        )
     }
 
 
-def local_exponents(context: Context, contact: Contact, diameter: Real) -> FloatArray:
-    """Return d ln v_c / d ln d, by central differences."""
-    step = context.params.capture.exponent_step
-    up, down = (
-        capture_velocity(sized(context, contact, diameter * np.exp(s))) for s in (step, -step)
-    )
-    return np.asarray(np.log(up / down) / (2.0 * step))
-
-
-def sized(context: Context, contact: Contact, diameter: Real) -> Contact:
-    """Return the contact at other diameters, m: damping stays, and the work of adhesion."""
-    growth = np.power(diameter / contact.diameter, context.params.capture.work_size_exponent)
-    return contact.replace(
-        diameter=diameter, work_of_adhesion=np.asarray(contact.work_of_adhesion) * growth
-    )
-
-
-def c97(context: Context) -> Numbers:
-    """Return how far a captured sphere rolls, and the couple of its weight over that of adhesion.
+@claim("C97", by_case=True)
+def c97(context: Context) -> dict[str, dict[str, float]]:
+    """How far a captured sphere rolls, and the couple of its weight over that of adhesion.
 
     It comes at the steepest angle at which it is captured, and adhesion alone stops it: the weight,
     which would carry it further, stands beside.
     """
-    capture = context.params.capture
+    capture, contact = context.params.capture, context.steel
+    sine = min(float(capture_velocity(contact)) / context.speed, 1.0)
+    angle = float(np.degrees(np.arcsin(sine)))
+    along = capture.kept_share * velocity_components(context.speed, angle)[1]
     found = {}
-    for case, shift in product(context.ridge, capture.shifts_nm):
-        contact, lag = case.contact, shift * 1e-9
-        sine = min(float(capture_velocity(contact)) / capture.speed_m_per_s, 1.0)
-        angle = float(np.degrees(np.arcsin(sine)))
-        along = capture.kept_share * velocity_components(capture.speed_m_per_s, angle)[1]
+    for shift in capture.shifts_nm:
+        lag = shift * 1e-9
         distance = rolling_distance(contact, along, lag) * 1e3
-        found[f"{case.name}, shift {shift:g} nm"] = {
+        found[f"shift {shift:g} nm"] = {
             "distance_rolled_over_half_width_of_spot": float(distance / capture.spot_mm),
             "gravity_couple_over_rolling_couple": float(gravity_ratio(contact, lag, 90.0 - angle)),
         }
     return found
 
 
-def c98(context: Context, contact: Contact) -> dict[str, float]:
-    """Return normal speeds of capture without slopes, and where half are captured with them."""
-    capture = context.params.capture
+@claim("C98", by_case=True, evidence=VIRTUAL)
+def c98(context: Context) -> dict[str, float]:
+    """Normal speeds of capture without slopes, and where half are captured with them."""
+    capture, contact = context.params.capture, context.steel
     *speeds, upright = decoupled_speeds(contact, np.array([*capture.decoupled_angles_deg, 90.0]))
     apparent, steep = (
         apparent_speed(context, contact, angle) for angle in (capture.oblique_angle_deg, 90.0)
@@ -137,7 +139,7 @@ def on_slopes(context: Context, contact: Contact, angle: float, normal_speed: fl
         velocity,
         np.zeros_like(velocity),
         capture.slope_sd,
-        generator(context.params.seed, ANALYSIS),
+        generator(context.params.sampling.seed, ANALYSIS),
     )
 
 

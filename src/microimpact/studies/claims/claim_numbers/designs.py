@@ -1,31 +1,39 @@
-"""Claims of Section 4.3, from the effects of the designed experiments on the capture velocity."""
+"""Numbers of the claims of Section 4.3: effects of designed experiments on the capture velocity."""
 
 from __future__ import annotations
 
+import numpy as np
 import pandas as pd
 
-from microimpact.studies.claims.analysis_claims.context import Context
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.studies.claims.claim_numbers.claim import claim
+from microimpact.studies.claims.claim_numbers.context import (
+    Context,
+)
+from microimpact.studies.claims.claim_numbers.experiments import local_exponents
 
 REALISTIC, SMALL = "realistic", "uniform"
 DIRECT, LOGARITHM = "v_c", "ln v_c"
 
 
-def c53(context: Context, case: str) -> dict[str, float]:
-    """Return the effects of radius and adhesion at realistic levels against all others."""
-    effects = fraction(context, case, REALISTIC)
+@claim("C53", by_case=True)
+def c53(context: Context) -> dict[str, float]:
+    """Effects of radius and adhesion at realistic levels against all others."""
+    effects = fraction(context, REALISTIC)
     margin = float(effects["margin_percent"].iloc[0])
     size = effects["effect_percent"].abs()
     return {
         "effect_of_radius_over_margin": effect(effects, "C") / margin,
         "effect_of_work_of_adhesion_over_margin": effect(effects, "B") / margin,
         "smaller_of_both_over_largest_other_effect": leading(effects)
-        / float(size.drop(["B", "C"]).max()),
+        / float(size.drop(["B", "C"], errors="ignore").max()),
     }
 
 
-def c54(context: Context, case: str) -> dict[str, float]:
-    """Return the effects of stiffness and adhesive damping at small levels, over the margin."""
-    effects = fraction(context, case, SMALL)
+@claim("C54", by_case=True)
+def c54(context: Context) -> dict[str, float]:
+    """Effects of stiffness and adhesive damping at small levels, over the margin."""
+    effects = fraction(context, SMALL)
     margin = float(effects["margin_percent"].iloc[0])
     stiffness, damping = (abs(effect(effects, letter)) for letter in "AD")
     return {
@@ -36,9 +44,10 @@ def c54(context: Context, case: str) -> dict[str, float]:
     }
 
 
-def c55(context: Context, case: str) -> dict[str, float]:
-    """Return the interaction BD at small levels over those of the same factors."""
-    effects, logarithm = (fraction(context, case, SMALL, kind) for kind in (DIRECT, LOGARITHM))
+@claim("C55", by_case=True)
+def c55(context: Context) -> dict[str, float]:
+    """Interaction BD at small levels over those of the same factors."""
+    effects, logarithm = (fraction(context, SMALL, kind) for kind in (DIRECT, LOGARITHM))
     size = {word: abs(effect(effects, word)) for word in ("BD", "BC", "CD")}
     of_logarithm = abs(effect(logarithm, "BD")) / abs(effect(logarithm, "BC"))
     return {
@@ -49,9 +58,10 @@ def c55(context: Context, case: str) -> dict[str, float]:
     }
 
 
-def c56(context: Context, case: str) -> dict[str, float]:
-    """Return secondary effects over the smaller leading one, the larger of both sets of levels."""
-    sets = [fraction(context, case, variation) for variation in (REALISTIC, SMALL)]
+@claim("C56", by_case=True)
+def c56(context: Context) -> dict[str, float]:
+    """Secondary effects over the smaller leading one, the larger of both sets of levels."""
+    sets = [fraction(context, variation) for variation in (REALISTIC, SMALL)]
     stiffness, damping = (
         max(abs(effect(effects, letter)) / leading(effects) for effects in sets) for letter in "AE"
     )
@@ -63,16 +73,10 @@ def c56(context: Context, case: str) -> dict[str, float]:
     }
 
 
-def fraction(context: Context, case: str, variation: str, response: str = DIRECT) -> pd.DataFrame:
+def fraction(context: Context, variation: str, response: str = DIRECT) -> pd.DataFrame:
     """Return the effects that the fractional design estimates, by their words."""
-    table = context.inputs["doe_effects"]
-    own = (
-        (table["case"] == case)
-        & (table["variation"] == variation)
-        & (table["design"] == "fraction")
-        & (table["response"] == response)
-    )
-    return table[own].set_index("effect")
+    wanted = {"variation": variation, "design": "fraction", "response": response}
+    return context.table("doe_effects", **wanted).set_index("effect")
 
 
 def effect(effects: pd.DataFrame, word: str) -> float:
@@ -95,3 +99,16 @@ def effect(effects: pd.DataFrame, word: str) -> float:
 def leading(effects: pd.DataFrame) -> float:
     """Return the smaller size of the effects of work of adhesion and radius."""
     return min(abs(effect(effects, letter)) for letter in "BC")
+
+
+@claim("C57", by_case=True)
+def c57(context: Context) -> dict[str, float]:
+    """Elasticities of the capture velocity at the nominal contact, damping held."""
+    contact = context.steel
+    step = context.params.normal.exponent_step
+    work = np.asarray(contact.work_of_adhesion) * np.exp([step, -step])
+    limit = capture_velocity(contact.replace(work_of_adhesion=work))
+    return {
+        "elasticity_to_work_of_adhesion": float(np.log(limit[0] / limit[1]) / (2.0 * step)),
+        "elasticity_to_diameter": float(local_exponents(context, contact, contact.diameter)),
+    }

@@ -1,0 +1,91 @@
+"""Numbers behind the claims of the article, by section; the claims ledger judges them.
+
+One function per claim, named after it; its docstring says what is computed. What the article
+states, and the criteria, stand in ``config/claims.yaml``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import pandas as pd
+
+from microimpact.core.nearest import nearest
+from microimpact.studies.claims.claim_numbers import (
+    conclusions,
+    designs,
+    dynamics,
+    empirical,
+    experiments,
+    oblique,
+    rigid_body,
+    roughness,
+    spores,
+)
+from microimpact.studies.claims.claim_numbers.claim import CLAIMS, COLUMNS, NOT_COMPUTED, rows
+from microimpact.studies.claims.claim_numbers.context import Context
+from microimpact.studies.claims.claim_numbers.params import Params
+
+__all__ = ["CLAIMS", "NOT_COMPUTED", "SECTIONS", "Params", "numbers_of", "run"]
+
+# Modules in the order of the article; each registers the claims of its sections.
+SECTIONS = (
+    experiments,
+    oblique,
+    spores,
+    rigid_body,
+    dynamics,
+    empirical,
+    roughness,
+    designs,
+    conclusions,
+)
+
+
+def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+    """Compute the numbers of every claim.
+
+    A claim that cannot be computed with the settings has a row that says why, and leaves the others
+    alone.
+
+    Parameters
+    ----------
+    params
+        Parameters of the study.
+    inputs
+        ``materials``, ``contacts``, ``anchors``: declared rows; tables of earlier studies by name.
+
+    Returns
+    -------
+    mapping
+        ``claim_numbers``: per claim, case and quantity its value, unit, evidence and code; in the
+        column ``problem``, why there is none.
+    """
+    context = Context(params=params, inputs=inputs)
+    found = [row for name in _ascending() for row in rows(name, context)]
+    return {"claim_numbers": pd.DataFrame(found, columns=list(COLUMNS))}
+
+
+def numbers_of(claim: str, params: Params, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+    """Return the numbers of one claim, as rows of the table of all.
+
+    Parameters
+    ----------
+    claim
+        Such as ``C58``.
+    params, inputs
+        As in `run`; of the tables those that the claim reads.
+
+    Raises
+    ------
+    ValueError
+        If no function computes such a claim.
+    """
+    if claim not in CLAIMS:
+        raise ValueError(f"no function computes a claim {claim!r}{nearest(claim, CLAIMS)}")
+    context = Context(params=params, inputs=inputs)
+    return pd.DataFrame(list(rows(claim, context)), columns=list(COLUMNS))
+
+
+def _ascending() -> list[str]:
+    return sorted(CLAIMS, key=lambda name: int(name[1:]))

@@ -1,0 +1,108 @@
+"""How the numbers of a claim come about: a function of the context, registered by `claim`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from microimpact.studies.claims.claim_numbers.context import Context
+
+COLUMNS = ("claim", "case", "quantity", "value", "unit", "evidence", "code", "problem")
+
+VIRTUAL, CALIBRATED = "virtual experiment", "calibrated"
+
+# The quantity of the row that stands for numbers that cannot be computed.
+NOT_COMPUTED = "not computed"
+# What the settings or the physics forbid. Errors of the program are none of these and end the run.
+UNCOMPUTABLE = (ValueError, ArithmeticError, RuntimeError)
+
+# Values by quantity; by alternative and quantity, where the claim has alternatives of its own.
+Numbers = Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Claim:
+    """How the numbers of one claim come about.
+
+    Attributes
+    ----------
+    of
+        Numbers from the context.
+    by_case
+        Whether there are numbers for every case of steel on silicon.
+    evidence
+        What they rest on.
+    units
+        Unit of all quantities, or of those that have one.
+    """
+
+    of: Callable[[Context], Numbers]
+    by_case: bool
+    evidence: str
+    units: str | Mapping[str, str]
+
+    def unit(self, quantity: str) -> str:
+        """Return the unit of a quantity, ``-`` for none."""
+        return self.units if isinstance(self.units, str) else self.units.get(quantity, "-")
+
+
+CLAIMS: dict[str, Claim] = {}
+
+
+def claim(
+    name: str,
+    *,
+    by_case: bool = False,
+    evidence: str = "computed",
+    units: str | Mapping[str, str] = "-",
+) -> Callable[[Callable[[Context], Numbers]], Callable[[Context], Numbers]]:
+    """Register the function that computes the numbers of a claim; fields as in `Claim`.
+
+    Raises
+    ------
+    ValueError
+        If the claim has a function already.
+    """
+
+    def register(of: Callable[[Context], Numbers]) -> Callable[[Context], Numbers]:
+        if name in CLAIMS:
+            raise ValueError(f"claim {name!r} has a function already, {CLAIMS[name].of.__name__}")
+        CLAIMS[name] = Claim(of=of, by_case=by_case, evidence=evidence, units=units)
+        return of
+
+    return register
+
+
+def rows(name: str, context: Context) -> Iterator[dict[str, object]]:
+    """Yield the rows of a claim, with `COLUMNS`: numbers, or why there are none in a case."""
+    own = CLAIMS[name]
+    code = f"{own.of.__module__}.{own.of.__qualname__}"
+    row = {"claim": name, "evidence": own.evidence, "code": code}
+    for each in context.cases() if own.by_case else (context,):
+        try:
+            found = list(_flat(own.of(each), each.case))
+        except UNCOMPUTABLE as error:
+            reason = " ".join(f"{type(error).__name__}: {error}".split())
+            found = [(each.case, NOT_COMPUTED, math.nan, reason)]
+        for case, quantity, value, problem in found:
+            unit = own.unit(quantity) if not problem else "-"
+            yield row | {
+                "case": case,
+                "quantity": quantity,
+                "value": value,
+                "unit": unit,
+                "problem": problem,
+            }
+
+
+def _flat(numbers: Numbers, case: str) -> Iterator[tuple[str, str, float, str]]:
+    """Yield case, quantity, value and problem (none); alternatives are named after the case."""
+    for name, value in numbers.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{case}, {name}")
+        elif math.isfinite(value):
+            yield case, name, float(value), ""
+        else:
+            raise ArithmeticError(f"{name} = {value} is not a finite number")

@@ -1,0 +1,199 @@
+"""What the functions of the claims share: settings, contacts, samples and earlier tables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Self
+
+import numpy as np
+import pandas as pd
+
+from microimpact.core.arrays import FloatArray, Real
+from microimpact.lab.contacts import calibrated_contact, declared_contact
+from microimpact.lab.samples import Dropped, Sampling, Seen, contact_of, half_width, seen
+from microimpact.model.contact import Contact, resized
+from microimpact.model.dynamics.impact import Impact, simulate
+from microimpact.studies.claims.claim_numbers.params import Params
+
+# Halvings that narrow any interval of numbers down to rounding.
+HALVINGS = 60
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Context:
+    """One case of steel on silicon, or none (""), with all settings and tables.
+
+    Attributes
+    ----------
+    params
+        Parameters of the study.
+    inputs
+        Declared rows and tables of earlier studies by name.
+    case
+        Name of the calibrated case; the first of those declared is meant where there is none.
+    """
+
+    params: Params
+    inputs: Mapping[str, pd.DataFrame]
+    case: str = ""
+    _seen: dict[tuple[Dropped, float, Sampling], Seen] = field(default_factory=dict)
+
+    def cases(self) -> Iterator[Self]:
+        """Yield the context of every case."""
+        return (replace(self, case=case) for case in self.params.steel.cases)
+
+    # Contacts and impacts
+
+    @property
+    def steel(self) -> Contact:
+        """Contact of the case, as large and with such friction as is meant."""
+        steel = self.params.steel
+        contact = calibrated_contact(self.inputs, self.case or steel.cases[0])
+        return resized(contact, steel.diameter_um * 1e-6).replace(friction=steel.friction)
+
+    @property
+    def calibrated_capture_velocity(self) -> float:
+        """Capture velocity that the calibration met, m/s."""
+        wanted = {"role": "target", "quantity": "capture_velocity"}
+        return float(self.table("calibration", **wanted)["value"].iloc[0])
+
+    @property
+    def fluorescein(self) -> Contact:
+        """Declared contact of ammonium fluorescein on molybdenum."""
+        pair = self.params.fluorescein
+        return declared_contact(
+            self.inputs, pair.particle, pair.surface, diameter=pair.diameter_um * 1e-6
+        )
+
+    @property
+    def speed(self) -> float:
+        """Speed of the impact meant, m/s."""
+        return self.params.steel.speed_m_per_s
+
+    def hit(self, contact: Contact, speed: Real, angle: Real = 90.0) -> Impact:
+        """Simulate impacts with the initial spin and the friction meant."""
+        steel = self.params.steel
+        spin = steel.spin_ratio * np.asarray(speed) / contact.radius
+        return simulate(contact, speed, angle, spin, steel.friction_basis)
+
+    def all_angles(self, high: float = 90.0, low: float = 0.0) -> FloatArray:
+        """Return all steps of the angle from high to low, without 0, in degrees."""
+        step = self.params.steel.angle_step_deg
+        angles = step * np.arange(1, int(90.0 / step) + 1)
+        inside = angles[(angles >= low) & (angles <= high)][::-1]
+        return inside.astype(np.float64)
+
+    def rebounds(
+        self, contact: Contact, angles: FloatArray | None = None
+    ) -> tuple[FloatArray, Impact]:
+        """Return the angles (all steps, if none given) at which it rebounds, and the impacts.
+
+        Raises
+        ------
+        ValueError
+            If it rebounds at none.
+        """
+        wanted = self.all_angles() if angles is None else angles
+        free = wanted[~self.hit(contact, self.speed, wanted).captured]
+        if free.size == 0:
+            raise ValueError(f"steel.speed_m_per_s: at {self.speed:g} it rebounds at no angle")
+        return free, self.hit(contact, self.speed, free)
+
+    # Samples of virtual impacts
+
+    @property
+    def series(self) -> Sampling:
+        """How samples are drawn at many angles or settings."""
+        return replace(self.params.sampling, impacts=self.params.series_impacts)
+
+    def seen(self, dropped: Dropped, angle: float, sampling: Sampling | None = None) -> Seen:
+        """Return what a large sample of virtual impacts shows; of the case, if there is one."""
+        own = replace(dropped, case=self.case or dropped.case)
+        key = (own, angle, sampling or self.params.sampling)
+        if key not in self._seen:
+            self._seen[key] = seen(own, contact_of(own, self.inputs), angle, key[2])
+        return self._seen[key]
+
+    def over_half_width(
+        self,
+        quantity: str,
+        one: tuple[Dropped, float],
+        other: tuple[Dropped, float],
+        sampling: Sampling | None = None,
+    ) -> float:
+        """Return a difference of means, one less other, over the half-width of its interval.
+
+        Parameters
+        ----------
+        quantity
+            ``restitution``, ``impulse_ratio`` or ``energy_loss``.
+        one, other
+            What is dropped, and the angle in degrees.
+        sampling
+            How the samples are drawn.
+        """
+        a, b = (self.seen(*sample, sampling).statistics[quantity] for sample in (one, other))
+        return (a.mean - b.mean) / half_width(a, b, sampling or self.params.sampling)
+
+    # Tables
+
+    def printed(self, key: str) -> float:
+        """Return a printed value."""
+        rows = self.inputs["anchors"].set_index("key")["value"].astype(float)
+        if key not in rows:
+            raise ValueError(f"anchors: {key!r} is not named")
+        return float(rows[key])
+
+    def table(self, name: str, **where: object) -> pd.DataFrame:
+        """Return the rows of a table with these values, of the case if it tells cases apart.
+
+        Raises
+        ------
+        ValueError
+            If there is none.
+        """
+        rows = self.inputs[name]
+        if self.case and "case" in rows:
+            where = {"case": self.case, **where}
+        for column, value in where.items():
+            rows = rows[rows[column] == value]
+        if rows.empty:
+            wanted = ", ".join(f"{key} {value}" for key, value in where.items())
+            raise ValueError(f"{name}: no row with {wanted}" if wanted else f"{name}: no row")
+        return rows
+
+    def column(self, name: str, column: str, angles: object = None, **where: object) -> pd.Series:
+        """Return a column of a table by angle (degrees), at some angles or at all.
+
+        Raises
+        ------
+        ValueError
+            If the table has no such row, or not all the angles.
+        """
+        rows = self.table(name, **where)
+        found = pd.Series(rows[column].to_numpy(float), index=rows["angle_deg"].to_numpy(float))
+        if angles is None:
+            return found
+        wanted = np.atleast_1d(np.asarray(angles, dtype=np.float64))
+        if missing := [f"{angle:g}" for angle in wanted if angle not in found.index]:
+            raise ValueError(f"{name}: no row at {', '.join(missing)} deg")
+        return found.loc[wanted]
+
+
+def without_adhesion(contact: Contact) -> Contact:
+    """Return the contact with the same damping and no ring force."""
+    return contact.replace(work_of_adhesion=0.0)
+
+
+def between(ends: tuple[float, float], points: int) -> FloatArray:
+    """Return speeds or sizes between two ends, in equal ratios."""
+    return np.geomspace(*ends, points)
+
+
+def boundary(holds: Callable[[float], bool], low: float, high: float) -> float:
+    """Return where a condition begins to hold, which does not hold below and does above."""
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if holds(middle) else (middle, high)
+    return high

@@ -1,0 +1,497 @@
+"""Numbers of the claims of Section 3.2: the simulation of an impact."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import scipy
+
+from microimpact.core.arrays import FloatArray, Real
+from microimpact.lab.contacts import calibrated_contact
+from microimpact.lab.events import Impacts
+from microimpact.lab.samples import (
+    Statistic,
+    in_plane,
+    statistics,
+)
+from microimpact.model.contact import Contact, resized
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import (
+    Impact,
+    simulate,
+)
+from microimpact.model.dynamics.normal import normal_impact
+from microimpact.model.rigid_body.algebra import (
+    INERTIA,
+)
+from microimpact.studies.claims.claim_numbers.claim import CALIBRATED, VIRTUAL, claim
+from microimpact.studies.claims.claim_numbers.context import (
+    Context,
+    between,
+    without_adhesion,
+)
+from microimpact.studies.claims.claim_numbers.oblique import sampled
+from microimpact.studies.claims.claim_numbers.rigid_body import farthest, works
+
+# Factor by which each base unit (mass, length, time) is changed: a power of two is exact.
+UNIT_FACTOR = 2.0
+# Hertz (1882): duration of an elastic impact in greatest compressions over the speed.
+HERTZ_DURATION = 2.9432751
+# Tabor (1951): representative strain of an indentation over its radius in sphere radii.
+TABOR_STRAIN = 0.2
+# Columns of the couples that can arise during an impact, over the couple of friction: from all that
+# the impact loses, and from the model's own damping. Those of steady rolling and the bound are none
+# of these: an impact rolls through an eighth of the contact radius at most.
+COUPLES = ("impact_over_friction", "damping_over_friction")
+# Points of curves over speed.
+POINTS = 60
+# How far from the known capture velocity another is sought, as a logarithm.
+REACH = 3.0
+
+
+@claim("C25")
+def c25(context: Context) -> dict[str, float]:
+    """Exponents of the base units in zeta of Eqs. (23), (24), and the exponent that leaves none.
+
+    Found by changing each base unit in all inputs of the contact.
+    """
+    steel = context.steel
+    zeta = unit_exponents(lambda c: c.adhesion_damping / c.damping_unit, steel)
+    damping = unit_exponents(lambda c: c.adhesion_damping, steel)
+    group = unit_exponents(damping_group, steel)
+    return {
+        "largest_exponent_of_a_base_unit": float(zeta[np.argmax(np.abs(zeta))]),
+        "exponent_that_makes_zeta_dimensionless": float(-(damping @ group) / (group @ group)),
+    }
+
+
+def damping_group(contact: Contact) -> Real:
+    """Return what is raised to a power in Eqs. (23), (24): ``r^3 K v_N^(1/2)/m``."""
+    speed = np.sqrt(np.asarray(contact.reference_velocity, dtype=np.float64))
+    cube: Real = np.power(contact.hertz_radius, 3) * contact.stiffness * speed / contact.mass
+    return cube
+
+
+def unit_exponents(value: Callable[[Contact], Real], contact: Contact) -> FloatArray:
+    """Return the exponents of mass, length and time in a number that a contact gives."""
+    before = np.asarray(value(contact))
+    found = [np.log(value(in_other_units(contact, *powers)) / before) for powers in np.eye(3)]
+    exponents: FloatArray = np.array(found) / np.log(UNIT_FACTOR)
+    return exponents
+
+
+def in_other_units(contact: Contact, mass: float, length: float, time: float) -> Contact:
+    """Return the contact with its numbers in units smaller by 2 to these powers."""
+    m, x, t = UNIT_FACTOR ** np.array([mass, length, time])
+    bodies = {
+        role: replace(
+            body,
+            youngs_modulus=body.youngs_modulus * m / (x * t**2),
+            density=body.density * m / x**3,
+        )
+        for role, body in (("particle", contact.particle), ("surface", contact.surface))
+    }
+    assert contact.work_of_adhesion is not None
+    assert contact.reference_velocity is not None
+    return contact.replace(
+        **bodies,
+        diameter=contact.diameter * x,
+        work_of_adhesion=contact.work_of_adhesion * m / t**2,
+        hertz_damping=contact.hertz_damping * t / x,
+        adhesion_damping=contact.adhesion_damping * t / x,
+        reference_velocity=contact.reference_velocity * x / t,
+    )
+
+
+@claim("C26")
+def c26(context: Context) -> dict[str, float]:
+    """Contact radius at rest with the ring force over that of JKR, ``a^3 = 6 pi w r^2/K``."""
+    ratios = []
+    for steel in (case.steel for case in context.cases()):
+        load = 6.0 * np.pi * np.asarray(steel.work_of_adhesion) * np.square(steel.hertz_radius)
+        ratios.append(steel.equilibrium_contact_radius / np.cbrt(load / steel.stiffness))
+    return {"ratio_of_contact_radii_at_rest": farthest(np.array(ratios))}
+
+
+@claim("C27", by_case=True)
+def c27(context: Context) -> dict[str, float]:
+    """Share of the adhesion's damping in all that is lost, at multiples of the capture velocity.
+
+    The capture velocity is that which the calibration met.
+    """
+    multiples = np.array(context.params.normal.capture_velocities)
+    speeds = multiples * context.calibrated_capture_velocity
+    ledger = normal_impact(context.steel, speeds, ledger=True).ledger
+    assert ledger is not None
+    shares = ledger.adhesion_work / (ledger.adhesion_work + ledger.hertz_work)
+    return {
+        f"adhesion_share_at_{multiple:g}_capture_velocities": share
+        for multiple, share in zip(multiples, shares, strict=True)
+    }
+
+
+@claim("C28", by_case=True, evidence=CALIBRATED, units={"residual_of_capture_velocity": "m/s"})
+def c28(context: Context) -> dict[str, float]:
+    """Restitution at the high speed and capture velocity, less the printed ones."""
+    e = float(simulate(context.steel, context.speed).coefficient_of_restitution)
+    return {
+        "residual_of_restitution": e - context.printed("restitution_sst_silicon_normal"),
+        "residual_of_capture_velocity": float(capture_velocity(context.steel))
+        - context.printed("capture_velocity_sst_silicon"),
+    }
+
+
+@claim("C29", by_case=True)
+def c29(context: Context) -> dict[str, float]:
+    """Greatest compression with the ring force over that without: the least over speeds."""
+    normal, steel = context.params.normal, context.steel
+    speeds = between((normal.slow_speed_m_per_s, context.speed), normal.points)
+    deep, bare = (simulate(c, speeds).maximum_compression for c in (steel, without_adhesion(steel)))
+    return {"least_ratio_of_compression_with_to_without_adhesion": np.min(deep / bare)}
+
+
+@claim("C30")
+def c30(context: Context) -> dict[str, float]:
+    """Least normal force before and after the greatest compression, over the greatest force."""
+    peak = force_ratio(context, "peak_normal_force")
+    first = force_ratio(context, "dip_on_approach")
+    second = force_ratio(context, "dip_on_rebound")
+    return {
+        "first_dip_over_peak_force": first / peak,
+        "second_dip_over_peak_force": second / peak,
+        "ratio_of_second_to_first_dip": second / first,
+    }
+
+
+def force_ratio(context: Context, quantity: str) -> float:
+    """Return a number of the force history of Fig. 20."""
+    return float(context.table("force_ratios", quantity=quantity)["value"].iloc[0])
+
+
+@claim("C31", evidence=CALIBRATED, units={"work_of_adhesion_by_eq_30": "J/m2"})
+def c31(context: Context) -> dict[str, float]:
+    """Work of adhesion that gives the printed ring force by Eq. (30)."""
+    work = context.fluorescein.work_of_adhesion
+    assert work is not None
+    return {"work_of_adhesion_by_eq_30": float(work)}
+
+
+@claim("C32", evidence=CALIBRATED)
+def c32(context: Context) -> dict[str, float]:
+    """Greatest ring force over greatest Hertz force."""
+    ratio = force_ratio(context, "peak_adhesion_over_peak_hertz")
+    return {"peak_adhesion_over_peak_hertz": ratio}
+
+
+@claim("C33", evidence=CALIBRATED)
+def c33(context: Context) -> dict[str, float]:
+    """Greatest damping force of adhesion over greatest ring force."""
+    ratio = force_ratio(context, "peak_adhesion_dissipation_over_adhesion")
+    return {"peak_adhesion_dissipation_over_adhesion": ratio}
+
+
+@claim("C34", units={"least_capture_velocity": "m/s", "greatest_capture_velocity": "m/s"})
+def c34(context: Context) -> dict[str, float]:
+    """Ends of the interval of capture velocities over the contacts that both ratios admit."""
+    table = context.table("molybdenum_capture")
+    rows = table[table["diameter_um"] == context.params.fluorescein.diameter_um]
+    if len(rows) != 1:
+        raise ValueError(
+            f"fluorescein.diameter_um: {context.params.fluorescein.diameter_um:g} is not among"
+            f" the diameters of molybdenum_capture, {sorted(table['diameter_um'])}"
+        )
+    low, high = float(rows["low_m_per_s"].iloc[0]), float(rows["high_m_per_s"].iloc[0])
+    return {
+        "least_capture_velocity": low,
+        "greatest_capture_velocity": high,
+        "greatest_over_least_capture_velocity": high / low,
+    }
+
+
+@claim("C35", evidence=CALIBRATED, units={"capture_velocity": "m/s"})
+def c35(context: Context) -> dict[str, float]:
+    """Capture velocity of the calibrated contact on mica, and its work over that on molybdenum."""
+    mica = calibrated_contact(context.inputs, context.params.fluorescein.on_mica.case)
+    work, other = mica.work_of_adhesion, context.fluorescein.work_of_adhesion
+    assert work is not None
+    assert other is not None
+    return {
+        "capture_velocity": float(capture_velocity(mica)),
+        "work_of_adhesion_over_that_on_molybdenum": float(work / other),
+    }
+
+
+@claim("C36", by_case=True, evidence=CALIBRATED, units={"capture_velocity": "m/s"})
+def c36(context: Context) -> dict[str, float]:
+    """Capture velocity of the calibrated contact."""
+    return {"capture_velocity": float(capture_velocity(context.steel))}
+
+
+@claim("C37", by_case=True, units="ns")
+def c37(context: Context) -> dict[str, float]:
+    """Shortest and longest contact of all rebounds in a range of sizes and speeds.
+
+    Just above the capture velocity of each size contact lasts longest: those speeds are added.
+    """
+    normal, steel = context.params.normal, context.steel
+    diameters = between(normal.lasting_diameters_um, normal.points) * 1e-6
+    low, high = normal.lasting_speeds_m_per_s
+    sizes = resized(steel, diameters[:, None])
+    limit = np.clip(capture_velocity(sizes) * (1.0 + normal.above_capture), low, high)
+    speeds = np.hstack(
+        [
+            np.broadcast_to(between((low, high), normal.points), (diameters.size, normal.points)),
+            limit,
+        ]
+    )
+    impact = simulate(sizes, speeds)
+    free = ~impact.captured
+    if not free.any():
+        raise ValueError("normal.lasting_speeds_m_per_s: no size rebounds at them")
+    lasting = impact.contact_time[free] * 1e9
+    bare = without_adhesion(sizes).replace(hertz_damping=0.0)
+    deepest = simulate(bare, speeds).maximum_compression
+    hertz = (HERTZ_DURATION * deepest / speeds)[free] * 1e9
+    return {
+        "shortest_contact": lasting.min(),
+        "longest_contact": lasting.max(),
+        "shortest_contact_by_hertz": hertz.min(),
+        "longest_contact_by_hertz": hertz.max(),
+    }
+
+
+@claim("C38", by_case=True, units="1/s")
+def c38(context: Context) -> dict[str, float]:
+    """Strain of a normal impact over half its duration, by three measures of strain."""
+    steel = context.steel
+    impact = simulate(steel, context.speed)
+    half, compression = float(impact.contact_time) / 2.0, float(impact.maximum_compression)
+    radius = float(steel.radius)
+    contact_radius = np.sqrt(float(steel.hertz_radius) * compression)
+    return {
+        "rate_of_radius_strain": contact_radius / radius / half,
+        "rate_of_tabor_strain": TABOR_STRAIN * contact_radius / radius / half,
+        "rate_of_compression_strain": compression / radius / half,
+    }
+
+
+@claim("C39", by_case=True, units={"final_spin_at_50_deg": "rad/s"})
+def c39(context: Context) -> dict[str, float]:
+    """Spin after the impact at 50 deg."""
+    angle = context.params.oblique.spin_angle_deg
+    return {"final_spin_at_50_deg": float(context.hit(context.steel, context.speed, angle).spin)}
+
+
+@claim("C41", by_case=True, evidence=VIRTUAL)
+def c41(context: Context) -> dict[str, float]:
+    """How far the loss without rotation lies above the true one, and what rotation holds.
+
+    The gap of the means over the half-width of the 95 % interval that an experiment has for the
+    loss without rotation, the largest over the declared angles; the least gap, and the share of
+    rotation in the final energy at 50 deg, of the mean sphere.
+    """
+    steel, angles = context.steel, context.params.steel.angles_deg
+    oblique = np.array(angles)[np.array(angles) < 90.0]
+    _, impact = context.rebounds(steel, oblique)
+    at_50 = context.hit(steel, context.speed, context.params.oblique.spin_angle_deg)
+    return {
+        "largest_gap_of_losses_over_half_width": max(
+            gap_over_half_width(context, float(angle)) for angle in oblique
+        ),
+        "least_gap_of_losses": np.min(impact.translational_energy_loss - impact.energy_loss),
+        "rotational_share_of_final_energy_at_50_deg": rotational_share(steel, at_50),
+    }
+
+
+def gap_over_half_width(context: Context, angle: float) -> float:
+    """Return the gap of both losses over the half-width of that which is measured.
+
+    It is 0 where so few rebound that there is no such experiment.
+    """
+    params = context.params
+    impacts = sampled(context, replace(params.smooth, friction=params.steel.friction), angle)
+    free = impacts.select(~impacts.captured)
+    if len(free) < params.sampling.events:
+        return 0.0
+    measured = in_plane(free, np.ones(len(free), dtype=bool))
+    loss = statistics(measured, params.sampling.angle_error_deg)["energy_loss"]
+    gap = np.mean(gained_by_rotation(free))
+    return float(gap / half_width(loss, params.sampling.events))
+
+
+def gained_by_rotation(impacts: Impacts) -> FloatArray:
+    """Return the rotational energy gained over the translational energy before each impact."""
+    radius = 0.5 * impacts.diameter
+    gained = np.sum(np.square(impacts.rebound_spin) - np.square(impacts.spin), axis=1)
+    before = np.sum(np.square(impacts.velocity), axis=1)
+    share: FloatArray = INERTIA * np.square(radius) * gained / before
+    return share
+
+
+def half_width(of: Statistic, events: int) -> float:
+    """Return the half-width of the 95 % interval of a mean of so many events."""
+    quantile = float(scipy.special.stdtrit(events - 1, 0.975))
+    return quantile * float(np.sqrt(of.sd**2 / events + of.systematic**2))
+
+
+def rotational_share(contact: Contact, impact: Impact) -> float:
+    """Return the share of rotation in the kinetic energy after an impact."""
+    rotation = INERTIA * np.square(contact.radius * impact.spin)
+    moving = np.square(impact.normal_velocity) + np.square(impact.tangential_velocity)
+    return float(rotation / (rotation + moving))
+
+
+@claim("C42", by_case=True)
+def c42(context: Context) -> dict[str, float]:
+    """Greatest impulse of the couples that can arise in an impact over that of friction.
+
+    Over all rebounds of the table; beside it what steady rolling would give and what no couple
+    exceeds, the greatest contact radius over the radius, and the distance rolled over it.
+    """
+    table = context.table("rolling_dissipation")
+    rows = table[table["captured"].astype(str) == "False"]
+    if rows.empty:
+        raise ValueError("rolling_dissipation: no rebound")
+    return {
+        "largest_rolling_couple_over_friction_couple": largest(rows[list(COUPLES)]),
+        "largest_contact_radius_over_radius": largest(rows[["contact_radius_over_r"]]),
+        "largest_couple_of_steady_rolling_over_friction_couple": largest(
+            rows[["steady_over_friction"]]
+        ),
+        "largest_bound_of_couple_over_friction_couple": largest(rows[["bound_over_friction"]]),
+        "largest_distance_rolled_over_contact_radius": largest(
+            rows[["rolled_over_contact_radius"]]
+        ),
+    }
+
+
+def largest(rows: pd.DataFrame) -> float:
+    """Return the greatest number of some columns."""
+    return float(rows.to_numpy(float).max())
+
+
+@claim("C70", by_case=True)
+def c70(context: Context) -> dict[str, float]:
+    """Share of the loss at the nominal speed that goes into damped adhesion."""
+    found = works(context.steel, np.array([context.speed]))
+    share = found.adhesion / (found.adhesion + found.material)
+    return {"adhesion_share_of_normal_loss": float(share[0])}
+
+
+@claim("C99", by_case=True)
+def c99(context: Context) -> dict[str, float]:
+    """Error of e at speeds not fitted, and how far members of the family differ."""
+    contact, losses = context.steel, context.params.losses
+    e = simulate(contact, np.array(losses.held_out_speeds_m_per_s)).coefficient_of_restitution
+    at_open_speed = [
+        float(simulate(member, losses.open_speed_m_per_s).coefficient_of_restitution)
+        for member in flat_members(context, contact)
+    ]
+    return {
+        "largest_error_at_0p75_1_and_3_m_per_s": float(
+            np.max(np.abs(e - context.params.steel.restitution))
+        ),
+        "spread_of_members_at_0p45_m_per_s": float(np.ptp(at_open_speed)),
+    }
+
+
+def flat_members(context: Context, contact: Contact) -> list[Contact]:
+    """Return the members of the family that keep e flat enough, of all rate exponents.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
+    table = context.table("calibration_family")
+    flat = table[table["deviation_from_plateau"] <= context.params.losses.flat_within]
+    if flat.empty:
+        raise ValueError("flat_within: no member of the calibrated family is so flat")
+    return [
+        contact.replace(
+            work_of_adhesion=float(row["work_of_adhesion_J_per_m2"]),
+            hertz_damping=float(row["hertz_damping_s_per_m"]),
+            adhesion_damping=float(row["adhesion_damping_s_per_m"]),
+            adhesion_rate_exponent=float(row["rate_exponent"]),
+        )
+        for _, row in flat.iterrows()
+    ]
+
+
+@claim("C100", by_case=True)
+def c100(context: Context) -> dict[str, float]:
+    """What it changes to hold zeta at each impact's own speed, or at another nominal one."""
+    contact, losses = context.steel, context.params.losses
+    speed = np.geomspace(*losses.normalised_speeds_m_per_s, POINTS)
+    e = simulate(contact, speed).coefficient_of_restitution
+    own = simulate(at_own_speed(contact, speed), speed).coefficient_of_restitution
+    other = renormalised(contact, losses.other_speed_m_per_s)
+    again = simulate(other, speed).coefficient_of_restitution
+    return {
+        "largest_change_of_restitution_with_each_speed": float(np.max(np.abs(own - e))),
+        "largest_change_of_restitution_with_another_nominal_speed": float(
+            np.max(np.abs(again - e))
+        ),
+        "capture_velocity_ratio_with_each_speed": capture_ratio(contact),
+    }
+
+
+def at_own_speed(contact: Contact, speed: Real) -> Contact:
+    """Return the contact with the zeta of Eqs. (23) and (24) held, v_N the speed of each impact."""
+    unit = contact.replace(reference_velocity=speed).damping_unit / contact.damping_unit
+    return contact.replace(
+        hertz_damping=contact.hertz_damping * unit, adhesion_damping=contact.adhesion_damping * unit
+    )
+
+
+def renormalised(contact: Contact, speed: float) -> Contact:
+    """Return the same contact by zeta at another nominal speed."""
+    # damping that varies with the rate is quoted at the nominal speed
+    adhesion = contact.adhesion_damping_at(speed)
+    bare = contact.replace(reference_velocity=speed)
+    return Contact.from_zeta(
+        zeta_hertz=contact.hertz_damping / bare.damping_unit,
+        zeta_adhesion=adhesion / bare.damping_unit,
+        reference_velocity=speed,
+        particle=contact.particle,
+        surface=contact.surface,
+        diameter=contact.diameter,
+        work_of_adhesion=contact.work_of_adhesion,
+        friction=contact.friction,
+        adhesion_rate_exponent=contact.adhesion_rate_exponent,
+    )
+
+
+def capture_ratio(contact: Contact) -> float:
+    """Return the capture velocity with zeta at each speed over that with one; 1 without damping."""
+    limit = float(capture_velocity(contact))
+    if limit == 0.0:
+        return 1.0
+
+    def excess(log_speed: float) -> float:
+        speed = float(np.exp(log_speed))
+        return log_speed - float(np.log(capture_velocity(at_own_speed(contact, speed))))
+
+    start = float(np.log(limit))
+    return float(
+        np.exp(scipy.optimize.brentq(excess, start - REACH, start + REACH, xtol=1e-12) - start)
+    )
+
+
+@claim("C103")
+def c103(context: Context) -> dict[str, float]:
+    """Ratio of r/T_H to the group of Eqs. (23) and (24), for an elastic sphere."""
+    speed = context.speed
+    elastic = context.steel.replace(
+        work_of_adhesion=0.0, hertz_damping=0.0, adhesion_damping=0.0, reference_velocity=speed
+    )
+    ratio = elastic.hertz_radius / hertz_period(elastic, speed) * elastic.damping_unit
+    return {"ratio_of_expressions": float(ratio)}
+
+
+def hertz_period(elastic: Contact, speed: float) -> Real:
+    """Return the duration of an elastic impact without adhesion, s."""
+    return float(simulate(elastic, speed).contact_time)

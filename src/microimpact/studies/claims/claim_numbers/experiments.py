@@ -1,0 +1,400 @@
+"""Numbers of the claims of Sections 2.1 to 2.3: free fall, instruments, normal impacts, capture."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import scipy
+
+from microimpact.core.arrays import FloatArray, Real
+from microimpact.core.constants import gravity
+from microimpact.lab.contacts import calibrated_contact
+from microimpact.lab.pdpa.pairing import correct
+from microimpact.model.contact import Contact, resized
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import (
+    simulate,
+)
+from microimpact.model.dynamics.normal import normal_impact
+from microimpact.model.rigid_body.algebra import (
+    energy_loss,
+)
+from microimpact.statistics.distributions import Distribution, generator
+from microimpact.studies.claims.claim_numbers.claim import CALIBRATED, VIRTUAL, claim
+from microimpact.studies.claims.claim_numbers.context import (
+    Context,
+    between,
+)
+from microimpact.studies.experiments.pile_up import onset
+
+# Ends of an interval of 95 %, of which the lower decides.
+LOWER_END = 0.025
+# An interval that is said to hold the mean so often does, if it does so within the tolerance.
+LEVEL, LEVEL_TOLERANCE = 0.95, 0.015
+
+
+@claim("C01", units="m/s")
+def c01(context: Context) -> dict[str, float]:
+    """Speeds after the shortest and longest fall, from a speed at the exit of the dispenser."""
+    fall = context.params.fall
+    shortest, longest = np.sqrt(
+        fall.exit_speed_m_per_s**2 + 2.0 * gravity * np.array(fall.heights_m)
+    )
+    return {"speed_after_shortest_fall": shortest, "speed_after_longest_fall": longest}
+
+
+@claim("C02")
+def c02(context: Context) -> dict[str, float]:
+    """Largest error of restitution from speeds at the probe that are carried to the surface."""
+    fall = context.params.fall
+    height = 1e-3 * fall.probe_height_mm
+    v = np.linspace(*fall.speeds_m_per_s, fall.points)[:, None]
+    e = np.linspace(*fall.restitutions, fall.points)
+    at_probe = [np.sqrt(np.square(speed) - 2.0 * gravity * height) for speed in (v, e * v)]
+    incident, rebound = (
+        correct(sign * speed, height, fall.correction)
+        for sign, speed in zip((-1.0, 1.0), at_probe, strict=True)
+    )
+    return {"largest_error_of_restitution": float(np.max(np.abs(-rebound / incident - e)))}
+
+
+@claim("C03", by_case=True, evidence=VIRTUAL, units={"slowest_rebound_seen": "m/s"})
+def c03(context: Context) -> dict[str, float]:
+    """Slowest rebound that climbs to the probe, and share of the rebounds that do not."""
+    fall = context.params.fall
+    slowest = np.sqrt(2.0 * gravity * 1e-3 * fall.probe_height_mm)
+    speed = fall.pile_up_speed_m_per_s
+    e = restitutions(context, context.params.sieves.smaller_um, speed)
+    rebounds = e[e > 0.0] * speed
+    if rebounds.size == 0:
+        raise ValueError(f"fall.pile_up_speed_m_per_s: no sphere rebounds at {speed:g}")
+    return {
+        "slowest_rebound_seen": slowest,
+        "share_of_rebounds_below_probe_at_0p3_m_per_s": np.mean(rebounds < slowest),
+    }
+
+
+def restitutions(
+    context: Context, diameter_um: Distribution, speed: FloatArray | float
+) -> FloatArray:
+    """Return the restitution of all sizes of a class, 0 if captured; sizes along the last axis."""
+    sizes = context.params.sieves.sizes
+    diameter = diameter_um.quantile((np.arange(sizes) + 0.5) / sizes) * 1e-6
+    impact = normal_impact(resized(context.steel, diameter), speed)
+    return np.where(impact.captured, 0.0, impact.coefficient_of_restitution)
+
+
+@claim("C04", units={"drop_height_for_0p3_m_per_s": "m"})
+def c04(context: Context) -> dict[str, float]:
+    """Height of free fall that gives the faster end of the piling up."""
+    speed = context.params.fall.pile_up_speed_m_per_s
+    return {"drop_height_for_0p3_m_per_s": speed**2 / (2.0 * gravity)}
+
+
+@claim("C05", by_case=True, evidence=CALIBRATED)
+def c05(context: Context) -> dict[str, float]:
+    """Restitution against that at 1.66 m/s: greatest change down to 0.75 m/s, fall at 0.3 m/s."""
+    normal = context.params.normal
+    speeds = between((normal.flat_from_m_per_s, context.speed), normal.points)
+    e = context.hit(context.steel, speeds).coefficient_of_restitution
+    slow = context.hit(context.steel, normal.slow_speed_m_per_s).coefficient_of_restitution
+    return {
+        "largest_relative_change_of_restitution_above_0p75_m_per_s": np.max(np.abs(e / e[-1] - 1)),
+        "relative_fall_of_restitution_at_0p3_m_per_s": 1.0 - slow / e[-1],
+    }
+
+
+@claim("C06")
+def c06(context: Context) -> dict[str, float]:
+    """Loss at normal incidence against 1 - e^2: simulated, and by Eq. (14) at the same e."""
+    largest = 0.0
+    for case in context.cases():
+        steel, speeds = case.steel, rebounding_speeds(case)
+        impact = case.hit(steel, speeds)
+        e = impact.coefficient_of_restitution
+        spin = context.params.steel.spin_ratio * speeds / steel.radius
+        rigid = energy_loss(-speeds, 0.0, spin, steel.radius, e, -impact.impulse_ratio)
+        for loss in (impact.translational_energy_loss, rigid.translational):
+            largest = max(largest, np.max(np.abs(loss - (1.0 - np.square(e)))))
+    return {"largest_difference": largest}
+
+
+def rebounding_speeds(case: Context) -> FloatArray:
+    """Return normal speeds in m/s from just above capture to the one that is meant."""
+    normal = case.params.normal
+    least = float(capture_velocity(case.steel)) * (1.0 + normal.above_capture)
+    return between((least, case.speed), normal.points)
+
+
+@claim("C07", by_case=True)
+def c07(context: Context) -> dict[str, float]:
+    """Capture velocity, and speed at 0.9 of the plateau, of the larger mean size over the smaller.
+
+    The plateau is each size's own restitution at 1.66 m/s. The work of adhesion is that of the
+    calibrated size times a power of the ratio of sizes, as a rule the power 0.
+    """
+    captured, falling = [], []
+    for diameter in context.params.normal.compared_diameters_um:
+        contact = sized(context, context.steel, diameter * 1e-6)
+        captured.append(float(capture_velocity(contact)))
+        falling.append(speed_of_share(context, contact))
+    return {
+        "capture_velocity_ratio_75_to_49_um": captured[0] / captured[1],
+        "speed_ratio_at_0p9_of_plateau_75_to_49_um": falling[0] / falling[1],
+    }
+
+
+def speed_of_share(context: Context, contact: Contact) -> float:
+    """Return the fastest speed in m/s at which restitution is down to the share of its plateau."""
+    normal = context.params.normal
+    limit = float(capture_velocity(contact))
+    plateau = float(simulate(contact, context.speed).coefficient_of_restitution)
+
+    def excess(speed: float) -> float:
+        e = float(simulate(contact, speed).coefficient_of_restitution)
+        return e - normal.plateau_share * plateau
+
+    for fast, slow in pairwise(between((context.speed, limit), normal.points)):
+        if excess(slow) < 0.0:
+            return float(scipy.optimize.brentq(excess, slow, fast, xtol=1e-14, rtol=1e-14))
+    raise ValueError(f"restitution never falls to {normal.plateau_share:g} of its plateau")
+
+
+@claim("C08", by_case=True, evidence=CALIBRATED, units="m/s")
+def c08(context: Context) -> dict[str, float]:
+    """Capture velocity of the mean sphere of the smaller sieve class."""
+    mean_sphere = sized(context, context.steel, context.params.sieves.named_diameter_um * 1e-6)
+    return {"capture_velocity_49_um": float(capture_velocity(mean_sphere))}
+
+
+def sized(context: Context, contact: Contact, diameter: Real) -> Contact:
+    """Return the contact at other diameters, m: damping stays, and the work of adhesion."""
+    growth = np.power(diameter / contact.diameter, context.params.normal.work_size_exponent)
+    return contact.replace(
+        diameter=diameter, work_of_adhesion=np.asarray(contact.work_of_adhesion) * growth
+    )
+
+
+@claim("C61", evidence=VIRTUAL, units={"disk_speed_needed": "rev/min", "best_field_of_view": "mm"})
+def c61(context: Context) -> dict[str, float]:
+    """Speeds that the best field of view serves at its best angle, and the disk that they need.
+
+    The disk speed is the greatest over the speeds served.
+    """
+    table = context.table("ptis_range", method="model")
+    pulses = context.params.instruments.most_pulses_per_s
+    served = table[table["covered"] & (table["chop_per_s"] <= pulses)]
+    views = [
+        (
+            own["speed_m_per_s"].nunique(),
+            float(own["view_width_mm"].iloc[0]),
+            float(own["disk_rev_per_min"].max()),
+        )
+        for _, own in served.groupby(["view_width_mm", "angle_deg"])
+    ]
+    count, width, disk = max(views, default=(0, 0.0, 0.0))
+    return {
+        "speeds_served_by_best_field_of_view": count,
+        "disk_speed_needed": disk,
+        "best_field_of_view": width,
+    }
+
+
+@claim("C62", evidence=VIRTUAL)
+def c62(context: Context) -> dict[str, float]:
+    """Largest change of precision and recall with the height of the probe, at any of the speeds.
+
+    Heights at which no pair is recorded have neither.
+    """
+    table = context.table("pairing_quality")
+    speeds = context.params.instruments.pair_speeds_m_per_s
+    chosen = table[table["speed_m_per_s"].isin(speeds)].groupby("speed_m_per_s")
+    change = chosen[["precision", "recall"]].max() - chosen[["precision", "recall"]].min()
+    return {f"largest_change_of_{name}": float(change[name].max()) for name in change}
+
+
+@claim(
+    "C63",
+    evidence=VIRTUAL,
+    units={"speed_at_least_coverage": "m/s", "angle_at_least_coverage": "deg"},
+)
+def c63(context: Context) -> dict[str, float]:
+    """Share of intervals of restitution that hold either mean: the extremes over experiments."""
+    table = context.table("interval_coverage", quantity="restitution")
+    coverage = table["coverage_observable"]
+    least = table.iloc[int(coverage.argmin())]
+    return {
+        "least_coverage_of_mean_of_observable_events": float(coverage.min()),
+        "greatest_coverage_of_mean_of_observable_events": float(coverage.max()),
+        "speed_at_least_coverage": float(least["speed_m_per_s"]),
+        "angle_at_least_coverage": float(least["angle_deg"]),
+        "share_of_experiments_within_0p015": float(
+            ((coverage - LEVEL).abs() <= LEVEL_TOLERANCE).mean()
+        ),
+        "least_coverage_of_mean_of_all_impacts": float(table["coverage_all"].min()),
+    }
+
+
+@claim("C64", by_case=True, evidence=VIRTUAL)
+def c64(context: Context) -> dict[str, float]:
+    """Ratio of the speeds at which restitution has fallen to a share of its plateau.
+
+    Of both classes over their whole ranges, rebounds alone; its interval from experiments with
+    rebounding spheres drawn anew at every speed.
+    """
+    sieves, sampling = context.params.sieves, context.params.sampling
+    speed = np.geomspace(*sieves.speeds_m_per_s, sieves.points)
+    rng = generator(sampling.seed, 3)
+    ratio, drawn = np.ones(1), np.ones(sieves.experiments)
+    for diameter_um, power in ((sieves.smaller_um, 1.0), (sieves.larger_um, -1.0)):
+        spheres = [e[e > 0.0] for e in restitutions(context, diameter_um, speed[:, None])]
+        rebounding = np.array([len(e) >= sampling.events for e in spheres])
+        if not rebounding.any():
+            raise ValueError(f"sieves: at no speed do {sampling.events} spheres of a class rebound")
+        known = [e for e, enough in zip(spheres, rebounding, strict=True) if enough]
+        curve = np.array([[e.mean()] for e in known])
+        sample = np.array(
+            [rng.choice(e, (sieves.experiments, sampling.events)).mean(axis=1) for e in known]
+        )
+        ratio = ratio * fallen_speed(speed[rebounding], curve, sieves.plateau_share) ** power
+        drawn = drawn * fallen_speed(speed[rebounding], sample, sieves.plateau_share) ** power
+    return {
+        "speed_ratio_at_0p9_of_plateau_smaller_to_larger_class": float(ratio[0]),
+        "lower_end_of_its_interval": float(np.quantile(drawn, LOWER_END)),
+    }
+
+
+def fallen_speed(speed: FloatArray, restitution: FloatArray, share: float) -> FloatArray:
+    """Return the highest speed at which restitution is a share of its value at the last speed.
+
+    Parameters
+    ----------
+    speed
+        Ascending, m/s, shape (n,).
+    restitution
+        Of m experiments, shape (n, m).
+    share
+        Of the plateau.
+
+    Raises
+    ------
+    ValueError
+        If it is above that share at all speeds.
+    """
+    aim = share * restitution[-1]
+    below = restitution < aim
+    if not below.any(axis=0).all():
+        raise ValueError(f"sieves.speeds_m_per_s: restitution does not fall to {share:g} at them")
+    last = len(speed) - 1 - np.argmax(below[::-1], axis=0)
+    column = np.arange(restitution.shape[1])
+    low, high = restitution[last, column], restitution[last + 1, column]
+    part = (aim - low) / (high - low)
+    found: FloatArray = speed[last] * (speed[last + 1] / speed[last]) ** part
+    return found
+
+
+@claim("C65", by_case=True, evidence=VIRTUAL)
+def c65(context: Context) -> dict[str, float]:
+    """Range of speeds over which capture sets in, over the capture velocity of the named sphere.
+
+    Larger spheres have lower capture velocities, so that the share captured is a quantile of
+    diameters.
+    """
+    sieves, contact = context.params.sieves, context.steel
+    ends = sieves.smaller_um.quantile(np.sort(sieves.captured_shares)) * 1e-6
+    slow, fast = np.sort(capture_velocity(resized(contact, ends)))
+    named = capture_velocity(resized(contact, sieves.named_diameter_um * 1e-6))
+    return {
+        "width_of_capture_10_to_90_percent_over_capture_velocity_49_um": float(
+            (fast - slow) / named
+        )
+    }
+
+
+@claim("C66", evidence=VIRTUAL, units="m/s")
+def c66(context: Context) -> dict[str, float]:
+    """Speeds below which a target piles up, for strong and weak capture.
+
+    Their difference, the largest and the least, over all targets and scatters.
+    """
+    params = context.params.instruments
+    table = context.table("pile_up")
+    found = {
+        (radius, slope): [
+            first_pile(context, radius, slope, velocity)
+            for velocity in (params.strong_capture_m_per_s, params.weak_capture_m_per_s)
+        ]
+        for radius, slope in table[["target_radius_mm", "slope_deg"]]
+        .drop_duplicates()
+        .itertuples(index=False)
+    }
+    near = min(
+        found,
+        key=lambda one: (
+            abs(one[0] - params.pile_radius_mm),
+            abs(one[1] - params.pile_slope_deg),
+        ),
+    )
+    difference = [abs(strong - weak) for strong, weak in found.values()]
+    return {
+        "onset_speed_at_capture_velocity_0p18": found[near][0],
+        "onset_speed_at_capture_velocity_0p02": found[near][1],
+        "largest_difference_of_onset_speeds": max(difference),
+        "least_difference_of_onset_speeds": min(difference),
+    }
+
+
+def first_pile(context: Context, radius: float, slope: float, velocity: float) -> float:
+    """Return the highest speed (m/s) at which the share that counts as a pile rests on a target.
+
+    The slowest of the speeds tried, if there is no pile at any of them.
+    """
+    rows = context.table("pile_up", target_radius_mm=radius, slope_deg=slope)
+    rows = rows[np.isclose(rows["capture_velocity_m_per_s"], velocity)]
+    if rows.empty:
+        raise ValueError(f"pile_up: no row with capture_velocity_m_per_s {velocity:g}")
+    speed, share = (rows[name].to_numpy(float) for name in ("speed_m_per_s", "share_on_target"))
+    wanted = context.params.instruments.pile_share
+    return float(speed[0]) if np.all(share < wanted) else onset(speed, share, wanted)
+
+
+@claim("C105", by_case=True, evidence=VIRTUAL)
+def c105(context: Context) -> dict[str, float]:
+    """How the mean e of a sieve class's rebounds changes from the nominal speed down."""
+    sieves = context.params.sieves
+    shares = (np.arange(sieves.plateau_sizes) + 0.5) / sieves.plateau_sizes
+    spheres = resized(context.steel, sieves.smaller_um.quantile(shares) * 1e-6)
+    speed = between((context.params.normal.flat_from_m_per_s, context.speed), 25)
+    impact = normal_impact(spheres, speed[:, None])
+    rebounds = np.sum(~impact.captured, axis=1)
+    average = np.sum(impact.coefficient_of_restitution, axis=1) / np.maximum(rebounds, 1)
+    change = average / average[-1] - 1.0
+    return {
+        "largest_relative_change_of_conditional_mean_above_0p75_m_per_s": float(
+            np.max(np.abs(change))
+        ),
+        "captured_share_at_0p75_m_per_s": float(np.mean(impact.captured[0])),
+    }
+
+
+@claim("C107")
+def c107(context: Context) -> dict[str, float]:
+    """Local exponents of the capture velocity over the printed sizes on molybdenum."""
+    fluorescein = context.params.fluorescein
+    contact = calibrated_contact(context.inputs, fluorescein.case)
+    sizes = np.array(fluorescein.sizes_um) * 1e-6
+    exponents = local_exponents(context, contact, sizes)
+    return {
+        "greatest_local_exponent": float(np.max(exponents)),
+        "relative_spread_of_local_exponent": float(np.ptp(exponents) / abs(np.mean(exponents))),
+    }
+
+
+def local_exponents(context: Context, contact: Contact, diameter: Real) -> FloatArray:
+    """Return d ln v_c / d ln d, by central differences."""
+    step = context.params.normal.exponent_step
+    up, down = (
+        capture_velocity(sized(context, contact, diameter * np.exp(s))) for s in (step, -step)
+    )
+    return np.asarray(np.log(up / down) / (2.0 * step))

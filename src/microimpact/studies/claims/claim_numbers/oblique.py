@@ -1,0 +1,482 @@
+"""Numbers of the claims of Sections 2.4.1 and 2.4.2: oblique impacts on silicon and mirrors."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import scipy
+
+from microimpact.core.arrays import FloatArray, Real
+from microimpact.lab.dispenser import InitialSpin
+from microimpact.lab.events import Impacts
+from microimpact.lab.experiment import Target
+from microimpact.lab.ptis.experiment import Recipe, collect, reduced
+from microimpact.lab.samples import (
+    Dropped,
+    Statistic,
+    contact_of,
+    half_width,
+    impacts_of,
+    in_class,
+    with_spin,
+)
+from microimpact.model.contact import Contact
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import (
+    Impact,
+    simulate,
+    velocity_components,
+)
+from microimpact.model.rigid_body.roughness import measured_restitution
+from microimpact.statistics.distributions import generator
+from microimpact.studies.claims.claim_numbers.claim import VIRTUAL, claim
+from microimpact.studies.claims.claim_numbers.context import (
+    Context,
+    boundary,
+)
+from microimpact.studies.experiments.mechanisms.impulse_regions import regions
+from microimpact.studies.experiments.mechanisms.spin import rolling_limit
+
+# Speeds in m/s between which that of capture is sought: none below, all above.
+SLOWEST, FASTEST = 1e-3, 1e2
+# Steps in which ranges of angles are walked, degrees.
+COARSE, FINE = 1.0, 0.01
+# Curves of rebounds begin so much above the normal speed of capture.
+ABOVE_CAPTURE = 1e-6
+# Greatest spread of spins, r omega/v, that is tried.
+WIDEST_SPREAD = 10.0
+# Second number of the key of the stream of repeated experiments; the first is that of the claim.
+ANALYSIS, SPREAD = 109, 0
+
+
+@claim("C09")
+def c09(context: Context) -> dict[str, float]:
+    """Normal speed of capture at 30 deg over that at 90 deg, the larger ratio of all cases."""
+    shallow, steep = context.params.oblique.captured_at_deg
+    ratios = [
+        normal_capture_speed(case, shallow) / normal_capture_speed(case, steep)
+        for case in context.cases()
+    ]
+    return {"normal_capture_speed_ratio_30_to_90_deg": max(ratios)}
+
+
+def normal_capture_speed(context: Context, angle: float) -> float:
+    """Return the speed normal to the nominal surface at which simulated impacts begin to rebound.
+
+    The sphere meets a facet that faces it by the slope declared, as a rule none.
+    """
+    steel, local = context.steel, angle + context.params.oblique.facet_slope_deg
+    local = min(local, 180.0 - local)
+
+    def rebounds(log_speed: float) -> bool:
+        return not context.hit(steel, np.exp(log_speed), local).captured
+
+    speed = np.exp(boundary(rebounds, np.log(SLOWEST), np.log(FASTEST)))
+    return float(speed * np.sin(np.radians(angle)))
+
+
+@claim("C10", by_case=True, units={"rolling_to_sliding_angle": "deg"})
+def c10(context: Context) -> dict[str, float]:
+    """Angle at which the sphere that leaves begins to roll."""
+    steel = context.steel
+    shallowest = float(context.rebounds(steel)[0].min())
+
+    def rolls(angle: float) -> bool:
+        return bool(context.hit(steel, context.speed, angle).rolling)
+
+    return {"rolling_to_sliding_angle": boundary(rolls, shallowest, 90.0)}
+
+
+@claim("C11")
+def c11(context: Context) -> dict[str, float]:
+    """Greatest true and measured restitution over shallow angles and facets up to the angle.
+
+    The impact with the facet is simulated; Eq. (35) gives what is measured about the nominal
+    surface. The largest over all cases.
+    """
+    oblique = context.params.oblique
+    angles = np.linspace(*oblique.rough_angles_deg, oblique.points)[:, None]
+    slopes = angles * np.linspace(0.0, 1.0, oblique.points)
+    true, measured, bounded = [], [], []
+    for case in context.cases():
+        impact = case.hit(case.steel, context.speed, angles + slopes)
+        e, mu = impact.coefficient_of_restitution, -impact.impulse_ratio
+        seen = np.asarray(measured_restitution(np.radians(angles), np.radians(slopes), e, mu))
+        free = ~impact.captured
+        if not free.any():
+            raise ValueError(f"oblique.rough_angles_deg: no rebound at {context.speed:g} m/s")
+        true.append(e[free].max())
+        measured.append(seen[free].max())
+        bounded.append((seen * np.sin(np.radians(angles)))[free].max())
+    return {
+        "largest_true_restitution": max(true),
+        "largest_measured_restitution": max(measured),
+        "largest_measured_restitution_times_sine": max(bounded),
+    }
+
+
+@claim("C12", by_case=True)
+def c12(context: Context) -> dict[str, float]:
+    """Change of the translational loss between 85 and 50 deg, over its value at 85 deg."""
+    steep, shallow = context.params.oblique.level_loss_deg
+    loss = translational_loss(context, context.params.oblique.loss_speed_m_per_s, steep, shallow)
+    return {"largest_relative_change_of_energy_loss": np.max(np.abs(loss / loss[0] - 1.0))}
+
+
+@claim("C13", by_case=True)
+def c13(context: Context) -> dict[str, float]:
+    """Translational loss at 10 deg, and its greatest rise above any value at a steeper angle."""
+    loss = translational_loss(context, context.speed, *context.params.oblique.falling_loss_deg)
+    return {
+        "energy_loss_at_10_deg": loss[-1],
+        "largest_rise_towards_shallow_angles": np.max(loss - np.minimum.accumulate(loss)),
+    }
+
+
+def translational_loss(context: Context, speed: float, steep: float, shallow: float) -> FloatArray:
+    """Return the loss of Eq. (3) in all steps from the steep angle to the shallow one."""
+    angles = context.all_angles(steep, shallow)
+    return np.asarray(context.hit(context.steel, speed, angles).translational_energy_loss)
+
+
+@claim("C14")
+def c14(context: Context) -> dict[str, float]:
+    """Eta of Eq. (13) against the inverse tangent, and the latter and its square below 45 deg."""
+    angles = context.all_angles()
+    v_n, v_t = velocity_components(context.speed, angles)
+    eta = inverse_tangent(np.radians(angles))
+    # The signed eta of Eq. (13) is negative: the sphere approaches.
+    below = eta[angles < 45.0]
+    return {
+        "largest_difference_from_eq_13": np.max(np.abs(-v_t / v_n - eta)),
+        "least_eta_below_45_deg": np.min(below),
+        "least_ratio_of_square_to_eta_below_45_deg": np.min(np.square(below) / below),
+    }
+
+
+def inverse_tangent(angle: FloatArray) -> FloatArray:
+    """Return the printed tan^-1 of an angle (rad), read as the reciprocal of the tangent."""
+    cotangent: FloatArray = np.sin(0.5 * np.pi - angle) / np.sin(angle)
+    return cotangent
+
+
+@claim("C15", by_case=True)
+def c15(context: Context) -> dict[str, float]:
+    """Impulse ratio of a slow oblique impact with the spin of a sphere that has rolled."""
+    slow, contact = context.params.slow, context.steel
+    speed = min(slow.speeds_m_per_s)
+    spin = slow.spin_ratio * speed / contact.radius
+    impact = simulate(contact, speed, slow.spin_deg, spin)
+    return {"impulse_ratio_at_45_deg_with_greatest_spin": float(impact.impulse_ratio)}
+
+
+@claim("C16", by_case=True, evidence=VIRTUAL)
+def c16(context: Context) -> dict[str, float]:
+    """Share captured, and mean restitution, of slow impacts below a normal speed.
+
+    At the declared angles at which the nominal speed leads there. A captured sphere counts with the
+    restitution 0 that it has: where none rebounds there is no other mean.
+    """
+    slow = context.params.slow
+    angles = np.array(context.params.steel.angles_deg)
+    limit = slow.normal_speed_below_m_per_s
+    dropped = replace(slow.dropped, speed_m_per_s=slow.speeds_m_per_s[-1])
+    below = angles[dropped.speed_m_per_s * np.sin(np.radians(angles)) < limit]
+    captured, restitution = [], []
+    for angle in below:
+        impacts = sampled(context, dropped, float(angle))
+        chosen = impacts.select(-impacts.velocity[:, 2] < limit)
+        captured.append(chosen.captured)
+        rebound = np.where(chosen.captured, 0.0, chosen.rebound_velocity[:, 2])
+        restitution.append(-rebound / chosen.velocity[:, 2])
+    return {
+        "captured_share_below_0p2_m_per_s": float(np.mean(np.concatenate(captured))),
+        "mean_restitution_below_0p2_m_per_s": float(np.mean(np.concatenate(restitution))),
+    }
+
+
+def sampled(context: Context, dropped: Dropped, angle: float) -> Impacts:
+    """Return the impacts of the speed class at one angle, of the context's case."""
+    own = replace(dropped, case=context.case)
+    impacts = impacts_of(own, contact_of(own, context.inputs), angle, context.params.sampling)
+    return impacts.select(in_class(own, impacts))
+
+
+@claim("C67", by_case=True, evidence=VIRTUAL, units={"width_of_transition": "deg"})
+def c67(context: Context) -> dict[str, float]:
+    """Kinds of regions between change points of the mean impulse ratio, and the transition."""
+    wanted = context.params.regions
+    samples = [
+        context.seen(context.params.smooth, angle, context.series) for angle in wanted.angles_deg
+    ]
+    ratio = [sample.statistics["impulse_ratio"] for sample in samples]
+    mean, sd = (np.array([getattr(one, name) for one in ratio]) for name in ("mean", "sd"))
+    known = np.isfinite(mean)
+    error = sd[known] / np.sqrt([len(s.measured) for s, k in zip(samples, known, strict=True) if k])
+    angle = np.array(wanted.angles_deg)[known]
+    found = regions(angle, mean[known], error, wanted.constant_within)
+    width = sum(one["width_deg"] for one in found if one["region"] == "transition")
+    kinds = {one["region"] for one in found}
+    if width < wanted.least_transition_deg:
+        kinds.discard("transition")
+    return {"regions_found": len(kinds), "width_of_transition": width}
+
+
+@claim("C68", by_case=True)
+def c68(context: Context) -> dict[str, float]:
+    """How far e strays from the printed plateau, and e at the grazing angle."""
+    contact, oblique = context.steel, context.params.oblique
+    low, high = sorted(oblique.plateau_angles_deg)
+    level = at_angles(context, contact, np.arange(low, high + COARSE / 2, COARSE))
+    grazing = at_angles(context, contact, oblique.grazing_angle_deg)
+    stray = np.max(np.abs(level.coefficient_of_restitution - context.params.steel.restitution))
+    return {
+        "largest_difference_from_plateau_15_to_85_deg": float(stray),
+        "restitution_at_10_deg": float(grazing.coefficient_of_restitution),
+    }
+
+
+def at_angles(context: Context, contact: Contact, angle: Real, basis: str | None = None) -> Impact:
+    """Return impacts at the nominal speed."""
+    wanted = basis or context.params.steel.friction_basis
+    return simulate(contact, context.speed, angle, 0.0, wanted)
+
+
+@claim("C69", by_case=True)
+def c69(context: Context) -> dict[str, float]:
+    """Ratios of impulse ratios between angles, friction following the declared force."""
+    contact, oblique = context.steel, context.params.oblique
+    rises = {
+        basis: quotient(context, contact, oblique.rise_angles_deg, basis)
+        for basis in (context.params.steel.friction_basis, "hertz", "net")
+    }
+    return {
+        "impulse_ratio_15_over_40_deg": quotient(context, contact, oblique.level_angles_deg),
+        "impulse_ratio_8_over_15_deg": rises[context.params.steel.friction_basis],
+        "impulse_ratio_8_over_15_deg_hertz": rises["hertz"],
+        "impulse_ratio_8_over_15_deg_net": rises["net"],
+    }
+
+
+def quotient(
+    context: Context, contact: Contact, angles: tuple[float, float], basis: str | None = None
+) -> float:
+    """Return the impulse ratio at one angle over that at another."""
+    ratio: FloatArray = at_angles(context, contact, np.array(angles), basis).impulse_ratio
+    return float(ratio[0] / ratio[1])
+
+
+@claim("C71", evidence=VIRTUAL)
+def c71(context: Context) -> dict[str, float]:
+    """Least difference of restitution above 20 deg, by slopes alone."""
+    named = context.params.mechanisms
+    found = pair(context, named.slopes_alone, "restitution_difference", named.restitution_deg)
+    return {"least_difference_rough_less_smooth": found.min()}
+
+
+def pair(context: Context, name: str, column: str, angles: tuple[float, ...]) -> pd.Series:
+    """Return a column of a rough less a smooth surface at some angles."""
+    return context.column("surface_pairs", column, angles, pair=name)
+
+
+@claim("C72", evidence=VIRTUAL)
+def c72(context: Context) -> dict[str, float]:
+    """Largest excess of the impulse ratio on the rough surface, at any angle."""
+    excess = context.column(
+        "surface_pairs",
+        "impulse_ratio_difference_over_half_width",
+        pair=context.params.mechanisms.slopes_alone,
+    )
+    return {"largest_excess_of_rough_surface_over_half_width": excess.max()}
+
+
+@claim("C73", evidence=VIRTUAL)
+def c73(context: Context) -> dict[str, float]:
+    """Largest difference of the energy loss above 50 deg, with half the adhesion and without."""
+    named = context.params.mechanisms
+    column = "energy_loss_difference_over_half_width"
+    half, alone = (
+        pair(context, name, column, named.adhesion_deg).max()
+        for name in (named.half_adhesion, named.slopes_alone)
+    )
+    return {
+        "largest_difference_rough_less_smooth_with_half_adhesion_over_half_width": half,
+        "largest_difference_rough_less_smooth_with_slopes_alone_over_half_width": alone,
+    }
+
+
+@claim("C74", evidence=VIRTUAL)
+def c74(context: Context) -> dict[str, float]:
+    """Least difference of the losses on the mirror, and its error by squared restitutions."""
+    named = context.params.mechanisms
+    of = (named.mirror, "energy_loss_difference", named.mirror_deg)
+    error = pair(context, named.mirror, "loss_less_squares_over_half_width", named.mirror_deg)
+    return {
+        "least_difference_of_losses_rough_less_smooth": pair(context, *of).min(),
+        "largest_error_of_difference_over_half_width": error.abs().max(),
+    }
+
+
+@claim("C75", by_case=True)
+def c75(context: Context) -> dict[str, float]:
+    """Falls of restitution with the speed and the angle; of the sieve class, with the speed."""
+    e = mean_sphere(context)
+    fast, middle, slow = e[:, 0]
+    falls = e[:, 0] - e[:, 1]
+    table = context.table("speed_and_angle").sort_values("speed_m_per_s")
+    conditional = table["conditional_mean_steep"].to_numpy(float)
+    return {
+        "fall_at_85_deg_1p60_to_1p05_m_per_s": fast - middle,
+        "fall_at_85_deg_1p05_to_0p45_m_per_s": middle - slow,
+        "fall_85_to_25_deg_at_0p45_less_at_1p60_m_per_s": falls[-1] - falls[0],
+        "conditional_mean_fall_at_85_deg_1p60_to_0p45_m_per_s": conditional[-1] - conditional[0],
+    }
+
+
+def mean_sphere(context: Context) -> FloatArray:
+    """Return restitution of the mean sphere by speed and angle (steep, shallow)."""
+    slow = context.params.slow
+    speed = np.array(slow.speeds_m_per_s)[:, None]
+    impact = simulate(context.steel, speed, np.array(slow.trend_deg))
+    return np.asarray(impact.coefficient_of_restitution)
+
+
+@claim("C76", by_case=True)
+def c76(context: Context) -> dict[str, float]:
+    """Fall of restitution of the mean sphere at the greatest speed, from steep to shallow."""
+    steep, shallow = mean_sphere(context)[0]
+    return {"fall_of_restitution_85_to_25_deg": steep - shallow}
+
+
+@claim("C77", by_case=True, units="deg")
+def c77(context: Context) -> dict[str, float]:
+    """How far the end of rolling moves towards steep angles as the speed falls."""
+    slow = context.params.slow
+    fast, middle, slowest = slow.speeds_m_per_s
+    base = rolling_limit(context.steel, fast, 0.0)
+    return {
+        "shift_of_rolling_limit_at_0p45_m_per_s": (
+            rolling_limit(context.steel, slowest, slow.limit_spin_ratio) - base
+        ),
+        "shift_of_rolling_limit_at_1p05_m_per_s": rolling_limit(context.steel, middle, 0.0) - base,
+    }
+
+
+@claim("C78", by_case=True, evidence=VIRTUAL)
+def c78(context: Context) -> dict[str, float]:
+    """Least mean impulse ratio over spreads of spins, and the spins that would make it zero.
+
+    The mean spin needed brings the mean to zero. No spread about zero does; the spread needed is
+    the least with which the interval of an experiment reaches zero.
+    """
+    slow = context.params.slow
+    needed = context.table("spin_needed", angle_deg=slow.spin_deg).iloc[0]
+    return {
+        "least_mean_impulse_ratio_zero_mean_spin": min(
+            _with_spread(context, slow.mean_spin, sd).mean for sd in slow.spin_spreads
+        ),
+        "mean_spin_over_speed_needed": float(needed["mean_spin_needed"]),
+        "spin_deviation_over_speed_needed": spread_needed(context),
+        "rotational_over_translational_energy_needed": float(
+            needed["rotational_over_translational_energy"]
+        ),
+    }
+
+
+def _with_spread(context: Context, mean: float, sd: float) -> Statistic:
+    slow = context.params.slow
+    spun = with_spin(slow.dropped, mean=mean, sd=sd)
+    return context.seen(spun, slow.spin_deg, context.series).statistics["impulse_ratio"]
+
+
+def spread_needed(context: Context) -> float:
+    """Return the spread of spins without a mean whose interval, of one mean, reaches zero."""
+    exact = Statistic(mean=0.0, sd=0.0, systematic=0.0)
+
+    def lower_end(sd: float) -> float:
+        of = _with_spread(context, 0.0, sd)
+        return of.mean - half_width(of, exact, context.params.sampling)
+
+    return float(scipy.optimize.brentq(lower_end, 0.0, WIDEST_SPREAD, xtol=1e-2))
+
+
+@claim("C79", by_case=True, evidence=VIRTUAL, units="deg")
+def c79(context: Context) -> dict[str, float]:
+    """First angle at which the loss differs from that at the steepest; 0 if it never does."""
+    table = context.table("speed_and_angle").sort_values("speed_m_per_s")
+    slow, middle, fast = np.nan_to_num(table["first_departure_of_loss_deg"].to_numpy(float))
+    return {
+        "angle_of_departure_at_1p05_m_per_s": middle,
+        "angle_of_departure_at_0p45_m_per_s": slow,
+        "angle_of_departure_at_1p60_m_per_s": fast,
+    }
+
+
+@claim("C80")
+def c80(context: Context) -> dict[str, float]:
+    """Share of angles, restitutions and frictions at which the loss falls towards shallow ones."""
+    share = context.table("loss_slopes")["share_falling"].mean()
+    return {"share_of_falling_slopes_below_45_deg": float(share)}
+
+
+@claim("C106", by_case=True)
+def c106(context: Context) -> dict[str, float]:
+    """Impulse ratio at the shallow angle less that at the steep one, at the slow speed."""
+    contact, oblique = context.steel, context.params.oblique
+    angle = np.array(oblique.slow_angles_deg)
+    share = np.power(np.sin(np.radians(angle)), oblique.friction_speed_exponent)
+    rubbing = contact.replace(friction=contact.friction * share)
+    basis, slowest = context.params.steel.friction_basis, context.params.slow.speeds_m_per_s[-1]
+    ratio = simulate(rubbing, slowest, angle, 0.0, basis).impulse_ratio
+    return {"impulse_ratio_30_less_50_deg_at_0p45_m_per_s": float(ratio[0] - ratio[1])}
+
+
+@claim("C109", evidence=VIRTUAL)
+def c109(context: Context) -> dict[str, float]:
+    """Mean half-width of -mu in experiments with spin over that in those without.
+
+    Events are those that the imaging system reports, by the model of its errors.
+    """
+    spread = context.params.spread
+    spun = half_widths(context, spread.dropped.spin)
+    bare = half_widths(context, InitialSpin(sd=0.0, mean=0.0))
+    return {"interval_width_with_over_without_spin_at_70_deg": float(spun / bare)}
+
+
+def half_widths(context: Context, spin: InitialSpin) -> float:
+    """Return the mean half-width of the impulse ratio over repeated experiments."""
+    params = context.params
+    spread, sampling, camera = params.spread, params.sampling, params.camera
+    dropped = spread.dropped
+    recipe = Recipe(
+        target=Target(contact=contact_of(dropped, context.inputs), slope_sd=dropped.slope_sd),
+        diameter_um=dropped.diameter_um,
+        speed=dropped.speed_m_per_s,
+        speed_range=dropped.speed_range_m_per_s,
+        dispenser=sampling.dispenser,
+        spin=spin,
+        instrument=camera,
+        method="model",
+    )
+    widths = []
+    for number in range(spread.experiments):
+        rng = generator(sampling.seed, ANALYSIS, SPREAD, number)
+        found = collect(recipe, spread.angle_deg, sampling.events, spread.most_dropped, rng)
+        of = reduced(found.measured, camera.angle_error_deg)["impulse_ratio"]
+        widths.append(0.5 * (of.high - of.low))
+    return float(np.mean(widths))
+
+
+@claim("C110", by_case=True, units="deg")
+def c110(context: Context) -> dict[str, float]:
+    """Largest angle at which -mu of a rebound exceeds that at 40 deg by a share."""
+    contact, oblique = context.steel, context.params.oblique
+    start = oblique.from_angle_deg
+    sine = float(capture_velocity(contact)) * (1.0 + ABOVE_CAPTURE) / context.speed
+    least = max(float(np.degrees(np.arcsin(min(sine, 1.0)))), FINE)
+    angle = np.append(np.arange(start, least, -FINE), least)
+    ratio = at_angles(context, contact, angle).impulse_ratio
+    risen = angle[ratio >= (1.0 + oblique.rise_share) * ratio[0]]
+    return {"angle_of_rise": float(risen[0]) if risen.size else 0.0}

@@ -1,0 +1,262 @@
+"""Numbers of the claims of Section 3.1: the algebraic model of the rigid body."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from microimpact.core.arrays import FloatArray, Real
+from microimpact.model.contact import Contact
+from microimpact.model.dynamics.impact import (
+    FRICTION_BASES,
+    simulate,
+)
+from microimpact.model.dynamics.normal import normal_impact
+from microimpact.model.dynamics.trajectory import trajectory
+from microimpact.model.rigid_body.algebra import (
+    adhesion_impulse,
+    adhesion_work,
+    deformation_impulse,
+    restitution_with_adhesion,
+)
+from microimpact.studies.claims.claim_numbers.claim import VIRTUAL, claim
+from microimpact.studies.claims.claim_numbers.context import (
+    Context,
+    without_adhesion,
+)
+from microimpact.studies.claims.claim_numbers.experiments import rebounding_speeds
+
+# Entries of the energy ledger that are lost.
+WORKS = ("hertz_work", "adhesion_work")
+# Instants of a trajectory whose works are added up.
+INSTANTS = 4001
+
+
+@claim("C18")
+def c18(context: Context) -> dict[str, float]:
+    """Restitution from momentum with the adhesion impulse of Eqs. (5) and (10), and by Eq. (16)."""
+    R, rho = body_and_adhesion(context)
+    v_n = -context.speed
+    impulses = (-rho * loading_impulse(v_n, R), adhesion_impulse(v_n, R, rho))
+    # e from V_n = v_n + P_D + P_A, impulses per mass.
+    found = [-(v_n + deformation_impulse(v_n, R) + adhesive) / v_n for adhesive in impulses]
+    found.append(restitution_with_adhesion(R, rho))
+    return {"largest_difference_of_restitution": np.max(np.ptp(np.array(found), axis=0))}
+
+
+def loading_impulse(v_n: float, R: Real) -> Real:
+    """Deformation impulse per mass of which adhesion takes the share rho in Eq. (5): rebound's."""
+    return deformation_impulse(v_n, R) - approach_impulse(v_n, R)
+
+
+def approach_impulse(v_n: float, R: Real) -> Real:
+    """Deformation impulse per mass of the approach, which stops the sphere, of the shape of R."""
+    return deformation_impulse(v_n, np.zeros_like(R))
+
+
+def body_and_adhesion(context: Context) -> tuple[FloatArray, FloatArray]:
+    """Return all pairs of body restitution and adhesion coefficient."""
+    algebra = context.params.algebra
+    R, rho = np.meshgrid(algebra.restitutions, algebra.adhesion_coefficients)
+    return R, rho
+
+
+@claim("C19", by_case=True)
+def c19(context: Context) -> dict[str, float]:
+    """Impulse ratio over the coefficient of friction, the largest over all rebounds."""
+    _, impact = context.rebounds(context.steel)
+    ratio = np.max(impact.impulse_ratio) / context.params.steel.friction
+    return {"largest_impulse_ratio_over_friction": ratio}
+
+
+@claim("C20")
+def c20(context: Context) -> dict[str, float]:
+    """Work of Eq. (18) at rho = 1 over the energy that deformation gives back; farthest from 1."""
+    R = np.array(context.params.algebra.restitutions)
+    given_back = 0.5 * np.square(restitution_with_adhesion(R, 0.0) * context.speed)
+    ratio = adhesion_work(-context.speed, R, 1.0) / given_back
+    return {"work_ratio_at_capture": farthest(ratio)}
+
+
+def farthest(ratios: Real) -> float:
+    """Return the ratio that is farthest from 1."""
+    flat = np.ravel(ratios)
+    return float(flat[np.argmax(np.abs(flat - 1.0))])
+
+
+@claim("C21", by_case=True)
+def c21(context: Context) -> dict[str, float]:
+    """Restitution and adhesion coefficient at a speed 1e-4 above that of capture, as calibrated.
+
+    The adhesion coefficient by Eq. (16), 1 - e/R, R from the same impact without ring force.
+    """
+    normal, steel = context.params.normal, context.steel
+    speed = context.calibrated_capture_velocity * (1.0 + normal.above_capture)
+    bare = without_adhesion(steel)
+    e, body = (float(simulate(c, speed).coefficient_of_restitution) for c in (steel, bare))
+    at_rest = simulate(bare, normal.rest_speed_m_per_s).coefficient_of_restitution
+    return {
+        "restitution_just_above_capture": e,
+        "adhesion_coefficient_just_above_capture": 1.0 - e / body,
+        "restitution_without_adhesion_at_1_mm_per_s": float(at_rest),
+    }
+
+
+@claim("C22", by_case=True)
+def c22(context: Context) -> dict[str, float]:
+    """Signed impulse ratio of Eq. (2) at normal incidence with spin of either sign and without."""
+    spin = context.params.oblique.normal_spin_ratio * context.speed / context.steel.radius
+    impact = simulate(context.steel, context.speed, 90.0, np.array([spin, -spin, 0.0]))
+    positive, negative, none = -impact.impulse_ratio
+    return {
+        "signed_impulse_ratio_positive_spin": positive,
+        "signed_impulse_ratio_negative_spin": negative,
+        "signed_impulse_ratio_no_spin": none,
+    }
+
+
+@claim("C23", by_case=True)
+def c23(context: Context) -> dict[str, float]:
+    """Impulse ratio at the shallowest angle of adhesive rebound over that at 15 deg.
+
+    With adhesion, and without at the same two angles.
+    """
+    steel = context.steel
+    shallowest = context.rebounds(steel)[0].min()
+
+    def rise(contact: Contact) -> float:
+        ends = np.array([shallowest, context.params.oblique.plateau_deg])
+        ratio = context.hit(contact, context.speed, ends).impulse_ratio
+        return float(ratio[0] / ratio[1])
+
+    return {
+        "rise_to_shallowest_rebound_with_adhesion": rise(steel),
+        "rise_to_shallowest_rebound_without_adhesion": rise(without_adhesion(steel)),
+    }
+
+
+@claim("C24")
+def c24(context: Context) -> dict[str, float]:
+    """What both works leave of the loss of kinetic energy: simulated rebounds, and Eq. (17)."""
+    R, rho = body_and_adhesion(context)
+    half = 0.5 * context.speed**2
+    e = restitution_with_adhesion(R, rho)
+    works = (1.0 - np.square(R)) * half + adhesion_work(-context.speed, R, rho)
+    residuals = [np.abs((1.0 - np.square(e)) * half - works) / half]
+    for case in context.cases():
+        ledger = normal_impact(case.steel, rebounding_speeds(case), ledger=True).ledger
+        assert ledger is not None
+        lost = ledger.kinetic_before - ledger.kinetic_after
+        works = sum(getattr(ledger, work) for work in WORKS)
+        residuals.append(np.abs(lost - works) / ledger.kinetic_before)
+    return {"largest_relative_residual_of_energy": max(np.max(part) for part in residuals)}
+
+
+@claim("C91", units={"tilt_for_impulse_ratio_of_0p01": "deg"})
+def c91(context: Context) -> dict[str, float]:
+    """Spin, or tilt, that gives a mean impulse ratio of 0.01 at normal incidence.
+
+    Of the calibrated contacts the greatest spin, and the least tilt, over the uncertainty that
+    this study supposes.
+    """
+    table = context.table("spin_or_tilt")
+    tilt = float(table["tilt_deg"].min())
+    return {
+        "spin_over_speed_for_impulse_ratio_of_0p01": float(table["spin_over_speed"].max()),
+        "tilt_for_impulse_ratio_of_0p01": tilt,
+        "tilt_over_its_uncertainty": tilt / context.params.sampling.angle_error_deg,
+    }
+
+
+@claim("C92", by_case=True, evidence=VIRTUAL)
+def c92(context: Context) -> dict[str, float]:
+    """Rise by adhesion, and spread at equal normal speed of two speeds, by adhesion or slopes."""
+    adhesion, slopes = (
+        context.table("adhesion_or_roughness", cause=cause).iloc[0]
+        for cause in ("adhesion", "slopes")
+    )
+    spread = "spread_at_equal_normal_speed"
+    return {
+        "spread_over_speeds_at_equal_normal_speed_by_adhesion": float(adhesion[spread]),
+        "spread_over_speeds_at_equal_normal_speed_by_slopes": float(slopes[spread]),
+        "rise_at_shallowest_rebound_at_1p66_m_per_s_by_adhesion": float(
+            adhesion["rise_at_shallowest_rebound"]
+        ),
+    }
+
+
+@claim("C93", by_case=True)
+def c93(context: Context) -> dict[str, float]:
+    """Impulse and impulse ratio at a vanishing angle without adhesion, by all measures."""
+    contact, oblique = context.steel, context.params.oblique
+    work = np.asarray(contact.work_of_adhesion) * oblique.share_without_adhesion
+    bare = contact.replace(work_of_adhesion=work)
+    angle = oblique.limit_angle_deg
+    limits = [simulate(bare, context.speed, angle, friction_basis=b) for b in FRICTION_BASES]
+    along = context.speed * np.cos(np.radians(angle))
+    momentum = max(float(along - i.tangential_velocity) / context.speed for i in limits)
+    difference = max(abs(float(i.impulse_ratio - contact.friction)) for i in limits)
+    return {
+        "tangential_impulse_over_momentum_at_0p1_deg": momentum,
+        "largest_difference_of_impulse_ratio_from_friction": difference,
+    }
+
+
+@claim("C101", by_case=True)
+def c101(context: Context) -> dict[str, float]:
+    """W_A of Eq. (18), R from impacts without adhesion, over the simulated adhesion loss."""
+    contact = context.steel
+    speed = np.array(context.params.losses.speeds_m_per_s)
+    body = body_restitution(contact, speed)
+    e = simulate(contact, speed).coefficient_of_restitution
+    rigid = adhesion_work(speed, body, 1.0 - e / body)
+    ratio = rigid / works(contact, speed).adhesion
+    return {
+        "least_ratio_of_works": float(ratio.min()),
+        "greatest_ratio_of_works": float(ratio.max()),
+    }
+
+
+@claim("C102", by_case=True)
+def c102(context: Context) -> dict[str, float]:
+    """Loss (1 - R^2) v^2/2, R from impacts without adhesion, over the simulated material loss."""
+    contact = context.steel
+    speed = np.array(context.params.losses.speeds_m_per_s)
+    body = 0.5 * (1.0 - np.square(body_restitution(contact, speed))) * np.square(speed)
+    ratio = body / works(contact, speed).material
+    return {
+        "least_ratio_of_material_losses": float(ratio.min()),
+        "greatest_ratio_of_material_losses": float(ratio.max()),
+    }
+
+
+def body_restitution(contact: Contact, speed: FloatArray) -> FloatArray:
+    """Return R, the restitution of the same contact without ring force."""
+    return simulate(contact.replace(work_of_adhesion=0.0), speed).coefficient_of_restitution
+
+
+class Works(NamedTuple):
+    """Energy lost per unit mass to the damping of adhesion and of the material, m2/s2."""
+
+    adhesion: FloatArray
+    material: FloatArray
+
+
+def works(contact: Contact, speed: FloatArray) -> Works:
+    """Return the losses of normal impacts."""
+    ledger = normal_impact(contact, speed, ledger=True).ledger
+    assert ledger is not None
+    return Works(ledger.adhesion_work / contact.mass, ledger.hertz_work / contact.mass)
+
+
+@claim("C108", by_case=True)
+def c108(context: Context) -> dict[str, float]:
+    """Share of the loss to damped adhesion that falls on the rebound."""
+    losses = context.params.losses
+    damped = context.steel.replace(damped_attachment=losses.attachment_damped)
+    path = trajectory(damped, context.speed, points=INSTANTS)
+    power = np.abs(path.adhesion_damping_force * path.velocity)
+    leaving = path.velocity > 0.0
+    rebound = np.trapezoid(np.where(leaving, power, 0.0), path.time)
+    return {"rebound_share_of_adhesion_loss": float(rebound / np.trapezoid(power, path.time))}
