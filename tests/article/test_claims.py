@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import io
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -146,12 +144,13 @@ def test_every_number_of_every_testable_claim_is_there_in_its_unit(claims, numbe
 
 
 def test_evidence_says_what_was_sampled_and_what_was_fitted(claims, numbers):
-    for name, found in numbers.groupby("claim")["evidence"]:
+    evidence = numbers.groupby("claim")["evidence"].unique()
+    for name, (found,) in evidence.items():
         kind, fitted = claims[name].kind, claims[name].positive == "calibrated"
-        assert (set(found) == {"calibrated"}) == fitted
-        if "virtual experiment" not in (kind, *found) or fitted:
-            continue
-        assert kind != "arithmetic"
+        assert (kind == "virtual experiment") <= (found != "computed")
+        # where an input was fitted to the figure, agreement proves nothing
+        assert (found == "calibrated") <= fitted
+        assert (fitted and kind == "model") <= (found == "calibrated")
 
 
 def test_every_number_names_the_function_of_its_claim(numbers):
@@ -209,6 +208,7 @@ def test_a_mute_break_finds_the_verdict_that_stands_already(name, claims, number
 # Claims that cannot be computed
 
 
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_slow_impacts_leave_claims_not_computed_and_the_others_alone(claims, world, numbers):
     """At 0.01 m/s steel is captured: there is no plateau and no rebound."""
     slow = {"steel": {"speed_m_per_s": 0.01}}
@@ -216,9 +216,7 @@ def test_slow_impacts_leave_claims_not_computed_and_the_others_alone(claims, wor
     found = claim_numbers.run(params, {**world.declared, **world.tables})["claim_numbers"]
     problems = found[found["problem"] != ""].groupby("claim")["problem"].first()
     assert {"C07", "C10", "C59"} <= set(problems.index)
-    assert problems["C10"] == (
-        "ValueError: steel.speed_m_per_s: at 0.01 it rebounds at no angle"
-    )
+    assert problems["C10"] == ("ValueError: steel.speed_m_per_s: at 0.01 it rebounds at no angle")
     assert set(found.loc[found["problem"] != "", "quantity"]) == {NOT_COMPUTED}
     ledger = verdicts(claims, found).set_index("id")
     assert (ledger["verdict"] == NOT_COMPUTED).to_dict() == {
@@ -277,7 +275,9 @@ def test_an_impact_rolls_too_little_for_the_couple_of_steady_rolling(value):
 
 
 def test_elasticities_are_those_of_the_similarity_law(value, declared, tables):
-    work, size = (value("C57", f"elasticity_to_{name}") for name in ("work_of_adhesion", "diameter"))
+    work, size = (
+        value("C57", f"elasticity_to_{name}") for name in ("work_of_adhesion", "diameter")
+    )
     for number, case in enumerate(STEEL):
         slopes = elasticities(calibrated_contact(declared | tables, case)).at_fixed_damping
         assert [work[number], size[number]] == pytest.approx([slopes[1], slopes[2]], rel=1e-4)

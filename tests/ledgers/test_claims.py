@@ -34,7 +34,8 @@ def claim(**changes):
 
 
 def numbers(*rows):
-    return pd.DataFrame([(*row, "computed", "study.c") for row in rows], columns=NUMBER_COLUMNS)
+    whole = [(*row, "computed", "study.c", "") for row in rows]
+    return pd.DataFrame(whole, columns=NUMBER_COLUMNS)
 
 
 GOOD = (("C01", "", "e", 0.72, "-"), ("C01", "", "v", 1.0, "m/s"))
@@ -112,6 +113,23 @@ def test_numbers_that_do_not_fit_are_refused(rows, words):
         verdicts({"C01": claim()}, numbers(*rows))
 
 
+def test_a_claim_that_could_not_be_computed_says_why_and_leaves_the_others_alone():
+    whole = numbers(("C01", "a", "e", 0.7, "-"), ("C01", "a", "v", 1.0, "m/s"))
+    lacking = ("C01", "b", "not computed", float("nan"), "-", "computed", "study.c", "No plateau")
+    other = numbers(*(("C02", *row[1:]) for row in GOOD))
+    table = pd.concat([whole, pd.DataFrame([lacking], columns=NUMBER_COLUMNS), other])
+    claims = {"C01": claim(**TWO), "C02": claim(id="C02")}
+    first, second = verdicts(claims, table).to_dict("records")
+    assert (first["verdict"], first["note"]) == ("not computed", "b: No plateau")
+    assert first["computed_value"] == "e (a) = 0.7; v (a) = 1 m/s"
+    assert second["verdict"] == "reproduced"
+
+
+def test_no_claim_can_declare_that_it_is_not_computed():
+    with pytest.raises(ValueError, match="verdicts"):
+        claim(verdicts=["reproduced", "not reproduced", "not computed"])
+
+
 def test_a_claim_that_is_not_testable_needs_no_numbers():
     untestable = claim(quantities={}, criteria=[], verdicts=["not testable"], **{"break": None})
     other = claim(id="C02")
@@ -120,7 +138,7 @@ def test_a_claim_that_is_not_testable_needs_no_numbers():
     assert list(table["verdict"]) == ["not testable", "reproduced"]
 
 
-def test_tables_of_groups_are_judged_together(tmp_path):
+def test_claims_and_digitised_points_are_judged_together(tmp_path):
     path = tmp_path / "claims.yaml"
     path.write_text(
         """
@@ -141,7 +159,7 @@ C01:
   break: {change: x, expect: not reproduced}
 """
     )
-    tables = {"a": numbers(GOOD[0]), "b": numbers(), "digitised_residuals": residuals()}
+    tables = {"claim_numbers": numbers(GOOD[0]), "digitised_residuals": residuals()}
     assert list(judge(tables, path)["verdict"]) == ["reproduced"]
     tables["digitised_residuals"] = residuals(BARRED)
     table = judge(tables, path)

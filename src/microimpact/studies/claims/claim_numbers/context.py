@@ -8,6 +8,7 @@ from typing import Self
 
 import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.lab.contacts import calibrated_contact, declared_contact
@@ -163,7 +164,9 @@ class Context:
             raise ValueError(f"{name}: no row with {wanted}" if wanted else f"{name}: no row")
         return rows
 
-    def column(self, name: str, column: str, angles: object = None, **where: object) -> pd.Series:
+    def column(
+        self, name: str, column: str, angles: ArrayLike | None = None, **where: object
+    ) -> pd.Series:
         """Return a column of a table by angle (degrees), at some angles or at all.
 
         Raises
@@ -175,7 +178,7 @@ class Context:
         found = pd.Series(rows[column].to_numpy(float), index=rows["angle_deg"].to_numpy(float))
         if angles is None:
             return found
-        wanted = np.atleast_1d(np.asarray(angles, dtype=np.float64))
+        wanted = np.atleast_1d(np.asarray(angles, dtype=np.float64)).tolist()
         if missing := [f"{angle:g}" for angle in wanted if angle not in found.index]:
             raise ValueError(f"{name}: no row at {', '.join(missing)} deg")
         return found.loc[wanted]

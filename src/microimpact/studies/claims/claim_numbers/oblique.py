@@ -214,6 +214,8 @@ def c67(context: Context) -> dict[str, float]:
     ratio = [sample.statistics["impulse_ratio"] for sample in samples]
     mean, sd = (np.array([getattr(one, name) for one in ratio]) for name in ("mean", "sd"))
     known = np.isfinite(mean)
+    if not known.any():
+        raise ValueError("regions.angles_deg: at none of them is there a mean of rebounds")
     error = sd[known] / np.sqrt([len(s.measured) for s, k in zip(samples, known, strict=True) if k])
     angle = np.array(wanted.angles_deg)[known]
     found = regions(angle, mean[known], error, wanted.constant_within)

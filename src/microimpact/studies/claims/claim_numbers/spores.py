@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike
 
 from microimpact.lab.samples import Dropped, Seen, contact_of
 from microimpact.studies.claims.claim_numbers.claim import CALIBRATED, VIRTUAL, claim
@@ -124,7 +125,7 @@ def rise_of_restitution(context: Context, dropped: Dropped) -> float:
     return context.over_half_width("restitution", *ends, context.series)
 
 
-def formica(context: Context, column: str, angles: object = None) -> pd.Series:
+def formica(context: Context, column: str, angles: ArrayLike | None = None) -> pd.Series:
     """Return a column of steel and spores on Formica, by angle."""
     return context.column("formica_mechanism", column, angles)
 
