@@ -12,7 +12,16 @@ from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.lab.contacts import calibrated_contact, declared_contact
-from microimpact.lab.samples import Dropped, Sampling, Seen, contact_of, half_width, seen
+from microimpact.lab.samples import (
+    Dropped,
+    Sampling,
+    Seen,
+    contact_of,
+    half_width,
+    rough,
+    seen,
+    with_spin,
+)
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.impact import Impact, simulate
 from microimpact.studies.claims.claim_numbers.params import Params
@@ -38,7 +47,9 @@ class Context:
     params: Params
     inputs: Mapping[str, pd.DataFrame]
     case: str = ""
+    # Made once, here for all cases: a table of the impact law serves one and the same contact.
     _seen: dict[tuple[Dropped, float, Sampling], Seen] = field(default_factory=dict)
+    _contacts: dict[Dropped, Contact] = field(default_factory=dict)
 
     def cases(self) -> Iterator[Self]:
         """Yield the context of every case."""
@@ -108,12 +119,19 @@ class Context:
         """How samples are drawn at many angles or settings."""
         return replace(self.params.sampling, impacts=self.params.series_impacts)
 
+    def contact(self, dropped: Dropped) -> Contact:
+        """Return the contact of what is dropped, at the mean diameter."""
+        key = rough(with_spin(dropped, mean=0.0, sd=0.0), 0.0)
+        if key not in self._contacts:
+            self._contacts[key] = contact_of(dropped, self.inputs)
+        return self._contacts[key]
+
     def seen(self, dropped: Dropped, angle: float, sampling: Sampling | None = None) -> Seen:
         """Return what a large sample of virtual impacts shows; of the case, if there is one."""
         own = replace(dropped, case=self.case or dropped.case)
         key = (own, angle, sampling or self.params.sampling)
         if key not in self._seen:
-            self._seen[key] = seen(own, contact_of(own, self.inputs), angle, key[2])
+            self._seen[key] = seen(own, self.contact(own), angle, key[2])
         return self._seen[key]
 
     def over_half_width(
@@ -181,7 +199,8 @@ class Context:
         wanted = np.atleast_1d(np.asarray(angles, dtype=np.float64)).tolist()
         if missing := [f"{angle:g}" for angle in wanted if angle not in found.index]:
             raise ValueError(f"{name}: no row at {', '.join(missing)} deg")
-        return found.loc[wanted]
+        at: pd.Series = found.loc[wanted]
+        return at
 
 
 def without_adhesion(contact: Contact) -> Contact:

@@ -16,7 +16,6 @@ from microimpact.lab.ptis.experiment import Recipe, collect, reduced
 from microimpact.lab.samples import (
     Dropped,
     Statistic,
-    contact_of,
     half_width,
     impacts_of,
     in_class,
@@ -200,7 +199,7 @@ def c16(context: Context) -> dict[str, float]:
 def sampled(context: Context, dropped: Dropped, angle: float) -> Impacts:
     """Return the impacts of the speed class at one angle, of the context's case."""
     own = replace(dropped, case=context.case)
-    impacts = impacts_of(own, contact_of(own, context.inputs), angle, context.params.sampling)
+    impacts = impacts_of(own, context.contact(own), angle, context.params.sampling)
     return impacts.select(in_class(own, impacts))
 
 
@@ -453,7 +452,7 @@ def half_widths(context: Context, spin: InitialSpin) -> float:
     spread, sampling, camera = params.spread, params.sampling, params.camera
     dropped = spread.dropped
     recipe = Recipe(
-        target=Target(contact=contact_of(dropped, context.inputs), slope_sd=dropped.slope_sd),
+        target=Target(contact=context.contact(dropped), slope_sd=dropped.slope_sd),
         diameter_um=dropped.diameter_um,
         speed=dropped.speed_m_per_s,
         speed_range=dropped.speed_range_m_per_s,

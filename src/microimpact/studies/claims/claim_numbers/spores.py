@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from microimpact.lab.samples import Dropped, Seen, contact_of
+from microimpact.lab.samples import Dropped, Seen
 from microimpact.studies.claims.claim_numbers.claim import CALIBRATED, VIRTUAL, claim
 from microimpact.studies.claims.claim_numbers.context import (
     Context,
@@ -188,7 +188,7 @@ def watched(context: Context) -> Seen:
     params = context.params.formica
     return as_imaged(
         params.spore,
-        contact_of(params.spore, context.inputs),
+        context.contact(params.spore),
         params.trend_deg[1],
         context.series,
         context.params.camera,
