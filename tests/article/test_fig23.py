@@ -126,18 +126,6 @@ def test_quasi_random_draws_are_worth_many_plain_ones(tables):
         assert abs(plain["estimate"] - other["estimate"]) < 4 * error
 
 
-def test_subtracting_a_value_does_not_make_materials_alike(tables):
-    table = tables["monte_carlo_statements"]
-    residual = table[table["claim"] == "C95"].set_index(["variant", "angle_deg"])["value"].abs()
-    for pair in residual.index.unique("variant"):
-        one = residual.loc[pair]
-        assert one.loc[55.0:].max() < 0.03 < one.loc[30.0]
-        assert 0.05 < one.loc[20.0] < 0.15
-    friction = table[table["claim"] == "C93"]
-    assert len(friction) == 3
-    assert (friction["value"] < 1e-9).all()
-
-
 def test_the_whole_study_runs_on_the_simulation(run_study, calibration, settings):
     branch = settings.branches["monte_carlo"]
     small = {"replicates": 2, "events": 64}

@@ -105,21 +105,6 @@ def test_every_method_is_compared_in_every_cell(tables):
     assert (width["profile, boundary mixture"] < width["profile, chi-square"]).all()
 
 
-def test_statements_are_those_of_the_table(tables, cell):
-    statements = tables["fit_coverage_statements"].set_index("quantity")["value"]
-    name = "largest lowest speed over v_c with v_c within 10 % rms, truth simulation, q free"
-    row = cell["simulation", BASE, 0.01, "free", 1.05]
-    assert statements[name] == 1.05
-    assert row["rms_error"] < 0.1
-    table = tables["fit_coverage"]
-    of = table[
-        (table["variant"] == BASE)
-        & (table["truth"] == "simulation")
-        & (table["exponent"] == "fixed")
-    ]
-    assert statements["least coverage, truth simulation, q fixed"] == of["coverage"].min()
-
-
 def test_other_cells_do_not_change_a_cell(run_study, earlier, few, tables):
     alone = {**few, "lowest_speeds_in_v_c": [1.5], "noise_of_e": [0.01]}
     variants = run_study("fit_coverage", earlier, **alone)["fit_coverage"]

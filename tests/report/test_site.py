@@ -127,6 +127,13 @@ def test_no_asset_asks_the_network():
         assert not re.search(r"https?://|@import|url\(|fetch\(|XMLHttp", text), path
 
 
+def test_a_figure_page_links_the_tables_of_its_study_with_a_sentence(pages, registry):
+    page = pages["figures/fig24.html"]
+    assert "../files/tables/doe_design.csv" in page.links
+    assert registry["fig24"]["tables"]["doe_design"] in " ".join(page.text)
+    assert "Tables beside it" not in " ".join(pages["figures/fig25.html"].text)
+
+
 def test_a_figure_page_tells_inputs_claims_and_command(pages):
     text = " ".join(" ".join(pages["figures/fig04.html"].text).split())
     assert "snakemake --cores 1 fig04" in text

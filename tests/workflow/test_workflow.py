@@ -46,6 +46,22 @@ def test_a_second_call_does_nothing_whatever_the_dates(project):
     assert "Nothing to be done" in project.snakemake(*SMALL).text
 
 
+def test_every_table_has_a_reader(project):
+    """A rule, a page of its own, or the page of a figure that says what it holds."""
+    record = json.loads((project.root / "build/ci/report/record.json").read_text())
+    made = {file for rule in record["rules"] for file in rule["outputs"] if "tables/" in file}
+    read = {file for rule in record["rules"] for file in rule["inputs"]}
+    beside = {
+        f"tables/{name}.csv": words
+        for figure in record["figures"].values()
+        for name, words in figure.get("tables", {}).items()
+    }
+    assert made - read - set(beside) == {
+        f"tables/{page}.csv" for page in ("claims", "equations", "inputs")
+    }
+    assert set(beside) <= made
+
+
 def test_the_run_stamp(project):
     stamp = json.loads((project.root / OUT / "run.json").read_text())
     assert stamp["config"]["pathvars"] == {"results": OUT}

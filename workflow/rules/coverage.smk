@@ -20,7 +20,7 @@ rule fit_coverage_part:
 
 
 rule fit_coverage:
-    """data/capture_recovery.csv; tables/fit_coverage.csv, fit_intervals.csv and fit_coverage_statements.csv."""
+    """data/capture_recovery.csv; tables/fit_coverage.csv and fit_intervals.csv."""
     input:
         parts=chunk_files("fit_coverage"),
         calibration="<results>/tables/calibration.csv",
@@ -28,7 +28,6 @@ rule fit_coverage:
     output:
         fit_coverage="<results>/tables/fit_coverage.csv",
         fit_intervals="<results>/tables/fit_intervals.csv",
-        fit_coverage_statements="<results>/tables/fit_coverage_statements.csv",
         capture_recovery="<results>/data/capture_recovery.csv",
     log:
         "<results>/logs/fit_coverage.log",

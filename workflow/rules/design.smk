@@ -12,7 +12,6 @@ rule doe:
         doe_effects="<results>/tables/doe_effects.csv",
         doe_bd_aliasing="<results>/tables/doe_bd_aliasing.csv",
         doe_elasticities="<results>/tables/doe_elasticities.csv",
-        doe_statements="<results>/tables/doe_statements.csv",
         fig24="<results>/data/fig24.csv",
         fig25="<results>/data/fig25.csv",
     log:

@@ -17,11 +17,10 @@ rule contact_properties:
 
 
 rule oblique_impact:
-    """data/fig18.csv: impulse ratio, data/fig21.csv: energy loss, tables/oblique_summary.csv."""
+    """data/fig18.csv: impulse ratio, data/fig21.csv: energy loss."""
     output:
         fig18="<results>/data/fig18.csv",
         fig21="<results>/data/fig21.csv",
-        oblique_summary="<results>/tables/oblique_summary.csv",
     log:
         "<results>/logs/oblique_impact.log",
         benchmark="<results>/benchmarks/oblique_impact.tsv",

@@ -30,7 +30,6 @@ rule monte_carlo:
         monte_carlo="<results>/tables/monte_carlo.csv",
         monte_carlo_sampling="<results>/tables/monte_carlo_sampling.csv",
         monte_carlo_ablation="<results>/tables/monte_carlo_ablation.csv",
-        monte_carlo_statements="<results>/tables/monte_carlo_statements.csv",
         slope_inference="<results>/tables/slope_inference.csv",
     log:
         "<results>/logs/monte_carlo.log",

@@ -52,7 +52,7 @@ def report_code():
 
 def registry_words():
     """Return of each figure what the report tells: not how its panels are drawn."""
-    told = ("title", "caption", "article", "study", "data")
+    told = ("title", "caption", "article", "study", "data", "tables")
     return {
         name: {key: entry[key] for key in told if key in entry}
         for name, entry in FIGURE_ENTRIES.items()

@@ -81,7 +81,8 @@ class FigureSpec:
     """One figure: words, code that draws it, study and tables it comes from, panels.
 
     `article` says what the article shows there; it is empty for a figure of our own.
-    `evidence_labels` replace words of the key of evidence, as of what another paper printed.
+    `tables` are those of the study that belong beside the figure, each with a sentence on what it
+    holds. `evidence_labels` replace words of the key of evidence, as of what another paper printed.
     """
 
     name: Annotated[str, Field(pattern=FIGURE_NAME)]
@@ -92,6 +93,7 @@ class FigureSpec:
     study: Name
     data: dict[str, DataSpec]
     article: str = ""
+    tables: dict[str, Name] = field(default_factory=dict)
     evidence_labels: dict[str, Name] = field(default_factory=dict)
     width: Literal["single", "double"] = "single"
     height_mm: Annotated[float, Field(gt=0, le=240)] = 65.0

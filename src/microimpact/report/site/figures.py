@@ -46,7 +46,10 @@ class Inputs:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Figure:
-    """One figure: words, files relative to the results, and what stands behind it."""
+    """One figure: words, files relative to the results, and what stands behind it.
+
+    Tables of its study that belong beside it have a sentence each.
+    """
 
     name: str
     label: str
@@ -55,6 +58,7 @@ class Figure:
     article: str
     study: str
     data: tuple[str, ...]
+    tables: Mapping[str, str]
     marks: tuple[Marks, ...]
     inputs: tuple[Inputs, ...]
     claims: tuple[Row, ...]
@@ -130,6 +134,11 @@ def _figure(
         article=" ".join(entry.get("article", "").split()),
         study=study,
         data=data,
+        tables={
+            f"tables/{table}.csv": words
+            for table, words in entry.get("tables", {}).items()
+            if (results / f"tables/{table}.csv").is_file()
+        },
         marks=_marks([results / file for file in data]),
         inputs=tuple(behind[s] for s in (study, *upstream(study, needed))),
         claims=tuple(row for row in claims if name in row["figures"].split()),

@@ -63,7 +63,6 @@ class Params:
     drawn_slope_deg: NonNegative
     speeds_m_per_s: tuple[Positive, ...]
     shares: tuple[Fraction, ...]
-    indistinct_m_per_s: Positive
     anchors: tuple[Name, ...]
 
     def __post_init__(self) -> None:
@@ -165,7 +164,7 @@ def rest(params: Params, contact: Contact, slope_deg: float, speed: float) -> Re
 
 
 def onsets(params: Params, table: pd.DataFrame) -> pd.DataFrame:
-    """Return the speeds below which given shares rest, and whether capture velocities show."""
+    """Return the speeds below which given shares rest, for every capture velocity."""
     rows: list[dict[str, Any]] = []
     for (radius, slope), part in table.groupby(["target_radius_mm", "slope_deg"], sort=False):
         for share in params.shares:
@@ -186,7 +185,6 @@ def onsets(params: Params, table: pd.DataFrame) -> pd.DataFrame:
                     if label == "onset":
                         speeds.append(speed)
             found["difference_m_per_s"] = speeds[0] - speeds[1]
-            found["identified"] = bool(abs(speeds[0] - speeds[1]) > params.indistinct_m_per_s)
             found["evidence"] = "virtual experiment"
             rows.append(found)
     return pd.DataFrame(rows)

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
-from microimpact.core.tables import result_evidence, series_frame
-from microimpact.declared.parameters import AngleDegrees, Finite, Fraction, Name, Positive
+from microimpact.core.tables import series_frame
+from microimpact.declared.parameters import Finite, Fraction, Name, Positive
 from microimpact.lab.contacts import declared_contact
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
@@ -31,14 +31,12 @@ class Params:
     speed_m_per_s: Positive
     spin_rad_per_s: Finite
     rigid_body_restitution: Fraction
-    spin_angle_deg: AngleDegrees
     points: Annotated[int, Field(ge=20)]
     anchors: tuple[Name, ...]
-    calibration_targets: tuple[Name, ...]
 
 
 def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
-    """Return the data of Figs. 18 and 21, and numbers the article's text gives beside them.
+    """Return the data of Figs. 18 and 21.
 
     Parameters
     ----------
@@ -52,8 +50,7 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     mapping
         ``fig18``: impulse ratio against the angle in degrees; panel ``adhesion`` compares the
         rigid body with the simulation, panel ``basis`` the forces that may support friction.
-        ``fig21``: energy loss, total and translational. ``oblique_summary``: final spin, contact
-        time and the angle of capture. Captured impacts are left out of the curves.
+        ``fig21``: energy loss, total and translational. Captured impacts are left out.
     """
     contact = declared_contact(
         inputs, params.particle, params.surface, diameter=params.diameter_um * 1e-6
@@ -68,7 +65,6 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     return {
         "fig18": impulse_ratios(params, contact, angle, printed),
         "fig21": energy_losses(params, contact, angle),
-        "oblique_summary": summary(params, contact, printed),
     }
 
 
@@ -120,50 +116,6 @@ def capture_angle(params: Params, contact: Contact) -> float:
     """Return the angle in degrees at and below which the sphere is captured; 90 if always."""
     ratio = float(capture_velocity(contact)) / params.speed_m_per_s
     return float(np.degrees(np.arcsin(min(ratio, 1.0))))
-
-
-def summary(params: Params, contact: Contact, printed: pd.DataFrame) -> pd.DataFrame:
-    """Return single numbers of the simulation beside what the text prints."""
-    oblique = simulate(contact, params.speed_m_per_s, params.spin_angle_deg, params.spin_rad_per_s)
-    normal = simulate(contact, params.speed_m_per_s)
-    spin = printed.loc["final_spin_sst_silicon"]
-    duration = printed.loc["contact_duration"]
-    at = f"{params.spin_angle_deg:g} deg"
-    rows = [
-        ("final_spin", at, float(oblique.spin), "rad/s", spin["value"], np.nan, np.nan),
-        (
-            "contact_time",
-            "90 deg",
-            float(normal.contact_time) * 1e9,
-            "ns",
-            np.nan,
-            duration["low"],
-            duration["high"],
-        ),
-        ("capture_angle", "", capture_angle(params, contact), "deg", np.nan, np.nan, np.nan),
-        (
-            "capture_velocity",
-            "",
-            float(capture_velocity(contact)),
-            "m/s",
-            printed.loc["capture_velocity_sst_silicon", "value"],
-            np.nan,
-            np.nan,
-        ),
-        (
-            "coefficient_of_restitution",
-            "90 deg",
-            float(normal.coefficient_of_restitution),
-            "-",
-            printed.loc["restitution_sst_silicon_normal", "value"],
-            np.nan,
-            np.nan,
-        ),
-    ]
-    columns = ["quantity", "at", "value", "unit", "printed", "printed_low", "printed_high"]
-    table = pd.DataFrame(rows, columns=columns)
-    table["evidence"] = [result_evidence(q, params.calibration_targets) for q in table["quantity"]]
-    return table
 
 
 def _capture_line(panel: str, params: Params, contact: Contact) -> pd.DataFrame:

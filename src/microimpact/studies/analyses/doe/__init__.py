@@ -34,7 +34,6 @@ from microimpact.studies.analyses.doe.tables import (
     bd_aliasing,
     effect_rows,
     figure_frame,
-    statement_rows,
 )
 
 # Place of this study among the random draws of one seed.
@@ -116,7 +115,7 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
         velocities in m/s, run 0 at the nominal values. ``doe_aliases``: what the fraction cannot
         tell apart. ``doe_effects``: effects in % of the mean, or of 0.01 in ln v_c.
         ``doe_bd_aliasing``: BD in every quarter fraction. ``doe_elasticities``: exact slopes.
-        ``doe_statements``: numbers for what the article says. ``fig24``, ``fig25``: effects drawn.
+        ``fig24``, ``fig25``: effects drawn.
 
     Raises
     ------
@@ -138,9 +137,6 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
         "doe_effects": effects,
         "doe_bd_aliasing": pd.DataFrame([r for each in experiments for r in bd_aliasing(each)]),
         "doe_elasticities": slopes,
-        "doe_statements": pd.DataFrame(
-            [row for each in experiments for row in statement_rows(each, effects)]
-        ),
     } | drawn
 
 

@@ -31,10 +31,8 @@ from microimpact.studies.analyses.monte_carlo.slope_inference import SlopeInfere
 from microimpact.studies.analyses.monte_carlo.tables import (
     Ablation,
     Comparison,
-    Statements,
     ablation_table,
     sampling_table,
-    statements_table,
 )
 
 # First number of every stream's key; the second is the number of the variant.
@@ -48,14 +46,6 @@ class Pair:
     case: Name
     particle: Name
     surface: Name
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Materials:
-    """Two smooth materials whose relative restitution is compared."""
-
-    one: Pair
-    other: Pair
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -104,8 +94,6 @@ class Params:
         equations of motion for every impact.
     smooth
         The smooth surface of the ensembles.
-    compared
-        Materials that subtraction of a value should make alike.
     process, correlation, variants, plan
         See `_monte_carlo`.
     replaced
@@ -122,7 +110,6 @@ class Params:
     seed: Annotated[int, Field(ge=0)]
     model: Literal["rigid_body", "simulation"]
     smooth: Pair
-    compared: Annotated[tuple[Materials, ...], Field(min_length=1)]
     process: Process
     replaced: tuple[Replacement, ...]
     correlation: Correlation
@@ -135,7 +122,6 @@ class Params:
     comparison: Comparison
     ablation: Ablation
     slope_inference: SlopeInference
-    statements: Statements
     calibration_targets: tuple[Name, ...]
 
     def __post_init__(self) -> None:
@@ -145,15 +131,10 @@ class Params:
             raise ValueError(f"variants: names must differ, got {', '.join(variants)}")
         if not any(variant.drawn for variant in self.variants):
             raise ValueError("variants: at least one must be drawn")
-        wanted = {
-            "reference_angle_deg": (self.reference_angle_deg,),
-            "statements.differ_at_deg": (self.statements.differ_at_deg,),
-            "statements.impulse_angles_deg": self.statements.impulse_angles_deg,
-        }
-        for key, angles in wanted.items():
-            for angle in angles:
-                if angle not in self.angles_deg:
-                    raise ValueError(f"{key}: {angle:g} must be one of angles_deg")
+        if self.reference_angle_deg not in self.angles_deg:
+            raise ValueError(
+                f"reference_angle_deg: {self.reference_angle_deg:g} must be one of angles_deg"
+            )
         if self.model == "simulation" and self.slope_inference.restitution_half_width > 0.0:
             raise ValueError(
                 "slope_inference.restitution_half_width: must be 0 with the model 'simulation', "
@@ -198,8 +179,8 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
         ``fig23``: relative e and -mu against the angle in degrees, of the smooth surface and of
         every drawn variant, with bands of two standard errors and, of the first, of measured means.
         ``monte_carlo``: means, errors and rejected shares; empty where the smooth surface captures.
-        ``monte_carlo_sampling``, ``monte_carlo_ablation``, ``monte_carlo_statements``,
-        ``slope_inference``: see `_monte_carlo_tables` and `_slope_inference`.
+        ``monte_carlo_sampling``, ``monte_carlo_ablation``, ``slope_inference``: see `tables` and
+        `slope_inference`.
     """
     return gather(params, inputs, [part(params, inputs, 0, 1)])
 
@@ -235,13 +216,6 @@ def gather(
     )
     first = _stream(next(iter(drawn.values())), SAMPLING)
     apart = {name: _stream(one, ABLATION) for name, one in drawn.items()}
-    compared = {
-        f"{pair.one.case} and {pair.other.case}": (
-            calibrated_contact(inputs, pair.one.case),
-            calibrated_contact(inputs, pair.other.case),
-        )
-        for pair in params.compared
-    }
     return {
         "fig23": figure_data(
             means,
@@ -253,7 +227,6 @@ def gather(
         "monte_carlo": means,
         "monte_carlo_sampling": sampling_table(first, params.comparison),
         "monte_carlo_ablation": ablation_table(apart, base, params.ablation),
-        "monte_carlo_statements": statements_table(means, compared, params.statements),
         "slope_inference": _slopes(params, ensembles),
     }
 

@@ -18,8 +18,12 @@ DIRECT, LOGARITHM = "v_c", "ln v_c"
 
 @claim("C53", by_case=True)
 def c53(context: Context) -> dict[str, float]:
-    """Effects of radius and adhesion at realistic levels against all others."""
+    """Effects of radius and adhesion at realistic levels against all others.
+
+    Beside them, how much wider the work of adhesion would have to vary to match the damping.
+    """
     effects = fraction(context, REALISTIC)
+    slope = context.table("doe_elasticities").set_index("factor")["at_fixed_zeta"]
     margin = float(effects["margin_percent"].iloc[0])
     size = effects["effect_percent"].abs()
     return {
@@ -27,7 +31,16 @@ def c53(context: Context) -> dict[str, float]:
         "effect_of_work_of_adhesion_over_margin": effect(effects, "B") / margin,
         "smaller_of_both_over_largest_other_effect": leading(effects)
         / float(size.drop(["B", "C"], errors="ignore").max()),
+        "log_range_of_work_of_adhesion_over_that_of_damping": log_range(context, "B")
+        / log_range(context, "D"),
+        "log_range_at_which_both_have_one_effect": float(slope["D"] / slope["B"]),
     }
+
+
+def log_range(context: Context, letter: str) -> float:
+    """Return the logarithm of the high over the low realistic level of a factor."""
+    levels = context.table("doe_levels", variation=REALISTIC, factor=letter).iloc[0]
+    return float(np.log(levels["high_multiple"] / levels["low_multiple"]))
 
 
 @claim("C54", by_case=True)
@@ -44,9 +57,18 @@ def c54(context: Context) -> dict[str, float]:
     }
 
 
-@claim("C55", by_case=True)
+@claim(
+    "C55",
+    by_case=True,
+    units={"largest_effect_taken_for_bd_by_a_quarter_of_the_design": "%"},
+)
 def c55(context: Context) -> dict[str, float]:
-    """Interaction BD at small levels over those of the same factors."""
+    """Interaction BD at small levels over those of the same factors.
+
+    Beside it, what quarters of the design that confound it with a factor take for it.
+    """
+    quarters = context.table("doe_bd_aliasing", variation=SMALL)
+    quarters = quarters[quarters["main_effect"] != "none"]
     effects, logarithm = (fraction(context, SMALL, kind) for kind in (DIRECT, LOGARITHM))
     size = {word: abs(effect(effects, word)) for word in ("BD", "BC", "CD")}
     of_logarithm = abs(effect(logarithm, "BD")) / abs(effect(logarithm, "BC"))
@@ -55,6 +77,9 @@ def c55(context: Context) -> dict[str, float]:
         "size_of_bd_over_cd": size["BD"] / size["CD"],
         "size_of_bd_over_margin": size["BD"] / float(effects["margin_percent"].iloc[0]),
         "size_of_bd_over_bc_of_logarithm": of_logarithm,
+        "largest_effect_taken_for_bd_by_a_quarter_of_the_design": float(
+            quarters["apparent_percent"].abs().max()
+        ),
     }
 
 
@@ -103,7 +128,13 @@ def leading(effects: pd.DataFrame) -> float:
 
 @claim("C57", by_case=True)
 def c57(context: Context) -> dict[str, float]:
-    """Elasticities of the capture velocity at the nominal contact, damping held."""
+    """Elasticities of the capture velocity at the nominal contact, damping held.
+
+    Beside them, its mean over the realistic runs with small and adhesive spheres, over that of the
+    next of the four groups.
+    """
+    runs = context.table("doe_design", variation=REALISTIC)
+    groups = runs[runs["run"] > 0].groupby(["B", "C"])["capture_velocity_m_per_s"].mean()
     contact = context.steel
     step = context.params.normal.exponent_step
     work = np.asarray(contact.work_of_adhesion) * np.exp([step, -step])
@@ -111,4 +142,7 @@ def c57(context: Context) -> dict[str, float]:
     return {
         "elasticity_to_work_of_adhesion": float(np.log(limit[0] / limit[1]) / (2.0 * step)),
         "elasticity_to_diameter": float(local_exponents(context, contact, contact.diameter)),
+        "capture_velocity_of_small_and_adhesive_over_next_group": float(
+            groups[1, -1] / groups.drop((1, -1)).max()
+        ),
     }

@@ -26,7 +26,7 @@ from microimpact.model.empirical.batch import (
 )
 from microimpact.studies.models.fit_coverage.design import Cell, Params, cells, method_cells
 from microimpact.studies.models.fit_coverage.intervals import Sample, intervals
-from microimpact.studies.models.fit_coverage.tables import figure_data, statements
+from microimpact.studies.models.fit_coverage.tables import figure_data
 from microimpact.studies.models.fit_coverage.truths import (
     MEASUREMENTS,
     Truths,
@@ -66,8 +66,8 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     -------
     mapping
         ``fit_coverage``: errors of v_c and coverage of its profile interval, per cell.
-        ``fit_intervals``: coverage by method of interval. ``fit_coverage_statements``: what
-        follows, as quantities. ``capture_recovery``: data of the figure.
+        ``fit_intervals``: coverage by method of interval.
+        ``capture_recovery``: data of the figure.
 
     Raises
     ------
@@ -110,7 +110,6 @@ def gather(
     return {
         "fit_coverage": table,
         "fit_intervals": methods,
-        "fit_coverage_statements": statements(table, methods, reference, params.tolerated_error),
         "capture_recovery": figure_data(table, reference, params.confidence),
     }
 

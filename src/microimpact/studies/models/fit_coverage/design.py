@@ -41,7 +41,6 @@ class Params:
     interval_replicates: Count
     starts: Annotated[int, Field(ge=1, le=5)]
     confidence: Annotated[float, Field(ge=0.5, lt=1)]
-    tolerated_error: Open
     methods: Methods
 
     def __post_init__(self) -> None:
