@@ -48,9 +48,8 @@ endif
 help: ## list these targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1|\2/p' Makefile | column -t -s '|'
 
-reproduce: .venv/.run ## run the whole study into results/ and say what was built
-	@$(ACTIVE) .venv/bin/snakemake $(SNAKEMAKE_ARGS)
-	@.venv/bin/python -m microimpact.run.summary results
+reproduce: .venv/.run ## run the whole study into results/ (VERBOSE=1: say all)
+	@$(ACTIVE) .venv/bin/snakemake $(SNAKEMAKE_ARGS) $(if $(VERBOSE),--verbose)
 
 check: .venv/.run ## compare RESULTS=..., or a new small run, with tests/reference
 ifeq ($(RESULTS),)

@@ -21,29 +21,13 @@ container: "docker://python:3.11-slim-bookworm"
 
 
 include: "workflow/rules/common.smk"
-include: "workflow/rules/inputs.smk"
-include: "workflow/rules/models.smk"
-include: "workflow/rules/impact.smk"
-include: "workflow/rules/estimation.smk"
-include: "workflow/rules/capture.smk"
-include: "workflow/rules/coverage.smk"
-include: "workflow/rules/design.smk"
+include: "workflow/rules/study.smk"
 include: "workflow/rules/experiments.smk"
-include: "workflow/rules/roughness.smk"
-include: "workflow/rules/laboratory.smk"
-include: "workflow/rules/mechanisms.smk"
-include: "workflow/rules/schematics.smk"
-include: "workflow/rules/monte_carlo.smk"
-include: "workflow/rules/separation.smk"
-include: "workflow/rules/digitised.smk"
-include: "workflow/rules/ledgers.smk"
+include: "workflow/rules/models.smk"
+include: "workflow/rules/analyses.smk"
 include: "workflow/rules/claims.smk"
-include: "workflow/rules/campaign.smk"
 include: "workflow/rules/figures.smk"
-include: "workflow/rules/pages.smk"
-include: "workflow/rules/explorer.smk"
 include: "workflow/rules/report.smk"
-include: "workflow/rules/check.smk"
 
 
 rule all:
@@ -53,12 +37,14 @@ rule all:
         lambda wildcards: everything(),
 
 
+# The stamp is written first, too: a run that is killed does not leave that of another.
 onstart:
-    if workflow.local_exec:
-        prefork.start()
-        # Meant for submissions: it wakes the scheduler once a second for each job that has ended.
-        workflow.scheduler.job_rate_limiter = None
+    begin_run()
 
 
 onsuccess:
-    write_stamp(workflow.pathvars.apply("<results>/run.json"), config, PROJECT, STARTED)
+    end_run(ended=stamp.run_date())
+
+
+onerror:
+    end_run(ended=None)

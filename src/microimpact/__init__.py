@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from microimpact.model.law.table import Law as Law
     from microimpact.model.law.table import tabulate as tabulate
     from microimpact.model.rigid_body.algebra import rigid_body_rebound as rigid_body_rebound
+    from microimpact.run.study import run_study as run_study
 
 _HOME = {
     "Material": "core.materials",
@@ -41,6 +42,7 @@ _HOME = {
     "planar": "model.dynamics.impact",
     "restitution": "model.empirical.equations",
     "rigid_body_rebound": "model.rigid_body.algebra",
+    "run_study": "run.study",
     "simulate": "model.dynamics.impact",
     "spatial": "model.dynamics.impact",
     "tabulate": "model.law.table",

@@ -10,10 +10,8 @@ from pathlib import Path
 import pytest
 from tests.shared import made_once
 
-from microimpact import studies
+import microimpact
 from microimpact.core.tables import parse_table
-from microimpact.declared.parameters import build
-from microimpact.declared.selection import read_all
 from microimpact.figures.registry import filled, registry
 from microimpact.figures.style import save
 from microimpact.ledgers.claims.criteria import read_claims
@@ -34,21 +32,9 @@ def claims():
 
 
 @pytest.fixture(scope="session")
-def run_study(settings):
-    """Return a function that runs a study with shipped parameters, or some of its own.
-
-    Tables of earlier studies may be given by name.
-    """
-    declared = read_all(*(str(ROOT / path) for path in settings.general.tables))
-
-    def run(name, tables=None, /, **changes):
-        study = studies.study(name)
-        branch = {**settings.branches[name], **changes}
-        inputs = {key: parse_table(text) for key, text in declared.named_in(branch).items()}
-        inputs |= tables or {}
-        return study.run(build(study.Params, branch), inputs)
-
-    return run
+def run_study():
+    """The function that runs a study with shipped parameters, or some of its own."""
+    return microimpact.run_study
 
 
 @pytest.fixture(scope="module")

@@ -1,49 +1,60 @@
-"""Numbers behind the claims of the article."""
+"""The ledgers: what is asserted about the article, the numbers behind it, and what came of it."""
 
 
-rule claim_numbers:
+use rule study as claim_numbers with:
     """tables/claim_numbers.csv: per claim, case and quantity the number that decides it."""
     input:
-        **{
-            table: f"<results>/tables/{table}.csv"
-            for table in (
-                "adhesion_or_roughness",
-                "calibration",
-                "calibration_family",
-                "doe_bd_aliasing",
-                "doe_design",
-                "doe_effects",
-                "doe_elasticities",
-                "doe_levels",
-                "force_ratios",
-                "formica_mechanism",
-                "interval_coverage",
-                "loss_resolution",
-                "loss_slopes",
-                "molybdenum_capture",
-                "monte_carlo",
-                "pairing_quality",
-                "pile_up",
-                "ptis_range",
-                "restitution_fits",
-                "rolling_dissipation",
-                "smooth_spore",
-                "speed_and_angle",
-                "spin_needed",
-                "spin_or_tilt",
-                "spore_comparison",
-                "spore_trends",
-                "surface_pairs",
-            )
-        },
+        **needs("claim_numbers"),
     output:
-        claim_numbers="<results>/tables/claim_numbers.csv",
-    log:
-        "<results>/logs/claim_numbers.log",
-        benchmark="<results>/benchmarks/claim_numbers.tsv",
+        **tables("claim_numbers"),
+    pathvars:
+        name="claim_numbers",
     params:
-        branch=SETTINGS.branches["claim_numbers"],
-        rows=ROWS["claim_numbers"],
-        code=study_code("claim_numbers"),
+        **of("claim_numbers"),
+
+
+rule claims:
+    """tables/claims.csv: every claim of the article, the numbers behind it and the verdict.
+
+    Digitised points, if there are any, have rows after the claims.
+    """
+    input:
+        **tables("claim_numbers", "digitised_residuals"),
+        criteria=SETTINGS.general.claims,
+    output:
+        claims=report(
+            "<results>/tables/claims.csv",
+            caption="../report/claims.rst",
+            category="Ledgers",
+            labels={"ledger": "claims"},
+        ),
+    log:
+        "<results>/logs/claims.log",
+    benchmark:
+        "<results>/benchmarks/claims.tsv"
+    params:
+        rows={},
+        rests_on=inputs_behind("claim_numbers", "digitised_comparison"),
+        code=code_of("microimpact.ledgers.claims", script="judge_ledger.py"),
     script:
-        "../scripts/run_study.py"
+        "../scripts/judge_ledger.py"
+
+
+rule equations:
+    """tables/equations.csv: every equation as printed and as used, checked and judged."""
+    output:
+        equations=report(
+            "<results>/tables/equations.csv",
+            caption="../report/equations.rst",
+            category="Ledgers",
+            labels={"ledger": "equations"},
+        ),
+    log:
+        "<results>/logs/equations.log",
+    benchmark:
+        "<results>/benchmarks/equations.tsv"
+    params:
+        rows=INPUTS.tables.named_in({"particle": "stainless-steel-316", "surface": "silicon"}),
+        code=code_of("microimpact.ledgers.equations", script="judge_ledger.py"),
+    script:
+        "../scripts/judge_ledger.py"

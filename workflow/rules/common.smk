@@ -1,20 +1,25 @@
-"""What all rules share: the checked configuration, declared rows, and source files.
+"""What all rules share: the checked configuration, names of results, and the rule of all studies.
 
 Makes no file. A configuration, declared table or registry with problems ends the run here,
 with one line per problem, before anything is written.
 """
 
 import copy
+import json
 import os
 import sys
+import time
+from functools import cache
 from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
+from snakemake.logging import logger
 from snakemake.utils import update_config
 
 # workflow/Snakefile includes the one of the project.
 PROJECT = Path(workflow.basedir)
 PROJECT = PROJECT.parent if PROJECT.name == "workflow" else PROJECT
+SCRIPTS = PROJECT / "workflow/scripts"
 
 
 wildcard_constraints:
@@ -22,27 +27,30 @@ wildcard_constraints:
 
 
 # A project that was copied or cloned uses its own package, here and in its jobs.
-sys.path.insert(0, str(PROJECT / "src"))
+sys.path[:0] = [str(PROJECT / "src"), str(SCRIPTS)]
 os.environ.update(
     PYTHONPATH=os.pathsep.join(filter(None, [str(PROJECT / "src"), os.environ.get("PYTHONPATH")])),
     # Jobs run beside each other; more threads in each would only wait for one another.
     OPENBLAS_NUM_THREADS="1",
 )
 
-from microimpact import studies
-from microimpact.run import closure
-from microimpact.run import digitised as digitized
-from microimpact.run import prefork
-from microimpact.run.config import load
-from microimpact.run.inputs import read_inputs
-from microimpact.run.remembered import validated
-from microimpact.run.stamp import run_date, write_stamp
+import closure
 
-STARTED = run_date()
+from microimpact import studies
+from microimpact.core.files import of_other_inputs, recorded_since, write_checksums
+from microimpact.core.tables import write_table
+from microimpact.report import explorer, site
+from microimpact.report.site import record as site_record
+from microimpact.run.config import load, validate
+from microimpact.run.inputs import read_inputs
+from microimpact.run import stamp
+from microimpact.run.study import run_with
+from microimpact.run.summary import summary
+
+SITE = PROJECT / "src/microimpact/report/site"
+EXPLORER = PROJECT / "src/microimpact/report/explorer"
+STARTED, BEGAN = stamp.run_date(), time.time()
 CONFIGURATION = Path("config/config.yaml")
-RUN_STUDY = PROJECT / "workflow/scripts/run_study.py"
-DRAW_FIGURE = PROJECT / "workflow/scripts/draw_figure.py"
-JUDGE_LEDGER = PROJECT / "workflow/scripts/judge_ledger.py"
 
 try:
     SHIPPED = load(PROJECT / CONFIGURATION)
@@ -51,65 +59,186 @@ try:
         load(path)  # stricter than the engine, which lets a repeated key pass
     # The engine's own reader (`configfile:`) takes ten times as long for the same values.
     overlay = copy.deepcopy(config)
-    update_config(config, load(CONFIGURATION) if own else copy.deepcopy(SHIPPED))
+    base = load(CONFIGURATION) if own else SHIPPED
+    update_config(config, copy.deepcopy(base))
     update_config(config, overlay)
-    SETTINGS = validated(config, SHIPPED, Path(".snakemake/validated.json"))
+    SETTINGS = validate(config, SHIPPED)
+    stamp.require_own_root(config, base)
     INPUTS = read_inputs(SETTINGS)
-    DECLARED, ROWS, DIGITIZED = INPUTS.tables, INPUTS.rows, INPUTS.digitized
-    FIGURES, FIGURE_ENTRIES = INPUTS.figures, INPUTS.figure_entries
 except (ValueError, OSError) as error:
     raise WorkflowError(f"problems in the declared inputs:\n{error}") from None
+
+RESULTS = Path(workflow.pathvars.apply("<results>"))
+FIGURES, FIGURE_ENTRIES, DIGITIZED = INPUTS.figures, INPUTS.figure_entries, INPUTS.digitized
+
+
+def tables(*names):
+    """Return tables as named files of a rule."""
+    return {name: f"<results>/tables/{name}.csv" for name in names}
+
+
+def data(*names):
+    """Return tables of figure data as named files of a rule."""
+    return {name: f"<results>/data/{name}.csv" for name in names}
+
+
+def needs(study):
+    """Return the tables of earlier studies that a study says it needs."""
+    return tables(*studies.needs(study))
+
+
+def parts(study):
+    """Return the parts that a study is gathered from; in one part it is run at once."""
+    count = SETTINGS.general.chunks
+    numbers = range(1, count + 1) if count > 1 else ()
+    return [f"<results>/chunks/{study}-{n}-of-{count}.json" for n in numbers]
+
+
+def sample_files(study):
+    """Return the files of measured values that a study draws from."""
+    return list(_sample_files(SETTINGS.branches[study]))
+
+
+def _sample_files(node):
+    if isinstance(node, dict):
+        if node.get("kind") == "sample_file":
+            yield node["path"]
+        node = list(node.values())
+    if isinstance(node, list):
+        for item in node:
+            yield from _sample_files(item)
+
+
+def of(study):
+    """Return the parameters of a study's rule: its branch, the declared rows it names, its code."""
+    return {
+        "branch": SETTINGS.branches[study],
+        "rows": INPUTS.rows[study],
+        "rests_on": inputs_behind(study),
+        "code": code_of(studies.homes()[study], script="run_study.py"),
+    }
+
+
+# Results bear this word, so that those made from other inputs than the present ones can be told.
+@cache
+def inputs_behind(*names):
+    """Return a word that changes with any declared input that studies or figures rest on."""
+    told = []
+    for name in names:
+        if name in FIGURES:
+            told += [FIGURE_ENTRIES[name], inputs_behind(FIGURES[name].study)]
+            told += [Path(DIGITIZED[name].path).read_text()] if name in DIGITIZED else []
+        else:
+            told += [SETTINGS.branches[name], INPUTS.rows[name]]
+            told += [Path(path).read_text() for path in sample_files(name)]
+            told += [inputs_behind(maker) for maker in sorted({*studies.needs(name).values()})]
+    return closure.word(json.dumps(told))
 
 
 # Code comes as a parameter and not as input, since the engine asks for the state of all inputs of
 # all waiting jobs, some forty files of code each, whenever a job has ended.
-def digest(files):
-    """Return a word that changes with the content or the names of files, but not with their dates."""
-    return closure.digest(files, PROJECT)
-
-
-def study_code(study):
-    """Return a digest of the files that decide what a study computes."""
-    return digest(closure.source_files(studies.homes()[study], scripts=[RUN_STUDY]))
-
-
-def chunk_files(study):
-    """Return the files of the parts that a heavy study is split into."""
-    count = SETTINGS.general.chunks
-    return [f"<results>/chunks/{study}-{n}-of-{count}.json" for n in range(1, count + 1)]
-
-
-def figure_code(name):
-    """Return a digest of the files that decide how a figure is drawn."""
-    return digest(closure.source_files(FIGURES[name].module, scripts=[DRAW_FIGURE]))
-
-
-def ledger_code(ledger):
-    """Return a digest of the files that decide what a ledger says."""
-    return digest(closure.source_files(f"microimpact.ledgers.{ledger}", scripts=[JUDGE_LEDGER]))
-
-
-def digitised_file(name):
-    """Return the file of digitised points of a figure as a named input, if there is one."""
-    return {"digitised": DIGITIZED[name].path} if name in DIGITIZED else {}
-
-
-def digitised_rows(*figures):
-    """Return the digitised points of figures as declared rows of a study."""
-    return digitized.as_rows(DIGITIZED, figures)
-
-
-def sample_files(node):
-    """Return the files of measured values that a branch draws from."""
-    if isinstance(node, list):
-        return [path for item in node for path in sample_files(item)]
-    if not isinstance(node, dict):
-        return []
-    own = [node["path"]] if node.get("kind") == "sample_file" else []
-    return own + sample_files(list(node.values()))
+def code_of(*modules, script, files=()):
+    """Return a word that changes with the code of modules and a script, but not with its dates."""
+    sources = closure.source_files(*modules, scripts=[SCRIPTS / script])
+    return closure.digest([*sources, *files], PROJECT)
 
 
 def everything():
     """Return every output of every rule that makes files without wildcards."""
     # Bare paths: a report flag on an input of `all` would hide that of the figure's own rule.
     return [str(path) for rule in workflow.rules if not rule.wildcard_names for path in rule.output]
+
+
+def result_rules():
+    """Return what makes tables and figures as the report tells them."""
+    made = [rule for rule in workflow.rules if rule.output and not rule.wildcard_names]
+    found = [
+        site_record.Rule(
+            name=rule.name,
+            purpose=" ".join((rule.docstring or "").split()),
+            inputs=tuple(filter(is_shown, map(relative, rule.input))),
+            outputs=tuple(map(relative, rule.output)),
+            declared=site_record.row_names(dict(rule.params.items()).get("rows")),
+        )
+        for rule in made
+        if all(map(is_shown, map(relative, rule.output))) and rule.name not in FIGURE_JOBS
+    ]
+    return found + [
+        site_record.Rule(
+            name=figure,
+            inputs=tuple(f"data/{table}.csv" for table in spec.data),
+            outputs=(f"figures/{figure}.svg", f"figures/{figure}.png"),
+        )
+        for figure, spec in FIGURES.items()
+    ]
+
+
+def relative(path):
+    """Return the name of a file in the results folder."""
+    return workflow.pathvars.apply(str(path)).removeprefix(workflow.pathvars.apply("<results>/"))
+
+
+def is_shown(file):
+    """Tell whether a result stands on a page."""
+    return Path(file).parts[0] in ("tables", "data", "figures")
+
+
+def registry_words():
+    """Return of each figure what the report tells: not how its panels are drawn."""
+    told = ("title", "caption", "article", "study", "data", "tables")
+    return {
+        name: {key: entry[key] for key in told if key in entry}
+        for name, entry in FIGURE_ENTRIES.items()
+    }
+
+
+def pages_of(package):
+    """Return the templates and assets of a package of pages."""
+    return [path for name in ("templates", "assets") for path in sorted((package / name).iterdir())]
+
+
+def outdated():
+    """Return the results in the results folder that were made from other inputs than the present."""
+    rests_on = {
+        relative(path): word
+        for rule in workflow.rules
+        for word in [dict(rule.params.items()).get("rests_on")]
+        if word and not rule.wildcard_names
+        for path in rule.output
+    }
+    return of_other_inputs(RESULTS, rests_on)
+
+
+def begin_run():
+    """Let what stands in the results folder tell the inputs of this run before a result is made.
+
+    So no target, no failure and no kill leaves a figure beside a stamp, a table of inputs or a
+    report that tells other inputs than its own.
+    """
+    found, table = outdated(), "tables/inputs.csv"
+    if found:
+        site.remove(RESULTS / "report")
+    if table in found or not (RESULTS / table).exists():
+        made = run_with(
+            "declared_inputs",
+            SETTINGS.branches["declared_inputs"],
+            INPUTS.rows["declared_inputs"],
+            {},
+        )
+        write_table(made["inputs"], RESULTS / table)
+        write_checksums(RESULTS, [RESULTS / table], inputs_behind("declared_inputs"))
+    write_stamp(ended=None, outdated=found)
+
+
+def end_run(ended):
+    """Write the stamp again, and tell what was made."""
+    found = outdated()
+    write_stamp(ended=ended, outdated=found)
+    made = [file for file in map(relative, everything()) if recorded_since(RESULTS, file, BEGAN)]
+    if ended:
+        logger.info(summary(RESULTS, made, found), extra={"summary": True})
+
+
+def write_stamp(**how):
+    """Write the stamp of this run."""
+    stamp.write_stamp(RESULTS / "run.json", config, PROJECT, STARTED, **how)

@@ -1,58 +1,189 @@
-"""Virtual experiments: data of Figs. 4 to 12, their tables."""
+"""Section 2: drawings of the set-ups, virtual experiments, and the laboratory's own accuracy."""
 
 
-rule normal_experiments:
+use rule study as schematics with:
+    """data/fig01.csv ... fig22.csv: Figs. 1, 2, 3, 13, 19, 22; tables/schematic_values.csv."""
+    output:
+        **tables("schematic_values"),
+        **data(
+            "fig01",
+            "fig02",
+            "fig03",
+            "fig13",
+            "fig19",
+            "fig19_pressure",
+            "fig19_ring",
+            "fig22",
+        ),
+    pathvars:
+        name="schematics",
+    params:
+        **of("schematics"),
+
+
+use rule study as normal_experiments with:
     """data/fig04.csv, data/fig05.csv: normal impacts seen by the PDPA; tables of the same."""
     input:
-        calibration="<results>/tables/calibration.csv",
+        **needs("normal_experiments"),
     output:
-        fig04="<results>/data/fig04.csv",
-        fig05="<results>/data/fig05.csv",
-        normal_experiments="<results>/tables/normal_experiments.csv",
-        size_effects="<results>/tables/size_effects.csv",
-    log:
-        "<results>/logs/normal_experiments.log",
-        benchmark="<results>/benchmarks/normal_experiments.tsv",
+        **tables("normal_experiments", "size_effects"),
+        **data("fig04", "fig05"),
+    pathvars:
+        name="normal_experiments",
     params:
-        branch=SETTINGS.branches["normal_experiments"],
-        rows=ROWS["normal_experiments"],
-        code=study_code("normal_experiments"),
-    script:
-        "../scripts/run_study.py"
+        **of("normal_experiments"),
 
 
-rule oblique_experiments_part:
-    """chunks/oblique_experiments-*.json: what one part of the study gives, until all are gathered."""
+use rule study_part as oblique_experiments_part with:
     input:
-        calibration="<results>/tables/calibration.csv",
-    output:
-        temp("<results>/chunks/oblique_experiments-{chunk}.json"),
-    log:
-        "<results>/logs/oblique_experiments-{chunk}.log",
-        benchmark="<results>/benchmarks/oblique_experiments-{chunk}.tsv",
+        **needs("oblique_experiments"),
+    pathvars:
+        name="oblique_experiments",
     params:
-        branch=SETTINGS.branches["oblique_experiments"],
-        rows=ROWS["oblique_experiments"],
-        code=study_code("oblique_experiments"),
-    script:
-        "../scripts/run_study.py"
+        **of("oblique_experiments"),
 
 
-rule oblique_experiments:
+use rule study as oblique_experiments with:
     """data/fig06.csv to fig12.csv: oblique impacts seen by the PTIS; table of the experiments."""
     input:
-        parts=chunk_files("oblique_experiments"),
-        calibration="<results>/tables/calibration.csv",
+        **needs("oblique_experiments"),
+        parts=parts("oblique_experiments"),
     output:
-        **{f"fig{n:02d}": f"<results>/data/fig{n:02d}.csv" for n in range(6, 13)},
-        fig23_points="<results>/data/fig23_points.csv",
-        oblique_experiments="<results>/tables/oblique_experiments.csv",
-    log:
-        "<results>/logs/oblique_experiments.log",
-        benchmark="<results>/benchmarks/oblique_experiments.tsv",
+        **tables("oblique_experiments"),
+        **data("fig06", "fig07", "fig08", "fig09", "fig10", "fig11", "fig12", "fig23_points"),
+    pathvars:
+        name="oblique_experiments",
     params:
-        branch=SETTINGS.branches["oblique_experiments"],
-        rows=ROWS["oblique_experiments"],
-        code=study_code("oblique_experiments"),
-    script:
-        "../scripts/run_study.py"
+        **of("oblique_experiments"),
+
+
+use rule study as pair_search with:
+    """tables/pairing_*.csv, surface_correction.csv, slow_rebounds.csv; data of doppler_pairs."""
+    input:
+        **needs("pair_search"),
+    output:
+        **tables(
+            "pairing_quality",
+            "pairing_losses",
+            "pairing_controls",
+            "surface_correction",
+            "slow_rebounds",
+        ),
+        **data("doppler_stream", "pairing_curves", "correction_curves"),
+    pathvars:
+        name="pair_search",
+    params:
+        **of("pair_search"),
+
+
+use rule study as track_imaging with:
+    """tables/ptis_*.csv: range, errors and losses of the imaging; data of ptis_frame, ptis_accuracy."""
+    output:
+        **tables("ptis_range", "ptis_views", "ptis_errors", "ptis_losses"),
+        **data("ptis_frame", "ptis_pixels", "ptis_accuracy"),
+    pathvars:
+        name="track_imaging",
+    params:
+        **of("track_imaging"),
+
+
+use rule study_part as campaign_part with:
+    input:
+        **needs("campaign"),
+    pathvars:
+        name="campaign",
+    params:
+        **of("campaign"),
+
+
+use rule study as campaign with:
+    """tables/campaign.csv: all 187 experiments; campaign_summary.csv; data of campaign_map."""
+    input:
+        **needs("campaign"),
+        parts=parts("campaign"),
+    output:
+        **tables("campaign", "campaign_summary"),
+        **data("campaign_map"),
+    pathvars:
+        name="campaign",
+    params:
+        **of("campaign"),
+
+
+use rule study_part as interval_coverage_part with:
+    input:
+        **needs("interval_coverage"),
+    pathvars:
+        name="interval_coverage",
+    params:
+        **of("interval_coverage"),
+
+
+use rule study as interval_coverage with:
+    """tables/interval_coverage.csv: how often 95 % intervals hold either mean; figure data."""
+    input:
+        **needs("interval_coverage"),
+        parts=parts("interval_coverage"),
+    output:
+        **tables("interval_coverage"),
+        **data("coverage_by_speed", "coverage_by_angle"),
+    pathvars:
+        name="interval_coverage",
+    params:
+        **of("interval_coverage"),
+
+
+use rule study as mechanisms with:
+    """Tables of spin, slope, spore, adhesion and speed mechanisms; data of the figure causes."""
+    input:
+        **needs("mechanisms"),
+    output:
+        **tables(
+            "spin_mechanism",
+            "spin_needed",
+            "rolling_limits",
+            "spin_or_tilt",
+            "slope_mechanism",
+            "surface_pairs",
+            "slope_needed",
+            "formica_mechanism",
+            "spore_mechanism",
+            "spore_trends",
+            "spore_comparison",
+            "smooth_spore",
+            "adhesion_or_roughness",
+            "speed_and_angle",
+            "impulse_regions",
+            "loss_slopes",
+            "loss_resolution",
+        ),
+        **data("causes", "causes_slope", "causes_shallow"),
+    pathvars:
+        name="mechanisms",
+    params:
+        **of("mechanisms"),
+
+
+use rule study as pile_up with:
+    """data/pile_up_onset.csv: spheres that end on the target; tables of shares and onsets."""
+    input:
+        **needs("pile_up"),
+    output:
+        **tables("pile_up", "pile_up_onsets"),
+        **data("pile_up_onset"),
+    pathvars:
+        name="pile_up",
+    params:
+        **of("pile_up"),
+
+
+use rule study as laboratory_sensitivity with:
+    """tables/laboratory_sensitivity.csv: means with each declared spread halved and doubled."""
+    input:
+        **needs("laboratory_sensitivity"),
+    output:
+        **tables("laboratory_sensitivity"),
+    pathvars:
+        name="laboratory_sensitivity",
+    params:
+        **of("laboratory_sensitivity"),

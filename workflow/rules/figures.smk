@@ -1,4 +1,45 @@
-"""Figures: results/figures/figNN.svg and .png, one rule of its own name per registry entry."""
+"""Figures: one job draws those of a study; each is a target of its own, as in `snakemake fig17`."""
+
+FIGURES_OF = {}
+for figure, spec in FIGURES.items():
+    FIGURES_OF.setdefault(spec.study, []).append(figure)
+
+FIGURE_JOBS = {f"{study}_figures": names for study, names in FIGURES_OF.items()}
+
+for job, drawn in FIGURE_JOBS.items():
+
+    rule:
+        name:
+            job
+        input:
+            **data(*(table for figure in drawn for table in FIGURES[figure].data)),
+            **{f"{name}_digitised": DIGITIZED[name].path for name in drawn if name in DIGITIZED},
+        output:
+            [
+                report(
+                    f"<results>/figures/{figure}.svg",
+                    caption="../report/figure.rst",
+                    category="Figures",
+                    labels={"figure": figure, "title": FIGURES[figure].title},
+                )
+                for figure in drawn
+            ],
+            [f"<results>/figures/{figure}.png" for figure in drawn],
+        log:
+            f"<results>/logs/{job}.log",
+        benchmark:
+            f"<results>/benchmarks/{job}.tsv"
+        # Nothing but the report waits for a figure; studies wait for studies.
+        priority: -1
+        params:
+            entries={figure: FIGURE_ENTRIES[figure] for figure in drawn},
+            rests_on=inputs_behind(*drawn),
+            code=code_of(
+                *sorted({FIGURES[figure].module for figure in drawn}), script="draw_figures.py"
+            ),
+        script:
+            "../scripts/draw_figures.py"
+
 
 for figure in FIGURES:
 
@@ -6,23 +47,5 @@ for figure in FIGURES:
         name:
             figure
         input:
-            **{table: f"<results>/data/{table}.csv" for table in FIGURES[figure].data},
-            **digitised_file(figure),
-        output:
-            svg=report(
-                f"<results>/figures/{figure}.svg",
-                caption="../report/figure.rst",
-                category="Figures",
-                labels={"figure": figure, "title": FIGURES[figure].title},
-            ),
-            png=f"<results>/figures/{figure}.png",
-        log:
-            f"<results>/logs/{figure}.log",
-            benchmark=f"<results>/benchmarks/{figure}.tsv",
-        # Nothing but the report waits for a figure; studies wait for studies.
-        priority: -1
-        params:
-            entry=FIGURE_ENTRIES[figure],
-            code=figure_code(figure),
-        script:
-            "../scripts/draw_figure.py"
+            f"<results>/figures/{figure}.svg",
+            f"<results>/figures/{figure}.png",

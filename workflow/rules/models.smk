@@ -1,34 +1,138 @@
-"""Models: data of Figs. 14 and 17 in results/data.
-
-One rule per analysis, of the name of its study and of its branch in the configuration.
-"""
+"""Section 3: equations, simulated impacts, calibrations and fits."""
 
 
-rule restitution_trends:
+use rule study as calibration with:
+    """tables/calibration.csv, calibration_family.csv and molybdenum_capture.csv; data/ridge*.csv."""
+    output:
+        **tables("calibration", "calibration_family", "molybdenum_capture"),
+        **data("ridge", "ridge_curves"),
+    pathvars:
+        name="calibration",
+    params:
+        **of("calibration"),
+
+
+use rule study as restitution_trends with:
     """data/fig14.csv: R, rho and e against the impact speed (Eqs. 32-34)."""
     output:
-        fig14="<results>/data/fig14.csv",
-    log:
-        "<results>/logs/restitution_trends.log",
-        benchmark="<results>/benchmarks/restitution_trends.tsv",
+        **data("fig14"),
+    pathvars:
+        name="restitution_trends",
     params:
-        branch=SETTINGS.branches["restitution_trends"],
-        rows=ROWS["restitution_trends"],
-        code=study_code("restitution_trends"),
-    script:
-        "../scripts/run_study.py"
+        **of("restitution_trends"),
 
 
-rule coulomb_friction:
+use rule study as coulomb_friction with:
     """data/fig17.csv: impulse ratio against angle for Coulomb friction (Eqs. 1-12)."""
     output:
-        fig17="<results>/data/fig17.csv",
-    log:
-        "<results>/logs/coulomb_friction.log",
-        benchmark="<results>/benchmarks/coulomb_friction.tsv",
+        **data("fig17"),
+    pathvars:
+        name="coulomb_friction",
     params:
-        branch=SETTINGS.branches["coulomb_friction"],
-        rows=ROWS["coulomb_friction"],
-        code=study_code("coulomb_friction"),
-    script:
-        "../scripts/run_study.py"
+        **of("coulomb_friction"),
+
+
+use rule study as oblique_impact with:
+    """data/fig18.csv: impulse ratio, data/fig21.csv: energy loss."""
+    output:
+        **data("fig18", "fig21"),
+    pathvars:
+        name="oblique_impact",
+    params:
+        **of("oblique_impact"),
+
+
+use rule study as force_history with:
+    """data/fig20.csv: normal force and its terms (Eq. 25), tables/force_ratios.csv: its peaks."""
+    output:
+        **tables("force_ratios"),
+        **data("fig20"),
+    pathvars:
+        name="force_history",
+    params:
+        **of("force_history"),
+
+
+use rule study as contact_properties with:
+    """tables/contact_properties.csv: stiffness, mass, forces and capture of every contact."""
+    output:
+        **tables("contact_properties"),
+    pathvars:
+        name="contact_properties",
+    params:
+        **of("contact_properties"),
+
+
+use rule study as restitution_fits with:
+    """data/fig15.csv, data/fig16.csv: simulated e and its fits; tables/restitution_fits.csv."""
+    input:
+        **needs("restitution_fits"),
+    output:
+        **tables("restitution_fits"),
+        **data("fig15", "fig16"),
+    pathvars:
+        name="restitution_fits",
+    params:
+        **of("restitution_fits"),
+
+
+use rule study_part as fit_coverage_part with:
+    input:
+        **needs("fit_coverage"),
+    pathvars:
+        name="fit_coverage",
+    params:
+        **of("fit_coverage"),
+
+
+use rule study as fit_coverage with:
+    """tables/fit_*.csv: how well Eq. 34 finds the capture velocity; data of capture_recovery."""
+    input:
+        **needs("fit_coverage"),
+        parts=parts("fit_coverage"),
+    output:
+        **tables("fit_coverage", "fit_intervals"),
+        **data("capture_recovery"),
+    pathvars:
+        name="fit_coverage",
+    params:
+        **of("fit_coverage"),
+
+
+use rule study as capture_velocities with:
+    """tables/capture_laws.csv: v_c per pair and law, data/capture_law_curves.csv: over diameter."""
+    input:
+        **needs("capture_velocities"),
+    output:
+        **tables("capture_laws"),
+        **data("capture_law_curves"),
+    pathvars:
+        name="capture_velocities",
+    params:
+        **of("capture_velocities"),
+
+
+use rule study as rolling_dissipation with:
+    """tables/rolling_dissipation.csv, rolling_ranges.csv: neglected couples; data/rolling.csv."""
+    input:
+        **needs("rolling_dissipation"),
+    output:
+        **tables("rolling_dissipation", "rolling_ranges"),
+        **data("rolling"),
+    pathvars:
+        name="rolling_dissipation",
+    params:
+        **of("rolling_dissipation"),
+
+
+use rule study as captured_rolling with:
+    """tables/roll_away.csv, data/roll_away_curves.csv: how far captured spheres roll."""
+    input:
+        **needs("captured_rolling"),
+    output:
+        **tables("roll_away"),
+        **data("roll_away_curves"),
+    pathvars:
+        name="captured_rolling",
+    params:
+        **of("captured_rolling"),

@@ -1,4 +1,27 @@
-"""The report: results/report/index.html and the pages it leads to, of all tables and figures."""
+"""The report, report/index.html, and the pages it leads to; the check against references."""
+
+
+rule explorer:
+    """report/explorer.html: any impact computed in a browser; its look comes with the report."""
+    input:
+        **tables("calibration"),
+    output:
+        [f"<results>/report/explorer/{name}" for name in explorer.FILES],
+        page="<results>/report/explorer.html",
+    log:
+        "<results>/logs/explorer.log",
+    benchmark:
+        "<results>/benchmarks/explorer.tsv"
+    params:
+        rows=INPUTS.tables.contact_rows(),
+        rests_on=inputs_behind("contact_properties", "calibration"),
+        code=code_of(
+            "microimpact.report.explorer.build",
+            script="write_explorer.py",
+            files=[*pages_of(EXPLORER), SITE / "templates/base.html"],
+        ),
+    script:
+        "../scripts/write_explorer.py"
 
 
 # The pages of single figures and the copies of results stand beside these. They are not listed:
@@ -6,7 +29,7 @@
 rule report:
     """report/index.html and all pages it leads to: figures, ledgers, tables, workflow, run."""
     input:
-        [f"<results>/{file}" for file in shown_files()],
+        lambda wildcards: [path for path in everything() if is_shown(relative(path))],
         # The pages link to it.
         explorer="<results>/report/explorer.html",
     output:
@@ -14,7 +37,8 @@ rule report:
         record="<results>/report/record.json",
     log:
         "<results>/logs/report.log",
-        benchmark="<results>/benchmarks/report.tsv",
+    benchmark:
+        "<results>/benchmarks/report.tsv"
     params:
         record=lambda wildcards: site_record.record_of(
             config=config,
@@ -23,6 +47,22 @@ rule report:
             rules=result_rules(),
             project=PROJECT,
         ).plain(),
-        code=report_code(),
+        # The code of the studies is read, too.
+        code=code_of(*studies.homes().values(), script="write_report.py", files=pages_of(SITE)),
     script:
         "../scripts/write_report.py"
+
+
+# Not part of `all`: a check of a finished run against the committed references.
+rule check:
+    """No file; fails, and shows the differences, if any table or figure differs."""
+    input:
+        lambda wildcards: everything(),
+    log:
+        "<results>/logs/check.log",
+    params:
+        results=lambda wildcards: workflow.pathvars.apply("<results>"),
+        reference=PROJECT / "tests/reference",
+    shell:
+        "python -m microimpact.cli check {params.results:q} --reference {params.reference:q}"
+        " 2>&1 | tee {log:q}"

@@ -3,7 +3,9 @@
 from importlib import import_module
 from typing import Any
 
-from microimpact.run.job import run
+from job import run
+
+from microimpact.core.tables import parse_table, read_table, write_table
 
 
 def main(job: Any) -> str:
@@ -12,8 +14,6 @@ def main(job: Any) -> str:
     The rule gives rows of declared tables as ``params.rows`` (name -> CSV text), tables of studies
     as named input files and, for some, a file of criteria; its only output is the ledger.
     """
-    from microimpact.core.tables import parse_table, read_table, write_table
-
     ledger = import_module(f"microimpact.ledgers.{job.rule}")
     tables = {name: parse_table(text) for name, text in job.params.rows.items()}
     files = dict(job.input.items())

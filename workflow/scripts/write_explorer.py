@@ -3,8 +3,11 @@
 from pathlib import Path
 from typing import Any
 
+from job import run
+
 from microimpact.core.files import write_file
-from microimpact.run.job import run
+from microimpact.core.tables import parse_table, read_table
+from microimpact.report.explorer.build import page_files
 
 
 def main(job: Any) -> str:
@@ -13,9 +16,6 @@ def main(job: Any) -> str:
     The rule gives declared rows as ``params.rows`` (name -> CSV text) and the table of the
     calibration as a named input; the page is the output ``page``, its scripts stand beside it.
     """
-    from microimpact.core.tables import parse_table, read_table
-    from microimpact.report.explorer.build import page_files
-
     inputs = {name: parse_table(text) for name, text in job.params.rows.items()}
     inputs |= {name: read_table(path) for name, path in job.input.items()}
     files = page_files(inputs)

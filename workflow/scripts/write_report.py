@@ -3,7 +3,10 @@
 from pathlib import Path
 from typing import Any
 
-from microimpact.run.job import run
+from job import run
+
+from microimpact.report.site.build import REPORT, write_site
+from microimpact.report.site.record import from_plain, write_record
 
 
 def main(job: Any) -> str:
@@ -11,9 +14,6 @@ def main(job: Any) -> str:
 
     The rule gives the record as ``params.record`` and ``record.json`` in the report as an output.
     """
-    from microimpact.report.site.build import REPORT, write_site
-    from microimpact.report.site.record import from_plain, write_record
-
     results = Path(job.output.record).parents[1]
     record = from_plain(job.params.record, "params.record")
     write_record(results, record)

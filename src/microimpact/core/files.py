@@ -5,11 +5,12 @@ from __future__ import annotations
 import hashlib
 import os
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 # Below a results root: for each result a file as `sha256sum --check` reads it.
 CHECKSUMS = "checksums"
+_RESTS_ON = "# rests on "
 
 
 class AlteredError(ValueError):
@@ -59,7 +60,7 @@ def _replace(target: Path, data: bytes) -> None:
         raise
 
 
-def write_checksums(root: Path, files: Iterable[Path | str]) -> None:
+def write_checksums(root: Path, files: Iterable[Path | str], rests_on: str = "") -> None:
     """Record the SHA-256 of results; ``sha256sum --check`` in the results root reads them.
 
     Parameters
@@ -68,11 +69,44 @@ def write_checksums(root: Path, files: Iterable[Path | str]) -> None:
         Results root. The record of ``data/fig17.csv`` is ``checksums/data/fig17.csv.sha256``.
     files
         Files below it, as they were just written.
+    rests_on
+        A word for the inputs that they were made from, kept in a comment of the record.
     """
+    comment = f"{_RESTS_ON}{rests_on}\n" if rests_on else ""
     for file in files:
         path = Path(file)
         name = path.relative_to(root).as_posix()
-        write_file(_record(root, path), f"{_sha256(path)}  {name}\n")
+        write_file(_record(root, path), f"{_sha256(path)}  {name}\n{comment}")
+
+
+def of_other_inputs(root: Path, rests_on: Mapping[str, str]) -> list[str]:
+    """Return the results below a root that were made from other inputs than those stated.
+
+    Parameters
+    ----------
+    root
+        Results root.
+    rests_on
+        The word for the present inputs of each result, by its name below the root. A result that
+        is not there, or that was recorded without its inputs, is passed over.
+    """
+    return [
+        name
+        for name, word in rests_on.items()
+        if (root / name).is_file()
+        and _recorded_inputs(_record(root, root / name)) not in {"", word}
+    ]
+
+
+def recorded_since(root: Path, name: str, begin: float) -> bool:
+    """Tell whether a result below a root was recorded at a time, s since 1970, or later."""
+    record = _record(root, root / name)
+    return record.is_file() and record.stat().st_mtime >= begin
+
+
+def _recorded_inputs(record: Path) -> str:
+    text = record.read_text(encoding="utf-8") if record.is_file() else ""
+    return text.partition(_RESTS_ON)[2].strip()
 
 
 def remove_checksums(root: Path, files: Iterable[Path | str]) -> None:

@@ -124,6 +124,21 @@ def validate(config: Mapping[str, Any], base: Mapping[str, Any]) -> Settings:
     )
 
 
+def checked_branch(name: str, values: object) -> dict[str, Any]:
+    """Return the plain values of a study's branch as JSON would hold them, checked.
+
+    Raises
+    ------
+    ConfigError
+        Naming the dotted key of every problem, one line each.
+    """
+    found: list[str] = []
+    branch = _branch(name, values, found)
+    if branch is None:
+        raise ConfigError("\n".join(found))
+    return branch
+
+
 def _branch(name: str, values: object, found: list[str]) -> dict[str, Any] | None:
     """Return the checked values of a branch as JSON would hold them: lists, not tuples."""
     params = _checked(studies.study(name).Params, values, name, found)

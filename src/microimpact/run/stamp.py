@@ -1,4 +1,8 @@
-"""The stamp of a run: what was run, with which versions, from which commit, and when."""
+"""The stamp of a run: what was run, with which versions, from which commit, and when.
+
+A results folder holds results of one set of inputs. The folder that the shipped configuration names
+is kept for the inputs of that file: an overlay that changes one names a folder of its own.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +10,8 @@ import json
 import os
 import platform
 import subprocess
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -27,10 +32,77 @@ PACKAGES = (
 )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Change:
+    """A key of the configuration that is not as shipped; None where there is none."""
+
+    key: str
+    shipped: Any
+    used: Any
+
+
+def changes(config: Mapping[str, Any], shipped: Mapping[str, Any]) -> tuple[Change, ...]:
+    """Return the keys at which two configurations have different values.
+
+    Evidence and source are not compared, and neither is the place of the results.
+    """
+    before, after = (dict(_leaves(plain(node))) for node in (shipped, config))
+    return tuple(
+        Change(key=key, shipped=before.get(key), used=after.get(key))
+        for key in dict.fromkeys((*before, *after))
+        if before.get(key) != after.get(key) and not key.startswith("pathvars")
+    )
+
+
+def _leaves(node: Any, key: str = "") -> Iterator[tuple[str, Any]]:
+    if isinstance(node, Mapping):
+        for name, child in node.items():
+            yield from _leaves(child, f"{key}.{name}".removeprefix("."))
+    elif isinstance(node, list) and any(isinstance(item, Mapping | list) for item in node):
+        for i, item in enumerate(node):
+            yield from _leaves(item, f"{key}[{i}]")
+    else:
+        yield key, node
+
+
+def require_own_root(config: Mapping[str, Any], base: Mapping[str, Any]) -> None:
+    """Refuse an overlay that changes inputs, but not the place of the results.
+
+    Parameters
+    ----------
+    config, base
+        The configuration with the overlay merged into it, and that without.
+
+    Raises
+    ------
+    ValueError
+        Naming what is changed, and what to add.
+    """
+    changed = [change.key for change in changes(config, base) if change.key != "chunks"]
+    if changed and results_root(config) == results_root(base):
+        more = f" and {len(changed) - 1} more" if len(changed) > 1 else ""
+        raise ValueError(
+            f"pathvars.results: the overlay changes {changed[0]}{more}, so its results need a "
+            f"folder of their own, not {results_root(base)!r}; add to it a line as "
+            "pathvars: {results: build/my-run}"
+        )
+
+
+def results_root(config: Mapping[str, Any]) -> str:
+    """Return where the results of a configuration go."""
+    return str(Path(config.get("pathvars", {}).get("results", "results")))
+
+
 def write_stamp(
-    path: Path | str, config: Mapping[str, Any], project: Path | str, started: datetime
+    path: Path | str,
+    config: Mapping[str, Any],
+    project: Path | str,
+    started: datetime,
+    *,
+    ended: datetime | None = None,
+    outdated: Sequence[str] = (),
 ) -> None:
-    """Write the stamp of a run that ends now, as JSON.
+    """Write the stamp of a run, as JSON: when it begins, and again when it ends.
 
     Parameters
     ----------
@@ -42,10 +114,15 @@ def write_stamp(
         Root of the project, whose commit is recorded.
     started
         When the run began, see `run_date`.
+    ended
+        When it ended well; None for a run that still goes on, failed, or was killed.
+    outdated
+        Results that were made earlier, from other inputs than those of this run.
     """
     stamp = {
         "started": started.isoformat(),
-        "ended": run_date().isoformat(),
+        "ended": ended and ended.isoformat(),
+        "outdated": list(outdated),
         "git": git_state(Path(project)),
         "python": platform.python_version(),
         "platform": f"{platform.system()} {platform.machine()}",

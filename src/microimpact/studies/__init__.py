@@ -2,8 +2,9 @@
 
 A study bears the name of its branch in ``config/config.yaml``. It is a module, or a package whose
 parts are its own, that stands directly in one of the folders here, and defines a frozen dataclass
-``Params`` and a pure function ``run(params, inputs)`` that returns its tables by name. Studies are
-found by name; nothing is registered here.
+``Params`` and a pure function ``run(params, inputs)`` that returns its tables by name. If it takes
+tables of earlier studies, ``NEEDS`` names them by the study that makes them. Studies are found by
+name; nothing is registered here.
 """
 
 from __future__ import annotations
@@ -35,3 +36,15 @@ def study(name: str) -> ModuleType:
         If there is no such study.
     """
     return import_module(homes()[name])
+
+
+def needs(name: str) -> dict[str, str]:
+    """Return the tables of earlier studies that a study takes: the maker of each by its name.
+
+    Raises
+    ------
+    KeyError
+        If there is no such study.
+    """
+    needed = getattr(study(name), "NEEDS", {})
+    return {table: maker for maker, tables in needed.items() for table in tables}

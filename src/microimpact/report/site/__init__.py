@@ -1,3 +1,13 @@
 """The report of a run as a static site: pages that need no network and no server."""
 
+import shutil
+from pathlib import Path
+
 PAGES = ("index", "claims", "equations", "tables", "workflow", "run")
+
+
+def remove(report: Path) -> None:
+    """Remove the pages of a report that shows results of other inputs; the explorer stays."""
+    for name in PAGES:
+        (report / f"{name}.html").unlink(missing_ok=True)
+    shutil.rmtree(report / "figures", ignore_errors=True)

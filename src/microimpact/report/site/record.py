@@ -11,7 +11,7 @@ import csv
 import io
 import json
 import platform
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -21,7 +21,7 @@ from microimpact.core.materials import declared_file
 from microimpact.declared.documents import load
 from microimpact.declared.provenance import plain
 from microimpact.figures.registry import filled
-from microimpact.run.stamp import git_state, package_versions
+from microimpact.run.stamp import Change, changes, git_state, package_versions
 
 RECORD = "report/record.json"
 STAMP = "run.json"
@@ -52,15 +52,6 @@ class Rule:
     inputs: tuple[str, ...] = ()
     outputs: tuple[str, ...] = ()
     declared: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Change:
-    """A key of the configuration that is not as shipped; None where there is none."""
-
-    key: str
-    shipped: Any
-    used: Any
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -140,30 +131,6 @@ def row_names(rows: Mapping[str, str] | None) -> dict[str, tuple[str, ...]]:
         named = (" on ".join(row[key] for key in keys) for row in found)
         names[table] = tuple(dict.fromkeys(named))
     return names
-
-
-def changes(config: Mapping[str, Any], shipped: Mapping[str, Any]) -> tuple[Change, ...]:
-    """Return the keys at which two configurations have different values.
-
-    Evidence and source are not compared, and neither is the place of the results.
-    """
-    before, after = (dict(_leaves(plain(node))) for node in (shipped, config))
-    return tuple(
-        Change(key=key, shipped=before.get(key), used=after.get(key))
-        for key in dict.fromkeys((*before, *after))
-        if before.get(key) != after.get(key) and not key.startswith("pathvars")
-    )
-
-
-def _leaves(node: Any, key: str = "") -> Iterator[tuple[str, Any]]:
-    if isinstance(node, Mapping):
-        for name, child in node.items():
-            yield from _leaves(child, f"{key}.{name}".removeprefix("."))
-    elif isinstance(node, list) and any(isinstance(item, Mapping | list) for item in node):
-        for i, item in enumerate(node):
-            yield from _leaves(item, f"{key}[{i}]")
-    else:
-        yield key, node
 
 
 def from_plain(content: Mapping[str, Any], where: str = RECORD) -> Record:

@@ -28,6 +28,8 @@ from microimpact.lab.samples import (
 from microimpact.model.contact import Contact
 from microimpact.statistics.distributions import TruncatedNormal, generator
 
+NEEDS = {"calibration": ("calibration",)}
+
 Spread = Literal[
     "exit_speed",
     "lateral_speed",

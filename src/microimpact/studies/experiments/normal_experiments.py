@@ -26,6 +26,8 @@ from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.statistics.distributions import Distribution, generator, mean
 
+NEEDS = {"calibration": ("calibration",)}
+
 NO_SPIN = InitialSpin(sd=0.0, mean=0.0)
 
 

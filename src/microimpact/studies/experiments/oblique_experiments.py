@@ -34,6 +34,8 @@ from microimpact.model.dynamics.impact import simulate, velocity_components
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
 from microimpact.statistics.distributions import Distribution, generator, mean
 
+NEEDS = {"calibration": ("calibration",)}
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Series:

@@ -22,6 +22,8 @@ from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.statistics.distributions import Distribution, generator, mean
 
+NEEDS = {"calibration": ("calibration",)}
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:

@@ -32,6 +32,8 @@ from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 
+NEEDS = {"calibration": ("calibration",)}
+
 MODEL, JKR = "model", "jkr"
 BRACH_DUNN, DAHNEKE = "brach_dunn_1992", "dahneke_1971"
 YIELD = "thornton_ning_yield"

@@ -25,6 +25,8 @@ from microimpact.model.dynamics.impact import velocity_components
 from microimpact.model.dynamics.rolling import gravity_ratio, peeling_couple, rolling_distance
 from microimpact.model.rigid_body.algebra import INERTIA
 
+NEEDS = {"calibration": ("calibration",)}
+
 # Tangential velocity of a captured sphere that came without spin, over the one before: 5/7.
 KEPT = 1.0 / (1.0 + INERTIA)
 

@@ -18,6 +18,8 @@ from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.empirical.fit import RestitutionFit, fit_restitution
 
+NEEDS = {"calibration": ("calibration",)}
+
 # Curves begin at this share of the capture velocity.
 DRAWN_FROM = 0.7
 # Height of the line that marks the capture velocity of a fit.

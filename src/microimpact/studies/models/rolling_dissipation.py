@@ -26,6 +26,8 @@ from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.rolling import CoupleImpulses, couple_impulses
 
+NEEDS = {"calibration": ("calibration",)}
+
 # Grades of the neglected couple, and the parts that add up to each.
 GRADES = {
     "bound": ("bound_deformation", "bound_adhesion"),

@@ -36,6 +36,8 @@ from microimpact.studies.analyses.doe.tables import (
     figure_frame,
 )
 
+NEEDS = {"calibration": ("calibration",)}
+
 # Place of this study among the random draws of one seed.
 ANALYSIS = 24
 FIGURES = {"realistic": "fig24", "uniform": "fig25"}

@@ -35,6 +35,8 @@ from microimpact.studies.analyses.monte_carlo.tables import (
     sampling_table,
 )
 
+NEEDS = {"calibration": ("calibration",)}
+
 # First number of every stream's key; the second is the number of the variant.
 ESTIMATES, SAMPLING, ABLATION, INFERENCE, LONG_RUN = range(5)
 

@@ -30,6 +30,8 @@ from microimpact.studies.analyses.sensitivity.tables import (
     parameter_rows,
 )
 
+NEEDS = {"calibration": ("calibration",), "doe": ("doe_levels", "doe_effects")}
+
 # Place of this study among the random draws of one seed.
 ANALYSIS = 25
 # Place among the draws of one case: after all sets of levels.

@@ -28,6 +28,32 @@ from microimpact.studies.claims.claim_numbers.params import Params
 
 __all__ = ["CLAIMS", "NOT_COMPUTED", "SECTIONS", "Params", "numbers_of", "run"]
 
+NEEDS = {
+    "calibration": ("calibration", "calibration_family", "molybdenum_capture"),
+    "force_history": ("force_ratios",),
+    "rolling_dissipation": ("rolling_dissipation",),
+    "restitution_fits": ("restitution_fits",),
+    "track_imaging": ("ptis_range",),
+    "pair_search": ("pairing_quality",),
+    "interval_coverage": ("interval_coverage",),
+    "pile_up": ("pile_up",),
+    "mechanisms": (
+        "adhesion_or_roughness",
+        "formica_mechanism",
+        "loss_resolution",
+        "loss_slopes",
+        "smooth_spore",
+        "speed_and_angle",
+        "spin_needed",
+        "spin_or_tilt",
+        "spore_comparison",
+        "spore_trends",
+        "surface_pairs",
+    ),
+    "doe": ("doe_bd_aliasing", "doe_design", "doe_effects", "doe_elasticities", "doe_levels"),
+    "monte_carlo": ("monte_carlo",),
+}
+
 # Modules in the order of the article; each registers the claims of its sections.
 SECTIONS = (
     experiments,

@@ -43,6 +43,8 @@ from microimpact.studies.experiments.campaign.rows import (
     experiment_row,
 )
 
+NEEDS = {"calibration": ("calibration",)}
+
 NORMAL = 90.0
 ALL, FEW = "all", "too few events"
 

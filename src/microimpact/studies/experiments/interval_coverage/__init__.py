@@ -33,6 +33,8 @@ from microimpact.studies.experiments.interval_coverage.repeated import (
     by_imaging,
 )
 
+NEEDS = {"calibration": ("calibration",)}
+
 NORMAL = 90.0
 SHIFTED = {"PDPA": normal_incidence.moved, "PTIS": oblique_incidence.turned}
 MEASURED_BY = {

@@ -29,6 +29,8 @@ from microimpact.studies.experiments.mechanisms.speed_and_angle import SpeedAndA
 from microimpact.studies.experiments.mechanisms.spin import Spin, spin_tables
 from microimpact.studies.experiments.mechanisms.spore import CAMERA, Spore, spore_tables
 
+NEEDS = {"calibration": ("calibration",)}
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:

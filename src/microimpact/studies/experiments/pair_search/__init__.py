@@ -38,6 +38,8 @@ from microimpact.studies.experiments.pair_search.doppler import (
     observed,
 )
 
+NEEDS = {"calibration": ("calibration",)}
+
 # Places of the parts among the draws of the study.
 PARTICLES, ANALYZER, CONTROLS, CORRECTION, SLOW, SHOWN = range(6)
 COUNTS = ("pairs", "true_pairs", "later_pairs", "recorded_pairs", "rebounds", "seen_rebounds")

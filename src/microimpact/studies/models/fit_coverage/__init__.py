@@ -35,6 +35,8 @@ from microimpact.studies.models.fit_coverage.truths import (
     standard_noise,
 )
 
+NEEDS = {"calibration": ("calibration",), "restitution_fits": ("restitution_fits",)}
+
 __all__ = ["Params", "gather", "part", "run"]
 
 

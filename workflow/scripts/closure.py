@@ -12,7 +12,7 @@ from pathlib import Path
 
 import grimp
 
-PACKAGE = __name__.partition(".")[0]
+PACKAGE = "microimpact"
 
 
 @cache
@@ -107,10 +107,12 @@ def digest(files: Iterable[Path | str], root: Path) -> str:
     OSError
         If a file cannot be read.
     """
-    found = hashlib.sha256()
-    for line in sorted({_line(str(file), str(root)) for file in files}):
-        found.update(line.encode())
-    return found.hexdigest()[:32]
+    return word("".join(sorted({_line(str(file), str(root)) for file in files})))
+
+
+def word(text: str) -> str:
+    """Return 32 hexadecimal digits that tell a text from any other."""
+    return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
 @cache

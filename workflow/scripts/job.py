@@ -1,11 +1,8 @@
-"""A job of the workflow with its log and its cost: what all of its scripts share."""
+"""A job of the workflow with its log: what all of its scripts share."""
 
 from __future__ import annotations
 
-import resource
-import signal
 import sys
-import time
 import traceback
 from collections.abc import Callable
 from pathlib import Path
@@ -17,26 +14,16 @@ from microimpact.core.files import (
     write_checksums,
     write_file,
 )
-from microimpact.run.prefork import hand_over
 
 LOGS = "logs"
 
 
 def run(main: Callable[[Any], str], job: Any) -> NoReturn:
-    """Run a job, in a process that has loaded what it needs if one waits, and exit.
-
-    Parameters
-    ----------
-    main, job
-        As of `logged`. What takes long to import ``main`` imports itself.
-    """
+    """Run a job and exit; ``main`` and ``job`` are those of `logged`."""
     try:
-        code = hand_over()
-        sys.exit(logged(main, job) if code is None else code)
-    except ChildProcessError as error:
-        sys.exit(f"{job.rule}: {error}")
+        sys.exit(logged(main, job))
     except KeyboardInterrupt:
-        sys.exit(128 + signal.SIGINT)
+        sys.exit(130)
 
 
 def logged(main: Callable[[Any], str], job: Any) -> int:
@@ -51,35 +38,26 @@ def logged(main: Callable[[Any], str], job: Any) -> int:
         The work; takes the job and returns what is to be logged.
     job
         The object that a script of the workflow is given, with ``input``, ``output``, ``log`` and
-        ``rule``; its log stands in the folder ``logs`` of the results root, and its cost goes to
-        ``log.benchmark``.
+        ``rule``; its log stands in the folder ``logs`` of the results root.
 
     Returns
     -------
     int
         Exit code: 0, or 1 after a failure, which is also told in one line.
     """
-    log, began = Path(job.log[0]), time.perf_counter()
+    log = Path(job.log[0])
     try:
         root = results_root(log)
         require_unaltered(root, job.input)
         remove_checksums(root, job.output)
         account = main(job)
-        write_checksums(root, job.output)
-        write_file(job.log.benchmark, _cost(time.perf_counter() - began))
+        write_checksums(root, job.output, job.params.get("rests_on", ""))
         write_file(log, account)
-    except Exception as error:  # noqa: BLE001  whatever a job raises belongs in its log
+    except Exception as error:
         sys.stderr.write(f"{job.rule}: {error}\n")
         _log_failure(log)
         return 1
     return 0
-
-
-def _cost(wall: float) -> str:
-    """Return time and processor time, s, and largest memory, MB, as Snakemake would tell them."""
-    used = resource.getrusage(resource.RUSAGE_SELF)
-    processor = used.ru_utime + used.ru_stime
-    return f"s\tmax_rss\tcpu_time\n{wall:.4f}\t{used.ru_maxrss / 1024:.2f}\t{processor:.4f}\n"
 
 
 def results_root(log: Path) -> Path:

@@ -1,0 +1,107 @@
+"""Snakemake on the terminal in brief: a progress bar and one line per finished step.
+
+A logger plugin as Snakemake finds them, by the name of this package: ``--logger brief``, set in
+``profiles/default``. Snakemake's own full account stands in ``.snakemake/log``; with ``--verbose``,
+and for a dry run, it is printed as usual. Snakemake's quiet modes would leave it out of the file, too,
+and hide errors.
+"""
+
+from __future__ import annotations
+
+import logging
+import re
+import time
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from snakemake_interface_logger_plugins.base import LogHandlerBase
+from snakemake_interface_logger_plugins.common import LogEvent
+
+# What stands around the words of an error that a Snakefile raises.
+_PLACE = re.compile(
+    r'^WorkflowError in (rule|file) .*:\n|\n  File ".*", line \d+, in .*$', re.MULTILINE
+)
+# What a failed step has said already, in its own words and by its log.
+_REPEATED = (
+    "RuleException:\nCalledProcessError",
+    "Exiting because",
+    "WorkflowError:\nAt least one",
+)
+_IDLE = "Nothing to be done"
+
+
+class LogHandler(LogHandlerBase):
+    """Prints progress, finished and failed steps, warnings, errors and the summary of the run."""
+
+    writes_to_stream = True
+    writes_to_file = False
+    # Those of Snakemake itself, for what is printed as usual.
+    has_filter = False
+    has_formatter = False
+    needs_rulegraph = False
+
+    def __post_init__(self) -> None:
+        """Prepare the bar, which only a terminal shows."""
+        self._console = Console(stderr=not self.common_settings.stdout, highlight=False)
+        self._bar = Progress(
+            TextColumn("steps"),
+            MofNCompleteColumn(),
+            BarColumn(bar_width=None),
+            TimeElapsedColumn(),
+            console=self._console,
+            transient=True,
+            disable=not self._console.is_terminal,
+        )
+        self._task = self._bar.add_task("steps", total=None)
+        self._steps: dict[int, tuple[str, float, list[str]]] = {}
+        self._full = self.common_settings.verbose or self.common_settings.dryrun
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Print what a record tells, if it is worth a line."""
+        try:
+            self._emit(record)
+        except Exception:  # noqa: BLE001  as all handlers of the standard library
+            self.handleError(record)
+
+    def _emit(self, record: logging.LogRecord) -> None:
+        if self._full:
+            self._print(self.format(record))
+        elif record.getMessage().startswith(_REPEATED):
+            return
+        elif event := getattr(record, "event", None):
+            self._event(event, record)
+        elif record.levelno >= logging.WARNING or hasattr(record, "summary"):
+            self._print(record.getMessage())
+        elif record.getMessage().startswith(_IDLE):
+            self._print("Everything is up to date.")
+
+    def _event(self, event: LogEvent, record: logging.LogRecord) -> None:
+        told = record.__dict__
+        if event == LogEvent.JOB_INFO:
+            parts = told.get("wildcards") or {}
+            name = " ".join([told["rule_name"], *map(str, parts.values())])
+            self._steps[told["jobid"]] = name, time.monotonic(), list(told.get("log") or [])
+        elif event == LogEvent.RUN_INFO:
+            self._bar.update(self._task, total=told["stats"]["total"])
+            self._bar.start()
+        elif event == LogEvent.PROGRESS:
+            self._bar.update(self._task, completed=told["done"], total=told["total"])
+            if told["done"] == told["total"]:
+                self._bar.stop()
+        elif event == LogEvent.JOB_FINISHED:
+            name, began, logs = self._steps.get(told["job_id"], ("", 0.0, []))
+            if logs:  # a target alone does nothing
+                self._print(f"{name}  {time.monotonic() - began:.1f} s")
+        elif event == LogEvent.JOB_ERROR:
+            name, _, logs = self._steps.get(told["jobid"], (told["rule_name"], 0.0, []))
+            self._print(f"{name} failed; see {', '.join(logs)}")
+        elif event == LogEvent.ERROR:
+            self._print(_PLACE.sub("", record.getMessage()).strip())
+
+    def _print(self, text: str) -> None:
+        self._console.print(text, markup=False, soft_wrap=True)
+
+    def close(self) -> None:
+        """Leave the terminal as it was."""
+        self._bar.stop()
+        super().close()

@@ -1,0 +1,113 @@
+"""Section 4: rough surfaces, Monte Carlo, designs and indices; what is declared, dropped, charged."""
+
+
+use rule study as declared_inputs with:
+    """tables/inputs.csv: every declared number with unit, evidence class and source."""
+    output:
+        **tables("inputs"),
+    pathvars:
+        name="declared_inputs",
+    params:
+        **of("declared_inputs"),
+
+
+use rule study as roughness_expansions with:
+    """tables/roughness_expansions.csv, roughness_ranges.csv: Eqs. 35-41; data/roughness.csv."""
+    output:
+        **tables("roughness_expansions", "roughness_ranges"),
+        **data("roughness"),
+    pathvars:
+        name="roughness_expansions",
+    params:
+        **of("roughness_expansions"),
+
+
+use rule study_part as monte_carlo_part with:
+    input:
+        **needs("monte_carlo"),
+        samples=sample_files("monte_carlo"),
+    pathvars:
+        name="monte_carlo",
+    params:
+        **of("monte_carlo"),
+
+
+use rule study as monte_carlo with:
+    """data/fig23.csv; tables/monte_carlo*.csv and slope_inference.csv."""
+    input:
+        **needs("monte_carlo"),
+        samples=sample_files("monte_carlo"),
+        parts=parts("monte_carlo"),
+    output:
+        **tables(
+            "monte_carlo",
+            "monte_carlo_sampling",
+            "monte_carlo_ablation",
+            "slope_inference",
+        ),
+        **data("fig23"),
+    pathvars:
+        name="monte_carlo",
+    params:
+        **of("monte_carlo"),
+
+
+use rule study as doe with:
+    """data/fig24.csv, data/fig25.csv: effects drawn; tables/doe_*.csv: designs and their analysis."""
+    input:
+        **needs("doe"),
+    output:
+        **tables(
+            "doe_levels",
+            "doe_design",
+            "doe_aliases",
+            "doe_effects",
+            "doe_bd_aliasing",
+            "doe_elasticities",
+        ),
+        **data("fig24", "fig25"),
+    pathvars:
+        name="doe",
+    params:
+        **of("doe"),
+
+
+use rule study as sensitivity with:
+    """data/sobol.csv: indices drawn; tables/sensitivity_*.csv: indices, groups, convergence."""
+    input:
+        **needs("sensitivity"),
+    output:
+        **tables(
+            "sensitivity_indices",
+            "sensitivity_convergence",
+            "sensitivity_groups",
+            "sensitivity_parameters",
+        ),
+        **data("sobol"),
+    pathvars:
+        name="sensitivity",
+    params:
+        **of("sensitivity"),
+
+
+use rule study as particle_separation with:
+    """data/separation.csv: forces against silica, tables/particle_separation.csv: what holds."""
+    output:
+        **tables("particle_separation"),
+        **data("separation"),
+    pathvars:
+        name="particle_separation",
+    params:
+        **of("particle_separation"),
+
+
+use rule study as digitised_comparison with:
+    """tables/digitised_residuals.csv: digitised points against the series of their panels."""
+    input:
+        **data(*(table for name in DIGITIZED for table in FIGURES[name].data)),
+    output:
+        **tables("digitised_residuals"),
+    pathvars:
+        name="digitised_comparison",
+    params:
+        **of("digitised_comparison"),

@@ -1,0 +1,27 @@
+"""What the rules of all studies have in common; each says what it needs and what it makes."""
+
+
+rule study:
+    """No file: what the rules of all studies have in common."""
+    log:
+        "<results>/logs/<name>.log",
+    benchmark:
+        "<results>/benchmarks/<name>.tsv"
+    pathvars:
+        name="study",
+    script:
+        "../scripts/run_study.py"
+
+
+rule study_part:
+    """chunks/*.json: what one part of a study gives, until all are gathered."""
+    output:
+        temp("<results>/chunks/<name>-{chunk}.json"),
+    log:
+        "<results>/logs/<name>-{chunk}.log",
+    benchmark:
+        "<results>/benchmarks/<name>-{chunk}.tsv"
+    pathvars:
+        name="study",
+    script:
+        "../scripts/run_study.py"

@@ -1,0 +1,40 @@
+"""Draw the figures of one study from its tables, each as SVG and PNG."""
+
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from job import run
+
+from microimpact.core.tables import read_figure_data
+from microimpact.figures.registry import figure_spec
+from microimpact.figures.style import save
+from microimpact.run.digitised import overlaid, read_points
+
+
+def main(job: Any) -> str:
+    """Draw the figures and return a line on what was drawn.
+
+    The rule gives the registry entries by figure as ``params.entries``, the tables as named inputs
+    and so the files of digitised points, as ``fig17_digitised``, if there are any.
+    """
+    folder, account = Path(job.output[0]).parent, []
+    for figure, entry in job.params.entries.items():
+        spec = figure_spec(figure, entry)
+        tables = {
+            name: read_figure_data(job.input[name], unit.x, unit.y)
+            for name, unit in spec.data.items()
+        }
+        origin = ""
+        if path := job.input.get(f"{figure}_digitised"):
+            points = read_points(path, spec)
+            tables = overlaid(tables, spec, points)
+            origin = f", digitised points from {points.source}"
+        draw = getattr(import_module(spec.module), spec.function)
+        save(draw(tables, spec), folder / f"{figure}.svg", folder / f"{figure}.png")
+        account.append(f"{figure}: drawn from {', '.join(tables)}{origin}\n")
+    return "".join(account)
+
+
+if __name__ == "__main__":
+    run(main, snakemake)  # type: ignore[name-defined]  # noqa: F821
