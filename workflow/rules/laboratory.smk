@@ -31,6 +31,7 @@ rule track_imaging:
         ptis_range="<results>/tables/ptis_range.csv",
         ptis_views="<results>/tables/ptis_views.csv",
         ptis_errors="<results>/tables/ptis_errors.csv",
+        ptis_agreement="<results>/tables/ptis_agreement.csv",
         ptis_losses="<results>/tables/ptis_losses.csv",
         ptis_frame="<results>/data/ptis_frame.csv",
         ptis_pixels="<results>/data/ptis_pixels.csv",

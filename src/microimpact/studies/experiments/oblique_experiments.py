@@ -26,7 +26,7 @@ from microimpact.declared.parameters import (
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.dispenser import Dispenser, InitialSpin
 from microimpact.lab.experiment import Target, combined_slope
-from microimpact.lab.ptis.experiment import Collected, Method, Recipe, collect, quantities, reduced
+from microimpact.lab.ptis.experiment import Collected, Recipe, collect, quantities, reduced
 from microimpact.lab.ptis.system import Instrument
 from microimpact.lab.reduction import Mean
 from microimpact.model.contact import Contact, resized
@@ -66,11 +66,7 @@ def series_contact(series: Series, inputs: Mapping[str, pd.DataFrame]) -> Contac
 
 
 def recipe(
-    series: Series,
-    contact: Contact,
-    dispenser: Dispenser,
-    instrument: Instrument,
-    method: Method,
+    series: Series, contact: Contact, dispenser: Dispenser, instrument: Instrument
 ) -> Recipe:
     """Return what the laboratory needs to know of a series."""
     return Recipe(
@@ -83,7 +79,6 @@ def recipe(
         dispenser=dispenser,
         spin=series.spin,
         instrument=instrument,
-        method=method,
     )
 
 
@@ -143,7 +138,6 @@ class Params:
     events: Annotated[int, Field(ge=2)]
     fewest_events: Annotated[int, Field(ge=2)]
     most_dropped: Count
-    method: Method
     series: tuple[Series, ...]
     dispenser: Dispenser
     instrument: Instrument
@@ -210,13 +204,7 @@ def part(
     """Return every ``count``-th experiment, from ``index`` on: number, row and plotted points."""
     every = list(np.ndindex(len(params.series), len(params.angles_deg)))
     recipes = [
-        recipe(
-            series,
-            series_contact(series, inputs),
-            params.dispenser,
-            params.instrument,
-            params.method,
-        )
+        recipe(series, series_contact(series, inputs), params.dispenser, params.instrument)
         for series in params.series
     ]
     found = []
