@@ -21,27 +21,9 @@ rule normal_experiments:
         "../scripts/run_study.py"
 
 
-rule oblique_experiments_part:
-    """chunks/oblique_experiments-*.json: what one part of the study gives, until all are gathered."""
-    input:
-        calibration="<results>/tables/calibration.csv",
-    output:
-        temp("<results>/chunks/oblique_experiments-{chunk}.json"),
-    log:
-        "<results>/logs/oblique_experiments-{chunk}.log",
-        benchmark="<results>/benchmarks/oblique_experiments-{chunk}.tsv",
-    params:
-        branch=SETTINGS.branches["oblique_experiments"],
-        rows=ROWS["oblique_experiments"],
-        code=study_code("oblique_experiments"),
-    script:
-        "../scripts/run_study.py"
-
-
 rule oblique_experiments:
     """data/fig06.csv to fig12.csv: oblique impacts seen by the PTIS; table of the experiments."""
     input:
-        parts=chunk_files("oblique_experiments"),
         calibration="<results>/tables/calibration.csv",
     output:
         **{f"fig{n:02d}": f"<results>/data/fig{n:02d}.csv" for n in range(6, 13)},

@@ -138,7 +138,8 @@ def _grey(
 ) -> NDArray[np.uint8]:
     level = light + instrument.background_counts
     variance = level / instrument.electrons_per_count + instrument.read_noise_counts**2
-    return np.clip(np.rint(level + np.sqrt(variance) * normal), 0.0, BRIGHTEST).astype(np.uint8)
+    grey: FloatArray = np.rint(level + np.sqrt(variance) * normal)
+    return grey.clip(0.0, BRIGHTEST).astype(np.uint8)
 
 
 @cache
@@ -150,5 +151,5 @@ def _dark(instrument: Instrument) -> NDArray[np.uint8]:
 @cache
 def _normal() -> NDArray[np.float32]:
     """Return quantiles of the normal distribution."""
-    quantiles: NDArray[np.float32] = scipy.special.ndtri((np.arange(QUANTILES) + 0.5) / QUANTILES)
+    quantiles: FloatArray = scipy.special.ndtri((np.arange(QUANTILES) + 0.5) / QUANTILES)
     return quantiles.astype(np.float32)

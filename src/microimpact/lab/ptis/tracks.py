@@ -128,7 +128,8 @@ def find_spots(frame: NDArray[np.uint8], setup: Setup) -> Spots:
     number, own = np.unique(patch, return_inverse=True)
 
     def total(values: NDArray[np.float64 | np.bool_]) -> FloatArray:
-        return np.bincount(own, values, len(number))
+        sums: FloatArray = np.bincount(own, values, len(number)).astype(float)
+        return sums
 
     # Wings below the threshold count too: cut off, they would draw centroids to pixel centres.
     grey = frame[row, column]
@@ -184,7 +185,8 @@ def patches(
     patch, _ = scipy.ndimage.label(bright[box], np.ones((3, 3)))
     patch = scipy.ndimage.maximum_filter(patch, 2 * WINGS_PX + 1)
     row, column = np.nonzero(patch)
-    return row + box[0].start, column + box[1].start, patch[row, column], bright[box][row, column]
+    number = patch[row, column].astype(np.int64)
+    return row + box[0].start, column + box[1].start, number, bright[box][row, column]
 
 
 def sort_legs(spots: Spots, setup: Setup) -> tuple[FloatArray, FloatArray] | Rejection:

@@ -110,6 +110,11 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
         agrees with the frames. ``ptis_losses``: fates of events.
         ``ptis_frame``, ``ptis_pixels``: one frame with its track. ``ptis_accuracy``: errors of the
         speed against the speed.
+
+    Raises
+    ------
+    ValueError
+        If nothing can be measured at the angle drawn, or in the frame.
     """
     searched = pd.DataFrame(search(params))
     rendered, lost = rendered_range(params, searched)
@@ -213,6 +218,10 @@ def rendered_range(params: Params, searched: pd.DataFrame) -> tuple[pd.DataFrame
         lost.append(_fates(setup, FRAMES, seen[0].fates))
         straight = _row(params, setup, FRAMES, params.rendered_events, with_gravity=False)
         rows.append({**straight, "method": "straight lines", "covered": False})
+    if not rows:
+        raise ValueError(
+            f"drawn_angle_deg: at {params.drawn_angle_deg:g} deg no speed is measurable"
+        )
     return pd.DataFrame(rows), pd.concat(lost, ignore_index=True)
 
 

@@ -118,7 +118,9 @@ def compared(impacts: Impacts, setup: Setup, rng: Generator) -> Compared:
 
 
 def residual_rows(setup: Setup, experiments: Sequence[Compared]) -> Iterator[dict[str, Any]]:
-    """Yield a row per component: how frames scatter about the error model."""
+    """Yield a row per component: how frames scatter about the error model, if they can."""
+    if sum(len(one.residual) for one in experiments) < FEWEST_EVENTS:
+        return
     residual, spread, error, speed = (
         np.concatenate([getattr(one, name) for one in experiments])
         for name in ("residual", "spread", "error", "speed")
@@ -146,74 +148,76 @@ def verdicts(
 ) -> Iterator[dict[str, Any]]:
     """Yield a row per quantity: value, standard error, tolerance, and whether it is met.
 
-    Biases and means are the largest over legs and cases, scatter and shares are of all events.
+    Biases are the largest over legs and cases, means over experiments; scatter and shares are of
+    all events. What too few events leave open is not a number, and undecided.
     """
     experiments = [one for _, of in cases for one in of]
-    for k, (name, unit, scale, tolerance) in enumerate(
-        (
-            ("largest bias of speed", "1", 1.0, tolerances.speed),
-            ("largest bias of direction", "deg", np.degrees(1.0), tolerances.direction_deg),
-        )
-    ):
-        biases = []
-        for _, of in cases:
-            off = np.concatenate([scale * one.residual[..., k] / one.speed for one in of])
-            mean, sd = np.abs(off.mean(axis=0)), off.std(axis=0, ddof=1)
-            biases += zip(mean.tolist(), (sd / np.sqrt(len(off))).tolist(), strict=True)
-        yield verdict(name, unit, *max(biases), tolerance)
-    normalised = np.concatenate([(one.residual / one.spread).ravel() for one in experiments])
-    scatter = np.abs(np.log(np.sqrt(np.mean(normalised**2))))
-    yield verdict(
-        "scatter of frames over model, logarithm",
-        "1",
-        scatter,
-        1.0 / np.sqrt(2.0 * normalised.size),
-        np.log(tolerances.scatter),
-    )
-    seen = [
-        np.concatenate([np.array(getattr(one, by).fates) == MEASURED for one in experiments])
-        for by in ("frames", "model")
+    pooled = [
+        np.concatenate([one.residual / one.speed[..., None] for one in of]) for _, of in cases
     ]
-    apart = seen[0].astype(float) - seen[1]
-    for name, share, tolerance in (
-        ("share measured, frames less model", apart, tolerances.share_measured),
-        ("share with another outcome", np.abs(apart), tolerances.other_outcome),
-    ):
-        error = share.std(ddof=1) / np.sqrt(share.size)
-        yield verdict(name, "1", abs(share.mean()), error, tolerance)
-    for name, of in _means_apart(experiments).items():
-        yield verdict(f"largest difference of means of {name}", "1", *max(of), tolerances.means)
+    speed, direction = (
+        [_mean(off[:, leg, k]) for off in pooled for leg in range(len(LEGS))] for k in range(2)
+    )
+    degrees = [(float(np.degrees(value)), float(np.degrees(error))) for value, error in direction]
+    yield verdict("largest bias of speed", "1", speed, tolerances.speed)
+    yield verdict("largest bias of direction", "deg", degrees, tolerances.direction_deg)
+
+    normalised = np.concatenate([(one.residual / one.spread).ravel() for one in experiments])
+    n = normalised.size
+    scatter = np.log(np.linalg.norm(normalised) / np.sqrt(n)) if n else np.nan
+    name, found = (
+        "scatter of frames over model, logarithm",
+        (abs(scatter), (2 * n or np.nan) ** -0.5),
+    )
+    yield verdict(name, "1", [found], np.log(tolerances.scatter))
+
+    frames, model = (
+        np.concatenate([np.array(of.fates) == MEASURED for of in observed])
+        for observed in zip(*((one.frames, one.model) for one in experiments), strict=True)
+    )
+    more = frames.astype(float) - model
+    name = "share measured, frames less model"
+    yield verdict(name, "1", [_mean(more)], tolerances.share_measured)
+    name = "share with another outcome"
+    yield verdict(name, "1", [_mean(np.abs(more))], tolerances.other_outcome)
+
+    for name in quantities(experiments[0].frames.measured):
+        apart = [_means_apart(one, name) for one in experiments]
+        words = f"largest difference of means of {name.replace('_', ' ')}"
+        yield verdict(words, "1", apart, tolerances.means)
 
 
-def _means_apart(experiments: Sequence[Compared]) -> dict[str, list[tuple[float, float]]]:
-    """Return differences of means between frames and model, with their standard errors."""
-    apart: dict[str, list[tuple[float, float]]] = {}
-    for one in experiments:
-        frames, model = one.frames.measured, one.model.measured
-        _, of_frames, of_model = np.intersect1d(frames.event, model.event, return_indices=True)
-        if len(of_frames) < FEWEST_EVENTS:
-            continue
-        both = quantities(frames), quantities(model)
-        for name, seen in both[0].items():
-            off = abs(seen.mean() - both[1][name].mean())
-            noise = (seen[of_frames] - both[1][name][of_model]).std(ddof=1)
-            error = noise / np.sqrt(len(of_frames))
-            apart.setdefault(name.replace("_", " "), []).append((float(off), float(error)))
-    return apart
+def _mean(values: FloatArray) -> tuple[float, float]:
+    """Return the size of a mean and its standard error; not numbers for too few values."""
+    if len(values) < FEWEST_EVENTS:
+        return np.nan, np.nan
+    return float(abs(values.mean())), float(values.std(ddof=1) / np.sqrt(len(values)))
+
+
+def _means_apart(one: Compared, name: str) -> tuple[float, float]:
+    """Return how far the means of frames and model are apart, and the noise of the difference."""
+    frames, model = (quantities(of.measured)[name] for of in (one.frames, one.model))
+    events = one.frames.measured.event, one.model.measured.event
+    _, of_frames, of_model = np.intersect1d(*events, return_indices=True)
+    _, noise = _mean(frames[of_frames] - model[of_model])
+    return (np.nan if np.isnan(noise) else float(abs(frames.mean() - model.mean()))), noise
 
 
 def verdict(
-    quantity: str, unit: str, value: float, standard_error: float, tolerance: float
+    quantity: str, unit: str, found: Sequence[tuple[float, float]], tolerance: float
 ) -> dict[str, Any]:
-    """Return a row that says whether a size is below its tolerance, as far as it is known."""
-    room = tolerance - value
-    decided = abs(room) >= DECIDED * standard_error
+    """Return a row that says whether a size is below its tolerance, as far as it is known.
+
+    Of sizes with their standard errors, the largest.
+    """
+    value, error = max((of for of in found if np.isfinite(of[0])), default=(np.nan, np.nan))
+    decided = abs(tolerance - value) >= DECIDED * error
     return {
         "quantity": quantity,
-        "value": float(value),
+        "value": value,
         "unit": unit,
-        "standard_error": float(standard_error),
-        "tolerance": float(tolerance),
-        "verdict": ("agrees" if room >= 0.0 else "differs") if decided else "undecided",
+        "standard_error": error,
+        "tolerance": tolerance,
+        "verdict": ("agrees" if value <= tolerance else "differs") if decided else "undecided",
         "evidence": "virtual experiment",
     }
