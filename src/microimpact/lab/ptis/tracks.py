@@ -37,9 +37,9 @@ SURFACE_PX = 2.0
 EVERY = 4
 # A spot with more of its pixels than this at the end of the scale is saturated.
 MOST_SATURATED = 0.2
-# Light of a whole dash, relative to the others of its leg; light of one dash and no more; how far
-# that may be from half or twice itself in a search for the row of a leg; and how slender dashes in
-# a row are, unlike dashes side by side.
+# Relative to the median: how far the light of a whole dash may be off that of its leg, how much
+# light is that of more than one dash, and how far dashes may be off that lead to the incident row.
+# How slender dashes in a row are, unlike dashes side by side.
 WHOLE = 0.05
 SINGLE = 1.3
 ALIKE = 0.5
