@@ -27,9 +27,7 @@ def rows(normal):
 
 @pytest.fixture(scope="module")
 def oblique(run_study, calibration):
-    return run_study(
-        "oblique_experiments", calibration, method="model", angles_deg=FEW_ANGLES, points=90
-    )
+    return run_study("oblique_experiments", calibration, angles_deg=FEW_ANGLES, points=90)
 
 
 @pytest.fixture(scope="module")
@@ -179,9 +177,8 @@ def test_means_beyond_a_panel_are_written_at_its_edge(oblique, draw):
 
 
 def test_an_experiment_does_not_depend_on_the_others(run_study, calibration, angles):
-    alone = run_study(
-        "oblique_experiments", calibration, method="model", angles_deg=[85], points=10
-    )["oblique_experiments"].set_index(["series", "angle_deg"])
+    tables = run_study("oblique_experiments", calibration, angles_deg=[85], points=10)
+    alone = tables["oblique_experiments"].set_index(["series", "angle_deg"])
     assert alone.loc[("silicon front", 85)].equals(angles.loc[("silicon front", 85)])
 
 

@@ -22,7 +22,6 @@ STUDIES = (
     "fit_coverage",
     "interval_coverage",
     "monte_carlo",
-    "oblique_experiments",
 )
 # Smaller still than the small reproduction: some parts are left with nothing, or nearly so.
 TINY = {
@@ -35,13 +34,6 @@ TINY = {
         "methods": {"replicates": 2, "resamples": 20},
     },
     "interval_coverage": {"experiments": 20},
-    "oblique_experiments": {
-        "angles_deg": [85, 45],
-        "events": 3,
-        "fewest_events": 2,
-        "reference_angle_deg": 85,
-        "points": 10,
-    },
 }
 
 

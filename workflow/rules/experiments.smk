@@ -34,20 +34,10 @@ use rule study as normal_experiments with:
         **of("normal_experiments"),
 
 
-use rule study_part as oblique_experiments_part with:
-    input:
-        **needs("oblique_experiments"),
-    pathvars:
-        name="oblique_experiments",
-    params:
-        **of("oblique_experiments"),
-
-
 use rule study as oblique_experiments with:
     """data/fig06.csv to fig12.csv: oblique impacts seen by the PTIS; table of the experiments."""
     input:
         **needs("oblique_experiments"),
-        parts=parts("oblique_experiments"),
     output:
         **tables("oblique_experiments"),
         **data("fig06", "fig07", "fig08", "fig09", "fig10", "fig11", "fig12", "fig23_points"),
@@ -79,7 +69,7 @@ use rule study as pair_search with:
 use rule study as track_imaging with:
     """tables/ptis_*.csv: range, errors and losses of the imaging; data of ptis_frame, ptis_accuracy."""
     output:
-        **tables("ptis_range", "ptis_views", "ptis_errors", "ptis_losses"),
+        **tables("ptis_range", "ptis_views", "ptis_errors", "ptis_agreement", "ptis_losses"),
         **data("ptis_frame", "ptis_pixels", "ptis_accuracy"),
     pathvars:
         name="track_imaging",

@@ -11,33 +11,8 @@ from microimpact.core.materials import Material
 from microimpact.lab.collision import collide
 from microimpact.lab.events import Impacts
 from microimpact.lab.pdpa import analyser as pdpa
-from microimpact.lab.ptis.observation import observe
-from microimpact.lab.ptis.system import Instrument, Setup
 from microimpact.model import warm
 from microimpact.model.contact import Contact
-
-INSTRUMENT = Instrument(
-    frame_px=(640, 480),
-    pixel_um=10.0,
-    fields_per_s=60.0,
-    interlace=False,
-    sheet_thickness_mm=1.0,
-    slots=10,
-    duty=0.5,
-    largest_chop_kHz=5.0,
-    dash_pitch_mm=0.4,
-    jitter=0.0,
-    blur_px=1.0,
-    background_counts=20.0,
-    least_peak_counts=120.0,
-    largest_peak_counts=250.0,
-    read_noise_counts=4.0,
-    electrons_per_count=100.0,
-    rate_error=0.0,
-    scale_error=0.0,
-    angle_error_deg=0.0,
-    least_dashes=4,
-)
 
 ANALYZER = pdpa.Instrument(
     probe_height_mm=1.0,
@@ -68,21 +43,19 @@ def main() -> None:
     body = Material(name="any", youngs_modulus=1e11, poissons_ratio=0.3, density=2e3)
     contact = Contact(particle=body, surface=body, diameter=5e-5, work_of_adhesion=0.1)
     collide(contact, impacts.velocity, impacts.spin, 0.1, rng)
-    observe(impacts, _SETUP, rng)
     pdpa.passages(impacts, 1e-3, ANALYZER)
     pdpa.through_probe(impacts.position, impacts.velocity, 1e-3, ANALYZER)
 
 
-_SETUP = Setup(instrument=INSTRUMENT, angle=60.0, speed=1.66, diameter=62e-6)
+SPEED, ANGLE = 1.66, np.radians(60.0)
 
 
 def _impacts(n: int) -> Impacts:
     """Spheres that fall straight down and rebound."""
-    alpha = np.radians(_SETUP.angle)
-    before = np.tile(_SETUP.speed * np.array([np.cos(alpha), 0.0, -np.sin(alpha)]), (n, 1))
+    before = np.tile(SPEED * np.array([np.cos(ANGLE), 0.0, -np.sin(ANGLE)]), (n, 1))
     return Impacts(
         time=np.zeros(n),
-        diameter=np.full(n, _SETUP.diameter),
+        diameter=np.full(n, 62e-6),
         position=np.zeros((n, 2)),
         velocity=before,
         spin=np.zeros((n, 3)),

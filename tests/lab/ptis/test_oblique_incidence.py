@@ -11,10 +11,10 @@ from tests.lab.ptis.imaging_cases import INSTRUMENT, generator, impacts, setup_f
 from microimpact.lab.dispenser import Dispenser, InitialSpin
 from microimpact.lab.experiment import Target
 from microimpact.lab.ptis import experiment as oblique_incidence
-from microimpact.lab.ptis.errors import modelled, theory
+from microimpact.lab.ptis.errors import theory
 from microimpact.lab.ptis.experiment import OUTSIDE_CLASS, Recipe, collect, turned
-from microimpact.lab.ptis.exposure import expose, exposures
-from microimpact.lab.ptis.observation import MEASURED, OFF_SHEET
+from microimpact.lab.ptis.exposure import MEASURED, OFF_SHEET, expose, exposures
+from microimpact.lab.ptis.observation import modelled
 from microimpact.lab.ptis.system import Systematics, event_generator
 from microimpact.lab.ptis.tracks import longest_runs
 from microimpact.statistics.distributions import TruncatedNormal
@@ -39,7 +39,6 @@ def recipe(contact):
         dispenser=DISPENSER,
         spin=InitialSpin(sd=0.0, mean=0.0),
         instrument=INSTRUMENT,
-        method="model",
     )
 
 
@@ -48,15 +47,11 @@ def same(a, b):
     return all(np.array_equal(getattr(a, name), getattr(b, name)) for name in names)
 
 
-@pytest.mark.parametrize("method", ["model", "frames"])
-def test_an_experiment_does_not_depend_on_how_many_are_looked_at_together(
-    recipe, monkeypatch, method
-):
-    recipe, number = replace(recipe, method=method), 20 if method == "model" else 4
-    whole = collect(recipe, 45.0, number, 2000, generator(3))
+def test_an_experiment_does_not_depend_on_how_many_are_looked_at_together(recipe, monkeypatch):
+    whole = collect(recipe, 45.0, 20, 2000, generator(3))
     for chunk in (1, 7):
         monkeypatch.setattr(oblique_incidence, "LOOKED_AT_ONCE", chunk)
-        part = collect(recipe, 45.0, number, 2000, generator(3))
+        part = collect(recipe, 45.0, 20, 2000, generator(3))
         assert same(part.measured, whole.measured)
         assert same(part.impacts, whole.impacts)
         assert (part.dropped, part.fates) == (whole.dropped, whole.fates)
@@ -82,10 +77,9 @@ def test_an_experiment_without_events_is_given_up(recipe):
     assert found.fates[OUTSIDE_CLASS] == found.fates[MEASURED] > 0
 
 
-@pytest.mark.parametrize("method", ["model", "frames"])
-def test_an_experiment_in_which_nothing_meets_the_sheet_ends_too(recipe, method):
+def test_an_experiment_in_which_nothing_meets_the_sheet_ends_too(recipe):
     thin = replace(recipe.instrument, sheet_thickness_mm=1e-9)
-    found = collect(replace(recipe, instrument=thin, method=method), 60.0, 5, 300, generator(1))
+    found = collect(replace(recipe, instrument=thin), 60.0, 5, 300, generator(1))
     assert len(found.measured) == len(found.impacts) == 0
     assert found.fates[OFF_SHEET] == found.dropped == 300
 
@@ -101,7 +95,17 @@ def test_impacts_lit_together_are_lit_as_each_by_itself():
     for i, rng in enumerate(draws()):
         own = expose(events, i, setup, errors, rng)
         picked = together.select(np.array([i]))
-        for name in ("leg", "start", "end", "whole", "in_sheet", "in_view", "in_field", "peak"):
+        for name in (
+            "leg",
+            "start",
+            "end",
+            "whole",
+            "in_sheet",
+            "in_view",
+            "in_field",
+            "peak",
+            "diameter",
+        ):
             assert np.array_equal(getattr(picked, name), getattr(own, name)), name
         assert same(picked.flight, own.flight)
     one, alone = (theory(events.select(which), setup, errors, draws()[:k])
@@ -112,7 +116,7 @@ def test_impacts_lit_together_are_lit_as_each_by_itself():
 
 
 def test_shared_errors_stretch_and_turn_what_is_measured():
-    """The repetitions of `studies._repeated` rest on this."""
+    """The repetitions of `interval_coverage.repeated` rest on this."""
     events, setup = impacts(1.66, 45.0, 40), setup_for(1.66, 45.0)
     errors = Systematics(rate=0.01, scale=-0.02, angle_deg=0.5)
     right = modelled(events, setup, generator(1), errors=Systematics()).measured

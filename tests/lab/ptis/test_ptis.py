@@ -17,8 +17,13 @@ from tests.lab.ptis.imaging_cases import (
 )
 
 from microimpact.lab.ptis.exposure import INCIDENT, LATER, REBOUND, expose, flight
-from microimpact.lab.ptis.frames import render
-from microimpact.lab.ptis.light import _gaussian, _spread, lights
+from microimpact.lab.ptis.frames import (
+    FEWEST_SAMPLES,
+    SAMPLES_PER_BLUR,
+    light_of,
+    render,
+    through_disk,
+)
 from microimpact.lab.ptis.system import Systematics, child, draw_systematics, event_generator
 
 EXACT = Systematics()
@@ -28,11 +33,6 @@ def lit(speed, angle, instrument=NOISELESS, seed=0, **changes):
     events = impacts(speed, angle, **changes)
     setup = setup_for(speed, angle, instrument)
     return expose(events, 0, setup, EXACT, generator(seed)), setup
-
-
-def light_of(exposure, setup):
-    """The light of the first event."""
-    return next(lights(exposure, np.array([DIAMETER]), setup, EXACT))[0]
 
 
 def middle_field(exposure):
@@ -126,7 +126,7 @@ def test_a_rebound_out_of_plane_leaves_the_sheet_half_a_millimetre_off():
 
 def test_nothing_is_lit_outside_the_sheet():
     exposure, setup = lit(1.0, 60.0, position=np.array([[0.0, 0.6e-3]]))
-    assert not light_of(exposure, setup).any()
+    assert not light_of(exposure, setup, EXACT).any()
 
 
 def test_moments_of_a_dash_are_those_of_disk_blur_and_way():
@@ -135,7 +135,7 @@ def test_moments_of_a_dash_are_those_of_disk_blur_and_way():
     one = np.flatnonzero(exposure.whole & (exposure.leg == INCIDENT) & exposure.in_view)[-2:-1]
     names = ("leg", "start", "end", "whole", "in_sheet", "in_view", "in_field")
     single = replace(exposure, **{name: getattr(exposure, name)[one] for name in names})
-    light = light_of(single, setup).astype(float)
+    light = light_of(single, setup, EXACT).astype(float)
     assert light.max() == pytest.approx(exposure.peak, rel=1e-6)
     rows, columns = np.indices(light.shape)
     total = light.sum()
@@ -165,7 +165,7 @@ def test_every_whole_pulse_gives_the_same_light_and_the_slower_leg_is_brighter()
     # One incident and one rebound dash, far enough from each other.
     pair = [np.flatnonzero(whole & (exposure.leg == leg))[k] for leg, k in ((0, -3), (1, 3))]
     two = replace(exposure, **{name: getattr(exposure, name)[pair] for name in names})
-    light = light_of(two, setup)
+    light = light_of(two, setup, EXACT)
     column = int(setup.columns_rows(two.flight.at(two.leg, two.start), EXACT)[:, 0].mean())
     left, right = light[:, :column], light[:, column:]
     assert left.sum() == pytest.approx(right.sum(), rel=1e-3)
@@ -188,7 +188,7 @@ def test_grey_levels_are_light_with_shot_and_reading_noise(interlace):
     events, setup = impacts(1.66, 60.0), setup_for(1.66, 60.0, instrument)
     frame = render(events, 0, setup, EXACT, generator(3))
     rng = generator(3)
-    light = light_of(expose(events, 0, setup, EXACT, rng), setup).astype(float)
+    light = light_of(expose(events, 0, setup, EXACT, rng), setup, EXACT).astype(float)
     if interlace:
         light = 0.5 * (light[::2] + light[1::2])
     draws = rng.integers(0, 2**16, light.shape, dtype=np.uint16)
@@ -200,15 +200,40 @@ def test_grey_levels_are_light_with_shot_and_reading_noise(interlace):
 
 
 @pytest.mark.parametrize("blur", [0.7, 1.0, 2.3])
-def test_light_of_the_path_is_spread_by_the_exact_integral_over_pixels(blur):
-    rng, size, samples = generator(5), 40, 3
-    path, light = 14.0 + 12.0 * rng.random((2, samples, 2)), np.zeros((2, size, size), np.float32)
-    path[0, 0] = 20.0, np.nextafter(20.0, 0.0)
-    path[1, 0] = 1.2, 38.9
-    _spread(path, np.zeros((2, 2), dtype=np.int64), *_gaussian(blur), light)
-    ends = (np.arange(size + 1) - 0.5 - path[..., None]) / blur
-    across, down = np.moveaxis(np.diff(scipy.special.ndtr(ends)), 2, 0)
-    assert light == pytest.approx(np.einsum("dsi,dsj->dij", down, across) / samples, abs=2e-8)
+def test_light_is_the_exact_integral_over_pixels_of_the_blurred_path(blur):
+    """Without a disk, against the sum of Gaussians at the same points of the path."""
+    instrument = replace(NOISELESS, blur_px=blur)
+    exposure, setup = lit(1.66, 60.0, instrument, diameter=np.array([1e-12]))
+    exposure = middle_field(exposure)
+    one = np.flatnonzero(exposure.whole & (exposure.leg == REBOUND) & exposure.in_view)[2:3]
+    names = ("leg", "start", "end", "whole", "in_sheet", "in_view", "in_field")
+    single = replace(exposure, **{name: getattr(exposure, name)[one] for name in names})
+    light = light_of(single, setup, EXACT)
+    ends = single.places(np.array([0]), np.stack([single.start, single.end], axis=1), setup, EXACT)
+    n = max(
+        FEWEST_SAMPLES,
+        int(np.ceil(SAMPLES_PER_BLUR * np.linalg.norm(np.ptp(ends[0], axis=0)) / blur)),
+    )
+    time = single.start + (single.end - single.start) * (np.arange(n) + 0.5) / n
+    path = setup.columns_rows(single.flight.at(np.repeat(single.leg, n), time), EXACT)
+    width, height = instrument.frame_px
+    across, down = (
+        np.diff(scipy.special.ndtr((np.arange(n + 1) - 0.5 - of[:, None]) / blur))
+        for n, of in ((width, path[:, 0]), (height, path[:, 1]))
+    )
+    expected = down.T @ across
+    assert light / light.sum() == pytest.approx(expected / expected.sum(), abs=2e-8)
+
+
+def test_a_disk_spreads_light_evenly_over_its_area():
+    rows, columns = np.indices((64, 64))
+    spot = np.exp(-((columns - 31.0) ** 2 + (rows - 32.0) ** 2) / 2.0)
+    found = through_disk(spot, 20.0)
+    assert found.sum() == pytest.approx(spot.sum())
+    # Well inside and outside the edge, where the blur of 1 px does not reach.
+    off = np.hypot(columns - 31.0, rows - 32.0)
+    assert found[off < 5.0] == pytest.approx(spot.sum() / (np.pi * 10.0**2), rel=2e-3)
+    assert np.abs(found[off > 15.0]).max() < 1e-3 * found.max()
 
 
 def test_noise_of_the_dark_frame():

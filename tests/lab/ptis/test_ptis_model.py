@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -15,15 +17,29 @@ from tests.lab.ptis.imaging_cases import (
     true_velocities,
 )
 
-from microimpact.lab.ptis.errors import Expected, expected, modelled
-from microimpact.lab.ptis.observation import CAPTURED, MEASURED, OFF_SHEET, observe
+from microimpact.lab.ptis import errors
+from microimpact.lab.ptis.exposure import CAPTURED, MEASURED, OFF_SHEET
+from microimpact.lab.ptis.observation import modelled, observe
 from microimpact.lab.ptis.system import Systematics, draw_systematics, event_generator
 
 EXACT = Systematics()
 
 
-def theory(events, setup, rng, errors):
-    return [expected(events, i, setup, errors, event_generator(rng, i)) for i in range(len(events))]
+@dataclass(frozen=True)
+class One:
+    """What the model tells of one event."""
+
+    velocities: np.ndarray
+    covariance: np.ndarray
+    dashes: np.ndarray
+
+
+def theory(events, setup, rng, shared):
+    """What the model tells of every event that is measured; else why it is not."""
+    draws = [event_generator(rng, i) for i in range(len(events))]
+    fates, found = errors.theory(events, setup, shared, draws)
+    measured = zip(found.velocities, found.covariance, found.dashes, strict=True)
+    return [One(*next(measured)) if fate == MEASURED else fate for fate in fates]
 
 
 def velocities(measured):
@@ -40,7 +56,7 @@ def velocities(measured):
 @pytest.mark.parametrize(("speed", "angle"), [(1.66, 60.0), (0.45, 45.0), (0.45, 20.0)])
 def test_expected_velocities_are_the_true_ones(speed, angle):
     events, setup = impacts(speed, angle, 20), setup_for(speed, angle)
-    found = [t for t in theory(events, setup, generator(), EXACT) if isinstance(t, Expected)]
+    found = [t for t in theory(events, setup, generator(), EXACT) if isinstance(t, One)]
     assert len(found) > 6
     # The centroid of a dash under gravity lies off its middle by the same for all of a leg:
     # g / 24 f^2 / 4 shifts the contact, hardly the velocity.
@@ -51,9 +67,7 @@ def test_expected_velocities_are_the_true_ones(speed, angle):
 def test_jitter_alone_gives_the_textbook_error_of_a_slope():
     setup = setup_for(1.66, 60.0)
     found = next(
-        t
-        for t in theory(impacts(1.66, 60.0, 8), setup, generator(), EXACT)
-        if isinstance(t, Expected)
+        t for t in theory(impacts(1.66, 60.0, 8), setup, generator(), EXACT) if isinstance(t, One)
     )
     n = found.dashes[0]
     along = found.velocities[0] / np.linalg.norm(found.velocities[0])
@@ -71,18 +85,16 @@ def test_frames_scatter_about_the_model_as_it_says(speed, angle, seed):
         setup_for(speed, angle),
         generator(seed),
     )
-    errors = draw_systematics(INSTRUMENT, rng)
-    model = theory(events, setup, rng, errors)
+    model = theory(events, setup, rng, draw_systematics(INSTRUMENT, rng))
     seen = observe(events, setup, rng)
     agree = [
-        (fate == MEASURED) == isinstance(t, Expected)
-        for fate, t in zip(seen.fates, model, strict=True)
+        (fate == MEASURED) == isinstance(t, One) for fate, t in zip(seen.fates, model, strict=True)
     ]
     assert np.mean(agree) > 0.94
     z = []
     for event, found in zip(seen.measured.event, velocities(seen.measured), strict=True):
         one = model[event]
-        if isinstance(one, Expected):
+        if isinstance(one, One):
             root = np.linalg.cholesky(one.covariance)
             z.append(np.linalg.solve(root, (found - one.velocities)[..., None])[..., 0])
     z = np.array(z)
@@ -98,9 +110,7 @@ def test_modelled_events_scatter_as_their_covariance_says():
     events, setup = impacts(1.66, 60.0, n), setup_for(1.66, 60.0)
     drawn = modelled(events, setup, generator(), errors=EXACT)
     model = theory(events, setup, generator(), EXACT)
-    assert tuple(f == MEASURED for f in drawn.fates) == tuple(
-        isinstance(t, Expected) for t in model
-    )
+    assert tuple(f == MEASURED for f in drawn.fates) == tuple(isinstance(t, One) for t in model)
     z = []
     for event, found in zip(drawn.measured.event, velocities(drawn.measured), strict=True):
         root = np.linalg.cholesky(model[event].covariance)
@@ -116,7 +126,7 @@ def test_noise_free_instrument_leaves_a_fifth_of_the_spread_at_most():
     for a, b in zip(
         *(theory(events, setup, generator(), EXACT) for setup in (noisy, quiet)), strict=True
     ):
-        if isinstance(a, Expected) and isinstance(b, Expected):
+        if isinstance(a, One) and isinstance(b, One):
             ratio = np.trace(b.covariance, axis1=1, axis2=2) / np.trace(
                 a.covariance, axis1=1, axis2=2
             )

@@ -1,4 +1,4 @@
-"""Patches of light: smoothing, labels, wings and sums against plain NumPy and SciPy."""
+"""Patches of light: detection, wings and moments against small cases known by hand."""
 
 from __future__ import annotations
 
@@ -7,32 +7,17 @@ import pytest
 import scipy
 from tests.lab.ptis.imaging_cases import generator, setup_for
 
-from microimpact.lab.ptis.spots import (
-    ACROSS,
-    COLUMN,
-    CORE,
-    DOWN,
-    EVERY,
-    FULL,
-    KERNEL,
+from microimpact.lab.ptis.tracks import (
     LEAST_BRIGHTNESS,
-    LIGHT,
-    MIXED,
-    NEAR,
-    ROW,
+    MOST_SATURATED,
     SMOOTHING_PX,
-    SURFACE_PX,
     WINGS_PX,
-    _core,
-    _histogram,
-    _patches,
-    _sums,
     find_spots,
+    patches,
 )
 
-TOUCHING = np.ones((3, 3))
-# The camera's frame, ones that stretches do not divide, and one hardly larger than the kernel.
-SHAPES = [(480, 640), (61, 83), (33, 32), (9, 7)]
+# The camera's frame, one that is hardly larger than the Gaussian, and one between.
+SHAPES = [(480, 640), (61, 83), (9, 7)]
 
 
 def blobs(rng, shape, share):
@@ -42,129 +27,148 @@ def blobs(rng, shape, share):
     return np.clip(np.rint(light), 0, 255).astype(np.uint8)
 
 
-def mask(core, shape):
-    found = np.zeros(shape, dtype=bool)
-    found.ravel()[core] = True
-    return found
+def maps(frame, background, least):
+    """Number of the patch at every pixel, and which are bright."""
+    row, column, patch, core = patches(frame, background, least)
+    spot, bright = np.zeros(frame.shape, dtype=int), np.zeros(frame.shape, dtype=bool)
+    spot[row, column], bright[row, column] = patch, core
+    return spot, bright
 
 
-def places(bright):
-    return np.flatnonzero(bright.ravel())
-
-
-def labelled(bright):
-    """Patches in order of their first pixel, widened; the later one takes what two share."""
-    patches, number = scipy.ndimage.label(bright, TOUCHING)
-    spot = np.zeros(bright.shape, dtype=int)
-    square = np.ones((2 * WINGS_PX + 1, 2 * WINGS_PX + 1))
-    for k in range(1, number + 1):
-        spot[scipy.ndimage.binary_dilation(patches == k, square)] = k
-    return spot, number
+def smoothed(frame, background):
+    """The frame through a Gaussian of 1 px, cut at 3 px, by its sum; edges are mirrors."""
+    place = np.arange(-3, 4)
+    kernel = np.exp(-0.5 * (place / SMOOTHING_PX) ** 2)
+    kernel /= kernel.sum()
+    wide = np.pad(frame - background, 3, mode="symmetric")
+    rows = sum(k * wide[3 + i : 3 + i + frame.shape[0]] for i, k in zip(place, kernel, strict=True))
+    return sum(
+        k * rows[:, 3 + i : 3 + i + frame.shape[1]] for i, k in zip(place, kernel, strict=True)
+    )
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-def test_core_is_where_the_gaussian_mean_exceeds_both_thresholds(shape):
+def test_bright_is_where_the_smoothed_light_exceeds_both_thresholds(shape):
     rng = generator(len(shape), *shape)
-    for share, least in ((0.002, 8.0), (0.05, 8.0), (0.0, 2.5), (0.05, 30.0)):
+    for share, least in ((0.002, 8.0), (0.05, 8.0), (0.05, 30.0)):
         frame = blobs(rng, shape, share)
-        smooth = frame - 20.0
-        for axis in (0, 1):
-            # SciPy's `reflect` repeats the edge pixel, as a mirror at the edge does.
-            smooth = scipy.ndimage.convolve1d(
-                smooth, KERNEL.astype(float), axis=axis, mode="reflect"
-            )
+        smooth = smoothed(frame.astype(float), 20.0)
         threshold = max(least, LEAST_BRIGHTNESS * smooth.max())
-        found = _core(frame, np.float32(20.0), np.float32(least))
-        assert np.all(np.diff(found) > 0)
-        wrong = mask(found, shape) != (smooth > threshold)
+        wrong = maps(frame, 20.0, least)[1] != (smooth > threshold)
         # Single precision may decide a pixel that is at the threshold.
         assert np.all(np.abs(smooth[wrong] - threshold) < 1e-4)
 
 
-def test_smoothing_is_the_gaussian_of_its_width():
-    spike = np.zeros(21)
-    spike[10] = 1.0
-    gauss = scipy.ndimage.gaussian_filter1d(spike, SMOOTHING_PX, radius=len(KERNEL) // 2)
-    assert gauss[7:14] == pytest.approx(KERNEL, abs=1e-7)
+def test_a_dark_frame_has_no_spots():
+    frame = np.full((480, 640), 20, dtype=np.uint8)
+    assert all(of.size == 0 for of in patches(frame, 20.0, 6.0))
+    assert len(find_spots(frame, setup_for(1.66, 60.0)).light) == 0
 
 
-def test_a_dark_frame_has_no_core():
-    frame = np.full((40, 50), 20, dtype=np.uint8)
-    core = _core(frame, np.float32(20.0), np.float32(6.0))
-    spot, boxes = _patches(core, *frame.shape)
-    assert (core.size, boxes.shape, spot.any()) == (0, (0, 4), False)
+def test_wings_are_two_pixels_around_what_is_bright():
+    frame = np.zeros((30, 40), dtype=np.uint8)
+    frame[10, 20] = 200
+    spot, bright = maps(frame, 0.0, 20.0)
+    # 200 / 2 pi = 32 in the middle, 19 beside it.
+    assert np.argwhere(bright).tolist() == [[10, 20]]
+    assert np.argwhere(spot).min(axis=0).tolist() == [10 - WINGS_PX, 20 - WINGS_PX]
+    assert np.argwhere(spot).max(axis=0).tolist() == [10 + WINGS_PX, 20 + WINGS_PX]
+    assert spot.sum() == (2 * WINGS_PX + 1) ** 2
 
 
-@pytest.mark.parametrize("share", [0.005, 0.03, 0.1, 0.4])
-def test_patches_are_those_of_scipy_with_their_wings(share):
-    rng = generator(7, int(1000 * share))
-    for _ in range(25):
-        bright = rng.random(rng.integers(4, 40, 2)) < share
-        spot, boxes = _patches(places(bright), *bright.shape)
-        expected, number = labelled(bright)
-        assert np.array_equal(spot, expected)
-        assert len(boxes) == number
-        patches, _ = scipy.ndimage.label(bright, TOUCHING)
-        for box, (rows, columns) in zip(boxes, scipy.ndimage.find_objects(patches), strict=True):
-            first = max(rows.start - WINGS_PX, 0), max(columns.start - WINGS_PX, 0)
-            last = rows.stop + WINGS_PX, columns.stop + WINGS_PX
-            assert tuple(box) == (*first, *np.minimum(last, bright.shape))
+@pytest.mark.parametrize("place", [(0, 0), (29, 39), (0, 39)])
+def test_wings_end_with_the_frame(place):
+    frame = np.zeros((30, 40), dtype=np.uint8)
+    frame[place] = 90
+    spot, _ = maps(frame, 0.0, 20.0)
+    assert spot.sum() == (WINGS_PX + 1) ** 2
 
 
-def test_pixels_that_touch_by_a_corner_are_one_patch():
-    for corner in ((6, 6), (6, 4)):
-        bright = np.zeros((12, 12), dtype=bool)
-        bright[5, 5] = bright[corner] = True
-        assert len(_patches(places(bright), 12, 12)[1]) == 1
+@pytest.mark.parametrize(
+    ("second", "least", "number"), [((6, 6), 40.0, 1), ((6, 4), 40.0, 1), ((5, 8), 30.0, 2)]
+)
+def test_pixels_that_touch_also_by_a_corner_are_one_patch(second, least, number):
+    frame = np.zeros((20, 20), dtype=np.uint8)
+    frame[5, 5] = frame[second] = 200
+    # Smoothed, each has 32, of its neighbour by a corner 12; two more pixels touch both, with 39.
+    row, column, patch, core = patches(frame, 0.0, least)
+    assert patch.max() == number
+    assert set(zip(row[core], column[core], strict=True)) == {(5, 5), second}
 
 
 def test_where_wings_meet_the_later_patch_has_them():
-    bright = np.zeros((9, 12), dtype=bool)
-    bright[4, 4] = bright[4, 7] = True
-    spot, boxes = _patches(places(bright), 9, 12)
-    assert len(boxes) == 2
-    assert spot[4].tolist() == [0, 0, 1, 1, 1, 2, 2, 2, 2, 2, 0, 0]
+    frame = np.zeros((9, 14), dtype=np.uint8)
+    frame[4, 4] = frame[4, 8] = 200
+    spot, bright = maps(frame, 0.0, 30.0)
+    assert np.argwhere(bright).tolist() == [[4, 4], [4, 8]]
+    assert spot[4].tolist() == [0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 2, 0, 0, 0]
+
+
+def test_every_patch_is_one_of_pixels_that_touch():
+    """Against a search by hand, pixel by pixel."""
+    frame = blobs(generator(7), (40, 50), 0.01)
+    spot, bright = maps(frame, 20.0, 30.0)
+    left, patches_by_hand = set(map(tuple, np.argwhere(bright).tolist())), []
+    while left:
+        patch = [left.pop()]
+        for row, column in patch:
+            near = {(row + i, column + j) for i in (-1, 0, 1) for j in (-1, 0, 1)} & left
+            patch += near
+            left -= near
+        patches_by_hand.append(patch)
+    assert len(patches_by_hand) > 5
+    # Each has a number of its own, but for pixels that wings of another took.
+    numbers = [np.bincount([spot[place] for place in patch]).argmax() for patch in patches_by_hand]
+    assert sorted(numbers) == list(range(1, spot.max() + 1))
 
 
 @pytest.mark.parametrize("lines", [1, 2])
-def test_sums_are_moments_of_the_light(lines):
-    rng = generator(11, lines)
-    surface = 30.0, 25.0 * lines, np.cos(1.0), np.sin(1.0)
-    for _ in range(20):
-        frame = blobs(rng, (50, 60), 0.004)
-        bright = scipy.ndimage.gaussian_filter(frame - 20.0, 1.0) > 15.0
-        core = places(bright)
-        spot, boxes = _patches(core, *frame.shape)
-        sums = _sums(frame, 20.0, spot, core, boxes, lines, surface)
-        rows, columns = np.indices(frame.shape)
-        down = lines * rows + 0.5 * (lines - 1)
-        above = (columns - surface[0]) * surface[2] - (down - surface[1]) * surface[3]
-        near = (above < SURFACE_PX) | (rows == 0) | (rows == 49) | (columns == 0) | (columns == 59)
-        assert sums.shape == (9, len(boxes))
-        for k, own in enumerate(sums.T):
-            mine = spot == k + 1
-            light = (frame - 20.0)[mine]
-            x, y = columns[mine], down[mine]
-            place = np.average([x, y], axis=1, weights=light)
-            dx, dy = x - place[0], y - place[1]
-            expected = {
-                LIGHT: light.sum(),
-                COLUMN: place[0],
-                ROW: place[1],
-                ACROSS: np.average(dx**2, weights=light),
-                DOWN: np.average(dy**2, weights=light),
-                MIXED: np.average(dx * dy, weights=light),
-                FULL: np.sum(frame[mine] == 255),
-                CORE: np.sum(mine & bright),
-                NEAR: np.sum(mine & bright & near),
-            }
-            assert own == pytest.approx([expected[i] for i in range(9)], rel=1e-9, abs=1e-9)
+def test_place_and_size_are_moments_of_the_light(lines):
+    setup, rng = setup_for(1.66, 60.0), generator(11, lines)
+    frame = np.full((480 // lines, 640), 20, dtype=np.uint8)
+    block = rng.integers(150, 250, (7, 5))
+    frame[60:67, 200:205] = block
+    spots = find_spots(frame, setup)
+    rows, columns = np.indices(block.shape)
+    y, x = lines * (60 + rows) + 0.5 * (lines - 1), 200 + columns
+    light = block - 20.0
+    place = [np.average(axis, weights=light) for axis in (x, y)]
+    covariance = np.cov(np.stack([x.ravel(), y.ravel()]), aweights=light.ravel(), ddof=0)
+    assert spots.light == pytest.approx([light.sum()])
+    assert spots.place == pytest.approx(np.array([place]))
+    sizes = np.sqrt(np.linalg.eigvalsh(covariance))
+    assert [spots.width[0], spots.length[0]] == pytest.approx(sizes)
+    assert spots.height == pytest.approx(setup.height(np.array([place])))
+    assert spots.clear.tolist() == [True]
+    assert spots.saturated.tolist() == [False]
 
 
-def test_levels_are_counted_in_every_fourth_row():
-    frame = generator(13).integers(0, 256, (30, 41)).astype(np.uint8)
-    counted = np.bincount(frame[::EVERY].ravel(), minlength=256)
-    assert np.array_equal(_histogram(frame), counted)
+def test_spots_at_the_edge_or_the_surface_are_not_clear():
+    setup = setup_for(1.66, 60.0)
+    frame = np.full((480, 640), 20, dtype=np.uint8)
+    column, row = np.rint(setup.centre).astype(int)
+    for left, top in ((300, 0), (0, 200), (300, 150), (column, row)):
+        frame[top : top + 5, left : left + 5] = 200
+    spots = find_spots(frame, setup)
+    clear = dict(zip(map(tuple, np.rint(spots.place).astype(int)), spots.clear, strict=True))
+    assert clear == {
+        (302, 2): False,
+        (2, 202): False,
+        (302, 152): True,
+        (column + 2, row + 2): False,
+    }
+
+
+@pytest.mark.parametrize("share", [0.5, 1.5])
+def test_spots_with_enough_pixels_at_the_end_of_the_scale_are_saturated(share):
+    setup = setup_for(1.66, 60.0)
+    frame = np.full((480, 640), 20, dtype=np.uint8)
+    frame[100:120, 300:320] = 200
+    core = patches(frame, 20.0, 6.0)[3].sum()
+    full = round(share * MOST_SATURATED * core)
+    rows, columns = np.divmod(np.arange(full), 20)
+    frame[100 + rows, 300 + columns] = 255
+    assert find_spots(frame, setup).saturated.tolist() == [share > 1.0]
 
 
 def test_spots_of_round_light_are_found_where_they_were_drawn():

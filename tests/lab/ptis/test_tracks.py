@@ -19,19 +19,20 @@ from tests.lab.ptis.imaging_cases import (
     true_velocities,
 )
 
-from microimpact.lab.ptis.exposure import REBOUND, expose, flight
-from microimpact.lab.ptis.frames import render
-from microimpact.lab.ptis.observation import (
+from microimpact.lab.ptis.exposure import (
     CAPTURED,
     MEASURED,
     OFF_SHEET,
     OFF_VIEW,
+    REBOUND,
     SPLIT,
-    observe,
+    expose,
+    flight,
 )
-from microimpact.lab.ptis.spots import find_spots
+from microimpact.lab.ptis.frames import render
+from microimpact.lab.ptis.observation import observe
 from microimpact.lab.ptis.system import Systematics, event_generator
-from microimpact.lab.ptis.track_fit import (
+from microimpact.lab.ptis.tracks import (
     FEW,
     IRREGULAR,
     NO_VERTEX,
@@ -41,10 +42,12 @@ from microimpact.lab.ptis.track_fit import (
     TOUCHING,
     Rejection,
     Track,
+    find_spots,
     fit_path,
+    measure,
     reduce_legs,
+    sort_legs,
 )
-from microimpact.lab.ptis.tracks import measure, sort_legs
 
 EXACT = Systematics()
 CASES = [(1.66, 85.0), (1.66, 45.0), (1.05, 20.0), (0.45, 60.0), (0.45, 30.0)]

@@ -1,9 +1,11 @@
-"""Errors of trajectory imaging without its frames.
+"""Error model of trajectory imaging: what its frames would give, without drawing them.
 
-Which dashes a leg has follows from the geometry of the exposure, as in a frame; the velocities are
-those that the reduction finds from exact centroids, with the spread that noise of the centroids
-and jitter of the pulses give through the normal equations of the fit. All events of an experiment
-are treated together; each has its own generator, so that none depends on the others.
+Which dashes a leg has follows from the geometry of the exposure, as in a frame: those that make a
+spot of their own, whole and by themselves. The velocities are those that the reduction finds from
+exact centroids, with the spread that noise of the centroids and jitter of the pulses give through
+the normal equations of the fit. Study `track_imaging` holds the model against rendered frames. All
+events of an experiment are treated together; each has its own generator, so that none depends on
+the others.
 """
 
 from __future__ import annotations
@@ -12,121 +14,67 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from microimpact.core.arrays import FloatArray
+from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.lab.events import Impacts, IntArray
-from microimpact.lab.ptis.dashes import (
-    FAINT_END,
-    Rows,
-    brightness,
-    find_dashes,
-    longest_rows,
-    outline,
-)
-from microimpact.lab.ptis.exposure import INCIDENT, REBOUND, exposures
-from microimpact.lab.ptis.observation import (
-    CAPTURED,
+from microimpact.lab.ptis.exposure import (
+    INCIDENT,
+    LATER,
+    LEGS,
     MEASURED,
+    REBOUND,
     UNMEASURABLE,
-    Observation,
-    observation,
+    Exposure,
+    exposures,
     unseen,
 )
-from microimpact.lab.ptis.spots import WINGS_PX
-from microimpact.lab.ptis.system import Setup, Systematics, draw_systematics, event_generator
-from microimpact.lab.ptis.track_fit import Leg, fit_track, smooth, to_target
-from microimpact.lab.ptis.tracks import told_apart
+from microimpact.lab.ptis.system import Setup, Systematics
+from microimpact.lab.ptis.tracks import (
+    LEAST_BRIGHTNESS,
+    SINGLE,
+    SMOOTHING_PX,
+    SURFACE_PX,
+    WINGS_PX,
+    Leg,
+    fit_track,
+    longest_runs,
+    smooth,
+    to_target,
+    told_apart,
+)
 
-# Noise of centroids over its theory, as measured on frames.
+# What is seen of a dash, as measured on frames: how far its light reaches beyond the sharp edge of
+# the disk, in blurs; how much of the radius is too faint at its ends, which only a part of the
+# disk reaches; how close (px) the light of two dashes runs together; and the noise of centroids
+# over its theory.
+EDGE = 0.72
+FAINT_END = 0.45
+JOINED_PX = 2.0
 CENTROID_NOISE = 1.15
+# Points of each dash between which distances are taken.
+POINTS = 5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Expected:
-    """What the reduction gives on average, and its spread: for one event, or k of them.
+    """What the reduction gives of k events on average, and its spread.
 
     Attributes
     ----------
     velocities
-        Incident and rebound (rows), tangential and normal, m/s, shape (..., 2, 2).
+        Incident and rebound (rows), tangential and normal, m/s, shape (k, 2, 2).
     covariance
-        Of tangential and normal velocity, (m/s)^2, per leg, shape (..., 2, 2, 2).
+        Of tangential and normal velocity, (m/s)^2, per leg, shape (k, 2, 2, 2).
     dashes
-        Used in each leg, shape (..., 2).
+        Used in each leg, shape (k, 2).
     """
 
     velocities: FloatArray
     covariance: FloatArray
     dashes: IntArray
-
-
-def modelled(
-    impacts: Impacts,
-    setup: Setup,
-    rng: Generator,
-    *,
-    first: int = 0,
-    errors: Systematics | None = None,
-) -> Observation:
-    """Return what `ptis_observation.observe` would, without rendering frames.
-
-    The same generator gives an event the same field and the same pulses, apart from their jitter.
-
-    Parameters
-    ----------
-    impacts, setup, rng, first, errors
-        As in `ptis_observation.observe`.
-    """
-    errors = errors or draw_systematics(setup.instrument, rng)
-    moving = np.flatnonzero(~impacts.captured)
-    draws = [event_generator(rng, first + i) for i in moving.tolist()]
-    reasons, found = theory(impacts.select(moving), setup, errors, draws)
-    fates = np.full(len(impacts), CAPTURED, dtype=object)
-    fates[moving] = reasons
-    measured = np.flatnonzero(reasons == MEASURED)
-    normal = [draws[i].standard_normal((2, 2, 1)) for i in measured.tolist()]
-    spread = np.linalg.cholesky(found.covariance) @ np.reshape(normal, (-1, 2, 2, 1))
-    return observation(fates, found.velocities + spread[..., 0])
-
-
-def expected(
-    impacts: Impacts, i: int, setup: Setup, errors: Systematics, rng: Generator
-) -> Expected | str:
-    """Return mean and spread of what is measured of one event, or why nothing is.
-
-    Parameters
-    ----------
-    impacts, i
-        The impacts and which of them.
-    setup, errors
-        The instrument as set and the errors of the experiment.
-    rng
-        Of the event; see `ptis.event_generator`.
-    """
-    return expected_of_all(impacts.select(slice(i, i + 1)), setup, errors, [rng])[0]
-
-
-def expected_of_all(
-    impacts: Impacts, setup: Setup, errors: Systematics, rngs: Sequence[Generator]
-) -> list[Expected | str]:
-    """Return what is `expected` of every impact, each with its own generator."""
-    moving = np.flatnonzero(~impacts.captured)
-    draws = [rngs[i] for i in moving.tolist()]
-    fates, found = theory(impacts.select(moving), setup, errors, draws)
-    outcome: list[Expected | str] = [CAPTURED] * len(impacts)
-    k = 0
-    for i, fate in zip(moving.tolist(), fates, strict=True):
-        outcome[i] = str(fate)
-        if fate == MEASURED:
-            outcome[i] = Expected(
-                velocities=found.velocities[k],
-                covariance=found.covariance[k],
-                dashes=found.dashes[k],
-            )
-            k += 1
-    return outcome
 
 
 def theory(
@@ -136,10 +84,12 @@ def theory(
 
     Parameters
     ----------
-    impacts, setup, errors
-        As in `expected`.
+    impacts
+        The impacts.
+    setup, errors
+        The instrument as set and the errors of the experiment.
     rngs
-        One per impact.
+        One per impact; see `system.event_generator`.
 
     Returns
     -------
@@ -150,8 +100,8 @@ def theory(
     fates = unseen(exposure, setup)
     seen = np.flatnonzero(fates == "")
     fates[seen] = UNMEASURABLE
-    disk = impacts.diameter[seen] / setup.pixel
-    dashes = find_dashes(exposure.select(seen), disk, setup, errors)
+    disk = exposure.diameter[seen] / setup.pixel
+    dashes = find_dashes(exposure.select(seen), setup, errors)
     rows = [longest_rows(dashes, leg) for leg in (INCIDENT, REBOUND)]
     enough = np.minimum(rows[0].number, rows[1].number) >= setup.instrument.least_dashes
     clear = np.flatnonzero(enough & told_apart(rows[1].places, rows[1].used))
@@ -170,6 +120,167 @@ def theory(
         covariance=np.stack(covariance, axis=1)[flown],
         dashes=np.stack([row.number for row in rows], axis=1)[flown],
     )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Dashes:
+    """Dashes of n exposures in their frames, m in all, leg by leg and in order of time.
+
+    Attributes
+    ----------
+    events
+        Number n of exposures.
+    leg, centre, length
+        Which leg each belongs to (as in `exposure`), centroid (columns and rows, (m, 2)) and
+        way of the centre, px.
+    good
+        True where it is found whole and by itself.
+    """
+
+    events: int
+    leg: IntArray
+    centre: FloatArray
+    length: FloatArray
+    good: BoolArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rows:
+    """The longest row of good dashes of one leg of each of n exposures.
+
+    Attributes
+    ----------
+    places
+        Columns and rows in order of time, shape (n, k, 2); zero beyond the end of a row.
+    used
+        True up to the end of a row, shape (n, k).
+    number, length
+        Of the dashes, and their mean way, px, shape (n,).
+    """
+
+    places: FloatArray
+    used: BoolArray
+    number: IntArray
+    length: FloatArray
+
+    def select(self, which: IntArray | BoolArray) -> Rows:
+        """Return the rows of some exposures."""
+        return Rows(**{name: getattr(self, name)[which] for name in self.__dataclass_fields__})
+
+
+def find_dashes(exposure: Exposure, setup: Setup, errors: Systematics) -> Dashes:
+    """Return the dashes of n exposures without jitter."""
+    shown, start, end = exposure.dashes()
+    order = np.argsort(exposure.leg[shown], kind="stable")
+    order = order[exposure.in_view[shown[order]]]
+    shown, start, end = shown[order], start[order], end[order]
+    event, leg, flight = exposure.event[shown], exposure.leg[shown], exposure.flight
+    size = exposure.diameter[event] / setup.pixel
+    edge = 0.5 * size + outline(setup)
+    length = np.linalg.norm(flight.at(leg, end) - flight.at(leg, start), axis=1) / setup.pixel
+    trim = np.minimum(0.5, FAINT_END * 0.5 * size / np.maximum(length, 1e-12))[:, None]
+    share = trim + (1.0 - 2.0 * trim) * np.linspace(0.0, 1.0, POINTS)
+    time = start[:, None] + (end - start)[:, None] * share
+    path = exposure.places(shown, time, setup, errors)
+    # The mean over a dash lies off its middle by what gravity bends it.
+    middle = flight.at(leg, 0.5 * (start + end))
+    middle = middle + flight.gravity * ((end - start) ** 2)[:, None] / 24.0
+    light = (end - start) * setup.chop_rate / setup.instrument.duty
+    whole = (exposure.whole & exposure.in_sheet & exposure.in_field)[shown]
+    bright = brightness(length, size, setup)
+    brightest = np.zeros(len(exposure))
+    np.maximum.at(brightest, event, np.where(leg % LEGS < LATER, bright, 0.0))
+    return Dashes(
+        events=len(exposure),
+        leg=leg,
+        centre=setup.columns_rows(middle, errors),
+        length=length,
+        good=whole
+        & _alone(event, path, light, setup.height(path), edge)
+        & (bright > LEAST_BRIGHTNESS * brightest[event]),
+    )
+
+
+def _alone(
+    event: IntArray, path: FloatArray, light: FloatArray, height: FloatArray, edge: FloatArray
+) -> BoolArray:
+    """Tell which dashes make a spot of their own, above all that run together.
+
+    As in `sort_legs`, spots that touch the surface do not count.
+    """
+    pairs, m = _near(event, path, edge), len(event)
+    graph = scipy.sparse.coo_array((np.ones(len(pairs[0])), pairs), shape=(m, m))
+    n, spot = scipy.sparse.csgraph.connected_components(graph, directed=False)
+    whole = np.bincount(spot, light, minlength=n)
+    centre = np.bincount(spot, light * height.mean(axis=1), minlength=n) / whole
+    bottom, owner = np.full(n, np.inf), np.zeros(n, dtype=np.int64)
+    np.minimum.at(bottom, spot, height.min(axis=1) - edge)
+    owner[spot] = event
+    clear = bottom > SURFACE_PX
+    merged = clear & (whole > SINGLE)
+    crowded = np.full(event.max(initial=0) + 1, -np.inf)
+    np.maximum.at(crowded, owner[merged], centre[merged])
+    alone: BoolArray = (clear & ~merged)[spot] & (height.mean(axis=1) > crowded[event])
+    return alone
+
+
+def _near(event: IntArray, path: FloatArray, edge: FloatArray) -> tuple[IntArray, IntArray]:
+    """Return the pairs of dashes of one event whose light runs together."""
+    later = np.searchsorted(event, event, side="right") - np.arange(len(event)) - 1
+    first = np.repeat(np.arange(len(event)), later)
+    within = np.arange(later.sum()) - np.repeat(np.cumsum(later) - later, later)
+    second = first + 1 + within
+    joined = edge[first] + edge[second] + JOINED_PX
+    # No point of a dash is farther from its middle one than its reach: most pairs drop out here.
+    middle = path[:, POINTS // 2]
+    reach = np.linalg.norm(path - middle[:, None], axis=2).max(axis=1)
+    apart = np.linalg.norm(middle[first] - middle[second], axis=1)
+    close = apart < joined + reach[first] + reach[second]
+    first, second, joined = first[close], second[close], joined[close]
+    gap = path[first][:, :, None] - path[second][:, None]
+    near = np.hypot(gap[..., 0], gap[..., 1]).min(axis=(1, 2)) < joined
+    return first[near], second[near]
+
+
+def longest_rows(dashes: Dashes, leg: int) -> Rows:
+    """Return the longest rows of good dashes of the legs `INCIDENT` or `REBOUND`."""
+    start, number = longest_runs(dashes.good, dashes.leg, LEGS * dashes.events)
+    start, number = start[leg::LEGS], number[leg::LEGS]
+    place = np.arange(max(2, number.max(initial=0)))
+    used = place < number[:, None]
+    index = np.where(used, start[:, None] + place, 0)
+    # Without any dash there is nothing that the unused index 0 could mean.
+    centre = dashes.centre if len(dashes.centre) else np.zeros((1, 2))
+    length = dashes.length if len(dashes.length) else np.zeros(1)
+    return Rows(
+        places=np.where(used[..., None], centre[index], 0.0),
+        used=used,
+        number=number,
+        length=np.bincount(np.nonzero(used)[0], length[index[used]], minlength=dashes.events)
+        / np.maximum(number, 1),
+    )
+
+
+def outline(setup: Setup) -> float:
+    """Return how far the light of a sphere reaches beyond its disk, px."""
+    return float(EDGE * np.hypot(setup.instrument.blur_px, SMOOTHING_PX))
+
+
+def brightness(length: FloatArray, disk: FloatArray, setup: Setup) -> FloatArray:
+    """Return the brightest light per pixel of dashes of unit light, near enough.
+
+    The widths of disk and blur add in squares.
+
+    Parameters
+    ----------
+    length, disk
+        Way of the centre and diameter, px; they broadcast.
+    setup
+        What is known of the instrument.
+    """
+    chord = np.hypot(0.25 * np.pi * disk, np.sqrt(2.0 * np.pi) * setup.instrument.blur_px)
+    light: FloatArray = 1.0 / (chord * np.hypot(chord, length))
+    return light
 
 
 def _centroid_variance(

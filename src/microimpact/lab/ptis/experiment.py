@@ -1,12 +1,13 @@
-"""Experiments at oblique incidence: particles dropped on a tilted target, seen by the PTIS."""
+"""Experiments at oblique incidence: particles dropped on a tilted target, seen by the PTIS.
+
+What the PTIS makes of an impact is told by the error model of its frames (`observation.modelled`).
+"""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import partial
-from typing import Literal
 
 import numpy as np
 from numpy.random import Generator
@@ -15,18 +16,17 @@ from microimpact.core.arrays import BoolArray, FloatArray, Real
 from microimpact.lab.dispenser import Dispenser, InitialSpin, drop_height, release
 from microimpact.lab.events import Impacts, IntArray, Measured
 from microimpact.lab.experiment import Target, hit
-from microimpact.lab.ptis.errors import modelled
-from microimpact.lab.ptis.observation import MEASURED, OFF_SHEET, observe
+from microimpact.lab.ptis.exposure import MEASURED, OFF_SHEET
+from microimpact.lab.ptis.observation import modelled
 from microimpact.lab.ptis.system import Instrument, Setup, child, draw_systematics
 from microimpact.lab.reduction import Mean, mean_interval
 from microimpact.statistics.distributions import Distribution, mean
 
-Method = Literal["frames", "model"]
 OUTSIDE_CLASS = "outside the class"
 
 # Particles dropped at first; while events are wanting, as many again as so far.
 DROPPED_AT_FIRST = 200
-# Impacts looked at together; of frames no more are rendered than needed.
+# Impacts looked at together.
 LOOKED_AT_ONCE = 200
 
 
@@ -44,8 +44,6 @@ class Recipe:
         Nominal speed, m/s, and range of *measured* speeds accepted.
     dispenser, spin, instrument
         Settings.
-    method
-        Whether frames are rendered and measured, or the model of their errors serves.
     """
 
     target: Target
@@ -55,7 +53,6 @@ class Recipe:
     dispenser: Dispenser
     spin: InitialSpin
     instrument: Instrument
-    method: Method
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -133,11 +130,7 @@ def collect(
         for start in range(0, max(1, len(shown)), LOOKED_AT_ONCE):
             some = batch.select(slice(start, start + LOOKED_AT_ONCE))
             wanted = events - accepted
-            if recipe.method == "model":
-                seen = modelled(some, setup, rng, first=first, errors=errors)
-            else:
-                still = partial(_wanted, recipe=recipe, events=wanted)
-                seen = observe(some, setup, rng, first=first, errors=errors, wanted=still)
+            seen = modelled(some, setup, rng, first=first, errors=errors)
             part, end = _accepted(seen.measured, recipe, wanted, len(some))
             fates.update(seen.fates[:end])
             looked.append(some.select(slice(end)))
@@ -155,11 +148,6 @@ def collect(
         dropped=dropped,
         fates=dict(fates),
     )
-
-
-def _wanted(measured: Measured, recipe: Recipe, events: int) -> int:
-    """Return how many events of the class are still wanted."""
-    return events - len(_accepted(measured, recipe, events, 0)[0])
 
 
 def _accepted(measured: Measured, recipe: Recipe, wanted: int, looked: int) -> tuple[Measured, int]:

@@ -1,4 +1,7 @@
-"""What the chopped light sheet shows of spheres: pieces of their paths, pulse by pulse."""
+"""What the chopped light sheet shows of spheres: pieces of their paths, pulse by pulse.
+
+Frames and error model rest on the same pieces, and on the same reasons why an impact is not seen.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.random import Generator
+from numpy.typing import NDArray
 
 from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.core.constants import gravity
@@ -15,6 +19,15 @@ from microimpact.lab.ptis.system import Setup, Systematics
 
 INCIDENT, REBOUND, LATER = 0, 1, 2
 LEGS = 3
+
+# What becomes of an impact.
+MEASURED = "measured"
+CAPTURED = "captured"
+TOO_SLOW = "too few pulses in a field"
+OFF_SHEET = "outside the light sheet"
+OFF_VIEW = "outside the field of view"
+SPLIT = "split over fields"
+UNMEASURABLE = "unmeasurable"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -109,6 +122,8 @@ class Exposure:
         Beginning and end of that field, s after impact, each of shape (n,).
     peak
         Grey level of the brightest dash above the background, shape (n,).
+    diameter
+        Of the spheres, m, shape (n,).
     flight
         The paths.
     """
@@ -122,6 +137,7 @@ class Exposure:
     in_field: BoolArray
     field: tuple[FloatArray, FloatArray]
     peak: FloatArray
+    diameter: FloatArray
     flight: Flight
 
     def __len__(self) -> int:
@@ -144,8 +160,22 @@ class Exposure:
             leg=LEGS * number[self.event[kept]] + self.leg[kept] % LEGS,
             field=(self.field[0][which], self.field[1][which]),
             peak=self.peak[which],
+            diameter=self.diameter[which],
             flight=self.flight.select(which),
         )
+
+    def dashes(self) -> tuple[IntArray, FloatArray, FloatArray]:
+        """Return which pieces show in the field of their impact, and from when to when, s."""
+        start = np.maximum(self.start, self.field[0][self.event])
+        end = np.minimum(self.end, self.field[1][self.event])
+        shown = np.flatnonzero(end > start)
+        return shown, start[shown], end[shown]
+
+    def places(
+        self, piece: IntArray, time: FloatArray, setup: Setup, errors: Systematics
+    ) -> FloatArray:
+        """Return columns and rows, (k, m, 2), of the centre on k pieces at times s, (k, m)."""
+        return setup.columns_rows(self.flight.at(self.leg[piece][:, None], time), errors)
 
 
 def expose(
@@ -217,6 +247,7 @@ def exposures(
         in_field=(opens >= begin[event]) & (closes <= begin[event] + exposure),
         field=(begin, begin + exposure),
         peak=peak - instrument.background_counts,
+        diameter=impacts.diameter,
         flight=path,
     )
 
@@ -239,3 +270,24 @@ def _inside(
     size = np.asarray(setup.instrument.frame_px)
     inside: BoolArray = np.all((place >= margin) & (place <= size - 1 - margin), axis=-1)
     return inside
+
+
+def unseen(exposure: Exposure, setup: Setup) -> NDArray[np.object_]:
+    """Say what keeps a leg from having enough whole dashes in the frame; nothing if it has.
+
+    For each event, the first that does of: time, light sheet, field of view, and where the field
+    ends.
+    """
+    reasons = np.full(len(exposure), "", dtype=object)
+    seen = np.ones(len(exposure.leg), dtype=bool)
+    for condition, reason in (
+        (exposure.whole, TOO_SLOW),
+        (exposure.in_sheet, OFF_SHEET),
+        (exposure.in_view, OFF_VIEW),
+        (exposure.in_field, SPLIT),
+    ):
+        seen = seen & condition
+        dashes = np.bincount(exposure.leg[seen], minlength=LEGS * len(exposure)).reshape(-1, LEGS)
+        too_few = dashes[:, [INCIDENT, REBOUND]].min(axis=1) < setup.instrument.least_dashes
+        reasons[too_few & (reasons == "")] = reason
+    return reasons

@@ -1,9 +1,13 @@
-"""Observation by trajectory imaging: every impact to its frame, every frame to its track."""
+"""Observation by trajectory imaging: every impact to its fate, and to its velocities if measured.
+
+`modelled` is what experiments go by: the error model alone. `observe` renders and measures frames;
+the model is held against it.
+"""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,19 +16,11 @@ from numpy.typing import NDArray
 
 from microimpact.core.arrays import FloatArray
 from microimpact.lab.events import Impacts, Measured
-from microimpact.lab.ptis.exposure import INCIDENT, LEGS, REBOUND, Exposure, exposures
+from microimpact.lab.ptis.errors import theory
+from microimpact.lab.ptis.exposure import CAPTURED, MEASURED, UNMEASURABLE, exposures, unseen
 from microimpact.lab.ptis.frames import photographs
 from microimpact.lab.ptis.system import Setup, Systematics, draw_systematics, event_generator
-from microimpact.lab.ptis.track_fit import Rejection, Track
-from microimpact.lab.ptis.tracks import measure_all
-
-MEASURED = "measured"
-CAPTURED = "captured"
-TOO_SLOW = "too few pulses in a field"
-OFF_SHEET = "outside the light sheet"
-OFF_VIEW = "outside the field of view"
-SPLIT = "split over fields"
-UNMEASURABLE = "unmeasurable"
+from microimpact.lab.ptis.tracks import Rejection, measure
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,20 +44,18 @@ class Observation:
         return dict(Counter(self.fates))
 
 
-def observe(
+def modelled(
     impacts: Impacts,
     setup: Setup,
     rng: Generator,
     *,
     first: int = 0,
     errors: Systematics | None = None,
-    with_gravity: bool = True,
-    wanted: Callable[[Measured], int] | None = None,
 ) -> Observation:
-    """Render and measure the frame of every impact that can be seen.
+    """Return what is measured of every impact, by the error model.
 
-    Of the events that are `unseen` a frame would give 1 in 400 a velocity, from dashes of which a
-    little is missing; they count as lost.
+    The same generator gives an event the same field and the same pulses as in `observe`, apart
+    from their jitter.
 
     Parameters
     ----------
@@ -76,71 +70,68 @@ def observe(
         Number of the first impact in the experiment, if these are a part of one.
     errors
         Of the experiment; drawn if not given.
+    """
+    errors = errors or draw_systematics(setup.instrument, rng)
+    moving = np.flatnonzero(~impacts.captured)
+    draws = [event_generator(rng, first + i) for i in moving.tolist()]
+    reasons, found = theory(impacts.select(moving), setup, errors, draws)
+    fates = np.full(len(impacts), CAPTURED, dtype=object)
+    fates[moving] = reasons
+    measured = np.flatnonzero(reasons == MEASURED)
+    normal = [draws[i].standard_normal((2, 2, 1)) for i in measured.tolist()]
+    spread = np.linalg.cholesky(found.covariance) @ np.reshape(normal, (-1, 2, 2, 1))
+    return _observation(fates, found.velocities + spread[..., 0])
+
+
+def observe(
+    impacts: Impacts,
+    setup: Setup,
+    rng: Generator,
+    *,
+    first: int = 0,
+    errors: Systematics | None = None,
+    with_gravity: bool = True,
+) -> Observation:
+    """Render and measure the frame of every impact that can be seen.
+
+    Of the events that are `unseen` a frame would give 1 in 400 a velocity, from dashes of which a
+    little is missing; they count as lost.
+
+    Parameters
+    ----------
+    impacts, setup, rng, first, errors
+        As in `modelled`.
     with_gravity
         As in `tracks.measure`.
-    wanted
-        Given the events measured so far, tells how many more are wanted: no more frames are made
-        at once, and when none is wanted the fates end with the event that was the last.
     """
     errors = errors or draw_systematics(setup.instrument, rng)
     moving = np.flatnonzero(~impacts.captured)
     draws = [event_generator(rng, first + i) for i in moving.tolist()]
     exposure = exposures(impacts.select(moving), setup, errors, draws)
+    reasons = unseen(exposure, setup)
+    shown = np.flatnonzero(reasons == "")
+    frames = photographs(exposure.select(shown), setup, errors, [draws[i] for i in shown.tolist()])
+    tracks = [measure(frame, setup, with_gravity=with_gravity) for frame in frames]
+    reasons[shown] = [
+        f"{UNMEASURABLE}: {of.reason}" if isinstance(of, Rejection) else MEASURED for of in tracks
+    ]
     fates = np.full(len(impacts), CAPTURED, dtype=object)
-    fates[moving] = unseen(exposure, setup)
-    shown = np.flatnonzero(fates[moving] == "")
-    seen = observation(fates, np.empty((0, 2, 2)))
-    disks, velocities = impacts.diameter[moving], list[FloatArray]()
-    while len(shown):
-        now, shown = np.split(shown, [wanted(seen.measured) if wanted else len(shown)])
-        own = [draws[i] for i in now.tolist()]
-        frames = photographs(exposure.select(now), disks[now], setup, errors, own)
-        tracks = measure_all(frames, setup, with_gravity=with_gravity)
-        fates[moving[now]] = [
-            f"{UNMEASURABLE}: {of.reason}" if isinstance(of, Rejection) else MEASURED
-            for of in tracks
-        ]
-        velocities += [of.velocities for of in tracks if isinstance(of, Track)]
-        seen = observation(fates[: moving[now[-1]] + 1], np.reshape(velocities, (-1, 2, 2)))
-        if wanted and not wanted(seen.measured):
-            return seen
-    return observation(fates, np.reshape(velocities, (-1, 2, 2)))
+    fates[moving] = reasons
+    return _observation(fates, [of.velocities for of in tracks if not isinstance(of, Rejection)])
 
 
-def unseen(exposure: Exposure, setup: Setup) -> NDArray[np.object_]:
-    """Say what keeps a leg from having enough whole dashes in the frame; nothing if it has.
-
-    For each event, the first that does of: time, light sheet, field of view, and where the field
-    ends.
-    """
-    reasons = np.full(len(exposure), "", dtype=object)
-    seen = np.ones(len(exposure.leg), dtype=bool)
-    for condition, reason in (
-        (exposure.whole, TOO_SLOW),
-        (exposure.in_sheet, OFF_SHEET),
-        (exposure.in_view, OFF_VIEW),
-        (exposure.in_field, SPLIT),
-    ):
-        seen = seen & condition
-        dashes = np.bincount(exposure.leg[seen], minlength=LEGS * len(exposure)).reshape(-1, LEGS)
-        too_few = dashes[:, [INCIDENT, REBOUND]].min(axis=1) < setup.instrument.least_dashes
-        reasons[too_few & (reasons == "")] = reason
-    return reasons
-
-
-def observation(fates: Iterable[str], velocities: FloatArray) -> Observation:
-    """Return what the fates of all events and the velocities (k, 2, 2) of the measured amount to.
-
-    Velocities as in `track_fit.Track`.
-    """
-    fates = tuple(fates)
+def _observation(
+    fates: NDArray[np.object_], velocities: FloatArray | Sequence[FloatArray]
+) -> Observation:
+    """Return the fates of all events with the velocities of those measured, as in `Track`."""
+    found = np.reshape(velocities, (-1, 2, 2))
     return Observation(
         measured=Measured(
-            event=np.flatnonzero(np.array(fates, dtype=object) == MEASURED),
-            incident_tangential=velocities[:, 0, 0],
-            incident_normal=velocities[:, 0, 1],
-            rebound_tangential=velocities[:, 1, 0],
-            rebound_normal=velocities[:, 1, 1],
+            event=np.flatnonzero(fates == MEASURED),
+            incident_tangential=found[:, 0, 0],
+            incident_normal=found[:, 0, 1],
+            rebound_tangential=found[:, 1, 0],
+            rebound_normal=found[:, 1, 1],
         ),
-        fates=fates,
+        fates=tuple(fates),
     )

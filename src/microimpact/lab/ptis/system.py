@@ -2,8 +2,8 @@
 
 A chopped laser sheet, vertical and through the normal of the target, lights a falling sphere in
 pulses; a camera across the sheet records a row of dashes towards the surface and one away from it
-(Section 2.1). Its image axes are horizontal and vertical in the laboratory. `lab.exposure` says
-what is lit, `lab.light` and `lab.frames` draw the frame, `lab.tracks` measures it.
+(Section 2.1). Its image axes are horizontal and vertical in the laboratory. `exposure` says what is
+lit; `frames` draw it and `tracks` measure them; `errors` tell what is measured without frames.
 """
 
 from __future__ import annotations

@@ -1,40 +1,72 @@
-"""Measurement of a frame: the two legs of a track, from the spots found (Section 2.1)."""
+"""Measurement of a frame: spots, the two legs of a track, velocities at the surface (Section 2.1).
+
+Dashes are found by their light, and their centroids are used, never their ends: the size of the
+sphere lengthens a dash by its diameter and leaves its centroid alone.
+
+Each leg is fitted, in the laboratory's horizontal and vertical, by a path under known gravity, and
+followed to the instant at which the centre of the sphere is half a diameter from the known line of
+the surface. Dash k of a leg is taken to be lit at k over the nominal rate of the chopper.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from microimpact.core.arrays import BoolArray, FloatArray
-from microimpact.core.compiled import jit
+from microimpact.core.constants import gravity
 from microimpact.lab.events import IntArray
-from microimpact.lab.ptis.spots import Spots, find_spots
+from microimpact.lab.ptis.frames import BRIGHTEST
 from microimpact.lab.ptis.system import Setup
-from microimpact.lab.ptis.track_fit import (
-    FEW,
-    OVERLAP,
-    SATURATED,
-    TOUCHING,
-    Rejection,
-    Track,
-    reduce_tracks,
-)
 
-# Light of a whole dash, relative to the others of its leg; light of one dash and no more; and how
-# slender dashes in a row are, unlike dashes side by side.
+# Detection: a frame is smoothed by this Gaussian (px); what exceeds both so many deviations of the
+# smoothed noise and this share of the brightest spot is light of a dash.
+SMOOTHING_PX = 1.0
+SMOOTHING_REACH = 3.0
+DETECTION = 6.0
+LEAST_BRIGHTNESS = 0.1
+# Spots are widened by this much to hold the light of their wings.
+WINGS_PX = 2
+# Light this close to the line of the surface (px) may be that of a dash bent by the impact.
+SURFACE_PX = 2.0
+# Levels are counted in every so manieth row: 77 000 pixels are enough.
+EVERY = 4
+# A spot with more of its pixels than this at the end of the scale is saturated.
+MOST_SATURATED = 0.2
+# Relative to the median: how far the light of a whole dash may be off that of its leg, how much
+# light is that of more than one dash, and how far dashes may be off that lead to the incident row.
+# How slender dashes in a row are, unlike dashes side by side.
 WHOLE = 0.05
 SINGLE = 1.3
+ALIKE = 0.5
 SLENDER = 5.0
 # Incident tracks are as steep as this (tangent from the vertical), straight to so many pixels.
 STEEP = math.tan(math.radians(5.0))
 STRAIGHT_PX = 1.5
 # Consecutive dashes must move on sideways by this much to be put in order.
 LEAST_STEP_PX = 1.0
+# A leg whose dashes lie off a path under gravity by more than this (rms) is no single flight.
+RESIDUAL_PX = 0.5
 
-_jit = jit()
+
+@dataclass(frozen=True, slots=True)
+class Rejection:
+    """Why a frame was not measured."""
+
+    reason: str
+
+
+OVERLAP = Rejection("tracks overlap")
+TOUCHING = Rejection("dashes touch")
+SATURATED = Rejection("dashes saturated")
+FEW = Rejection("too few dashes")
+NO_VERTEX = Rejection("track misses the surface")
+IRREGULAR = Rejection("dashes off one path")
+SECOND_BOUNCE = Rejection("second bounce in view")
 
 
 def measure(
@@ -51,17 +83,110 @@ def measure(
     with_gravity
         Whether the legs are fitted by paths under gravity or by straight lines at constant speed.
     """
-    return measure_all([frame], setup, with_gravity=with_gravity)[0]
+    legs = sort_legs(find_spots(frame, setup), setup)
+    if isinstance(legs, Rejection):
+        return legs
+    return reduce_legs(*legs, setup, with_gravity=with_gravity)
 
 
-def measure_all(
-    frames: Iterable[NDArray[np.uint8]], setup: Setup, *, with_gravity: bool = True
-) -> list[Track | Rejection]:
-    """Measure frames, each as `measure` does; one is held at a time, and all tracks are fitted."""
-    sorted_ = [sort_legs(find_spots(frame, setup), setup) for frame in frames]
-    legs = [one for one in sorted_ if not isinstance(one, Rejection)]
-    tracks = iter(reduce_tracks(legs, setup, with_gravity=with_gravity))
-    return [one if isinstance(one, Rejection) else next(tracks) for one in sorted_]
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spots:
+    """Connected patches of light in a frame, n of them.
+
+    Attributes
+    ----------
+    place
+        Centroid, column and row in lines of the camera, shape (n, 2).
+    light
+        Counts above the background.
+    length, width
+        Standard deviations of the light along its longest direction and across it, px.
+    height
+        Of the centroid above the line of the surface, px.
+    clear
+        False where a spot touches the line of the surface or the edge of the frame.
+    saturated
+        True where the camera's scale ends.
+    """
+
+    place: FloatArray
+    light: FloatArray
+    length: FloatArray
+    width: FloatArray
+    height: FloatArray
+    clear: BoolArray
+    saturated: BoolArray
+
+
+def find_spots(frame: NDArray[np.uint8], setup: Setup) -> Spots:
+    """Find the patches of light in a frame."""
+    levels = np.cumsum(np.bincount(frame[::EVERY].ravel()))
+    # Most of a frame is dark: its median is the background, its lower half tells the noise.
+    low, background = np.searchsorted(levels, levels[-1] * np.array([0.1587, 0.5])).astype(float)
+    noise = max(background - low, 1.0) / (2.0 * np.sqrt(np.pi) * SMOOTHING_PX)
+    row, column, patch, core = patches(frame, background, DETECTION * noise)
+    number, own = np.unique(patch, return_inverse=True)
+
+    def total(values: NDArray[np.float64 | np.bool_]) -> FloatArray:
+        sums: FloatArray = np.bincount(own, values, len(number)).astype(float)
+        return sums
+
+    # Wings below the threshold count too: cut off, they would draw centroids to pixel centres.
+    grey = frame[row, column]
+    weight = grey - background
+    light = total(weight)
+    lines = setup.instrument.frame_px[1] // frame.shape[0]
+    points = np.stack([column, lines * row + 0.5 * (lines - 1)], axis=-1)
+    place = np.stack([total(weight * of) for of in points.T], axis=-1) / light[:, None]
+    dx, dy = (points - place[own]).T
+    across, down, mixed = (total(weight * of) / light for of in (dx * dx, dy * dy, dx * dy))
+    mean, apart = 0.5 * (across + down), np.hypot(0.5 * (across - down), mixed)
+    height, width = frame.shape
+    edge = np.isin(row, (0, height - 1)) | np.isin(column, (0, width - 1))
+    near = core & (edge | (setup.height(points) < SURFACE_PX))
+    return Spots(
+        place=place,
+        light=light,
+        length=np.sqrt(np.maximum(mean + apart, 0.0)),
+        width=np.sqrt(np.maximum(mean - apart, 0.0)),
+        height=setup.height(place),
+        clear=total(near) == 0,
+        saturated=total(grey == BRIGHTEST) > MOST_SATURATED * total(core),
+    )
+
+
+def patches(
+    frame: NDArray[np.uint8], background: float, least: float
+) -> tuple[IntArray, IntArray, IntArray, BoolArray]:
+    """Return the pixels of patches of light: bright ones that touch, also by corners, with wings.
+
+    Parameters
+    ----------
+    frame, background
+        Grey levels, and that of no light.
+    least
+        What light must exceed, smoothed, beside a share of the brightest.
+
+    Returns
+    -------
+    row, column, patch, core
+        Of m pixels: where; number of the patch, where wings meet that of the later one; and
+        whether the pixel is bright itself.
+    """
+    smooth = scipy.ndimage.gaussian_filter(
+        frame, SMOOTHING_PX, output=np.float32, truncate=SMOOTHING_REACH / SMOOTHING_PX
+    )
+    smooth -= background
+    bright = smooth > max(least, LEAST_BRIGHTNESS * float(smooth.max()))
+    # The part of the frame that holds all of them.
+    lit = [np.flatnonzero(bright.any(axis=axis)) for axis in (1, 0)]
+    ends = [(max(of[0] - WINGS_PX, 0), of[-1] + WINGS_PX + 1) if of.size else (0, 0) for of in lit]
+    box = slice(*ends[0]), slice(*ends[1])
+    patch, _ = scipy.ndimage.label(bright[box], np.ones((3, 3)))
+    patch = scipy.ndimage.maximum_filter(patch, 2 * WINGS_PX + 1)
+    row, column = np.nonzero(patch)
+    number = patch[row, column].astype(np.int64)
+    return row + box[0].start, column + box[1].start, number, bright[box][row, column]
 
 
 def sort_legs(spots: Spots, setup: Setup) -> tuple[FloatArray, FloatArray] | Rejection:
@@ -75,84 +200,62 @@ def sort_legs(spots: Spots, setup: Setup) -> tuple[FloatArray, FloatArray] | Rej
     tuple or Rejection
         Columns and rows of both legs, each (m, 2) in order of time.
     """
-    incident, rebound, concerned = _legs(
-        spots.place,
-        spots.light,
-        spots.height,
-        spots.clear,
-        spots.saturated,
-        setup.instrument.least_dashes,
-    )
-    if not len(rebound):
-        return _why(spots, concerned) if np.any(concerned) else FEW
-    if not told_apart(spots.place[rebound]):
-        return OVERLAP
-    return spots.place[incident], spots.place[rebound]
-
-
-@_jit
-def _legs(place, light, height, clear, saturated, least):  # type: ignore[no-untyped-def]
-    """Spots of both legs in order of time; else none, and which spots do not make a leg, if any."""
-    none, nowhere = np.empty(0, dtype=np.int64), np.zeros(len(light), dtype=np.bool_)
+    place, light, clear = spots.place, spots.light, spots.clear
+    least = setup.instrument.least_dashes
     if not np.any(clear):
-        return none, none, nowhere
+        return FEW
     # Up to some height dashes run together, and may not be told apart.
     merged = clear & (light > SINGLE * np.median(light[clear]))
-    crowded = -np.inf
-    for spot in np.flatnonzero(merged):
-        crowded = max(crowded, height[spot])
-    usable = clear & ~saturated & (height > crowded)
+    usable = clear & ~spots.saturated & (spots.height > spots.height[merged].max(initial=-np.inf))
     if np.sum(usable) < 2 * least:
-        return none, none, ~nowhere
-    single = usable & (np.abs(light / np.median(light[usable]) - 1.0) < 0.5)
-    on_line = _steep_row(place, single)
-    if not np.any(on_line):
-        return none, none, nowhere
+        return _why(spots, np.ones_like(clear))
+    alike = usable & (np.abs(light / np.median(light[usable]) - 1.0) < ALIKE)
+    on_line = steep_row(place, alike)
     incident = _longest_run(place[:, 1], light, usable, on_line)
     if len(incident) < least:
-        return none, none, on_line
+        return _why(spots, on_line)
     rebound = _longest_run(place[:, 0], light, usable, ~on_line)
     if len(rebound) < least:
-        return none, none, ~on_line
-    end = place[incident[-1], 0]
-    if abs(place[rebound[-1], 0] - end) < abs(place[rebound[0], 0] - end):
-        rebound = rebound[::-1].copy()
-    return incident, rebound, nowhere
+        return _why(spots, ~on_line)
+    if not told_apart(place[rebound]):
+        return OVERLAP
+    first, last = np.abs(place[rebound[[0, -1]], 0] - place[incident[-1], 0])
+    return place[incident], place[rebound if first <= last else rebound[::-1]]
 
 
-@_jit
-def _steep_row(place, single):  # type: ignore[no-untyped-def]
-    """Which spots lie on the steep line through most single ones, and closest; none without."""
-    row, most, least = np.zeros(len(place), dtype=np.bool_), 0, np.inf
-    index = np.flatnonzero(single)
-    for a in index:
-        for b in index[index > a]:
-            across, down = place[b, 0] - place[a, 0], place[b, 1] - place[a, 1]
-            if abs(across) >= STEEP * abs(down):
-                continue
-            off = np.abs(place[:, 0] - place[a, 0] - across / down * (place[:, 1] - place[a, 1]))
-            near = off < STRAIGHT_PX
-            number, spread = np.sum(near & single), np.sum(off[near & single])
-            if number > most or (number == most and spread < least):
-                row, most, least = near, number, spread
+def steep_row(place: FloatArray, alike: BoolArray) -> BoolArray:
+    """Tell which spots lie on the steep line through two that passes most that are alike.
+
+    Of lines with as many, the one they lie closest to; no spot if no two make a steep line.
+    """
+    pairs = np.triu_indices(int(alike.sum()), 1)
+    start, end = (place[alike][of] for of in pairs)
+    way = end - start
+    start, way = start[is_steep(way)], way[is_steep(way)]
+    if not len(way):
+        return np.zeros(len(place), dtype=bool)
+    slope = (way[:, 0] / way[:, 1])[:, None]
+    x, y = place.T
+    off = np.abs(x - start[:, :1] - slope * (y - start[:, 1:]))
+    near = off < STRAIGHT_PX
+    counted = near & alike
+    best = np.lexsort((np.sum(off * counted, axis=1), -counted.sum(axis=1)))[0]
+    row: BoolArray = near[best]
     return row
 
 
-@_jit
-def _longest_run(along, light, usable, mine):  # type: ignore[no-untyped-def]
-    """Longest row of dashes of a leg, in order, that have the light of one whole pulse."""
+def _longest_run(
+    along: FloatArray, light: FloatArray, usable: BoolArray, mine: BoolArray
+) -> IntArray:
+    """Return the longest row of dashes of a leg, in order, that have the light of a whole pulse."""
     order = np.flatnonzero(mine)
     order = order[np.argsort(along[order])]
     if not np.any(usable[order]):
         return order[:0]
     whole = np.median(light[order][usable[order]])
-    first, number, length = 0, 0, 0
-    for i, spot in enumerate(order):
-        good = usable[spot] and abs(light[spot] / whole - 1.0) < WHOLE
-        length = length + 1 if good else 0
-        if length > number:
-            first, number = i + 1 - length, length
-    return order[first : first + number]
+    good = usable[order] & (np.abs(light[order] / whole - 1.0) < WHOLE)
+    start, number = longest_runs(good, np.zeros(len(good), dtype=np.int64), 1)
+    return order[start[0] : start[0] + number[0]]
 
 
 def is_steep(way: FloatArray) -> BoolArray:
@@ -217,3 +320,184 @@ def _why(spots: Spots, concerned: BoolArray) -> Rejection:
     if np.any(several):
         return TOUCHING
     return SATURATED if np.any(spots.saturated & spots.clear & concerned) else FEW
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Leg:
+    """One leg of a track, or of each of many: dashes in order of time, and the path fitted to them.
+
+    Attributes
+    ----------
+    points
+        Centroids, horizontal and vertical (up), m from the image of the target's origin,
+        shape (..., m, 2).
+    weights
+        Of the points in the fitted velocity, 1/s, shape (..., m).
+    origin, velocity
+        Of the path at the first dash, m and m/s, shape (..., 2).
+    gravity
+        Downward acceleration of the path, m/s2.
+    residual
+        Root mean square distance of the points from the path, m, shape (...).
+    contact
+        Time of contact with the surface, s after the first dash (negative on the rebound),
+        shape (...).
+    """
+
+    points: FloatArray
+    weights: FloatArray
+    origin: FloatArray
+    velocity: FloatArray
+    gravity: float
+    residual: FloatArray
+    contact: FloatArray
+
+    def at(self, time: FloatArray) -> FloatArray:
+        """Return points of the path, m, shape (..., 2), at times s after the first dash."""
+        t = np.asarray(time)[..., None]
+        return self.origin + self.velocity * t - 0.5 * np.array([0.0, self.gravity]) * t**2
+
+    @property
+    def contact_velocity(self) -> FloatArray:
+        """Horizontal and vertical velocity at the surface, m/s, shape (..., 2)."""
+        return self.velocity - self.contact[..., None] * [0.0, self.gravity]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Track:
+    """A measured track, or many.
+
+    Attributes
+    ----------
+    incident, rebound
+        The two legs.
+    velocities
+        At the surface, in its frame: incident and rebound (rows), tangential and normal, m/s,
+        shape (..., 2, 2).
+    """
+
+    incident: Leg
+    rebound: Leg
+    velocities: FloatArray
+
+    @property
+    def meets_surface(self) -> BoolArray:
+        """True where one leg comes to the surface and the other leaves it."""
+        normal = self.velocities[..., 1]
+        meets: BoolArray = (normal[..., 0] < 0.0) & (normal[..., 1] > 0.0)
+        return meets
+
+
+def reduce_legs(
+    incident: FloatArray, rebound: FloatArray, setup: Setup, *, with_gravity: bool = True
+) -> Track | Rejection:
+    """Return the velocities at the surface from the centroids of both legs.
+
+    Parameters
+    ----------
+    incident, rebound
+        Columns and rows, shape (m, 2), of consecutive dashes in order of time.
+    setup
+        What is known of the instrument.
+    with_gravity
+        As in `measure`.
+    """
+    track = fit_track(incident, rebound, setup, with_gravity=with_gravity)
+    if with_gravity and not smooth(track.incident, setup):
+        return IRREGULAR
+    if with_gravity and not smooth(track.rebound, setup):
+        return _second_bounce(track.rebound.points, setup)
+    return track if track.meets_surface else NO_VERTEX
+
+
+def fit_track(
+    incident: FloatArray,
+    rebound: FloatArray,
+    setup: Setup,
+    *,
+    used: tuple[BoolArray | None, BoolArray | None] = (None, None),
+    with_gravity: bool = True,
+) -> Track:
+    """Fit both legs and follow them to the surface, whether or not they make a track.
+
+    Parameters
+    ----------
+    incident, rebound, setup, with_gravity
+        As in `reduce_legs`; any number of tracks, shape (..., m, 2).
+    used
+        Which of the places of each leg count, shape (..., m): the first ones; all if not given.
+    """
+    pull = gravity if with_gravity else 0.0
+    legs = []
+    for places, count, outward in ((incident, used[0], False), (rebound, used[1], True)):
+        points = (places - setup.centre) * [setup.pixel, -setup.pixel]
+        leg = fit_path(points, setup.chop_rate, pull, count)
+        legs.append(to_surface(leg, setup, outward=outward))
+    velocities = np.stack([to_target(leg.contact_velocity, setup) for leg in legs], axis=-2)
+    return Track(incident=legs[0], rebound=legs[1], velocities=velocities)
+
+
+def fit_path(points: FloatArray, rate: float, pull: float, used: BoolArray | None = None) -> Leg:
+    """Fit a leg, by least squares, with constant horizontal velocity and vertical acceleration."""
+    used = np.ones(points.shape[:-1], dtype=bool) if used is None else used
+    # Sums run over the last axis but one, point by point: points that do not count change nothing.
+    number = np.sum(used, axis=-1, keepdims=True)
+    time, middle = np.arange(points.shape[-2]) / rate, 0.5 * (number - 1) / rate
+    share = used / number
+    weights = used * (time - middle) * 12.0 * rate**2 / (number * (number**2 - 1.0))
+    level = points + 0.5 * np.array([0.0, pull]) * time[:, None] ** 2
+    velocity = np.sum(weights[..., None] * level, axis=-2)
+    origin = np.sum(share[..., None] * level, axis=-2) - velocity * middle
+    off = level - origin[..., None, :] - velocity[..., None, :] * time[:, None]
+    return Leg(
+        points=points,
+        weights=weights,
+        origin=origin,
+        velocity=velocity,
+        gravity=pull,
+        residual=np.sqrt(np.sum(np.sum(share[..., None] * off**2, axis=-2), axis=-1)),
+        contact=np.full(points.shape[:-2], np.nan),
+    )
+
+
+def to_target(vectors: FloatArray, setup: Setup) -> FloatArray:
+    """Return tangential and normal components of horizontal and vertical ones, (..., 2)."""
+    alpha = np.radians(setup.angle)
+    across, up = np.moveaxis(vectors, -1, 0)
+    return np.stack(
+        [
+            across * np.sin(alpha) - up * np.cos(alpha),
+            across * np.cos(alpha) + up * np.sin(alpha),
+        ],
+        axis=-1,
+    )
+
+
+def to_surface(leg: Leg, setup: Setup, *, outward: bool) -> Leg:
+    """Return a leg with the time of contact; not a number where its path misses the surface.
+
+    Of the two roots of the height above the surface, the one at which the sphere comes (or leaves,
+    if `outward`), in the form that does not cancel.
+    """
+    height = to_target(leg.origin, setup)[..., 1] - 0.5 * setup.diameter
+    normal = to_target(leg.velocity, setup)[..., 1] * (1.0 if outward else -1.0)
+    square = normal**2 + 2.0 * leg.gravity * np.sin(np.radians(setup.angle)) * height
+    away = normal + np.sqrt(np.where(square >= 0.0, square, np.nan))
+    contact = 2.0 * height / np.where(away > 0.0, away, np.nan)
+    return replace(leg, contact=-contact if outward else contact)
+
+
+def smooth(leg: Leg, setup: Setup) -> BoolArray:
+    """Tell whether blur, noise and jitter explain how far the dashes lie off the path."""
+    jitter = 3.0 * setup.instrument.jitter * setup.speed / setup.chop_rate
+    close: BoolArray = leg.residual <= RESIDUAL_PX * setup.pixel + jitter
+    return close
+
+
+def _second_bounce(points: FloatArray, setup: Setup) -> Rejection:
+    """Tell whether the sphere came back to the surface, by the first dashes of its rebound."""
+    first = points[: setup.instrument.least_dashes]
+    leg = to_surface(fit_path(first, setup.chop_rate, gravity), setup, outward=True)
+    normal = to_target(leg.contact_velocity, setup)[1]
+    back = leg.contact + 2.0 * normal / (gravity * np.sin(np.radians(setup.angle)))
+    return SECOND_BOUNCE if back * setup.chop_rate < len(points) else IRREGULAR

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
-from itertools import chain
-from operator import itemgetter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -26,7 +24,7 @@ from microimpact.declared.parameters import (
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.dispenser import Dispenser, InitialSpin
 from microimpact.lab.experiment import Target, combined_slope
-from microimpact.lab.ptis.experiment import Collected, Method, Recipe, collect, quantities, reduced
+from microimpact.lab.ptis.experiment import Collected, Recipe, collect, quantities, reduced
 from microimpact.lab.ptis.system import Instrument
 from microimpact.lab.reduction import Mean
 from microimpact.model.contact import Contact, resized
@@ -68,11 +66,7 @@ def series_contact(series: Series, inputs: Mapping[str, pd.DataFrame]) -> Contac
 
 
 def recipe(
-    series: Series,
-    contact: Contact,
-    dispenser: Dispenser,
-    instrument: Instrument,
-    method: Method,
+    series: Series, contact: Contact, dispenser: Dispenser, instrument: Instrument
 ) -> Recipe:
     """Return what the laboratory needs to know of a series."""
     return Recipe(
@@ -85,7 +79,6 @@ def recipe(
         dispenser=dispenser,
         spin=series.spin,
         instrument=instrument,
-        method=method,
     )
 
 
@@ -145,7 +138,6 @@ class Params:
     events: Annotated[int, Field(ge=2)]
     fewest_events: Annotated[int, Field(ge=2)]
     most_dropped: Count
-    method: Method
     series: tuple[Series, ...]
     dispenser: Dispenser
     instrument: Instrument
@@ -181,10 +173,6 @@ class Point(NamedTuple):
     mean: Mean
 
 
-# One experiment on its way to the others: its number, its row, and its points as plain values.
-Numbered = tuple[int, dict[str, Any], list[tuple[str, str, float, dict[str, Any]]]]
-
-
 def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
     """Run every series at every angle, observe, reduce.
 
@@ -203,66 +191,25 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
         the angle of incidence in degrees. ``fig23_points``: one series relative to its restitution
         at a reference angle. ``oblique_experiments``: one row per experiment.
     """
-    return gather(params, inputs, [part(params, inputs, 0, 1)])
-
-
-def part(
-    params: Params, inputs: Mapping[str, pd.DataFrame], index: int, count: int
-) -> list[Numbered]:
-    """Return every ``count``-th experiment, from ``index`` on: number, row and plotted points."""
-    every = list(np.ndindex(len(params.series), len(params.angles_deg)))
-    recipes = [
-        recipe(
-            series,
-            series_contact(series, inputs),
-            params.dispenser,
-            params.instrument,
-            params.method,
-        )
-        for series in params.series
-    ]
-    found = []
-    for number in range(index, len(every), count):
-        i, k = every[number]
-        series, angle = params.series[i], params.angles_deg[k]
-        outcome = collect(
-            recipes[i],
-            angle,
-            params.events,
-            params.most_dropped,
-            generator(params.seed, i, k),
-        )
-        enough = len(outcome.measured) >= params.fewest_events
-        means = reduced(outcome.measured, _angle_error(params)) if enough else {}
-        points = [(series.name, name, angle, asdict(of)) for name, of in means.items()]
-        found.append((number, experiment_row(series, angle, outcome, means), points))
-    return found
-
-
-def gather(
-    params: Params,
-    inputs: Mapping[str, pd.DataFrame],
-    parts: Sequence[Sequence[Numbered]],
-) -> Mapping[str, pd.DataFrame]:
-    """Return the tables, from the experiments of all parts."""
     contacts = {series.name: series_contact(series, inputs) for series in params.series}
-    every = sorted(chain(*parts), key=itemgetter(0))
-    points = [
-        Point(series, name, angle, Mean(**mean))
-        for _, _, own in every
-        for series, name, angle, mean in own
-    ]
+    rows, points = list[dict[str, Any]](), list[Point]()
+    for i, series in enumerate(params.series):
+        dropped = recipe(series, contacts[series.name], params.dispenser, params.instrument)
+        for k, angle in enumerate(params.angles_deg):
+            rng = generator(params.seed, i, k)
+            outcome = collect(dropped, angle, params.events, params.most_dropped, rng)
+            enough = len(outcome.measured) >= params.fewest_events
+            error = params.instrument.angle_error_deg
+            means = reduced(outcome.measured, error) if enough else {}
+            rows.append(experiment_row(series, angle, outcome, means))
+            points += [Point(series.name, name, angle, of) for name, of in means.items()]
     printed = inputs["anchors"].set_index("key")
     figures = {figure: figure_data(params, figure, points, contacts, printed) for figure in FIGURES}
     return {
         **figures,
         "fig23_points": relative_points(params, points),
-        "oblique_experiments": pd.DataFrame([row for _, row, _ in every]),
+        "oblique_experiments": pd.DataFrame(rows),
     }
-
-
-def _angle_error(params: Params) -> float:
-    return params.instrument.angle_error_deg
 
 
 def experiment_row(

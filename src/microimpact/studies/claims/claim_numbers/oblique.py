@@ -459,7 +459,6 @@ def half_widths(context: Context, spin: InitialSpin) -> float:
         dispenser=sampling.dispenser,
         spin=spin,
         instrument=camera,
-        method="model",
     )
     widths = []
     for number in range(spread.experiments):

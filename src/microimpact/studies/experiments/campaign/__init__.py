@@ -22,7 +22,7 @@ from microimpact.lab.pdpa import analyser as doppler
 from microimpact.lab.pdpa import experiment as normal_incidence
 from microimpact.lab.ptis import experiment as oblique_incidence
 from microimpact.lab.ptis import system as imaging
-from microimpact.lab.ptis.experiment import Method, Recipe
+from microimpact.lab.ptis.experiment import Recipe
 from microimpact.model.contact import Contact, resized
 from microimpact.statistics.distributions import generator, mean
 from microimpact.studies.experiments.campaign.plan import (
@@ -69,7 +69,6 @@ class Params:
     dropped: Count
     most_dropped: Count
     most_dropped_for_imaging: Count
-    method: Method
     dispenser: Dispenser
     pdpa: doppler.Instrument
     ptis: imaging.Instrument
@@ -197,7 +196,6 @@ def _oblique(params: Params, one: Experiment, of: Contact) -> Outcome:
         dispenser=params.dispenser,
         spin=InitialSpin(sd=one.particles.spin_sd, mean=0.0),
         instrument=params.ptis,
-        method=params.method,
     )
     collected = oblique_incidence.collect(
         recipe,

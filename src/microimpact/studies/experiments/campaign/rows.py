@@ -13,7 +13,7 @@ from microimpact.lab.events import Impacts, Measured
 from microimpact.lab.pdpa import experiment as normal_incidence
 from microimpact.lab.ptis import experiment as oblique_incidence
 from microimpact.lab.ptis.experiment import quantities
-from microimpact.lab.ptis.observation import (
+from microimpact.lab.ptis.exposure import (
     CAPTURED,
     MEASURED,
     OFF_SHEET,

@@ -16,7 +16,7 @@ from microimpact.lab.pdpa.pairing import correct, heights
 from microimpact.lab.ptis import system as ptis
 from microimpact.lab.ptis.errors import theory
 from microimpact.lab.ptis.experiment import in_sheet, turned
-from microimpact.lab.ptis.observation import MEASURED
+from microimpact.lab.ptis.exposure import MEASURED
 from microimpact.statistics.distributions import mean
 
 # Spheres that may be measured in some experiment: they arrive no further from the middle of the

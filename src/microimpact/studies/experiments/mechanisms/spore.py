@@ -122,7 +122,6 @@ def as_imaged(
         dispenser=sampling.dispenser,
         spin=dropped.spin,
         instrument=exact,
-        method="model",
     )
     rng = generator(sampling.seed, 2, round(10 * angle))
     outcome = collect(recipe, angle, events, most_dropped, rng)

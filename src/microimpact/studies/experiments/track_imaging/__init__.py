@@ -13,9 +13,8 @@ from pydantic import Field
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import series_frame
 from microimpact.declared.parameters import Count, Fraction, Positive
-from microimpact.lab.ptis.errors import Expected, expected_of_all, modelled
 from microimpact.lab.ptis.frames import render
-from microimpact.lab.ptis.observation import MEASURED, Observation, observe
+from microimpact.lab.ptis.observation import Observation, modelled, observe
 from microimpact.lab.ptis.system import (
     Instrument,
     Setup,
@@ -23,16 +22,19 @@ from microimpact.lab.ptis.system import (
     draw_systematics,
     event_generator,
 )
-from microimpact.lab.ptis.track_fit import Rejection
-from microimpact.lab.ptis.tracks import measure
+from microimpact.lab.ptis.tracks import Rejection, measure
 from microimpact.statistics.distributions import generator
+from microimpact.studies.experiments.track_imaging.agreement import (
+    Tolerances,
+    compared,
+    residual_rows,
+    verdicts,
+)
 from microimpact.studies.experiments.track_imaging.frame import drawn_track, pixels
 from microimpact.studies.experiments.track_imaging.impacts import (
     LEGS,
     Particles,
     impacts,
-    residual_rows,
-    residuals,
     speed_and_angle_errors,
     true_velocities,
     velocities,
@@ -57,7 +59,8 @@ class Params:
 
     A field of view covers a speed if at least `least_observed` of the events show enough dashes in
     both legs and the mean speed is off by at most `largest_bias`. The chopper is set to each of
-    `dash_pitches_px` and the best is taken. Frames are drawn for the best field of view.
+    `dash_pitches_px` and the best is taken. Frames are rendered for the best field of view at
+    `drawn_angle_deg`.
     """
 
     seed: Annotated[int, Field(ge=0)]
@@ -75,6 +78,7 @@ class Params:
     error_cases: tuple[Case, ...]
     experiments: Count
     events: Annotated[int, Field(ge=2)]
+    tolerances: Tolerances
     frame: Case
     frame_dash_pitch_px: Positive
 
@@ -102,19 +106,26 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     mapping
         ``ptis_range``: per speed, angle and field of view, the chopper's setting, share observed,
         bias and scatter. ``ptis_views``: which speeds each field of view covers. ``ptis_errors``:
-        residuals of frames in units of the error model. ``ptis_losses``: fates of events.
+        residuals of frames in units of the error model. ``ptis_agreement``: whether the error model
+        agrees with the frames. ``ptis_losses``: fates of events.
         ``ptis_frame``, ``ptis_pixels``: one frame with its track. ``ptis_accuracy``: errors of the
         speed against the speed.
+
+    Raises
+    ------
+    ValueError
+        If nothing can be measured at the angle drawn, or in the frame.
     """
     searched = pd.DataFrame(search(params))
     rendered, lost = rendered_range(params, searched)
     ranges = pd.concat([searched, rendered], ignore_index=True)
-    errors, fates = error_cases(params)
+    errors, agreement, fates = error_cases(params)
     frame, track = one_frame(params)
     return {
         "ptis_range": ranges,
         "ptis_views": views(params, searched),
         "ptis_errors": errors,
+        "ptis_agreement": agreement,
         "ptis_losses": pd.concat([lost, fates], ignore_index=True),
         "ptis_frame": track,
         "ptis_pixels": frame,
@@ -190,9 +201,13 @@ def _summary(
 
 
 def rendered_range(params: Params, searched: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Return rows by frames at the best field of view of every speed and angle, and the losses."""
+    """Return rows by frames at the angle drawn, at the best field of view of every speed.
+
+    And the losses.
+    """
     rows, lost = [], []
-    for _, group in searched.groupby(["speed_m_per_s", "angle_deg"], sort=False):
+    drawn = searched[searched["angle_deg"] == params.drawn_angle_deg]
+    for _, group in drawn.groupby("speed_m_per_s", sort=False):
         best = group.sort_values("fraction_observed", ascending=False, kind="stable").iloc[0]
         if best["fraction_observed"] == 0.0:
             continue
@@ -201,9 +216,12 @@ def rendered_range(params: Params, searched: pd.DataFrame) -> tuple[pd.DataFrame
         seen = _observed(params, setup, FRAMES, params.rendered_events)
         rows.append(_summary(params, setup, FRAMES, *seen))
         lost.append(_fates(setup, FRAMES, seen[0].fates))
-        if setup.angle == params.drawn_angle_deg:
-            straight = _row(params, setup, FRAMES, params.rendered_events, with_gravity=False)
-            rows.append({**straight, "method": "straight lines", "covered": False})
+        straight = _row(params, setup, FRAMES, params.rendered_events, with_gravity=False)
+        rows.append({**straight, "method": "straight lines", "covered": False})
+    if not rows:
+        raise ValueError(
+            f"drawn_angle_deg: at {params.drawn_angle_deg:g} deg no speed is measurable"
+        )
     return pd.DataFrame(rows), pd.concat(lost, ignore_index=True)
 
 
@@ -242,10 +260,15 @@ def views(params: Params, searched: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def error_cases(params: Params) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Compare frames with the error model, event by event, over whole experiments."""
-    rows: list[dict[str, Any]] = []
-    lost: list[pd.DataFrame] = []
+def error_cases(params: Params) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
+    """Compare frames with the error model, event by event, over whole experiments.
+
+    Returns
+    -------
+    tuple
+        Residuals per case, verdicts over all, and fates of the events.
+    """
+    cases, lost = [], []
     for number, case in enumerate(params.error_cases):
         setup = Setup(
             instrument=params.instrument,
@@ -253,30 +276,21 @@ def error_cases(params: Params) -> tuple[pd.DataFrame, pd.DataFrame]:
             speed=case.speed_m_per_s,
             diameter=params.particles.diameter_um * 1e-6,
         )
-        fates: dict[str, list[str]] = {FRAMES: [], MODEL: []}
-        parts = []
+        experiments = []
         for experiment in range(params.experiments):
             key = ERRORS, number, experiment
-            true = impacts(
-                params.particles,
-                params.events,
-                setup.speed,
-                setup.angle,
-                generator(params.seed, *key, 0),
-            )
-            rng = generator(params.seed, *key, 1)
-            errors = draw_systematics(params.instrument, rng)
-            seen = observe(true, setup, rng)
-            draws = [event_generator(rng, i) for i in range(len(true))]
-            theory = expected_of_all(true, setup, errors, draws)
-            parts.append(residuals(seen, theory, true_velocities(true)))
-            fates[FRAMES] += seen.fates
-            fates[MODEL] += [MEASURED if isinstance(t, Expected) else t for t in theory]
-        seen_by = [np.array(found) == MEASURED for found in fates.values()]
-        agree = float(np.mean(seen_by[0] == seen_by[1]))
-        rows += residual_rows(setup, pd.concat(parts, ignore_index=True), agree)
-        lost += [_fates(setup, method, tuple(found)) for method, found in fates.items()]
-    return pd.DataFrame(rows), pd.concat(lost, ignore_index=True)
+            drawn = generator(params.seed, *key, 0)
+            true = impacts(params.particles, params.events, setup.speed, setup.angle, drawn)
+            experiments.append(compared(true, setup, generator(params.seed, *key, 1)))
+        cases.append((setup, experiments))
+        for method in (FRAMES, MODEL):
+            fates = [fate for one in experiments for fate in getattr(one, method).fates]
+            lost.append(_fates(setup, method, tuple(fates)))
+    return (
+        pd.DataFrame([row for case in cases for row in residual_rows(*case)]),
+        pd.DataFrame(verdicts(cases, params.tolerances)),
+        pd.concat(lost, ignore_index=True),
+    )
 
 
 def one_frame(params: Params) -> tuple[pd.DataFrame, pd.DataFrame]:
@@ -309,11 +323,13 @@ def accuracy(params: Params, ranges: pd.DataFrame) -> pd.DataFrame:
     series = (
         (FRAMES, "path under gravity", "virtual experiment"),
         ("straight lines", "straight line", "virtual experiment"),
+        (MODEL, "error model", "computed"),
     )
+    rendered = rows.loc[rows["method"] == FRAMES, ["speed_m_per_s", "pixel_um"]]
     frames = []
     for leg in LEGS:
         for method, name, evidence in series:
-            own = rows[rows["method"] == method].sort_values("speed_m_per_s")
+            own = rows[rows["method"] == method].merge(rendered).sort_values("speed_m_per_s")
             mean, sd = (100.0 * own[f"{leg}_speed_error{end}"] for end in ("", "_sd"))
             frames.append(
                 series_frame(

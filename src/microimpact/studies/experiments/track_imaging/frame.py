@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import series_frame
 from microimpact.lab.ptis.system import Setup
-from microimpact.lab.ptis.track_fit import Track
+from microimpact.lab.ptis.tracks import Track
 
 # Dashes of each leg that are shown, room around them, px, and points of a fitted path.
 SHOWN = 5

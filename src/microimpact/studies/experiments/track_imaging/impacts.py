@@ -1,26 +1,18 @@
-"""Impacts for tests of the imaging system, and its reports set against the truth."""
+"""Impacts with which the imaging system is tried, and its reports set against the truth."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-import pandas as pd
-import scipy
 
 from microimpact.core.arrays import FloatArray
 from microimpact.declared.parameters import Fraction, NonNegative, Positive
 from microimpact.lab.events import Impacts, Measured
-from microimpact.lab.ptis.errors import Expected
-from microimpact.lab.ptis.observation import Observation
-from microimpact.lab.ptis.system import Setup
 from microimpact.model.dynamics.impact import velocity_components
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
 
 LEGS = ("incident", "rebound")
-COMPONENTS = tuple(f"{leg}, {part}" for leg in LEGS for part in ("along", "across"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -98,50 +90,3 @@ def speed_and_angle_errors(found: FloatArray, true: FloatArray) -> tuple[FloatAr
     turned = found[..., 0] * true[..., 1] - found[..., 1] * true[..., 0]
     angle = np.degrees(np.arctan2(turned, np.sum(found * true, axis=2)))
     return speed, angle
-
-
-def residuals(seen: Observation, theory: list[Expected | str], true: FloatArray) -> pd.DataFrame:
-    """Return frame minus model along and across the track, in m/s and in its spread.
-
-    Rows: events that both report; columns: component, residual, its spread by the model, and
-    the relative deviation from the truth (or the angle, in radians).
-    """
-    rows = []
-    for event, found in zip(seen.measured.event, velocities(seen.measured), strict=True):
-        model = theory[event]
-        if isinstance(model, str):
-            continue
-        for leg in range(2):
-            speed = float(np.linalg.norm(true[event, leg]))
-            along = model.velocities[leg] / np.linalg.norm(model.velocities[leg])
-            axes = np.array([along, [-along[1], along[0]]])
-            off = axes @ (found[leg] - model.velocities[leg])
-            spread = np.sqrt(np.diag(axes @ model.covariance[leg] @ axes.T))
-            error = axes @ (found[leg] - true[event, leg]) / speed
-            rows += [
-                (COMPONENTS[2 * leg + k], off[k], spread[k], error[k], spread[k] / speed)
-                for k in range(2)
-            ]
-    columns = ["component", "residual", "spread", "relative_error", "relative_spread"]
-    return pd.DataFrame(rows, columns=columns)
-
-
-def residual_rows(setup: Setup, found: pd.DataFrame, agree: float) -> Iterator[dict[str, Any]]:
-    """Yield a row per component: how frames scatter about the error model, and how normally."""
-    for component in COMPONENTS:
-        own = found[found["component"] == component]
-        normalised = (own["residual"] / own["spread"]).to_numpy()
-        test = scipy.stats.kstest(normalised, scipy.stats.norm.cdf)
-        yield {
-            "speed_m_per_s": setup.speed,
-            "angle_deg": setup.angle,
-            "component": component,
-            "events": len(own),
-            "mean_relative_error": float(own["relative_error"].mean()),
-            "modelled_relative_sd": float(np.sqrt(np.mean(own["relative_spread"] ** 2))),
-            "normalised_mean": float(normalised.mean()),
-            "normalised_sd": float(normalised.std(ddof=1)),
-            "ks_statistic": float(test.statistic),
-            "ks_p_value": float(test.pvalue),
-            "selection_agrees": agree,
-        }

@@ -1,0 +1,223 @@
+"""The error model of imaging held against rendered frames, event by event, over experiments."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.random import Generator
+
+from microimpact.core.arrays import FloatArray
+from microimpact.declared.parameters import Fraction, Positive
+from microimpact.lab.events import Impacts
+from microimpact.lab.ptis.errors import theory
+from microimpact.lab.ptis.experiment import quantities
+from microimpact.lab.ptis.exposure import MEASURED
+from microimpact.lab.ptis.observation import Observation, modelled, observe
+from microimpact.lab.ptis.system import Setup, draw_systematics, event_generator
+from microimpact.studies.experiments.track_imaging.impacts import (
+    LEGS,
+    true_velocities,
+    velocities,
+)
+
+# An experiment with fewer events in frames or model has no mean to compare.
+FEWEST_EVENTS = 5
+# A value is decided when it is farther from its bound than so many of its standard errors.
+DECIDED = 2.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tolerances:
+    """How far frames and error model may differ and still agree.
+
+    Attributes
+    ----------
+    speed
+        Mean deviation of the speed of a leg, relative.
+    direction_deg
+        Mean deviation of the direction of a leg.
+    scatter
+        Scatter of frames about the model over that which the model gives, or its inverse.
+    share_measured
+        Difference of the shares of the events that are measured.
+    other_outcome
+        Share of the events of which one is measured and the other is not.
+    means
+        Difference of the means of restitution, impulse ratio and energy loss of an experiment.
+    """
+
+    speed: Positive
+    direction_deg: Positive
+    scatter: Positive
+    share_measured: Fraction
+    other_outcome: Fraction
+    means: Positive
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Compared:
+    """One experiment of n events as frames and as the error model have it.
+
+    Attributes
+    ----------
+    frames, model
+        What is measured.
+    residual, spread
+        Frame minus mean of the model, and its standard deviation by the model, of the k events
+        that both measure: legs, along and across the track, m/s, shape (k, 2, 2).
+    error
+        Deviation of the frames from the truth, relative to the speed, shape (k, 2, 2).
+    speed
+        True speed of the legs, m/s, shape (k, 2).
+    """
+
+    frames: Observation
+    model: Observation
+    residual: FloatArray
+    spread: FloatArray
+    error: FloatArray
+    speed: FloatArray
+
+
+def compared(impacts: Impacts, setup: Setup, rng: Generator) -> Compared:
+    """Observe one experiment both ways, with the same errors of the experiment.
+
+    Parameters
+    ----------
+    impacts
+        Which all rebound.
+    setup
+        The instrument as set.
+    rng
+        Of the experiment.
+    """
+    frames, model = observe(impacts, setup, rng), modelled(impacts, setup, rng)
+    errors = draw_systematics(setup.instrument, rng)
+    draws = [event_generator(rng, i) for i in range(len(impacts))]
+    fates, expected = theory(impacts, setup, errors, draws)
+    both, of_frames, of_model = np.intersect1d(
+        frames.measured.event, np.flatnonzero(fates == MEASURED), return_indices=True
+    )
+    seen, mean = velocities(frames.measured)[of_frames], expected.velocities[of_model]
+    true = true_velocities(impacts)[both]
+    along = mean / np.linalg.norm(mean, axis=-1, keepdims=True)
+    axes = np.stack([along, np.stack([-along[..., 1], along[..., 0]], axis=-1)], axis=-2)
+    turned = axes @ expected.covariance[of_model] @ np.swapaxes(axes, -1, -2)
+    speed = np.linalg.norm(true, axis=-1)
+    return Compared(
+        frames=frames,
+        model=model,
+        residual=(axes @ (seen - mean)[..., None])[..., 0],
+        spread=np.sqrt(np.diagonal(turned, axis1=-2, axis2=-1)),
+        error=(axes @ (seen - true)[..., None])[..., 0] / speed[..., None],
+        speed=speed,
+    )
+
+
+def residual_rows(setup: Setup, experiments: Sequence[Compared]) -> Iterator[dict[str, Any]]:
+    """Yield a row per component: how frames scatter about the error model, if they can."""
+    if sum(len(one.residual) for one in experiments) < FEWEST_EVENTS:
+        return
+    residual, spread, error, speed = (
+        np.concatenate([getattr(one, name) for one in experiments])
+        for name in ("residual", "spread", "error", "speed")
+    )
+    for leg, name in enumerate(LEGS):
+        for k, component in enumerate(("along", "across")):
+            normalised = residual[:, leg, k] / spread[:, leg, k]
+            yield {
+                "speed_m_per_s": setup.speed,
+                "angle_deg": setup.angle,
+                "component": f"{name}, {component}",
+                "events": len(normalised),
+                "mean_relative_error": float(error[:, leg, k].mean()),
+                "mean_relative_residual": float((residual[:, leg, k] / speed[:, leg]).mean()),
+                "modelled_relative_sd": float(
+                    np.sqrt(np.mean((spread[:, leg, k] / speed[:, leg]) ** 2))
+                ),
+                "normalised_mean": float(normalised.mean()),
+                "normalised_sd": float(normalised.std(ddof=1)),
+            }
+
+
+def verdicts(
+    cases: Sequence[tuple[Setup, Sequence[Compared]]], tolerances: Tolerances
+) -> Iterator[dict[str, Any]]:
+    """Yield a row per quantity: value, standard error, tolerance, and whether it is met.
+
+    Biases are the largest over legs and cases, means over experiments; scatter and shares are of
+    all events. What too few events leave open is not a number, and undecided.
+    """
+    experiments = [one for _, of in cases for one in of]
+    pooled = [
+        np.concatenate([one.residual / one.speed[..., None] for one in of]) for _, of in cases
+    ]
+    speed, direction = (
+        [_mean(off[:, leg, k]) for off in pooled for leg in range(len(LEGS))] for k in range(2)
+    )
+    degrees = [(float(np.degrees(value)), float(np.degrees(error))) for value, error in direction]
+    yield verdict("largest bias of speed", "1", speed, tolerances.speed)
+    yield verdict("largest bias of direction", "deg", degrees, tolerances.direction_deg)
+
+    normalised = np.concatenate([(one.residual / one.spread).ravel() for one in experiments])
+    n = normalised.size
+    scatter = np.log(np.linalg.norm(normalised) / np.sqrt(n)) if n else np.nan
+    name, found = (
+        "scatter of frames over model, logarithm",
+        (abs(scatter), (2 * n or np.nan) ** -0.5),
+    )
+    yield verdict(name, "1", [found], np.log(tolerances.scatter))
+
+    frames, model = (
+        np.concatenate([np.array(of.fates) == MEASURED for of in observed])
+        for observed in zip(*((one.frames, one.model) for one in experiments), strict=True)
+    )
+    more = frames.astype(float) - model
+    name = "share measured, frames less model"
+    yield verdict(name, "1", [_mean(more)], tolerances.share_measured)
+    name = "share with another outcome"
+    yield verdict(name, "1", [_mean(np.abs(more))], tolerances.other_outcome)
+
+    for name in quantities(experiments[0].frames.measured):
+        apart = [_means_apart(one, name) for one in experiments]
+        words = f"largest difference of means of {name.replace('_', ' ')}"
+        yield verdict(words, "1", apart, tolerances.means)
+
+
+def _mean(values: FloatArray) -> tuple[float, float]:
+    """Return the size of a mean and its standard error; not numbers for too few values."""
+    if len(values) < FEWEST_EVENTS:
+        return np.nan, np.nan
+    return float(abs(values.mean())), float(values.std(ddof=1) / np.sqrt(len(values)))
+
+
+def _means_apart(one: Compared, name: str) -> tuple[float, float]:
+    """Return how far the means of frames and model are apart, and the noise of the difference."""
+    frames, model = (quantities(of.measured)[name] for of in (one.frames, one.model))
+    events = one.frames.measured.event, one.model.measured.event
+    _, of_frames, of_model = np.intersect1d(*events, return_indices=True)
+    _, noise = _mean(frames[of_frames] - model[of_model])
+    return (np.nan if np.isnan(noise) else float(abs(frames.mean() - model.mean()))), noise
+
+
+def verdict(
+    quantity: str, unit: str, found: Sequence[tuple[float, float]], tolerance: float
+) -> dict[str, Any]:
+    """Return a row that says whether a size is below its tolerance, as far as it is known.
+
+    Of sizes with their standard errors, the largest.
+    """
+    value, error = max((of for of in found if np.isfinite(of[0])), default=(np.nan, np.nan))
+    decided = abs(tolerance - value) >= DECIDED * error
+    return {
+        "quantity": quantity,
+        "value": value,
+        "unit": unit,
+        "standard_error": error,
+        "tolerance": tolerance,
+        "verdict": ("agrees" if value <= tolerance else "differs") if decided else "undecided",
+        "evidence": "virtual experiment",
+    }
