@@ -13,7 +13,7 @@ import pytest
 from tests.article.conftest import ROOT
 
 from microimpact.declared.parameters import build
-from microimpact.lab import collision
+from microimpact.lab import surface
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.samples import Sampling, contact_of
 from microimpact.model import contact as contact_module
@@ -415,7 +415,7 @@ def net_force(claim, world):
     def by_net_force(*given, **named):
         return spatial(*given, **{**named, "friction_basis": "net"})
 
-    world.patch.setattr(collision, "spatial", by_net_force)
+    world.patch.setattr(surface, "spatial", by_net_force)
     params, sampling = world.mechanisms()
     curves = shallow_curves(params.shallow, sampling, world.inputs())
     table = adhesion_or_roughness(params.shallow, curves)

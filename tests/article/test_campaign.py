@@ -62,7 +62,7 @@ def test_every_particle_has_one_fate(rows):
 
 def test_experiments_end_with_enough_events_or_all_particles_dropped(rows):
     short = rows[rows["events"] < 40]
-    assert (short["dropped"] == 8000).all()
+    assert (short["dropped"] == 64000).all()
     few = rows["events"] < 10
     assert rows.loc[few, "restitution"].isna().all()
     assert rows.loc[~few, "restitution"].notna().all()
@@ -111,8 +111,9 @@ def test_blocks_that_do_not_agree_with_the_article_are_refused(settings, run_stu
 
 
 def test_more_events_for_a_mean_than_there_are_is_refused(settings):
+    short = {**settings.branches["campaign"]["stop"], "fewest_events": 50}
     with pytest.raises(ValidationError, match="fewest_events: 50 must be at most events, 40"):
-        build(study.Params, {**settings.branches["campaign"], "fewest_events": 50})
+        build(study.Params, {**settings.branches["campaign"], "stop": short})
 
 
 def test_the_map_shows_every_experiment_once_and_few_events_open(campaign, draw, rows):

@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from microimpact.declared.parameters import build
+from microimpact.studies.experiments import campaign
+
 FEW_ANGLES = [85, 60, 45, 30, 20, 10]
 
 
@@ -16,7 +19,6 @@ def normal(run_study, calibration):
         calibration,
         speeds_m_per_s=[0.3, 0.45, 0.75, 1.25],
         points=60,
-        most_dropped=64000,
     )
 
 
@@ -75,13 +77,59 @@ def test_pairs_are_right_and_the_height_of_the_probe_is_found(rows):
 
 
 def test_an_experiment_without_enough_events_has_no_point(run_study, calibration):
+    stop = {"events": 40, "fewest_events": 10, "most_dropped": 4000}
     tables = run_study(
-        "normal_experiments", calibration, speeds_m_per_s=[0.25, 1.0], points=20, most_dropped=4000
+        "normal_experiments", calibration, speeds_m_per_s=[0.25, 1.0], points=20, stop=stop
     )
     table = tables["normal_experiments"].set_index(["population", "nominal_speed_m_per_s"])
     assert np.isnan(table.loc[("SST65", 0.25), "restitution"])
     marks = tables["fig04"].query("series == 'SST65' and evidence == 'virtual experiment'")
     assert (marks["x_m_per_s"] > 0.9).all()
+
+
+@pytest.mark.parametrize(("speed", "angle"), [(1.05, 90), (1.66, 45)])
+def test_the_same_experiment_gives_the_same_number_in_every_study(
+    settings, run_study, calibration, monkeypatch, speed, angle
+):
+    """Of one speed class and spin: by Fig. 4 or Fig. 6, and in the campaign."""
+    branch = settings.branches["campaign"]
+    window = 0.1 if angle == 90 else 0.036
+    classes = [
+        {"speed_m_per_s": speed, "range_m_per_s": [speed * (1 - window), speed * (1 + window)]}
+    ]
+    size = "SST125" if angle == 90 else "SST76"
+    block = {
+        "particles": [size],
+        "surfaces": ["silicon front"],
+        "case": "steel-silicon, n = 1",
+        "speeds_m_per_s": [speed],
+        "angles_deg": [angle],
+    }
+    params = build(campaign.Params, {**branch, "speed_classes": classes, "blocks": [block]})
+    tables = {}
+
+    def only(given, inputs):
+        (one,) = params.experiments
+        tables.update(campaign.conducted(params, one, *campaign.contact(params, one, inputs)))
+        return {}
+
+    monkeypatch.setattr(campaign, "run", only)
+    run_study("campaign", calibration)
+    if angle == 90:
+        found = run_study("normal_experiments", calibration, speeds_m_per_s=[speed], points=10)
+        rows = found["normal_experiments"].set_index("population")
+    else:
+        first, *rest = settings.branches["oblique_experiments"]["series"]
+        changes = {
+            "series": [{**first, "speed_range_m_per_s": classes[0]["range_m_per_s"]}, *rest],
+            "angles_deg": [angle],
+            "reference_angle_deg": angle,
+        }
+        found = run_study("oblique_experiments", calibration, points=10, **changes)
+        rows = found["oblique_experiments"].set_index("series")
+        size = first["name"]
+    names = ("dropped", "events", "restitution", "restitution_low", "restitution_high")
+    assert [rows.loc[size, name] for name in names] == [tables[name] for name in names]
 
 
 def test_normal_figures_show_both_classes_and_the_printed_band(normal, draw, legend_texts):

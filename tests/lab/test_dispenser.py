@@ -5,8 +5,9 @@ import pytest
 from scipy import constants, stats
 
 from microimpact.lab.dispenser import Dispenser, InitialSpin, drop_height, release
-from microimpact.lab.experiment import Target, combined_slope, true_impacts
+from microimpact.lab.experiment import Drop, Target
 from microimpact.lab.reduction import mean_interval
+from microimpact.lab.surface import combined_slope
 from microimpact.statistics.distributions import Constant, TruncatedNormal, generator
 
 STILL = Dispenser(
@@ -92,16 +93,16 @@ def test_rolling_sense_of_spin_is_that_of_the_impact(contact):
     """Spin with the mean r omega = v_t makes the slip vanish: no friction."""
     angle = 40.0
     spin = InitialSpin(sd=0.0, mean=np.cos(np.radians(angle)))
-    impacts = true_impacts(
-        4,
-        target=Target(contact=contact, slope_sd=0.0),
+    drop = Drop(
+        target=Target(contact=contact),
+        diameter_um=Constant(at=62.0),
         angle=angle,
         speed=1.0,
-        diameter_um=Constant(at=62.0),
+        speed_range=(0.9, 1.1),
         dispenser=STILL,
         spin=spin,
-        rng=generator(1),
     )
+    impacts = drop.impacts(4, generator(1))
     np.testing.assert_allclose(impacts.rebound_velocity[:, 0], impacts.velocity[:, 0], rtol=1e-12)
 
 

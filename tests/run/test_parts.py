@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from microimpact.run.parts import part_from_text, part_text
 from snakemake.utils import update_config
 
 from microimpact import studies
@@ -14,7 +15,6 @@ from microimpact.core.tables import parse_table, read_table
 from microimpact.declared.parameters import build
 from microimpact.declared.selection import read_all
 from microimpact.run.config import load, validate
-from microimpact.run.parts import part_from_text, part_text
 
 ROOT = Path(__file__).parents[2]
 STUDIES = (
@@ -25,7 +25,7 @@ STUDIES = (
 )
 # Smaller still than the small reproduction: some parts are left with nothing, or nearly so.
 TINY = {
-    "campaign": {"events": 4, "fewest_events": 2},
+    "campaign": {"stop": {"events": 4, "fewest_events": 2, "most_dropped": 8000}},
     "fit_coverage": {
         "noise_of_e": [0.01],
         "lowest_speeds_in_v_c": [1.5],

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from microimpact.lab.dispenser import Dispenser, InitialSpin
-from microimpact.lab.experiment import Target
-from microimpact.lab.piles import follow
+from microimpact.lab.bounces import resting
+from microimpact.lab.dispenser import Dispenser, Falling, InitialSpin
 from microimpact.lab.samples import (
     Dropped,
     Sampling,
@@ -175,46 +174,45 @@ def test_loss_of_a_rolling_sphere():
     np.testing.assert_allclose(rigid_loss(e, 0.5, angle), expected, rtol=1e-12)
 
 
+def falling_from(position, velocity, spin):
+    """What arrives on smooth steel spheres of 62 um."""
+    n = len(velocity)
+    return Falling(
+        time=np.zeros(n),
+        diameter=np.full(n, 62e-6),
+        position=np.array(position),
+        velocity=np.array(velocity),
+        spin=np.array(spin),
+    )
+
+
 def test_bounces_end_where_a_ball_would(contact):
     """Straight up and down with a drift: flight 2 V/g, a geometric series until capture."""
-    target = Target(contact=contact, slope_sd=0.0)
+    drop, rng = STEEL.drop(contact, 90.0, STILL), generator(0)
     drift, speed = 0.004, 0.3
-    spin = np.array([[0.0, drift / 31e-6, 0.0]])  # rolls already: friction does nothing
-    resting = follow(
-        target,
-        np.array([62e-6]),
-        np.zeros((1, 2)),
-        np.array([[drift, 0.0, -speed]]),
-        spin,
-        generator(0),
-        most_impacts=60,
-        farthest=1.0,
-    )
+    rolls = [[0.0, drift / 31e-6, 0.0]]  # already: friction does nothing
+    first = drop.hit(falling_from([[0.0, 0.0]], [[drift, 0.0, -speed]], rolls), rng)
+    found = resting(first, drop.target.later(first.diameter, rng), 60, 1.0)
     way, v, count = 0.0, speed, 1
     while v >= float(capture_velocity(contact)):
         v *= float(simulate(contact, v).coefficient_of_restitution)
         way += drift * 2 * v / 9.80665
         count += 1
-    assert resting.captured.all()
-    assert resting.impacts[0] == count
-    assert resting.reach[0] == pytest.approx(way, rel=1e-6)
-    assert resting.on_target(1.01 * way).all()
-    assert not resting.on_target(0.99 * way).any()
+    assert found.captured.all()
+    assert found.impacts[0] == count
+    assert found.reach[0] == pytest.approx(way, rel=1e-6)
+    assert found.on_target(1.01 * way).all()
+    assert not found.on_target(0.99 * way).any()
 
 
 def test_spheres_past_the_edge_are_let_go(contact):
-    resting = follow(
-        Target(contact=contact, slope_sd=0.0),
-        np.full(2, 62e-6),
-        np.array([[0.0, 0.0], [2e-3, 0.0]]),
-        np.array([[0.5, 0.0, -0.5], [0.0, 0.0, -0.5]]),
-        np.zeros((2, 3)),
-        generator(0),
-        most_impacts=60,
-        farthest=1e-3,
-    )
-    assert not resting.captured.any()
-    assert list(resting.impacts) == [1, 0]
+    drop, rng = STEEL.drop(contact, 90.0, STILL), generator(0)
+    velocity = [[0.5, 0.0, -0.5], [0.0, 0.0, -0.5]]
+    first = drop.hit(falling_from(np.zeros((2, 2)), velocity, np.zeros((2, 3))), rng)
+    found = resting(first, drop.target.later(first.diameter, rng), 60, 1e-3)
+    assert found.captured.tolist() == [False, True]
+    assert found.impacts[0] == 1
+    assert found.impacts[1] > 3
 
 
 def test_onset_is_the_last_crossing():

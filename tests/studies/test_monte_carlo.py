@@ -17,11 +17,12 @@ from scipy import integrate, special, stats
 
 from microimpact.declared.parameters import build, explain
 from microimpact.declared.provenance import plain
-from microimpact.lab.collision import weighted_slope
-from microimpact.lab.slopes import HitSlopes
+from microimpact.lab.dispenser import Dispenser, InitialSpin
+from microimpact.lab.experiment import Drop, Target
+from microimpact.lab.surface import LABORATORY, Rules, facet_normals, rough
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import simulate
-from microimpact.model.rigid_body.facets import facet_normals, facet_rebound
+from microimpact.model.rigid_body.facets import facet_rebound
 from microimpact.model.rigid_body.roughness import rough_rebound
 from microimpact.run.config import load
 from microimpact.statistics.distributions import (
@@ -42,8 +43,6 @@ from microimpact.studies.analyses.monte_carlo.ensembles import (
     Ensemble,
     Plan,
     Process,
-    Rebound,
-    Rules,
     deterministic,
 )
 from microimpact.studies.analyses.monte_carlo.events import (
@@ -54,7 +53,12 @@ from microimpact.studies.analyses.monte_carlo.events import (
     replicate_sums,
     summary,
 )
-from microimpact.studies.analyses.monte_carlo.impacts import RigidBody, Simulation, require_meaning
+from microimpact.studies.analyses.monte_carlo.impacts import (
+    Chosen,
+    RigidBody,
+    Simulation,
+    require_meaning,
+)
 from microimpact.studies.analyses.monte_carlo.progress import progress
 from microimpact.studies.analyses.monte_carlo.slope_inference import SlopeInference, infer_slope
 
@@ -86,18 +90,27 @@ def law(normal_speed):
     return 0.7 * np.sqrt(np.maximum(1.0 - (0.18 / normal_speed) ** 2, 0.0))
 
 
-def lawful(draws, velocity, spin_speed, normal):
-    e = law(-np.vecdot(velocity, normal))
-    return Rebound(*facet_rebound(velocity, spin_speed, normal, e, draws["friction"]), e == 0.0)
+def rigid(restitution):
+    """Contacts of rigid spheres; restitution at normal speeds, captured where it is zero."""
+
+    def impact(draws):
+        def strike(which, velocity, spin, normal):
+            own = Chosen(draws, which)
+            radius = 0.5e-6 * own["diameter_um"][:, None]
+            e = restitution(-np.vecdot(velocity, normal))
+            after = facet_rebound(velocity, radius * spin, normal, e, own["friction"])
+            return after[0], after[1] / radius, e == 0.0
+
+        return strike
+
+    return impact
+
+
+lawful = rigid(law)
 
 
 def constant_e(e):
-    def impact(draws, velocity, spin_speed, normal):
-        n = len(velocity)
-        after = facet_rebound(velocity, spin_speed, normal, np.full(n, e), draws["friction"])
-        return Rebound(*after, np.zeros(n, dtype=bool))
-
-    return impact
+    return rigid(lambda normal_speed: np.full(normal_speed.shape, e))
 
 
 def ensemble(
@@ -215,28 +228,6 @@ def test_quasi_random_points_fill_every_interval_alike():
 
 
 # Facets
-
-
-def test_hit_slopes_equal_the_closed_form_for_normal_slopes():
-    u = generator(SEED, 6).random(4096)
-    for sd, tangent in ((0.16, 0.36), (0.2, 0.05), (0.16, 11.0), (0.1, 1e12), (0.16, -0.1)):
-        c = np.full(u.size, tangent)
-        expected = sd * weighted_slope(u, c, np.full(u.size, sd))
-        found = HitSlopes.of(Normal(sd=sd)).quantile(u, c)
-        assert found == pytest.approx(expected, abs=3e-4 * sd)
-
-
-def test_hit_slopes_of_other_distributions():
-    u = np.array([0.1, 0.5, 0.9])
-    # density (c + x) on (-c, c): the share below x is ((c + x) / 2c)^2
-    found = HitSlopes.of(Uniform(low=-0.1, high=0.1)).quantile(u, np.full(3, 0.1))
-    assert found == pytest.approx(0.2 * np.sqrt(u) - 0.1, rel=1e-6)
-    table = HitSlopes.of(Constant(at=0.1))
-    assert np.array_equal(table.quantile(u, np.array([0.3, -0.05, -0.2])), [0.1, 0.1, -np.inf])
-    # two kinds of facets are hit in the ratio of c + x
-    many = generator(SEED, 7).random(N)
-    kinds = HitSlopes.of(Sample(values_seen=(-0.1, 0.2))).quantile(many, np.full(N, 0.4))
-    assert np.mean(kinds > 0.05) == pytest.approx(0.6 / 0.9, abs=0.01)
 
 
 def planar(angle, slope, e, friction, spin):
@@ -559,6 +550,72 @@ def test_the_simulation_of_an_ensemble_is_that_of_single_impacts(contact):
         ensemble(rough, impact=Simulation(contact=contact), replicates=4, events=64), 30.0
     )
     assert spread.restitution_sd > 0.05
+
+
+class Given:
+    """A source of the random numbers that it is given."""
+
+    def __init__(self, parts):
+        self.parts = iter(parts)
+
+    def random(self, shape):
+        part = next(self.parts)
+        assert part.shape == shape
+        return part
+
+
+def as_in_the_laboratory(contact, events):
+    process = constants(slope=Normal(sd=0.16), cross_slope=Normal(sd=0.16))
+    simulation = Simulation(contact=contact)
+    return ensemble(process, rules=LABORATORY, impact=simulation, replicates=16, events=events)
+
+
+def test_ensembles_by_the_rules_of_the_laboratory_are_its_own_draw_by_draw(contact):
+    one, angle = as_in_the_laboratory(contact, 512), 20.0
+    shares = replicate_shares(one, 0, 0)
+    sums = replicate_sums(one, angle, [shares])[0]
+    names = [("slope", "cross_slope")]
+    names += [tuple(f"{a}, contact {k}" for a in names[0]) for k in range(2, 6)]
+    rng = Given(np.stack([shares[name] for name in pair]) for pair in names)
+    alpha = np.radians(angle)
+    before = np.tile([1.66 * np.cos(alpha), 0.0, -1.66 * np.sin(alpha)], (512, 1))
+    steel = contact.replace(friction=0.15)
+    target = Target(contact=steel, surface=rough(0.16))
+    found = target.hit(np.full(512, 62e-6), before, np.zeros((512, 3)), rng)
+    free = ~found.captured
+    e = -found.velocity[free, 2] / before[free, 2]
+    assert found.contacts.max() > 1
+    assert 0 < free.sum() == sums[3] < 512
+    assert e.sum() == pytest.approx(sums[4], rel=1e-12)
+
+
+def test_ensembles_by_the_rules_of_the_laboratory_agree_with_its_samples(contact):
+    steel = contact.replace(friction=0.15)
+    still = Dispenser(
+        exit_speed_m_per_s=0.0,
+        lateral_speed_m_per_s=0.0,
+        lateral_position_mm=0.0,
+        taps_per_s=2.0,
+        particles_per_tap=3.0,
+        release_delay_ms=20.0,
+    )
+    for angle in (45.0, 20.0):
+        drop = Drop(
+            target=Target(contact=steel, surface=rough(0.16)),
+            diameter_um=Constant(at=62.0),
+            angle=angle,
+            speed=1.66,
+            speed_range=(1.6, 1.7),
+            dispenser=still,
+            spin=InitialSpin(sd=0.0, mean=0.0),
+        )
+        impacts = drop.impacts(8192, generator(SEED, 30))
+        e = impacts.in_plane.coefficient_of_restitution[~impacts.captured]
+        found = estimate(as_in_the_laboratory(contact, 512), angle)
+        error = np.hypot(found.restitution_error, e.std() / np.sqrt(e.size))
+        assert abs(e.mean() - found.restitution) < 4.0 * error < 0.05
+        share = np.mean(impacts.captured)
+        assert share == pytest.approx(1.0 - found.accepted, abs=4 * np.sqrt(0.25 / 8192))
 
 
 # Slope inference

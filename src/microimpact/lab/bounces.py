@@ -2,61 +2,104 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
 from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.core.constants import gravity
 from microimpact.lab.events import Impacts, IntArray
-
-# velocity, spin (k, 3) before a later impact, whose sphere (k,) -> velocity, spin, captured after
-Rebound = Callable[[FloatArray, FloatArray, IntArray], tuple[FloatArray, FloatArray, BoolArray]]
+from microimpact.lab.experiment import Later
 
 
-def with_later_impacts(impacts: Impacts, later: Rebound, limit: int) -> Impacts:
-    """Follow spheres that fall back on a horizontal target.
+def generations(
+    impacts: Impacts, later: Later, limit: int, farthest: float = np.inf
+) -> Iterator[tuple[IntArray, Impacts]]:
+    """Yield first, second, ... impacts of spheres on a horizontal target, and whose they are.
 
     Parameters
     ----------
     impacts
         First impacts, n.
     later
-        Gives the outcome of later impacts: ``later(velocity, spin, sphere)`` with velocity and
-        spin before impact, shape (k, 3), and whose they are, indices into `impacts`; returns
-        velocity and spin after it and who is captured.
+        Outcome of later impacts.
     limit
         Most later impacts of one sphere.
-
-    Returns
-    -------
-    Impacts
-        The n first impacts, and after them the later ones.
+    farthest
+        Distance from the middle, m, beyond which a sphere is no longer followed.
     """
-    generations, sphere = [impacts], np.arange(len(impacts))
+    sphere = np.arange(len(impacts))
+    yield sphere, impacts
+    last = impacts
     for _ in range(limit):
-        last = generations[-1]
-        again = ~last.captured
+        start = last.rebound_velocity
+        flight = 2.0 * start[:, 2] / gravity
+        position = last.position + flight[:, None] * start[:, :2]
+        again = ~last.captured & (np.hypot(position[:, 0], position[:, 1]) <= farthest)
         if not np.any(again):
             break
-        sphere, start = sphere[again], last.rebound_velocity[again]
-        flight = 2.0 * start[:, 2] / gravity
-        velocity, spin = start * [1.0, 1.0, -1.0], last.rebound_spin[again]
-        after, spin_after, captured = later(velocity, spin, sphere)
-        generations.append(
-            replace(
-                last,
-                time=last.time[again] + flight,
-                diameter=last.diameter[again],
-                position=last.position[again] + flight[:, None] * start[:, :2],
-                velocity=velocity,
-                spin=spin,
-                rebound_velocity=after,
-                rebound_spin=spin_after,
-                captured=captured,
-                contacts=np.ones(len(sphere), dtype=np.int64),
-            )
+        sphere, velocity = sphere[again], start[again] * [1.0, 1.0, -1.0]
+        spin = last.rebound_spin[again]
+        rebound = later(velocity, spin, sphere)
+        last = Impacts(
+            time=last.time[again] + flight[again],
+            diameter=last.diameter[again],
+            position=position[again],
+            velocity=velocity,
+            spin=spin,
+            rebound_velocity=rebound.velocity,
+            rebound_spin=rebound.spin,
+            captured=rebound.captured,
+            contacts=rebound.contacts,
         )
-    names = Impacts.__dataclass_fields__
-    return Impacts(**{k: np.concatenate([getattr(g, k) for g in generations]) for k in names})
+        yield sphere, last
+
+
+def with_later_impacts(impacts: Impacts, later: Later, limit: int) -> Impacts:
+    """Return first impacts, and after them the later ones; arguments as in `generations`."""
+    return Impacts.joined([those for _, those in generations(impacts, later, limit)])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Resting:
+    """What becomes of n spheres on a target without edge.
+
+    Attributes
+    ----------
+    captured
+        True where the sphere came to rest within the bounces followed, shape (n,).
+    impacts
+        Impacts made, shape (n,).
+    reach
+        Greatest distance from the middle at which it touched the surface, m, shape (n,): on a
+        target of a larger radius it rests, past the edge of a smaller one it falls.
+    """
+
+    captured: BoolArray
+    impacts: IntArray
+    reach: FloatArray
+
+    def on_target(self, radius: float) -> BoolArray:
+        """Tell which spheres rest on a target of a radius (m)."""
+        return self.captured & (self.reach <= radius)
+
+
+def resting(impacts: Impacts, later: Later, most_impacts: int, farthest: float) -> Resting:
+    """Follow spheres from their first impact until they rest.
+
+    Parameters
+    ----------
+    impacts, later, farthest
+        As in `generations`.
+    most_impacts
+        Impacts after which a sphere is given up as not captured.
+    """
+    n = len(impacts)
+    captured, made, reach = np.zeros(n, dtype=bool), np.zeros(n, dtype=np.int64), np.zeros(n)
+    for sphere, those in generations(impacts, later, most_impacts - 1, farthest):
+        captured[sphere] = those.captured
+        made[sphere] += 1
+        x, y = those.position.T
+        reach[sphere] = np.maximum(reach[sphere], np.hypot(x, y))
+    return Resting(captured=captured, impacts=made, reach=reach)

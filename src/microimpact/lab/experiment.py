@@ -2,25 +2,38 @@
 
 from __future__ import annotations
 
+import hashlib
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
+from typing import Annotated
 
 import numpy as np
+import scipy
+from pydantic import Field
 
-from microimpact.lab.collision import collide
+from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.declared.parameters import Count
 from microimpact.lab.dispenser import Dispenser, Falling, InitialSpin, drop_height, release
-from microimpact.lab.events import Impacts
+from microimpact.lab.events import Impacts, IntArray, Measured
+from microimpact.lab.reduction import Mean
+from microimpact.lab.surface import SMOOTH, Rebound, Surface, collide, drawn_shares, simulated
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.impact import NormalLaw
 from microimpact.model.law.families import NoTableError
 from microimpact.model.law.table import tabulate
-from microimpact.statistics.distributions import Distribution
+from microimpact.statistics.distributions import Distribution, mean
 
 # Share of the sizes beyond either end of a table, and its speeds, m/s: impacts of all others are
 # integrated. Tables in memory.
 BEYOND = 0.01
 SPEEDS = (0.01, 4.0)
 KEPT_TABLES = 16
+# Particles dropped at first; while events are wanting, as many again as so far.
+DROPPED_AT_FIRST = 200
+
+# Velocity and spin (k, 3) before later impacts, and whose they are (k,) -> rebounds.
+Later = Callable[[FloatArray, FloatArray, IntArray], Rebound]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,17 +44,14 @@ class Target:
     ----------
     contact
         Of particles of one size; its work of adhesion and damping hold for every size.
-    slope_sd
-        Standard deviation of the local slope per axis, of surface and particle together.
-    planar_slopes
-        Whether facets slope along the motion only.
+    surface
+        Slopes of surface and particle together.
     law
-        Where normal impacts come from, see `collide`.
+        Where normal impacts come from, see `lab.surface.simulated`.
     """
 
     contact: Contact
-    slope_sd: float
-    planar_slopes: bool = False
+    surface: Surface = SMOOTH
     law: NormalLaw | None = None
 
     def tabulated(self, diameter_um: Distribution) -> Target:
@@ -52,6 +62,26 @@ class Target:
         """
         return replace(self, law=_table(self.contact, diameter_um))
 
+    def hit(
+        self,
+        diameter: FloatArray,
+        velocity: FloatArray,
+        spin: FloatArray,
+        rng: np.random.Generator,
+    ) -> Rebound:
+        """Let spheres of given diameters (m) hit the target.
+
+        Arguments as in `lab.surface.collide`; facets are drawn from ``rng``.
+        """
+        n = len(velocity)
+        shares = drawn_shares(rng, n, self.surface.rules)
+        strike = simulated(resized(self.contact, diameter), n, self.law)
+        return collide(self.surface, velocity, spin, shares, strike)
+
+    def later(self, diameter: FloatArray, rng: np.random.Generator) -> Later:
+        """Return what happens to spheres of given diameters (m) that fall back on the target."""
+        return lambda velocity, spin, sphere: self.hit(diameter[sphere], velocity, spin, rng)
+
 
 @lru_cache(maxsize=KEPT_TABLES)
 def _table(contact: Contact, diameter_um: Distribution) -> NormalLaw | None:
@@ -59,81 +89,176 @@ def _table(contact: Contact, diameter_um: Distribution) -> NormalLaw | None:
     if ends[0] == ends[1]:
         return None
     try:
-        return tabulate(resized(contact, ends), *SPEEDS).normal_impact
+        law = tabulate(resized(contact, ends), *SPEEDS)
+        return partial(law.normal_impact, bounded=False)
     except NoTableError:
         return None
 
 
-def combined_slope(surface: float, particle: float) -> float:
-    """Return the slope between two rough bodies, each with its own independent slopes."""
-    return float(np.hypot(surface, particle))
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Drop:
+    """What is dropped on what, from where and how fast.
 
-
-def true_impacts(
-    n: int,
-    *,
-    target: Target,
-    angle: float,
-    speed: float,
-    diameter_um: Distribution,
-    dispenser: Dispenser,
-    spin: InitialSpin,
-    rng: np.random.Generator,
-    within: float = np.inf,
-) -> Impacts:
-    """Drop n particles and let them hit the target.
-
-    Parameters
+    Attributes
     ----------
-    n
-        Number of particles.
     target
         Contact and roughness.
+    diameter_um
+        Distribution of the diameter, um.
     angle
         Nominal angle of incidence from the surface, degrees.
     speed
         Nominal speed at the target, m/s; it sets the drop height.
-    diameter_um
-        Distribution of the diameter, um.
+    speed_range
+        Range of speeds accepted, m/s.
     dispenser, spin
         Spreads of release and of initial spin.
-    rng
-        Source of the draws.
-    within
-        Particles that arrive further than this (m) from the middle are out of sight of any
-        instrument and left out.
     """
-    falling = release(
-        n,
-        angle=angle,
-        height=drop_height(speed, dispenser),
-        diameter_um=diameter_um,
-        dispenser=dispenser,
-        spin=spin,
-        rng=rng,
-    )
-    return hit(falling.within(within), target, rng)
+
+    target: Target
+    diameter_um: Distribution
+    angle: float
+    speed: float
+    speed_range: tuple[float, float]
+    dispenser: Dispenser
+    spin: InitialSpin
+
+    @property
+    def height(self) -> float:
+        """From the needle to the target, m."""
+        return drop_height(self.speed, self.dispenser)
+
+    @property
+    def key(self) -> tuple[int, ...]:
+        """Key of its random draws: by what it is, so that it is the same in every study."""
+        contact, slope = self.target.contact, self.target.surface.slope
+        # The slope that one facet in six exceeds: one standard deviation.
+        exceeded = float(slope.quantile(np.asarray(scipy.special.ndtr(1.0))))
+        words = (
+            contact.particle.name,
+            contact.surface.name,
+            f"{mean(self.diameter_um):.0f} um",
+            f"slope {exceeded:.2f}",
+            f"{self.speed:g} m/s",
+            f"{self.angle:g} deg",
+        )
+        digest = hashlib.sha256(", ".join(words).encode()).digest()
+        return tuple(int.from_bytes(digest[k : k + 4], "big") for k in (0, 4))
+
+    def tabulated(self) -> Drop:
+        """Return the same with a table of normal impacts, see `Target.tabulated`."""
+        return replace(self, target=self.target.tabulated(self.diameter_um))
+
+    def release(self, n: int, rng: np.random.Generator) -> Falling:
+        """Let n particles fall."""
+        return release(
+            n,
+            angle=self.angle,
+            height=self.height,
+            diameter_um=self.diameter_um,
+            dispenser=self.dispenser,
+            spin=self.spin,
+            rng=rng,
+        )
+
+    def hit(self, falling: Falling, rng: np.random.Generator) -> Impacts:
+        """Let particles that arrive at the target hit it."""
+        rebound = self.target.hit(falling.diameter, falling.velocity, falling.spin, rng)
+        return Impacts(
+            time=falling.time,
+            diameter=falling.diameter,
+            position=falling.position,
+            velocity=falling.velocity,
+            spin=falling.spin,
+            rebound_velocity=rebound.velocity,
+            rebound_spin=rebound.spin,
+            captured=rebound.captured,
+            contacts=rebound.contacts,
+        )
+
+    def impacts(self, n: int, rng: np.random.Generator, within: float = np.inf) -> Impacts:
+        """Drop n particles and let them hit the target.
+
+        Those that arrive further than ``within`` (m) from the middle are out of sight of any
+        instrument and left out.
+        """
+        return self.hit(self.release(n, rng).within(within), rng)
+
+    def in_class(self, speed: FloatArray) -> BoolArray:
+        """Tell which speeds (m/s) are accepted."""
+        low, high = self.speed_range
+        inside: BoolArray = (speed >= low) & (speed <= high)
+        return inside
 
 
-def hit(falling: Falling, target: Target, rng: np.random.Generator) -> Impacts:
-    """Let particles that arrive at the target hit it."""
-    rebound = collide(
-        resized(target.contact, falling.diameter),
-        falling.velocity,
-        falling.spin,
-        target.slope_sd,
-        rng,
-        planar_slopes=target.planar_slopes,
-        law=target.law,
-    )
-    return Impacts(
-        time=falling.time,
-        diameter=falling.diameter,
-        position=falling.position,
-        velocity=falling.velocity,
-        spin=falling.spin,
-        rebound_velocity=rebound.velocity,
-        rebound_spin=rebound.spin,
-        captured=rebound.captured,
-        contacts=rebound.contacts,
-    )
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StopRule:
+    """When an experiment ends: with its events, or given up.
+
+    Attributes
+    ----------
+    events
+        Number of accepted events wanted; the first so many are averaged.
+    fewest_events
+        Below this number there is no mean.
+    most_dropped
+        Number of particles after which the experiment is given up.
+    """
+
+    events: Annotated[int, Field(ge=2)]
+    fewest_events: Annotated[int, Field(ge=2)]
+    most_dropped: Count
+
+    def __post_init__(self) -> None:
+        """Refuse more events for a mean than an experiment has."""
+        if self.fewest_events > self.events:
+            raise ValueError(
+                f"fewest_events: {self.fewest_events} must be at most events, {self.events}"
+            )
+
+    def batch(self, dropped: int) -> int:
+        """Return how many are dropped after so many: as many again, until it is given up."""
+        return min(max(dropped, DROPPED_AT_FIRST), self.most_dropped - dropped)
+
+    def ended(self, accepted: int, dropped: int) -> bool:
+        """Tell whether the experiment ends with so many events of so many dropped."""
+        return accepted >= self.events or dropped >= self.most_dropped
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outcome:
+    """What either instrument gives of one experiment.
+
+    Attributes
+    ----------
+    measured
+        Accepted events, in order of time; `event` counts in `impacts`.
+    impacts
+        All within the reach of the instrument: first impacts in order of time, then later ones.
+    first
+        Number of first impacts.
+    dropped
+        Particles dropped.
+    fates
+        What became of them, in the words of the instrument.
+    means
+        Mean and interval of every quantity measured; none of too few events.
+    """
+
+    measured: Measured
+    impacts: Impacts
+    first: int
+    dropped: int
+    fates: Mapping[str, int]
+    means: Mapping[str, Mean]
+
+    @property
+    def first_impacts(self) -> Impacts:
+        """The first impact of every particle within reach."""
+        return self.impacts.select(slice(self.first))
+
+    @property
+    def true(self) -> Measured:
+        """Accepted events as they were; two records of different particles have no truth."""
+        events = self.measured.event
+        return self.impacts.in_plane.select(events[events >= 0])

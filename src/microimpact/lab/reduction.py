@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,8 +10,10 @@ import scipy
 from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import FloatArray, Real
+from microimpact.lab.events import Measured
 
 FEWEST_EVENTS = 2
+QUANTITIES = ("restitution", "impulse_ratio", "energy_loss")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,3 +86,44 @@ def half_width(sd: Real, events: int, systematic: Real = 0.0, level: float = 0.9
     """
     t = scipy.special.stdtrit(events - 1, 0.5 * (1.0 + level))
     return np.asarray(t * np.sqrt(np.square(sd) / events + np.square(systematic)))
+
+
+def quantities(measured: Measured) -> dict[str, FloatArray]:
+    """Return restitution, impulse ratio and energy loss (Eqs. 1-3) of every event."""
+    return {
+        "restitution": measured.coefficient_of_restitution,
+        "impulse_ratio": measured.impulse_ratio,
+        "energy_loss": measured.translational_energy_loss,
+    }
+
+
+def reduced(
+    measured: Measured,
+    shifted: Callable[[Measured, float], Measured],
+    error: float,
+    names: tuple[str, ...] = QUANTITIES,
+) -> dict[str, Mean]:
+    """Return mean and interval of quantities, with one error that all events share.
+
+    Parameters
+    ----------
+    measured
+        At least two events.
+    shifted
+        Gives the events as they would be if the instrument's setting were off by so much.
+    error
+        Standard uncertainty of that setting.
+    names
+        Quantities that the instrument measures.
+
+    Raises
+    ------
+    ValueError
+        With fewer than two events.
+    """
+    high, low = (quantities(shifted(measured, sign * error)) for sign in (1.0, -1.0))
+    values = quantities(measured)
+    return {
+        name: mean_interval(values[name], systematic=0.5 * abs(np.mean(high[name] - low[name])))
+        for name in names
+    }

@@ -13,16 +13,17 @@ import scipy
 
 from microimpact.core.arrays import BoolArray
 from microimpact.declared.parameters import Count, Fraction, Name, NonNegative, Positive
-from microimpact.lab.collision import MOST_CONTACTS
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.dispenser import Dispenser, InitialSpin
 from microimpact.lab.events import Impacts, Measured
-from microimpact.lab.experiment import Target, combined_slope, true_impacts
-from microimpact.lab.ptis.experiment import quantities, turned
+from microimpact.lab.experiment import Drop, Target
+from microimpact.lab.ptis.experiment import turned
+from microimpact.lab.reduction import QUANTITIES, quantities
+from microimpact.lab.surface import LABORATORY, combined_slope
+from microimpact.lab.surface import rough as rough_surface
 from microimpact.model.contact import Contact, resized
 from microimpact.statistics.distributions import Distribution, generator, mean
 
-QUANTITIES = ("restitution", "impulse_ratio", "energy_loss")
 # Below this number of rebounds there is no mean.
 FEWEST_REBOUNDS = 20
 # Samples kept in memory.
@@ -54,6 +55,18 @@ class Dropped:
     def slope_sd(self) -> float:
         """Slope between surface and particle."""
         return combined_slope(self.surface_slope, self.particle_slope)
+
+    def drop(self, contact: Contact, angle: float, dispenser: Dispenser) -> Drop:
+        """Return what is dropped, on a contact and at an angle of incidence in degrees."""
+        return Drop(
+            target=Target(contact=contact, surface=rough_surface(self.slope_sd)),
+            diameter_um=self.diameter_um,
+            angle=angle,
+            speed=self.speed_m_per_s,
+            speed_range=self.speed_range_m_per_s,
+            dispenser=dispenser,
+            spin=self.spin,
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -127,17 +140,9 @@ def impacts_of(
 
     Not to be changed: the last samples are kept, for several mechanisms look at the same ones.
     """
-    target = Target(contact=contact, slope_sd=dropped.slope_sd)
-    return true_impacts(
-        n or sampling.impacts,
-        target=target.tabulated(dropped.diameter_um) if sampling.tabulated else target,
-        angle=angle,
-        speed=dropped.speed_m_per_s,
-        diameter_um=dropped.diameter_um,
-        dispenser=sampling.dispenser,
-        spin=dropped.spin,
-        rng=generator(sampling.seed, 0),
-    )
+    drop = dropped.drop(contact, angle, sampling.dispenser)
+    drop = drop.tabulated() if sampling.tabulated else drop
+    return drop.impacts(n or sampling.impacts, generator(sampling.seed, 0))
 
 
 def in_plane(impacts: Impacts, which: BoolArray) -> Measured:
@@ -166,7 +171,7 @@ def seen(
     contact: Contact,
     angle: float,
     sampling: Sampling,
-    most_contacts: int = MOST_CONTACTS,
+    most_contacts: int = LABORATORY.most_contacts,
 ) -> Seen:
     """Drop a sample and average its rebounds.
 

@@ -8,9 +8,10 @@ from __future__ import annotations
 import numpy as np
 
 from microimpact.core.materials import Material
-from microimpact.lab.collision import collide
 from microimpact.lab.events import Impacts
+from microimpact.lab.experiment import Target
 from microimpact.lab.pdpa import analyser as pdpa
+from microimpact.lab.surface import rough
 from microimpact.model import warm
 from microimpact.model.contact import Contact
 
@@ -42,7 +43,8 @@ def main() -> None:
     impacts, rng = _impacts(8), np.random.default_rng(1)
     body = Material(name="any", youngs_modulus=1e11, poissons_ratio=0.3, density=2e3)
     contact = Contact(particle=body, surface=body, diameter=5e-5, work_of_adhesion=0.1)
-    collide(contact, impacts.velocity, impacts.spin, 0.1, rng)
+    target = Target(contact=contact, surface=rough(0.1))
+    target.hit(impacts.diameter, impacts.velocity, impacts.spin, rng)
     pdpa.passages(impacts, 1e-3, ANALYZER)
     pdpa.through_probe(impacts.position, impacts.velocity, 1e-3, ANALYZER)
 

@@ -12,7 +12,7 @@ from microimpact.model.contact import Contact
 from microimpact.model.dynamics.trajectory import trajectory
 from microimpact.model.empirical.batch import data_sets, fit_batch
 from microimpact.model.law.table import tabulate
-from microimpact.model.rigid_body.facets import facet_normals, facet_rebound
+from microimpact.model.rigid_body.facets import facet_rebound
 
 
 def main() -> None:
@@ -32,8 +32,8 @@ def main() -> None:
     law.normal_impact(contact, speed)
     law.restitution(speed, np.zeros(1))
     down = np.array([[0.5, 0.0, -1.0]])
-    normals = facet_normals(down, np.zeros(1), np.zeros(1))
-    facet_rebound(down, np.zeros((1, 3)), normals, np.full(1, 0.7), np.full(1, 0.15))
+    up = np.array([[0.0, 0.0, 1.0]])
+    facet_rebound(down, np.zeros((1, 3)), up, np.full(1, 0.7), np.full(1, 0.15))
     speed = np.geomspace(1.0, 10.0, 8)
     fit_batch(data_sets(speed, 0.8 - 0.1 / speed, 100.0))
 

@@ -10,6 +10,7 @@ import pytest
 from scipy.constants import g
 from tests.lab.pdpa.test_pdpa import DEFAULT, QUIET, impacts
 
+from microimpact.lab.bounces import with_later_impacts
 from microimpact.lab.pdpa.analyser import Stream, passages, records
 from microimpact.lab.pdpa.observation import FATES, observe, pair_events
 from microimpact.lab.pdpa.pairing import (
@@ -22,6 +23,7 @@ from microimpact.lab.pdpa.pairing import (
     matched,
     search,
 )
+from microimpact.lab.surface import Rebound
 
 H = 1e-3
 
@@ -37,7 +39,13 @@ def experiment(seed, n=300, speed=0.75, e=0.65, gap=7e-3):
 
 def never(velocity, spin, sphere):
     """Keep whoever falls back."""
-    return 0.0 * velocity, spin, np.ones(len(sphere), dtype=bool)
+    kept = np.ones(len(sphere), dtype=bool)
+    return Rebound(velocity=0.0 * velocity, spin=spin, kept=kept, contacts=np.ones_like(sphere))
+
+
+def observed(some, later, duration, rng, **options):
+    everything = with_later_impacts(some, later, DEFAULT.later_impacts)
+    return observe(everything, len(some), duration, DEFAULT, rng, **options)
 
 
 def stream_of(some, instrument=DEFAULT, height=H, seed=0):
@@ -248,7 +256,7 @@ def test_an_experiment_accounts_for_every_impact():
     some = experiment(11, speed=0.5, e=0.4)
     some.captured[:30] = True
     some.position[30:60] = 1.0
-    found = observe(some, never, 10.0, DEFAULT, np.random.default_rng(1))
+    found = observed(some, never, 10.0, np.random.default_rng(1))
     quality = found.quality
     assert tuple(quality.fates) == FATES
     assert sum(quality.fates.values()) == len(some)
@@ -276,10 +284,11 @@ def test_a_second_bounce_is_a_genuine_pair():
     e = 0.6
 
     def later(velocity, spin, sphere):
-        return velocity * [1.0, 1.0, -e], spin, np.zeros(len(sphere), dtype=bool)
+        after, kept = velocity * [1.0, 1.0, -e], np.zeros(len(sphere), dtype=bool)
+        return Rebound(velocity=after, spin=spin, kept=kept, contacts=np.ones_like(sphere))
 
     some = impacts(np.full(100, 1.0), e, time=0.1 + 0.5 * np.arange(100))
-    found = observe(some, later, 60.0, DEFAULT, np.random.default_rng(2))
+    found = observed(some, later, 60.0, np.random.default_rng(2))
     # 1, 0.6 and 0.36 m/s rebound through the probe volume; 0.216 m/s leaves with 0.13 m/s
     assert found.quality.later_pairs == pytest.approx(200, abs=25)
     again = found.measured.event >= 100
@@ -288,7 +297,7 @@ def test_a_second_bounce_is_a_genuine_pair():
 
 def test_a_needle_below_the_probe_volume_gives_no_pairs():
     some = experiment(12)
-    found = observe(some, never, 10.0, DEFAULT, np.random.default_rng(1), drop_height=0.5e-3)
+    found = observed(some, never, 10.0, np.random.default_rng(1), drop_height=0.5e-3)
     assert found.quality.fates["incident below probe"] == len(some)
     assert found.quality.recorded_pairs == 0
     assert np.isnan(found.quality.recall)

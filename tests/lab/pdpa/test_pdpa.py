@@ -19,6 +19,7 @@ from microimpact.lab.pdpa.analyser import (
     records,
     true_height,
 )
+from microimpact.lab.surface import Rebound
 
 H = 1e-3
 DEFAULT = Instrument(
@@ -141,7 +142,8 @@ def test_a_bounce_is_an_impact_again():
         seen.append(sphere.tolist())
         after = velocity * [1.0, 1.0, -e]
         stays = -velocity[:, 2] < 0.3
-        return np.where(stays[:, None], 0.0, after), spin, stays
+        after = np.where(stays[:, None], 0.0, after)
+        return Rebound(velocity=after, spin=spin, kept=stays, contacts=np.ones_like(sphere))
 
     first = impacts([1.0, 2.0, 1.0], [0.5, 1.0, 0.0], lateral=(0.01, 0.0))
     everything = with_later_impacts(first, later, 5)

@@ -9,14 +9,14 @@ import pytest
 from tests.lab.ptis.imaging_cases import INSTRUMENT, generator, impacts, setup_for
 
 from microimpact.lab.dispenser import Dispenser, InitialSpin
-from microimpact.lab.experiment import Target
-from microimpact.lab.ptis import experiment as oblique_incidence
+from microimpact.lab.experiment import Drop, StopRule, Target
 from microimpact.lab.ptis.errors import theory
-from microimpact.lab.ptis.experiment import OUTSIDE_CLASS, Recipe, collect, turned
+from microimpact.lab.ptis.experiment import OUTSIDE_CLASS, collect, turned
 from microimpact.lab.ptis.exposure import MEASURED, OFF_SHEET, expose, exposures
 from microimpact.lab.ptis.observation import modelled
 from microimpact.lab.ptis.system import Systematics, event_generator
 from microimpact.lab.ptis.tracks import longest_runs
+from microimpact.lab.surface import rough
 from microimpact.statistics.distributions import TruncatedNormal
 
 DISPENSER = Dispenser(
@@ -30,16 +30,20 @@ DISPENSER = Dispenser(
 
 
 @pytest.fixture
-def recipe(contact):
-    return Recipe(
-        target=Target(contact=contact, slope_sd=0.1),
+def drop(contact):
+    return Drop(
+        target=Target(contact=contact, surface=rough(0.1)),
         diameter_um=TruncatedNormal(mean=62.0, sd=4.5, low=45.0, high=76.0),
+        angle=60.0,
         speed=1.66,
         speed_range=(1.6, 1.72),
         dispenser=DISPENSER,
         spin=InitialSpin(sd=0.0, mean=0.0),
-        instrument=INSTRUMENT,
     )
+
+
+def until(events, most_dropped):
+    return StopRule(events=events, fewest_events=2, most_dropped=most_dropped)
 
 
 def same(a, b):
@@ -47,18 +51,8 @@ def same(a, b):
     return all(np.array_equal(getattr(a, name), getattr(b, name)) for name in names)
 
 
-def test_an_experiment_does_not_depend_on_how_many_are_looked_at_together(recipe, monkeypatch):
-    whole = collect(recipe, 45.0, 20, 2000, generator(3))
-    for chunk in (1, 7):
-        monkeypatch.setattr(oblique_incidence, "LOOKED_AT_ONCE", chunk)
-        part = collect(recipe, 45.0, 20, 2000, generator(3))
-        assert same(part.measured, whole.measured)
-        assert same(part.impacts, whole.impacts)
-        assert (part.dropped, part.fates) == (whole.dropped, whole.fates)
-
-
-def test_all_particles_have_a_fate_and_the_last_one_is_the_last_event(recipe):
-    found = collect(recipe, 30.0, 40, 8000, generator(1))
+def test_all_particles_have_a_fate_and_the_last_one_is_the_last_event(drop):
+    found = collect(replace(drop, angle=30.0), INSTRUMENT, until(40, 8000), generator(1))
     assert len(found.measured) == 40
     fates = dict(found.fates)
     outside = fates.pop(OUTSIDE_CLASS)
@@ -66,20 +60,20 @@ def test_all_particles_have_a_fate_and_the_last_one_is_the_last_event(recipe):
     assert fates[MEASURED] == 40 + outside
     assert found.measured.event[-1] == len(found.impacts) - 1
     assert np.all(np.diff(found.measured.event) > 0)
-    assert found.captured + found.rebounded == len(found.impacts)
+    assert found.first == len(found.impacts)
 
 
-def test_an_experiment_without_events_is_given_up(recipe):
-    never = replace(recipe, speed_range=(0.01, 0.02))
-    found = collect(never, 60.0, 5, 500, generator(1))
+def test_an_experiment_without_events_is_given_up(drop):
+    never = replace(drop, speed_range=(0.01, 0.02))
+    found = collect(never, INSTRUMENT, until(5, 500), generator(1))
     assert len(found.measured) == 0
     assert found.dropped == 500
     assert found.fates[OUTSIDE_CLASS] == found.fates[MEASURED] > 0
 
 
-def test_an_experiment_in_which_nothing_meets_the_sheet_ends_too(recipe):
-    thin = replace(recipe.instrument, sheet_thickness_mm=1e-9)
-    found = collect(replace(recipe, instrument=thin), 60.0, 5, 300, generator(1))
+def test_an_experiment_in_which_nothing_meets_the_sheet_ends_too(drop):
+    thin = replace(INSTRUMENT, sheet_thickness_mm=1e-9)
+    found = collect(drop, thin, until(5, 300), generator(1))
     assert len(found.measured) == len(found.impacts) == 0
     assert found.fates[OFF_SHEET] == found.dropped == 300
 

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.random import Generator
 
 from microimpact.core.arrays import BoolArray
-from microimpact.lab.bounces import Rebound, with_later_impacts
 from microimpact.lab.events import Impacts, IntArray, Measured
 from microimpact.lab.pdpa.analyser import (
     INCIDENT,
@@ -121,7 +120,7 @@ class Observation:
 
 def observe(
     impacts: Impacts,
-    later: Rebound,
+    first: int,
     duration: float,
     instrument: Instrument,
     rng: Generator,
@@ -134,9 +133,9 @@ def observe(
     Parameters
     ----------
     impacts
-        First impacts.
-    later
-        Outcome of impacts of spheres that fall back, see `bounces.with_later_impacts`.
+        First impacts, and after them those of spheres that fall back, see `lab.bounces`.
+    first
+        Number of first impacts.
     duration
         Of the experiment, s.
     instrument
@@ -150,17 +149,16 @@ def observe(
         Correction to the surface.
     """
     height = true_height(instrument, rng)
-    followed = with_later_impacts(impacts, later, instrument.later_impacts)
-    fall = np.full(len(followed), np.inf)
-    fall[: len(impacts)] = drop_height
-    crossing = passages(followed, height, instrument, fall)
+    fall = np.full(len(impacts), np.inf)
+    fall[:first] = drop_height
+    crossing = passages(impacts, height, instrument, fall)
     stream, truth = records(crossing, duration, instrument, rng)
     estimate = 1e-3 * instrument.probe_height_mm * (1.0 + instrument.initial_estimate_error)
     pairing = search(stream, estimate, instrument)
     return Observation(
         measured=at_surface(stream, pairing, truth, form),
-        quality=judge(pairing, stream, truth, crossing, impacts.captured, height),
-        impacts=followed,
+        quality=judge(pairing, stream, truth, crossing, impacts.captured[:first], height),
+        impacts=impacts,
         crossing=crossing,
         stream=stream,
         truth=truth,

@@ -17,36 +17,6 @@ from microimpact.model.rigid_body.algebra import APPROACHING, INERTIA, UNIT_INTE
 _jit = jit()
 
 
-def facet_normals(velocity: FloatArray, along: FloatArray, across: FloatArray) -> FloatArray:
-    """Return unit normals of facets, shape (n, 3).
-
-    Parameters
-    ----------
-    velocity
-        Before impact, shape (n, 3); only its direction along the nominal surface counts (x, if it
-        is normal).
-    along, across
-        Slopes of the facet along the motion and to its left, tangents, shape (n,). A facet whose
-        slope along the motion is positive faces the sphere.
-    """
-    normal = np.empty(velocity.shape)
-    _normals(velocity, along, across, normal)
-    return normal
-
-
-@_jit
-def _normals(velocity, along, across, normal):  # type: ignore[no-untyped-def]
-    for i in range(velocity.shape[0]):
-        x, y = 1.0, 0.0
-        speed = math.sqrt(velocity[i, 0] ** 2 + velocity[i, 1] ** 2)
-        if speed > 0.0:
-            x, y = velocity[i, 0] / speed, velocity[i, 1] / speed
-        size = 1.0 / math.sqrt(1.0 + along[i] ** 2 + across[i] ** 2)
-        normal[i, 0] = size * (y * across[i] - x * along[i])
-        normal[i, 1] = size * (-x * across[i] - y * along[i])
-        normal[i, 2] = size
-
-
 def facet_rebound(
     velocity: FloatArray,
     spin_speed: FloatArray,

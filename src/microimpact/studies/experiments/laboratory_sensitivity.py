@@ -14,10 +14,10 @@ from microimpact.core.arrays import FloatArray
 from microimpact.declared.parameters import Count, Name, NonNegative, Positive
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.events import Impacts, Measured
-from microimpact.lab.ptis.experiment import quantities, turned
+from microimpact.lab.ptis.experiment import turned
+from microimpact.lab.reduction import QUANTITIES, quantities
 from microimpact.lab.samples import (
     FEWEST_REBOUNDS,
-    QUANTITIES,
     Dropped,
     Sampling,
     contact_of,
@@ -113,13 +113,6 @@ class Setting:
         return replace(self, dropped=replace(dropped, **changes[spread]))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Sample:
-    """Quantities of n particles, nan where captured or outside the class, shape (n,) each."""
-
-    values: Mapping[str, FloatArray]
-
-
 def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
     """Vary every spread alone, on common random numbers.
 
@@ -164,7 +157,7 @@ def _rows(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Iterator[dict[s
                             "spread": spread,
                             "factor": factor,
                             "quantity": name,
-                            **change(reference.values[name], other.values[name]),
+                            **change(reference[name], other[name]),
                             "evidence": "virtual experiment",
                         }
 
@@ -184,8 +177,8 @@ def true_sample(setting: Setting, contact: Contact, angle: float, params: Params
     return impacts_of(setting.dropped, contact, angle, sampling)
 
 
-def sample(setting: Setting, impacts: Impacts, params: Params) -> Sample:
-    """Return the measured quantities of true impacts.
+def sample(setting: Setting, impacts: Impacts, params: Params) -> dict[str, FloatArray]:
+    """Return the measured quantities of n impacts, nan where captured or outside the class.
 
     The target's tilt and the noise of the velocities are laid over them.
     """
@@ -206,7 +199,7 @@ def sample(setting: Setting, impacts: Impacts, params: Params) -> Sample:
     values = {name: np.full(len(impacts), np.nan) for name in QUANTITIES}
     for name, of in quantities(measured).items():
         values[name][measured.event] = of
-    return Sample(values=values)
+    return values
 
 
 def change(reference: FloatArray, other: FloatArray) -> dict[str, float]:

@@ -11,16 +11,14 @@ import pandas as pd
 from numpy.typing import ArrayLike
 from pydantic import Field
 
-from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import series_frame
-from microimpact.declared.parameters import Count, Fraction, Name, Positive
+from microimpact.declared.parameters import Fraction, Name, Positive
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.dispenser import Dispenser, InitialSpin
-from microimpact.lab.events import Measured
-from microimpact.lab.experiment import Target
+from microimpact.lab.experiment import Drop, StopRule, Target
 from microimpact.lab.pdpa.analyser import Instrument
-from microimpact.lab.pdpa.experiment import drop_and_observe, reduced, true_restitution
-from microimpact.lab.pdpa.observation import Observation
+from microimpact.lab.pdpa.experiment import QUANTITIES, Session, collect
 from microimpact.lab.reduction import Mean
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.normal import normal_impact
@@ -50,11 +48,8 @@ class Params:
     other_case: Name
     populations: tuple[Population, ...]
     speeds_m_per_s: tuple[Positive, ...]
-    dropped: Count
-    most_dropped: Count
     speed_window: Fraction
-    events: Annotated[int, Field(ge=2)]
-    fewest_events: Annotated[int, Field(ge=2)]
+    stop: StopRule
     dispenser: Dispenser
     instrument: Instrument
     sizes: Annotated[int, Field(ge=10)]
@@ -112,13 +107,13 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     """
     contacts = {case: calibrated_contact(inputs, case) for case in (params.case, params.other_case)}
     rows, points = [], []
-    for i, population in enumerate(params.populations):
-        for k, speed in enumerate(params.speeds_m_per_s):
-            row, found = experiment(params, population, speed, contacts[params.case], (i, k))
-            rows.append(row)
+    for population in params.populations:
+        for speed in params.speeds_m_per_s:
+            outcome = experiment(params, population, speed, contacts[params.case])
+            rows.append(experiment_row(population, speed, outcome))
             points += [
-                Point(population.name, name, float(row["speed_m_per_s"]), of)
-                for name, of in found.items()
+                Point(population.name, name, float(rows[-1]["speed_m_per_s"]), of)
+                for name, of in outcome.means.items()
             ]
     curves = {
         (case, population.name): sieve_curve(params, population, contact)
@@ -134,30 +129,31 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     }
 
 
-def experiment(
-    params: Params,
-    population: Population,
-    speed: float,
-    contact: Contact,
-    key: tuple[int, int],
-) -> tuple[dict[str, Any], Mapping[str, Mean]]:
-    """Return one experiment as a row of the table, and the means that can be plotted.
+def experiment(params: Params, population: Population, speed: float, contact: Contact) -> Session:
+    """Return one experiment: its first accepted events near the nominal speed are averaged."""
+    window = params.speed_window
+    drop = Drop(
+        target=Target(contact=contact),
+        diameter_um=population.diameter_um,
+        angle=90.0,
+        speed=speed,
+        speed_range=(speed * (1.0 - window), speed * (1.0 + window)),
+        dispenser=params.dispenser,
+        spin=NO_SPIN,
+    ).tabulated()
+    return collect(drop, params.instrument, params.stop, generator(params.seed, *drop.key))
 
-    The first ``events`` accepted pairs are averaged, as one would stop an experiment; with fewer
-    than ``fewest_events`` there is no point to plot.
-    """
-    dropped, observation = collected(params, population, speed, contact, key)
-    accepted = observation.measured.select(in_class(params, observation.measured, speed))
-    measured = accepted.select(slice(params.events))
-    enough = len(measured) >= params.fewest_events
-    found = reduced(measured, observation.pairing.height_error) if enough else {}
-    quality, fates = observation.quality, observation.quality.fates
-    truth = true_restitution(observation)
+
+def experiment_row(population: Population, speed: float, outcome: Session) -> dict[str, Any]:
+    """Return one experiment as a row of the table: what was seen, measured, and true."""
+    quality, fates, measured = outcome.observation.quality, outcome.fates, outcome.measured
+    first = outcome.first_impacts.in_plane
+    truth = first.coefficient_of_restitution
     row: dict[str, Any] = {
         "population": population.name,
         "nominal_speed_m_per_s": speed,
         "speed_m_per_s": float(np.mean(-measured.incident_normal)) if len(measured) else np.nan,
-        "dropped": dropped,
+        "dropped": outcome.dropped,
         "near_the_probe": len(truth),
         "events": len(measured),
         "captured": fates["captured"],
@@ -168,8 +164,8 @@ def experiment(
         "probe_height_found_mm": 1e3 * quality.estimated_height,
         "probe_height_true_mm": 1e3 * quality.height,
     }
-    for name in ("restitution", "energy_loss"):
-        of = found.get(name)
+    for name in QUANTITIES:
+        of = outcome.means.get(name)
         row[name] = of.value if of else np.nan
         row[f"{name}_low"] = of.low if of else np.nan
         row[f"{name}_high"] = of.high if of else np.nan
@@ -178,35 +174,7 @@ def experiment(
     )
     row["true_restitution_of_all"] = float(np.mean(truth))
     row["evidence"] = "virtual experiment"
-    return row, found
-
-
-def collected(
-    params: Params, population: Population, speed: float, contact: Contact, key: tuple[int, int]
-) -> tuple[int, Observation]:
-    """Drop more particles, until there are enough events or the experiment is given up."""
-    dropped = params.dropped
-    target = Target(contact=contact, slope_sd=0.0).tabulated(population.diameter_um)
-    while True:
-        observation = drop_and_observe(
-            dropped,
-            target=target,
-            speed=speed,
-            diameter_um=population.diameter_um,
-            dispenser=params.dispenser,
-            spin=NO_SPIN,
-            instrument=params.instrument,
-            rng=generator(params.seed, *key),
-        )
-        found = int(np.sum(in_class(params, observation.measured, speed)))
-        if found >= params.events or dropped >= params.most_dropped:
-            return dropped, observation
-        dropped = min(4 * dropped, params.most_dropped)
-
-
-def in_class(params: Params, measured: Measured, speed: float) -> BoolArray:
-    """Tell which events have a measured speed near the nominal one: later bounces are slower."""
-    return np.abs(measured.speed / speed - 1.0) <= params.speed_window
+    return row
 
 
 def sieve_curve(params: Params, population: Population, contact: Contact) -> Curve:

@@ -13,73 +13,28 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import series_frame
-from microimpact.declared.parameters import (
-    AngleDegrees,
-    Count,
-    Fraction,
-    Name,
-    NonNegative,
-    Positive,
-)
-from microimpact.lab.contacts import calibrated_contact
-from microimpact.lab.dispenser import Dispenser, InitialSpin
-from microimpact.lab.experiment import Target, combined_slope
-from microimpact.lab.ptis.experiment import Collected, Recipe, collect, quantities, reduced
+from microimpact.declared.parameters import AngleDegrees, Fraction, Name
+from microimpact.lab.dispenser import Dispenser
+from microimpact.lab.experiment import Outcome, StopRule
+from microimpact.lab.ptis.experiment import collect
+from microimpact.lab.ptis.exposure import MEASURED
 from microimpact.lab.ptis.system import Instrument
-from microimpact.lab.reduction import Mean
-from microimpact.model.contact import Contact, resized
+from microimpact.lab.reduction import QUANTITIES, Mean
+from microimpact.lab.samples import Dropped, contact_of
+from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import simulate, velocity_components
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
-from microimpact.statistics.distributions import Distribution, generator, mean
+from microimpact.statistics.distributions import generator
 
 NEEDS = {"calibration": ("calibration",)}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Series:
-    """One series of a figure: particles, surface, speed class and spin."""
+class Series(Dropped):
+    """One series of a figure: what is dropped, and where it is drawn."""
 
     name: Name
     figures: tuple[Name, ...]
-    particle: Name
-    surface: Name
-    case: Name
-    friction: Fraction
-    diameter_um: Distribution
-    surface_slope: NonNegative
-    particle_slope: NonNegative
-    speed_m_per_s: Positive
-    speed_range_m_per_s: tuple[Positive, Positive]
-    spin: InitialSpin
-
-    def __post_init__(self) -> None:
-        """Refuse a class that does not ascend."""
-        low, high = self.speed_range_m_per_s
-        if low >= high:
-            raise ValueError(f"speed_range_m_per_s: [{low:g}, {high:g}] must ascend")
-
-
-def series_contact(series: Series, inputs: Mapping[str, pd.DataFrame]) -> Contact:
-    """Return the contact of a series, at the mean diameter."""
-    contact = calibrated_contact(inputs, series.case).replace(friction=series.friction)
-    return resized(contact, mean(series.diameter_um) * 1e-6)
-
-
-def recipe(
-    series: Series, contact: Contact, dispenser: Dispenser, instrument: Instrument
-) -> Recipe:
-    """Return what the laboratory needs to know of a series."""
-    return Recipe(
-        target=Target(
-            contact=contact, slope_sd=combined_slope(series.surface_slope, series.particle_slope)
-        ),
-        diameter_um=series.diameter_um,
-        speed=series.speed_m_per_s,
-        speed_range=series.speed_range_m_per_s,
-        dispenser=dispenser,
-        spin=series.spin,
-        instrument=instrument,
-    )
 
 
 def smooth_curves(
@@ -135,9 +90,7 @@ class Params:
 
     seed: Annotated[int, Field(ge=0)]
     angles_deg: tuple[Annotated[float, Field(gt=0, lt=90)], ...]
-    events: Annotated[int, Field(ge=2)]
-    fewest_events: Annotated[int, Field(ge=2)]
-    most_dropped: Count
+    stop: StopRule
     series: tuple[Series, ...]
     dispenser: Dispenser
     instrument: Instrument
@@ -191,18 +144,15 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
         the angle of incidence in degrees. ``fig23_points``: one series relative to its restitution
         at a reference angle. ``oblique_experiments``: one row per experiment.
     """
-    contacts = {series.name: series_contact(series, inputs) for series in params.series}
+    contacts = {series.name: contact_of(series, inputs) for series in params.series}
     rows, points = list[dict[str, Any]](), list[Point]()
-    for i, series in enumerate(params.series):
-        dropped = recipe(series, contacts[series.name], params.dispenser, params.instrument)
-        for k, angle in enumerate(params.angles_deg):
-            rng = generator(params.seed, i, k)
-            outcome = collect(dropped, angle, params.events, params.most_dropped, rng)
-            enough = len(outcome.measured) >= params.fewest_events
-            error = params.instrument.angle_error_deg
-            means = reduced(outcome.measured, error) if enough else {}
-            rows.append(experiment_row(series, angle, outcome, means))
-            points += [Point(series.name, name, angle, of) for name, of in means.items()]
+    for series in params.series:
+        for angle in params.angles_deg:
+            drop = series.drop(contacts[series.name], angle, params.dispenser)
+            rng = generator(params.seed, *drop.key)
+            outcome = collect(drop, params.instrument, params.stop, rng)
+            rows.append(experiment_row(series, angle, outcome))
+            points += [Point(series.name, name, angle, of) for name, of in outcome.means.items()]
     printed = inputs["anchors"].set_index("key")
     figures = {figure: figure_data(params, figure, points, contacts, printed) for figure in FIGURES}
     return {
@@ -212,26 +162,24 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     }
 
 
-def experiment_row(
-    series: Series, angle: float, outcome: Collected, found: Mapping[str, Mean]
-) -> dict[str, Any]:
+def experiment_row(series: Series, angle: float, outcome: Outcome) -> dict[str, Any]:
     """Return one experiment as a row of the table: what was seen, measured, and true."""
-    arrived = outcome.captured + outcome.rebounded
+    captured = outcome.impacts.captured
     row: dict[str, Any] = {
         "series": series.name,
         "angle_deg": angle,
         "dropped": outcome.dropped,
         "events": len(outcome.measured),
-        "captured_share": outcome.captured / arrived if arrived else np.nan,
-        "unobserved_share": 1.0 - outcome.fates.get("measured", 0) / max(1, outcome.rebounded),
+        "captured_share": float(np.mean(captured)) if captured.size else np.nan,
+        "unobserved_share": 1.0 - outcome.fates.get(MEASURED, 0) / max(1, int(np.sum(~captured))),
     }
-    for name in quantities(outcome.measured):
-        of = found.get(name)
+    for name in QUANTITIES:
+        of = outcome.means.get(name)
         row[name] = of.value if of else np.nan
         row[f"{name}_low"] = of.low if of else np.nan
         row[f"{name}_high"] = of.high if of else np.nan
         row[f"{name}_sd"] = of.sd if of else np.nan
-    true = outcome.true_restitution
+    true = outcome.true.coefficient_of_restitution
     row["true_restitution"] = float(np.mean(true)) if true.size else np.nan
     row["evidence"] = "virtual experiment"
     return row

@@ -13,10 +13,11 @@ from pydantic import Field
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import series_frame
 from microimpact.declared.parameters import Count, Fraction, Name, NonNegative, Positive
+from microimpact.lab.bounces import Resting, resting
 from microimpact.lab.contacts import calibrated_contact
-from microimpact.lab.dispenser import Dispenser, InitialSpin, drop_height, release
-from microimpact.lab.experiment import Target
-from microimpact.lab.piles import Resting, follow
+from microimpact.lab.dispenser import Dispenser, InitialSpin
+from microimpact.lab.experiment import Drop, Target
+from microimpact.lab.surface import rough
 from microimpact.model.calibration import two_stage
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
@@ -122,47 +123,42 @@ def _rows(params: Params, known: Mapping[float, Contact]) -> Iterator[dict[str, 
         own = float(capture_velocity(resized(contact, mean(params.diameter_um) * 1e-6)))
         for slope in params.slopes_deg:
             for speed in params.speeds_m_per_s:
-                resting = rest(params, contact, slope, speed)
+                found = rest(params, contact, slope, speed)
                 for radius in params.radii_mm:
-                    stays = resting.on_target(radius * 1e-3)
+                    stays = found.on_target(radius * 1e-3)
                     yield {
                         "capture_velocity_m_per_s": velocity,
                         "capture_velocity_of_mean_sphere_m_per_s": own,
                         "target_radius_mm": radius,
                         "slope_deg": slope,
                         "speed_m_per_s": speed,
-                        "share_on_target": float(np.mean(stays)),
+                        "share_on_target": float(np.sum(stays) / params.spheres),
                         "share_captured_at_first_impact": float(
-                            np.mean(stays & (resting.impacts == 1))
+                            np.sum(stays & (found.impacts == 1)) / params.spheres
                         ),
-                        "mean_impacts": float(np.mean(resting.impacts)),
+                        "mean_impacts": float(np.sum(found.impacts) / params.spheres),
                         "evidence": "virtual experiment",
                     }
 
 
 def rest(params: Params, contact: Contact, slope_deg: float, speed: float) -> Resting:
-    """Drop spheres at one nominal speed and follow them; all cases share the random numbers."""
-    rng = generator(params.seed, 0)
-    falling = release(
-        params.spheres,
-        angle=90.0,
-        height=drop_height(speed, params.dispenser),
+    """Drop spheres at one nominal speed and follow those that meet the largest target.
+
+    All cases share the random numbers.
+    """
+    rng, farthest = generator(params.seed, 0), max(params.radii_mm) * 1e-3
+    drop = Drop(
+        target=Target(contact=contact, surface=rough(float(np.tan(np.radians(slope_deg))))),
         diameter_um=params.diameter_um,
+        angle=90.0,
+        speed=speed,
+        speed_range=(0.0, np.inf),
         dispenser=params.dispenser,
         spin=params.spin,
-        rng=rng,
-    )
-    target = Target(contact=contact, slope_sd=float(np.tan(np.radians(slope_deg))))
-    return follow(
-        target.tabulated(params.diameter_um),
-        falling.diameter,
-        falling.position,
-        falling.velocity,
-        falling.spin,
-        rng,
-        most_impacts=params.most_impacts,
-        farthest=max(params.radii_mm) * 1e-3,
-    )
+    ).tabulated()
+    impacts = drop.impacts(params.spheres, rng, within=farthest)
+    later = drop.target.later(impacts.diameter, rng)
+    return resting(impacts, later, params.most_impacts, farthest)
 
 
 def onsets(params: Params, table: pd.DataFrame) -> pd.DataFrame:

@@ -13,6 +13,7 @@ from pydantic import Field
 
 from microimpact.declared.parameters import AngleDegrees, Name
 from microimpact.lab.contacts import calibrated_contact
+from microimpact.lab.surface import Rules
 from microimpact.statistics.distributions import Distribution, mean
 from microimpact.statistics.sampling import Correlation, require_varying
 from microimpact.studies.analyses.monte_carlo.ensembles import (
@@ -20,7 +21,6 @@ from microimpact.studies.analyses.monte_carlo.ensembles import (
     Impact,
     Plan,
     Process,
-    Rules,
     deterministic,
 )
 from microimpact.studies.analyses.monte_carlo.events import Estimate, estimate, long_run

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Annotated, NamedTuple
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field
 
-from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.arrays import FloatArray
 from microimpact.declared.parameters import Count
+from microimpact.lab.surface import Rules, Strike, Surface
 from microimpact.statistics.distributions import (
     LARGEST_PROBABILITY,
     SMALLEST_PROBABILITY,
@@ -95,40 +96,8 @@ class Process:
         return replace(self, **held)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Rules:
-    """Which facets are hit and which events are observed.
-
-    Attributes
-    ----------
-    flux_weighted
-        Facets are hit in proportion to their area as seen along the motion; otherwise in
-        proportion to their area on the map, as in adding a random slope to the angle.
-    must_face
-        A facet turned away from the sphere is not hit, and the event does not count. If false, the
-        equations are applied to it all the same, as a program does that does not ask.
-    must_leave
-        An event counts only if the sphere leaves the nominal surface.
-    most_contacts
-        So many facets may be hit in turn by a sphere that does not leave the surface.
-    """
-
-    flux_weighted: bool
-    must_face: bool
-    must_leave: bool
-    most_contacts: Annotated[int, Field(ge=1, le=20)]
-
-
-class Rebound(NamedTuple):
-    """Velocity and r omega after a contact, m/s, shape (n, 3), and which spheres stay."""
-
-    velocity: FloatArray
-    spin_speed: FloatArray
-    captured: BoolArray
-
-
-# Of draws, velocity, r omega and normals of facets.
-Impact = Callable[[Draws, FloatArray, FloatArray, FloatArray], Rebound]
+# What an impact does to the spheres of which these are the draws.
+Impact = Callable[[Draws], Strike]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -160,6 +129,12 @@ class Ensemble:
     def __post_init__(self) -> None:
         """Refuse a correlation with unknown or constant parameters."""
         require_varying(self.correlation, self.process.distributions)
+
+    @property
+    def surface(self) -> Surface:
+        """The surface that is struck."""
+        process = self.process
+        return Surface(slope=process.slope, cross_slope=process.cross_slope, rules=self.rules)
 
 
 def deterministic(ensemble: Ensemble) -> Ensemble:

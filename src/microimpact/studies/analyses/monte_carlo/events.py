@@ -11,18 +11,16 @@ are exact, so an estimate does not depend on the number of threads in its last d
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
 
-from microimpact.core.arrays import BoolArray, FloatArray
-from microimpact.lab.events import IntArray
-from microimpact.lab.slopes import STEEPEST, HitSlopes
-from microimpact.model.rigid_body.facets import facet_normals
+from microimpact.core.arrays import FloatArray
+from microimpact.lab.surface import collide
 from microimpact.statistics.distributions import Distribution, generator
 from microimpact.statistics.sampling import joint_shares
 from microimpact.studies.analyses.monte_carlo.ensembles import Draws, Ensemble, Plan
@@ -161,15 +159,18 @@ def replicate_sums(ensemble: Ensemble, angle_deg: float, shares: Sequence[Draws]
     distributions = ensemble.process.distributions
     all_shares = {name: np.concatenate([one[name] for one in shares]) for name in shares[0]}
     draws = {name: d.quantile(all_shares[name]) for name, d in distributions.items()}
-    before, spin_speed = _approach(draws, angle_deg)
-    after, faced, captured = _contacts(ensemble, all_shares, draws, before, spin_speed)
-    left = after[:, 2] > 0.0 if ensemble.rules.must_leave else np.ones_like(faced)
-    accepted = faced & ~captured & left
+    before, spin = _approach(draws, angle_deg)
+    facets = [
+        (all_shares[_name("slope", contact)], all_shares[_name("cross_slope", contact)])
+        for contact in range(ensemble.rules.most_contacts)
+    ]
+    found = collide(ensemble.surface, before, spin, facets, ensemble.impact(draws))
+    faced, accepted, after = found.contacts > 0, found.observed(ensemble.rules), found.velocity
     change = after[accepted] - before[accepted]
     e, mu = np.zeros((2, len(accepted)))
     e[accepted] = -after[accepted, 2] / before[accepted, 2]
     mu[accepted] = -change[:, 0] / change[:, 2]
-    counts = (~faced, faced & captured, faced & ~captured & ~left, accepted)
+    counts = (~faced, found.kept, faced & ~found.kept & ~accepted, accepted)
     sums = [
         values.reshape(len(shares), -1).sum(axis=1, dtype=float)
         for values in (*counts, e, e**2, mu, mu**2)
@@ -177,29 +178,13 @@ def replicate_sums(ensemble: Ensemble, angle_deg: float, shares: Sequence[Draws]
     return np.stack(sums, axis=1)
 
 
-@dataclass(frozen=True, slots=True)
-class _Chosen(Mapping[str, FloatArray]):
-    """Draws of some events, copied when asked for: few impacts ask for all parameters."""
-
-    draws: Draws
-    chosen: IntArray
-
-    def __getitem__(self, name: str) -> FloatArray:
-        return np.take(self.draws[name], self.chosen)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.draws)
-
-    def __len__(self) -> int:
-        return len(self.draws)
-
-
 def _approach(draws: Draws, angle_deg: float) -> tuple[FloatArray, FloatArray]:
-    """Velocity and r omega before impact, in the frame of the nominal surface, shape (n, 3)."""
+    """Velocity and spin before impact, in the frame of the nominal surface, shape (n, 3)."""
     angle, speed = np.radians(angle_deg + draws["angle_offset_deg"]), draws["speed_m_per_s"]
     none = np.zeros_like(speed)
     velocity = np.stack([speed * np.cos(angle), none, -speed * np.sin(angle)], axis=1)
-    return velocity, np.stack([none, draws["spin_ratio"] * speed, none], axis=1)
+    turn = draws["spin_ratio"] * speed / (0.5e-6 * draws["diameter_um"])
+    return velocity, np.stack([none, turn, none], axis=1)
 
 
 def _further_slopes(ensemble: Ensemble) -> dict[str, Distribution]:
@@ -213,51 +198,3 @@ def _further_slopes(ensemble: Ensemble) -> dict[str, Distribution]:
 
 def _name(axis: str, contact: int) -> str:
     return f"{axis}, contact {contact + 1}" if contact else axis
-
-
-def _contacts(
-    ensemble: Ensemble,
-    shares: Draws,
-    draws: Draws,
-    velocity: FloatArray,
-    spin_speed: FloatArray,
-) -> tuple[FloatArray, BoolArray, BoolArray]:
-    """Velocity after the last contact, who met a facet at all, and who stays."""
-    velocity, spin_speed = velocity.copy(), spin_speed.copy()
-    faced, captured = np.zeros((2, len(velocity)), dtype=bool)
-    moving = np.flatnonzero(velocity[:, 2] < 0.0)
-    for contact in range(ensemble.rules.most_contacts):
-        normal = _facets(
-            ensemble,
-            velocity[moving],
-            shares[_name("slope", contact)][moving],
-            shares[_name("cross_slope", contact)][moving],
-        )
-        into = np.vecdot(velocity[moving], normal)
-        if not ensemble.rules.must_face:
-            normal, into = -np.sign(into)[:, None] * normal, -np.abs(into)
-        moving, normal = moving[into < 0.0], normal[into < 0.0]
-        faced[moving] = True
-        rebound = ensemble.impact(
-            _Chosen(draws, moving), velocity[moving], spin_speed[moving], normal
-        )
-        velocity[moving], spin_speed[moving], captured[moving] = rebound
-        moving = moving[~rebound.captured & (rebound.velocity[:, 2] <= 0.0)]
-        if not moving.size:
-            break
-    return velocity, faced, captured
-
-
-def _facets(
-    ensemble: Ensemble, velocity: FloatArray, along: FloatArray, across: FloatArray
-) -> FloatArray:
-    """Normals of the facets met, from the shares of their slopes; shape (n, 3)."""
-    process = ensemble.process
-    if ensemble.rules.flux_weighted:
-        speed = np.hypot(velocity[:, 0], velocity[:, 1])
-        # Upright motion meets all facets alike; no slope can be hit where none faces the sphere.
-        tangent = -velocity[:, 2] / np.maximum(speed, np.finfo(float).tiny)
-        slope = np.maximum(HitSlopes.of(process.slope).quantile(along, tangent), -STEEPEST)
-    else:
-        slope = process.slope.quantile(along)
-    return facet_normals(velocity, slope, process.cross_slope.quantile(across))

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from microimpact.core.arrays import FloatArray
+from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.lab.events import IntArray
+from microimpact.lab.surface import Strike, simulated
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.model.dynamics.impact import spatial
 from microimpact.model.law.families import NoTableError
 from microimpact.model.law.table import TOLERANCE, Law, tabulate
 from microimpact.model.rigid_body.facets import facet_rebound
 from microimpact.statistics.distributions import LARGEST_PROBABILITY, SMALLEST_PROBABILITY, Constant
-from microimpact.studies.analyses.monte_carlo.ensembles import Draws, Impact, Process, Rebound
+from microimpact.studies.analyses.monte_carlo.ensembles import Draws, Impact, Process
 
 # How far the tables of e reach beyond the sizes and speeds drawn: spin before impact may make a
 # second one faster than the first.
@@ -28,6 +30,23 @@ WIDE_TOLERANCE = 1e-6
 RIGID_BODY_ONLY = ("restitution_factor", "restitution_offset")
 SIMULATION_ONLY = ("hertz_damping_factor", "adhesion_damping_factor")
 NEUTRAL = {"restitution_offset": 0.0}
+
+
+@dataclass(frozen=True, slots=True)
+class Chosen(Mapping[str, FloatArray]):
+    """Draws of some events, copied when asked for: few impacts ask for all parameters."""
+
+    draws: Draws
+    chosen: IntArray
+
+    def __getitem__(self, name: str) -> FloatArray:
+        return np.take(self.draws[name], self.chosen)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.draws)
+
+    def __len__(self) -> int:
+        return len(self.draws)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -95,16 +114,20 @@ class RigidBody:
         w = normal_speed / family.velocity_scale * np.exp(steps)
         return self.law.restitution(w, np.zeros(1) if family.alike else -steps / family.half_width)
 
-    def __call__(
-        self, draws: Draws, velocity: FloatArray, spin_speed: FloatArray, normal: FloatArray
-    ) -> Rebound:
-        """Return the state after impacts on facets of given normals."""
-        bare = self.restitution(-np.vecdot(velocity, normal), draws)
-        moved = draws["restitution_factor"] * bare + draws["restitution_offset"]
-        after = facet_rebound(
-            velocity, spin_speed, normal, np.clip(moved, 0.0, 1.0), draws["friction"]
-        )
-        return Rebound(*after, bare <= 0.0)
+    def __call__(self, draws: Draws) -> Strike:
+        """Return what contacts do to the spheres whose draws these are."""
+
+        def strike(
+            which: IntArray, velocity: FloatArray, spin: FloatArray, normal: FloatArray
+        ) -> tuple[FloatArray, FloatArray, BoolArray]:
+            own = Chosen(draws, which)
+            radius = 0.5e-6 * own["diameter_um"][:, None]
+            bare = self.restitution(-np.vecdot(velocity, normal), own)
+            e = np.clip(own["restitution_factor"] * bare + own["restitution_offset"], 0.0, 1.0)
+            after, turned = facet_rebound(velocity, radius * spin, normal, e, own["friction"])
+            return after, turned / radius, bare <= 0.0
+
+        return strike
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -113,10 +136,8 @@ class Simulation:
 
     contact: Contact
 
-    def __call__(
-        self, draws: Draws, velocity: FloatArray, spin_speed: FloatArray, normal: FloatArray
-    ) -> Rebound:
-        """Return the state after impacts on facets of given normals."""
+    def __call__(self, draws: Draws) -> Strike:
+        """Return what contacts do to the spheres whose draws these are."""
         base, diameter = self.contact, draws["diameter_um"] * 1e-6
         contact = base.replace(
             diameter=diameter,
@@ -125,15 +146,7 @@ class Simulation:
             hertz_damping=base.hertz_damping * draws["hertz_damping_factor"],
             adhesion_damping=base.adhesion_damping * draws["adhesion_damping_factor"],
         )
-        frames = _frames(normal)
-        radius = 0.5 * diameter[:, None]
-        outcome = spatial(contact, _turned(frames, velocity), _turned(frames, spin_speed / radius))
-        back = np.swapaxes(frames, 1, 2)
-        return Rebound(
-            _turned(back, outcome.velocity),
-            _turned(back, outcome.spin) * radius,
-            np.asarray(outcome.captured),
-        )
+        return simulated(contact, diameter.size)
 
 
 def _table(spheres: Contact, speeds: tuple[float, float]) -> Law:
@@ -163,14 +176,3 @@ def require_meaning(model: str, process: Process) -> None:
                 f"process.{name}: without meaning in the model {model!r}, must be the constant "
                 f"{neutral:g}"
             )
-
-
-def _frames(normal: FloatArray) -> FloatArray:
-    """Rows t1, t2 and normal of right-handed frames, shape (n, 3, 3)."""
-    first = np.stack([normal[:, 2], np.zeros(len(normal)), -normal[:, 0]], axis=1)
-    first /= np.linalg.norm(first, axis=1)[:, None]
-    return np.stack([first, np.cross(normal, first), normal], axis=1)
-
-
-def _turned(frames: FloatArray, vectors: FloatArray) -> FloatArray:
-    return np.asarray(np.einsum("nij,nj->ni", frames, vectors))

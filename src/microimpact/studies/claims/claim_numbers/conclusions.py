@@ -6,7 +6,8 @@ import numpy as np
 import scipy
 
 from microimpact.core.arrays import FloatArray
-from microimpact.lab.collision import Rebound, collide
+from microimpact.lab.experiment import Target
+from microimpact.lab.surface import Rebound, rough
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import (
@@ -134,11 +135,12 @@ def on_slopes(context: Context, contact: Contact, angle: float, normal_speed: fl
     capture = context.params.capture
     into, along = velocity_components(normal_speed / np.sin(np.radians(angle)), angle)
     velocity = np.tile([along, 0.0, into], (capture.spheres, 1))
-    return collide(
-        contact,
+    target = Target(contact=contact, surface=rough(capture.slope_sd))
+    diameter = np.full(capture.spheres, contact.diameter)
+    return target.hit(
+        diameter,
         velocity,
         np.zeros_like(velocity),
-        capture.slope_sd,
         generator(context.params.sampling.seed, ANALYSIS),
     )
 

@@ -11,8 +11,8 @@ import scipy
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.lab.dispenser import InitialSpin
 from microimpact.lab.events import Impacts
-from microimpact.lab.experiment import Target
-from microimpact.lab.ptis.experiment import Recipe, collect, reduced
+from microimpact.lab.experiment import StopRule
+from microimpact.lab.ptis.experiment import collect
 from microimpact.lab.samples import (
     Dropped,
     Statistic,
@@ -450,21 +450,13 @@ def half_widths(context: Context, spin: InitialSpin) -> float:
     """Return the mean half-width of the impulse ratio over repeated experiments."""
     params = context.params
     spread, sampling, camera = params.spread, params.sampling, params.camera
-    dropped = spread.dropped
-    recipe = Recipe(
-        target=Target(contact=context.contact(dropped), slope_sd=dropped.slope_sd),
-        diameter_um=dropped.diameter_um,
-        speed=dropped.speed_m_per_s,
-        speed_range=dropped.speed_range_m_per_s,
-        dispenser=sampling.dispenser,
-        spin=spin,
-        instrument=camera,
-    )
+    dropped = replace(spread.dropped, spin=spin)
+    drop = dropped.drop(context.contact(dropped), spread.angle_deg, sampling.dispenser)
+    stop = StopRule(events=sampling.events, fewest_events=2, most_dropped=spread.most_dropped)
     widths = []
     for number in range(spread.experiments):
         rng = generator(sampling.seed, ANALYSIS, SPREAD, number)
-        found = collect(recipe, spread.angle_deg, sampling.events, spread.most_dropped, rng)
-        of = reduced(found.measured, camera.angle_error_deg)["impulse_ratio"]
+        of = collect(drop, camera, stop, rng).means["impulse_ratio"]
         widths.append(0.5 * (of.high - of.low))
     return float(np.mean(widths))
 

@@ -14,15 +14,14 @@ from pydantic import Field
 
 from microimpact.core.materials import find_material, materials_from_rows
 from microimpact.core.tables import series_frame
-from microimpact.declared.parameters import Count, Fraction, Name
+from microimpact.declared.parameters import Fraction, Name
 from microimpact.lab.contacts import calibrated_contact
-from microimpact.lab.dispenser import Dispenser, InitialSpin
-from microimpact.lab.experiment import Target, combined_slope
-from microimpact.lab.pdpa import analyser as doppler
-from microimpact.lab.pdpa import experiment as normal_incidence
-from microimpact.lab.ptis import experiment as oblique_incidence
-from microimpact.lab.ptis import system as imaging
-from microimpact.lab.ptis.experiment import Recipe
+from microimpact.lab.dispenser import Dispenser
+from microimpact.lab.experiment import Outcome, StopRule
+from microimpact.lab.pdpa import experiment as doppler
+from microimpact.lab.pdpa.analyser import Instrument as Analyser
+from microimpact.lab.ptis import experiment as imaging
+from microimpact.lab.ptis.system import Instrument as Camera
 from microimpact.model.contact import Contact, resized
 from microimpact.statistics.distributions import generator, mean
 from microimpact.studies.experiments.campaign.plan import (
@@ -36,16 +35,10 @@ from microimpact.studies.experiments.campaign.plan import (
     counts,
     expand,
 )
-from microimpact.studies.experiments.campaign.rows import (
-    Outcome,
-    by_doppler,
-    by_imaging,
-    experiment_row,
-)
+from microimpact.studies.experiments.campaign.rows import NORMAL, experiment_row
 
 NEEDS = {"calibration": ("calibration",)}
 
-NORMAL = 90.0
 ALL, FEW = "all", "too few events"
 
 
@@ -53,8 +46,7 @@ ALL, FEW = "all", "too few events"
 class Params:
     """What is dropped on what, in blocks, and how it is observed.
 
-    Normal impacts are seen by the analyzer, with `dropped` particles at first; the others by
-    trajectory imaging.
+    Normal impacts are seen by the analyser, the others by trajectory imaging.
     """
 
     seed: Annotated[int, Field(ge=0)]
@@ -64,22 +56,11 @@ class Params:
     blocks: tuple[Block, ...]
     speed_ranges_within: Annotated[int, Field(ge=0)]
     friction: Fraction
-    events: Annotated[int, Field(ge=2)]
-    fewest_events: Annotated[int, Field(ge=2)]
-    dropped: Count
-    most_dropped: Count
-    most_dropped_for_imaging: Count
+    stop: StopRule
     dispenser: Dispenser
-    pdpa: doppler.Instrument
-    ptis: imaging.Instrument
+    pdpa: Analyser
+    ptis: Camera
     anchors: tuple[Name, ...]
-
-    def __post_init__(self) -> None:
-        """Refuse more events for a mean than an experiment has."""
-        if self.fewest_events > self.events:
-            raise ValueError(
-                f"fewest_events: {self.fewest_events} must be at most events, {self.events}"
-            )
 
     @property
     def experiments(self) -> list[Experiment]:
@@ -138,7 +119,7 @@ def gather(
     return {
         "campaign": rows,
         "campaign_summary": summary(params, rows, counts(params.experiments), _printed(inputs)),
-        "campaign_map": mapped(rows, params.fewest_events),
+        "campaign_map": mapped(rows, params.stop.fewest_events),
     }
 
 
@@ -156,7 +137,12 @@ def conducted(params: Params, one: Experiment, of: Contact, evidence: str) -> di
     of, evidence
         As from `contact`.
     """
-    outcome = _normal(params, one, of) if one.angle == NORMAL else _oblique(params, one, of)
+    drop = one.drop(of, params.dispenser)
+    rng = generator(params.seed, *drop.key)
+    if one.angle == NORMAL:
+        outcome: Outcome = doppler.collect(drop.tabulated(), params.pdpa, params.stop, rng)
+    else:
+        outcome = imaging.collect(drop, params.ptis, params.stop, rng)
     return experiment_row(one, evidence, outcome)
 
 
@@ -183,47 +169,6 @@ def contact(
     return resized(own, diameter), "calibrated" if same else "assumed"
 
 
-def _target(one: Experiment, of: Contact) -> Target:
-    return Target(contact=of, slope_sd=combined_slope(one.surface.slope, one.particles.slope))
-
-
-def _oblique(params: Params, one: Experiment, of: Contact) -> Outcome:
-    recipe = Recipe(
-        target=_target(one, of),
-        diameter_um=one.particles.diameter_um,
-        speed=one.speed_class.speed_m_per_s,
-        speed_range=one.speed_class.range_m_per_s,
-        dispenser=params.dispenser,
-        spin=InitialSpin(sd=one.particles.spin_sd, mean=0.0),
-        instrument=params.ptis,
-    )
-    collected = oblique_incidence.collect(
-        recipe,
-        one.angle,
-        params.events,
-        params.most_dropped_for_imaging,
-        generator(params.seed, *one.key),
-    )
-    return by_imaging(collected, params.ptis.angle_error_deg, params.fewest_events)
-
-
-def _normal(params: Params, one: Experiment, of: Contact) -> Outcome:
-    collected = normal_incidence.collect(
-        one.speed_class.range_m_per_s,
-        params.events,
-        params.dropped,
-        params.most_dropped,
-        generator(params.seed, *one.key),
-        target=_target(one, of).tabulated(one.particles.diameter_um),
-        speed=one.speed_class.speed_m_per_s,
-        diameter_um=one.particles.diameter_um,
-        dispenser=params.dispenser,
-        spin=InitialSpin(sd=one.particles.spin_sd, mean=0.0),
-        instrument=params.pdpa,
-    )
-    return by_doppler(collected, params.fewest_events)
-
-
 def summary(
     params: Params, rows: pd.DataFrame, counted: Mapping[str, int], printed: pd.Series
 ) -> pd.DataFrame:
@@ -236,8 +181,10 @@ def summary(
         "particles dropped": int(rows["dropped"].sum()),
         "by PDPA": int((rows["instrument"] == "PDPA").sum()),
         "with a calibrated contact": int((rows["contact_evidence"] == "calibrated").sum()),
-        f"fewer than {params.fewest_events} events": int((events < params.fewest_events).sum()),
-        f"fewer than {params.events} events": int((events < params.events).sum()),
+        f"fewer than {params.stop.fewest_events} events": int(
+            (events < params.stop.fewest_events).sum()
+        ),
+        f"fewer than {params.stop.events} events": int((events < params.stop.events).sum()),
     }
     wanted = {name: printed[key] for name, key in COUNTED.items()}
     wanted["events per experiment"] = printed["campaign_events_per_experiment"]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import product
@@ -12,6 +11,10 @@ import pandas as pd
 
 from microimpact.core.nearest import nearest
 from microimpact.declared.parameters import AngleDegrees, Name, NonNegative, Positive
+from microimpact.lab.dispenser import Dispenser, InitialSpin
+from microimpact.lab.experiment import Drop, Target
+from microimpact.lab.surface import combined_slope, rough
+from microimpact.model.contact import Contact
 from microimpact.statistics.distributions import Distribution
 
 # What the article counts (Section 2), and the printed values that say how many.
@@ -99,11 +102,18 @@ class Experiment:
         """What decides its contact."""
         return self.particles.name, self.surface.name, self.case
 
-    @property
-    def key(self) -> tuple[int, ...]:
-        """Key of its random draws: by what it is, not by its place among the others."""
-        digest = hashlib.sha256(self.title.encode()).digest()
-        return tuple(int.from_bytes(digest[k : k + 4], "big") for k in (0, 4))
+    def drop(self, contact: Contact, dispenser: Dispenser) -> Drop:
+        """Return what is dropped, on a contact of its materials."""
+        slope_sd = combined_slope(self.surface.slope, self.particles.slope)
+        return Drop(
+            target=Target(contact=contact, surface=rough(slope_sd)),
+            diameter_um=self.particles.diameter_um,
+            angle=self.angle,
+            speed=self.speed_class.speed_m_per_s,
+            speed_range=self.speed_class.range_m_per_s,
+            dispenser=dispenser,
+            spin=InitialSpin(sd=self.particles.spin_sd, mean=0.0),
+        )
 
 
 def expand(

@@ -18,13 +18,13 @@ from microimpact.declared.parameters import Count, Fraction, Name, NonNegative, 
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.dispenser import Dispenser, InitialSpin
 from microimpact.lab.events import Measured
-from microimpact.lab.experiment import Target
+from microimpact.lab.experiment import Drop, Target
 from microimpact.lab.pdpa import analyser as doppler
 from microimpact.lab.pdpa import experiment as normal_incidence
 from microimpact.lab.ptis import experiment as oblique_incidence
 from microimpact.lab.ptis import system as imaging
-from microimpact.lab.ptis.experiment import quantities
-from microimpact.lab.reduction import half_width
+from microimpact.lab.reduction import QUANTITIES, half_width, quantities
+from microimpact.lab.surface import rough
 from microimpact.statistics.distributions import Distribution, generator
 from microimpact.statistics.proportion import wilson_interval
 from microimpact.studies.experiments.interval_coverage.repeated import (
@@ -37,10 +37,7 @@ NEEDS = {"calibration": ("calibration",)}
 
 NORMAL = 90.0
 SHIFTED = {"PDPA": normal_incidence.moved, "PTIS": oblique_incidence.turned}
-MEASURED_BY = {
-    "PDPA": ("restitution",),
-    "PTIS": ("restitution", "impulse_ratio", "energy_loss"),
-}
+MEASURED_BY = {"PDPA": ("restitution",), "PTIS": QUANTITIES}
 OBSERVABLE, EVERYTHING = "events that can be measured", "all impacts"
 
 
@@ -114,7 +111,7 @@ def part(
     for place in range(index, len(every), count):
         number, i, k = every[place]
         case = params.cases[number]
-        target = Target(contact=contact, slope_sd=case.slope).tabulated(case.diameter_um)
+        target = Target(contact=contact, surface=rough(case.slope)).tabulated(case.diameter_um)
         angle, speed = case.angles_deg[i], case.speeds_m_per_s[k]
         rng = generator(params.seed, number, i, k)
         try:
@@ -146,19 +143,19 @@ def _repeated(
     rng: np.random.Generator,
 ) -> Repeated:
     window = case.speed_window
-    common: dict[str, Any] = {
-        "speed_range": (speed * (1.0 - window), speed * (1.0 + window)),
-        "rng": rng,
-        "target": target,
-        "speed": speed,
-        "diameter_um": case.diameter_um,
-        "dispenser": params.dispenser,
-        "spin": InitialSpin(sd=0.0, mean=0.0),
-    }
+    drop = Drop(
+        target=target,
+        diameter_um=case.diameter_um,
+        angle=angle,
+        speed=speed,
+        speed_range=(speed * (1.0 - window), speed * (1.0 + window)),
+        dispenser=params.dispenser,
+        spin=InitialSpin(sd=0.0, mean=0.0),
+    )
     size = params.experiments, params.events, case.simulated
     if angle == NORMAL:
-        return by_doppler(*size, instrument=params.pdpa, **common)
-    return by_imaging(*size, instrument=params.ptis, angle=angle, **common)
+        return by_doppler(*size, drop, params.pdpa, rng)
+    return by_imaging(*size, drop, params.ptis, rng)
 
 
 def coverage_rows(

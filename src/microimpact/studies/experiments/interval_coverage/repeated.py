@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.random import Generator
 
 from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.lab.events import Impacts, IntArray, Measured
-from microimpact.lab.experiment import true_impacts
+from microimpact.lab.experiment import Drop
 from microimpact.lab.pdpa import analyser as pdpa
 from microimpact.lab.pdpa.pairing import correct, heights
 from microimpact.lab.ptis import system as ptis
@@ -61,10 +60,9 @@ def by_imaging(
     experiments: int,
     events: int,
     number: int,
+    drop: Drop,
     instrument: ptis.Instrument,
-    speed_range: tuple[float, float],
     rng: Generator,
-    **setting: Any,
 ) -> Repeated:
     """Repeat an oblique experiment.
 
@@ -77,21 +75,19 @@ def by_imaging(
         How many, of how many events.
     number
         Impacts to simulate.
+    drop
+        What is dropped on what; its range is of measured speeds.
     instrument
         Settings.
-    speed_range
-        Measured speeds accepted, m/s.
     rng
         Its children serve the draws.
-    **setting
-        As in `lab.experiment.true_impacts`.
     """
-    impacts = true_impacts(number, rng=ptis.child(rng, 0), **setting)
+    impacts = drop.impacts(number, ptis.child(rng, 0))
     setup = ptis.Setup(
         instrument=instrument,
-        angle=setting["angle"],
-        speed=setting["speed"],
-        diameter=1e-6 * mean(setting["diameter_um"]),
+        angle=drop.angle,
+        speed=drop.speed,
+        diameter=1e-6 * mean(drop.diameter_um),
     )
     moving = np.flatnonzero(~impacts.captured & in_sheet(impacts.position, instrument))
     draws = [ptis.event_generator(rng, i) for i in moving.tolist()]
@@ -99,7 +95,7 @@ def by_imaging(
     pool = moving[fates == MEASURED]
     speed = np.linalg.norm(found.velocities[:, 0], axis=1)
     reach = REACH * np.hypot(instrument.rate_error, instrument.scale_error)
-    share = min(_share(_inside(speed * (1.0 + wrong), speed_range)) for wrong in (-reach, reach))
+    share = min(_share(drop.in_class(speed * (1.0 + wrong))) for wrong in (-reach, reach))
 
     draw = ptis.child(rng, 2)
     chosen = draw.integers(pool.size, size=(experiments, _enough(events, share)))
@@ -117,7 +113,7 @@ def by_imaging(
         rebound_normal=velocity[..., 1, 1],
     )
     seen = turned(seen, instrument.angle_error_deg * angle)
-    measured = _first(seen, _inside(seen.speed, speed_range), events)
+    measured = _first(seen, drop.in_class(seen.speed), events)
     return Repeated(
         measured=measured,
         true=impacts.in_plane.select(measured.event),
@@ -131,10 +127,9 @@ def by_doppler(
     experiments: int,
     events: int,
     number: int,
+    drop: Drop,
     instrument: pdpa.Instrument,
-    speed_range: tuple[float, float],
     rng: Generator,
-    **setting: Any,
 ) -> Repeated:
     """Repeat a normal experiment, with the right pairs: the search for them is not repeated.
 
@@ -143,19 +138,17 @@ def by_doppler(
 
     Parameters
     ----------
-    experiments, events, number, instrument, speed_range, rng
+    experiments, events, number, drop, instrument, rng
         As in `by_imaging`; only particles that arrive near the probe volume are followed.
-    **setting
-        As in `lab.experiment.true_impacts`.
     """
-    impacts = true_impacts(number, rng=ptis.child(rng, 0), angle=90.0, within=NEAR_PROBE, **setting)
-    pool = impacts.select(_may_be_measured(impacts, instrument, speed_range))
+    impacts = drop.impacts(number, ptis.child(rng, 0), within=NEAR_PROBE)
+    pool = impacts.select(_may_be_measured(impacts, instrument, drop.speed_range))
     draw = ptis.child(rng, 2)
     usual = 1e-3 * instrument.probe_height_mm
     error = 1e-6 * instrument.probe_height_error_um
     height = np.sort(usual + error * draw.standard_normal(experiments))
     parts = [
-        _doppler_experiments(pool, of, events, instrument, speed_range, draw)
+        _doppler_experiments(pool, of, events, instrument, drop, draw)
         for of in np.array_split(height, GROUPS)
         if of.size
     ]
@@ -173,7 +166,7 @@ def _doppler_experiments(
     height: FloatArray,
     events: int,
     instrument: pdpa.Instrument,
-    speed_range: tuple[float, float],
+    drop: Drop,
     rng: Generator,
 ) -> tuple[Measured, Measured, FloatArray]:
     """Return events as measured and as they were, and the uncertainty of the height found, m.
@@ -182,7 +175,7 @@ def _doppler_experiments(
     fewest spheres rise into it.
     """
     crossing = pdpa.passages(pool, height[-1], instrument).crossed.all(axis=0)
-    share = _share(crossing & _inside(np.abs(pool.velocity[:, 2]), speed_range))
+    share = _share(crossing & drop.in_class(np.abs(pool.velocity[:, 2])))
     number = _enough(events, share * (1.0 - instrument.drop_out) ** 2)
     chosen = rng.integers(len(pool), size=(height.size, number))
     stream, pairs = _recorded(pool, chosen, height, instrument, rng)
@@ -198,7 +191,7 @@ def _doppler_experiments(
     )
     speed = np.abs(np.asarray(correct(falling, usual)))
     # A rebound that seems to fall, by its noise, is no candidate in the search for pairs.
-    kept = _first(seen, _inside(speed, speed_range) & (rising > 0.0), events)
+    kept = _first(seen, drop.in_class(speed) & (rising > 0.0), events)
     estimate = usual * (1.0 + instrument.initial_estimate_error)
     used = pairs.reshape(2, -1)[:, kept.event]
     found = np.array([estimate, np.nan])[:, None]
@@ -245,11 +238,6 @@ def _recorded(
     pairs = np.full((2, chosen.size), -1)
     pairs[truth.leg, truth.impact] = np.arange(len(stream))
     return stream, pairs.reshape(2, *chosen.shape)
-
-
-def _inside(speed: FloatArray, speed_range: tuple[float, float]) -> BoolArray:
-    inside: BoolArray = (speed >= speed_range[0]) & (speed <= speed_range[1])
-    return inside
 
 
 def _share(good: BoolArray) -> float:

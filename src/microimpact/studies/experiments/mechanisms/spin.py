@@ -12,7 +12,8 @@ import scipy
 
 from microimpact.declared.parameters import AngleDegrees, Finite, Name, NonNegative, Positive
 from microimpact.lab.events import Measured
-from microimpact.lab.ptis.experiment import quantities, turned
+from microimpact.lab.ptis.experiment import turned
+from microimpact.lab.reduction import quantities
 from microimpact.lab.samples import (
     Dropped,
     Sampling,

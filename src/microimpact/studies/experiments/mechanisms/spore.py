@@ -20,11 +20,11 @@ from microimpact.declared.parameters import (
     Positive,
 )
 from microimpact.lab.events import Measured
-from microimpact.lab.experiment import Target
-from microimpact.lab.ptis.experiment import Recipe, collect
+from microimpact.lab.experiment import StopRule
+from microimpact.lab.ptis.experiment import collect
 from microimpact.lab.ptis.system import Instrument
+from microimpact.lab.reduction import QUANTITIES
 from microimpact.lab.samples import (
-    QUANTITIES,
     Dropped,
     Sampling,
     Seen,
@@ -114,18 +114,10 @@ def as_imaged(
         Events wanted, and particles after which the sample is taken as it is.
     """
     exact = replace(instrument, rate_error=0.0, scale_error=0.0, angle_error_deg=0.0)
-    recipe = Recipe(
-        target=Target(contact=contact, slope_sd=dropped.slope_sd),
-        diameter_um=dropped.diameter_um,
-        speed=dropped.speed_m_per_s,
-        speed_range=dropped.speed_range_m_per_s,
-        dispenser=sampling.dispenser,
-        spin=dropped.spin,
-        instrument=exact,
-    )
-    rng = generator(sampling.seed, 2, round(10 * angle))
-    outcome = collect(recipe, angle, events, most_dropped, rng)
-    return reduce_to(outcome.measured, outcome.captured + outcome.rebounded, sampling)
+    drop = dropped.drop(contact, angle, sampling.dispenser)
+    stop = StopRule(events=events, fewest_events=2, most_dropped=most_dropped)
+    outcome = collect(drop, exact, stop, generator(sampling.seed, 2, round(10 * angle)))
+    return reduce_to(outcome.measured, outcome.first, sampling)
 
 
 # Angles (degrees) between which the article states trends.

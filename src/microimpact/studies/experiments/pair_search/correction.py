@@ -9,13 +9,15 @@ import numpy as np
 import pandas as pd
 from pydantic import Field
 
-from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.arrays import FloatArray
 from microimpact.core.constants import gravity
 from microimpact.core.tables import series_frame
 from microimpact.declared.parameters import Count, Positive
+from microimpact.lab.bounces import with_later_impacts
 from microimpact.lab.events import IntArray
 from microimpact.lab.pdpa.observation import at_surface, observe
 from microimpact.lab.pdpa.pairing import Form, correct
+from microimpact.lab.surface import Rebound
 from microimpact.statistics.distributions import generator
 from microimpact.studies.experiments.pair_search.doppler import Setup, dropped, mean_and_error
 
@@ -97,16 +99,22 @@ def _measured(
 ) -> dict[Form, dict[str, FloatArray]]:
     """Return v, V and e of the first impacts that were identified, by correction."""
 
-    def bounce(
-        velocity: FloatArray, spin: FloatArray, sphere: IntArray
-    ) -> tuple[FloatArray, FloatArray, BoolArray]:
-        return velocity * [1.0, 1.0, -e], spin, np.zeros(len(sphere), dtype=np.bool_)
+    def bounce(velocity: FloatArray, spin: FloatArray, sphere: IntArray) -> Rebound:
+        kept = np.zeros(len(sphere), dtype=np.bool_)
+        after = velocity * [1.0, 1.0, -e]
+        return Rebound(velocity=after, spin=spin, kept=kept, contacts=np.ones_like(sphere))
 
     impacts = dropped(setup, speed, particles, (*key, 0))
-    velocity, spin, captured = bounce(impacts.velocity, impacts.spin, np.arange(particles))
-    impacts = replace(impacts, rebound_velocity=velocity, rebound_spin=spin, captured=captured)
+    first = bounce(impacts.velocity, impacts.spin, np.arange(particles))
+    impacts = replace(
+        impacts,
+        rebound_velocity=first.velocity,
+        rebound_spin=first.spin,
+        captured=first.captured,
+    )
     duration, rng = float(np.max(impacts.time)), generator(setup.seed, *key, 1)
-    found = observe(impacts, bounce, duration, setup.instrument, rng)
+    followed = with_later_impacts(impacts, bounce, setup.instrument.later_impacts)
+    found = observe(followed, particles, duration, setup.instrument, rng)
     chosen = (found.measured.event >= 0) & (found.measured.event < particles)
     reduced: dict[Form, dict[str, FloatArray]] = {}
     for form in FORMS:

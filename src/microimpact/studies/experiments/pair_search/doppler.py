@@ -6,19 +6,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from microimpact.core.arrays import BoolArray, FloatArray
-from microimpact.lab.collision import collide
-from microimpact.lab.dispenser import Dispenser, Falling, InitialSpin, drop_height, release
-from microimpact.lab.events import Impacts, IntArray
+from microimpact.core.arrays import FloatArray
+from microimpact.lab.bounces import with_later_impacts
+from microimpact.lab.dispenser import Dispenser, Falling, InitialSpin
+from microimpact.lab.events import Impacts
+from microimpact.lab.experiment import Drop, Target
 from microimpact.lab.pdpa.analyser import Instrument, through_probe
 from microimpact.lab.pdpa.observation import Observation, observe
-from microimpact.model.contact import Contact, resized
+from microimpact.model.contact import Contact
 from microimpact.statistics.distributions import Distribution, generator
 
 NORMAL_INCIDENCE = 90.0
 # Particles released at a time for each that is to fall through the probe volume, and how often.
 RELEASED_FOR_ONE, MOST_BATCHES = 40, 500
-SMOOTH = 0.0
 NO_SPIN = InitialSpin(sd=0.0, mean=0.0)
 
 
@@ -31,6 +31,18 @@ class Setup:
     diameter_um: Distribution
     dispenser: Dispenser
     instrument: Instrument
+
+    def drop(self, speed: float) -> Drop:
+        """Return what is dropped at a nominal speed, m/s."""
+        return Drop(
+            target=Target(contact=self.contact),
+            diameter_um=self.diameter_um,
+            angle=NORMAL_INCIDENCE,
+            speed=speed,
+            speed_range=(0.0, np.inf),
+            dispenser=self.dispenser,
+            spin=NO_SPIN,
+        )
 
     @property
     def steady(self) -> Setup:
@@ -72,35 +84,16 @@ def dropped(setup: Setup, speed: float, particles: int, key: tuple[int, ...]) ->
         batches.append(_through_probe(setup, speed, particles, rng))
     fields = ("diameter", "position", "velocity", "spin")
     falling = {k: np.concatenate([getattr(b, k) for b in batches])[:particles] for k in fields}
-    contact = resized(setup.contact, falling["diameter"])
-    rebound = collide(contact, falling["velocity"], falling["spin"], SMOOTH, rng)
-    return Impacts(
-        time=_release(setup, speed, particles, rng).time,
-        **falling,
-        rebound_velocity=rebound.velocity,
-        rebound_spin=rebound.spin,
-        captured=rebound.captured,
-        contacts=rebound.contacts,
-    )
-
-
-def _release(setup: Setup, speed: float, n: int, rng: np.random.Generator) -> Falling:
-    return release(
-        n,
-        angle=NORMAL_INCIDENCE,
-        height=drop_height(speed, setup.dispenser),
-        diameter_um=setup.diameter_um,
-        dispenser=setup.dispenser,
-        spin=NO_SPIN,
-        rng=rng,
-    )
+    drop = setup.drop(speed)
+    impacts = drop.hit(Falling(time=np.zeros(particles), **falling), rng)
+    return replace(impacts, time=drop.release(particles, rng).time)
 
 
 def _through_probe(setup: Setup, speed: float, particles: int, rng: np.random.Generator) -> Falling:
     # One tap frees them all: when those chosen arrive is drawn afterwards.
     number = RELEASED_FOR_ONE * particles
     at_once = replace(setup, dispenser=replace(setup.dispenser, particles_per_tap=2.0 * number))
-    falling = _release(at_once, speed, number, rng)
+    falling = at_once.drop(speed).release(number, rng)
     height = 1e-3 * setup.instrument.probe_height_mm
     return falling.select(
         through_probe(falling.position, falling.velocity, height, setup.instrument)
@@ -109,22 +102,15 @@ def _through_probe(setup: Setup, speed: float, particles: int, rng: np.random.Ge
 
 def observed(setup: Setup, impacts: Impacts, speed: float, key: tuple[int, ...]) -> Observation:
     """Observe impacts of particles dropped at a nominal speed, m/s."""
-    rng = generator(setup.seed, *key)
-
-    def later(
-        velocity: FloatArray, spin: FloatArray, sphere: IntArray
-    ) -> tuple[FloatArray, FloatArray, BoolArray]:
-        contact = resized(setup.contact, impacts.diameter[sphere])
-        rebound = collide(contact, velocity, spin, SMOOTH, rng)
-        return rebound.velocity, rebound.spin, rebound.captured
-
+    rng, drop = generator(setup.seed, *key), setup.drop(speed)
+    later = drop.target.later(impacts.diameter, rng)
     return observe(
-        impacts,
-        later,
+        with_later_impacts(impacts, later, setup.instrument.later_impacts),
+        len(impacts),
         float(np.max(impacts.time)) + 1.0 / setup.dispenser.taps_per_s,
         setup.instrument,
         rng,
-        drop_height=drop_height(speed, setup.dispenser),
+        drop_height=drop.height,
     )
 
 

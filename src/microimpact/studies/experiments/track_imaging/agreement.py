@@ -13,10 +13,10 @@ from microimpact.core.arrays import FloatArray
 from microimpact.declared.parameters import Fraction, Positive
 from microimpact.lab.events import Impacts
 from microimpact.lab.ptis.errors import theory
-from microimpact.lab.ptis.experiment import quantities
 from microimpact.lab.ptis.exposure import MEASURED
 from microimpact.lab.ptis.observation import Observation, modelled, observe
 from microimpact.lab.ptis.system import Setup, draw_systematics, event_generator
+from microimpact.lab.reduction import quantities
 from microimpact.studies.experiments.track_imaging.impacts import (
     LEGS,
     true_velocities,
