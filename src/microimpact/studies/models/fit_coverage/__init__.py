@@ -14,13 +14,12 @@ import scipy
 
 from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.lab.contacts import calibrated_contact
-from microimpact.model.empirical.batch import (
+from microimpact.model.empirical.intervals import interval_batch, profile_batch
+from microimpact.model.empirical.search import (
     BatchFit,
     DataSets,
     data_sets,
     fit_batch,
-    interval_batch,
-    profile_batch,
     stacked_fits,
     stacked_sets,
 )
@@ -144,7 +143,7 @@ def _coverage(params: Params, truths: Truths, mine: list[tuple[int, Cell]]) -> l
             stacked_sets([sets.take(of) for of in some]),
             stacked_fits([fit.take(of) for of in some]),
             limit,
-        )
+        ).ends
         widths = np.diff(ends).reshape(len(group), -1)
         for (number, cell), of, width in zip(group, own, widths, strict=True):
             row = _row(params, cell, sets.take(of), fit.take(of), rise[of])
