@@ -278,7 +278,7 @@ class BatchFit:
         Which of them are free and ended on a bound (r, 5): v_c at 0, at the slowest rebounding
         speed or at a captured one.
     converged
-        Whether the search ended by its tolerance (r,).
+        Whether the search ended by its tolerance, or at a misfit that is rounding (r,).
     agreeing
         Number of starts that led to the minimum (r,).
     """
@@ -372,7 +372,7 @@ def fit_batch(
         parameters=parameters,
         chi_square=chi_square,
         at_bound=near,
-        converged=found.converged[piece],
+        converged=found.converged[piece] | (chi_square <= SAME_AS_NONE * data),
         agreeing=np.sum(each[:, piece] <= same, axis=0),
     )
 

@@ -12,11 +12,11 @@ from typing import Annotated
 
 import numpy as np
 import pandas as pd
-import scipy
 from numpy.typing import ArrayLike
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray, Real
+from microimpact.core.solve import root
 from microimpact.core.tables import series_frame
 from microimpact.declared.parameters import AngleDegrees, Finite, Fraction
 from microimpact.model.rigid_body.roughness import (
@@ -349,11 +349,7 @@ def first_excess(excess: Callable[[Real], FloatArray], start: float, end: float)
     first = int(np.argmax(over))
     if first == 0:
         return np.nan
-    return float(
-        scipy.optimize.brentq(
-            lambda x: float(excess(x)), steps[first - 1], steps[first], xtol=1e-12
-        )
-    )
+    return root(excess, steps[first - 1], steps[first], absolute=1e-12)
 
 
 def curves(params: Params) -> pd.DataFrame:

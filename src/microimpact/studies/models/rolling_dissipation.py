@@ -15,10 +15,10 @@ from typing import Annotated
 
 import numpy as np
 import pandas as pd
-import scipy
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
+from microimpact.core.solve import root
 from microimpact.core.tables import series_frame
 from microimpact.declared.parameters import AngleDegrees, Fraction, Name, Positive
 from microimpact.lab.contacts import calibrated_contact
@@ -192,7 +192,7 @@ def around_least(
     def end(order: range) -> float:
         for inner, outer in pairwise(order):
             if values[outer] >= 0.0:
-                return float(scipy.optimize.brentq(excess, x[inner], x[outer], xtol=ANGLE_ERROR))
+                return root(excess, x[inner], x[outer], absolute=ANGLE_ERROR)
         return float(x[order[-1]])
 
     return end(range(least, -1, -1)), end(range(least, x.size))
