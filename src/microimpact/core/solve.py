@@ -55,8 +55,8 @@ def root(
         raise NoRootError(
             f"no change of sign between {low:g}, with {ends[0]:g}, and {high:g}, with {ends[1]:g}"
         )
-    most = {"xtol": max(absolute, TINY), "rtol": relative, "maxiter": MOST_STEPS}
-    found, report = brentq(value, low, high, **most, full_output=True, disp=False)
+    ends_at: dict[str, Any] = {"xtol": max(absolute, TINY), "rtol": relative, "maxiter": MOST_STEPS}
+    found, report = brentq(value, low, high, **ends_at, full_output=True, disp=False)
     if not report.converged:
         raise NoRootError(f"no root found between {low:g} and {high:g} in {MOST_STEPS} steps")
     return float(found)
@@ -91,9 +91,12 @@ def roots(
     """
     from scipy.optimize.elementwise import find_root
 
-    tolerances = {"xatol": absolute, "xrtol": relative, "fatol": 0.0, "frtol": 0.0}
-    found = find_root(
-        function, (low, high), args=arguments, tolerances=tolerances, maxiter=MOST_STEPS
+    found: Any = find_root(
+        function,
+        (np.asarray(low, float), np.asarray(high, float)),
+        args=arguments,
+        tolerances={"xatol": absolute, "xrtol": relative, "fatol": 0.0, "frtol": 0.0},
+        maxiter=MOST_STEPS,
     )
     if not np.all(found.success):
         first = int(np.argmin(found.success))

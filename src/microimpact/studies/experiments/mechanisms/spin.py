@@ -195,7 +195,9 @@ def rolling_limit(contact: Contact, speed: float, spin: float) -> float:
     """
 
     def rolls(angle: float) -> bool:
-        return bool(simulate(contact, speed, angle, spin * speed / contact.radius).rolling)
+        impact = simulate(contact, speed, angle, spin * speed / contact.radius)
+        # One that stays rolls, too, at angles below those at which others slide.
+        return bool(impact.rolling & ~impact.captured)
 
     shallow, steep = LIMIT_RANGE
     if rolls(shallow):
