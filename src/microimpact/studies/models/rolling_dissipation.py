@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from itertools import pairwise, product
 from typing import Annotated
 
@@ -27,6 +27,8 @@ from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.rolling import CoupleImpulses, couple_impulses
 
 NEEDS = {"calibration": ("calibration",)}
+
+_frame = partial(series_frame, x_unit="deg", y_unit="1")
 
 # Grades of the neglected couple, and the parts that add up to each.
 GRADES = {
@@ -212,9 +214,3 @@ def curves(params: Params, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
     ends = np.array(params.angles_deg)[[0, -1]]
     frames += [_frame(grade, "negligible", ends, np.full(2, params.negligible)) for grade in GRADES]
     return pd.concat(frames, ignore_index=True)
-
-
-def _frame(panel: str, series: str, x: FloatArray, y: FloatArray) -> pd.DataFrame:
-    return series_frame(
-        panel=panel, series=series, evidence="computed", x=x, y=y, x_unit="deg", y_unit="1"
-    )

@@ -126,10 +126,3 @@ def observed(setup: Setup, impacts: Impacts, speed: float, key: tuple[int, ...])
         rng,
         drop_height=drop_height(speed, setup.dispenser),
     )
-
-
-def mean_and_error(values: FloatArray) -> tuple[float, float]:
-    """Return a mean and its standard error; nan of too few values."""
-    n = len(values)
-    mean = float(np.mean(values)) if n else float("nan")
-    return mean, float(np.std(values, ddof=1) / np.sqrt(n)) if n > 1 else float("nan")
