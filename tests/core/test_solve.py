@@ -103,3 +103,12 @@ def test_an_error_of_the_function_is_its_own():
 
     with pytest.raises(ValueError, match="of the function"):
         root(fails, 0.0, 1.0)
+
+
+def test_a_small_value_at_an_end_passes_for_a_root():
+    # Rounding may give both ends of a bracket one sign.
+    ends = {"low": np.array([1.0]), "high": np.array([1.0 + 1e-15])}
+    with pytest.raises(NoRootError, match="root 0"):
+        roots(lambda x: x - 1.0 + 1e-15, **ends)
+    found = roots(lambda x: x - 1.0 + 1e-15, **ends, residual=1e-14)
+    assert found[0] == pytest.approx(1.0, rel=1e-14)

@@ -69,6 +69,7 @@ def roots(
     *arguments: ArrayLike,
     absolute: float = 0.0,
     relative: float = ROUNDING,
+    residual: float = 0.0,
 ) -> FloatArray:
     """Return where each of many functions is zero, by Chandrupatla's method (SciPy's).
 
@@ -83,6 +84,8 @@ def roots(
         What tells the functions apart, of shapes that broadcast with the ends.
     absolute, relative
         A root is known to ``absolute + relative * abs(root)``.
+    residual
+        A value so close to zero passes for zero, at an end too.
 
     Raises
     ------
@@ -95,7 +98,7 @@ def roots(
         function,
         (np.asarray(low, float), np.asarray(high, float)),
         args=arguments,
-        tolerances={"xatol": absolute, "xrtol": relative, "fatol": 0.0, "frtol": 0.0},
+        tolerances={"xatol": absolute, "xrtol": relative, "fatol": residual, "frtol": 0.0},
         maxiter=MOST_STEPS,
     )
     if not np.all(found.success):
