@@ -14,7 +14,6 @@ from microimpact.studies.analyses.monte_carlo.events import estimate
 
 # Half-width of the drawn band of standard error.
 BAND = 2.0
-CONFIDENCE = 0.95
 
 
 def figure_data(
@@ -51,7 +50,7 @@ def figure_data(
     }
     columns = {"restitution": "relative_restitution", "impulse_ratio": "impulse_ratio"}
     # A measured mean scatters about the true one by Student's t of so many events.
-    spread = student_half_width(1.0, events_measured, level=CONFIDENCE)
+    spread = student_half_width(1.0, events_measured)
     frames = [
         series_frame(
             panel=panel,
