@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from microimpact.model.dynamics.impact import spatial as spatial
     from microimpact.model.dynamics.trajectory import Trajectory as Trajectory
     from microimpact.model.dynamics.trajectory import trajectory as trajectory
+    from microimpact.model.empirical.bootstrap import bootstrap_v_c as bootstrap_v_c
     from microimpact.model.empirical.equations import restitution as restitution
-    from microimpact.model.empirical.fit import bootstrap_v_c as bootstrap_v_c
     from microimpact.model.empirical.fit import fit_restitution as fit_restitution
     from microimpact.model.law.table import Law as Law
     from microimpact.model.law.table import tabulate as tabulate
@@ -36,7 +36,7 @@ _HOME = {
     "Impact": "model.dynamics.impact",
     "SpatialImpact": "model.dynamics.impact",
     "Trajectory": "model.dynamics.trajectory",
-    "bootstrap_v_c": "model.empirical.fit",
+    "bootstrap_v_c": "model.empirical.bootstrap",
     "capture_velocity": "model.dynamics.capture",
     "fit_restitution": "model.empirical.fit",
     "planar": "model.dynamics.impact",

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from microimpact.lab.reduction import half_width, mean_interval
+from microimpact.lab.reduction import mean_interval
+from microimpact.statistics.intervals import student_half_width
 
 
 def test_two_events_have_one_degree_of_freedom():
@@ -22,17 +23,17 @@ def test_two_events_have_one_degree_of_freedom():
     [(10, 0.95, 2.2622), (10, 0.90, 1.8331), (31, 0.95, 2.0423), (10**6, 0.95, 1.95996)],
 )
 def test_the_width_is_that_of_the_tables(events, level, t):
-    assert half_width(np.sqrt(events), events, level=level) == pytest.approx(t, abs=1e-4)
+    assert student_half_width(np.sqrt(events), events, level=level) == pytest.approx(t, abs=1e-4)
 
 
 def test_errors_that_all_events_share_are_not_averaged_away():
     # 3-4-5: standard error of the scatter 3, of what is shared 4.
     scatter = 3.0 * np.sqrt(10)
-    alone = half_width(scatter, 10)
-    assert half_width(scatter, 10, 4.0) == pytest.approx(5.0 / 3.0 * alone)
+    alone = student_half_width(scatter, 10)
+    assert student_half_width(scatter, 10, 4.0) == pytest.approx(5.0 / 3.0 * alone)
     values = np.array([1.0, 2.0, 4.0])
     both = mean_interval(values, systematic=[0.3, 0.4])
-    expected = half_width(both.sd, 3, 0.5)
+    expected = student_half_width(both.sd, 3, 0.5)
     assert both.high - both.value == pytest.approx(float(expected))
 
 

@@ -506,10 +506,17 @@ LABORATORY = (
     ),
     Mutant(
         "fits: constants left in the units of the fit",
-        f"{MODEL}/empirical/fit.py",
-        "k, p, kappa, q = np.exp(best.logs) * units[:V_C]",
-        "k, p, kappa, q = np.exp(best.logs)",
+        f"{MODEL}/empirical/search.py",
+        "    parameters[:, [0, 2, V_C]] *= sets.unit[:, None]",
+        "    parameters[:, [V_C]] *= sets.unit[:, None]",
         ("model/empirical/test_restitution_fit",),
+    ),
+    Mutant(
+        "fits: captured spheres miss below v_c, as by the printed form",
+        f"{MODEL}/empirical/kernel.py",
+        "                kept = kept if rebounds else 0.0",
+        "                kept = kept if rebounds else 0.5",
+        ("model/empirical/test_search",),
     ),
 )
 

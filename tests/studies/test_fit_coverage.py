@@ -1,4 +1,4 @@
-"""Fits of Eq. (34) in batches, and the study of how well they find the capture velocity."""
+"""Study of how well Eq. (34) finds the capture velocity."""
 
 from __future__ import annotations
 
@@ -8,16 +8,9 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from microimpact import Contact, capture_velocity, fit_restitution, restitution, simulate
+from microimpact import Contact, capture_velocity, restitution, simulate
 from microimpact.declared.parameters import build
-from microimpact.model.empirical import kernel
-from microimpact.model.empirical.batch import (
-    data_sets,
-    fit_batch,
-    interval_batch,
-    profile_batch,
-)
-from microimpact.model.empirical.search import V_C, model
+from microimpact.model.empirical.search import data_sets, fit_batch
 from microimpact.run.config import load, validate
 from microimpact.studies.models.fit_coverage import Params
 from microimpact.studies.models.fit_coverage.intervals import Methods, Sample, intervals
@@ -33,7 +26,6 @@ from microimpact.studies.models.fit_coverage.truths import (
 
 ROOT = Path(__file__).parents[2]
 TRUE = {"k": 60.0, "p": 1.0, "kappa": 0.4, "q": 0.5, "v_c": 1.0}
-CHI_SQUARE_95 = 3.841459
 ONE_SIZE = Variant(
     variant="one size",
     noise="uniform",
@@ -53,195 +45,6 @@ def measured(lowest, sigma, replicates, points=20):
 def branch():
     base = load(ROOT / "config/config.yaml")
     return validate(base, base).branches["fit_coverage"]
-
-
-@pytest.mark.parametrize("q", [None, 0.5])
-@pytest.mark.parametrize(("lowest", "sigma"), [(1.05, 0.01), (1.5, 0.03), (3.0, 0.003)])
-def test_batch_finds_what_the_single_fit_finds(lowest, sigma, q):
-    v, e = measured(lowest, sigma, 3)
-    sets = data_sets(v, e, 1.0 / sigma, q)
-    batch = fit_batch(sets)
-    ends = interval_batch(sets, batch, CHI_SQUARE_95)
-    for i in range(3):
-        single = fit_restitution(v, e[i], sigma, q)
-        assert batch.chi_square[i] == pytest.approx(single.chi_square, rel=1e-7)
-        assert batch.v_c[i] == pytest.approx(single.v_c, abs=1e-3 * lowest)
-        assert batch.capture_on_bound[i] == ("v_c" in single.on_bound)
-        # an end near the slowest rebound, where the profile is flat, is known less well
-        np.testing.assert_allclose(ends[i], single.v_c_interval, atol=0.005 * lowest)
-        assert batch.converged[i]
-
-
-@pytest.mark.parametrize("q", [None, 0.5])
-def test_captured_spheres_count_as_in_the_single_fit(q):
-    v, e = measured(1.05, 0.02, 4)
-    v = np.concatenate([[0.7, 0.95], v])
-    e = np.concatenate([np.zeros((4, 2)), e], axis=1)
-    e[1, 1] = 0.05  # one seems to rebound below capture
-    e[2, 2] = 0.0  # one seems captured above
-    # four pieces of v_c: the lowest minimum of all takes more than the usual searches
-    batch = fit_batch(data_sets(v, e, 50.0, q), starts=5)
-    for i in range(4):
-        single = fit_restitution(v, e[i], 0.02, q)
-        assert batch.chi_square[i] == pytest.approx(single.chi_square, rel=1e-6)
-        assert batch.v_c[i] == pytest.approx(single.v_c, abs=1e-3)
-        assert batch.capture_on_bound[i] == ("v_c" in single.on_bound)
-
-
-@pytest.mark.parametrize("q", [None, 0.5])
-def test_exact_data_give_the_truth_back(q):
-    v = np.geomspace(1.1, 15.0, 20)
-    batch = fit_batch(data_sets(v, restitution(v, **TRUE), 1.0, q))
-    np.testing.assert_allclose(batch.parameters[0], list(TRUE.values()), rtol=1e-5)
-    assert batch.chi_square[0] < 1e-15
-    assert not batch.on_bound[0]
-
-
-def test_slopes_match_differences():
-    v = np.array([0.2, 0.44, 0.46, 1.0, 8.0])
-    x = np.log([30.0, 1.2, 0.15, 0.6, 0.05])
-
-    def curve(x):
-        return model(v, x[:V_C], 0.44, np.exp(x[V_C]))
-
-    e, slopes = curve(x)
-    np.testing.assert_allclose(e, restitution(v, 30.0, 1.2, 0.15, 0.6, 0.39), rtol=1e-12)
-    for column, step in enumerate(1e-6 * np.eye(5)):
-        difference = (curve(x + step)[0] - curve(x - step)[0]) / 2e-6
-        np.testing.assert_allclose(slopes[:, column], difference, atol=1e-9)
-
-
-def test_exponentials_and_logarithms_are_those_of_numpy():
-    x = np.concatenate([np.linspace(-700.0, 700.0, 2001), [-1e-9, 0.0, 1e-300]])
-    ours = [kernel._exp(each) for each in x]
-    np.testing.assert_allclose(ours, np.exp(x), rtol=1e-15)
-    x = np.concatenate([np.geomspace(1e-300, 1e300, 2001), np.linspace(0.5, 2.0, 2001)])
-    ours = [kernel._log(each) for each in x]
-    np.testing.assert_allclose(ours, np.log(x), rtol=1e-15)
-    # beyond the range of numbers a curve is flat, and must stay finite
-    assert kernel._exp(1e5) == pytest.approx(np.exp(708.0), rel=1e-15)
-    assert 0.0 < kernel._exp(-1e5) < 1e-307
-
-
-def test_compiled_sums_are_those_of_the_plain_curve():
-    random = np.random.default_rng(5)
-    end, points = 0.9, 11
-    v = np.sort(random.uniform(0.3, 12.0, (kernel.LANES, points)), axis=1)
-    e = random.uniform(0.0, 0.9, v.shape)
-    weight = random.uniform(10.0, 100.0, v.shape) * (random.uniform(size=v.shape) > 0.2)
-    x = np.log([20.0, 1.1, 0.3, 0.6, 0.3]) + random.normal(0.0, 0.3, (kernel.LANES, 5))
-    room = np.full((4 * 12, kernel.LANES), np.nan)
-    state = np.full((kernel.STATE_ROWS, kernel.LANES), np.nan)
-    slopes = np.empty((kernel.GROUP * kernel.COLUMNS, kernel.LANES))
-    for lane in range(kernel.LANES):
-        groups = kernel.enter(
-            v[lane], e[lane], weight[lane], end, x[lane], x[lane], x[lane], lane, room, state
-        )
-        assert groups == -(-np.count_nonzero(weight[lane]) // kernel.GROUP)
-    state[kernel.TRIAL : kernel.TRIAL + 5] = x.T
-    kernel.evaluate(room, 3, state, slopes)
-    sums = state[kernel.NEW_SUMS : kernel.NEW_SUMS + 36].reshape(6, 6, -1)
-    for lane in range(kernel.LANES):
-        curve, rows = model(v[lane], x[lane, :V_C], end, np.exp(x[lane, V_C]))
-        rows = np.column_stack([rows, curve - e[lane]]) * weight[lane, :, None]
-        expected = np.triu(rows.T @ rows)
-        np.testing.assert_allclose(np.triu(sums[:, :, lane]), expected, rtol=1e-11, atol=1e-9)
-
-
-@pytest.mark.parametrize("q", [None, 0.5])
-def test_profile_interval_covers_in_a_regular_cell(q):
-    replicates = 1000
-    v, e = measured(1.05, 0.003, replicates)
-    error = np.sqrt(0.95 * 0.05 / replicates)
-
-    def coverage(sigma):
-        sets = data_sets(v, e, 1.0 / sigma, q)
-        fit = fit_batch(sets)
-        return np.mean(profile_batch(sets, fit, 1.0) - fit.chi_square <= CHI_SQUARE_95)
-
-    assert coverage(0.003) == pytest.approx(0.95, abs=4.0 * error)
-    # half the noise assumed: the interval is half as wide, and the normal law gives 0.67
-    assert coverage(0.0015) == pytest.approx(0.673, abs=4.0 * np.sqrt(0.67 * 0.33 / replicates))
-
-
-def test_coverage_is_that_of_the_interval():
-    v, e = measured(1.5, 0.01, 200)
-    sets = data_sets(v, e, 100.0, 0.5)
-    fit = fit_batch(sets)
-    ends = interval_batch(sets, fit, CHI_SQUARE_95)
-    inside = (ends[:, 0] <= 1.0) & (ends[:, 1] >= 1.0)
-    accepted = profile_batch(sets, fit, 1.0) - fit.chi_square <= CHI_SQUARE_95
-    assert np.count_nonzero(inside != accepted) <= 1
-    assert np.all(ends[:, 0] <= fit.v_c)
-    assert np.all(fit.v_c <= ends[:, 1])
-
-
-def test_a_capture_velocity_on_its_bound_is_flagged():
-    # Without adhesion no capture velocity above 0 helps.
-    v = np.geomspace(1.0, 15.0, 20)
-    e = 0.9 / (1.0 + (v / 60.0))
-    e[0] += 0.02
-    batch = fit_batch(data_sets(v, e, 100.0, 0.5))
-    single = fit_restitution(v, e, 0.01, 0.5)
-    assert batch.capture_on_bound[0]
-    assert batch.on_bound[0]
-    assert batch.v_c[0] == single.v_c == 0.0
-    assert "v_c" in single.on_bound
-
-
-def test_no_capture_velocity_above_the_slowest_rebound():
-    v, e = measured(1.05, 0.01, 1)
-    sets = data_sets(v, e, 100.0)
-    fit = fit_batch(sets)
-    assert np.isinf(profile_batch(sets, fit, 1.06))
-    assert fit.v_c[0] < 1.05
-
-
-def test_a_fit_does_not_depend_on_its_batch():
-    count = kernel.LANES + 7  # some searches wait for a lane
-    v, e = measured(1.5, 0.03, count)
-    sets = data_sets(v, e, 1.0 / 0.03)
-    whole = fit_batch(sets)
-    ends = interval_batch(sets, whole, CHI_SQUARE_95)
-    for i in (0, 5, count - 1):
-        alone = data_sets(v, e[i], 1.0 / 0.03)
-        fit = fit_batch(alone)
-        np.testing.assert_array_equal(fit.parameters[0], whole.parameters[i])
-        np.testing.assert_array_equal(interval_batch(alone, fit, CHI_SQUARE_95)[0], ends[i])
-
-
-def test_a_step_is_judged_by_what_it_gains():
-    state = np.zeros((kernel.STATE_ROWS, kernel.LANES))
-    rows = [kernel.CHI_SQUARE, kernel.NEW_CHI_SQUARE, kernel.EXPECTED, kernel.DAMPING]
-    state[[*rows, kernel.HEAVIER, kernel.LEFT, kernel.TRIAL]] = [
-        [1],
-        [1],
-        [0],
-        [1e-3],
-        [4],
-        [9],
-        [5],
-    ]
-    state[rows, 0] = 1.0, 0.5, 0.5, 0.3  # as good as expected
-    state[rows, 1] = 1.0, 1.5, 0.5, 0.3  # worse
-    state[rows, 2] = 1.0, 1.0 + 1e-13, 1e-16, 1e-3  # at the minimum, but for rounding
-    state[rows, 3] = 1.0, 1.0 + 1e-13, 1e-16, 1.0  # a step that the damping makes short
-    state[rows, 4] = 1.0, 1.5, 0.5, 1e11  # no damping helps
-    kernel._judge(state)
-    np.testing.assert_array_equal(state[kernel.X, :5], [5.0, 0.0, 0.0, 0.0, 0.0])
-    np.testing.assert_array_equal(state[kernel.CHI_SQUARE, :5], [0.5, 1.0, 1.0, 1.0, 1.0])
-    np.testing.assert_array_equal(state[kernel.LEFT, :5], [8.0, 8.0, 0.0, 8.0, 0.0])
-    np.testing.assert_array_equal(state[kernel.CONVERGED, :5], [0.0, 0.0, 1.0, 0.0, 1.0])
-    np.testing.assert_allclose(state[kernel.DAMPING, [0, 1, 3]], [0.1, 1.2, 4.0], rtol=1e-15)
-    np.testing.assert_array_equal(state[kernel.HEAVIER, [0, 1, 3]], [2.0, 8.0, 8.0])
-
-
-def test_a_missing_datum_is_one_that_was_never_taken():
-    v, e = measured(1.2, 0.01, 1)
-    weight = np.where(np.arange(20) == 0, 0.0, 100.0)
-    masked = fit_batch(data_sets(v, e, weight, 0.5))
-    short = fit_batch(data_sets(v[1:], e[:, 1:], 100.0, 0.5))
-    np.testing.assert_allclose(masked.parameters, short.parameters, rtol=1e-6)
 
 
 def test_replicates_have_streams_of_their_own():
@@ -340,37 +143,6 @@ def test_too_small_a_share_of_points_is_refused(compared):
     methods = Methods(lowest_speeds_in_v_c=(1.2,), replicates=6, resamples=60, share_of_points=0.2)
     with pytest.raises(ValueError, match=r"share_of_points: 0\.2 leaves too few different speeds"):
         intervals(sample, methods, 11, 0.95)
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"weight": -1.0}, "weight must be"),
-        ({"e": -0.1}, "e must be"),
-        ({"v": 0.0}, "v must be"),
-        ({"q": 0.0}, "q must be"),
-    ],
-)
-def test_bad_data_are_refused(change, message):
-    v, e = measured(1.2, 0.01, 1)
-    good = {"v": v, "e": e, "weight": 100.0, "q": 0.5}
-    bad = {name: np.full(np.shape(good[name]), value) for name, value in change.items()}
-    with pytest.raises(ValueError, match=message):
-        data_sets(**{**good, **bad})
-
-
-def test_too_few_rebounds_are_refused():
-    v, e = measured(1.2, 0.01, 2)
-    e[1, 5:] = 0.0
-    weight = np.where(e > 0.0, 100.0, 0.0)
-    with pytest.raises(ValueError, match=r"data set 1 must hold at least 6 points .* got 5"):
-        data_sets(v, e, weight)
-
-
-def test_number_of_starts_is_checked():
-    v, e = measured(1.2, 0.01, 1)
-    with pytest.raises(ValueError, match="starts must be 1 to 5, got 6"):
-        fit_batch(data_sets(v, e, 100.0), starts=6)
 
 
 @pytest.mark.parametrize(

@@ -36,31 +36,33 @@ class TableError(ValueError):
 
 
 def series_frame(
-    *,
     panel: str,
     series: str,
-    evidence: str,
     x: ArrayLike,
     y: ArrayLike,
-    x_unit: str,
-    y_unit: str,
+    evidence: str = "computed",
     y_low: ArrayLike = np.nan,
     y_high: ArrayLike = np.nan,
+    *,
+    x_unit: str,
+    y_unit: str,
 ) -> pd.DataFrame:
     """Return one series of a figure in the tidy form of the figure data.
+
+    A study whose figures share their units takes them with `functools.partial`.
 
     Parameters
     ----------
     panel, series
         Where the series is drawn and what it is called in the legend.
-    evidence
-        One of `RESULT_EVIDENCE`.
     x, y
         Coordinates, which broadcast to shape (n,).
-    x_unit, y_unit
-        Units as they stand in column names: ``deg``, ``m_per_s``, ``1`` for a pure number.
+    evidence
+        One of `RESULT_EVIDENCE`.
     y_low, y_high
         Ends of the interval around y, if there is one.
+    x_unit, y_unit
+        Units as they stand in column names: ``deg``, ``m_per_s``, ``1`` for a pure number.
 
     Returns
     -------

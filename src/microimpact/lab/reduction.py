@@ -6,11 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 from numpy.typing import ArrayLike
 
-from microimpact.core.arrays import FloatArray, Real
+from microimpact.core.arrays import FloatArray
 from microimpact.lab.events import Measured
+from microimpact.statistics.intervals import student_half_width
 
 FEWEST_EVENTS = 2
 QUANTITIES = ("restitution", "impulse_ratio", "energy_loss")
@@ -64,28 +64,9 @@ def mean_interval(values: ArrayLike, systematic: ArrayLike = 0.0, level: float =
         raise ValueError(f"an interval needs at least {FEWEST_EVENTS} events, got {n}")
     sd = float(np.std(values, ddof=1))
     shared = np.sqrt(np.sum(np.square(np.asarray(systematic, dtype=float))))
-    half = float(half_width(sd, n, shared, level))
+    half = float(student_half_width(sd, n, shared, level))
     centre = float(np.mean(values))
     return Mean(value=centre, low=centre - half, high=centre + half, events=n, sd=sd)
-
-
-def half_width(sd: Real, events: int, systematic: Real = 0.0, level: float = 0.95) -> FloatArray:
-    """Return half the width of the interval of `mean_interval`.
-
-    Parameters
-    ----------
-    sd
-        Standard deviation of the events.
-    events
-        Number of events.
-    systematic
-        Standard uncertainty of the mean from all errors shared by the events; broadcasts with
-        `sd`.
-    level
-        Probability that the interval holds the true mean.
-    """
-    t = scipy.special.stdtrit(events - 1, 0.5 * (1.0 + level))
-    return np.asarray(t * np.sqrt(np.square(sd) / events + np.square(systematic)))
 
 
 def quantities(measured: Measured) -> dict[str, FloatArray]:

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-import scipy
 
 from microimpact.core.arrays import BoolArray
 from microimpact.declared.parameters import Count, Fraction, Name, NonNegative, Positive
@@ -23,6 +22,7 @@ from microimpact.lab.surface import LABORATORY, combined_slope
 from microimpact.lab.surface import rough as rough_surface
 from microimpact.model.contact import Contact, resized
 from microimpact.statistics.distributions import Distribution, generator, mean
+from microimpact.statistics.intervals import student_half_width
 
 # Below this number of rebounds there is no mean.
 FEWEST_REBOUNDS = 20
@@ -229,9 +229,9 @@ def half_width(one: Statistic, other: Statistic, sampling: Sampling) -> float:
     Of two experiments of ``sampling.events`` events each, either with its own setting of the
     target.
     """
-    quantile = float(scipy.special.stdtrit(2 * (sampling.events - 1), 0.975))
-    noise = (one.sd**2 + other.sd**2) / sampling.events
-    return quantile * float(np.sqrt(noise + one.systematic**2 + other.systematic**2))
+    sd, systematic = np.hypot(one.sd, other.sd), np.hypot(one.systematic, other.systematic)
+    freedom = 2 * (sampling.events - 1)
+    return float(student_half_width(sd, sampling.events, systematic, freedom=freedom))
 
 
 def difference_columns(one: Seen, other: Seen, sampling: Sampling) -> dict[str, float]:

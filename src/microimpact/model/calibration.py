@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cache
 
 from microimpact.core.arrays import POSITIVE, Range, checked
+from microimpact.core.solve import root
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
@@ -21,6 +22,8 @@ OPEN_UNIT_INTERVAL = Range(lower=0.0, upper=1.0)
 
 MOST_TURNS = 200
 TOLERANCE = 1e-10
+# Relative error of each root.
+ROOT_TOLERANCE = 1e-13
 
 # Damping per 1/speed beyond which nothing rebounds any more.
 LARGEST_DAMPING = 1e3
@@ -260,8 +263,6 @@ def _falling_root(function: Callable[[float], float], largest: float, guess: flo
 
     In steps that grow, from the guess or from zero, to where the sign changes.
     """
-    from scipy.optimize import brentq
-
     value = cache(function)
     near = far = guess
     step = 1e-3 * guess if guess > 0.0 else 1e-6 * largest
@@ -273,4 +274,4 @@ def _falling_root(function: Callable[[float], float], largest: float, guess: flo
         step *= 4.0
         if far > largest:
             raise NoSolutionError(f"no solution up to {largest:g}")
-    return float(brentq(value, near, far, xtol=1e-300, rtol=1e-13))
+    return root(value, near, far, relative=ROOT_TOLERANCE)

@@ -10,7 +10,7 @@ import numpy as np
 from microimpact.core.materials import Material
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.trajectory import trajectory
-from microimpact.model.empirical.batch import data_sets, fit_batch
+from microimpact.model.empirical.search import data_sets, fit_batch
 from microimpact.model.law.table import tabulate
 from microimpact.model.rigid_body.facets import facet_rebound
 

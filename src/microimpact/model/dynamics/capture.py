@@ -7,11 +7,11 @@ led to it: its initial speed is the capture velocity, found by one integration.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
 from microimpact.core.arrays import FloatArray, Real
+from microimpact.core.solve import roots
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.dynamics import kernel
 from microimpact.model.dynamics.normal import (
@@ -27,7 +27,7 @@ BRANCH_START = 1e-3
 # Logarithms of the speed, in velocity scales, and of a damping group, beyond which is nothing new.
 LARGEST_LOG_SPEED = 50.0
 LARGEST_LOG_GROUP = 7.0
-SEARCH: Any = {"xatol": 1e-14, "xrtol": 1e-14, "fatol": 1e-14, "frtol": 0.0}
+SEARCH = {"absolute": 1e-14, "relative": 1e-14, "residual": 1e-14}
 
 
 def threshold(
@@ -139,8 +139,6 @@ def _rated_threshold(
     damped_attachment: bool,
 ) -> FloatArray:
     """Solve ``w = threshold(C_H, C_A (w_N/w)^n)``: the right side falls with w, so one w does."""
-    # SciPy's optimizers take longer to import than all else here.
-    from scipy.optimize import elementwise
 
     def log_limit(
         log_w: FloatArray, c_h: FloatArray, c_a: FloatArray, n: FloatArray, w_n: FloatArray
@@ -164,9 +162,9 @@ def _rated_threshold(
     # As the right side falls, the solution lies between any w and the right side there.
     start = np.log(arguments[-1])
     ends = start, np.clip(log_limit(start, *arguments), -top, top)
-    solution = elementwise.find_root(excess, ends, args=arguments, tolerances=SEARCH)
     beyond = excess(top, *arguments) <= 0.0
-    if not np.all(solution.success | beyond):
-        raise RuntimeError("the search for a capture velocity did not converge")
-    found[possible] = np.where(beyond, np.inf, np.exp(solution.x))
+    search = [part[~beyond] for part in (*ends, *arguments)]
+    limit = np.full(top.size, np.inf)
+    limit[~beyond] = np.exp(roots(excess, *search, **SEARCH))
+    found[possible] = limit
     return found

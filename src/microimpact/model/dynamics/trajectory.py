@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from microimpact.core.arrays import FINITE, POSITIVE, FloatArray, Real, checked, choice
+from microimpact.core.solve import roots
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.dynamics import kernel
 from microimpact.model.dynamics.impact import (
@@ -25,9 +27,8 @@ STEPS, MOST_STEPS = 256, 1_000_000
 # an overdamped one is known to creep.
 CAPTURED_PERIODS = 8.0
 
-# Newton's last move in a search for a time, relative: the error that it leaves is about its
-# square. Most turns of it, and the rounding of times.
-SMALLEST_MOVE, MOST_TURNS, ROUNDING = 1e-12, 60, 1e-14
+# Rounding of times, relative.
+ROUNDING = 1e-14
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 
@@ -183,23 +184,17 @@ def _invert(
 ) -> FloatArray:
     """Find tau in [0, upper] at which the contact time, the integral of s, has the given value.
 
-    By Newton's method, with bisection where it would leave the bracket; the ends, at which the
-    integral may be flat, are met exactly.
+    The ends, at which the integral may be flat, are met exactly.
     """
     orders = np.arange(1, len(s_series) + 1)
     clock = np.concatenate([np.zeros((1, time.size)), s_series / orders[:, None]])
-    low = np.where(time >= (1.0 - ROUNDING) * duration, upper, 0.0)
-    high = np.where(time <= 0.0, 0.0, upper)
-    tau = 0.5 * (low + high)
-    for _ in range(MOST_TURNS):
-        miss, slope = _value(clock, tau) - time, _value(s_series, tau)
-        late = miss > 0.0
-        low, high = np.where(late, low, tau), np.where(late, tau, high)
-        new = tau - miss / np.where(slope > 0.0, slope, np.inf)
-        new = np.where((low <= new) & (new <= high), new, 0.5 * (low + high))
-        moved, tau = np.abs(new - tau), new
-        if np.all(moved <= SMALLEST_MOVE * upper):
-            break
+    tau = np.where(time <= 0.0, 0.0, upper)
+    inner = np.flatnonzero((time > 0.0) & (time < (1.0 - ROUNDING) * duration))
+
+    def late(x: FloatArray, place: NDArray[np.intp]) -> FloatArray:
+        return _value(clock[:, place], x) - time[place]
+
+    tau[inner] = roots(late, 0.0, upper[inner], inner)
     return tau
 
 

@@ -8,7 +8,6 @@ of zero misfit while v_c lies above its speed; no sphere that rebounds can be sl
 from __future__ import annotations
 
 from dataclasses import dataclass
-from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -16,19 +15,24 @@ from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import POSITIVE, FloatArray, Range, checked
 from microimpact.model.empirical.equations import restitution
+from microimpact.model.empirical.intervals import Intervals, interval_batch
+from microimpact.model.empirical.kernel import V_C
 from microimpact.model.empirical.search import (
     CLOSEST,
-    ON_BOUND,
-    V_C,
-    Optimum,
-    Problem,
-    minimum,
+    STARTS,
+    BatchFit,
+    DataSets,
+    data_sets,
+    fit_batch,
     model,
-    profile_interval,
 )
 
 NAMES = ("k", "p", "kappa", "q", "v_c")
 UNITS = ("m/s", "", "m/s", "", "m/s")
+# A standard error so many times the value leaves the parameter open.
+OPEN = 10.0
+# A chi-square that fewer than this share of data sets would exceed is too large for the curve.
+TOO_LARGE = 0.01
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -43,7 +47,7 @@ class RestitutionFit:
         Profile likelihood interval of v_c, m/s.
     v_c_interval_limited
         For each end of it, whether it is set by the admissible range, 0 to the smallest
-        rebounding speed (or 0.1 % below), and not by the values of e.
+        rebounding speed, and not by the values of e. An end within 0.1 % of that speed is.
     confidence
         Nominal coverage of that interval.
     cov
@@ -122,35 +126,14 @@ class RestitutionFit:
         return _summary(self)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class CaptureBootstrap:
-    """Parametric bootstrap of v_c.
-
-    Attributes
-    ----------
-    interval
-        Percentile interval, m/s.
-    sample
-        v_c of each replicate, m/s.
-    on_bound
-        Number of replicates in which v_c ended on a bound.
-    confidence
-        Nominal coverage of the interval.
-    """
-
-    interval: tuple[float, float]
-    sample: FloatArray
-    on_bound: int
-    confidence: float
-
-
-def covariance(problem: Problem, best: Optimum, on_bound: tuple[str, ...]) -> FloatArray:
-    """Covariance of k, p, kappa, q, v_c at the minimum, for the weights of the problem."""
-    gap = 1.0 - best.v_c
-    slopes = model(problem.v, best.logs, 1.0, gap)[1] * problem.weight[:, None]
-    held = np.array([name in on_bound for name in NAMES])
-    free = np.append(problem.free, True) & ~held
-    natural = np.append(np.exp(best.logs), -gap)  # d/d ln(gap) = -gap d/d v_c
+def covariance(sets: DataSets, fit: BatchFit) -> FloatArray:
+    """Covariance of k, p, kappa, q, v_c of one data set, as its weights are, in m/s."""
+    logs, unit = fit.logs(sets)[0, :V_C], sets.unit[0]
+    gap = max(1.0 - fit.v_c[0] / unit, 0.0)
+    slopes = model(sets.v[0], logs, 1.0, gap)[1] * sets.weight[0, :, None]
+    held = fit.at_bound[0]
+    free = np.array([True, True, True, sets.q is None, True]) & ~held
+    natural = np.append(fit.parameters[0, :V_C], -gap * unit)  # d/d ln(gap) = -gap d/d v_c
     size = np.linalg.norm(slopes[:, free], axis=0)
     size = np.where(size > 0.0, size, 1.0)
     _, singular, rows = np.linalg.svd(slopes[:, free] / size, full_matrices=False)
@@ -172,8 +155,12 @@ def _summary(fit: RestitutionFit) -> str:
             spread = "on a bound"
         elif name == "q" and fit.q_fixed:
             spread = "fixed"
+        elif errors[name] > OPEN * value:
+            spread = "not determined by the data"
+        if name == "v_c":
+            spread = f"{_interval(fit)} (profile likelihood, {100 * fit.confidence:g} %)"
+            spread += ", on a bound" * (name in fit.on_bound)
         lines.append(f"  {name:5s} = {value:<10.6g} {unit:3s} {spread}")
-    lines.append(f"  v_c in {_interval(fit)} m/s (profile likelihood, {100 * fit.confidence:g} %)")
     how = "estimated from the residuals" if fit.sigma_estimated else "given"
     low, high = fit.sigma.min(), fit.sigma.max()
     sigma = f"{low:.3g}" if low == high else f"{low:.3g} to {high:.3g}"
@@ -186,7 +173,17 @@ def _summary(fit: RestitutionFit) -> str:
     lines.append(
         f"  {fit.v.size} points; {ended}; {fit.starts_agreeing} of {fit.starts} starts agree"
     )
+    lines.append(f"  {_trust(fit)}")
     return "\n".join(lines)
+
+
+def _trust(fit: RestitutionFit) -> str:
+    """Return what the errors and the interval rest on."""
+    from scipy.special import chdtrc
+
+    if not fit.sigma_estimated and chdtrc(fit.degrees_of_freedom, fit.chi_square) < TOO_LARGE:
+        return "chi-square is too large for sigma: the curve does not hold, nor does the interval"
+    return "errors and interval suppose that Eq. (34), with this q if fixed, is the true curve"
 
 
 def _interval(fit: RestitutionFit) -> str:
@@ -203,6 +200,10 @@ CONFIDENCE = Range(lower=0.0, upper=1.0)
 ROUNDING = 1e-10
 # Below this share of chi-square a difference of it is.
 PROFILE_ROUNDING = 1e-7
+# Tolerance of the search for a single fit.
+TOLERANCE = 1e-11
+# A profile lower by more than this share of the admissible rise met another minimum.
+OVERLOOKED = 1e-4
 
 
 def fit_restitution(
@@ -215,7 +216,9 @@ def fit_restitution(
 ) -> RestitutionFit:
     """Fit Eq. (34) to coefficients of restitution by weighted least squares.
 
-    The global minimum is sought from several starts. The interval of v_c holds every value whose
+    The global minimum is sought from several starts. Errors and interval suppose that Eq. (34),
+    with q as given if it is, is the true curve; of a curve that it only resembles they say nothing,
+    and v_c may lie far outside. The interval of v_c holds every value whose
     least chi-square, over all other parameters, exceeds the minimum by less than the quantile of
     chi-square with one degree of freedom; if sigma is estimated, by less than the quantile of F.
 
@@ -247,95 +250,34 @@ def fit_restitution(
         and one more or fewer different speeds than free parameters.
     """
     speed, measured = _checked_data(v, e)
-    fixed = None if q is None else _scalar("q", q)
-    level = _scalar("confidence", confidence, CONFIDENCE)
-    slowest = _slowest_rebound(speed, measured, 5 if fixed is None else 4)
+    fixed = None if q is None else scalar("q", q)
+    level = scalar("confidence", confidence, CONFIDENCE)
+    _require_enough(speed, measured, 5 if fixed is None else 4)
     spread = _spread(sigma, speed.shape)
     # Relative weights: the tolerances of the search are absolute in part.
     least = float(spread.min())
-    problem = Problem(speed / slowest, measured, least / spread, fixed)
+    sets = data_sets(speed, measured, least / spread, fixed)
     known = None if sigma is None else least**2
-    best, interval, limited = _search(problem, level, known)
-    variance = _variance(problem, best) if known is None else known
+    fit, interval, starts = _search(sets, level, known)
+    variance = _variance(sets, fit) if known is None else known
+    low, high = interval.ends[0].tolist()
+    left, right = interval.limited[0].tolist()
     return _result(
-        problem,
-        best,
-        slowest,
+        sets,
+        fit,
         variance,
         v=speed,
-        sigma=np.sqrt(variance) / problem.weight,
+        sigma=np.sqrt(variance) / sets.weight[0],
         sigma_estimated=sigma is None,
-        v_c_interval=(interval[0] * slowest, interval[1] * slowest),
-        v_c_interval_limited=limited,
+        v_c_interval=(low, high),
+        v_c_interval_limited=(left, right),
         confidence=level,
+        starts=starts,
     )
 
 
-def bootstrap_v_c(
-    fit: RestitutionFit,
-    replicates: int,
-    seed: int,
-    *,
-    spawn_key: tuple[int, ...] = (),
-    confidence: float = 0.95,
-) -> CaptureBootstrap:
-    """Parametric bootstrap of v_c: refit the fitted curve with fresh normal noise.
-
-    Noise that would carry e below zero makes the point a captured one. Replicate i draws from
-    ``SeedSequence(seed, spawn_key=(*spawn_key, i))``, so the sample does not depend on chunks.
-
-    Parameters
-    ----------
-    fit
-        A fit; its speeds and sigma are used.
-    replicates
-        Number of refits, 1 or more.
-    seed
-        Root of the random draws, 0 or more.
-    spawn_key
-        Place of this sample among those of the same root.
-    confidence
-        Coverage of the interval, in (0, 1).
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is of another kind or out of range.
-    RuntimeError
-        If no sphere rebounds in a replicate.
-    """
-    if not isinstance(fit, RestitutionFit):
-        raise TypeError(f"fit must be a RestitutionFit, got {fit!r}")
-    for name, value, least in (("replicates", replicates, 1), ("seed", seed, 0)):
-        if isinstance(value, bool) or not isinstance(value, Integral):
-            raise TypeError(f"{name} must be a whole number, got {value!r}")
-        if value < least:
-            raise ValueError(f"{name} must be at least {least}, got {value}")
-    level = _scalar("confidence", confidence, CONFIDENCE)
-    curve, fixed = fit.curve(fit.v), fit.q if fit.q_fixed else None
-    weight = fit.sigma.min() / fit.sigma
-    sample, on_bound = np.empty(replicates), 0
-    for i in range(replicates):
-        draw = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(*spawn_key, i)))
-        noise = fit.sigma * draw.standard_normal(curve.shape)
-        e = np.where(curve > 0.0, np.maximum(curve + noise, 0.0), 0.0)
-        if not np.any(e > 0.0):
-            raise RuntimeError(f"no sphere rebounds in replicate {i}: sigma is too large")
-        slowest = float(fit.v[e > 0.0].min())
-        start = np.log(
-            [fit.k / slowest, fit.p, fit.kappa / slowest, fit.q, max(fit.v_c / slowest, CLOSEST)]
-        )
-        found = minimum(Problem(fit.v / slowest, e, weight, fixed), start)
-        sample[i] = found.v_c * slowest
-        on_bound += found.on_edge
-    tail = 0.5 * (1.0 - level)
-    low, high = np.quantile(sample, [tail, 1.0 - tail]).tolist()
-    return CaptureBootstrap(
-        interval=(low, high), sample=sample, on_bound=on_bound, confidence=level
-    )
-
-
-def _scalar(name: str, value: object, allowed: Range = POSITIVE) -> float:
+def scalar(name: str, value: object, allowed: Range = POSITIVE) -> float:
+    """Return one real number in range, or raise as `checked` does."""
     number = checked(name, value, allowed)
     if not isinstance(number, float):
         raise TypeError(f"{name} must be one real number, got {value!r}")
@@ -350,8 +292,8 @@ def _checked_data(v: ArrayLike, e: ArrayLike) -> tuple[FloatArray, FloatArray]:
     return speed, measured
 
 
-def _slowest_rebound(v: FloatArray, e: FloatArray, free: int) -> float:
-    """Smallest rebounding speed, if the data suffice for so many free parameters."""
+def _require_enough(v: FloatArray, e: FloatArray, free: int) -> None:
+    """Refuse data that do not suffice for so many free parameters."""
     if not np.any(e > 0.0):
         raise ValueError("e must be positive somewhere: no sphere rebounds")
     slowest = float(v[e > 0.0].min())
@@ -367,7 +309,6 @@ def _slowest_rebound(v: FloatArray, e: FloatArray, free: int) -> float:
             f"v must hold at least {free} different speeds from the smallest rebounding one "
             f"upwards, one for each free parameter, got {different}"
         )
-    return slowest
 
 
 def _spread(sigma: ArrayLike | None, shape: tuple[int, ...]) -> FloatArray:
@@ -379,79 +320,61 @@ def _spread(sigma: ArrayLike | None, shape: tuple[int, ...]) -> FloatArray:
 
 
 def _search(
-    problem: Problem, level: float, variance: float | None
-) -> tuple[Optimum, tuple[float, float], tuple[bool, bool]]:
-    """Minimum, interval of v_c, and which of its ends the admissible range sets."""
-    best = minimum(problem)
-    rounding = ROUNDING**2 * float(np.sum(np.square(problem.weight * problem.e)))
+    sets: DataSets, level: float, variance: float | None
+) -> tuple[BatchFit, Intervals, int]:
+    """Minimum, interval of v_c, and number of searches."""
+    fit, starts = fit_batch(sets, len(STARTS), tolerance=TOLERANCE), len(STARTS)
+    rounding = ROUNDING**2 * float(np.sum(np.square(sets.weight * sets.e)))
     while True:
-        rise = _admissible_rise(problem, best, level, variance)
-        rise = max(rise, rounding, PROFILE_ROUNDING * best.chi_square)
-        interval, limited, lowest = profile_interval(problem, best, rise)
-        if lowest.chi_square >= best.chi_square - 1e-4 * rise:
-            return best, interval, limited
+        rise = _admissible_rise(sets, fit, level, variance)
+        least = float(fit.chi_square[0])
+        rise = max(rise, rounding, PROFILE_ROUNDING * least)
+        interval = interval_batch(sets, fit, rise)
+        if interval.least[0] >= least - OVERLOOKED * rise:
+            return fit, interval, starts
         # The profile met a lower point: an overlooked minimum lies there or lower still.
-        start = np.append(lowest.logs, np.log(max(lowest.v_c, CLOSEST)))
-        best = min(lowest, minimum(problem, start), key=lambda each: each.chi_square)
+        fit = fit_batch(sets, len(STARTS), interval.at, TOLERANCE)
+        starts = len(STARTS) + 1
 
 
-def _freedom(problem: Problem, best: Optimum) -> int:
+def _freedom(sets: DataSets, fit: BatchFit) -> int:
     """Degrees of freedom; captured points below v_c cannot miss and do not count."""
-    telling = (problem.e > 0.0) | (problem.v > best.v_c)
-    return int(telling.sum() - problem.free.sum() - 1)
+    telling = (sets.e[0] > 0.0) | (sets.v[0] > (1.0 + CLOSEST) * fit.v_c[0] / sets.unit[0])
+    return int(telling.sum()) - sets.free
 
 
-def _admissible_rise(
-    problem: Problem, best: Optimum, level: float, variance: float | None
-) -> float:
+def _admissible_rise(sets: DataSets, fit: BatchFit, level: float, variance: float | None) -> float:
     """Rise of chi-square at the ends of the interval: a quantile of chi-square(1) or F(1, n)."""
     from scipy.special import chdtri, fdtri
 
     if variance is not None:
         return variance * float(chdtri(1.0, 1.0 - level))
-    return _variance(problem, best) * float(fdtri(1.0, _freedom(problem, best), level))
+    return _variance(sets, fit) * float(fdtri(1.0, _freedom(sets, fit), level))
 
 
-def _on_bound(problem: Problem, best: Optimum) -> tuple[str, ...]:
-    low, high = problem.bounds
-    near = (best.logs - low < ON_BOUND) | (high - best.logs < ON_BOUND)
-    bound = np.append(near & problem.free, best.on_edge)
-    return tuple(name for name, hit in zip(NAMES, bound, strict=True) if hit)
-
-
-def _result(
-    problem: Problem, best: Optimum, unit: float, variance: float, **known: Any
-) -> RestitutionFit:
-    """The fit in m/s; ``variance`` scales the squares of the standard deviations."""
-    on_bound = _on_bound(problem, best)
-    units = np.array([unit, 1.0, unit, 1.0, unit])
-    k, p, kappa, q = np.exp(best.logs) * units[:V_C]
-    v_c = best.v_c * unit
-    residuals = problem.e - restitution(known["v"], k, p, kappa, q, v_c)
-    mean = np.average(problem.e, weights=problem.weight**2)
-    total = float(np.sum(np.square(problem.weight * (problem.e - mean))))
+def _result(sets: DataSets, fit: BatchFit, variance: float, **known: Any) -> RestitutionFit:
+    """The fit of one data set; ``variance`` scales the squares of the standard deviations."""
+    e, chi_square = sets.e[0], float(fit.chi_square[0])
+    parameters = dict(zip(NAMES, fit.parameters[0].tolist(), strict=True))
+    mean = np.average(e, weights=sets.weight[0] ** 2)
+    total = float(np.sum(np.square(sets.weight[0] * (e - mean))))
     return RestitutionFit(
-        k=float(k),
-        p=float(p),
-        kappa=float(kappa),
-        q=float(q) if problem.q is None else problem.q,
-        v_c=v_c,
-        cov=covariance(problem, best, on_bound) * variance * np.outer(units, units),
-        residuals=residuals,
-        e=problem.e,
-        chi_square=best.chi_square / variance,
-        degrees_of_freedom=_freedom(problem, best),
-        r_squared=1.0 - best.chi_square / total if np.ptp(problem.e) > 0.0 else 0.0,
-        on_bound=on_bound,
-        q_fixed=problem.q is not None,
-        converged=best.converged,
-        starts=best.starts,
-        starts_agreeing=best.agreeing,
+        **parameters,
+        cov=covariance(sets, fit) * variance,
+        residuals=e - restitution(known["v"], **parameters),
+        e=e,
+        chi_square=chi_square / variance,
+        degrees_of_freedom=_freedom(sets, fit),
+        r_squared=1.0 - chi_square / total if np.ptp(e) > 0.0 else 0.0,
+        on_bound=tuple(np.array(NAMES)[fit.at_bound[0]].tolist()),
+        q_fixed=sets.q is not None,
+        converged=bool(fit.converged[0]),
+        starts_agreeing=int(fit.agreeing[0]),
         **known,
     )
 
 
-def _variance(problem: Problem, best: Optimum) -> float:
+def _variance(sets: DataSets, fit: BatchFit) -> float:
     """Mean square of the residuals per degree of freedom, not below rounding."""
-    least = ROUNDING**2 * float(np.mean(np.square(problem.e)))
-    return max(best.chi_square / _freedom(problem, best), least)
+    least = ROUNDING**2 * float(np.mean(np.square(sets.e)))
+    return max(float(fit.chi_square[0]) / _freedom(sets, fit), least)

@@ -3,8 +3,8 @@
 ``LANES`` searches advance together; one that has ended gives its lane to the next. What a search
 finds does not depend on its neighbours. The loops over lanes compile to SIMD code, for they have a
 length known to the compiler, the rows of an array stand a known distance apart, and `_exp` and
-`_log` are polynomials without branches. `microimpact.model.empirical.search.model` is the same
-curve in plain form.
+`_log` are polynomials without branches. `microimpact.model.empirical.search.model` is the
+same curve in plain form.
 """
 
 from __future__ import annotations
@@ -14,11 +14,9 @@ import math
 import numpy as np
 
 from microimpact.core.compiled import jit
-from microimpact.model.empirical.search import V_C, Q
 
-# A search ends where the quadratic model and the step taken lower chi-square by less than this
-# share of it, or where no damping finds a lower point.
-TOLERANCE = 1e-9
+# A search ends where the quadratic model and the step taken lower chi-square by less than a share
+# of it, its tolerance, or where no damping finds a lower point.
 STUCK = 1e10
 ITERATIONS = 300
 # Damping at the start and the least, as shares of the diagonal of the normal matrix, and the
@@ -35,6 +33,8 @@ RIDGE = 1e-14
 
 LANES = 32
 VARIABLES = 5
+# Places of two of the variables ln(k, p, kappa, q, gap); the last stands for v_c.
+Q, V_C = 3, 4
 
 # Points are evaluated some at a time, so that fewer sums go through memory. Rows of the points of
 # each lane, four to a point: v less the end of its range, ln v, e, 1/sigma.
@@ -239,14 +239,14 @@ def _propose(state):  # type: ignore[no-untyped-def]
 
 
 @_jit_contract
-def _judge(state):  # type: ignore[no-untyped-def]
+def _judge(state, tolerance):  # type: ignore[no-untyped-def]
     """Move to the trial where it is lower, change the damping (Nielsen), see which have ended."""
     if state.shape[1] != LANES:
         return  # never
     for lane in range(LANES):
         expected, damping = state[EXPECTED, lane], state[DAMPING, lane]
         decrease = state[CHI_SQUARE, lane] - state[NEW_CHI_SQUARE, lane]
-        small = TOLERANCE * state[NEW_CHI_SQUARE, lane]
+        small = tolerance * state[NEW_CHI_SQUARE, lane]
         # Of either sign, so that rounding does not keep a search at its minimum from ending.
         flat = (abs(decrease) <= small) & (abs(expected) <= small) & (damping < LIGHT_DAMPING)
         ended = flat | (damping > STUCK)
@@ -266,7 +266,9 @@ def _judge(state):  # type: ignore[no-untyped-def]
 
 
 @_jit
-def descend_all(v, e, weight, owner, end, low, high, start, x, chi_square, converged):  # type: ignore[no-untyped-def]
+def descend_all(  # type: ignore[no-untyped-def]
+    v, e, weight, owner, end, low, high, tolerance, start, x, chi_square, converged
+):
     """Move every start to its minimum."""
     points = np.zeros((POINT_ROWS * GROUP * -(-v.shape[1] // GROUP), LANES))
     state, slopes = np.zeros((STATE_ROWS, LANES)), np.zeros((COLUMNS * GROUP, LANES))
@@ -278,7 +280,7 @@ def descend_all(v, e, weight, owner, end, low, high, start, x, chi_square, conve
             most = max(most, groups[lane])
         _propose(state)
         evaluate(points, most, state, slopes)
-        _judge(state)
+        _judge(state, tolerance)
         for lane in range(LANES):
             if state[LEFT, lane] > 0.0:
                 continue

@@ -1,25 +1,30 @@
-"""Search for the least squares fit of Eq. (34): global minimum and profile in v_c.
+"""Search for the least squares fit of Eq. (34), to one data set or to many at once.
 
 Two things keep a plain search from the minimum. The slope of Eq. (34) in v_c is infinite at a
 point where v = v_c (for q < 1), and the clip bends the sum of squares at every captured speed. So
 v_c is sought piece by piece between those speeds, through the logarithm of its distance from the
-upper end of the piece: in that variable the sum of squares is smooth. The other parameters are
-searched as logarithms, too, and speeds are in units of the smallest one that rebounds.
+upper end of the piece, the gap: in that variable the sum of squares is smooth. The other parameters
+are searched as logarithms, too, and speeds are in units of the smallest one that rebounds.
+
+The searches are compiled damped Gauss-Newton ones (Levenberg and Marquardt). What one data set
+gives does not depend on the others.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
-from dataclasses import dataclass
-from itertools import pairwise
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
+from numpy.typing import ArrayLike
 
-from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, BoolArray, FloatArray, checked
+from microimpact.model.empirical.kernel import V_C, Q, descend_all
 
-# Places in a vector of all five parameters.
-Q, V_C = 3, 4
+Places = npt.NDArray[np.intp]
+
 # Bounds of k and kappa over the smallest and the largest speed, and of the exponents.
 K_BOUNDS = (1e-3, 1e6)
 KAPPA_BOUNDS = (1e-6, 1e3)
@@ -28,68 +33,19 @@ EXPONENT_BOUNDS = (0.02, 20.0)
 CLOSEST = 1e-9
 # Logarithms closer than this to a bound count as lying on it.
 ON_BOUND = 1e-3
-# Relative changes of chi-square and of the variables at which a search ends.
-TOLERANCE = 1e-13
-PROFILE_TOLERANCE = 1e-9
-# An upper end of v_c nearer than this to the smallest rebounding speed is set by that speed.
-AT_REBOUND = 1e-3
-# Starts: k over the largest speed, p, q, and the distance of v_c from the end of its piece as a
-# share of the piece.
+# Sums of squares that differ by less than this share of the least, or of the data, are the same.
+SAME_MINIMUM, SAME_AS_NONE = 1e-4, 1e-12
+# Tolerance of a search among many; further steps change v_c by a part in 10 million or less.
+TOLERANCE = 1e-9
+# Starts, those first that most often lead to the minimum: k over the largest speed, p, q, and the
+# distance of v_c from the end of its piece as a share of the piece.
 STARTS = (
+    (10.0, 1.0, 0.5, 0.01),
+    (1.0, 2.0, 0.5, 0.1),
     (10.0, 0.5, 0.5, 0.1),
     (10.0, 1.0, 1.0, 0.5),
-    (1.0, 2.0, 0.5, 0.1),
-    (10.0, 1.0, 0.5, 0.01),
     (0.1, 1.0, 2.0, 0.9),
 )
-
-
-@dataclass(frozen=True, slots=True)
-class Problem:
-    """Data in units of the smallest rebounding speed, and bounds of ln(k, p, kappa, q).
-
-    ``weight`` is proportional to 1/sigma, at most 1; ``q`` is None where it is free.
-    """
-
-    v: FloatArray
-    e: FloatArray
-    weight: FloatArray
-    q: float | None
-
-    @property
-    def free(self) -> BoolArray:
-        """Which of k, p, kappa, q are sought."""
-        return np.array([True, True, True, self.q is None])
-
-    @property
-    def bounds(self) -> tuple[FloatArray, FloatArray]:
-        """Lower and upper bounds of ln(k, p, kappa, q)."""
-        ends = (1.0, self.v.max())
-        k, kappa = np.multiply(K_BOUNDS, ends), np.multiply(KAPPA_BOUNDS, ends)
-        exponent = np.array(EXPONENT_BOUNDS)
-        pairs = np.log(np.stack([k, exponent, kappa, exponent]))
-        return pairs[:, 0], pairs[:, 1]
-
-    @property
-    def edges(self) -> FloatArray:
-        """Ends of the pieces of v_c: 0, the captured speeds below 1, and 1."""
-        captured = self.v[(self.e == 0.0) & (self.v < 1.0 - CLOSEST)]
-        edges = np.unique(np.concatenate([[0.0], captured, [1.0]]))
-        apart: FloatArray = edges[np.concatenate([[True], np.diff(edges) > CLOSEST])]
-        return apart
-
-
-@dataclass(frozen=True, slots=True)
-class Optimum:
-    """Logarithms of k, p, kappa, q; v_c; sum of squares; and how the search ended."""
-
-    logs: FloatArray
-    v_c: float
-    chi_square: float
-    converged: bool
-    on_edge: bool = False
-    agreeing: int = 1
-    starts: int = 1
 
 
 def model(v: FloatArray, logs: FloatArray, end: float, gap: float) -> tuple[FloatArray, FloatArray]:
@@ -123,172 +79,345 @@ def model(v: FloatArray, logs: FloatArray, end: float, gap: float) -> tuple[Floa
     return e, np.stack([loss, -loss * fall, -taken, taken * rise, taken * gap / excess], axis=-1)
 
 
-def _minimise(
-    problem: Problem,
-    start: FloatArray,
-    free: BoolArray,
-    bounds: tuple[FloatArray, FloatArray],
-    place: Callable[[FloatArray], tuple[float, float]],
-    tolerance: float = TOLERANCE,
-) -> tuple[FloatArray, float, bool]:
-    """Least squares over the free ones of five variables; ``place`` gives end and gap."""
-    from scipy.optimize import least_squares
+class Search(NamedTuple):
+    """Data (r, n); of m searches the data set (m,), upper end of v_c (m,), and the box (m, 5).
 
-    def full(x: FloatArray) -> FloatArray:
-        every = start.copy()
-        every[free] = x
-        return every
-
-    def misfit(x: FloatArray) -> FloatArray:
-        every = full(x)
-        return (model(problem.v, every[:V_C], *place(every))[0] - problem.e) * problem.weight
-
-    def slopes(x: FloatArray) -> FloatArray:
-        every = full(x)
-        return model(problem.v, every[:V_C], *place(every))[1][:, free] * problem.weight[:, None]
-
-    low, high = bounds[0][free], bounds[1][free]
-    x = np.clip(start[free], low + 1e-6 * (high - low), high - 1e-6 * (high - low))
-    box = (low, high)
-    # ftol, xtol, gtol; the last is absolute, and near-perfect fits have small slopes.
-    ends = (tolerance, tolerance, 1e-15)
-    # "trf" finds the right valley; "dogbox" is much faster along one that is long and flat.
-    found = least_squares(misfit, x, slopes, box, "trf", *ends, max_nfev=80)
-    if found.status == 0:
-        found = least_squares(misfit, found.x, slopes, box, "dogbox", *ends, max_nfev=400)
-    return full(found.x), 2.0 * float(found.cost), bool(found.status > 0)
-
-
-def solve_at(
-    problem: Problem, v_c: float, *starts: FloatArray, tolerance: float = TOLERANCE
-) -> Optimum:
-    """Best k, p, kappa, q for a given v_c, from starts ln(k, p, kappa, q)."""
-    free = np.append(problem.free, False)
-    bounds = tuple(np.append(bound, 0.0) for bound in problem.bounds)
-    found = []
-    for start in starts:
-        x, chi_square, converged = _minimise(
-            problem,
-            np.append(start, 0.0),
-            free,
-            (bounds[0], bounds[1]),
-            lambda _: (v_c, 0.0),
-            tolerance,
-        )
-        found.append(Optimum(x[:V_C], v_c, chi_square, converged))
-    return min(found, key=lambda optimum: optimum.chi_square)
-
-
-def _solve_within(problem: Problem, lower: float, upper: float, start: FloatArray) -> Optimum:
-    """Best parameters with v_c between two neighbouring edges, from ln(k, p, kappa, q, gap)."""
-    width = upper - lower
-    low, high = problem.bounds
-    bounds = (np.append(low, np.log(CLOSEST * width)), np.append(high, np.log(width)))
-    x, chi_square, converged = _minimise(
-        problem,
-        start,
-        np.append(problem.free, True),
-        bounds,
-        lambda x: (upper, float(np.exp(x[V_C]))),
-    )
-    gap = math.exp(x[V_C])
-    on_edge = gap < (1.0 + ON_BOUND) * CLOSEST * width or gap > (1.0 - CLOSEST) * width
-    return Optimum(x[:V_C], max(upper - gap, lower), chi_square, converged, on_edge)
-
-
-def minimum(problem: Problem, logs: FloatArray | None = None) -> Optimum:
-    """Global minimum.
-
-    Parameters
-    ----------
-    problem
-        The data.
-    logs
-        A start ln(k, p, kappa, q, v_c) believed to be good; then one other start is tried.
-
-    Returns
-    -------
-    Optimum
-        ``agreeing`` of ``starts`` searches in its piece ended there.
+    A search ends where it lowers chi-square by less than the share ``tolerance`` of it.
     """
-    edges, found = problem.edges, []
-    for lower, upper in pairwise(edges.tolist()):
-        starts = _starts(problem, upper - lower)
-        if logs is not None:
-            gap = np.clip(upper - np.exp(logs[V_C]), 0.01 * (upper - lower), upper - lower)
-            starts = [np.append(logs[:V_C], np.log(gap)), starts[0]]
-        runs = [_solve_within(problem, lower, upper, start) for start in starts]
-        best = min(runs, key=lambda run: run.chi_square)
-        near = sum(_as_good(run.chi_square, best.chi_square, problem) for run in runs)
-        found.append((best, lower, near, len(runs)))
-    best, lower, near, tried = min(found, key=lambda each: each[0].chi_square)
-    edge = solve_at(problem, lower, best.logs)
-    if edge.chi_square <= best.chi_square * (1.0 + 1e-9):
-        best = Optimum(edge.logs, lower, edge.chi_square, edge.converged, on_edge=True)
-    return Optimum(best.logs, best.v_c, best.chi_square, best.converged, best.on_edge, near, tried)
+
+    v: FloatArray
+    e: FloatArray
+    weight: FloatArray
+    owner: Places
+    end: FloatArray
+    low: FloatArray
+    high: FloatArray
+    tolerance: float
 
 
-def _as_good(chi_square: float, best: float, problem: Problem) -> bool:
-    scale = float(np.sum(np.square(problem.weight * problem.e)))
-    return chi_square <= best * (1.0 + 1e-4) + 1e-12 * scale
+class Found(NamedTuple):
+    """Variables ln(k, p, kappa, q, gap) (m, 5), chi-square (m,), whether the searches converged."""
+
+    x: FloatArray
+    chi_square: FloatArray
+    converged: BoolArray
 
 
-def _starts(problem: Problem, width: float) -> list[FloatArray]:
-    top = float(problem.v.max())
-    return [
-        np.log([k * top, p, 0.3, q if problem.q is None else problem.q, share * width])
-        for k, p, q, share in STARTS
-    ]
-
-
-def profile_interval(
-    problem: Problem, best: Optimum, threshold: float
-) -> tuple[tuple[float, float], tuple[bool, bool], Optimum]:
-    """Range of v_c in which the profiled sum of squares stays below minimum + threshold.
+def descend(search: Search, x: FloatArray) -> Found:
+    """Lower the sums of squares from x as far as possible within the box.
 
     Parameters
     ----------
-    problem, best
-        The data and the minimum.
-    threshold
-        Admissible rise of the sum of squares, positive.
+    search
+        The data, and the box of ln(k, p, kappa, q, gap); a variable whose bounds are equal is
+        fixed.
+    x
+        Starts ln(k, p, kappa, q, gap), (s, 5), s a multiple of m: those of all searches once, then
+        again.
+    """
+    start = np.resize(np.arange(len(search.end)), len(x))
+    x = np.clip(x, search.low[start], search.high[start])
+    found = Found(x, np.empty(len(x)), np.zeros(len(x), bool))
+    descend_all(*search, start, *found)
+    return found
+
+
+ARRAYS = ("v", "e", "weight", "unit", "top")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DataSets:
+    """Data sets (r, n), checked, in units of the slowest rebounding speed of each.
+
+    Attributes
+    ----------
+    v, e, weight
+        Speeds, coefficients of restitution and 1/sigma; weight 0 for a datum that is not there.
+    unit, top
+        The slowest rebounding speed (r,), m/s, and the largest speed in its units.
+    q
+        Exponent of Eq. (33), or None where it is free.
+    """
+
+    v: FloatArray
+    e: FloatArray
+    weight: FloatArray
+    unit: FloatArray
+    top: FloatArray
+    q: float | None
+
+    def take(self, rows: slice | Places) -> DataSets:
+        """Return some of the data sets."""
+        return DataSets(**{name: getattr(self, name)[rows] for name in ARRAYS}, q=self.q)
+
+    @property
+    def free(self) -> int:
+        """Number of free parameters."""
+        return 5 if self.q is None else 4
+
+
+class Ranges(NamedTuple):
+    """Ranges of v_c in units of the slowest rebound, and the data set that each belongs to."""
+
+    owner: Places
+    lower: FloatArray
+    upper: FloatArray
+
+
+def data_sets(v: ArrayLike, e: ArrayLike, weight: ArrayLike, q: float | None = None) -> DataSets:
+    """Return data sets ready to be fitted.
+
+    Parameters
+    ----------
+    v
+        Normal impact speeds, (n,) or (r, n), m/s; positive.
+    e
+        Coefficients of restitution (r, n), 0 or more; 0 for a captured sphere.
+    weight
+        1/sigma, of a shape that broadcasts to (r, n); 0 leaves a datum out.
+    q
+        Exponent of Eq. (33), positive; None: free.
+
+    Raises
+    ------
+    TypeError
+        If an argument does not hold real numbers.
+    ValueError
+        If a number is out of range, or a data set has too few points from its smallest rebounding
+        speed upwards: fewer than free parameters and one more.
+    """
+    measured = np.array(checked("e", e, NON_NEGATIVE), ndmin=2)
+    speed = np.broadcast_to(checked("v", v, POSITIVE), measured.shape)
+    weights = np.array(np.broadcast_to(checked("weight", weight, NON_NEGATIVE), measured.shape))
+    if q is not None:
+        checked("q", q, POSITIVE)
+    sets = in_own_units(speed, measured, weights, q)
+    telling = np.sum((weights > 0.0) & (sets.v >= 1.0), axis=1)
+    if np.any(telling <= sets.free):
+        few = int(np.argmin(telling))
+        raise ValueError(
+            f"e: data set {few} must hold at least {sets.free + 1} points from the smallest "
+            f"rebounding speed upwards, one more than free parameters, got {telling[few]}"
+        )
+    return sets
+
+
+def in_own_units(v: FloatArray, e: FloatArray, weight: FloatArray, q: float | None) -> DataSets:
+    """Return checked data sets, all arrays (r, n), in units of their slowest rebounds."""
+    unit = np.where((weight > 0.0) & (e > 0.0), v, np.inf).min(axis=1)
+    ratio = v / unit[:, None]
+    top = np.where(weight > 0.0, ratio, 0.0).max(axis=1)
+    return DataSets(v=ratio, e=e, weight=weight, unit=unit, top=top, q=q)
+
+
+def stacked_sets(parts: Sequence[DataSets]) -> DataSets:
+    """Return data sets of one number of points and one q as those of one batch."""
+    arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in ARRAYS}
+    return DataSets(**arrays, q=parts[0].q)
+
+
+def ranges(sets: DataSets) -> Ranges:
+    """Ranges of v_c between captured speeds: the clip bends the sum of squares at each."""
+    captured = (sets.e == 0.0) & (sets.weight > 0.0) & (sets.v < 1.0 - CLOSEST)
+    several = captured.any(axis=1)
+    split, whole = np.flatnonzero(several), np.flatnonzero(~several)
+    owner, lower, upper = [whole], [np.zeros(len(whole))], [np.ones(len(whole))]
+    for row in split:
+        edges = np.concatenate([[0.0], np.unique(sets.v[row][captured[row]]), [1.0]])
+        owner.append(np.full(len(edges) - 1, row))
+        lower.append(edges[:-1])
+        upper.append(edges[1:])
+    return Ranges(np.concatenate(owner), np.concatenate(lower), np.concatenate(upper))
+
+
+def searches(
+    sets: DataSets,
+    owner: Places,
+    end: FloatArray,
+    least_gap: FloatArray,
+    largest_gap: FloatArray,
+    tolerance: float = TOLERANCE,
+) -> Search:
+    """One search per owner, with v_c below an end by a gap whose logarithm has these bounds."""
+    low, high = _bounds(sets, owner, least_gap, largest_gap)
+    return Search(sets.v, sets.e, sets.weight, owner, end, low, high, tolerance)
+
+
+def start_points(sets: DataSets, owner: Places, number: int, width: FloatArray) -> FloatArray:
+    """Start (m, 5) ln(k, p, kappa, q, gap) of that number in a range of v_c of that width."""
+    k, p, q, share = STARTS[number]
+    natural = (k * sets.top[owner], p, 0.3, sets.q or q, share * width)
+    points: FloatArray = np.log(np.stack(np.broadcast_arrays(*natural), axis=1))
+    return points
+
+
+def _bounds(
+    sets: DataSets, owner: Places, least_gap: FloatArray, largest_gap: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Bounds (m, 5) of ln(k, p, kappa, q, gap), equal where a variable is fixed."""
+    top = sets.top[owner]
+    ends = []
+    for side, scale, gap in ((0, np.ones_like(top), least_gap), (1, top, largest_gap)):
+        q = EXPONENT_BOUNDS[side] if sets.q is None else sets.q
+        sides = (K_BOUNDS[side] * scale, EXPONENT_BOUNDS[side], KAPPA_BOUNDS[side] * scale, q)
+        ends.append(np.stack(np.broadcast_arrays(*np.log(np.broadcast_arrays(*sides)), gap), 1))
+    return ends[0], ends[1]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BatchFit:
+    """Fits of r data sets.
+
+    Attributes
+    ----------
+    parameters
+        k, p, kappa, q, v_c (r, 5); speeds in m/s.
+    chi_square
+        Weighted sum of squares (r,).
+    at_bound
+        Which of them are free and ended on a bound (r, 5): v_c at 0, at the slowest rebounding
+        speed or at a captured one.
+    converged
+        Whether the search ended by its tolerance, or at a misfit that is rounding (r,).
+    agreeing
+        Number of starts that led to the minimum (r,).
+    """
+
+    parameters: FloatArray
+    chi_square: FloatArray
+    at_bound: BoolArray
+    converged: BoolArray
+    agreeing: Places
+
+    def take(self, rows: slice | Places) -> BatchFit:
+        """Return some of the fits."""
+        return BatchFit(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
+
+    @property
+    def v_c(self) -> FloatArray:
+        """Capture velocities (r,), m/s."""
+        return self.parameters[:, V_C]
+
+    @property
+    def capture_on_bound(self) -> BoolArray:
+        """Whether v_c ended on a bound (r,)."""
+        return self.at_bound[:, V_C]
+
+    @property
+    def on_bound(self) -> BoolArray:
+        """Whether any free parameter ended on a bound (r,)."""
+        return np.asarray(self.at_bound.any(axis=1))
+
+    def logs(self, sets: DataSets) -> FloatArray:
+        """Return ln(k, p, kappa, q, v_c) (r, 5) in units of the slowest rebounds of its data."""
+        natural = self.parameters.copy()
+        natural[:, [0, 2, V_C]] /= sets.unit[:, None]
+        natural[:, V_C] = np.maximum(natural[:, V_C], CLOSEST)
+        logs: FloatArray = np.log(natural)
+        return logs
+
+
+def fit_batch(
+    sets: DataSets,
+    starts: int = 2,
+    guess: FloatArray | None = None,
+    tolerance: float = TOLERANCE,
+) -> BatchFit:
+    """Fit Eq. (34) to every data set by weighted least squares.
+
+    Parameters
+    ----------
+    sets
+        From `data_sets`.
+    starts
+        Number of searches for each data set, 1 to 5; the lowest counts.
+    guess
+        One more start, ln(k, p, kappa, q, v_c) (r, 5) in units of the slowest rebounds.
+    tolerance
+        Share of chi-square by which the last step of a search may still lower it.
+
+    Raises
+    ------
+    ValueError
+        If ``starts`` is out of range.
+    """
+    if not 1 <= starts <= len(STARTS):
+        raise ValueError(f"starts must be 1 to {len(STARTS)}, got {starts}")
+    pieces = ranges(sets)
+    owner, width = pieces.owner, pieces.upper - pieces.lower
+    gaps = np.log(CLOSEST * width), np.log(width)
+    search = searches(sets, owner, pieces.upper, *gaps, tolerance)
+    points = [start_points(sets, owner, i, width) for i in range(starts)]
+    if guess is not None:
+        gap = np.clip(pieces.upper - np.exp(guess[owner, V_C]), CLOSEST * width, width)
+        points.append(np.column_stack([guess[owner, :V_C], np.log(gap)]))
+    found, each = lowest(search, points)
+    # The lowest of all pieces of each data set.
+    order = np.lexsort((found.chi_square, owner))
+    piece = order[np.unique(owner[order], return_index=True)[1]]
+    x, chi_square = found.x[piece], found.chi_square[piece]
+    near = (x - search.low[piece] < ON_BOUND) | (search.high[piece] - x < ON_BOUND)
+    gap, span = np.exp(x[:, V_C]), width[piece]
+    # v_c is held to be on a bound much closer to it than the others.
+    near[:, V_C] = (gap < (1.0 + ON_BOUND) * CLOSEST * span) | (gap > (1.0 - CLOSEST) * span)
+    near[:, Q] &= sets.q is None
+    parameters = np.exp(x)
+    if sets.q is not None:
+        parameters[:, Q] = sets.q
+    parameters[:, V_C] = np.maximum(pieces.upper[piece] - gap, pieces.lower[piece])
+    parameters[:, [0, 2, V_C]] *= sets.unit[:, None]
+    data = np.sum(np.square(sets.weight * sets.e), axis=1)
+    same = chi_square * (1.0 + SAME_MINIMUM) + SAME_AS_NONE * data
+    return BatchFit(
+        parameters=parameters,
+        chi_square=chi_square,
+        at_bound=near,
+        converged=found.converged[piece] | (chi_square <= SAME_AS_NONE * data),
+        agreeing=np.sum(each[:, piece] <= same, axis=0),
+    )
+
+
+def profile(
+    sets: DataSets, gap: FloatArray, *starts: FloatArray, fresh: bool = False
+) -> tuple[FloatArray, FloatArray]:
+    """Search with v_c held.
+
+    Parameters
+    ----------
+    sets
+        The data.
+    gap
+        v_c is 1 - gap (r,), in units of the slowest rebounds.
+    starts
+        Starts ln(k, p, kappa, q) (r, 4).
+    fresh
+        Whether to try one start more, that does not depend on those.
 
     Returns
     -------
     tuple
-        The two ends; whether each is set by the admissible range, 0 to 1, and not by the values
-        of e; and the lowest point met, a better minimum if one was overlooked.
+        Least chi-square (r,), and ln(k, p, kappa, q) (r, 4) there.
     """
-    ends, open_ends, lowest = [], [], best
-    for outwards in (2.0, 0.5):
-        inside, last = 1.0 - best.v_c, best
-        while True:
-            gap = min(max(inside, CLOSEST) * outwards, 1.0)
-            stop = gap == 1.0 if outwards > 1.0 else gap < CLOSEST
-            gap = gap if gap >= CLOSEST else 0.0
-            point = solve_at(problem, 1.0 - gap, last.logs, best.logs, tolerance=PROFILE_TOLERANCE)
-            lowest = min(lowest, point, key=lambda each: each.chi_square)
-            if point.chi_square > best.chi_square + threshold or stop:
-                break
-            inside, last = gap, point
-        held = point.chi_square <= best.chi_square + threshold
-        open_ends.append(held)
-        ends.append(1.0 - gap if held else _crossing(problem, best, last, threshold, inside, gap))
-    return (ends[0], ends[1]), (open_ends[0], ends[1] > 1.0 - AT_REBOUND), lowest
+    owner, fixed = np.arange(len(gap)), np.log(gap)
+    search = searches(sets, owner, np.ones(len(gap)), fixed, fixed)
+    points = [np.column_stack([start, fixed]) for start in starts]
+    points += [start_points(sets, owner, 0, gap)] if fresh else []
+    found, _ = lowest(search, points)
+    return found.chi_square, found.x[:, :V_C]
 
 
-def _crossing(
-    problem: Problem, best: Optimum, last: Optimum, threshold: float, inside: float, outside: float
-) -> float:
-    """v_c at which the profile crosses the threshold, between two distances from 1."""
-    from scipy.optimize import brentq
+def stacked_fits(fits: Sequence[BatchFit]) -> BatchFit:
+    """Return the fits of several batches as those of one."""
+    names = [field.name for field in fields(BatchFit)]
+    return BatchFit(
+        **{name: np.concatenate([getattr(fit, name) for fit in fits]) for name in names}
+    )
 
-    def rise(log_gap: float) -> float:
-        v_c = 1.0 - math.exp(log_gap)
-        point = solve_at(problem, v_c, last.logs, tolerance=PROFILE_TOLERANCE)
-        return point.chi_square - best.chi_square - threshold
 
-    low, high = (math.log(max(gap, 0.1 * CLOSEST)) for gap in (inside, outside))
-    if rise(high) * rise(low) >= 0.0:
-        return 1.0 - outside
-    return 1.0 - math.exp(float(brentq(rise, low, high, xtol=1e-5)))
+def lowest(search: Search, starts: Sequence[FloatArray]) -> tuple[Found, FloatArray]:
+    """Of searches from several starts each, what the lowest found; all chi-squares (s, m)."""
+    rows = np.arange(len(search.end))
+    found = descend(search, np.concatenate(starts))
+    each = found.chi_square.reshape(len(starts), -1)
+    best = rows + len(rows) * np.argmin(each, axis=0)
+    return Found(*(field[best] for field in found)), each

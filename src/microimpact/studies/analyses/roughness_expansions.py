@@ -8,15 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Annotated
 
 import numpy as np
 import pandas as pd
-import scipy
-from numpy.typing import ArrayLike
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray, Real
+from microimpact.core.solve import root
 from microimpact.core.tables import series_frame
 from microimpact.declared.parameters import AngleDegrees, Finite, Fraction
 from microimpact.model.rigid_body.roughness import (
@@ -31,6 +31,8 @@ from microimpact.model.rigid_body.roughness import (
     shallow_restitution,
     sloped_impulse_ratio,
 )
+
+_frame = partial(series_frame, x_unit="deg", y_unit="1")
 
 RESTITUTION, IMPULSE = "restitution", "impulse ratio"
 PRINTED, CORRECTED = FORMS = ("printed", "corrected")
@@ -349,11 +351,7 @@ def first_excess(excess: Callable[[Real], FloatArray], start: float, end: float)
     first = int(np.argmax(over))
     if first == 0:
         return np.nan
-    return float(
-        scipy.optimize.brentq(
-            lambda x: float(excess(x)), steps[first - 1], steps[first], xtol=1e-12
-        )
-    )
+    return root(excess, steps[first - 1], steps[first], absolute=1e-12)
 
 
 def curves(params: Params) -> pd.DataFrame:
@@ -413,9 +411,3 @@ def _others(panel: str, equation: Equation, x: FloatArray, case: Case) -> list[p
         if side.any():
             frames.append(_frame(panel, series, x[side], before[side]))
     return frames
-
-
-def _frame(panel: str, series: str, x: ArrayLike, y: ArrayLike) -> pd.DataFrame:
-    return series_frame(
-        panel=panel, series=series, evidence="computed", x=x, y=y, x_unit="deg", y_unit="1"
-    )

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
@@ -25,6 +25,8 @@ from microimpact.model.dynamics.normal import normal_impact
 from microimpact.statistics.distributions import Distribution, generator, mean
 
 NEEDS = {"calibration": ("calibration",)}
+
+_frame = partial(series_frame, "all", x_unit="m_per_s", y_unit="1")
 
 NO_SPIN = InitialSpin(sd=0.0, mean=0.0)
 
@@ -286,24 +288,3 @@ def _level(params: Params, printed: pd.DataFrame) -> tuple[float, list[float]]:
 def _pile_up(printed: pd.DataFrame) -> pd.DataFrame:
     ends = printed.loc["pile_up_speed_sst_silicon", ["low", "high"]].astype(float)
     return _frame("printed pile-up", ends, [0.0, 0.0], "printed")
-
-
-def _frame(
-    series: str,
-    x: ArrayLike,
-    y: ArrayLike,
-    evidence: str = "computed",
-    y_low: ArrayLike = np.nan,
-    y_high: ArrayLike = np.nan,
-) -> pd.DataFrame:
-    return series_frame(
-        panel="all",
-        series=series,
-        evidence=evidence,
-        x=x,
-        y=y,
-        x_unit="m_per_s",
-        y_unit="1",
-        y_low=y_low,
-        y_high=y_high,
-    )

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
@@ -27,6 +27,8 @@ from microimpact.model.rigid_body.algebra import rigid_body_rebound
 from microimpact.statistics.distributions import generator
 
 NEEDS = {"calibration": ("calibration",)}
+
+_frame = partial(series_frame, x_unit="deg", y_unit="1")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -255,25 +257,3 @@ def _curves(params: Params, figure: str, contacts: Mapping[str, Contact]) -> Ite
     if "impulse_ratio" in FIGURES[figure]:
         curve = coulomb_curve(own[0], contacts[own[0].name], angle, params.coulomb_restitution)
         yield _frame("impulse_ratio", "Coulomb friction", angle, curve)
-
-
-def _frame(
-    panel: str,
-    series: str,
-    x: ArrayLike,
-    y: ArrayLike,
-    evidence: str = "computed",
-    y_low: ArrayLike = np.nan,
-    y_high: ArrayLike = np.nan,
-) -> pd.DataFrame:
-    return series_frame(
-        panel=panel,
-        series=series,
-        evidence=evidence,
-        x=x,
-        y=y,
-        x_unit="deg",
-        y_unit="1",
-        y_low=y_low,
-        y_high=y_high,
-    )

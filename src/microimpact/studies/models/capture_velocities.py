@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Annotated
 
 import numpy as np
@@ -33,6 +34,8 @@ from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 
 NEEDS = {"calibration": ("calibration",)}
+
+_frame = partial(series_frame, x_unit="um", y_unit="m_per_s")
 
 MODEL, JKR = "model", "jkr"
 BRACH_DUNN, DAHNEKE = "brach_dunn_1992", "dahneke_1971"
@@ -267,22 +270,10 @@ def _curves(
     for name, law in laws.items():
         velocity = np.broadcast_to(law.velocity(sized), diameter.shape)
         finite = np.isfinite(velocity)
-        frames.append(_frame(pair, name, _evidence(pair, name), diameter[finite], velocity[finite]))
+        frames.append(
+            _frame(pair.label, name, diameter[finite], velocity[finite], _evidence(pair, name))
+        )
     if np.isfinite(printed):
         own = np.array([float(contact.diameter) * 1e6])
-        frames.append(_frame(pair, "printed", "printed", own, np.array([printed])))
+        frames.append(_frame(pair.label, "printed", own, printed, "printed"))
     return frames
-
-
-def _frame(
-    pair: PairCase, series: str, evidence: str, x: FloatArray, y: FloatArray
-) -> pd.DataFrame:
-    return series_frame(
-        panel=pair.label,
-        series=series,
-        evidence=evidence,
-        x=x,
-        y=y,
-        x_unit="um",
-        y_unit="m_per_s",
-    )

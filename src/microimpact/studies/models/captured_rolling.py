@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from typing import Annotated
 
@@ -15,7 +16,6 @@ import numpy as np
 import pandas as pd
 from pydantic import Field
 
-from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import series_frame
 from microimpact.declared.parameters import AngleDegrees, Name, Positive
 from microimpact.lab.contacts import calibrated_contact
@@ -26,6 +26,8 @@ from microimpact.model.dynamics.rolling import gravity_ratio, peeling_couple, ro
 from microimpact.model.rigid_body.algebra import INERTIA
 
 NEEDS = {"calibration": ("calibration",)}
+
+_frame = partial(series_frame, x_unit="nm", y_unit="mm")
 
 # Tangential velocity of a captured sphere that came without spin, over the one before: 5/7.
 KEPT = 1.0 / (1.0 + INERTIA)
@@ -140,9 +142,3 @@ def curves(params: Params, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
         for name, length in (("spot", params.spot_mm), ("edge", params.edge_mm)):
             frames.append(_frame(case, name, np.array([low, high]), np.full(2, length)))
     return pd.concat(frames, ignore_index=True)
-
-
-def _frame(panel: str, series: str, x: FloatArray, y: FloatArray) -> pd.DataFrame:
-    return series_frame(
-        panel=panel, series=series, evidence="computed", x=x, y=y, x_unit="nm", y_unit="mm"
-    )

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Annotated
 
 import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from pydantic import Field
 
 from microimpact.core.tables import series_frame
 from microimpact.declared.parameters import Finite, Fraction, Name, NonNegative, Positive
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
+
+_frame = partial(series_frame, x_unit="deg", y_unit="1")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,17 +92,3 @@ def impulse_ratio(
     v_t = np.where(angle == 90.0, 0.0, np.cos(alpha))
     rebound = rigid_body_rebound(-np.sin(alpha), v_t, spin_ratio, 1.0, restitution, friction)
     return 0.0 - np.asarray(rebound.mu)
-
-
-def _frame(
-    panel: str, series: str, x: ArrayLike, y: ArrayLike, evidence: str = "computed"
-) -> pd.DataFrame:
-    return series_frame(
-        panel=panel,
-        series=series,
-        evidence=evidence,
-        x=x,
-        y=y,
-        x_unit="deg",
-        y_unit="1",
-    )

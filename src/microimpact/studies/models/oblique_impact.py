@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Annotated
 
 import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
@@ -19,6 +19,8 @@ from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import FRICTION_BASES, simulate, velocity_components
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
+
+_frame = partial(series_frame, x_unit="deg", y_unit="1")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -120,11 +122,3 @@ def capture_angle(params: Params, contact: Contact) -> float:
 
 def _capture_line(panel: str, params: Params, contact: Contact) -> pd.DataFrame:
     return _frame(panel, "capture", capture_angle(params, contact), [0.0])
-
-
-def _frame(
-    panel: str, series: str, x: ArrayLike, y: ArrayLike, evidence: str = "computed"
-) -> pd.DataFrame:
-    return series_frame(
-        panel=panel, series=series, evidence=evidence, x=x, y=y, x_unit="deg", y_unit="1"
-    )

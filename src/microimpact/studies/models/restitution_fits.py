@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Annotated, Literal
 
 import numpy as np
 import pandas as pd
 from pydantic import Field
 
-from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import POINTS, series_frame
 from microimpact.declared.parameters import Fraction, Name, Positive
 from microimpact.lab.contacts import calibrated_contact
@@ -19,6 +19,8 @@ from microimpact.model.dynamics.impact import simulate
 from microimpact.model.empirical.fit import RestitutionFit, fit_restitution
 
 NEEDS = {"calibration": ("calibration",)}
+
+_frame = partial(series_frame, "restitution", x_unit="m_per_s", y_unit="1")
 
 # Curves begin at this share of the capture velocity.
 DRAWN_FROM = 0.7
@@ -89,7 +91,9 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
         largest = max(params.largest_speed_m_per_s, case.fitted_to * limit)
         speed = np.union1d(np.geomspace(DRAWN_FROM * limit, largest, params.points), [limit])
         e = simulate(contact, speed).coefficient_of_restitution
-        frames[case.figure].append(_frame(case, f"{case.case}, simulation", speed, e))
+        frames[case.figure].append(
+            _frame(f"{case.case}, simulation", speed, e, case.result_evidence)
+        )
         found, curves = _digitised_fits(case, params, inputs.get("digitised"), limit)
         later += found
         frames[case.figure] += curves
@@ -99,15 +103,14 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
         measured = simulate(contact, sampled).coefficient_of_restitution
         fits = [fit_restitution(sampled, measured, q=q) for q in (None, params.fixed_exponent)]
         rows += [_row(case, limit, fit) for fit in fits]
-        v_c = np.full(2, fits[0].v_c)
         frames[case.figure] += [
-            _frame(case, f"{case.case}, fit", speed, fits[0].curve(speed)),
-            _frame(case, f"{case.case}, v_c of the fit", v_c, np.array([0.0, V_C_MARK])),
+            _frame(f"{case.case}, fit", speed, fits[0].curve(speed), case.result_evidence),
+            _frame(
+                f"{case.case}, v_c of the fit", fits[0].v_c, [0.0, V_C_MARK], case.result_evidence
+            ),
         ]
         printed = case.printed_capture_velocity_m_per_s
-        mark = _frame(
-            case, f"printed, {printed:g} m/s", np.array([printed]), np.zeros(1), "printed"
-        )
+        mark = _frame(f"printed, {printed:g} m/s", printed, 0.0, "printed")
         if not any(mark.equals(other) for other in frames[case.figure]):
             frames[case.figure].append(mark)
     tables = {name: pd.concat(parts, ignore_index=True) for name, parts in frames.items()}
@@ -142,7 +145,7 @@ def _fitted_curve(case: Case, fit: RestitutionFit, points: int) -> pd.DataFrame:
     start = DRAWN_FROM * max(fit.v_c, 0.5 * float(fit.v.min()))
     speed = np.union1d(np.geomspace(start, fit.v.max(), points), [max(start, fit.v_c)])
     series = f"{case.case}, fit of digitised points"
-    return _frame(case, series, speed, fit.curve(speed), "computed")
+    return _frame(series, speed, fit.curve(speed))
 
 
 def _known(case: Case, limit: float) -> dict[str, object]:
@@ -171,17 +174,3 @@ def _row(case: Case, limit: float, fit: RestitutionFit) -> dict[str, object]:
         "evidence": case.result_evidence,
         "note": "",
     }
-
-
-def _frame(
-    case: Case, series: str, x: FloatArray, y: FloatArray, evidence: str | None = None
-) -> pd.DataFrame:
-    return series_frame(
-        panel="restitution",
-        series=series,
-        evidence=evidence or case.result_evidence,
-        x=x,
-        y=y,
-        x_unit="m_per_s",
-        y_unit="1",
-    )

@@ -9,16 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from itertools import pairwise, product
 from typing import Annotated
 
 import numpy as np
 import pandas as pd
-import scipy
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
+from microimpact.core.solve import root
 from microimpact.core.tables import series_frame
 from microimpact.declared.parameters import AngleDegrees, Fraction, Name, Positive
 from microimpact.lab.contacts import calibrated_contact
@@ -27,6 +27,8 @@ from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.rolling import CoupleImpulses, couple_impulses
 
 NEEDS = {"calibration": ("calibration",)}
+
+_frame = partial(series_frame, x_unit="deg", y_unit="1")
 
 # Grades of the neglected couple, and the parts that add up to each.
 GRADES = {
@@ -192,7 +194,7 @@ def around_least(
     def end(order: range) -> float:
         for inner, outer in pairwise(order):
             if values[outer] >= 0.0:
-                return float(scipy.optimize.brentq(excess, x[inner], x[outer], xtol=ANGLE_ERROR))
+                return root(excess, x[inner], x[outer], absolute=ANGLE_ERROR)
         return float(x[order[-1]])
 
     return end(range(least, -1, -1)), end(range(least, x.size))
@@ -212,9 +214,3 @@ def curves(params: Params, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
     ends = np.array(params.angles_deg)[[0, -1]]
     frames += [_frame(grade, "negligible", ends, np.full(2, params.negligible)) for grade in GRADES]
     return pd.concat(frames, ignore_index=True)
-
-
-def _frame(panel: str, series: str, x: FloatArray, y: FloatArray) -> pd.DataFrame:
-    return series_frame(
-        panel=panel, series=series, evidence="computed", x=x, y=y, x_unit="deg", y_unit="1"
-    )

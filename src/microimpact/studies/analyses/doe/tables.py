@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -19,6 +20,8 @@ from microimpact.statistics.effects import (
 )
 from microimpact.studies.analyses.doe.experiment import Experiment, analyses
 from microimpact.studies.analyses.doe.factors import LETTERS
+
+_frame = partial(series_frame, x_unit="percent", y_unit="1")
 
 
 def alias_rows(relation: Mapping[str, int]) -> list[dict[str, object]]:
@@ -121,15 +124,3 @@ def figure_frame(each: Experiment, table: pd.DataFrame) -> pd.DataFrame:
                 ends = [-margin, margin] if panel == "normal" else [margin]
                 frames.append(_frame(panel, f"{response}: {name}", ends, 0.0))
     return pd.concat(frames, ignore_index=True)
-
-
-def _frame(panel: str, series: str, x: list[float], y: object) -> pd.DataFrame:
-    return series_frame(
-        panel=panel,
-        series=series,
-        evidence="computed",
-        x=x,
-        y=y,  # type: ignore[arg-type]
-        x_unit="percent",
-        y_unit="1",
-    )

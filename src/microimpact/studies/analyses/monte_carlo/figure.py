@@ -6,15 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
-import scipy
 
 from microimpact.core.tables import result_evidence, series_frame
+from microimpact.statistics.intervals import student_half_width
 from microimpact.studies.analyses.monte_carlo.ensembles import Ensemble
 from microimpact.studies.analyses.monte_carlo.events import estimate
 
 # Half-width of the drawn band of standard error.
 BAND = 2.0
-CONFIDENCE = 0.95
 
 
 def figure_data(
@@ -51,8 +50,7 @@ def figure_data(
     }
     columns = {"restitution": "relative_restitution", "impulse_ratio": "impulse_ratio"}
     # A measured mean scatters about the true one by Student's t of so many events.
-    spread = scipy.special.stdtrit(events_measured - 1, 0.5 * (1.0 + CONFIDENCE))
-    spread /= np.sqrt(events_measured)
+    spread = student_half_width(1.0, events_measured)
     frames = [
         series_frame(
             panel=panel,

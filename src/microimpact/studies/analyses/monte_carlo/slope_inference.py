@@ -8,9 +8,9 @@ from functools import cache
 from itertools import pairwise
 
 import numpy as np
-import scipy
 
 from microimpact.core.arrays import FloatArray
+from microimpact.core.solve import root
 from microimpact.declared.parameters import AngleDegrees, Count, NonNegative, Positive
 from microimpact.statistics.distributions import Constant, Normal
 from microimpact.studies.analyses.monte_carlo.ensembles import Ensemble, Plan
@@ -147,5 +147,5 @@ def _first_crossing(function: Callable[[float], float], grid: FloatArray) -> flo
     for low, high in pairwise(map(float, grid)):
         if function(high) >= 0.0:
             # The function has small steps where an event comes to be accepted.
-            return float(scipy.optimize.brentq(function, low, high, xtol=1e-5))
+            return root(function, low, high, absolute=1e-5)
     return np.inf

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.solve import roots
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
@@ -93,7 +94,6 @@ def material_damping(speed: float, restitution: FloatArray) -> FloatArray:
 
     With d = c_H v, ``d - ln(1 + d) = -e d - ln(1 - e d)``.
     """
-    from scipy.optimize import elementwise
 
     def excess(share: FloatArray, e: FloatArray) -> FloatArray:
         # The unknown is e d, between 0 and 1; the square takes out the root at zero.
@@ -101,8 +101,7 @@ def material_damping(speed: float, restitution: FloatArray) -> FloatArray:
         found: FloatArray = (d - np.log1p(d) + share + np.log1p(-share)) / d**2
         return found
 
-    ends = np.full_like(restitution, 1e-4), np.full_like(restitution, 1.0 - 1e-12)
-    share: FloatArray = elementwise.find_root(excess, ends, args=(restitution,)).x
+    share = roots(excess, 1e-4, 1.0 - 1e-12, restitution)
     return share / restitution / speed
 
 

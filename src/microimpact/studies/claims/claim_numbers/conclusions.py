@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy
 
-from microimpact.core.arrays import FloatArray
+from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.solve import threshold
 from microimpact.lab.experiment import Target
 from microimpact.lab.surface import Rebound, rough
 from microimpact.model.contact import Contact
@@ -26,8 +26,8 @@ from microimpact.studies.claims.claim_numbers.context import (
 # Yielding starts below the surface where the greatest pressure exceeds 1.6 yield strengths.
 PRESSURE_AT_YIELD = 1.6
 ANALYSIS = 98
-# Where normal speeds of capture are looked for, relative to the one known; halved to rounding.
-AROUND, HALVINGS = 1e-3, 50
+# Where normal speeds of capture are looked for, relative to the one known.
+AROUND = 1e-3
 # To how much of the nominal normal speed apparent capture is found.
 APPARENT = 1e-3
 
@@ -113,21 +113,21 @@ def decoupled_speeds(contact: Contact, angle: FloatArray) -> FloatArray:
     limit = float(capture_velocity(contact))
     low, high = (np.full(angle.shape, limit * (1.0 + side * AROUND)) for side in (-1.0, 1.0))
     into, along = velocity_components(1.0, angle)
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        stays = planar(contact, -middle, middle * along / -into).captured
-        low, high = np.where(stays, middle, low), np.where(stays, high, middle)
-    return np.asarray(0.5 * (low + high))
+
+    def leaves(speed: FloatArray) -> BoolArray:
+        return ~planar(contact, -speed, speed * along / -into).captured
+
+    return threshold(leaves, low, high)
 
 
 def apparent_speed(context: Context, contact: Contact, angle: float) -> float:
     """Return the nominal normal speed below which more than half the spheres stay on slopes."""
 
-    def excess(speed: float) -> float:
-        return 0.5 - float(np.mean(on_slopes(context, contact, angle, speed).captured))
+    def half_leave(speed: float) -> bool:
+        return float(np.mean(on_slopes(context, contact, angle, speed).captured)) <= 0.5
 
     limit = float(capture_velocity(contact))
-    return float(scipy.optimize.bisect(excess, 0.02 * limit, 3.0 * limit, xtol=APPARENT * limit))
+    return threshold(half_leave, 0.02 * limit, 3.0 * limit, absolute=APPARENT * limit)
 
 
 def on_slopes(context: Context, contact: Contact, angle: float, normal_speed: float) -> Rebound:

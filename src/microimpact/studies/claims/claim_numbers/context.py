@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Self
 
@@ -25,9 +25,6 @@ from microimpact.lab.samples import (
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.impact import Impact, simulate
 from microimpact.studies.claims.claim_numbers.params import Params
-
-# Halvings that narrow any interval of numbers down to rounding.
-HALVINGS = 60
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -211,11 +208,3 @@ def without_adhesion(contact: Contact) -> Contact:
 def between(ends: tuple[float, float], points: int) -> FloatArray:
     """Return speeds or sizes between two ends, in equal ratios."""
     return np.geomspace(*ends, points)
-
-
-def boundary(holds: Callable[[float], bool], low: float, high: float) -> float:
-    """Return where a condition begins to hold, which does not hold below and does above."""
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if holds(middle) else (middle, high)
-    return high

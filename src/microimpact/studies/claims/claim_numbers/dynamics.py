@@ -7,13 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 import pandas as pd
-import scipy
 
 from microimpact.core.arrays import FloatArray, Real
+from microimpact.core.solve import root
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.events import Impacts
 from microimpact.lab.samples import (
-    Statistic,
     in_plane,
     statistics,
 )
@@ -27,6 +26,7 @@ from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.rigid_body.algebra import (
     INERTIA,
 )
+from microimpact.statistics.intervals import student_half_width
 from microimpact.studies.claims.claim_numbers.claim import CALIBRATED, VIRTUAL, claim
 from microimpact.studies.claims.claim_numbers.context import (
     Context,
@@ -319,7 +319,7 @@ def gap_over_half_width(context: Context, angle: float) -> float:
     measured = in_plane(free, np.ones(len(free), dtype=bool))
     loss = statistics(measured, params.sampling.angle_error_deg)["energy_loss"]
     gap = np.mean(gained_by_rotation(free))
-    return float(gap / half_width(loss, params.sampling.events))
+    return float(gap / student_half_width(loss.sd, params.sampling.events, loss.systematic))
 
 
 def gained_by_rotation(impacts: Impacts) -> FloatArray:
@@ -329,12 +329,6 @@ def gained_by_rotation(impacts: Impacts) -> FloatArray:
     before = np.sum(np.square(impacts.velocity), axis=1)
     share: FloatArray = INERTIA * np.square(radius) * gained / before
     return share
-
-
-def half_width(of: Statistic, events: int) -> float:
-    """Return the half-width of the 95 % interval of a mean of so many events."""
-    quantile = float(scipy.special.stdtrit(events - 1, 0.975))
-    return quantile * float(np.sqrt(of.sd**2 / events + of.systematic**2))
 
 
 def rotational_share(contact: Contact, impact: Impact) -> float:
@@ -476,9 +470,7 @@ def capture_ratio(contact: Contact) -> float:
         return log_speed - float(np.log(capture_velocity(at_own_speed(contact, speed))))
 
     start = float(np.log(limit))
-    return float(
-        np.exp(scipy.optimize.brentq(excess, start - REACH, start + REACH, xtol=1e-12) - start)
-    )
+    return float(np.exp(root(excess, start - REACH, start + REACH, absolute=1e-12) - start))
 
 
 @claim("C103")

@@ -10,8 +10,9 @@ from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import (
     simulate,
 )
-from microimpact.model.empirical.batch import data_sets, fit_batch, interval_batch
 from microimpact.model.empirical.fit import fit_restitution
+from microimpact.model.empirical.intervals import interval_batch
+from microimpact.model.empirical.search import data_sets, fit_batch
 from microimpact.statistics.distributions import generator
 from microimpact.studies.claims.claim_numbers.claim import claim
 from microimpact.studies.claims.claim_numbers.context import (
@@ -55,7 +56,7 @@ def c104(context: Context) -> dict[str, float]:
     rng = generator(context.params.sampling.seed, ANALYSIS)
     measured = np.maximum(e + sigma * rng.standard_normal((fits.data_sets, e.size)), 0.0)
     sets = data_sets(speed, measured, (measured > 0.0) / sigma)
-    ends = interval_batch(sets, fit_batch(sets), scipy.special.chdtri(1, 1.0 - CONFIDENCE))
+    ends = interval_batch(sets, fit_batch(sets), scipy.special.chdtri(1, 1.0 - CONFIDENCE)).ends
     return {"relative_width_of_profile_interval": float(np.median(np.diff(ends)) / limit)}
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-import scipy
 
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.constants import gravity
+from microimpact.core.solve import root
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.pdpa.pairing import correct
 from microimpact.model.contact import Contact, resized
@@ -157,7 +157,7 @@ def speed_of_share(context: Context, contact: Contact) -> float:
 
     for fast, slow in pairwise(between((context.speed, limit), normal.points)):
         if excess(slow) < 0.0:
-            return float(scipy.optimize.brentq(excess, slow, fast, xtol=1e-14, rtol=1e-14))
+            return root(excess, slow, fast, absolute=1e-14, relative=1e-14)
     raise ValueError(f"restitution never falls to {normal.plateau_share:g} of its plateau")
 
 

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pandas as pd
-import scipy
 
 from microimpact.core.arrays import FloatArray, Real
+from microimpact.core.solve import root, threshold
 from microimpact.lab.dispenser import InitialSpin
 from microimpact.lab.events import Impacts
 from microimpact.lab.experiment import StopRule
@@ -33,7 +33,6 @@ from microimpact.statistics.distributions import generator
 from microimpact.studies.claims.claim_numbers.claim import VIRTUAL, claim
 from microimpact.studies.claims.claim_numbers.context import (
     Context,
-    boundary,
 )
 from microimpact.studies.experiments.mechanisms.impulse_regions import regions
 from microimpact.studies.experiments.mechanisms.spin import rolling_limit
@@ -72,7 +71,7 @@ def normal_capture_speed(context: Context, angle: float) -> float:
     def rebounds(log_speed: float) -> bool:
         return not context.hit(steel, np.exp(log_speed), local).captured
 
-    speed = np.exp(boundary(rebounds, np.log(SLOWEST), np.log(FASTEST)))
+    speed = np.exp(threshold(rebounds, np.log(SLOWEST), np.log(FASTEST)))
     return float(speed * np.sin(np.radians(angle)))
 
 
@@ -85,7 +84,7 @@ def c10(context: Context) -> dict[str, float]:
     def rolls(angle: float) -> bool:
         return bool(context.hit(steel, context.speed, angle).rolling)
 
-    return {"rolling_to_sliding_angle": boundary(rolls, shallowest, 90.0)}
+    return {"rolling_to_sliding_angle": threshold(rolls, shallowest, 90.0)}
 
 
 @claim("C11")
@@ -400,7 +399,7 @@ def spread_needed(context: Context) -> float:
         of = _with_spread(context, 0.0, sd)
         return of.mean - half_width(of, exact, context.params.sampling)
 
-    return float(scipy.optimize.brentq(lower_end, 0.0, WIDEST_SPREAD, xtol=1e-2))
+    return root(lower_end, 0.0, WIDEST_SPREAD, absolute=1e-2)
 
 
 @claim("C79", by_case=True, evidence=VIRTUAL, units="deg")

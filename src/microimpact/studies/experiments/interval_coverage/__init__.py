@@ -23,10 +23,10 @@ from microimpact.lab.pdpa import analyser as doppler
 from microimpact.lab.pdpa import experiment as normal_incidence
 from microimpact.lab.ptis import experiment as oblique_incidence
 from microimpact.lab.ptis import system as imaging
-from microimpact.lab.reduction import QUANTITIES, half_width, quantities
+from microimpact.lab.reduction import QUANTITIES, quantities
 from microimpact.lab.surface import rough
 from microimpact.statistics.distributions import Distribution, generator
-from microimpact.statistics.proportion import wilson_interval
+from microimpact.statistics.intervals import student_half_width, wilson_interval
 from microimpact.studies.experiments.interval_coverage.repeated import (
     Repeated,
     by_doppler,
@@ -170,7 +170,7 @@ def coverage_rows(
         values = means[name]
         centre = values.mean(axis=1)
         sd = values.std(axis=1, ddof=1)
-        half = half_width(sd, params.events, systematic[name], params.level)
+        half = student_half_width(sd, params.events, systematic[name], params.level)
         row: dict[str, Any] = {
             "case": case.name,
             "instrument": instrument,

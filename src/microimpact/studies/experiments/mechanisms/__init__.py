@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Annotated
 
 import numpy as np
 import pandas as pd
-import scipy
-from numpy.typing import ArrayLike
 from pydantic import Field
 
 from microimpact.core.tables import series_frame
@@ -17,6 +16,7 @@ from microimpact.declared.parameters import AngleDegrees, Count, Name
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.ptis.system import Instrument
 from microimpact.lab.samples import Sampling
+from microimpact.statistics.intervals import student_half_width
 from microimpact.studies.experiments.mechanisms.shallow import (
     Curve,
     Shallow,
@@ -30,6 +30,8 @@ from microimpact.studies.experiments.mechanisms.spin import Spin, spin_tables
 from microimpact.studies.experiments.mechanisms.spore import CAMERA, Spore, spore_tables
 
 NEEDS = {"calibration": ("calibration",)}
+
+_frame = partial(series_frame, x_unit="deg", y_unit="1")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -139,8 +141,7 @@ def _spore_frames(
         known = rows[np.isfinite(rows["restitution"])]
         seen = name == CAMERA
         e = known["restitution"].to_numpy()
-        half = known["restitution_sd"].to_numpy() * scipy.special.stdtrit(params.events - 1, 0.975)
-        half = half / np.sqrt(params.events)
+        half = student_half_width(known["restitution_sd"].to_numpy(), params.events)
         yield _frame(
             "spore",
             str(name),
@@ -152,27 +153,3 @@ def _spore_frames(
         )
     values = printed.loc[list(params.anchors), "value"].astype(float)
     yield _frame("spore", "printed", params.printed_deg, values, evidence="printed")
-
-
-def _frame(
-    panel: str,
-    series: str,
-    x: ArrayLike,
-    y: ArrayLike,
-    *,
-    evidence: str = "computed",
-    x_unit: str = "deg",
-    y_low: ArrayLike = np.nan,
-    y_high: ArrayLike = np.nan,
-) -> pd.DataFrame:
-    return series_frame(
-        panel=panel,
-        series=series,
-        evidence=evidence,
-        x=x,
-        y=y,
-        x_unit=x_unit,
-        y_unit="1",
-        y_low=y_low,
-        y_high=y_high,
-    )

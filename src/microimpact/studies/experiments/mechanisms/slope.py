@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-import scipy
 
+from microimpact.core.solve import root
 from microimpact.declared.parameters import AngleDegrees, Name, NonNegative, Positive
 from microimpact.lab.samples import (
     Dropped,
@@ -170,7 +170,7 @@ def slope_for(
         found: Seen = seen(rough(dropped, slope), contact, angle, sampling)
         return found.statistics["restitution"].mean - restitution
 
-    return float(scipy.optimize.brentq(excess, *SLOPE_RANGE, xtol=1e-4))
+    return root(excess, *SLOPE_RANGE, absolute=1e-4)
 
 
 def formica_comparison(

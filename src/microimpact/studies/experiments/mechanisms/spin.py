@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-import scipy
 
+from microimpact.core.solve import root, threshold
 from microimpact.declared.parameters import AngleDegrees, Finite, Name, NonNegative, Positive
 from microimpact.lab.events import Measured
 from microimpact.lab.ptis.experiment import turned
@@ -134,9 +134,7 @@ def needed_rows(
 
         # Spin does not decide on capture: too few rebounds without it are too few with it.
         enough = np.isfinite(ratio(0.0))
-        spin = (
-            float(scipy.optimize.brentq(ratio, 0.0, LARGEST_SPIN, xtol=1e-4)) if enough else np.nan
-        )
+        spin = root(ratio, 0.0, LARGEST_SPIN, absolute=1e-4) if enough else np.nan
         rows.append(
             {
                 "case": dropped.case,
@@ -179,15 +177,13 @@ def limit_rows(params: Spin, dropped: Dropped, contact: Contact) -> list[dict[st
             return float(rolling_limit(contact, speed, spin) - aim)
 
         row["shift_deg"] = row["limit_deg"] - base
-        row["back_spin_for_shift"] = float(
-            scipy.optimize.brentq(excess, *SHIFTING_SPINS, xtol=1e-4)
-        )
+        row["back_spin_for_shift"] = root(excess, *SHIFTING_SPINS, absolute=1e-4)
         row["shift_sought_deg"] = params.limit_shift_deg
     return rows
 
 
 def rolling_limit(contact: Contact, speed: float, spin: float) -> float:
-    """Return the angle (degrees) below which a sphere still slides as it leaves.
+    """Return the angle (degrees) below which a sphere still slides as it leaves, within limits.
 
     Parameters
     ----------
@@ -198,12 +194,16 @@ def rolling_limit(contact: Contact, speed: float, spin: float) -> float:
     spin
         r omega/v.
     """
-    low, high = LIMIT_RANGE
-    while high - low > 1e-3:
-        middle = 0.5 * (low + high)
-        rolls = simulate(contact, speed, middle, spin * speed / contact.radius).rolling
-        low, high = (low, middle) if rolls else (middle, high)
-    return 0.5 * (low + high)
+
+    def rolls(angle: float) -> bool:
+        impact = simulate(contact, speed, angle, spin * speed / contact.radius)
+        # One that stays rolls, too, at angles below those at which others slide.
+        return bool(impact.rolling & ~impact.captured)
+
+    shallow, steep = LIMIT_RANGE
+    if rolls(shallow):
+        return shallow
+    return threshold(rolls, shallow, steep, absolute=1e-6) if rolls(steep) else steep
 
 
 def bias_row(
@@ -221,10 +221,7 @@ def bias_row(
         return -tilted_ratio(sphere, speed, tilt) - params.bias
 
     e = float(simulate(sphere, speed).coefficient_of_restitution)
-    spin, tilt = (
-        float(scipy.optimize.brentq(f, 0.0, end, xtol=1e-9))
-        for f, end in ((by_spin, 0.5), (by_tilt, 5))
-    )
+    spin, tilt = (root(f, 0.0, end, absolute=1e-9) for f, end in ((by_spin, 0.5), (by_tilt, 5)))
     return {
         "case": dropped.case,
         "impulse_ratio": params.bias,

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-import scipy
 
 from microimpact.core.arrays import FloatArray
+from microimpact.core.solve import root
 from microimpact.declared.parameters import (
     AngleDegrees,
     Count,
@@ -335,7 +335,7 @@ def met_at(
         found = seen(dropped, scaled(factor), angle, sampling)
         return found.statistics["restitution"].mean - restitution
 
-    return scaled(float(scipy.optimize.brentq(excess, *FACTORS, xtol=1e-4)))
+    return scaled(root(excess, *FACTORS, absolute=1e-4))
 
 
 def smooth_spore(params: Spore, contact: Contact) -> pd.DataFrame:

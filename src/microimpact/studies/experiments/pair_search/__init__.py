@@ -23,7 +23,7 @@ from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.pdpa.analyser import REBOUND, Instrument
 from microimpact.lab.pdpa.observation import FATES, Observation, ratio
 from microimpact.statistics.distributions import Distribution
-from microimpact.statistics.proportion import wilson_interval
+from microimpact.statistics.intervals import mean_and_error, wilson_interval
 from microimpact.studies.experiments.pair_search.controls import Control, pairing_controls
 from microimpact.studies.experiments.pair_search.correction import (
     Correction,
@@ -34,7 +34,6 @@ from microimpact.studies.experiments.pair_search.curves import pairing_curves, s
 from microimpact.studies.experiments.pair_search.doppler import (
     Setup,
     dropped,
-    mean_and_error,
     observed,
 )
 

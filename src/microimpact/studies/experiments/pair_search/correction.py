@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Annotated
 
 import numpy as np
@@ -19,7 +20,10 @@ from microimpact.lab.pdpa.observation import at_surface, observe
 from microimpact.lab.pdpa.pairing import Form, correct
 from microimpact.lab.surface import Rebound
 from microimpact.statistics.distributions import generator
-from microimpact.studies.experiments.pair_search.doppler import Setup, dropped, mean_and_error
+from microimpact.statistics.intervals import mean_and_error
+from microimpact.studies.experiments.pair_search.doppler import Setup, dropped
+
+_frame = partial(series_frame, "correction", x_unit="m_per_s", y_unit="1")
 
 FORMS: tuple[Form, ...] = ("printed", "exact")
 
@@ -84,13 +88,22 @@ def correction_curves(table: pd.DataFrame, params: Correction) -> pd.DataFrame:
         if slowest < ends[1]:
             speed = np.geomspace(slowest, ends[1], params.curve_points)
             bias = np.array([closed_form(v, e, height)["e"] for v in speed])
-            frames.append(_frame(f"closed form, e = {e:g}", "computed", speed, bias))
+            frames.append(_frame(f"closed form, e = {e:g}", speed, bias))
         rows = table[(table["quantity"] == "e") & (table["restitution"] == e)]
         rows = rows[rows["exact_standard_error"].notna()]
         speed = rows["speed_m_per_s"].to_numpy(float)
         for form in FORMS:
             bias, error = (rows[name].to_numpy(float) for name in (form, f"{form}_standard_error"))
-            frames.append(_frame(f"{form}, e = {e:g}", "virtual experiment", speed, bias, error))
+            frames.append(
+                _frame(
+                    f"{form}, e = {e:g}",
+                    speed,
+                    bias,
+                    "virtual experiment",
+                    bias - 1.96 * error,
+                    bias + 1.96 * error,
+                )
+            )
     return pd.concat(frames, ignore_index=True)
 
 
@@ -125,20 +138,3 @@ def _measured(
             "e": events.coefficient_of_restitution[chosen],
         }
     return reduced
-
-
-def _frame(
-    series: str, evidence: str, speed: FloatArray, bias: FloatArray, error: FloatArray | None = None
-) -> pd.DataFrame:
-    spread = np.full(len(speed), np.nan) if error is None else 1.96 * error
-    return series_frame(
-        panel="correction",
-        series=series,
-        evidence=evidence,
-        x=speed,
-        y=bias,
-        x_unit="m_per_s",
-        y_unit="1",
-        y_low=bias - spread,
-        y_high=bias + spread,
-    )

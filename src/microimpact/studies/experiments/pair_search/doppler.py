@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from microimpact.core.arrays import FloatArray
 from microimpact.lab.bounces import with_later_impacts
 from microimpact.lab.dispenser import Dispenser, Falling, InitialSpin
 from microimpact.lab.events import Impacts
@@ -112,10 +111,3 @@ def observed(setup: Setup, impacts: Impacts, speed: float, key: tuple[int, ...])
         rng,
         drop_height=drop.height,
     )
-
-
-def mean_and_error(values: FloatArray) -> tuple[float, float]:
-    """Return a mean and its standard error; nan of too few values."""
-    n = len(values)
-    mean = float(np.mean(values)) if n else float("nan")
-    return mean, float(np.std(values, ddof=1) / np.sqrt(n)) if n > 1 else float("nan")

@@ -14,16 +14,16 @@ import scipy
 
 from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.lab.contacts import calibrated_contact
-from microimpact.model.empirical.batch import (
+from microimpact.model.empirical.intervals import interval_batch, profile_batch
+from microimpact.model.empirical.search import (
     BatchFit,
     DataSets,
     data_sets,
     fit_batch,
-    interval_batch,
-    profile_batch,
     stacked_fits,
     stacked_sets,
 )
+from microimpact.statistics.intervals import share_error
 from microimpact.studies.models.fit_coverage.design import Cell, Params, cells, method_cells
 from microimpact.studies.models.fit_coverage.intervals import Sample, intervals
 from microimpact.studies.models.fit_coverage.tables import figure_data
@@ -144,7 +144,7 @@ def _coverage(params: Params, truths: Truths, mine: list[tuple[int, Cell]]) -> l
             stacked_sets([sets.take(of) for of in some]),
             stacked_fits([fit.take(of) for of in some]),
             limit,
-        )
+        ).ends
         widths = np.diff(ends).reshape(len(group), -1)
         for (number, cell), of, width in zip(group, own, widths, strict=True):
             row = _row(params, cell, sets.take(of), fit.take(of), rise[of])
@@ -188,7 +188,7 @@ def _row(
         "median_error": float(np.median(error)),
         "rms_error": float(np.sqrt(np.mean(error**2))),
         "coverage": float(covered),
-        "coverage_standard_error": _standard_error(float(covered), params.replicates),
+        "coverage_standard_error": share_error(float(covered), params.replicates),
         "coverage_sigma_estimated": float(estimated),
         "median_width": np.nan,
         "width_replicates": params.interval_replicates,
@@ -199,12 +199,6 @@ def _row(
         "reduced_chi_square": float(np.mean(variance)),
         "evidence": "virtual experiment",
     }
-
-
-def _standard_error(share: float, count: int) -> float:
-    """Binomial standard error of a share; never zero, as a share of half a case more or less."""
-    inside = min(max(share, 0.5 / count), 1.0 - 0.5 / count)
-    return float(np.sqrt(inside * (1.0 - inside) / count))
 
 
 def _method_rows(params: Params, truths: Truths, cell: Cell) -> Iterator[dict[str, object]]:
@@ -221,7 +215,7 @@ def _method_rows(params: Params, truths: Truths, cell: Cell) -> Iterator[dict[st
             "replicates": params.methods.replicates,
             "resamples": params.methods.resamples if "bootstrap" in method else 0,
             "coverage": covered,
-            "coverage_standard_error": _standard_error(covered, params.methods.replicates),
+            "coverage_standard_error": share_error(covered, params.methods.replicates),
             "median_width": float(np.median(np.diff(ends))),
             "evidence": "virtual experiment",
         }

@@ -12,15 +12,9 @@ from pydantic import Field
 
 from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.declared.parameters import Count
-from microimpact.model.empirical.batch import (
-    BatchFit,
-    DataSets,
-    data_sets,
-    fit_batch,
-    interval_batch,
-    profile_batch,
-)
 from microimpact.model.empirical.equations import restitution
+from microimpact.model.empirical.intervals import interval_batch, profile_batch
+from microimpact.model.empirical.search import BatchFit, DataSets, data_sets, fit_batch
 from microimpact.studies.models.fit_coverage.truths import (
     CURVE_RESAMPLES,
     DATA_RESAMPLES,
@@ -75,9 +69,9 @@ def intervals(
     spread = np.sqrt(methods.share_of_points) * (fewer - fit.v_c[:, None])
     scaled = fit.v_c[:, None] - np.quantile(spread, tails[::-1], axis=1).T
     return {
-        "profile, chi-square": interval_batch(sets, fit, simple),
-        "profile, boundary mixture": interval_batch(sets, fit, mixture),
-        "profile, parametric bootstrap": interval_batch(sets, fit, rises),
+        "profile, chi-square": interval_batch(sets, fit, simple).ends,
+        "profile, boundary mixture": interval_batch(sets, fit, mixture).ends,
+        "profile, parametric bootstrap": interval_batch(sets, fit, rises).ends,
         "percentiles of parametric bootstrap": np.quantile(
             refit.v_c.reshape(shape), tails, axis=1
         ).T,

@@ -1,0 +1,178 @@
+"""Where a function crosses zero, and where a condition begins to hold."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any, overload
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from microimpact.core.arrays import BoolArray, FloatArray
+
+# Relative error to which a root is sought where none is asked for: the least there is.
+ROUNDING = 4.0 * float(np.finfo(float).eps)
+# Numbers closer to zero than this lose digits, and pass for it.
+TINY = float(np.finfo(float).tiny)
+# Steps after which a search has failed: halving takes 53 down to rounding, and 1100 down to zero.
+MOST_STEPS = 2000
+
+
+class NoRootError(ValueError):
+    """There is no root, or none was found, between the ends given."""
+
+
+def root(
+    function: Callable[[float], Any],
+    low: float,
+    high: float,
+    *,
+    absolute: float = 0.0,
+    relative: float = ROUNDING,
+) -> float:
+    """Return where a function of one number is zero, by Brent's method (SciPy's).
+
+    Parameters
+    ----------
+    function
+        Continuous; takes and returns one number.
+    low, high
+        Ends, between which it changes its sign.
+    absolute, relative
+        The root is known to ``absolute + relative * abs(root)``.
+
+    Raises
+    ------
+    NoRootError
+        If the sign is the same at both ends, or the search does not end.
+    """
+    from scipy.optimize import brentq
+
+    value = cache(lambda x: float(function(x)))
+    ends = value(low), value(high)
+    if not min(ends) <= 0.0 <= max(ends):
+        raise NoRootError(
+            f"no change of sign between {low:g}, with {ends[0]:g}, and {high:g}, with {ends[1]:g}"
+        )
+    ends_at: dict[str, Any] = {"xtol": max(absolute, TINY), "rtol": relative, "maxiter": MOST_STEPS}
+    found, report = brentq(value, low, high, **ends_at, full_output=True, disp=False)
+    if not report.converged:
+        raise NoRootError(f"no root found between {low:g} and {high:g} in {MOST_STEPS} steps")
+    return float(found)
+
+
+def roots(
+    function: Callable[..., FloatArray],
+    low: ArrayLike,
+    high: ArrayLike,
+    *arguments: ArrayLike,
+    absolute: float = 0.0,
+    relative: float = ROUNDING,
+    residual: float = 0.0,
+) -> FloatArray:
+    """Return where each of many functions is zero, by Chandrupatla's method (SciPy's).
+
+    Parameters
+    ----------
+    function
+        Takes ``x`` and ``arguments`` of one shape (m,) each, those of the roots still sought, and
+        returns the values (m,).
+    low, high
+        Ends, any shape, between which each function changes its sign.
+    arguments
+        What tells the functions apart, of shapes that broadcast with the ends.
+    absolute, relative
+        A root is known to ``absolute + relative * abs(root)``.
+    residual
+        A value so close to zero passes for zero, at an end too.
+
+    Raises
+    ------
+    NoRootError
+        If the sign is the same at both ends, or a search does not end; the first is named.
+    """
+    from scipy.optimize.elementwise import find_root
+
+    found: Any = find_root(
+        function,
+        (np.asarray(low, float), np.asarray(high, float)),
+        args=arguments,
+        tolerances={"xatol": absolute, "xrtol": relative, "fatol": residual, "frtol": 0.0},
+        maxiter=MOST_STEPS,
+    )
+    if not np.all(found.success):
+        first = int(np.argmin(found.success))
+        ends, values = (
+            [float(np.ravel(end)[first]) for end in pair]
+            for pair in (found.bracket, found.f_bracket)
+        )
+        raise NoRootError(
+            f"root {first}: none found between {ends[0]:g}, with {values[0]:g}, and {ends[1]:g}, "
+            f"with {values[1]:g}"
+        )
+    return np.asarray(found.x)
+
+
+@overload
+def threshold(
+    holds: Callable[[float], Any],
+    low: float,
+    high: float,
+    *,
+    absolute: float = ...,
+    relative: float = ...,
+) -> float: ...
+
+
+@overload
+def threshold(
+    holds: Callable[[FloatArray], BoolArray],
+    low: FloatArray,
+    high: FloatArray,
+    *,
+    absolute: float = ...,
+    relative: float = ...,
+) -> FloatArray: ...
+
+
+def threshold(
+    holds: Callable[[Any], Any],
+    low: float | FloatArray,
+    high: float | FloatArray,
+    *,
+    absolute: float = 0.0,
+    relative: float = ROUNDING,
+) -> float | FloatArray:
+    """Return where a condition begins to hold, by halving.
+
+    Parameters
+    ----------
+    holds
+        False at ``low``, true at ``high``, with one change between them; takes numbers of the shape
+        of the ends.
+    low, high
+        Ends, numbers or arrays of one shape, in either order.
+    absolute, relative
+        A place is known to ``absolute + relative * abs(place)``; it is one at which the condition
+        holds.
+
+    Raises
+    ------
+    NoRootError
+        If the condition holds at ``low`` or does not at ``high``.
+    """
+    for end, wanted in ((low, False), (high, True)):
+        wrong = np.asarray(holds(end)) != wanted
+        if np.any(wrong):
+            place = float(np.asarray(end)[wrong].flat[0])
+            raise NoRootError(f"the condition must {'' if wanted else 'not '}hold at {place:g}")
+    least = max(absolute, TINY)
+    while np.any(np.abs(np.subtract(high, low)) > least + relative * np.abs(high)):
+        middle = 0.5 * (low + high)
+        if np.ndim(middle):
+            true = holds(middle)
+            low, high = np.where(true, low, middle), np.where(true, middle, high)
+        else:
+            low, high = (low, middle) if holds(middle) else (middle, high)
+    return high

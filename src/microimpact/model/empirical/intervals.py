@@ -1,0 +1,139 @@
+"""Profile of chi-square in v_c, Eq. (34), and the intervals of v_c that follow from it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, BoolArray, FloatArray, checked
+from microimpact.core.solve import roots
+from microimpact.model.empirical.kernel import V_C
+from microimpact.model.empirical.search import (
+    CLOSEST,
+    BatchFit,
+    DataSets,
+    Places,
+    profile,
+    stacked_sets,
+)
+
+# An end of v_c nearer than this to the smallest rebounding speed is set by that speed.
+AT_REBOUND = 1e-3
+# The distance of v_c from the smallest rebounding speed grows by this factor, or falls, until
+# chi-square has risen enough.
+STRIDE = 2.0
+# An end is known to this share of its distance from the smallest rebounding speed.
+TOLERANCE = 1e-6
+
+
+class Intervals(NamedTuple):
+    """Intervals of v_c of r data sets.
+
+    Attributes
+    ----------
+    ends
+        Lower and upper ends (r, 2), m/s.
+    limited
+        Whether an end is set by the admissible range, 0 to the slowest rebound (r, 2).
+    least, at
+        The least chi-square met on the way (r,), and ln(k, p, kappa, q, v_c) (r, 5) there, in units
+        of the slowest rebounds: below that of the fit, if this overlooked a minimum.
+    """
+
+    ends: FloatArray
+    limited: BoolArray
+    least: FloatArray
+    at: FloatArray
+
+
+def profile_batch(sets: DataSets, fit: BatchFit, v_c: ArrayLike) -> FloatArray:
+    """Return the least chi-square (r,) of every data set for a given v_c.
+
+    Parameters
+    ----------
+    sets, fit
+        The data and their fit, from which the search starts, beside one start of its own.
+    v_c
+        Capture velocity, one number or (r,), m/s; infinite chi-square where it is above the
+        slowest rebound.
+    """
+    given = np.broadcast_to(checked("v_c", v_c, NON_NEGATIVE), sets.unit.shape) / sets.unit
+    gap, logs = np.maximum(1.0 - given, CLOSEST), fit.logs(sets)[:, :V_C]
+    chi_square, _ = profile(sets, gap, logs, fresh=True)
+    return np.where(given > 1.0, np.inf, chi_square)
+
+
+def interval_batch(sets: DataSets, fit: BatchFit, rise: ArrayLike) -> Intervals:
+    """Return the profile intervals of v_c.
+
+    From the fit outwards, the first v_c at which the least chi-square over all other parameters
+    exceeds that of the fit by more than the rise admitted.
+
+    Parameters
+    ----------
+    sets, fit
+        The data and their fit.
+    rise
+        Admissible rise of chi-square above the minimum, positive, of a shape that broadcasts to
+        (r,).
+    """
+    count = len(sets.unit)
+    limit = np.broadcast_to(np.sqrt(checked("rise", rise, POSITIVE)), count)
+    # Both ends at once: the lower ones of all data sets, then the upper ones.
+    way = _Way(stacked_sets([sets, sets]), np.tile(fit.logs(sets), (2, 1)), fit, limit)
+    best = np.maximum(1.0 - fit.v_c / sets.unit, CLOSEST)
+    outermost = np.concatenate([np.ones(count), np.minimum(best, AT_REBOUND)])
+    inside, outside = _bracket(way, np.tile(best, 2), outermost)
+    held = inside == outside
+    crossed = np.flatnonzero(~held)
+    ends = np.repeat([0.0, 1.0], count)
+    ends[crossed] = 1.0 - roots(
+        way.excess, inside[crossed], outside[crossed], crossed, relative=TOLERANCE
+    )
+    lowest = np.argmin(way.least.reshape(2, -1), axis=0) * count + np.arange(count)
+    return Intervals(
+        ends=ends.reshape(2, -1).T * sets.unit[:, None],
+        limited=held.reshape(2, -1).T,
+        least=way.least[lowest],
+        at=way.at[lowest],
+    )
+
+
+class _Way:
+    """Searches with v_c held, each from where one within the limit ended: its neighbour's start."""
+
+    def __init__(self, sets: DataSets, at: FloatArray, fit: BatchFit, limit: FloatArray) -> None:
+        self.sets, self.at, self.logs = sets, at, at[:, :V_C].copy()
+        self.minimum, self.limit = np.tile(fit.chi_square, 2), np.tile(limit, 2)
+        self.least = self.minimum.copy()
+
+    def excess(self, gap: FloatArray, rows: Places, *, fresh: bool = False) -> FloatArray:
+        """Root of the rise of chi-square, which is nearly linear in v_c, less that of the limit."""
+        rows = rows.astype(np.intp)
+        chi_square, logs = profile(self.sets.take(rows), gap, self.logs[rows], fresh=fresh)
+        value = np.sqrt(np.maximum(chi_square - self.minimum[rows], 0.0)) - self.limit[rows]
+        within, lower = value <= 0.0, chi_square < self.least[rows]
+        self.logs[rows[within]] = logs[within]
+        self.least[rows[lower]] = chi_square[lower]
+        v_c = np.log(np.maximum(1.0 - gap, CLOSEST))
+        self.at[rows[lower]] = np.column_stack([logs, v_c])[lower]
+        return value
+
+
+def _bracket(way: _Way, best: FloatArray, outermost: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Distances of v_c from the slowest rebound within the limit and beyond it.
+
+    Both are the outermost one where the limit is never met.
+    """
+    inside, outside = best.copy(), outermost.copy()
+    rows = np.arange(len(best))
+    while rows.size:
+        last, end = inside[rows], outermost[rows]
+        gap = np.where(end >= last, np.minimum(last * STRIDE, end), np.maximum(last / STRIDE, end))
+        within = way.excess(gap, rows, fresh=True) <= 0.0
+        outside[rows] = gap
+        inside[rows[within]] = gap[within]
+        rows = rows[within & (gap != end)]
+    return inside, outside
