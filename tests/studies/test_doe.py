@@ -14,7 +14,7 @@ from microimpact.declared.parameters import build, explain
 from microimpact.declared.selection import read_all
 from microimpact.model.contact import hertz_stiffness
 from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.run.config import load, validate
+from microimpact.run.config import read_configuration, validate
 from microimpact.statistics.designs import fractional_factorial, full_factorial
 from microimpact.statistics.effects import (
     aliases,
@@ -51,7 +51,7 @@ QUARTER = {
 
 @pytest.fixture(scope="module")
 def branch():
-    base = load(ROOT / "config/config.yaml")
+    base = read_configuration(ROOT / "config")
     return validate(base, base).branches["doe"]
 
 

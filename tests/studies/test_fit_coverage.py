@@ -18,7 +18,7 @@ from microimpact.model.empirical.batch import (
     profile_batch,
 )
 from microimpact.model.empirical.search import V_C, model
-from microimpact.run.config import load, validate
+from microimpact.run.config import read_configuration, validate
 from microimpact.studies.models.fit_coverage import Params
 from microimpact.studies.models.fit_coverage.intervals import Methods, Sample, intervals
 from microimpact.studies.models.fit_coverage.truths import (
@@ -51,7 +51,7 @@ def measured(lowest, sigma, replicates, points=20):
 
 @pytest.fixture(scope="module")
 def branch():
-    base = load(ROOT / "config/config.yaml")
+    base = read_configuration(ROOT / "config")
     return validate(base, base).branches["fit_coverage"]
 
 

@@ -14,7 +14,7 @@ from microimpact.declared.parameters import build, explain
 from microimpact.model.calibration import two_stage
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
-from microimpact.run.config import load, validate
+from microimpact.run.config import read_configuration, validate
 from microimpact.statistics.sobol import saltelli_sample, sobol_indices
 from microimpact.studies.analyses import sensitivity
 from microimpact.studies.analyses.sensitivity.ridge import (
@@ -33,7 +33,7 @@ def generator(*key):
 
 @pytest.fixture(scope="module")
 def branch():
-    base = load(ROOT / "config/config.yaml")
+    base = read_configuration(ROOT / "config")
     return validate(base, base).branches["sensitivity"]
 
 

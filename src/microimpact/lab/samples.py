@@ -12,7 +12,7 @@ import pandas as pd
 import scipy
 
 from microimpact.core.arrays import BoolArray
-from microimpact.declared.parameters import Count, Fraction, Name, NonNegative, Positive
+from microimpact.declared.parameters import CaseName, Count, Fraction, NonNegative, Positive
 from microimpact.lab.collision import MOST_CONTACTS
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.dispenser import Dispenser, InitialSpin
@@ -33,9 +33,7 @@ KEPT_SAMPLES = 16
 class Dropped:
     """What is dropped on what: contact, sizes, slopes, speed class and spin."""
 
-    particle: Name
-    surface: Name
-    case: Name
+    case: CaseName
     friction: Fraction
     diameter_um: Distribution
     surface_slope: NonNegative

@@ -15,11 +15,14 @@ from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import series_frame
 from microimpact.declared.parameters import (
     AngleDegrees,
+    CaseName,
     Count,
     Fraction,
+    Keyed,
     Name,
     NonNegative,
     Positive,
+    PrintedName,
 )
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.dispenser import Dispenser, InitialSpin
@@ -41,9 +44,7 @@ class Series:
 
     name: Name
     figures: tuple[Name, ...]
-    particle: Name
-    surface: Name
-    case: Name
+    case: CaseName
     friction: Fraction
     diameter_um: Distribution
     surface_slope: NonNegative
@@ -125,7 +126,7 @@ class Mark:
     figures: tuple[Name, ...]
     panel: Name
     name: Name
-    anchors: tuple[Name, ...]
+    anchors: tuple[PrintedName, ...]
     angles_deg: tuple[AngleDegrees, ...]
 
 
@@ -138,14 +139,14 @@ class Params:
     events: Annotated[int, Field(ge=2)]
     fewest_events: Annotated[int, Field(ge=2)]
     most_dropped: Count
-    series: tuple[Series, ...]
+    series: Annotated[tuple[Series, ...], Keyed("name")]
     dispenser: Dispenser
     instrument: Instrument
     coulomb_restitution: Fraction
     points: Annotated[int, Field(ge=10)]
     compared_series: Name
     reference_angle_deg: AngleDegrees
-    marks: tuple[Mark, ...]
+    marks: Annotated[tuple[Mark, ...], Keyed("name")]
 
     def __post_init__(self) -> None:
         """Refuse figures that this study does not make."""

@@ -9,12 +9,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 import pandas as pd
 
 from microimpact.core.tables import series_frame
-from microimpact.declared.parameters import Finite, Fraction, Name, NonNegative, Positive
+from microimpact.declared.parameters import (
+    CaseName,
+    CounterpartName,
+    Finite,
+    Fraction,
+    Keyed,
+    MaterialName,
+    NonNegative,
+    Positive,
+)
 from microimpact.lab.contacts import declared_contact
 from microimpact.model.calibration import (
     NoSolutionError,
@@ -50,25 +60,28 @@ class Facts:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Member:
+    """A case of the family: one work of adhesion and one rate exponent."""
+
+    case: CaseName
+    rate_exponent: NonNegative
+    work_of_adhesion_J_per_m2: Positive  # noqa: N815
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class TwoStageTargets:
     """Steel on silicon: targets, the family looked through, and the members others use."""
 
-    particle: Name
-    surface: Name
+    particle: MaterialName
+    surface: CounterpartName
     diameter_um: Positive
-    high_speed_m_per_s: Positive
+    speed_m_per_s: Positive
     restitution: Fraction
     capture_velocity_m_per_s: Positive
     rate_exponents: tuple[NonNegative, ...]
     works_of_adhesion_J_per_m2: tuple[Positive, ...]  # noqa: N815
-    member_exponents: tuple[NonNegative, ...]
-    member_works_J_per_m2: tuple[Positive, ...]  # noqa: N815
+    members: Annotated[tuple[Member, ...], Keyed("case")]
     facts: Facts
-
-    def __post_init__(self) -> None:
-        """Refuse members that do not pair up."""
-        if len(self.member_exponents) != len(self.member_works_J_per_m2):
-            raise ValueError("member_exponents and member_works_J_per_m2 must have the same length")
 
 
 def bare_contact(targets: TwoStageTargets, inputs: Mapping[str, pd.DataFrame]) -> Contact:
@@ -78,7 +91,7 @@ def bare_contact(targets: TwoStageTargets, inputs: Mapping[str, pd.DataFrame]) -
         targets.particle,
         targets.surface,
         diameter=targets.diameter_um * 1e-6,
-        reference_velocity=targets.high_speed_m_per_s,
+        reference_velocity=targets.speed_m_per_s,
     )
 
 
@@ -86,7 +99,7 @@ def solved(contact: Contact, targets: TwoStageTargets, exponent: float, work: fl
     """Return the member of the family at one rate exponent and work of adhesion."""
     changed = contact.replace(adhesion_rate_exponent=exponent, work_of_adhesion=work)
     return two_stage(
-        changed, targets.high_speed_m_per_s, targets.restitution, targets.capture_velocity_m_per_s
+        changed, targets.speed_m_per_s, targets.restitution, targets.capture_velocity_m_per_s
     ).contact
 
 
@@ -115,7 +128,7 @@ def family(targets: TwoStageTargets, inputs: Mapping[str, pd.DataFrame]) -> pd.D
 
 def facts(member: Contact, targets: TwoStageTargets) -> dict[str, object]:
     """Return the printed facts that were not fitted, as this member has them, and the verdicts."""
-    wanted, speed = targets.facts, targets.high_speed_m_per_s
+    wanted, speed = targets.facts, targets.speed_m_per_s
     between = np.geomspace(wanted.flat_from_m_per_s, speed, 20)
     e = simulate(member, between).coefficient_of_restitution
     deviation = float(np.abs(e - targets.restitution).max())
@@ -187,13 +200,14 @@ def curves(targets: TwoStageTargets, inputs: Mapping[str, pd.DataFrame]) -> pd.D
     contact, frames = bare_contact(targets, inputs), []
     speed = np.geomspace(targets.capture_velocity_m_per_s, 3.0, 200)
     common = {"panel": "curves", "x_unit": "m_per_s", "y_unit": "1"}
-    for exponent, work in zip(targets.member_exponents, targets.member_works_J_per_m2, strict=True):
+    for member in targets.members:
+        exponent, work = member.rate_exponent, member.work_of_adhesion_J_per_m2
         e = simulate(solved(contact, targets, exponent, work), speed).coefficient_of_restitution
         # At the capture velocity itself rounding decides between none and hardly any.
         e = np.where(speed > targets.capture_velocity_m_per_s, e, 0.0)
         name = f"n = {exponent:g}, w = {work:g} J/m2"
         frames.append(series_frame(series=name, evidence="calibrated", x=speed, y=e, **common))
-    x = [targets.capture_velocity_m_per_s, targets.high_speed_m_per_s]
+    x = [targets.capture_velocity_m_per_s, targets.speed_m_per_s]
     y = [0.0, targets.restitution]
     frames.append(series_frame(series="targets", evidence="printed", x=x, y=y, **common))
     return pd.concat(frames, ignore_index=True)
@@ -217,8 +231,8 @@ Corners = tuple[Contact, Contact, Contact]
 class ForceRatios:
     """Ammonium fluorescein on molybdenum: ratios of peaks, as bands, and the sizes to look at."""
 
-    particle: Name
-    surface: Name
+    particle: MaterialName
+    surface: CounterpartName
     diameter_um: Positive
     speed_m_per_s: Positive
     adhesion_over_hertz: Positive
@@ -232,8 +246,9 @@ class ForceRatios:
 class WorkTarget:
     """A pair whose work of adhesion follows from its capture velocity."""
 
-    particle: Name
-    surface: Name
+    case: CaseName
+    particle: MaterialName
+    surface: CounterpartName
     diameter_um: Positive
     capture_velocity_m_per_s: Positive
 
@@ -242,9 +257,9 @@ class WorkTarget:
 class RestitutionTarget:
     """A pair of which one restitution is known: one factor on both its damping coefficients."""
 
-    case: Name
-    particle: Name
-    surface: Name
+    case: CaseName
+    particle: MaterialName
+    surface: CounterpartName
     speed_m_per_s: Positive
     restitution: Fraction
 
@@ -255,8 +270,8 @@ class Params:
 
     two_stage: TwoStageTargets
     force_ratios: ForceRatios
-    by_work_of_adhesion: tuple[WorkTarget, ...]
-    by_restitution: tuple[RestitutionTarget, ...]
+    by_work_of_adhesion: Annotated[tuple[WorkTarget, ...], Keyed("case")]
+    by_restitution: Annotated[tuple[RestitutionTarget, ...], Keyed("case")]
 
 
 def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
@@ -363,18 +378,18 @@ def _member_rows(
     targets: TwoStageTargets, inputs: Mapping[str, pd.DataFrame]
 ) -> list[dict[str, object]]:
     contact, rows = bare_contact(targets, inputs), []
-    for exponent, work in zip(targets.member_exponents, targets.member_works_J_per_m2, strict=True):
-        member = solved(contact, targets, exponent, work)
-        e = float(simulate(member, targets.high_speed_m_per_s).coefficient_of_restitution)
+    for member in targets.members:
+        found = solved(contact, targets, member.rate_exponent, member.work_of_adhesion_J_per_m2)
+        e = float(simulate(found, targets.speed_m_per_s).coefficient_of_restitution)
         met = {
             "coefficient_of_restitution": (e, targets.restitution, "-"),
             "capture_velocity": (
-                float(capture_velocity(member)),
+                float(capture_velocity(found)),
                 targets.capture_velocity_m_per_s,
                 "m/s",
             ),
         }
-        rows += _rows(f"steel-silicon, n = {exponent:g}", member, met)
+        rows += _rows(member.case, found, met)
     return rows
 
 
@@ -403,7 +418,7 @@ def _work_rows(target: WorkTarget, inputs: Mapping[str, pd.DataFrame]) -> list[d
             "m/s",
         )
     }
-    return _rows(f"{target.particle}-{target.surface}", found, met)
+    return _rows(target.case, found, met)
 
 
 def _damping_rows(

@@ -11,7 +11,14 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.tables import result_evidence, series_frame
-from microimpact.declared.parameters import AngleDegrees, Name, Positive
+from microimpact.declared.parameters import (
+    AngleDegrees,
+    CounterpartName,
+    MaterialName,
+    Name,
+    Positive,
+    PrintedName,
+)
 from microimpact.lab.contacts import declared_contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
@@ -30,13 +37,13 @@ TERMS = {
 class Params:
     """One impact, how finely its path is sampled, and which printed numbers fixed its inputs."""
 
-    particle: Name
-    surface: Name
+    particle: MaterialName
+    surface: CounterpartName
     diameter_um: Positive
     speed_m_per_s: Positive
     angle_deg: AngleDegrees
     points: Annotated[int, Field(ge=20)]
-    anchors: tuple[Name, ...]
+    anchors: tuple[PrintedName, ...]
     calibration_targets: tuple[Name, ...]
 
 

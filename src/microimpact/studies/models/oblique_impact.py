@@ -13,7 +13,14 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import series_frame
-from microimpact.declared.parameters import Finite, Fraction, Name, Positive
+from microimpact.declared.parameters import (
+    CounterpartName,
+    Finite,
+    Fraction,
+    MaterialName,
+    Positive,
+    PrintedName,
+)
 from microimpact.lab.contacts import declared_contact
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
@@ -25,14 +32,14 @@ from microimpact.model.rigid_body.algebra import rigid_body_rebound
 class Params:
     """One pair at one speed, over angles of incidence from the surface up to the normal."""
 
-    particle: Name
-    surface: Name
+    particle: MaterialName
+    surface: CounterpartName
     diameter_um: Positive
     speed_m_per_s: Positive
     spin_rad_per_s: Finite
     rigid_body_restitution: Fraction
     points: Annotated[int, Field(ge=20)]
-    anchors: tuple[Name, ...]
+    anchors: tuple[PrintedName, ...]
 
 
 def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:

@@ -11,7 +11,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
-from microimpact.declared.parameters import Name
+from microimpact.declared.parameters import CaseName, Keyed, Name, PrintedName
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
@@ -49,9 +49,7 @@ OpenFraction = Annotated[float, Field(gt=0, lt=1)]
 class Case:
     """A calibrated contact: designs are run where it has realistic levels."""
 
-    case: Name
-    particle: Name
-    surface: Name
+    case: CaseName
     realistic: Levels | None = None
 
 
@@ -81,11 +79,11 @@ class Params:
     """The cases, the design, and the levels; ``anchors`` names the printed small variation."""
 
     seed: Annotated[int, Field(ge=0)]
-    cases: tuple[Case, ...]
-    drawn_case: Name
+    cases: Annotated[tuple[Case, ...], Keyed("case")]
+    drawn_case: CaseName
     generator: Name
     confidence: OpenFraction
-    anchors: tuple[Name]
+    anchors: tuple[PrintedName]
     sampling: Sampling
 
     def __post_init__(self) -> None:

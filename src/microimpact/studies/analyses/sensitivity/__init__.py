@@ -11,7 +11,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
-from microimpact.declared.parameters import Count, Fraction, Name, Positive
+from microimpact.declared.parameters import CaseName, Count, Fraction, Keyed, Positive
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
@@ -48,9 +48,7 @@ class Case:
     adhesion.
     """
 
-    case: Name
-    particle: Name
-    surface: Name
+    case: CaseName
     damping_share: tuple[Fraction, Fraction]
 
     def __post_init__(self) -> None:
@@ -78,8 +76,8 @@ class Params:
     level_quantile: Annotated[float, Field(gt=0.5, lt=1)]
     restitution_deviation: Positive
     capture_velocity_deviation_m_per_s: Positive
-    drawn_case: Name
-    cases: tuple[Case, ...]
+    drawn_case: CaseName
+    cases: Annotated[tuple[Case, ...], Keyed("case")]
 
     def __post_init__(self) -> None:
         """Refuse numbers of samples that are no powers of two, and an unknown drawn case."""

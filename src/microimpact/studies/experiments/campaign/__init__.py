@@ -14,7 +14,7 @@ from pydantic import Field
 
 from microimpact.core.materials import find_material, materials_from_rows
 from microimpact.core.tables import series_frame
-from microimpact.declared.parameters import Count, Fraction, Name
+from microimpact.declared.parameters import Count, Fraction, Keyed, PrintedName
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.dispenser import Dispenser, InitialSpin
 from microimpact.lab.experiment import Target, combined_slope
@@ -58,10 +58,10 @@ class Params:
     """
 
     seed: Annotated[int, Field(ge=0)]
-    particles: tuple[Particles, ...]
-    surfaces: tuple[Surface, ...]
-    speed_classes: tuple[SpeedClass, ...]
-    blocks: tuple[Block, ...]
+    particles: Annotated[tuple[Particles, ...], Keyed("name")]
+    surfaces: Annotated[tuple[Surface, ...], Keyed("name")]
+    speed_classes: Annotated[tuple[SpeedClass, ...], Keyed()]
+    blocks: Annotated[tuple[Block, ...], Keyed()]
     speed_ranges_within: Annotated[int, Field(ge=0)]
     friction: Fraction
     events: Annotated[int, Field(ge=2)]
@@ -72,7 +72,7 @@ class Params:
     dispenser: Dispenser
     pdpa: doppler.Instrument
     ptis: imaging.Instrument
-    anchors: tuple[Name, ...]
+    anchors: tuple[PrintedName, ...]
 
     def __post_init__(self) -> None:
         """Refuse more events for a mean than an experiment has."""
@@ -184,7 +184,9 @@ def contact(
 
 
 def _target(one: Experiment, of: Contact) -> Target:
-    return Target(contact=of, slope_sd=combined_slope(one.surface.slope, one.particles.slope))
+    return Target(
+        contact=of, slope_sd=combined_slope(one.surface.surface_slope, one.particles.particle_slope)
+    )
 
 
 def _oblique(params: Params, one: Experiment, of: Contact) -> Outcome:
@@ -192,7 +194,7 @@ def _oblique(params: Params, one: Experiment, of: Contact) -> Outcome:
         target=_target(one, of),
         diameter_um=one.particles.diameter_um,
         speed=one.speed_class.speed_m_per_s,
-        speed_range=one.speed_class.range_m_per_s,
+        speed_range=one.speed_class.speed_range_m_per_s,
         dispenser=params.dispenser,
         spin=InitialSpin(sd=one.particles.spin_sd, mean=0.0),
         instrument=params.ptis,
@@ -209,7 +211,7 @@ def _oblique(params: Params, one: Experiment, of: Contact) -> Outcome:
 
 def _normal(params: Params, one: Experiment, of: Contact) -> Outcome:
     collected = normal_incidence.collect(
-        one.speed_class.range_m_per_s,
+        one.speed_class.speed_range_m_per_s,
         params.events,
         params.dropped,
         params.most_dropped,

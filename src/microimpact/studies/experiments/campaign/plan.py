@@ -11,7 +11,14 @@ from typing import TypeVar
 import pandas as pd
 
 from microimpact.core.nearest import nearest
-from microimpact.declared.parameters import AngleDegrees, Name, NonNegative, Positive
+from microimpact.declared.parameters import (
+    AngleDegrees,
+    CaseName,
+    MaterialName,
+    Name,
+    NonNegative,
+    Positive,
+)
 from microimpact.statistics.distributions import Distribution
 
 # What the article counts (Section 2), and the printed values that say how many.
@@ -32,9 +39,9 @@ class Particles:
     """One range of sizes of one material; slope and spin as in the laboratory."""
 
     name: Name
-    particle: Name
+    particle: MaterialName
     diameter_um: Distribution
-    slope: NonNegative
+    particle_slope: NonNegative
     spin_sd: NonNegative
 
 
@@ -43,8 +50,8 @@ class Surface:
     """A target: its material and how rough it is."""
 
     name: Name
-    surface: Name
-    slope: NonNegative
+    surface: MaterialName
+    surface_slope: NonNegative
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,14 +59,15 @@ class SpeedClass:
     """Nominal speed, and range of measured speeds accepted."""
 
     speed_m_per_s: Positive
-    range_m_per_s: tuple[Positive, Positive]
+    speed_range_m_per_s: tuple[Positive, Positive]
 
     def __post_init__(self) -> None:
         """Refuse a class that does not hold its nominal speed."""
-        low, high = self.range_m_per_s
+        low, high = self.speed_range_m_per_s
         if not low < self.speed_m_per_s < high:
             raise ValueError(
-                f"range_m_per_s: [{low:g}, {high:g}] must ascend and hold {self.speed_m_per_s:g}"
+                f"speed_range_m_per_s: [{low:g}, {high:g}] must ascend and hold "
+                f"{self.speed_m_per_s:g}"
             )
 
 
@@ -73,7 +81,7 @@ class Block:
 
     particles: tuple[Name, ...]
     surfaces: tuple[Name, ...]
-    case: Name
+    case: CaseName
     speeds_m_per_s: tuple[Positive, ...]
     angles_deg: tuple[AngleDegrees, ...]
 

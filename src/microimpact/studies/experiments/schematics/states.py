@@ -12,7 +12,13 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import series_frame
-from microimpact.declared.parameters import AngleDegrees, Finite, Name, Positive
+from microimpact.declared.parameters import (
+    AngleDegrees,
+    CounterpartName,
+    Finite,
+    MaterialName,
+    Positive,
+)
 from microimpact.lab.contacts import declared_contact
 from microimpact.model.dynamics.trajectory import trajectory
 
@@ -27,8 +33,8 @@ AXIS, PATH = 0.42, 0.62
 class ContactState:
     """Impact whose greatest compression Fig. 19 shows."""
 
-    particle: Name
-    surface: Name
+    particle: MaterialName
+    surface: CounterpartName
     diameter_um: Positive
     speed_m_per_s: Positive
     angle_deg: AngleDegrees
