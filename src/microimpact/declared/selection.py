@@ -172,12 +172,15 @@ class DeclaredTables:
         named
             Sort and name of what the branch names.
         bodies
-            Materials of the particle and of the surface of each case.
+            Materials of the particle and of the surface of each calibrated case.
         """
         wanted: dict[str, dict[str, None]] = {}
         for sort, name in named:
-            if sort == "cases":
-                wanted.setdefault("materials", {}).update(dict.fromkeys(bodies[name]))
+            if sort == "cases":  # or a declared pair by its name
+                wanted.setdefault("materials", {}).update(
+                    dict.fromkeys(bodies.get(name) or name.split(" on "))
+                )
+                wanted.setdefault("contacts", {})[name] = None
             else:
                 wanted.setdefault(sort, {})[name] = None
         tables = {

@@ -16,6 +16,7 @@ from microimpact.declared.parameters import (
     Count,
     Fraction,
     MaterialName,
+    Name,
     NonNegative,
     Positive,
 )
@@ -71,6 +72,7 @@ class Case:
     particle: MaterialName
     surface: MaterialName
     diameter_um: Positive | None = None
+    damped_as: Name | None = None
     speed_m_per_s: Positive | None = None
     restitution: Fraction | None = None
     capture_velocity_m_per_s: Positive | None = None

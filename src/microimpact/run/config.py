@@ -95,10 +95,12 @@ class Settings:
 
 
 def _names(tables: DeclaredTables, cases: Collection[str]) -> dict[str, tuple[str, Any]]:
-    return tables.names() | {"cases": ("cases", cases)}
+    pairs = tables.contacts.known("particle", "surface")
+    return tables.names() | {"cases": ("cases", [*cases, *pairs])}
 
 
 GENERAL = tuple(f.name for f in fields(General))
+_BODIES = ("particle", "surface")
 SECTIONS = tuple(f.name for f in fields(Laboratory))
 
 
@@ -164,7 +166,8 @@ def validate(
         raise ConfigError("\n".join(dict.fromkeys(found)))
     bodies = {name: (case.particle, case.surface) for name, case in laboratory.cases.items()}
     cases = {name for each in named.values() for sort, name in each if sort == "cases"}
-    used = {stands[f"cases.{case}.{body}"] for case in cases for body in ("particle", "surface")}
+    calibrated = cases & set(bodies)
+    used = {stands[f"cases.{case}.{body}"] for case in calibrated for body in _BODIES}
     return Settings(
         general=general,
         tables=tables,

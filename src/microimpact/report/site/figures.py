@@ -12,7 +12,7 @@ import pandas as pd
 
 from microimpact import studies
 from microimpact.report.site.graph import needs, upstream
-from microimpact.report.site.ledgers import Row
+from microimpact.report.site.ledgers import Row, read_rows
 from microimpact.report.site.reached import reached
 from microimpact.report.site.record import Record, Rule
 
@@ -62,6 +62,7 @@ class Figure:
     marks: tuple[Marks, ...]
     inputs: tuple[Inputs, ...]
     departures: tuple[Row, ...]
+    contacts: tuple[str, ...]
     claims: tuple[Row, ...]
 
     @property
@@ -144,6 +145,7 @@ def _figure(
         marks=_marks([results / file for file in data]),
         inputs=tuple(behind[s] for s in (study, *upstream(study, needed))),
         departures=departures(declared, [study], needed),
+        contacts=contacts(study, declared, read_rows(results / "tables/calibration.csv")),
         claims=tuple(row for row in claims if name in row["figures"].split()),
     )
 
@@ -200,6 +202,26 @@ def departures(
     concerned = {each for study in own for each in (study, *upstream(study, needed))}
     return tuple(
         row for row in declared if row["overrides"] and row["key"].partition(".")[0] in concerned
+    )
+
+
+def contacts(study: str, declared: Sequence[Row], calibration: Sequence[Row]) -> tuple[str, ...]:
+    """Return the calibrated contacts that a study names, each in words with its parameters."""
+    named = {row["value"] for row in declared if row["key"].startswith(f"{study}.")}
+    found: dict[str, dict[str, float]] = {}
+    for row in calibration:
+        if row["role"] == "parameter" and row["case"] in named:
+            found.setdefault(row["case"], {})[row["quantity"]] = float(row["value"])
+    symbols = {
+        "w_A": ("work_of_adhesion", "J/m2"),
+        "c_H": ("hertz_damping", "s/m"),
+        "c_A": ("adhesion_damping", "s/m"),
+        "n": ("adhesion_rate_exponent", ""),
+    }
+    return tuple(
+        f"{case}: "
+        + ", ".join(f"{s} = {of[name]:.4g} {unit}".rstrip() for s, (name, unit) in symbols.items())
+        for case, of in found.items()
     )
 
 

@@ -223,6 +223,8 @@ PARAMETERS = {
 }
 
 
+CORNERS = tuple(f"fluorescein-molybdenum, {name}" for name in ("least", "nominal", "greatest"))
+
 # Contacts with the least, the nominal and the greatest capture velocity of an admissible set.
 Corners = tuple[Contact, Contact, Contact]
 
@@ -244,9 +246,10 @@ class ForceRatios:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WorkTarget:
-    """A pair whose work of adhesion follows from its capture velocity."""
+    """A pair whose work of adhesion follows from its capture velocity, damped as another case."""
 
     case: CaseName
+    damped_as: CaseName
     particle: MaterialName
     surface: CounterpartName
     diameter_um: Positive
@@ -255,9 +258,10 @@ class WorkTarget:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RestitutionTarget:
-    """A pair of which one restitution is known: one factor on both its damping coefficients."""
+    """A pair of which one restitution is known: one factor on both coefficients of another case."""
 
     case: CaseName
+    damped_as: CaseName
     particle: MaterialName
     surface: CounterpartName
     speed_m_per_s: Positive
@@ -294,11 +298,12 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     """
     targets, ratios = params.two_stage, params.force_ratios
     corners = _corners(ratios, inputs)
+    found = _members(targets, inputs) | dict(zip(CORNERS, corners, strict=True))
     rows = [
-        *_member_rows(targets, inputs),
+        *_member_rows(targets, found),
         *_ratio_rows(ratios, corners),
-        *(row for target in params.by_work_of_adhesion for row in _work_rows(target, inputs)),
-        *(row for known in params.by_restitution for row in _damping_rows(known, inputs)),
+        *(row for each in params.by_work_of_adhesion for row in _work_rows(each, found, inputs)),
+        *(row for each in params.by_restitution for row in _damping_rows(each, found, inputs)),
     ]
     members = family(targets, inputs)
     return {
@@ -374,57 +379,79 @@ def _rows(
     return met + found
 
 
-def _member_rows(
-    targets: TwoStageTargets, inputs: Mapping[str, pd.DataFrame]
-) -> list[dict[str, object]]:
-    contact, rows = bare_contact(targets, inputs), []
-    for member in targets.members:
-        found = solved(contact, targets, member.rate_exponent, member.work_of_adhesion_J_per_m2)
-        e = float(simulate(found, targets.speed_m_per_s).coefficient_of_restitution)
+def _members(targets: TwoStageTargets, inputs: Mapping[str, pd.DataFrame]) -> dict[str, Contact]:
+    contact = bare_contact(targets, inputs)
+    return {
+        one.case: solved(contact, targets, one.rate_exponent, one.work_of_adhesion_J_per_m2)
+        for one in targets.members
+    }
+
+
+def _member_rows(targets: TwoStageTargets, found: Mapping[str, Contact]) -> list[dict[str, object]]:
+    rows = []
+    for one in targets.members:
+        member = found[one.case]
+        e = float(simulate(member, targets.speed_m_per_s).coefficient_of_restitution)
         met = {
             "coefficient_of_restitution": (e, targets.restitution, "-"),
             "capture_velocity": (
-                float(capture_velocity(found)),
+                float(capture_velocity(member)),
                 targets.capture_velocity_m_per_s,
                 "m/s",
             ),
         }
-        rows += _rows(member.case, found, met)
+        rows += _rows(one.case, member, met)
     return rows
+
+
+def _damped_as(
+    target: WorkTarget | RestitutionTarget,
+    found: Mapping[str, Contact],
+    inputs: Mapping[str, pd.DataFrame],
+) -> Contact:
+    """Return the declared contact of a pair with the damping of another case."""
+    if target.damped_as not in found:
+        raise ValueError(
+            f"{target.case}.damped_as: {target.damped_as!r} must be one of {', '.join(found)}"
+        )
+    other = found[target.damped_as]
+    names = "hertz_damping", "adhesion_damping", "adhesion_rate_exponent", "reference_velocity"
+    damping = {name: getattr(other, name) for name in names}
+    return declared_contact(inputs, target.particle, target.surface).replace(**damping)
 
 
 def _ratio_rows(ratios: ForceRatios, corners: Corners) -> list[dict[str, object]]:
     rows: list[dict[str, object]] = []
-    names = ("least", "nominal", "greatest")
-    for name, contact in zip(names, corners, strict=True):
+    for case, contact in zip(CORNERS, corners, strict=True):
         adhesion, dissipation = peak_ratios(contact, ratios.speed_m_per_s)
         met = {
             "adhesion_over_hertz": (adhesion, ratios.adhesion_over_hertz, "-"),
             "dissipation_over_adhesion": (dissipation, ratios.dissipation_over_adhesion, "-"),
         }
-        rows += _rows(f"fluorescein-molybdenum, {name}", contact, met)
+        rows += _rows(case, contact, met)
     return rows
 
 
-def _work_rows(target: WorkTarget, inputs: Mapping[str, pd.DataFrame]) -> list[dict[str, object]]:
-    contact = declared_contact(
-        inputs, target.particle, target.surface, diameter=target.diameter_um * 1e-6
-    )
-    found = work_of_adhesion_for(contact, target.capture_velocity_m_per_s)
+def _work_rows(
+    target: WorkTarget, found: Mapping[str, Contact], inputs: Mapping[str, pd.DataFrame]
+) -> list[dict[str, object]]:
+    contact = _damped_as(target, found, inputs).replace(diameter=target.diameter_um * 1e-6)
+    solution = work_of_adhesion_for(contact, target.capture_velocity_m_per_s)
     met = {
         "capture_velocity": (
-            float(capture_velocity(found)),
+            float(capture_velocity(solution)),
             target.capture_velocity_m_per_s,
             "m/s",
         )
     }
-    return _rows(target.case, found, met)
+    return _rows(target.case, solution, met)
 
 
 def _damping_rows(
-    target: RestitutionTarget, inputs: Mapping[str, pd.DataFrame]
+    target: RestitutionTarget, found: Mapping[str, Contact], inputs: Mapping[str, pd.DataFrame]
 ) -> list[dict[str, object]]:
-    contact = declared_contact(inputs, target.particle, target.surface)
-    found = damping_factor_for(contact, target.speed_m_per_s, target.restitution)
-    e = float(simulate(found, target.speed_m_per_s).coefficient_of_restitution)
-    return _rows(target.case, found, {"coefficient_of_restitution": (e, target.restitution, "-")})
+    contact = _damped_as(target, found, inputs)
+    solution = damping_factor_for(contact, target.speed_m_per_s, target.restitution)
+    e = float(simulate(solution, target.speed_m_per_s).coefficient_of_restitution)
+    met = {"coefficient_of_restitution": (e, target.restitution, "-")}
+    return _rows(target.case, solution, met)

@@ -11,10 +11,8 @@ from microimpact.declared.parameters import (
     AngleDegrees,
     CaseName,
     Count,
-    CounterpartName,
     Finite,
     Fraction,
-    MaterialName,
     Name,
     NonNegative,
     Positive,
@@ -345,22 +343,18 @@ class Losses:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Fluorescein:
-    """Section 3.2: ammonium fluorescein on molybdenum, declared and calibrated, and on mica.
+    """Section 3.2: ammonium fluorescein on molybdenum, and on mica.
 
     Attributes
     ----------
-    particle, surface, diameter_um
-        As declared.
-    case
-        As calibrated.
+    case, diameter_um
+        On molybdenum: nominal end of the admissible set, and size.
     sizes_um
         Over which the local exponent of the capture velocity is taken.
     on_mica
-        As calibrated there.
+        Case on mica.
     """
 
-    particle: MaterialName
-    surface: CounterpartName
     diameter_um: Positive
     case: CaseName
     sizes_um: Annotated[tuple[Positive, ...], Field(min_length=2)]
