@@ -51,8 +51,8 @@ def shipped_calibration(run_study, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def calibration(shipped_calibration):
-    """The table of calibrated cases by its name, as studies take it."""
-    return {"calibration": shipped_calibration["calibration"]}
+    """The calibrated cases and the family they are of, as studies take them."""
+    return {name: shipped_calibration[name] for name in ("calibration", "calibration_family")}
 
 
 @pytest.fixture(scope="session")

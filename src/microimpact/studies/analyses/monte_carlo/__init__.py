@@ -18,6 +18,7 @@ from microimpact.statistics.sampling import Correlation, require_varying
 from microimpact.studies.analyses.monte_carlo.ensembles import (
     Ensemble,
     Impact,
+    Inferred,
     Plan,
     Process,
     Rules,
@@ -27,7 +28,11 @@ from microimpact.studies.analyses.monte_carlo.events import Estimate, estimate, 
 from microimpact.studies.analyses.monte_carlo.figure import figure_data
 from microimpact.studies.analyses.monte_carlo.impacts import impact_of, require_meaning
 from microimpact.studies.analyses.monte_carlo.progress import progress
-from microimpact.studies.analyses.monte_carlo.slope_inference import SlopeInference, infer_slope
+from microimpact.studies.analyses.monte_carlo.slope_inference import (
+    SlopeInference,
+    infer_slope,
+    with_slope,
+)
 from microimpact.studies.analyses.monte_carlo.tables import (
     Ablation,
     Comparison,
@@ -257,15 +262,29 @@ def _ensembles(params: Params, inputs: Mapping[str, pd.DataFrame]) -> dict[str, 
 def _ensemble(params: Params, impact: Impact, variant: Variant, number: int) -> Ensemble:
     slope = variant.slope or params.process.slope
     across = slope if variant.two_axes else params.process.cross_slope
-    process = replace(params.process, slope=slope, cross_slope=across)
-    return Ensemble(
-        process=process,
+    ensemble = Ensemble(
+        process=replace(params.process, slope=slope, cross_slope=across),
         rules=variant.rules,
         impact=impact,
         plan=params.plan,
         seed=(params.seed, ESTIMATES, number),
         correlation=params.correlation,
     )
+    if not (isinstance(slope, Inferred) and variant.drawn):
+        return ensemble
+    found = _inferred(params, ensemble, variant)
+    if not found["reached"]:
+        raise ValueError(
+            f"variants.{variant.name}: no slope gives a restitution of "
+            f"{params.slope_inference.restitution:g} at {params.slope_inference.angle_deg:g} deg; "
+            "declare process.slope"
+        )
+    return with_slope(ensemble, float(str(found["slope_sd"])), two_axes=variant.two_axes)
+
+
+def _inferred(params: Params, ensemble: Ensemble, variant: Variant) -> dict[str, object]:
+    inference = _stream(ensemble, INFERENCE)
+    return infer_slope(inference, params.slope_inference, two_axes=variant.two_axes)
 
 
 def _stream(ensemble: Ensemble, analysis: int) -> Ensemble:
@@ -315,9 +334,7 @@ def _slopes(params: Params, ensembles: Mapping[str, Ensemble]) -> pd.DataFrame:
             "variant": variant.name,
             "angle_deg": settings.angle_deg,
             "restitution": settings.restitution,
-            **infer_slope(
-                _stream(ensembles[variant.name], INFERENCE), settings, two_axes=variant.two_axes
-            ),
+            **_inferred(params, ensembles[variant.name], variant),
             "evidence": "calibrated",
         }
         for variant in params.variants
