@@ -166,7 +166,8 @@ class Resolver:
             if node.place != key:
                 self.aliases[key] = node.place
             return node.value
-        if kind.keyed and not isinstance(node, dict):
+        # From Python, whole items may come in a list, with their names.
+        if kind.keyed and not isinstance(node, dict | list):
             self.problems.append(f"{key}: must be a mapping: a name, then its fields")
             return None
         if isinstance(node, list):
