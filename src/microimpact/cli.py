@@ -44,6 +44,16 @@ _IMPACT = {
 }
 
 
+# What makes a contact of two materials: adhesion, damping, and how damping goes with the rate.
+_CALIBRATED = (
+    "work_of_adhesion",
+    "hertz_damping",
+    "adhesion_damping",
+    "adhesion_rate_exponent",
+    "reference_velocity",
+)
+
+
 def main() -> None:
     """Run the command; bad input ends with one line and exit code 2, a failure with 1."""
     try:
@@ -87,7 +97,12 @@ def _contact_options(command: Command) -> Command:
         click.option(
             "--stiffness-model", default="hertz", show_default=True, help="hertz or reduced."
         ),
-        click.option("--json", "as_json", is_flag=True, help="Print JSON in SI units."),
+        click.option(
+            "--json",
+            "as_json",
+            is_flag=True,
+            help="JSON in SI units; infinity is null.",
+        ),
     )
     for option in reversed(options):
         command = option(command)
@@ -113,15 +128,17 @@ def simulate_command(
     """Simulate one impact."""
     from microimpact.model.dynamics.impact import simulate
 
-    contact = _contact(**pair)
+    contact, replaced = _contact(**pair)
     outcome = simulate(contact, speed, angle, spin, friction_basis)
     values = {name: getattr(outcome, name).item() for name in _IMPACT}
     if as_json:
-        _print_json(_inputs(contact, speed=speed, angle=angle, spin=spin) | values)
+        before = {"speed": speed, "angle": angle, "spin": spin, "friction_basis": friction_basis}
+        after = {"spin_after" if name == "spin" else name: v for name, v in values.items()}
+        _print_json(_inputs(contact, replaced) | before | after)
         return
     title = (
-        f"{contact.particle.name} on {contact.surface.name}, {contact.diameter * 1e6:g} um, "
-        f"{speed:g} m/s at {angle:g} deg"
+        f"{_words(contact, replaced)}\n{speed:g} m/s at {angle:g} deg, spin {spin:g} rad/s, "
+        f"friction {contact.friction:g}, supported by the {friction_basis} force"
     )
     rows = [
         (label, _text(values[name], factor), unit)
@@ -136,10 +153,10 @@ def capture_command(as_json: bool, **pair: Any) -> None:
     """Find the capture velocity of a sphere, and the scales of its contact."""
     from microimpact.model.dynamics.capture import capture_velocity
 
-    contact = _contact(**pair)
+    contact, replaced = _contact(**pair)
     found = float(capture_velocity(contact))
     if as_json:
-        _print_json(_inputs(contact) | {"capture_velocity": found})
+        _print_json(_inputs(contact, replaced) | {"capture_velocity": found})
         return
     hertz_group, adhesion_group = contact.groups
     rows = [
@@ -152,8 +169,7 @@ def capture_command(as_json: bool, **pair: Any) -> None:
         ("work of adhesion w_A", _text(contact.work_of_adhesion), "J/m2"),
         ("equilibrium contact radius", _text(contact.equilibrium_contact_radius, 1e9), "nm"),
     ]
-    title = f"{contact.particle.name} on {contact.surface.name}, {contact.diameter * 1e6:g} um"
-    _print_table(title, ("", "value", "unit"), rows)
+    _print_table(_words(contact, replaced), ("", "value", "unit"), rows)
     if np.isinf(found):
         click.echo("No speed rebounds: the contact is overdamped.")
 
@@ -223,20 +239,54 @@ def _declared() -> tuple[dict[str, Material], Mapping[tuple[str, str], Mapping[s
     return materials_from_rows(materials), pairs_from_rows(contacts)
 
 
-def _contact(particle: str, surface: str, diameter_um: float | None, **changes: Any) -> Contact:
-    from microimpact.model.pairs import pair_contact
+def _contact(
+    particle: str, surface: str, diameter_um: float | None, **changes: Any
+) -> tuple[Contact, dict[str, float]]:
+    """Return the contact, and the declared adhesion and damping that options have replaced."""
+    from microimpact.model.pairs import IncompletePairError, pair_contact
 
     diameter = None if diameter_um is None else diameter_um * 1e-6
-    return pair_contact(particle, surface, *_declared(), diameter=diameter, **changes)
+    materials, pairs = _declared()
+    try:
+        contact = pair_contact(particle, surface, materials, pairs, diameter=diameter, **changes)
+    except IncompletePairError as error:
+        options = [f"--{name.replace('_', '-')}" for name in error.missing]
+        wanted = ", ".join("--diameter-um" if o == "--diameter" else o for o in options)
+        raise ValueError(f"{error.pair}; give {wanted}{error.near}") from None
+    own = pairs.get((particle, surface), {})
+    if changes["ring_force"] is not None and "work_of_adhesion" in own:
+        changes["work_of_adhesion"] = _inputs(contact, {})["work_of_adhesion"]
+    replaced = {name: own[name] for name in _CALIBRATED if own.get(name) is not None}
+    return contact, {n: v for n, v in replaced.items() if changes[n] not in {None, v}}
 
 
-def _inputs(contact: Contact, **more: float) -> dict[str, Any]:
-    names = ("diameter", "work_of_adhesion", "ring_force", "hertz_damping", "adhesion_damping")
+def _words(contact: Contact, replaced: Mapping[str, float]) -> str:
+    """Return the pair with its parameters, and what of the declared contact is left."""
+    title = (
+        f"{contact.particle.name} on {contact.surface.name}, {contact.diameter * 1e6:g} um: "
+        f"w_A = {contact.work_of_adhesion:.4g} J/m2, c_H = {contact.hertz_damping:.4g} s/m, "
+        f"c_A = {contact.adhesion_damping:.4g} s/m, n = {contact.adhesion_rate_exponent:g}"
+    )
+    if not replaced:
+        return title
+    changed = ", ".join(
+        f"{name} {float(getattr(contact, name)):.4g} in place of {value:.4g}"
+        for name, value in replaced.items()
+    )
+    kept = ", ".join(name for name in _CALIBRATED[:4] if name not in replaced)
+    left = f"; {kept} kept as declared" if kept else ""
+    return (
+        f"{title}\nNo longer the declared contact, nor what it was calibrated to: {changed}{left}."
+    )
+
+
+def _inputs(contact: Contact, replaced: Mapping[str, float]) -> dict[str, Any]:
+    numbers = ("diameter", "ring_force", "friction", *_CALIBRATED)
+    values = {name: getattr(contact, name) for name in numbers}
     return (
         {"particle": contact.particle.name, "surface": contact.surface.name}
-        | {name: float(getattr(contact, name)) for name in names}
-        | {"friction": float(contact.friction)}
-        | more
+        | {name: None if value is None else float(value) for name, value in values.items()}
+        | {"stiffness_model": contact.stiffness_model, "in_place_of": dict(replaced)}
     )
 
 
@@ -247,11 +297,11 @@ def _text(value: Any, factor: float = 1.0) -> str:
 
 
 def _print_json(values: Mapping[str, Any]) -> None:
-    """Print JSON; an infinite number, which JSON does not have, as the text "Infinity"."""
+    """Print JSON; an infinite number, which JSON does not have, as null."""
 
     def plain(node: Any) -> Any:
         if isinstance(node, float) and not np.isfinite(node):
-            return "Infinity"
+            return None
         if isinstance(node, Mapping):
             return {key: plain(child) for key, child in node.items()}
         return [plain(child) for child in node] if isinstance(node, list) else node

@@ -1,9 +1,9 @@
 """Snakemake on the terminal in brief: a progress bar and one line per finished step.
 
 A logger plugin as Snakemake finds them, by the name of this package: ``--logger brief``, set in
-``profiles/default``. Snakemake's own full account stands in ``.snakemake/log``; with ``--verbose``,
-and for a dry run, it is printed as usual. Snakemake's quiet modes would leave it out of the file, too,
-and hide errors.
+``profiles/default``. Snakemake's own full account is in ``.snakemake/log``; with ``--verbose``
+and for a dry run it is printed as usual. Snakemake's quiet modes would leave it out of the file,
+too, and hide errors.
 """
 
 from __future__ import annotations

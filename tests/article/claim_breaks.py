@@ -30,6 +30,8 @@ from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import spatial
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.rigid_body.roughness import measured_restitution
+from microimpact.studies.analyses import doe
+from microimpact.studies.analyses.doe.factors import realistic_levels
 from microimpact.studies.claims.claim_numbers import (
     Params,
     dynamics,
@@ -475,11 +477,10 @@ def weak_adhesion(claim, world):
 
 
 def other_force_history(claim, world, quantity, factor):
-    """The declared contact behind Fig. 20 with one property multiplied."""
-    table = pd.read_csv(ROOT / world.settings.general.contacts)
-    row = (table["particle"] == "ammonium-fluorescein") & (table["surface"] == "molybdenum")
-    table.loc[row & (table["property"] == quantity), "value"] *= factor
-    return world.numbers(claim, dict(world.run_study("force_history", {"contacts": table})))
+    """The contact behind Fig. 20 with one property multiplied."""
+    case = world.settings.branches["force_history"]["case"]
+    table = world.calibration((case,), **{quantity: by(factor)})
+    return world.numbers(claim, dict(world.run_study("force_history", table)))
 
 
 def squared_sum_in_eq_20(claim, world):
@@ -531,7 +532,7 @@ DYNAMICS = {
     "C29": without_ring_force,
     "C30": partial(other_force_history, quantity="adhesion_damping", factor=0.0),
     "C31": squared_sum_in_eq_20,
-    "C32": partial(other_force_history, quantity="ring_force", factor=2.0),
+    "C32": partial(other_force_history, quantity="work_of_adhesion", factor=2.0),
     "C33": partial(other_force_history, quantity="adhesion_damping", factor=2.0),
     "C34": no_material_damping,
     "C35": partial(recalibrated, cases=(MICA,), work_of_adhesion=by(0.5)),
@@ -597,11 +598,13 @@ def effects(world, levels=(), **changes):
     """Return the tables of the designs with other realistic levels, or another design."""
     branch = world.settings.branches["doe"]
     quick = {**branch["sampling"], "replicates": 2, "points": 10}
-    cases = [
-        merged(case, {"realistic": dict(levels)})
-        for case in branch["cases"]
-        if case["case"] in STEEL
-    ]
+    cases = [case for case in branch["cases"] if case["case"] in STEEL]
+
+    def other_levels(*given):
+        chosen = {name: tuple(ends) for name, ends in dict(levels).items()}
+        return replace(realistic_levels(*given), **chosen)
+
+    world.patch.setattr(doe, "realistic_levels", other_levels)
     made = world.run_study("doe", world.tables, cases=cases, sampling=quick, **changes)
     return {name: table for name, table in made.items() if name.startswith("doe_")}
 

@@ -12,17 +12,18 @@ from tests.shared import made_once
 
 import microimpact
 from microimpact.core.tables import parse_table
+from microimpact.declared.documents import load
 from microimpact.figures.registry import filled, registry
 from microimpact.figures.style import save
 from microimpact.ledgers.claims.criteria import read_claims
-from microimpact.run.config import load, validate
+from microimpact.run.config import read_configuration, validate
 
 ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="session")
 def settings():
-    base = load(ROOT / "config/config.yaml")
+    base = read_configuration(ROOT / "config")
     return validate(base, base)
 
 
@@ -51,8 +52,8 @@ def shipped_calibration(run_study, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def calibration(shipped_calibration):
-    """The table of calibrated cases by its name, as studies take it."""
-    return {"calibration": shipped_calibration["calibration"]}
+    """The calibrated cases and the family they are of, as studies take them."""
+    return {name: shipped_calibration[name] for name in ("calibration", "calibration_family")}
 
 
 @pytest.fixture(scope="session")

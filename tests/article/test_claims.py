@@ -19,12 +19,10 @@ from tests.article.claim_breaks import (
     ptis_range,
     steel_fits,
 )
-from tests.article.conftest import ROOT
 from tests.shared import made_once
 
 from microimpact.core.tables import parse_table
 from microimpact.declared.parameters import build
-from microimpact.declared.selection import read_all
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.ledgers.claims import NUMBER_COLUMNS, verdicts
 from microimpact.studies.analyses.doe.factors import elasticities
@@ -55,8 +53,8 @@ def branch(settings):
 
 @pytest.fixture(scope="module")
 def declared(settings, branch):
-    rows = read_all(*(str(ROOT / path) for path in settings.general.tables))
-    return {key: parse_table(text) for key, text in rows.named_in(branch).items()}
+    _, rows = settings.prepared("claim_numbers", **branch)
+    return {key: parse_table(text) for key, text in rows.items()}
 
 
 def kept(folders, name, make):

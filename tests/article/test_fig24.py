@@ -110,11 +110,12 @@ def test_fits_follow_the_capture_velocities(tables):
     assert center["capture_velocity_m_per_s"].to_numpy() == pytest.approx(0.18, rel=1e-6)
 
 
-def test_an_uncapturable_run_is_named(run_study, calibration, sampling, settings):
-    cases = [dict(case) for case in settings.branches["doe"]["cases"]]
-    cases[0]["realistic"] = {**cases[0]["realistic"], "adhesion_dissipation": [0.1, 10.0]}
+def test_an_uncapturable_run_is_named(run_study, calibration, sampling):
+    family = calibration["calibration_family"].copy()
+    lowest = family.query("rate_exponent == 0 and plateau_of_e_holds == True").index[0]
+    family.loc[lowest, "zeta_adhesion"] /= 100.0
     with pytest.raises(ValueError, match=r"n = 0', realistic levels: run \d+ has no finite") as e:
-        run_study("doe", calibration, sampling=sampling, cases=cases)
+        run_study("doe", calibration | {"calibration_family": family}, sampling=sampling)
     assert "\n" not in str(e.value)
 
 

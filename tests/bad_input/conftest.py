@@ -5,16 +5,13 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Iterator
-from functools import cache
 from pathlib import Path
 
 import pytest
 
-from microimpact.declared.documents import load
-from microimpact.run.config import validate
+from microimpact.run.config import read_configuration, validate
 from microimpact.run.inputs import read_inputs
 
-CONFIG = "config/config.yaml"
 ROOT = Path(__file__).parents[2]
 
 DIGITIZED = """# source: made up
@@ -26,11 +23,7 @@ another,2.0,0.5,,
 """
 
 
-@cache
-def checked():
-    """Return the shipped configuration, and what the validator makes of it."""
-    shipped = load(ROOT / CONFIG)
-    return shipped, validate(shipped, shipped)
+SHIPPED = read_configuration(ROOT / "config")
 
 
 class Declared:
@@ -44,9 +37,7 @@ class Declared:
         before = Path.cwd()
         os.chdir(self.root)
         try:
-            shipped, settings = checked()
-            if Path(CONFIG).read_bytes() != (ROOT / CONFIG).read_bytes():
-                settings = validate(load(CONFIG), shipped)
+            settings = validate(read_configuration("config"), SHIPPED)
             return settings, read_inputs(settings)
         finally:
             os.chdir(before)

@@ -49,7 +49,7 @@ def test_an_impact(speed, angle, spin, diameter):
     if found is not None:
         e = found["coefficient_of_restitution"]
         assert 0.0 <= e <= 1.0 + 1e-12
-        assert math.isfinite(found["spin"])
+        assert math.isfinite(found["spin_after"])
 
 
 @settings(deadline=None, derandomize=True, max_examples=120)
@@ -62,7 +62,7 @@ def test_a_capture_velocity(work, hertz, adhesion):
     )  # fmt: skip
     if found is not None:
         velocity = found["capture_velocity"]
-        assert float(velocity) >= 0.0
+        assert velocity is None or velocity >= 0.0
 
 
 @pytest.mark.parametrize("name", ["<script>", "", "steel\n", "../../etc/passwd", "%s", "ß" * 300])

@@ -8,9 +8,12 @@ from tests.bad_input.conftest import DIGITIZED
 from microimpact.declared.selection import NamedTables
 
 CONFIG, MATERIALS, CONTACTS = "config.yaml", "materials.csv", "contacts.csv"
+LABORATORY, MODELS, EXPERIMENTS = (
+    f"{name}.yaml" for name in ("laboratory", "analyses/models", "analyses/experiments")
+)
 PRINTED, FIGURES, POINTS = "printed_values.csv", "figures.yaml", "digitized/fig16.csv"
 
-RESTITUTION = "restitution: {value: 0.70, evidence: printed,"
+RESTITUTION = "restitution: {value: 0.80, evidence: derived,"
 STEEL = "stainless-steel-316,youngs_modulus,193,GPa,,,found,maker's data sheets of AISI 316"
 DIAMETER = "stainless-steel-316,silicon,diameter,62,um,printed,"
 ANCHOR = "capture_velocity_psl_quartz,0.967,,,m/s,"
@@ -23,44 +26,56 @@ CASES = [
     (CONFIG, "seed: {", "\tseed: {", ["config.yaml, line 10, column 1", "\\t"]),
     (CONFIG, "seed: {", "seed: [", ["config.yaml, line 10", "not valid YAML"]),
     (CONFIG, "materials: config/materials.csv", "materials: a\nmaterials: b", ["config.yaml, line", "'materials' stands there twice"]),
-    (CONFIG, "coulomb_friction:\n", "coulomb_friction:\n  points: 3\n", ["'points' stands there twice"]),
+    (MODELS, "coulomb_friction:\n", "coulomb_friction:\n  points: 3\n", ["'points' stands there twice"]),
     (CONFIG, "seed: {value: 20011,", "seed: {value: *nowhere,", ["config.yaml, line 10", "undefined alias"]),
     (CONFIG, "seed: {", "seed: !!python/object/apply:os.system ['true']\nother: {", ["config.yaml, line 10", "could not determine a constructor"]),
     (CONFIG, "seed: {", "seed: \x07{", ["config.yaml", "not valid YAML"]),
     (CONFIG, "value: 20011", "value: " + "9" * 5000, ["config.yaml", "not valid YAML", "digits"]),
     # keys
     (CONFIG, "seed: {", "sead: {", ["sead: unknown key (did you mean 'seed'?)", "seed: missing"]),
-    (CONFIG, "coulomb_friction:", "coulomb_frction:", ["did you mean 'coulomb_friction'?", "coulomb_friction: missing"]),
-    (CONFIG, "  spin_friction: {", "  spin_fricton: {", ["coulomb_friction.spin_fricton: unknown key", "coulomb_friction.spin_friction: missing"]),
+    (MODELS, "coulomb_friction:", "coulomb_frction:", ["did you mean 'coulomb_friction'?", "coulomb_friction: missing"]),
+    (MODELS, "  spin_friction: {", "  spin_fricton: {", ["coulomb_friction.spin_fricton: unknown key", "coulomb_friction.spin_friction: missing"]),
     (CONFIG, "seed: {value: 20011", "1: 2\nseed: {value: 20011", ["1: unknown key"]),
     # values and their provenance
-    (CONFIG, RESTITUTION, RESTITUTION.replace("0.70", "1.5"), ["coulomb_friction.restitution: 1.5", "less than or equal to 1"]),
-    (CONFIG, RESTITUTION, RESTITUTION.replace("0.70", "-0.1"), ["coulomb_friction.restitution: -0.1"]),
-    (CONFIG, RESTITUTION, RESTITUTION.replace("0.70", ".nan"), ["coulomb_friction.restitution: nan", "finite"]),
-    (CONFIG, RESTITUTION, RESTITUTION.replace("0.70", ".inf"), ["coulomb_friction.restitution: inf"]),
-    (CONFIG, RESTITUTION, RESTITUTION.replace("0.70", "yes"), ["coulomb_friction.restitution: True"]),
-    (CONFIG, RESTITUTION, RESTITUTION.replace("0.70", "'0.70'"), ["coulomb_friction.restitution: '0.70'"]),
-    (CONFIG, RESTITUTION, RESTITUTION.replace("0.70", "7e-1"), ["coulomb_friction.restitution: '7e-1'"]),
-    (CONFIG, RESTITUTION, RESTITUTION.replace("0.70", "0,70"), ["coulomb_friction.restitution"]),
-    (CONFIG, RESTITUTION, RESTITUTION.replace("0.70", "2026-11-21"), ["coulomb_friction.restitution"]),
-    (CONFIG, RESTITUTION, RESTITUTION.replace("0.70", "[0.70]"), ["coulomb_friction.restitution.value", "single value"]),
-    (CONFIG, RESTITUTION, RESTITUTION.replace("0.70", ""), ["coulomb_friction.restitution"]),
-    (CONFIG, RESTITUTION, RESTITUTION.replace("printed", "guessed"), ["coulomb_friction.restitution.evidence: 'guessed' must be one of"]),
-    (CONFIG, RESTITUTION, RESTITUTION.replace("value:", "vale:"), ["coulomb_friction.restitution"]),
-    (CONFIG, "friction: {values: [0.05, 0.10, 0.15, 0.20]", "friction: {values: 0.05", ["coulomb_friction.friction.values: 0.05 must be a list"]),
-    (CONFIG, "friction: {values: [0.05, 0.10", "friction: {values: [0.05, -0.10", ["coulomb_friction.friction[1]: -0.1"]),
-    (CONFIG, "points: {value: 360,", "points: {value: 360.5,", ["coulomb_friction.points: 360.5"]),
-    (CONFIG, "points: {value: 360,", "points: {value: 0,", ["coulomb_friction.points: 0"]),
+    (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", "1.5"), ["cases.steel-mirror front.restitution: 1.5", "less than or equal to 1"]),
+    (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", "-0.1"), ["cases.steel-mirror front.restitution: -0.1"]),
+    (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", ".nan"), ["cases.steel-mirror front.restitution: nan", "finite"]),
+    (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", ".inf"), ["cases.steel-mirror front.restitution: inf"]),
+    (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", "yes"), ["cases.steel-mirror front.restitution: True"]),
+    (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", "'0.70'"), ["cases.steel-mirror front.restitution: '0.70'"]),
+    (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", "7e-1"), ["cases.steel-mirror front.restitution: '7e-1'"]),
+    (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", "0,70"), ["cases.steel-mirror front.restitution"]),
+    (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", "2026-11-21"), ["cases.steel-mirror front.restitution"]),
+    (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", "[0.70]"), ["cases.steel-mirror front.restitution.value", "single value"]),
+    (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", ""), ["cases.steel-mirror front.restitution"]),
+    (LABORATORY, RESTITUTION, RESTITUTION.replace("derived", "guessed"), ["cases.steel-mirror front.restitution.evidence: 'guessed' must be one of"]),
+    (LABORATORY, RESTITUTION, RESTITUTION.replace("value:", "vale:"), ["cases.steel-mirror front.restitution"]),
+    (MODELS, "friction: {values: [0.05, 0.10, 0.15, 0.20]", "friction: {values: 0.05", ["coulomb_friction.friction.values: 0.05 must be a list"]),
+    (MODELS, "friction: {values: [0.05, 0.10", "friction: {values: [0.05, -0.10", ["coulomb_friction.friction[1]: -0.1"]),
+    (MODELS, "points: {value: 360,", "points: {value: 360.5,", ["coulomb_friction.points: 360.5"]),
+    (MODELS, "points: {value: 360,", "points: {value: 0,", ["coulomb_friction.points: 0"]),
     (CONFIG, "seed: {value: 20011", "seed: {value: -1", ["seed: -1"]),
     (CONFIG, "source: root of every random draw", "source: ''", ["seed.source: '' must say where"]),
-    (CONFIG, "coulomb_friction:\n", "coulomb_friction: 3\nwas:\n", ["coulomb_friction: 3 must be a mapping"]),
+    (MODELS, "coulomb_friction:\n", "coulomb_friction: 3\nwas:\n", ["coulomb_friction: 3 must be a mapping"]),
     # names that are not declared
-    (CONFIG, "particle: stainless-steel-316\n  surface: silicon", "particle: stainles-steel-316\n  surface: silicon", ["materials.csv", "no rows for 'stainles-steel-316'", "did you mean 'stainless-steel-316'?"]),
-    (CONFIG, "surface: molybdenum", "surface: silicon", ["contacts.csv", "no rows for 'ammonium-fluorescein on silicon'"]),
-    (CONFIG, "- plateau_end_angle", "- plateau_end", ["printed_values.csv: no rows for 'plateau_end'"]),
+    (MODELS, "particle: stainless-steel-316\n  surface: silicon", "particle: stainles-steel-316\n  surface: silicon", ["oblique_impact.particle: 'stainles-steel-316' is not declared in config/materials.csv", "did you mean 'stainless-steel-316'?"]),
+    (MODELS, "surface: molybdenum", "surface: silicon", ["force_history.surface: 'ammonium-fluorescein on silicon' is not declared in config/contacts.csv"]),
+    (MODELS, "- plateau_end_angle", "- plateau_end", ["oblique_impact.anchors[0]: 'plateau_end' is not declared in config/printed_values.csv", "did you mean 'plateau_end_angle'?"]),
     (CONFIG, "materials: config/materials.csv", "materials: config/material.csv", ["config/material.csv"]),
     (CONFIG, "digitized: config/digitized", "digitized: config/nowhere", ["digitized: 'config/nowhere' must be a folder"]),
     (CONFIG, "figures: config/figures.yaml", "figures: config/materials.csv", ["config/materials.csv"]),
+    # references
+    (MODELS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speeds.nominl}", ["oblique_impact.speed_m_per_s.from: 'speeds.nominl' is not declared (did you mean 'nominal'?)"]),
+    (MODELS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speds.nominal}", ["'speds.nominal' is not declared (did you mean 'speeds'?)"]),
+    (MODELS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: surfaces.Formica}", ["oblique_impact.speed_m_per_s.from: no speed_m_per_s in surfaces.Formica"]),
+    (MODELS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speeds.nominal, valu: 3}", ["oblique_impact.speed_m_per_s.valu: unknown key"]),
+    (MODELS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speeds.nominal, value: -3}", ["oblique_impact.speed_m_per_s: -3"]),
+    (MODELS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: spins.none}", ["no speed_m_per_s in spins.none"]),
+    (LABORATORY, "silicon front, speeds.nominal]", "silicon font, speeds.nominal]", ["drops.steel on silicon.from: 'surfaces.silicon font' is not declared (did you mean 'silicon front'?)"]),
+    (LABORATORY, "other pairs: {from: frictions.steel on silicon", "other pairs: {from: frictions.other pairs", ["frictions.other pairs", "refers to itself"]),
+    (LABORATORY, "surface_slope: {value: 0.16,", "surface_slope: {value: -0.16,", ["surfaces.Formica.surface_slope: -0.16 must be greater than or equal to 0"]),
+    (LABORATORY, "    case: steel-formica", "    case: steel-formic", ["drops.steel on Formica.case: 'steel-formic' is not declared in cases (did you mean 'steel-formica'?)"]),
+    (EXPERIMENTS, "populations:\n    SST65: {from: particles.SST65}\n    SST125: {from: particles.SST125}", "populations: [SST65, SST125]", ["normal_experiments.populations: must be a mapping: a name, then its fields"]),
     # declared tables
     (MATERIALS, "material,property", "material;property", ["materials.csv: the header is"]),
     (MATERIALS, STEEL, STEEL + ",more", ["materials.csv, line 2: must have 8 fields"]),
@@ -84,6 +99,8 @@ CASES = [
     (CONTACTS, DIAMETER, DIAMETER.replace("62", "sixty-two"), ["contacts.csv, line 2: value 'sixty-two' must be a finite number"]),
     (CONTACTS, DIAMETER, DIAMETER.replace("um", "J/m2"), ["contact 'stainless-steel-316' on 'silicon', diameter"]),
     (CONTACTS, DIAMETER, DIAMETER.replace("diameter", "diametre"), ["property 'diametre' unknown (did you mean 'diameter'?)"]),
+    (CONTACTS, "silicon,friction,0.15", "silicon,friction,-0.15", ["config/contacts.csv: stainless-steel-316 on silicon: friction must be", ">= 0", "-0.15"]),
+    (CONTACTS, DIAMETER, DIAMETER.replace("62", "0"), ["config/contacts.csv: stainless-steel-316 on silicon: diameter must be"]),
     (PRINTED, ANCHOR, ANCHOR.replace("0.967", ""), ["printed_values.csv, line 2: value '' must be a finite number"]),
     (PRINTED, ANCHOR, ANCHOR.replace("m/s", ""), ["printed_values.csv, line 2: unit is empty"]),
     (PRINTED, "key,value", "name,value", ["printed_values.csv: the header is name, value"]),
@@ -127,7 +144,8 @@ def test_there_are_many_of_them():
 def test_unspoilt_inputs_are_read(declared):
     settings, found = declared.read()
     assert "fig16" in found.digitized
-    assert set(found.rows) == set(settings.branches)
+    assert set(settings.rows) == set(settings.branches)
+    assert not settings.unused
 
 
 BYTES = [
@@ -171,11 +189,11 @@ def test_a_byte_order_mark_and_other_line_ends_do_no_harm(declared):
 
 def test_a_study_whose_branch_names_no_rows(declared):
     declared.replace(
-        CONFIG,
+        MODELS,
         "  anchors: [peak_adhesion_over_peak_hertz, peak_adhesion_dissipation_over_adhesion]\n",
         "  anchors: []\n",
     )
-    rows = declared.read()[1].rows["force_history"]
+    rows = declared.read()[0].rows["force_history"]
     assert set(rows) == {"materials", "contacts"}
     with pytest.raises(ValueError, match="no rows of 'anchors': the study's branch must name some"):
         NamedTables(rows)["anchors"]

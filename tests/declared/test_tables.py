@@ -3,14 +3,26 @@
 from __future__ import annotations
 
 import math
+import re
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from pydantic import ValidationError
 
 from microimpact.core import tables
 from microimpact.declared import selection
+from microimpact.declared.parameters import (
+    CaseName,
+    CounterpartName,
+    Known,
+    MaterialName,
+    PrintedName,
+    build,
+    explain,
+)
 from microimpact.declared.provenance import unit_of
 
 
@@ -76,28 +88,62 @@ def test_only_named_rows_are_selected(tmp_path):
         'steel,density,8000,kg/m3,,,found,"data, sheet"',
         "silicon,density,2330,kg/m3,2320,2340,textbook,handbook",
     )
-    branch = {"cases": [{"particle": "steel", "surface": "steel", "angle_deg": 3}]}
-    assert selection.named_contacts(branch) == [("steel", "steel")]
-    text = table.where(selection.named_materials(branch), "material")
+    text = table.where({"steel"}, "material")
     assert text == f'{HEADER}\nsteel,density,8000,kg/m3,,,found,"data, sheet"\n'
 
 
-def test_an_unknown_name_is_refused_with_the_nearest(tmp_path):
-    table = material_table(tmp_path, "silicon,density,2330,kg/m3,,,textbook,handbook")
-    with pytest.raises(selection.SelectionError, match=r"no rows for 'silcon'.*'silicon'"):
-        table.where([("silcon",)], "material")
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Dropped:
+    particle: MaterialName
+    surface: CounterpartName
+    case: CaseName
+    anchors: tuple[PrintedName, ...]
 
 
-def test_a_pair_and_an_anchor_that_are_not_declared_are_refused():
+GIVEN = {
+    "particle": "ammonium-fluorescein",
+    "surface": "molybdenum",
+    "case": "steel-formica",
+    "anchors": ["capture_velocity_af_mica"],
+}
+BODIES = {"steel-formica": ("stainless-steel-316", "formica")}
+
+
+@pytest.fixture(scope="module")
+def declared():
     root = Path(__file__).parents[2] / "config"
     files = ("materials.csv", "contacts.csv", "printed_values.csv")
-    declared = selection.read_all(*(str(root / name) for name in files))
-    pair = {"particle": "stainless-steel-316", "surface": "mica"}
-    with pytest.raises(selection.SelectionError, match="no rows for 'stainless-steel-316 on mica'"):
-        declared.named_in(pair)
-    with pytest.raises(selection.SelectionError, match="no rows for 'friction'"):
-        declared.named_in({"anchors": ["friction"]})
-    assert declared.named_in({"points": 3}) == {}
+    return selection.read_all(*(str(root / name) for name in files))
+
+
+def known(declared):
+    return Known(declared.names() | {"cases": ("cases", set(BODIES))})
+
+
+def test_the_rows_of_a_branch_follow_from_what_its_types_call_names(declared):
+    names = known(declared)
+    build(Dropped, GIVEN, names)
+    rows = declared.named(names.named, BODIES)
+    materials = {line.split(",")[0] for line in rows["materials"].splitlines()[1:]}
+    assert materials == {"ammonium-fluorescein", "molybdenum", *BODIES["steel-formica"]}
+    assert {line.split(",")[1] for line in rows["contacts"].splitlines()[1:]} == {"molybdenum"}
+    assert rows["anchors"].count("\n") == 2
+    assert declared.named([], BODIES) == {}
+
+
+@pytest.mark.parametrize(
+    ("change", "line"),
+    [
+        ({"particle": "ammonium"}, "x.particle: 'ammonium' is not declared in .*materials.csv"),
+        ({"surface": "mica-2"}, "'ammonium-fluorescein on mica-2' is not declared .*did you mean"),
+        ({"case": "steel-formic"}, r"'steel-formic' is not declared in cases \(did you mean"),
+        ({"anchors": ["friction"]}, r"x.anchors\[0\]: 'friction' is not declared in .*printed"),
+    ],
+)
+def test_an_unknown_name_is_refused_with_the_nearest(declared, change, line):
+    with pytest.raises(ValidationError) as caught:
+        build(Dropped, GIVEN | change, known(declared))
+    assert re.search(line, explain(caught.value, Dropped, "x")[0])
 
 
 @pytest.mark.parametrize(

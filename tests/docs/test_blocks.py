@@ -33,7 +33,7 @@ def test_an_analysis_is_shown_in_every_kind_of_file_it_is_made_of():
         "src/microimpact/model/separation.py",
         "src/microimpact/studies/analyses/particle_separation.py",
         "src/microimpact/figures/analyses/separation.py",
-        "config/config.yaml",
+        "config/analyses/analyses.yaml",
         "config/printed_values.csv",
         "config/figures.yaml",
         "workflow/rules/separation.smk",

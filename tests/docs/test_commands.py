@@ -16,9 +16,10 @@ import sys
 
 import pytest
 import yaml
-from snakemake.utils import update_config
 from tests.docs.blocks import ROOT, blocks
 from tests.workflow.conftest import copied
+
+from microimpact.declared.references import merged
 
 pytestmark = [pytest.mark.workflow, pytest.mark.slow]
 
@@ -40,9 +41,10 @@ def shell(forked, tmp_path_factory):
     (root / "tests").symlink_to(ROOT / "tests")
     small = yaml.safe_load((root / "config/ci.yaml").read_text())
     small.pop("pathvars")
-    config = yaml.safe_load((root / "config/config.yaml").read_text())
-    update_config(config, small)
-    (root / "config/config.yaml").write_text(yaml.safe_dump(config, sort_keys=False))
+    for path in (root / "config/laboratory.yaml", *(root / "config/analyses").iterdir()):
+        content = yaml.safe_load(path.read_text())
+        changes = {key: small[key] for key in small if key in content}
+        path.write_text(yaml.safe_dump(merged(content, changes), sort_keys=False))
     programs = tmp_path_factory.mktemp("bin")
     for name, text in {**PROGRAMS, "forked": f'exec {shlex.join(forked)} "$@"'}.items():
         (programs / name).write_text(f"#!/bin/sh\n{text}\n")

@@ -15,7 +15,8 @@ import locale, sys
 from importlib import import_module
 
 locale.setlocale(locale.LC_ALL, "")
-from microimpact.run.config import load
+from microimpact.declared.documents import load
+from microimpact.run.config import read_configuration
 from microimpact.figures.registry import figure_spec, filled
 from microimpact.figures.style import save
 from microimpact.declared.parameters import build
@@ -24,7 +25,7 @@ from microimpact.studies.models import restitution_trends as study
 from microimpact.core.tables import read_figure_data, write_table
 
 (out,) = sys.argv[1:]
-branch = plain(load("config/config.yaml")["restitution_trends"])
+branch = plain(read_configuration("config")["restitution_trends"])
 tables = study.run(build(study.Params, branch), {})
 write_table(tables["fig14"], f"{out}/fig14.csv")
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from microimpact.declared.documents import load
 from microimpact.figures.registry import RegistryError, figure_spec, filled, registry
-from microimpact.run.config import load
 
 ENTRIES = load(Path(__file__).parents[2] / "config/figures.yaml")
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+from microimpact.declared.documents import ConfigError
 from microimpact.ledgers.claims.criteria import (
     BOUNDS,
     POSITIVE,
@@ -20,7 +21,6 @@ from microimpact.ledgers.claims.criteria import (
     read_claims,
 )
 from microimpact.ledgers.claims.digitised import read_digitised
-from microimpact.run.config import ConfigError
 
 SHIPPED = Path(__file__).parents[2] / "config/claims.yaml"
 CLAIMS = read_claims(SHIPPED)

@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 
 from microimpact.declared.documents import load
-from microimpact.declared.provenance import plain
 from microimpact.figures.registry import filled
 from microimpact.report.check.results import read_text, table_files
 from microimpact.report.site.build import write_site
 from microimpact.report.site.record import Change, Record, Rule, write_record
+from microimpact.run.config import read_configuration, validate
 
 ROOT = Path(__file__).parents[2]
 REFERENCE = ROOT / "tests/reference"
@@ -68,7 +68,8 @@ def chromium(tmp_path_factory):
 @pytest.fixture(scope="session")
 def registry():
     """The words of all figures."""
-    branches = plain(load(ROOT / "config/config.yaml"))
+    base = read_configuration(ROOT / "config")
+    branches = validate(base, base).branches
     return filled(load(ROOT / "config/figures.yaml"), branches)
 
 

@@ -319,8 +319,8 @@ def test_the_command_writes_a_crate_or_says_in_one_line_why_not(tmp_path):
 
 
 def test_the_project_s_own_declared_inputs_are_found():
-    from microimpact.run.config import load
+    from microimpact.run.config import read_configuration
 
     project = Path(__file__).parents[2]
-    found = declared_inputs(load(project / "config/config.yaml"), project)
+    found = declared_inputs(read_configuration(project / "config"), project)
     assert {Path("config/config.yaml"), Path("config/materials.csv")} <= set(found)

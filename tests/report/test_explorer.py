@@ -13,14 +13,13 @@ import pytest
 from microimpact.core.files import write_file
 from microimpact.core.materials import Material
 from microimpact.core.tables import parse_table, read_table
-from microimpact.declared.selection import read_all
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import FRICTION_BASES, simulate, velocity_components
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.report.explorer.build import page_files
 from microimpact.report.site.pages import ASSETS
-from microimpact.run.config import load, validate
+from microimpact.run.config import read_configuration, validate
 
 pytestmark = pytest.mark.slow
 
@@ -36,9 +35,9 @@ return arguments[0].map((c) => {
 
 @pytest.fixture(scope="module")
 def inputs():
-    base = load(ROOT / "config/config.yaml")
+    base = read_configuration(ROOT / "config")
     settings = validate(base, base)
-    declared = read_all(*(str(ROOT / path) for path in settings.general.tables)).contact_rows()
+    declared = settings.tables.contact_rows()
     calibration = read_table(ROOT / "tests/reference/tables/calibration.csv")
     return {name: parse_table(text) for name, text in declared.items()} | {
         "calibration": calibration

@@ -16,6 +16,7 @@ from microimpact.report.site import PAGES
 from microimpact.report.site.build import (
     CLAIM_COLUMNS,
     EQUATION_COLUMNS,
+    INPUT_COLUMNS,
     site_pages,
     write_site,
 )
@@ -217,7 +218,7 @@ def test_names_stay_text(few):
     inputs = {
         "file": ["config", "materials"],
         "key": [f"restitution_trends.{evil}", f"{evil}.density"],
-        **{name: [evil, evil] for name in ("value", "low", "high", "unit", "evidence", "source")},
+        **{name: [evil, evil] for name in INPUT_COLUMNS[2:]},
     }
     (root / "tables").mkdir()
     pd.DataFrame(inputs).to_csv(root / "tables/inputs.csv", index=False)

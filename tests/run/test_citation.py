@@ -8,6 +8,8 @@ from pathlib import Path
 
 import yaml
 
+from microimpact.run.config import read_configuration
+
 PROJECT = Path(__file__).parents[2]
 PACKAGE = tomllib.loads((PROJECT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 TEXT = (PROJECT / "CITATION.cff").read_text(encoding="utf-8")
@@ -94,7 +96,7 @@ def test_the_catalogue_finds_what_standardised_usage_demands():
 
 def test_the_guide_to_the_configuration_names_every_key_and_every_file():
     text = (PROJECT / "config/README.md").read_text(encoding="utf-8")
-    for key in yaml.safe_load((PROJECT / "config/config.yaml").read_text(encoding="utf-8")):
+    for key in read_configuration(PROJECT / "config"):
         assert f"`{key}`" in text
     files = [path for path in (PROJECT / "config").iterdir() if path.name != "README.md"]
     for path in files:

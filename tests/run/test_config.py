@@ -10,11 +10,12 @@ import jsonschema
 import pytest
 
 from microimpact import studies
-from microimpact.run.config import ConfigError, load, validate
+from microimpact.declared.documents import ConfigError, load
+from microimpact.run.config import read_configuration, validate
 from microimpact.run.schema import schemas, text
 
 ROOT = Path(__file__).parents[2]
-BASE = load(ROOT / "config/config.yaml")
+BASE = read_configuration(ROOT / "config")
 
 
 def changed(**branches):
@@ -156,7 +157,7 @@ def test_shipped_files_meet_the_schemas():
     validator("figures.schema.json").validate(load(ROOT / "config/figures.yaml"))
     overlays = [ROOT / "config/ci.yaml", *(ROOT / "config/examples").glob("*.yaml")]
     for path in overlays:
-        validator("overlay.schema.json").validate(load(path))
+        validator("config.schema.json").validate(load(path))
 
 
 def test_schema_refuses_what_the_validator_refuses():

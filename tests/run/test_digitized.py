@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from microimpact.core.tables import POINTS, parse_table, series_frame
+from microimpact.declared.documents import load
 from microimpact.figures.registry import registry
-from microimpact.run.config import load
 from microimpact.run.digitised import DigitizedError, as_rows, overlaid, read_folder, read_points
 
 CONFIG = Path(__file__).parents[2] / "config"

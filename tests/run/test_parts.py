@@ -8,13 +8,12 @@ import numpy as np
 import pandas as pd
 import pytest
 from microimpact.run.parts import part_from_text, part_text
-from snakemake.utils import update_config
 
 from microimpact import studies
 from microimpact.core.tables import parse_table, read_table
-from microimpact.declared.parameters import build
-from microimpact.declared.selection import read_all
-from microimpact.run.config import load, validate
+from microimpact.declared.documents import load
+from microimpact.declared.references import merged
+from microimpact.run.config import read_configuration, validate
 
 ROOT = Path(__file__).parents[2]
 STUDIES = (
@@ -39,16 +38,8 @@ TINY = {
 
 @pytest.fixture(scope="module")
 def settings():
-    base, small = (load(ROOT / f"config/{name}.yaml") for name in ("config", "ci"))
-    shipped = load(ROOT / "config/config.yaml")
-    update_config(base, small)
-    update_config(base, TINY)
-    return validate(base, shipped)
-
-
-@pytest.fixture(scope="module")
-def declared(settings):
-    return read_all(*(str(ROOT / path) for path in settings.general.tables))
+    shipped = read_configuration(ROOT / "config")
+    return validate(merged(merged(shipped, load(ROOT / "config/ci.yaml")), TINY), shipped)
 
 
 def test_these_are_all_the_studies_in_parts():
@@ -57,11 +48,10 @@ def test_these_are_all_the_studies_in_parts():
 
 
 @pytest.mark.parametrize("name", STUDIES)
-def test_the_number_of_parts_changes_no_bit(name, settings, declared):
+def test_the_number_of_parts_changes_no_bit(name, settings):
     study = studies.study(name)
-    branch = settings.branches[name]
-    params = build(study.Params, branch)
-    inputs = {key: parse_table(text) for key, text in declared.named_in(branch).items()}
+    params, rows = settings.prepared(name)
+    inputs = {key: parse_table(text) for key, text in rows.items()}
     for table in ("calibration", "restitution_fits"):
         inputs[table] = read_table(ROOT / f"tests/reference/tables/{table}.csv")
     # As the workflow does: parts are made by themselves, in any order, and pass through files.

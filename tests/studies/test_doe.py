@@ -6,15 +6,15 @@ import math
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from pydantic import ValidationError
 
-from microimpact.core.materials import materials_from_rows
+from microimpact.core.tables import parse_table
 from microimpact.declared.parameters import build, explain
-from microimpact.declared.selection import read_all
-from microimpact.model.contact import hertz_stiffness
+from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.run.config import load, validate
+from microimpact.run.config import read_configuration, validate
 from microimpact.statistics.designs import fractional_factorial, full_factorial
 from microimpact.statistics.effects import (
     aliases,
@@ -33,6 +33,7 @@ from microimpact.studies.analyses.doe.factors import (
     at_levels,
     elasticities,
     factor_values,
+    realistic_levels,
 )
 from microimpact.studies.analyses.doe.tables import alias_rows
 
@@ -51,7 +52,7 @@ QUARTER = {
 
 @pytest.fixture(scope="module")
 def branch():
-    base = load(ROOT / "config/config.yaml")
+    base = read_configuration(ROOT / "config")
     return validate(base, base).branches["doe"]
 
 
@@ -252,55 +253,64 @@ def test_no_elasticity_without_capture(contact):
         elasticities(contact.replace(hertz_damping=0.0, adhesion_damping=0.0))
 
 
-def realistic(branch, n):
-    return build(doe.Params, branch).cases[n].realistic.array
+@pytest.fixture(scope="module")
+def tables():
+    shipped = read_configuration(ROOT / "config")
+    _, rows = validate(shipped, shipped).prepared("doe")
+    reference = {
+        name: pd.read_csv(ROOT / f"tests/reference/tables/{name}.csv")
+        for name in ("calibration", "calibration_family")
+    }
+    return reference | {name: parse_table(text) for name, text in rows.items()}
 
 
-def test_levels_are_symmetric_in_the_logarithm(branch):
+def realistic(tables, n, sieve=(60.0, 125.0)):
+    contact = calibrated_contact(tables, f"steel-silicon, n = {n}")
+    return contact, realistic_levels(contact, sieve, tables).array
+
+
+def test_levels_are_symmetric_in_the_logarithm(tables):
     for n in (0, 1):
-        assert np.log(realistic(branch, n)).sum(axis=0) == pytest.approx(np.zeros(5), abs=2e-3)
+        _, levels = realistic(tables, n)
+        assert np.log(levels).sum(axis=0) == pytest.approx(np.zeros(5), abs=1e-12)
 
 
-def test_levels_of_the_stiffness_come_from_the_declared_moduli(branch):
-    names = "materials", "contacts", "printed_values"
-    table = read_all(*(f"{ROOT}/config/{name}.csv" for name in names))
-    ends = []
-    for end, other in (("low", "high"), ("high", "low")):
-        rows = []
-        for row in table.materials.rows:
-            # a larger modulus and a larger Poisson's ratio both stiffen
-            value = row[end] or row[other] or row["value"]
-            rows.append({**row, "value": value if row["property"] != "density" else row["value"]})
-        known = materials_from_rows(rows)
-        ends.append(hertz_stiffness(known["stainless-steel-316"], known["silicon"]))
-    assert realistic(branch, 0)[1, 0] == pytest.approx(math.sqrt(ends[1] / ends[0]), abs=1e-3)
+def test_levels_of_the_stiffness_come_from_the_declared_moduli(tables):
+    _, levels = realistic(tables, 0)
+    bodies = {"stainless-steel-316": [], "silicon": []}
+    rows = tables["materials"].set_index(["material", "property"])
+    for name, found in bodies.items():
+        for end in ("low", "high"):
+            bound = rows[end].fillna(rows["value"])[name].astype(float)
+            e, nu = bound["youngs_modulus"], bound["poissons_ratio"]
+            found.append((1.0 - nu**2) / e)
+    # K = 4/3 E*, and 1/E* is the sum of (1 - nu^2)/E of both
+    softest, stiffest = (sum(found[k] for found in bodies.values()) for k in (0, 1))
+    assert levels[1, 0] == pytest.approx(math.sqrt(softest / stiffest), rel=1e-6)
 
 
-def test_levels_of_the_radius_come_from_the_printed_sieve(branch):
-    assert realistic(branch, 0)[1, 2] == pytest.approx(math.sqrt(125 / 60), abs=1e-3)
+def test_other_levels_come_from_the_sieve_and_from_the_level_members_of_the_family(tables):
+    for n, works in ((0, (3.5, 4.5)), (1, (0.5, 1.0))):
+        _, levels = realistic(tables, n)
+        assert levels[1, 1] == pytest.approx(math.sqrt(works[1] / works[0]))
+        assert levels[1, 2] == pytest.approx(math.sqrt(125 / 60))
+        assert (levels[1, 3:] > 1.0).all()
 
 
-@pytest.mark.parametrize(
-    ("change", "words_of_it"),
-    [
-        ({"radius": [1.2, 0.9]}, "radius"),
-        ({"radius": [1.0, 1.0]}, "must be below"),
-        ({"stifness": [0.9, 1.1]}, "stiffness"),
-        ({"radius": [0.0, 1.1]}, "greater than 0"),
-    ],
-)
-def test_bad_levels(branch, change, words_of_it):
-    cases = [dict(case) for case in branch["cases"]]
-    cases[0] = {**cases[0], "realistic": {**cases[0]["realistic"], **change}}
-    with pytest.raises(ValidationError) as caught:
-        build(doe.Params, {**branch, "cases": cases})
-    (line,) = explain(caught.value, doe.Params, "doe")
-    assert line.startswith("doe.cases[0].realistic")
-    assert words_of_it in line
+def test_a_family_in_which_nothing_varies_is_refused(tables):
+    family = tables["calibration_family"]
+    few = family[family["work_of_adhesion_J_per_m2"] != 4.5]
+    with pytest.raises(ValueError, match=r"two members or more with n = 0 .* gives 1"):
+        realistic(tables | {"calibration_family": few}, 0)
 
 
-def test_a_drawn_case_needs_levels(branch):
-    with pytest.raises(ValidationError, match="realistic levels"):
+def test_a_sieve_without_width_gives_no_levels(tables):
+    with pytest.raises(ValueError, match="radius: the low level 1 must be below the high, 1"):
+        realistic(tables, 0, (60.0, 60.0))
+
+
+def test_a_drawn_case_needs_a_design(branch):
+    with pytest.raises(ValidationError, match="must be a designed case"):
         build(doe.Params, {**branch, "drawn_case": "ammonium-fluorescein-mica"})
 
 

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from microimpact import Contact, capture_velocity, restitution, simulate
 from microimpact.declared.parameters import build
 from microimpact.model.empirical.search import data_sets, fit_batch
-from microimpact.run.config import load, validate
+from microimpact.run.config import read_configuration, validate
 from microimpact.studies.models.fit_coverage import Params
 from microimpact.studies.models.fit_coverage.intervals import Methods, Sample, intervals
 from microimpact.studies.models.fit_coverage.truths import (
@@ -43,7 +43,7 @@ def measured(lowest, sigma, replicates, points=20):
 
 @pytest.fixture(scope="module")
 def branch():
-    base = load(ROOT / "config/config.yaml")
+    base = read_configuration(ROOT / "config")
     return validate(base, base).branches["fit_coverage"]
 
 

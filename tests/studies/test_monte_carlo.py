@@ -16,7 +16,6 @@ from pydantic import ValidationError
 from scipy import integrate, special, stats
 
 from microimpact.declared.parameters import build, explain
-from microimpact.declared.provenance import plain
 from microimpact.lab.dispenser import Dispenser, InitialSpin
 from microimpact.lab.experiment import Drop, Target
 from microimpact.lab.surface import LABORATORY, Rules, facet_normals, rough
@@ -24,7 +23,7 @@ from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.rigid_body.facets import facet_rebound
 from microimpact.model.rigid_body.roughness import rough_rebound
-from microimpact.run.config import load
+from microimpact.run.config import read_configuration, validate
 from microimpact.statistics.distributions import (
     Constant,
     HalfNormal,
@@ -758,16 +757,16 @@ def test_a_model_refuses_parameters_it_does_not_have():
 
 @pytest.fixture(scope="module")
 def branch():
-    base = load(Path(__file__).parents[2] / "config/config.yaml")
-    return plain(base["monte_carlo"])
+    base = read_configuration(Path(__file__).parents[2] / "config")
+    return validate(base, base).branches["monte_carlo"]
 
 
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
         (
-            {"replaced": [{"parameter": "slop", "distribution": {"kind": "constant", "at": 0}}]},
-            "replaced: 'slop' must be one of speed_m_per_s",
+            {"ablation": {"angles_deg": [20.0], "sources": [{"parameter": "slop"}]}},
+            "ablation.sources: 'slop' must be one of speed_m_per_s",
         ),
         (
             {"correlation": {"names": ["slope", "speed"], "matrix": [[1, 0.5], [0.5, 1]]}},
@@ -791,15 +790,6 @@ def test_bad_parameters_of_the_study_are_refused_in_one_line(branch, changes, me
         build(Params, {**branch, **changes})
     (line,) = explain(caught.value, Params, "monte_carlo")
     assert re.search(message, line), line
-
-
-def test_a_replacement_may_be_of_another_kind(branch, tmp_path):
-    (tmp_path / "slopes.txt").write_text("0.1\n-0.2\n")
-    other = {"kind": "sample_file", "path": str(tmp_path / "slopes.txt")}
-    params = build(Params, {**branch, "replaced": [{"parameter": "slope", "distribution": other}]})
-    assert params.process.slope.kind == "normal"
-    assert params.drawn.slope.kind == "sample_file"
-    assert params.drawn.diameter_um == params.process.diameter_um
 
 
 @pytest.fixture(scope="module")

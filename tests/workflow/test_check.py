@@ -68,7 +68,7 @@ def test_an_unchanged_run_agrees(checked):
 
 def test_one_number_changed_by_a_thousandth(checked):
     old = "body_speed_m_per_s: {value: 30.0,"
-    with checked.edited("config/config.yaml", swap(old, old.replace("30.0", "30.03"))):
+    with checked.edited("config/analyses/models.yaml", swap(old, old.replace("30.0", "30.03"))):
         assert named(checked) == (["fig14"], ["inputs"])
     assert "config, restitution_trends.body_speed_m_per_s" in checked.told
     assert re.search(r"\| value +\| 30 +\| 30\.03 +\| 1\.0e-03 +\|", checked.told)

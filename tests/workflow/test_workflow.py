@@ -140,7 +140,7 @@ def test_code_that_decides_no_number_reruns_nothing(project):
     ],
 )
 def test_a_change_of_configuration_reruns_its_chain(project, old, new, expected):
-    with project.edited("config/config.yaml", lambda text: text.replace(old, new)):
+    with project.edited("config/analyses/models.yaml", lambda text: text.replace(old, new)):
         assert project.planned(*SMALL) == expected
 
 

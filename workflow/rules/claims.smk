@@ -54,7 +54,7 @@ rule equations:
     benchmark:
         "<results>/benchmarks/equations.tsv"
     params:
-        rows=INPUTS.tables.named_in({"particle": "stainless-steel-316", "surface": "silicon"}),
+        rows=SETTINGS.tables.of_pair("stainless-steel-316", "silicon"),
         code=code_of("microimpact.ledgers.equations", script="judge_ledger.py"),
     script:
         "../scripts/judge_ledger.py"

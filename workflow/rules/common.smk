@@ -4,7 +4,6 @@ Makes no file. A configuration, declared table or registry with problems ends th
 with one line per problem, before anything is written.
 """
 
-import copy
 import json
 import os
 import sys
@@ -14,7 +13,6 @@ from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
 from snakemake.logging import logger
-from snakemake.utils import update_config
 
 # workflow/Snakefile includes the one of the project.
 PROJECT = Path(workflow.basedir)
@@ -41,7 +39,9 @@ from microimpact.core.files import of_other_inputs, recorded_since, write_checks
 from microimpact.core.tables import write_table
 from microimpact.report import explorer, site
 from microimpact.report.site import record as site_record
-from microimpact.run.config import load, validate
+from microimpact.declared.documents import load
+from microimpact.declared.references import merged
+from microimpact.run.config import read_configuration, validate
 from microimpact.run.inputs import read_inputs
 from microimpact.run import stamp
 from microimpact.run.study import run_with
@@ -53,15 +53,12 @@ STARTED, BEGAN = stamp.run_date(), time.time()
 CONFIGURATION = Path("config/config.yaml")
 
 try:
-    SHIPPED = load(PROJECT / CONFIGURATION)
+    SHIPPED = read_configuration(PROJECT / CONFIGURATION.parent)
     own = CONFIGURATION.exists() and not CONFIGURATION.samefile(PROJECT / CONFIGURATION)
     for path in workflow.overwrite_configfiles:
         load(path)  # stricter than the engine, which lets a repeated key pass
-    # The engine's own reader (`configfile:`) takes ten times as long for the same values.
-    overlay = copy.deepcopy(config)
-    base = load(CONFIGURATION) if own else SHIPPED
-    update_config(config, copy.deepcopy(base))
-    update_config(config, overlay)
+    base = read_configuration(CONFIGURATION.parent) if own else SHIPPED
+    config |= merged(base, config)
     SETTINGS = validate(config, SHIPPED)
     stamp.require_own_root(config, base)
     INPUTS = read_inputs(SETTINGS)
@@ -241,4 +238,6 @@ def end_run(ended):
 
 def write_stamp(**how):
     """Write the stamp of this run."""
-    stamp.write_stamp(RESULTS / "run.json", config, PROJECT, STARTED, **how)
+    stamp.write_stamp(
+        RESULTS / "run.json", config, PROJECT, STARTED, declared=SETTINGS.declared, **how
+    )

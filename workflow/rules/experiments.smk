@@ -3,6 +3,8 @@
 
 use rule study as schematics with:
     """data/fig01.csv ... fig22.csv: Figs. 1, 2, 3, 13, 19, 22; tables/schematic_values.csv."""
+    input:
+        **needs("schematics"),
     output:
         **tables("schematic_values"),
         **data(

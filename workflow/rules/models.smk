@@ -34,6 +34,8 @@ use rule study as coulomb_friction with:
 
 use rule study as oblique_impact with:
     """data/fig18.csv: impulse ratio, data/fig21.csv: energy loss."""
+    input:
+        **needs("oblique_impact"),
     output:
         **data("fig18", "fig21"),
     pathvars:
@@ -44,6 +46,8 @@ use rule study as oblique_impact with:
 
 use rule study as force_history with:
     """data/fig20.csv: normal force and its terms (Eq. 25), tables/force_ratios.csv: its peaks."""
+    input:
+        **needs("force_history"),
     output:
         **tables("force_ratios"),
         **data("fig20"),

@@ -13,7 +13,7 @@ rule explorer:
     benchmark:
         "<results>/benchmarks/explorer.tsv"
     params:
-        rows=INPUTS.tables.contact_rows(),
+        rows=SETTINGS.tables.contact_rows(),
         rests_on=inputs_behind("contact_properties", "calibration"),
         code=code_of(
             "microimpact.report.explorer.build",

@@ -12,11 +12,21 @@ import json
 import types
 import typing
 from collections.abc import Hashable, Iterable, Mapping
-from dataclasses import fields, is_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cache
 from typing import Annotated, Any, TypeVar, cast
 
-from pydantic import ConfigDict, Field, TypeAdapter, ValidationError, with_config
+from pydantic import (
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    TypeAdapter,
+    ValidationError,
+    ValidationInfo,
+    with_config,
+)
+from pydantic_core import CoreSchema, core_schema
 
 from microimpact.core.nearest import nearest
 
@@ -28,7 +38,80 @@ AngleDegrees = Annotated[float, Field(gt=0, le=90, allow_inf_nan=False)]
 Count = Annotated[int, Field(ge=1)]
 Name = Annotated[str, Field(min_length=1)]
 
+
+@dataclass(slots=True)
+class Known:
+    """What can be named, by what it is, and what was named while parameters were built.
+
+    Attributes
+    ----------
+    names
+        Where things of some sort are declared, and their names, by the sort.
+    named
+        Sort and name of all that was found named, in order.
+    """
+
+    names: Mapping[str, tuple[str, Iterable[str]]]
+    named: list[tuple[str, str]] = field(default_factory=list)
+
+
+@dataclass(frozen=True, slots=True)
+class Names:
+    """Marks a text that names something declared: ``Annotated[str, Names("cases")]``.
+
+    With the name of another field `beside` it, both together name it: ``one on other``.
+    """
+
+    sort: str
+    beside: str = ""
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        """Check the name where it is known what is declared."""
+        return core_schema.with_info_after_validator_function(self._checked, handler(source))
+
+    def _checked(self, name: str, info: ValidationInfo) -> str:
+        if info.context is None:
+            return name
+        told = f"{info.data.get(self.beside)} on {name}" if self.beside else name
+        where, known = info.context.names[self.sort]
+        if told not in known:
+            raise ValueError(f"{told!r} is not declared in {where}{nearest(told, known)}")
+        info.context.named.append((self.sort, told))
+        return name
+
+
+MaterialName = Annotated[Name, Names("materials")]
+# The surface of a pair whose adhesion and damping are declared, beside the particle.
+CounterpartName = Annotated[Name, Names("contacts", beside="particle"), Names("materials")]
+CaseName = Annotated[Name, Names("cases")]
+PrintedName = Annotated[Name, Names("printed_values")]
+
+
+@dataclass(frozen=True, slots=True)
+class Keyed:
+    """Marks a tuple that stands as a mapping in the configuration: name -> fields.
+
+    Each item has its name in a field of its own; or in none, and the names serve the files alone.
+    """
+
+    field: str = ""
+
+    def __get_pydantic_json_schema__(
+        self, core: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        """Describe the mapping."""
+        items = handler(core)["items"]
+        return {"type": "object", "additionalProperties": items, KEYED: self.field}
+
+
 T = TypeVar("T")
+
+# Field that tells which of several dataclasses a mapping stands for.
+KIND = "kind"
+# In schemas: the field that holds the name of an item.
+KEYED = "x-name-in"
 
 STRICT = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
 
@@ -37,6 +120,67 @@ def adapter(kind: type[T]) -> TypeAdapter[T]:
     """Return the strict validator of a dataclass and of the dataclasses nested in it."""
     known: TypeAdapter[T] = _adapter(cast(Hashable, kind))
     return known
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """What a type is for the files: dataclasses it may be, items it holds, whether they are named.
+
+    Attributes
+    ----------
+    classes
+        The dataclasses.
+    hint
+        Type of its items, if it holds some.
+    keyed
+        How the items stand in the files, if by their names.
+    """
+
+    classes: tuple[type, ...] = ()
+    hint: Any = object
+    keyed: Keyed | None = None
+
+    @property
+    def item(self) -> Shape:
+        """The shape of one item."""
+        return shape(self.hint)
+
+    def fields(self, kind: object) -> Mapping[str, Shape]:
+        """Return the shape of every field, of the dataclass of that kind if there are several."""
+        if len(self.classes) == 1:
+            return _fields(self.classes[0])
+        known = (fields for fields in map(_fields, self.classes) if KIND in fields)
+        value = getattr(kind, "value", kind)
+        return next((f for f in known if value in typing.get_args(f[KIND].hint)), {})
+
+
+@cache
+def _fields(kind: type) -> dict[str, Shape]:
+    return {name: shape(hint) for name, hint in _hints(kind).items()}
+
+
+@cache
+def _hints(kind: type) -> dict[str, Any]:
+    return typing.get_type_hints(kind, include_extras=True)
+
+
+def shape(hint: Any) -> Shape:
+    """Return what a type is for the files."""
+    marks: tuple[Any, ...] = ()
+    while typing.get_origin(hint) is Annotated:
+        marks += hint.__metadata__
+        hint = hint.__origin__
+    if isinstance(hint, type) and is_dataclass(hint):
+        return Shape(classes=(hint,))
+    arguments = [a for a in typing.get_args(hint) if a is not Ellipsis and a is not types.NoneType]
+    if typing.get_origin(hint) in {typing.Union, types.UnionType}:
+        parts = [shape(a) for a in arguments]
+        classes = tuple(c for part in parts for c in part.classes)
+        return Shape(classes=classes) if classes else parts[0]
+    if typing.get_origin(hint) is typing.Literal:
+        return Shape(hint=hint)
+    keyed = next((mark for mark in marks if isinstance(mark, Keyed)), None)
+    return Shape(hint=arguments[-1] if arguments else object, keyed=keyed)
 
 
 @cache
@@ -61,7 +205,7 @@ def _dataclasses_in(hint: Any) -> Iterable[type]:
         yield from _dataclasses_in(argument)
 
 
-def build(kind: type[T], values: Mapping[str, Any]) -> T:
+def build(kind: type[T], values: Mapping[str, Any], known: Known | None = None) -> T:
     """Build a parameter dataclass from plain values.
 
     Parameters
@@ -70,6 +214,8 @@ def build(kind: type[T], values: Mapping[str, Any]) -> T:
         The dataclass to build.
     values
         Its fields as plain values: numbers, strings, lists, nested mappings.
+    known
+        What can be named; without it names are not checked.
 
     Returns
     -------
@@ -83,10 +229,12 @@ def build(kind: type[T], values: Mapping[str, Any]) -> T:
         (see `explain` for readable lines).
     """
     # JSON is the strict mode in which lists may become tuples and mappings dataclasses.
-    return adapter(kind).validate_json(json.dumps(values, default=str))
+    return adapter(kind).validate_json(json.dumps(values, default=str), context=known)
 
 
-def explain(error: ValidationError, kind: type, key: str) -> list[str]:
+def explain(
+    error: ValidationError, kind: type, key: str, aliases: Mapping[str, str] | None = None
+) -> list[str]:
     """Describe a failed `build` in one line per offending key.
 
     Parameters
@@ -97,16 +245,22 @@ def explain(error: ValidationError, kind: type, key: str) -> list[str]:
         The dataclass that was to be built.
     key
         Dotted key of the mapping in its file, put before every line.
+    aliases
+        Where something stands in the files, by its dotted key here.
     """
-    return [_line(item, kind, key) for item in error.errors(include_url=False)]
+    return [_line(item, kind, key, aliases or {}) for item in error.errors(include_url=False)]
 
 
-def _line(item: Mapping[str, Any], kind: type, key: str) -> str:
+def _line(item: Mapping[str, Any], kind: type, key: str, aliases: Mapping[str, str]) -> str:
     location = _without_tags(kind, item["loc"])
-    dotted = key + "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in location)
-    dotted = dotted.removeprefix(".")
+    dotted = written = key
+    for part in location:
+        written = dotted + (f"[{part}]" if isinstance(part, int) else f".{part}")
+        dotted = written = written.removeprefix(".")
+        while dotted in aliases:
+            dotted = aliases[dotted]
     if item["type"] in {"extra_forbidden", "unexpected_keyword_argument"}:
-        return f"{dotted}: unknown key{nearest(str(location[-1]), _keys(kind, item['loc'][:-1]))}"
+        return f"{written}: unknown key{nearest(str(location[-1]), _keys(kind, item['loc'][:-1]))}"
     if item["type"] in {"missing", "missing_keyword_only_argument", "missing_argument"}:
         return f"{dotted}: missing"
     wanted = item["msg"].removeprefix("Value error, ").replace("Input should be", "must be")

@@ -1,4 +1,4 @@
-"""Declared numbers: a value together with its evidence class and its source.
+"""Declared values: a value together with its evidence class and its source.
 
 In the configuration a number stands as ``{value: 62, evidence: printed, source: "..."}``
 (``values:`` for a list). A bare number, as an overlay may give it, is the user's own.
@@ -25,7 +25,10 @@ EVIDENCE = (
     "user",  # given by an overlay or on the command line
 )
 
-_PARTS = ("value", "values", "evidence", "source")
+_WORDS = ("evidence", "source")
+_PARTS = ("value", "values", *_WORDS)
+# In place of a value: the one that is named, in other words.
+_KEPT = object()
 
 _SYMBOL = r"(?:um|mm|nm|ms|us|ns|px|counts|kHz|deg|rad|GPa|MPa|Pa|kg|mN|uN|uC|[mgsNJKV])\d?"
 _SUFFIX = re.compile(rf"_({_SYMBOL}(?:_per_{_SYMBOL})*|per_s)$")
@@ -33,24 +36,82 @@ _SUFFIX = re.compile(rf"_({_SYMBOL}(?:_per_{_SYMBOL})*|per_s)$")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Declared:
-    """One declared value: dotted key, value, unit, evidence class and source."""
+    """One declared value as an analysis uses it.
+
+    Attributes
+    ----------
+    key
+        Dotted key in the configuration: analysis, then parameter.
+    value, unit, evidence, source
+        What it is, and what it rests on.
+    place
+        Dotted key under which it is declared, if the analysis names it there.
+    overrides
+        The place whose value it replaces, and that value, if the analysis departs from it.
+    """
 
     key: str
     value: object
     unit: str
     evidence: str
     source: str
+    place: str = ""
+    overrides: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Given:
+    """A value as it was given: number, choice, name or list of these, with its provenance.
+
+    Attributes
+    ----------
+    value
+        Scalar or list of scalars.
+    evidence, source
+        What it rests on.
+    place
+        Dotted key under which it stands.
+    overrides
+        As in `Declared`.
+    """
+
+    value: Any
+    evidence: str
+    source: str
+    place: str
+    overrides: str = ""
+
+    @property
+    def is_kept(self) -> bool:
+        """Whether it gives other words for a value that is named."""
+        return self.value is _KEPT
+
+    def rows(self, key: str) -> Iterator[Declared]:
+        """Yield it as used under a key, one row per item of a list."""
+        items = self.value if isinstance(self.value, list) else None
+        for i, value in enumerate([self.value] if items is None else items):
+            item = "" if items is None else f"[{i}]"
+            number = isinstance(value, int | float) and not isinstance(value, bool)
+            yield Declared(
+                key=f"{key}{item}",
+                value=value,
+                unit=unit_of(key) if number else "",
+                evidence=self.evidence,
+                source=self.source,
+                place="" if self.place == key else f"{self.place}{item}",
+                overrides=self.overrides,
+            )
 
 
 def is_declaration(node: object) -> bool:
     """Tell whether a node of the configuration is a value with its provenance."""
-    return isinstance(node, Mapping) and any(part in node for part in _PARTS)
+    return isinstance(node, Mapping) and "from" not in node and any(p in node for p in _PARTS)
 
 
 def plain(node: Any) -> Any:
     """Return the configuration with every declaration replaced by its value."""
     if is_declaration(node):
-        return plain(node["value"] if "value" in node else node.get("values"))
+        return node["value"] if "value" in node else node.get("values")
     if isinstance(node, Mapping):
         return {key: plain(value) for key, value in node.items()}
     if isinstance(node, list | tuple):
@@ -58,28 +119,23 @@ def plain(node: Any) -> Any:
     return node
 
 
-def problems(node: object, key: str) -> list[str]:
-    """Return one line per badly formed declaration at or below a key."""
-    if is_declaration(node):
-        assert isinstance(node, Mapping)
-        return [f"{key}{line}" for line in _declaration_problems(node)]
-    if isinstance(node, Mapping):
-        return [line for name, child in node.items() for line in problems(child, f"{key}.{name}")]
-    if isinstance(node, list | tuple):
-        return [line for i, child in enumerate(node) for line in problems(child, f"{key}[{i}]")]
-    return []
+def problems(node: Mapping[str, object], place: str | None) -> Iterator[str]:
+    """Yield what is wrong with a declaration, each with the part of it that is meant.
 
-
-def _declaration_problems(node: Mapping[str, object]) -> Iterator[str]:
+    Beside the place of another value, its own value or its words may be left out.
+    """
     for name in node:
         if name not in _PARTS:
             yield f".{name}: unknown key{nearest(str(name), _PARTS)}"
-    if ("value" in node) == ("values" in node):
+    has_value, has_words = ("value" in node) + ("values" in node), any(p in node for p in _WORDS)
+    if has_value != 1 and not (place and not has_value):
         yield ": give either value (one) or values (a list)"
     elif isinstance(node.get("value"), Mapping | list):
         yield f".value: {node['value']!r} must be a single value (a list goes under values)"
     elif "values" in node and not isinstance(node["values"], list):
         yield f".values: {node['values']!r} must be a list"
+    if place and not has_words:
+        return
     if node.get("evidence") not in EVIDENCE:
         yield f".evidence: {node.get('evidence')!r} must be one of {', '.join(EVIDENCE)}"
     source = node.get("source")
@@ -87,57 +143,37 @@ def _declaration_problems(node: Mapping[str, object]) -> Iterator[str]:
         yield f".source: {source!r} must say where the value comes from"
 
 
-def declared(node: object, base: object, key: str = "") -> Iterator[Declared]:
-    """Yield every declared value at or below a key.
+def given(node: Any, base: object, place: str) -> Given:
+    """Return a well-formed declaration, or a bare value, with its provenance.
 
     Parameters
     ----------
     node
-        The merged configuration (or a part of it).
+        Its node of the configuration.
     base
-        The same part of the configuration as shipped. A value that differs from it
-        while its evidence and source were left as they stood belongs to the user.
-    key
-        Dotted key of `node`.
-
-    Yields
-    ------
-    Declared
-        One row per number, and per text that carries a provenance.
+        The same node as shipped. A value that differs from it while evidence and source were left
+        as they stood belongs to the user, and so does a bare number.
+    place
+        Dotted key of both.
     """
-    if is_declaration(node):
-        assert isinstance(node, Mapping)
-        evidence, source = _provenance(node, base)
-        yield from _rows(plain(node), key, evidence, source)
-    elif isinstance(node, Mapping):
-        shipped = base if isinstance(base, Mapping) else {}
-        for name, child in node.items():
-            yield from declared(child, shipped.get(name), f"{key}.{name}".removeprefix("."))
-    elif isinstance(node, list | tuple):
-        shipped_list = base if isinstance(base, list) else []
-        for i, child in enumerate(node):
-            before = shipped_list[i] if i < len(shipped_list) else None
-            yield from declared(child, before, f"{key}[{i}]")
-    elif isinstance(node, int | float) and not isinstance(node, bool):
-        yield from _rows(node, key, "user", "given without a source")
-
-
-def _provenance(node: Mapping[str, Any], base: object) -> tuple[str, str]:
-    evidence, source = str(node["evidence"]), str(node["source"])
-    if isinstance(base, Mapping) and is_declaration(base):
-        same_words = base.get("evidence") == evidence and base.get("source") == source
-        if same_words and plain(base) != plain(node):
-            return "user", f"changed from the shipped {plain(base)}"
-    return evidence, source
-
-
-def _rows(value: Any, key: str, evidence: str, source: str) -> Iterator[Declared]:
-    if isinstance(value, list):
-        for i, item in enumerate(value):
-            yield from _rows(item, f"{key}[{i}]", evidence, source)
+    value, before = plain(node), plain(base)
+    if is_declaration(node) and "evidence" in node:
+        words = str(node["evidence"]), str(node["source"])
+        left = isinstance(base, Mapping) and words == (base.get("evidence"), base.get("source"))
+        if left and before != value:
+            words = "user", f"changed from the shipped {before}"
+        if "value" not in node and "values" not in node:
+            value = _KEPT
+    elif value == before and not is_declaration(base) and not _has_number(value):
+        words = "chosen", "as shipped"
     else:
-        unit = unit_of(key) if isinstance(value, int | float) else ""
-        yield Declared(key=key, value=value, unit=unit, evidence=evidence, source=source)
+        words = "user", "given without a source"
+    return Given(value, *words, place)
+
+
+def _has_number(value: object) -> bool:
+    values = value if isinstance(value, list) else [value]
+    return any(isinstance(v, int | float) and not isinstance(v, bool) for v in values)
 
 
 def unit_of(key: str) -> str:

@@ -1,22 +1,20 @@
 """Rows of the declared tables that one branch of the configuration names.
 
 An analysis depends on the rows it names and on no others, so that a new value for one
-material leaves the analyses of all other materials as they are. A branch names a material
-by the keys ``particle`` and ``surface`` (together they name a contact) and printed values by
-the key ``anchors``, at any depth.
+material leaves the analyses of all other materials as they are. What of its parameters are names,
+and of what, their types say (`declared.parameters.Names`).
 """
 
 from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from microimpact.core.nearest import nearest
-from microimpact.declared.provenance import EVIDENCE, Declared, as_text, finite_number
+from microimpact.declared.provenance import EVIDENCE, Declared, Given, as_text, finite_number
 
 Row = dict[str, str]
 
@@ -54,31 +52,20 @@ class DeclaredTable:
         writer.writerows(self.rows if rows is None else rows)
         return buffer.getvalue()
 
-    def where(self, wanted: Sequence[tuple[str, ...]], *columns: str) -> str:
-        """Return as CSV the rows whose columns hold one of the wanted combinations.
+    def known(self, *columns: str) -> set[str]:
+        """Return the names of its rows, made of the texts in some columns."""
+        return {" on ".join(row[column] for column in columns) for row in self.rows}
 
-        Raises
-        ------
-        SelectionError
-            Naming a combination that no row holds, and the most similar one.
-        """
-        known = {" on ".join(row[column] for column in columns) for row in self.rows}
-        for names in wanted:
-            if " on ".join(names) not in known:
-                name = " on ".join(names)
-                raise SelectionError(f"{self.path}: no rows for {name!r}{nearest(name, known)}")
-        chosen = set(wanted)
-        return self.text(row for row in self.rows if tuple(row[c] for c in columns) in chosen)
+    def where(self, names: Collection[str], *columns: str) -> str:
+        """Return as CSV the rows of some names."""
+        return self.text(r for r in self.rows if " on ".join(r[c] for c in columns) in names)
 
 
 class NamedTables(dict[str, Any]):
     """Tables of a study by name; one that is missing is told in words."""
 
     def __missing__(self, name: str) -> Any:
-        raise SelectionError(
-            f"no rows of {name!r}: the study's branch must name some, by its keys particle and "
-            "surface or anchors"
-        )
+        raise SelectionError(f"no rows of {name!r}: the study's branch must name some")
 
 
 def read_declared(
@@ -137,43 +124,11 @@ def _problems(row: Mapping[Any, Any], numbers: Sequence[str]) -> Iterator[str]:
             yield f"{column} is empty"
 
 
-def named_materials(branch: object) -> list[tuple[str]]:
-    """Return the materials a branch names as particle or surface, in order."""
-    found: dict[tuple[str], None] = {}
-    for mapping in _mappings(branch):
-        for key in ("particle", "surface"):
-            if isinstance(mapping.get(key), str):
-                found[(mapping[key],)] = None
-    return list(found)
-
-
-def named_contacts(branch: object) -> list[tuple[str, str]]:
-    """Return the pairs (particle, surface) that stand side by side in a branch, in order."""
-    found: dict[tuple[str, str], None] = {}
-    for mapping in _mappings(branch):
-        pair = mapping.get("particle"), mapping.get("surface")
-        if isinstance(pair[0], str) and isinstance(pair[1], str):
-            found[(pair[0], pair[1])] = None
-    return list(found)
-
-
-def named_anchors(branch: object) -> list[tuple[str]]:
-    """Return the keys of the printed values that a branch names, in order."""
-    found: dict[tuple[str], None] = {}
-    for mapping in _mappings(branch):
-        for name in mapping.get("anchors", ()):
-            found[(name,)] = None
-    return list(found)
-
-
-def _mappings(node: Any) -> Iterator[Mapping[str, Any]]:
-    if isinstance(node, Mapping):
-        yield node
-        for child in node.values():
-            yield from _mappings(child)
-    elif isinstance(node, list | tuple):
-        for child in node:
-            yield from _mappings(child)
+def _number(text: str) -> int | float | None:
+    try:
+        return int(text)
+    except ValueError:
+        return float(text) if text else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -184,20 +139,61 @@ class DeclaredTables:
     contacts: DeclaredTable
     printed_values: DeclaredTable
 
-    def named_in(self, branch: object) -> dict[str, str]:
+    def printed(self) -> dict[str, Given | dict[str, Given]]:
+        """Return the printed values to be referred to; a range by its ends, or as a list."""
+        found: dict[str, Given | dict[str, Given]] = {}
+        for row in self.printed_values.rows:
+            columns = ("value", "low", "high")
+            numbers: dict[str, Any] = {column: _number(row[column]) for column in columns}
+            numbers["range"] = [numbers["low"], numbers["high"]]
+            given = {
+                name: Given(value, "printed", row["where"], f"printed.{row['key']}")
+                for name, value in numbers.items()
+            }
+            found[row["key"]] = given["value"] if row["value"] else given
+        return found
+
+    def names(self) -> dict[str, tuple[str, set[str]]]:
+        """Return what can be named, by its sort: the file it stands in, and its names."""
+        sorts = {
+            "materials": (self.materials, ("material",)),
+            "contacts": (self.contacts, ("particle", "surface")),
+            "printed_values": (self.printed_values, ("key",)),
+        }
+        return {sort: (table.path, table.known(*by)) for sort, (table, by) in sorts.items()}
+
+    def named(
+        self, named: Iterable[tuple[str, str]], bodies: Mapping[str, tuple[str, str]]
+    ) -> dict[str, str]:
         """Return the rows a branch names, by the name its study knows them by, as CSV.
 
-        Raises
-        ------
-        SelectionError
-            If the branch names a material, a contact or a printed value that is not declared.
+        Parameters
+        ----------
+        named
+            Sort and name of what the branch names.
+        bodies
+            Materials of the particle and of the surface of each calibrated case.
         """
+        wanted: dict[str, dict[str, None]] = {}
+        for sort, name in named:
+            if sort == "cases":  # or a declared pair by its name
+                wanted.setdefault("materials", {}).update(
+                    dict.fromkeys(bodies.get(name) or name.split(" on "))
+                )
+                wanted.setdefault("contacts", {})[name] = None
+            else:
+                wanted.setdefault(sort, {})[name] = None
         tables = {
-            "materials": self.materials.where(named_materials(branch), "material"),
-            "contacts": self.contacts.where(named_contacts(branch), "particle", "surface"),
-            "anchors": self.printed_values.where(named_anchors(branch), "key"),
+            "materials": self.materials.where(wanted.get("materials", ()), "material"),
+            "contacts": self.contacts.where(wanted.get("contacts", ()), "particle", "surface"),
+            "anchors": self.printed_values.where(wanted.get("printed_values", ()), "key"),
         }
         return {name: text for name, text in tables.items() if text.count("\n") > 1}
+
+    def of_pair(self, particle: str, surface: str) -> dict[str, str]:
+        """Return the rows of a pair and of its materials, as `named` does."""
+        named = ("materials", particle), ("materials", surface)
+        return self.named([*named, ("contacts", f"{particle} on {surface}")], {})
 
     def contact_rows(self) -> dict[str, str]:
         """Return all materials and all contacts as CSV."""

@@ -30,6 +30,25 @@ def declared_contact(
     return pair_contact(particle, surface, *declared(inputs), **changes)
 
 
+def contact_of_case(inputs: Mapping[str, pd.DataFrame], case: str, **changes: Any) -> Contact:
+    """Return the contact of a case: a calibrated one, or a declared pair, as ``glass on silicon``.
+
+    Parameters
+    ----------
+    inputs
+        ``calibration`` and ``materials`` as for `calibrated_contact`; ``contacts``, if the case is
+        a declared pair.
+    case
+        Name of the case.
+    **changes
+        Fields of `Contact` in place of those of the case.
+    """
+    if case in set(inputs["calibration"]["case"]) or "contacts" not in inputs:
+        return calibrated_contact(inputs, case).replace(**changes)
+    particle, surface = case.split(" on ")
+    return declared_contact(inputs, particle, surface, **changes)
+
+
 def calibrated_contact(inputs: Mapping[str, pd.DataFrame], case: str) -> Contact:
     """Return the contact of a calibrated case.
 

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from microimpact.core.arrays import BoolArray
-from microimpact.declared.parameters import Count, Fraction, Name, NonNegative, Positive
+from microimpact.declared.parameters import CaseName, Count, Fraction, NonNegative, Positive
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.dispenser import Dispenser, InitialSpin
 from microimpact.lab.events import Impacts, Measured
@@ -34,9 +34,7 @@ KEPT_SAMPLES = 16
 class Dropped:
     """What is dropped on what: contact, sizes, slopes, speed class and spin."""
 
-    particle: Name
-    surface: Name
-    case: Name
+    case: CaseName
     friction: Fraction
     diameter_um: Distribution
     surface_slope: NonNegative

@@ -35,6 +35,20 @@ Pair = tuple[str, str]
 Pairs = Mapping[Pair, Mapping[str, float]]
 
 
+class IncompletePairError(ValueError):
+    """A pair that is not declared, or not wholly.
+
+    Attributes
+    ----------
+    pair, missing, near
+        Which, the fields to give, and a declared pair of a similar name.
+    """
+
+    def __init__(self, pair: str, missing: list[str], near: str) -> None:
+        super().__init__(f"{pair}; give {', '.join(missing)}{near}")
+        self.pair, self.missing, self.near = pair, missing, near
+
+
 def pairs_from_rows(rows: Iterable[Row]) -> dict[Pair, dict[str, float]]:
     """Collect the properties of every declared pair, in SI units.
 
@@ -85,24 +99,22 @@ def pair_contact(
     declared = dict(pairs.get((particle, surface), {}))
     given = {name: value for name, value in changes.items() if value is not None}
     alternatives = (
-        {"work_of_adhesion", "ring_force"},
-        {"hertz_damping", "zeta_hertz"},
-        {"adhesion_damping", "zeta_adhesion"},
+        ("work_of_adhesion", "ring_force"),
+        ("hertz_damping", "zeta_hertz"),
+        ("adhesion_damping", "zeta_adhesion"),
     )
     for names in alternatives:
-        if names & set(given):
+        if set(names) & set(given):
             for name in names:
                 declared.pop(name, None)
     fields = declared | given
     missing = ["diameter"] if "diameter" not in fields else []
-    missing += [" or ".join(sorted(names)) for names in alternatives if not names & set(fields)]
+    missing += [names[0] for names in alternatives if not set(names) & set(fields)]
     if missing:
         known = [" on ".join(pair) for pair in pairs]
         name = f"{particle} on {surface}"
         state = "is incomplete" if (particle, surface) in pairs else "is not declared"
-        raise ValueError(
-            f"the pair {name!r} {state}; give {', '.join(missing)}{nearest(name, known)}"
-        )
+        raise IncompletePairError(f"the pair {name!r} {state}", missing, nearest(name, known))
     if {"zeta_hertz", "zeta_adhesion"} & set(fields):
         if {"hertz_damping", "adhesion_damping"} & set(fields):
             raise ValueError(

@@ -37,7 +37,7 @@ METADATA = "ro-crate-metadata.json"
 README = "README.md"
 COPIES = "crate"
 WORKFLOW = "Snakefile"
-CONFIGURATION = "config/config.yaml"
+CONFIGURATION = ("config/config.yaml", "config/laboratory.yaml", "config/analyses")
 # What a Snakefile includes, runs, checks by and reports with.
 WORKFLOW_PARTS = ("rules/*.smk", "scripts/*.py", "schemas/*.json", "report/*.rst")
 RESULTS = (*TABLE_FOLDERS, "figures")
@@ -214,13 +214,14 @@ def declared_inputs(config: Mapping[str, Any], project: Path) -> list[Path]:
     """
     root = project.resolve()
     found: set[Path] = set()
-    for key, name in {"configfile": CONFIGURATION, **config}.items():
+    shipped = {f"configfile {i}": name for i, name in enumerate(CONFIGURATION, 1)}
+    for key, name in {**shipped, **config}.items():
         if not isinstance(name, str):
             continue
         path = (root / name).resolve()
         if not path.exists() or not path.is_relative_to(root):
             raise ResultsError(f"{key}: {name!r} must be a file or folder in {project}")
-        found.update(path.glob("*.csv") if path.is_dir() else [path])
+        found.update(chain(path.glob("*.csv"), path.glob("*.yaml")) if path.is_dir() else [path])
     return sorted(path.relative_to(root) for path in found)
 
 

@@ -1,50 +1,28 @@
-"""The one validator of ``config/config.yaml`` and of every overlay merged into it.
+"""The configuration: its files read, overlays merged, references resolved, all of it checked.
 
-A top-level branch bears the name of the module of `microimpact.studies` it belongs to and
-is checked against that module's ``Params``; the other top-level keys are those of `General`.
-All problems of a configuration are reported together, one line each.
+A top-level key is one of `General`, a section of `lab.laboratory.Laboratory`, or the branch of an
+analysis: it bears the name of a module of `microimpact.studies` and is checked against that
+module's ``Params``. All problems of a configuration are reported together, one line each.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
-from typing import Annotated, Any
+from pathlib import Path
+from typing import Annotated, Any, get_type_hints
 
 from pydantic import Field, ValidationError
 
 from microimpact import studies
 from microimpact.core.nearest import nearest
 from microimpact.declared.documents import ConfigError, load
-from microimpact.declared.parameters import (
-    AngleDegrees,
-    Count,
-    Finite,
-    Fraction,
-    Name,
-    NonNegative,
-    Positive,
-    build,
-    explain,
-)
-from microimpact.declared.provenance import Declared, declared, plain, problems
-
-__all__ = [
-    "AngleDegrees",
-    "ConfigError",
-    "Count",
-    "Finite",
-    "Fraction",
-    "General",
-    "Name",
-    "NonNegative",
-    "Pathvars",
-    "Positive",
-    "Settings",
-    "load",
-    "validate",
-]
+from microimpact.declared.parameters import Count, Known, Name, build, explain
+from microimpact.declared.provenance import Declared
+from microimpact.declared.references import Resolver
+from microimpact.declared.selection import DeclaredTables, read_all
+from microimpact.lab.laboratory import Laboratory
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,14 +54,77 @@ class General:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
-    """A valid configuration: general keys, plain values per branch, declared values."""
+    """A valid configuration.
+
+    Attributes
+    ----------
+    general
+        General keys.
+    tables
+        The declared tables it names.
+    bodies
+        Materials of the particle and of the surface of each case.
+    branches, rows
+        By analysis: its parameters as plain values, with all that it names in place, and the rows
+        of the tables that it names, as CSV by table.
+    declared
+        Every value as it is used.
+    unused
+        Places of the laboratory on which no analysis rests.
+    """
 
     general: General
+    tables: DeclaredTables
+    bodies: Mapping[str, tuple[str, str]]
     branches: Mapping[str, Mapping[str, Any]]
+    rows: Mapping[str, Mapping[str, str]]
     declared: tuple[Declared, ...]
+    unused: tuple[str, ...]
+
+    def prepared(self, name: str, **changes: Any) -> tuple[Any, Mapping[str, str]]:
+        """Return the parameters of an analysis, some changed, and the rows they name, as CSV.
+
+        Raises
+        ------
+        pydantic.ValidationError
+            If a change is not admissible.
+        """
+        known = Known(_names(self.tables, self.bodies))
+        params = build(studies.study(name).Params, {**self.branches[name], **changes}, known)
+        return params, self.tables.named(known.named, self.bodies)
 
 
-def validate(config: Mapping[str, Any], base: Mapping[str, Any]) -> Settings:
+def _names(tables: DeclaredTables, cases: Collection[str]) -> dict[str, tuple[str, Any]]:
+    pairs = tables.contacts.known("particle", "surface")
+    return tables.names() | {"cases": ("cases", [*cases, *pairs])}
+
+
+GENERAL = tuple(f.name for f in fields(General))
+_BODIES = ("particle", "surface")
+SECTIONS = tuple(f.name for f in fields(Laboratory))
+
+
+def read_configuration(folder: Path | str) -> dict[str, Any]:
+    """Read a folder of configuration: general keys, the laboratory, and the analyses by section.
+
+    Raises
+    ------
+    ConfigError
+        In one line, if a file is no proper YAML, or a key stands in two of them.
+    """
+    folder, found = Path(folder), dict[str, Any]()
+    analyses = sorted((folder / "analyses").glob("*.yaml"))
+    for path in (folder / "config.yaml", folder / "laboratory.yaml", *analyses):
+        content = load(path)
+        if twice := set(found) & set(content):
+            raise ConfigError(f"{path}: {', '.join(sorted(twice))}: stands in another file, too")
+        found |= content
+    return found
+
+
+def validate(
+    config: Mapping[str, Any], base: Mapping[str, Any], only: Collection[str] = ()
+) -> Settings:
     """Check a merged configuration.
 
     Parameters
@@ -92,75 +133,97 @@ def validate(config: Mapping[str, Any], base: Mapping[str, Any]) -> Settings:
         The merged configuration, with the provenance of its values.
     base
         The configuration as shipped: what differs from it is the user's.
-
-    Returns
-    -------
-    Settings
-        Plain values, with defaults filled in and numbers in their proper type.
+    only
+        The analyses to look at; all, if none are given.
 
     Raises
     ------
     ConfigError
         Naming the dotted key of every problem, one line each.
     """
-    names, general_keys = list(studies.homes()), [f.name for f in fields(General)]
-    malformed = [line for key, node in config.items() for line in problems(node, key)]
-    found = [
-        f"{key}: unknown key{nearest(str(key), [*names, *general_keys])}"
-        for key in config
-        if key not in names and key not in general_keys
-    ]
-    values = {key: plain(node) for key, node in config.items()}
-    given = {key: values[key] for key in general_keys if key in values}
-    general = _checked(General, given, "", found)
-    branches = {name: _branch(name, values.get(name), found) for name in names}
-    found = malformed + [line for line in found if not _follows(line, malformed)]
-    if found or general is None:
-        raise ConfigError("\n".join(found))
+    resolver = Resolver(config, base, SECTIONS)
+    known_keys = [*GENERAL, *SECTIONS, *studies.homes()]
+    unknown = [key for key in config if key not in known_keys]
+    found = [f"{key}: unknown key{nearest(str(key), known_keys)}" for key in unknown]
+    check = _Check(config, resolver, found)
+    general = check.sections(General, GENERAL)
+    shown = list(resolver.rows)
+    tables = _tables(general, found)
+    if general is None or tables is None:  # nothing can be named
+        raise ConfigError("\n".join([*resolver.problems, *_others(found, resolver.problems)]))
+    resolver.declare("printed", tables.printed())
+    check.known = Known(_names(tables, config.get("cases") or ()))
+    laboratory = check.sections(Laboratory, SECTIONS)
+    stands = {row.key: row.place or row.key for row in resolver.rows}
+    resolver.rows = shown
+    params, named = {}, {}
+    for name in only or studies.homes():
+        check.known.named.clear()
+        params[name] = check.checked(studies.study(name).Params, name)
+        named[name] = list(check.known.named)
+    found = [*resolver.problems, *_others(found, resolver.problems)]
+    if found:
+        raise ConfigError("\n".join(dict.fromkeys(found)))
+    bodies = {name: (case.particle, case.surface) for name, case in laboratory.cases.items()}
+    cases = {name for each in named.values() for sort, name in each if sort == "cases"}
+    calibrated = cases & set(bodies)
+    used = {stands[f"cases.{case}.{body}"] for case in calibrated for body in _BODIES}
     return Settings(
         general=general,
-        branches={name: branch for name, branch in branches.items() if branch is not None},
-        declared=tuple(declared(config, base)),
+        tables=tables,
+        bodies=bodies,
+        branches={name: json.loads(json.dumps(asdict(each))) for name, each in params.items()},
+        rows={name: tables.named(each, bodies) for name, each in named.items()},
+        declared=tuple(resolver.rows),
+        unused=tuple(place for place in resolver.unused() if place not in used),
     )
 
 
-def checked_branch(name: str, values: object) -> dict[str, Any]:
-    """Return the plain values of a study's branch as JSON would hold them, checked.
+@dataclass(slots=True)
+class _Check:
+    """Builds what a configuration declares, and gathers what is wrong with it."""
 
-    Raises
-    ------
-    ConfigError
-        Naming the dotted key of every problem, one line each.
-    """
-    found: list[str] = []
-    branch = _branch(name, values, found)
-    if branch is None:
-        raise ConfigError("\n".join(found))
-    return branch
+    config: Mapping[str, Any]
+    resolver: Resolver
+    found: list[str]
+    known: Known = field(default_factory=lambda: Known({}))
 
-
-def _branch(name: str, values: object, found: list[str]) -> dict[str, Any] | None:
-    """Return the checked values of a branch as JSON would hold them: lists, not tuples."""
-    params = _checked(studies.study(name).Params, values, name, found)
-    if params is None:
+    def checked(self, kind: type[Any], key: str) -> Any:
+        """Return an instance of a dataclass, or None, with what is wrong added to the lines."""
+        values = self.resolver.resolved(kind, key)
+        if isinstance(values, Mapping):
+            return self._built(kind, key, values)
+        given = f"{self.config[key]!r} must be a mapping" if key in self.config else "missing"
+        self.found.append(f"{key}: {given}")
         return None
-    branch: dict[str, Any] = json.loads(json.dumps(asdict(params)))
-    return branch
+
+    def sections(self, kind: type[Any], keys: Sequence[str]) -> Any:
+        """Return an instance of a dataclass whose fields are top-level keys, or None."""
+        hints = get_type_hints(kind, include_extras=True)
+        given = [key for key in keys if key in self.config]
+        return self._built(kind, "", {k: self.resolver.resolved(hints[k], k) for k in given})
+
+    def _built(self, kind: type[Any], key: str, values: Mapping[str, Any]) -> Any:
+        try:
+            return build(kind, values, self.known if self.known.names else None)
+        except ValidationError as error:
+            self.found += explain(error, kind, key, self.resolver.aliases)
+            return None
 
 
-def _follows(line: str, malformed: list[str]) -> bool:
-    """Tell whether a value is refused only because its declaration is malformed."""
-    key = line.partition(": ")[0]
-    return any(other.startswith((f"{key}.", f"{key}:")) for other in malformed)
-
-
-def _checked(kind: type[Any], values: object, key: str, found: list[str]) -> Any:
-    """Return an instance of a dataclass, or None, with what is wrong added to the lines."""
-    if not isinstance(values, Mapping):
-        found.append(f"{key}: {'missing' if values is None else f'{values!r} must be a mapping'}")
-        return None
+def _tables(general: General | None, found: list[str]) -> DeclaredTables | None:
     try:
-        return build(kind, values)
-    except ValidationError as error:
-        found += explain(error, kind, key)
+        return read_all(*general.tables) if general else None
+    except (ValueError, OSError) as error:
+        found.append(str(error))
         return None
+
+
+def _others(lines: Iterable[str], malformed: Sequence[str]) -> list[str]:
+    """Leave out what is refused only because its declaration is malformed."""
+
+    def follows(line: str) -> bool:
+        key = line.partition(": ")[0]
+        return any(other.startswith((f"{key}.", f"{key}:")) for other in malformed)
+
+    return [line for line in lines if not follows(line)]

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
-from microimpact.core.materials import materials_from_rows
+from microimpact.core.materials import Material, materials_from_rows
 from microimpact.declared.documents import load
-from microimpact.declared.selection import DeclaredTables, read_all
 from microimpact.figures.registry import FigureSpec, filled, registry
-from microimpact.model.pairs import pairs_from_rows
+from microimpact.model.pairs import Pair, Pairs, pair_contact, pairs_from_rows
 from microimpact.run.config import Settings
 from microimpact.run.digitised import Digitized, as_rows, read_folder
 
@@ -22,17 +20,14 @@ class Inputs:
 
     Attributes
     ----------
-    tables
-        Materials, contacts and printed values.
     rows
-        Rows of these that each study is given, as CSV by table.
+        Rows of the declared tables that each study is given, as CSV by table.
     figure_entries, figures
         The figure registry with values filled in, plain and checked.
     digitized
         Digitised points by figure.
     """
 
-    tables: DeclaredTables
     rows: Mapping[str, Mapping[str, str]]
     figure_entries: Mapping[str, Any]
     figures: Mapping[str, FigureSpec]
@@ -50,55 +45,41 @@ def read_inputs(settings: Settings) -> Inputs:
         If a file cannot be read.
     """
     general = settings.general
-    tables = declared_tables(general.tables)
+    tables = settings.tables
+    materials = materials_from_rows(tables.materials.rows)
+    pairs = pairs_from_rows(tables.contacts.rows)
+    wrong = [line for pair in pairs for line in _out_of_range(pair, materials, pairs)]
+    if wrong:
+        raise ValueError("\n".join(f"{general.contacts}: {line}" for line in wrong))
     entries = filled(load(general.figures), settings.branches)
     figures = registry(entries)
     digitized = read_folder(general.digitized, figures)
     return Inputs(
-        tables=tables,
-        rows={
-            name: study_rows(name, branch, settings, tables, digitized)
-            for name, branch in settings.branches.items()
-        },
+        rows={name: study_rows(name, settings, digitized) for name in settings.branches},
         figure_entries=entries,
         figures=figures,
         digitized=digitized,
     )
 
 
-@cache
-def declared_tables(paths: tuple[str, str, str]) -> DeclaredTables:
-    """Return the tables of materials, contacts and printed values, read and checked.
-
-    Raises
-    ------
-    ValueError
-        With one line per problem that names the file and its line or column.
-    """
-    tables = read_all(*paths)
-    materials_from_rows(tables.materials.rows)
-    pairs_from_rows(tables.contacts.rows)
-    return tables
-
-
-def study_rows(
-    name: str,
-    branch: Mapping[str, Any],
-    settings: Settings,
-    tables: DeclaredTables,
-    digitized: Mapping[str, Digitized],
-) -> dict[str, str]:
+def study_rows(name: str, settings: Settings, digitized: Mapping[str, Digitized]) -> dict[str, str]:
     """Return the declared rows that a study is given, as CSV by table.
 
     That are the rows its branch names; but the study of all contacts has all, and the table of
     declared inputs everything. Digitised points go to the studies that compare with them.
     """
     if name == "declared_inputs":
-        return tables.everything(settings.declared)
+        return settings.tables.everything(settings.declared)
     if name == "contact_properties":
-        return tables.contact_rows()
+        return settings.tables.contact_rows()
     if name == "digitised_comparison":
         return as_rows(digitized, digitized)
-    if name == "restitution_fits":
-        return tables.named_in(branch) | as_rows(digitized, ("fig15", "fig16"))
-    return tables.named_in(branch)
+    compared = ("fig15", "fig16") if name == "restitution_fits" else ()
+    return {**settings.rows[name], **as_rows(digitized, compared)}
+
+
+def _out_of_range(pair: Pair, materials: Mapping[str, Material], pairs: Pairs) -> Iterator[str]:
+    try:
+        pair_contact(*pair, materials, pairs)
+    except ValueError as error:
+        yield f"{pair[0]} on {pair[1]}: {error}"

@@ -1,15 +1,17 @@
-"""JSON schemas (draft 2020-12) of configuration, overlays, figure registry and claims.
+"""JSON schemas (draft 2020-12) of the configuration, the figure registry and the claims.
 
 They are generated from the same dataclasses that check the files, for editors and for readers:
 
     python -m microimpact.run.schema workflow/schemas
+
+All files of the configuration, and every overlay, have one schema, in which any key may be left
+out: whether all is there shows in the merged configuration alone.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -18,192 +20,168 @@ from pydantic import TypeAdapter
 
 from microimpact import studies
 from microimpact.core.files import write_file
-from microimpact.declared.parameters import adapter
+from microimpact.declared.parameters import KEYED, adapter
 from microimpact.declared.provenance import EVIDENCE
+from microimpact.declared.references import FROM
 from microimpact.figures.registry import FIGURE_NAME, FigureSpec
+from microimpact.lab.laboratory import Laboratory
 from microimpact.ledgers.claims.criteria import CLAIM_NAME, DIGITISED, Claim
 from microimpact.ledgers.claims.digitised import DigitisedCriteria
 from microimpact.run.config import General
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
-
-# How a schema says that one of several things may stand somewhere.
-UNIONS = ("anyOf", "oneOf")
+# What fits into a line of a schema stands in one.
+WIDTH = 120
 
 Schema = dict[str, Any]
 
 
 def schemas() -> dict[str, Schema]:
     """Return the schemas by file name."""
+    claims = _registry("Claims of the article", CLAIM_NAME, Claim, "id")
+    criteria = _without_titles(adapter(DigitisedCriteria).json_schema())
     return {
-        "config.schema.json": config_schema(complete=True),
-        "overlay.schema.json": config_schema(complete=False),
-        "figures.schema.json": figures_schema(),
-        "claims.schema.json": claims_schema(),
+        "config.schema.json": config_schema(),
+        "figures.schema.json": _registry("Figure registry", FIGURE_NAME, FigureSpec, "name"),
+        "claims.schema.json": claims
+        | {"properties": {DIGITISED: criteria}, "required": [DIGITISED]},
     }
 
 
-def config_schema(*, complete: bool) -> Schema:
-    """Return the schema of a configuration.
-
-    Parameters
-    ----------
-    complete
-        If false, that of an overlay, in which any key may be left out.
-    """
+def config_schema() -> Schema:
+    """Return the schema of every file of the configuration, and of every overlay."""
     names = list(studies.homes())
-    kinds: list[tuple[str, TypeAdapter[Any]]] = [("", adapter(General))]
-    kinds += [(name, adapter(studies.study(name).Params)) for name in names]
-    refs, bundle = TypeAdapter.json_schemas([(key, "validation", kind) for key, kind in kinds])
-    definitions = bundle.get("$defs", {})
-    branches = {key: _resolved(refs[key, "validation"], definitions) for key, _ in kinds}
-    top = branches.pop("")
-    schema = {
-        "$schema": DIALECT,
-        "title": "Configuration" if complete else "Overlay of the configuration",
-        "type": "object",
-        "additionalProperties": False,
-        "properties": _declarable(top, complete)["properties"]
-        | {name: _declarable(branch, complete) for name, branch in branches.items()},
+    kinds = [General, Laboratory, *(studies.study(name).Params for name in names)]
+    refs, bundle = TypeAdapter.json_schemas(
+        [(str(i), "validation", adapter(kind)) for i, kind in enumerate(kinds)]
+    )
+    objects = _without_titles(bundle["$defs"])
+    general, laboratory, *branches = (
+        ref["$ref"].rpartition("/")[2]
+        for ref in (refs[str(i), "validation"] for i in range(len(kinds)))
+    )
+    leaves: dict[str, Schema] = {}
+    definitions = {name: _object(node, objects, leaves) for name, node in objects.items()}
+    tops = [definitions.pop(name)["properties"] for name in (general, laboratory)]
+    for top in tops:
+        top.pop(FROM)
+    references = {
+        name: {"$ref": f"#/$defs/{branch}"} for name, branch in zip(names, branches, strict=True)
     }
-    if complete:
-        schema["required"] = [*top.get("required", []), *names]
-    definitions = {
-        "evidence": {"enum": list(EVIDENCE)},
-        "source": {"type": "string", "minLength": 1},
-    }
-    return _shortened(schema, definitions)
-
-
-def figures_schema() -> Schema:
-    """Return the schema of the figure registry."""
-    entry = adapter(FigureSpec).json_schema()
-    definitions = entry.pop("$defs", {})
-    entry = _resolved(entry, definitions)
-    entry["properties"].pop("name")
-    entry["required"].remove("name")
     return {
         "$schema": DIALECT,
-        "title": "Figure registry",
+        "title": "Configuration, or an overlay of it",
         "type": "object",
         "additionalProperties": False,
-        "patternProperties": {FIGURE_NAME: entry},
+        "properties": tops[0] | tops[1] | references,
+        "$defs": _PARTS | leaves | definitions,
     }
 
 
-def claims_schema() -> Schema:
-    """Return the schema of the file of claims."""
-    entry = adapter(Claim).json_schema()
+_PARTS: Schema = {
+    "evidence": {"enum": list(EVIDENCE)},
+    "source": {"type": "string", "minLength": 1},
+    FROM: {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]},
+    "declaration": {
+        "type": "object",
+        "properties": {
+            "value": {"type": ["number", "string", "boolean"]},
+            "values": {"type": "array"},
+            **{key: {"$ref": f"#/$defs/{key}"} for key in ("evidence", "source", FROM)},
+        },
+    },
+}
+
+
+def _object(node: Schema, objects: Schema, leaves: dict[str, Schema]) -> Schema:
+    """Return the definition of a dataclass as it stands in a file: in part, or by reference."""
+    if "properties" not in node:
+        return node
+    own = {name: _declarable(child, objects, leaves) for name, child in node["properties"].items()}
+    reference = {FROM: {"$ref": f"#/$defs/{FROM}"}}
+    return {"type": "object", "additionalProperties": False, "properties": own | reference}
+
+
+def _declarable(node: Schema, objects: Schema, leaves: dict[str, Schema]) -> Schema:
+    """Let a value stand bare, with its provenance, or by reference; name what that takes."""
+    if "$ref" in node:
+        return node
+    if node.get("type") == "object":
+        item = node.get("additionalProperties")
+        if item and (name := node.pop(KEYED, "")):
+            objects[item["$ref"].rpartition("/")[2]]["properties"].pop(name, None)
+        return (
+            {**node, "additionalProperties": _declarable(item, objects, leaves)} if item else node
+        )
+    members = [each for each in node.get("anyOf", ()) if each != {"type": "null"}]
+    if len(members) == 1:
+        return _declarable(members[0], objects, leaves)
+    name = _name(node)
+    part = "values" if node.get("type") == "array" else "value"
+    declared = {"$ref": "#/$defs/declaration", "properties": {part: node}}
+    if "#/$defs/" in json.dumps(node):
+        declared = {"type": "object", "required": [FROM]}
+    leaves[name] = {"anyOf": [node, declared]}
+    return {"$ref": f"#/$defs/{name}"}
+
+
+def _name(node: Schema) -> str:
+    """Return a name for a type of values: ``number, exclusiveMinimum 0``."""
+    words = {key: value for key, value in node.items() if key != "type"}
+    kind = node.get("type", "choice")
+    return ", ".join([kind, *(f"{key} {_words(value)}" for key, value in words.items())])
+
+
+def _words(value: Any) -> str:
+    text = json.dumps(value)
+    return "".join(c for c in text.replace("#/$defs/", "") if c not in '{}[]"$:/').strip()
+
+
+def _registry(title: str, pattern: str, kind: type[Any], name: str) -> Schema:
+    """Return the schema of a file of named entries, whose names match a pattern."""
+    entry = _without_titles(adapter(kind).json_schema())
     definitions = entry.pop("$defs", {})
-    entry = _resolved(entry, definitions)
-    entry["properties"].pop("id")
-    entry["required"].remove("id")
+    entry["properties"].pop(name)
+    entry["required"].remove(name)
     return {
         "$schema": DIALECT,
-        "title": "Claims of the article",
+        "title": title,
         "type": "object",
         "additionalProperties": False,
-        "required": [DIGITISED],
-        "properties": {DIGITISED: _resolved(adapter(DigitisedCriteria).json_schema(), {})},
-        "patternProperties": {CLAIM_NAME: entry},
+        "patternProperties": {pattern: entry},
+        "$defs": definitions,
     }
 
 
-def _resolved(node: Any, definitions: Schema) -> Any:
-    """Replace references by what they refer to; leave out generated titles and defaults."""
+def _without_titles(node: Any) -> Any:
+    """Leave out what is generated for readers who do not see the docstrings."""
     if isinstance(node, list):
-        return [_resolved(item, definitions) for item in node]
+        return [_without_titles(item) for item in node]
     if not isinstance(node, dict):
         return node
-    if "$ref" in node:
-        return _resolved(definitions[node["$ref"].rpartition("/")[2]], definitions)
-    resolved = {}
-    for key, value in node.items():
-        if key == "properties":
-            resolved[key] = {name: _resolved(v, definitions) for name, v in value.items()}
-        elif key not in {"title", "default"}:
-            resolved[key] = _resolved(value, definitions)
-    return resolved
-
-
-def _declarable(node: Schema, complete: bool) -> Schema:
-    """Let every number or choice below an object stand bare or with its provenance."""
-    for union in UNIONS:
-        if union in node and _structured(node):
-            return {**node, union: [_declarable(member, complete) for member in node[union]]}
-    if node.get("type") == "object" and "properties" in node:
-        inner = {name: _declarable(v, complete) for name, v in node["properties"].items()}
-        node = {**node, "properties": inner}
-        if not complete:
-            node.pop("required", None)
-        return node
-    if _structured(node.get("items", {})):
-        return {**node, "items": _declarable(node["items"], complete)}
-    if node.get("type") == "string" and "enum" not in node:
-        return node
-    return {"anyOf": [node, _declaration(node, complete)]}
-
-
-def _structured(node: Schema) -> bool:
-    """Tell whether an object with keys of its own may stand there."""
-    return "properties" in node or any(
-        _structured(member) for union in UNIONS for member in node.get(union, [])
-    )
-
-
-def _shortened(schema: Schema, definitions: Schema) -> Schema:
-    """Name what stands more than once among the definitions, and refer to it."""
-    seen: Counter[str] = Counter()
-    first: dict[str, Schema] = {}
-
-    def count(node: Any) -> None:
-        if isinstance(node, dict) and "properties" in node:
-            text = json.dumps(node)
-            seen[text] += 1
-            first.setdefault(text, node)
-            if seen[text] > 1:
-                return
-        for child in _children(node):
-            count(child)
-
-    def referring(node: Any, *, itself: bool = False) -> Any:
-        if isinstance(node, list):
-            return [referring(child) for child in node]
-        if not isinstance(node, dict):
-            return node
-        name = None if itself else names.get(json.dumps(node))
-        if name:
-            return {"$ref": f"#/$defs/{name}"}
-        return {key: referring(child) for key, child in node.items()}
-
-    count(schema)
-    repeated = [text for text in first if seen[text] > 1]
-    names = {text: f"part_{number}" for number, text in enumerate(repeated, 1)}
-    parts = {names[text]: referring(first[text], itself=True) for text in repeated}
-    shortened: Schema = referring(schema, itself=True) | {"$defs": definitions | parts}
-    return shortened
-
-
-def _children(node: Any) -> list[Any]:
-    if isinstance(node, dict):
-        return list(node.values())
-    return node if isinstance(node, list) else []
-
-
-def _declaration(node: Schema, complete: bool) -> Schema:
-    part = "values" if node.get("type") == "array" else "value"
-    schema: Schema = {
-        "type": "object",
-        "additionalProperties": False,
-        "properties": {
-            part: node,
-            "evidence": {"$ref": "#/$defs/evidence"},
-            "source": {"$ref": "#/$defs/source"},
-        },
+    told = {"title", "default", "description"}
+    return {
+        key: {name: _without_titles(child) for name, child in value.items()}
+        if key in {"properties", "$defs"}
+        else _without_titles(value)
+        for key, value in node.items()
+        if key not in told or isinstance(value, dict)
     }
-    if complete:
-        schema["required"] = [part, "evidence", "source"]
-    return schema
+
+
+def text(node: Any, indent: int = 0) -> str:
+    """Return a schema as it stands in its file: what fits into a line stands in one."""
+    line = json.dumps(node)
+    if not isinstance(node, dict | list) or (indent and len(line) + indent <= WIDTH):
+        return line
+    pad = " " * (indent + 1)
+    if isinstance(node, list):
+        parts, ends = [text(item, indent + 1) for item in node], "[]"
+    else:
+        parts = [f"{json.dumps(key)}: {text(value, indent + 1)}" for key, value in node.items()]
+        ends = "{}"
+    inner = f",\n{pad}".join(parts)
+    return f"{ends[0]}\n{pad}{inner}\n{' ' * indent}{ends[1]}" + ("" if indent else "\n")
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -215,11 +193,6 @@ def main(arguments: Sequence[str] | None = None) -> None:
     folder = parser.parse_args(arguments).folder
     for name, schema in schemas().items():
         write_file(folder / name, text(schema))
-
-
-def text(schema: Schema) -> str:
-    """Return a schema as it stands in its file."""
-    return json.dumps(schema, indent=2) + "\n"
 
 
 if __name__ == "__main__":

@@ -18,7 +18,8 @@ from pathlib import Path
 from typing import Any
 
 from microimpact.core.files import write_file
-from microimpact.declared.provenance import plain
+from microimpact.declared.provenance import Declared, plain
+from microimpact.declared.references import FROM, is_reference
 
 PACKAGES = (
     "microimpact",
@@ -55,7 +56,11 @@ def changes(config: Mapping[str, Any], shipped: Mapping[str, Any]) -> tuple[Chan
 
 
 def _leaves(node: Any, key: str = "") -> Iterator[tuple[str, Any]]:
-    if isinstance(node, Mapping):
+    if is_reference(node) and {*node} & {"value", "values"}:
+        yield key, node.get("value", node.get("values"))
+    elif is_reference(node) and len(node) == 1:
+        yield key, f"as {node[FROM]}"
+    elif isinstance(node, Mapping):
         for name, child in node.items():
             yield from _leaves(child, f"{key}.{name}".removeprefix("."))
     elif isinstance(node, list) and any(isinstance(item, Mapping | list) for item in node):
@@ -101,6 +106,7 @@ def write_stamp(
     *,
     ended: datetime | None = None,
     outdated: Sequence[str] = (),
+    declared: Sequence[Declared] = (),
 ) -> None:
     """Write the stamp of a run, as JSON: when it begins, and again when it ends.
 
@@ -118,6 +124,8 @@ def write_stamp(
         When it ended well; None for a run that still goes on, failed, or was killed.
     outdated
         Results that were made earlier, from other inputs than those of this run.
+    declared
+        Every value as it was used; told are those in place of a value of the laboratory.
     """
     stamp = {
         "started": started.isoformat(),
@@ -128,6 +136,7 @@ def write_stamp(
         "platform": f"{platform.system()} {platform.machine()}",
         "packages": package_versions(),
         "seed": plain(config.get("seed")),
+        "overrides": {one.key: one.overrides for one in declared if one.overrides},
         "config": config,
     }
     write_file(path, json.dumps(stamp, indent=2, ensure_ascii=False, default=str) + "\n")

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from microimpact import studies
 from microimpact.core.materials import declared_file
 from microimpact.core.nearest import nearest
 from microimpact.core.tables import parse_table
-from microimpact.declared.documents import load
 from microimpact.declared.parameters import build
+from microimpact.declared.references import merged
 from microimpact.declared.selection import NamedTables
-from microimpact.run.config import Settings, checked_branch, validate
-from microimpact.run.inputs import declared_tables, study_rows
+from microimpact.run.config import Settings, read_configuration, validate
+from microimpact.run.inputs import study_rows
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -31,12 +33,12 @@ def run_study(
     Parameters
     ----------
     name
-        Name of the study and of its branch in ``config/config.yaml``.
+        Name of the study and of its branch in ``config/analyses``.
     tables
         Tables of earlier studies by name, to be taken in place of computed ones.
     **changes
-        Parameters of the study that differ from the declared ones, with the unit in their name as
-        there; within a mapping the keys that are given.
+        Keys of its branch that differ from the declared ones, as in an overlay: with the unit in
+        their name, and within a mapping those that are given.
 
     Returns
     -------
@@ -55,16 +57,15 @@ def run_study(
     >>> sorted(smaller)
     ['fig20', 'force_ratios']
     """
-    settings = _settings()
-    if name not in settings.branches:
-        raise ValueError(f"{name!r} is no study{nearest(name, settings.branches)}")
-    branch = checked_branch(name, _merged(settings.branches[name], changes))
-    rows = study_rows(name, branch, settings, declared_tables(_paths()), {})
+    if name not in studies.homes():
+        raise ValueError(f"{name!r} is no study{nearest(name, studies.homes())}")
+    settings = _settings(name, json.dumps(changes)) if changes else _declared()
+    rows = study_rows(name, settings, {})
     given = dict(tables or {})
     for table, maker in studies.needs(name).items():
         if table not in given:
             given[table] = _made(maker)[table].copy()
-    return run_with(name, branch, rows, given)
+    return run_with(name, settings.branches[name], rows, given)
 
 
 def run_with(
@@ -104,23 +105,20 @@ def _made(name: str) -> dict[str, pd.DataFrame]:
 
 
 @cache
-def _settings() -> Settings:
-    base = load(declared_file("config.yaml"))
+def _declared() -> Settings:
+    base = _shipped()
     return validate(base, base)
 
 
-def _paths() -> tuple[str, str, str]:
-    """Return where the declared tables stand, in a project or in an installed package."""
-    names = (path.rpartition("/")[2] for path in _settings().general.tables)
-    materials, contacts, printed_values = (str(declared_file(name)) for name in names)
-    return materials, contacts, printed_values
+@cache
+def _settings(name: str, changes: str) -> Settings:
+    base = _shipped()
+    return validate(merged(base, {name: json.loads(changes)}), base, only=(name,))
 
 
-def _merged(before: Any, after: Any) -> Any:
-    """Put changes into a mapping; a distribution of another kind is replaced as a whole."""
-    if not (isinstance(before, Mapping) and isinstance(after, Mapping)):
-        return after
-    if "kind" in after and after["kind"] != before.get("kind"):
-        return after
-    kept = {key: _merged(before[key], after[key]) for key in before if key in after}
-    return {**before, **after, **kept}
+@cache
+def _shipped() -> dict[str, Any]:
+    """Return the configuration of a project or of an installed package, wherever that is."""
+    base = read_configuration(declared_file("config.yaml").parent)
+    tables = ("materials", "contacts", "printed_values")
+    return base | {key: str(declared_file(Path(base[key]).name)) for key in tables}

@@ -226,7 +226,7 @@ def _values_in(path: str) -> FloatArray:
     return ordered
 
 
-Distribution = Annotated[
+AnyDistribution = (
     Constant
     | Uniform
     | Normal
@@ -235,9 +235,9 @@ Distribution = Annotated[
     | LogNormal
     | Histogram
     | Sample
-    | SampleFile,
-    Field(discriminator="kind"),
-]
+    | SampleFile
+)
+Distribution = Annotated[AnyDistribution, Field(discriminator="kind")]
 
 
 def uniforms(rng: np.random.Generator, shape: int | tuple[int, ...]) -> FloatArray:

@@ -65,6 +65,7 @@ def reference_case(tables: Mapping[str, pd.DataFrame]) -> Case:
         pairs,
         # Every term of Eq. (19) has to count, so the material is damped too.
         hertz_damping=0.05,
+        adhesion_rate_exponent=0.0,
         friction=FRICTION,
         reference_velocity=float(-v_n),
     )

@@ -13,7 +13,7 @@ from typing import Any
 import pandas as pd
 
 from microimpact.core.materials import declared_file
-from microimpact.run.config import load
+from microimpact.declared.documents import load
 
 TABLE_FOLDERS = ("tables", "data")
 INPUTS = "tables/inputs.csv"

@@ -9,11 +9,11 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
+from microimpact.declared.documents import load
 from microimpact.declared.parameters import Name, NonNegative, build, explain
 from microimpact.report.check.differences import Tolerance
 from microimpact.report.check.results import ResultsError
 from microimpact.report.check.shapes import PictureTolerance
-from microimpact.run.config import load
 
 FILE = "tolerances.yaml"
 

@@ -59,10 +59,12 @@ def numbers(inputs: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
     -------
     dict
         ``constants`` of the model, ``materials`` as declared, ``contacts``: the calibrated cases,
-        then the declared pairs; a field that nobody declared is None.
+        then the declared pairs of other materials; a field that nobody declared is None.
     """
     materials, pairs = declared(inputs)
     cases = dict.fromkeys(inputs["calibration"]["case"])
+    bodies = inputs["calibration"][["particle", "surface"]]
+    calibrated = set(bodies.itertuples(index=False, name=None))
     return {
         "constants": {
             "inertia": INERTIA,
@@ -78,6 +80,7 @@ def numbers(inputs: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
             *(
                 _row("declared", f"{one} on {other}", pair_contact(one, other, materials, pairs))
                 for one, other in pairs
+                if (one, other) not in calibrated
             ),
         ],
     }

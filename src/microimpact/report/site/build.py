@@ -11,7 +11,7 @@ from typing import Any
 
 from microimpact.core.files import write_file
 from microimpact.report.site import PAGES, ledgers
-from microimpact.report.site.figures import Figure, figures, label
+from microimpact.report.site.figures import Figure, departures, figures, label, studies_behind
 from microimpact.report.site.graph import needs, picture
 from microimpact.report.site.ledgers import Row, read_rows
 from microimpact.report.site.pages import ASSETS, EXPLORER, NAVIGATION, render
@@ -34,7 +34,10 @@ EQUATION_COLUMNS = (
 )
 # Characters of a figure's title in the picture of the rules.
 WORDS = 64
-INPUT_COLUMNS = ("file", "key", "value", "low", "high", "unit", "evidence", "source")
+INPUT_COLUMNS = (
+    *("file", "key", "value", "low", "high", "unit", "evidence", "source"),
+    *("place", "overrides"),
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -115,6 +118,10 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
         "record": record,
         "ledgers": ledgers,
         "claims": claims,
+        "departures": {
+            row["id"]: departures(declared, studies_behind(row, record), needs(record.rules))
+            for row in claims
+        },
         "equations": equations,
         "claim_counts": ledgers.counts(ledgers.counted(claims), ledgers.CLAIM_VERDICTS),
         "equation_counts": ledgers.counts(equations, ledgers.EQUATION_VERDICTS),

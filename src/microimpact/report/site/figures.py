@@ -12,7 +12,7 @@ import pandas as pd
 
 from microimpact import studies
 from microimpact.report.site.graph import needs, upstream
-from microimpact.report.site.ledgers import Row
+from microimpact.report.site.ledgers import Row, read_rows
 from microimpact.report.site.reached import reached
 from microimpact.report.site.record import Record, Rule
 
@@ -61,6 +61,8 @@ class Figure:
     tables: Mapping[str, str]
     marks: tuple[Marks, ...]
     inputs: tuple[Inputs, ...]
+    departures: tuple[Row, ...]
+    contacts: tuple[str, ...]
     claims: tuple[Row, ...]
 
     @property
@@ -106,7 +108,7 @@ def figures(
     }
     there = [name for name in record.figures if (results / f"figures/{name}.svg").is_file()]
     return [
-        _figure(name, record.figures[name], results, ledgers["claims"], behind, needed)
+        _figure(name, record.figures[name], results, ledgers["claims"], behind, needed, declared)
         for name in sorted(there, key=lambda name: (not ARTICLE.fullmatch(name), name))
     ]
 
@@ -123,6 +125,7 @@ def _figure(
     claims: Sequence[Row],
     behind: Mapping[str, Inputs],
     needed: Mapping[str, Sequence[str]],
+    declared: Sequence[Row],
 ) -> Figure:
     study = entry["study"]
     data = tuple(f"data/{table}.csv" for table in entry["data"])
@@ -141,6 +144,8 @@ def _figure(
         },
         marks=_marks([results / file for file in data]),
         inputs=tuple(behind[s] for s in (study, *upstream(study, needed))),
+        departures=departures(declared, [study], needed),
+        contacts=contacts(study, declared, read_rows(results / "tables/calibration.csv")),
         claims=tuple(row for row in claims if name in row["figures"].split()),
     )
 
@@ -190,6 +195,44 @@ def _inputs(
     )
 
 
+def departures(
+    declared: Sequence[Row], own: Iterable[str], needed: Mapping[str, Sequence[str]]
+) -> tuple[Row, ...]:
+    """Return the inputs that studies, or those they rest on, have in place of the laboratory's."""
+    concerned = {each for study in own for each in (study, *upstream(study, needed))}
+    return tuple(
+        row for row in declared if row["overrides"] and row["key"].partition(".")[0] in concerned
+    )
+
+
+def contacts(study: str, declared: Sequence[Row], calibration: Sequence[Row]) -> tuple[str, ...]:
+    """Return the calibrated contacts that a study names, each in words with its parameters."""
+    named = {row["value"] for row in declared if row["key"].startswith(f"{study}.")}
+    found: dict[str, dict[str, float]] = {}
+    for row in calibration:
+        if row["role"] == "parameter" and row["case"] in named:
+            found.setdefault(row["case"], {})[row["quantity"]] = float(row["value"])
+    symbols = {
+        "w_A": ("work_of_adhesion", "J/m2"),
+        "c_H": ("hertz_damping", "s/m"),
+        "c_A": ("adhesion_damping", "s/m"),
+        "n": ("adhesion_rate_exponent", ""),
+    }
+    return tuple(
+        f"{case}: "
+        + ", ".join(f"{s} = {of[name]:.4g} {unit}".rstrip() for s, (name, unit) in symbols.items())
+        for case, of in found.items()
+    )
+
+
+def studies_behind(claim: Row, record: Record) -> set[str]:
+    """Return the studies that give the numbers of a claim and the data of its figures."""
+    drawn = {record.figures[n]["study"] for n in claim["figures"].split() if n in record.figures}
+    return drawn | {
+        name for name, home in studies.homes().items() if claim["code"].startswith(f"{home}.")
+    }
+
+
 def owner(row: Row) -> str:
     """Return the material, contact or printed value that a row of the inputs belongs to."""
     return row["key"].rpartition(".")[0] or row["key"]
@@ -200,7 +243,7 @@ def joined(rows: Iterable[Row]) -> list[Row]:
     found: list[Row] = []
     for row in rows:
         key = _ITEM.sub("", row["key"])
-        same = {name: row[name] for name in ("unit", "evidence", "source")}
+        same = {name: row[name] for name in ("unit", "evidence", "source", "overrides")}
         last = found[-1] if found else None
         if key != row["key"] and last and last == last | same | {"key": key}:
             last["value"] += f", {row['value']}"

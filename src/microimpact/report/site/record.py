@@ -21,6 +21,7 @@ from microimpact.core.materials import declared_file
 from microimpact.declared.documents import load
 from microimpact.declared.provenance import plain
 from microimpact.figures.registry import filled
+from microimpact.run.config import read_configuration, validate
 from microimpact.run.stamp import Change, changes, git_state, package_versions
 
 RECORD = "report/record.json"
@@ -179,10 +180,11 @@ def read_record(results: Path) -> Record:
     if missing := [name for name in names if name not in stamp]:
         raise RecordError(f"{results / STAMP}: has no {', '.join(missing)}")
     config = stamp.pop("config")
+    shipped = read_configuration(declared_file("config.yaml").parent)
     return Record(
         **{name: stamp[name] for name in names[:-1]},
-        changes=changes(config, load(declared_file("config.yaml"))),
-        figures=filled(load(declared_file("figures.yaml")), plain(config)),
+        changes=changes(config, shipped),
+        figures=filled(load(declared_file("figures.yaml")), validate(config, shipped).branches),
     )
 
 

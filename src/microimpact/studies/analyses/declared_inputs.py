@@ -7,7 +7,10 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-COLUMNS = ["file", "key", "value", "low", "high", "unit", "evidence", "source"]
+COLUMNS = [
+    *("file", "key", "value", "low", "high", "unit", "evidence", "source"),
+    *("place", "overrides"),
+]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -17,7 +17,7 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.tables import series_frame
-from microimpact.declared.parameters import Fraction, Name, Positive
+from microimpact.declared.parameters import Fraction, Positive, PrintedName
 from microimpact.model.separation import (
     PLACEMENTS,
     CoatedParticle,
@@ -163,7 +163,7 @@ class Params:
     points: Annotated[int, Field(ge=5)]
     far_exceeds_factor: Annotated[float, Field(gt=1, allow_inf_nan=False)]
     about_factor: Annotated[float, Field(gt=1, allow_inf_nan=False)]
-    anchors: tuple[Name, ...]
+    anchors: tuple[PrintedName, ...]
 
     def __post_init__(self) -> None:
         """Refuse a range upside down, and a comparison beyond the curves."""

@@ -11,7 +11,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
-from microimpact.declared.parameters import Count, Name, NonNegative, Positive
+from microimpact.declared.parameters import Count, Keyed, Name, NonNegative, Positive
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.events import Impacts, Measured
 from microimpact.lab.ptis.experiment import turned
@@ -73,7 +73,7 @@ class Params:
 
     seed: Annotated[int, Field(ge=0)]
     impacts: Count
-    series: tuple[BaseSeries, ...]
+    series: Annotated[tuple[BaseSeries, ...], Keyed("name")]
     angles_deg: tuple[Annotated[float, Field(gt=0, lt=90)], ...]
     factors: tuple[Positive, ...]
     dispenser: Dispenser

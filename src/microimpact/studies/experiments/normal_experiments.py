@@ -13,7 +13,7 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import series_frame
-from microimpact.declared.parameters import Fraction, Name, Positive
+from microimpact.declared.parameters import CaseName, Fraction, Keyed, Name, Positive, PrintedName
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.dispenser import Dispenser, InitialSpin
 from microimpact.lab.experiment import Drop, StopRule, Target
@@ -44,11 +44,9 @@ class Params:
     """Two sieve classes on one surface over a range of speeds."""
 
     seed: Annotated[int, Field(ge=0)]
-    particle: Name
-    surface: Name
-    case: Name
-    other_case: Name
-    populations: tuple[Population, ...]
+    case: CaseName
+    other_case: CaseName
+    populations: Annotated[tuple[Population, ...], Keyed("name")]
     speeds_m_per_s: tuple[Positive, ...]
     speed_window: Fraction
     stop: StopRule
@@ -58,7 +56,7 @@ class Params:
     points: Annotated[int, Field(ge=10)]
     plateau_share: Fraction
     hidden_share: Fraction
-    anchors: tuple[Name, ...]
+    anchors: tuple[PrintedName, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -13,7 +13,7 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import series_frame
-from microimpact.declared.parameters import AngleDegrees, Fraction, Name
+from microimpact.declared.parameters import AngleDegrees, Fraction, Keyed, Name, PrintedName
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.experiment import Outcome, StopRule
 from microimpact.lab.ptis.experiment import collect
@@ -82,7 +82,7 @@ class Mark:
     figures: tuple[Name, ...]
     panel: Name
     name: Name
-    anchors: tuple[Name, ...]
+    anchors: tuple[PrintedName, ...]
     angles_deg: tuple[AngleDegrees, ...]
 
 
@@ -93,14 +93,14 @@ class Params:
     seed: Annotated[int, Field(ge=0)]
     angles_deg: tuple[Annotated[float, Field(gt=0, lt=90)], ...]
     stop: StopRule
-    series: tuple[Series, ...]
+    series: Annotated[tuple[Series, ...], Keyed("name")]
     dispenser: Dispenser
     instrument: Instrument
     coulomb_restitution: Fraction
     points: Annotated[int, Field(ge=10)]
     compared_series: Name
     reference_angle_deg: AngleDegrees
-    marks: tuple[Mark, ...]
+    marks: Annotated[tuple[Mark, ...], Keyed("name")]
 
     def __post_init__(self) -> None:
         """Refuse figures that this study does not make."""

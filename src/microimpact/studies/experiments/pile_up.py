@@ -12,7 +12,14 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import series_frame
-from microimpact.declared.parameters import Count, Fraction, Name, NonNegative, Positive
+from microimpact.declared.parameters import (
+    CaseName,
+    Count,
+    Fraction,
+    NonNegative,
+    Positive,
+    PrintedName,
+)
 from microimpact.lab.bounces import Resting, resting
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.dispenser import Dispenser, InitialSpin
@@ -47,9 +54,7 @@ class Params:
     """
 
     seed: Annotated[int, Field(ge=0)]
-    particle: Name
-    surface: Name
-    case: Name
+    case: CaseName
     friction: Fraction
     diameter_um: Distribution
     spin: InitialSpin
@@ -66,7 +71,7 @@ class Params:
     drawn_slope_deg: NonNegative
     speeds_m_per_s: tuple[Positive, ...]
     shares: tuple[Fraction, ...]
-    anchors: tuple[Name, ...]
+    anchors: tuple[PrintedName, ...]
 
     def __post_init__(self) -> None:
         """Refuse speeds out of order, and a figure of what is not computed."""

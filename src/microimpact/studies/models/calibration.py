@@ -9,12 +9,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 import pandas as pd
 
 from microimpact.core.tables import series_frame
-from microimpact.declared.parameters import Finite, Fraction, Name, NonNegative, Positive
+from microimpact.declared.parameters import (
+    CaseName,
+    CounterpartName,
+    Finite,
+    Fraction,
+    Keyed,
+    MaterialName,
+    NonNegative,
+    Positive,
+)
 from microimpact.lab.contacts import declared_contact
 from microimpact.model.calibration import (
     NoSolutionError,
@@ -50,25 +60,28 @@ class Facts:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Member:
+    """A case of the family: one work of adhesion and one rate exponent."""
+
+    case: CaseName
+    rate_exponent: NonNegative
+    work_of_adhesion_J_per_m2: Positive  # noqa: N815
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class TwoStageTargets:
     """Steel on silicon: targets, the family looked through, and the members others use."""
 
-    particle: Name
-    surface: Name
+    particle: MaterialName
+    surface: CounterpartName
     diameter_um: Positive
-    high_speed_m_per_s: Positive
+    speed_m_per_s: Positive
     restitution: Fraction
     capture_velocity_m_per_s: Positive
     rate_exponents: tuple[NonNegative, ...]
     works_of_adhesion_J_per_m2: tuple[Positive, ...]  # noqa: N815
-    member_exponents: tuple[NonNegative, ...]
-    member_works_J_per_m2: tuple[Positive, ...]  # noqa: N815
+    members: Annotated[tuple[Member, ...], Keyed("case")]
     facts: Facts
-
-    def __post_init__(self) -> None:
-        """Refuse members that do not pair up."""
-        if len(self.member_exponents) != len(self.member_works_J_per_m2):
-            raise ValueError("member_exponents and member_works_J_per_m2 must have the same length")
 
 
 def bare_contact(targets: TwoStageTargets, inputs: Mapping[str, pd.DataFrame]) -> Contact:
@@ -78,7 +91,7 @@ def bare_contact(targets: TwoStageTargets, inputs: Mapping[str, pd.DataFrame]) -
         targets.particle,
         targets.surface,
         diameter=targets.diameter_um * 1e-6,
-        reference_velocity=targets.high_speed_m_per_s,
+        reference_velocity=targets.speed_m_per_s,
     )
 
 
@@ -86,7 +99,7 @@ def solved(contact: Contact, targets: TwoStageTargets, exponent: float, work: fl
     """Return the member of the family at one rate exponent and work of adhesion."""
     changed = contact.replace(adhesion_rate_exponent=exponent, work_of_adhesion=work)
     return two_stage(
-        changed, targets.high_speed_m_per_s, targets.restitution, targets.capture_velocity_m_per_s
+        changed, targets.speed_m_per_s, targets.restitution, targets.capture_velocity_m_per_s
     ).contact
 
 
@@ -115,7 +128,7 @@ def family(targets: TwoStageTargets, inputs: Mapping[str, pd.DataFrame]) -> pd.D
 
 def facts(member: Contact, targets: TwoStageTargets) -> dict[str, object]:
     """Return the printed facts that were not fitted, as this member has them, and the verdicts."""
-    wanted, speed = targets.facts, targets.high_speed_m_per_s
+    wanted, speed = targets.facts, targets.speed_m_per_s
     between = np.geomspace(wanted.flat_from_m_per_s, speed, 20)
     e = simulate(member, between).coefficient_of_restitution
     deviation = float(np.abs(e - targets.restitution).max())
@@ -187,13 +200,14 @@ def curves(targets: TwoStageTargets, inputs: Mapping[str, pd.DataFrame]) -> pd.D
     contact, frames = bare_contact(targets, inputs), []
     speed = np.geomspace(targets.capture_velocity_m_per_s, 3.0, 200)
     common = {"panel": "curves", "x_unit": "m_per_s", "y_unit": "1"}
-    for exponent, work in zip(targets.member_exponents, targets.member_works_J_per_m2, strict=True):
+    for member in targets.members:
+        exponent, work = member.rate_exponent, member.work_of_adhesion_J_per_m2
         e = simulate(solved(contact, targets, exponent, work), speed).coefficient_of_restitution
         # At the capture velocity itself rounding decides between none and hardly any.
         e = np.where(speed > targets.capture_velocity_m_per_s, e, 0.0)
         name = f"n = {exponent:g}, w = {work:g} J/m2"
         frames.append(series_frame(series=name, evidence="calibrated", x=speed, y=e, **common))
-    x = [targets.capture_velocity_m_per_s, targets.high_speed_m_per_s]
+    x = [targets.capture_velocity_m_per_s, targets.speed_m_per_s]
     y = [0.0, targets.restitution]
     frames.append(series_frame(series="targets", evidence="printed", x=x, y=y, **common))
     return pd.concat(frames, ignore_index=True)
@@ -209,6 +223,8 @@ PARAMETERS = {
 }
 
 
+CORNERS = tuple(f"fluorescein-molybdenum, {name}" for name in ("least", "nominal", "greatest"))
+
 # Contacts with the least, the nominal and the greatest capture velocity of an admissible set.
 Corners = tuple[Contact, Contact, Contact]
 
@@ -217,8 +233,8 @@ Corners = tuple[Contact, Contact, Contact]
 class ForceRatios:
     """Ammonium fluorescein on molybdenum: ratios of peaks, as bands, and the sizes to look at."""
 
-    particle: Name
-    surface: Name
+    particle: MaterialName
+    surface: CounterpartName
     diameter_um: Positive
     speed_m_per_s: Positive
     adhesion_over_hertz: Positive
@@ -230,21 +246,24 @@ class ForceRatios:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WorkTarget:
-    """A pair whose work of adhesion follows from its capture velocity."""
+    """A pair whose work of adhesion follows from its capture velocity, damped as another case."""
 
-    particle: Name
-    surface: Name
+    case: CaseName
+    damped_as: CaseName
+    particle: MaterialName
+    surface: CounterpartName
     diameter_um: Positive
     capture_velocity_m_per_s: Positive
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RestitutionTarget:
-    """A pair of which one restitution is known: one factor on both its damping coefficients."""
+    """A pair of which one restitution is known: one factor on both coefficients of another case."""
 
-    case: Name
-    particle: Name
-    surface: Name
+    case: CaseName
+    damped_as: CaseName
+    particle: MaterialName
+    surface: CounterpartName
     speed_m_per_s: Positive
     restitution: Fraction
 
@@ -255,8 +274,8 @@ class Params:
 
     two_stage: TwoStageTargets
     force_ratios: ForceRatios
-    by_work_of_adhesion: tuple[WorkTarget, ...]
-    by_restitution: tuple[RestitutionTarget, ...]
+    by_work_of_adhesion: Annotated[tuple[WorkTarget, ...], Keyed("case")]
+    by_restitution: Annotated[tuple[RestitutionTarget, ...], Keyed("case")]
 
 
 def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
@@ -279,11 +298,12 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     """
     targets, ratios = params.two_stage, params.force_ratios
     corners = _corners(ratios, inputs)
+    found = _members(targets, inputs) | dict(zip(CORNERS, corners, strict=True))
     rows = [
-        *_member_rows(targets, inputs),
+        *_member_rows(targets, found),
         *_ratio_rows(ratios, corners),
-        *(row for target in params.by_work_of_adhesion for row in _work_rows(target, inputs)),
-        *(row for known in params.by_restitution for row in _damping_rows(known, inputs)),
+        *(row for each in params.by_work_of_adhesion for row in _work_rows(each, found, inputs)),
+        *(row for each in params.by_restitution for row in _damping_rows(each, found, inputs)),
     ]
     members = family(targets, inputs)
     return {
@@ -359,13 +379,19 @@ def _rows(
     return met + found
 
 
-def _member_rows(
-    targets: TwoStageTargets, inputs: Mapping[str, pd.DataFrame]
-) -> list[dict[str, object]]:
-    contact, rows = bare_contact(targets, inputs), []
-    for exponent, work in zip(targets.member_exponents, targets.member_works_J_per_m2, strict=True):
-        member = solved(contact, targets, exponent, work)
-        e = float(simulate(member, targets.high_speed_m_per_s).coefficient_of_restitution)
+def _members(targets: TwoStageTargets, inputs: Mapping[str, pd.DataFrame]) -> dict[str, Contact]:
+    contact = bare_contact(targets, inputs)
+    return {
+        one.case: solved(contact, targets, one.rate_exponent, one.work_of_adhesion_J_per_m2)
+        for one in targets.members
+    }
+
+
+def _member_rows(targets: TwoStageTargets, found: Mapping[str, Contact]) -> list[dict[str, object]]:
+    rows = []
+    for one in targets.members:
+        member = found[one.case]
+        e = float(simulate(member, targets.speed_m_per_s).coefficient_of_restitution)
         met = {
             "coefficient_of_restitution": (e, targets.restitution, "-"),
             "capture_velocity": (
@@ -374,42 +400,58 @@ def _member_rows(
                 "m/s",
             ),
         }
-        rows += _rows(f"steel-silicon, n = {exponent:g}", member, met)
+        rows += _rows(one.case, member, met)
     return rows
+
+
+def _damped_as(
+    target: WorkTarget | RestitutionTarget,
+    found: Mapping[str, Contact],
+    inputs: Mapping[str, pd.DataFrame],
+) -> Contact:
+    """Return the declared contact of a pair with the damping of another case."""
+    if target.damped_as not in found:
+        raise ValueError(
+            f"{target.case}.damped_as: {target.damped_as!r} must be one of {', '.join(found)}"
+        )
+    other = found[target.damped_as]
+    names = "hertz_damping", "adhesion_damping", "adhesion_rate_exponent", "reference_velocity"
+    damping = {name: getattr(other, name) for name in names}
+    return declared_contact(inputs, target.particle, target.surface).replace(**damping)
 
 
 def _ratio_rows(ratios: ForceRatios, corners: Corners) -> list[dict[str, object]]:
     rows: list[dict[str, object]] = []
-    names = ("least", "nominal", "greatest")
-    for name, contact in zip(names, corners, strict=True):
+    for case, contact in zip(CORNERS, corners, strict=True):
         adhesion, dissipation = peak_ratios(contact, ratios.speed_m_per_s)
         met = {
             "adhesion_over_hertz": (adhesion, ratios.adhesion_over_hertz, "-"),
             "dissipation_over_adhesion": (dissipation, ratios.dissipation_over_adhesion, "-"),
         }
-        rows += _rows(f"fluorescein-molybdenum, {name}", contact, met)
+        rows += _rows(case, contact, met)
     return rows
 
 
-def _work_rows(target: WorkTarget, inputs: Mapping[str, pd.DataFrame]) -> list[dict[str, object]]:
-    contact = declared_contact(
-        inputs, target.particle, target.surface, diameter=target.diameter_um * 1e-6
-    )
-    found = work_of_adhesion_for(contact, target.capture_velocity_m_per_s)
+def _work_rows(
+    target: WorkTarget, found: Mapping[str, Contact], inputs: Mapping[str, pd.DataFrame]
+) -> list[dict[str, object]]:
+    contact = _damped_as(target, found, inputs).replace(diameter=target.diameter_um * 1e-6)
+    solution = work_of_adhesion_for(contact, target.capture_velocity_m_per_s)
     met = {
         "capture_velocity": (
-            float(capture_velocity(found)),
+            float(capture_velocity(solution)),
             target.capture_velocity_m_per_s,
             "m/s",
         )
     }
-    return _rows(f"{target.particle}-{target.surface}", found, met)
+    return _rows(target.case, solution, met)
 
 
 def _damping_rows(
-    target: RestitutionTarget, inputs: Mapping[str, pd.DataFrame]
+    target: RestitutionTarget, found: Mapping[str, Contact], inputs: Mapping[str, pd.DataFrame]
 ) -> list[dict[str, object]]:
-    contact = declared_contact(inputs, target.particle, target.surface)
-    found = damping_factor_for(contact, target.speed_m_per_s, target.restitution)
-    e = float(simulate(found, target.speed_m_per_s).coefficient_of_restitution)
-    return _rows(target.case, found, {"coefficient_of_restitution": (e, target.restitution, "-")})
+    contact = _damped_as(target, found, inputs)
+    solution = damping_factor_for(contact, target.speed_m_per_s, target.restitution)
+    e = float(simulate(solution, target.speed_m_per_s).coefficient_of_restitution)
+    met = {"coefficient_of_restitution": (e, target.restitution, "-")}
+    return _rows(target.case, solution, met)

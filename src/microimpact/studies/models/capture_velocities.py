@@ -18,8 +18,8 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import result_evidence, series_frame
-from microimpact.declared.parameters import Name, Positive
-from microimpact.lab.contacts import calibrated_contact, declared_contact
+from microimpact.declared.parameters import CaseName, Keyed, Name, Positive, PrintedName
+from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.closed_forms import (
     adhesion_energy,
     brach_dunn_velocity,
@@ -54,12 +54,10 @@ NOTES = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PairCase:
-    """One pair: a calibrated case, or without `case` the pair as declared.
+    """One pair, calibrated.
 
     Parameters
     ----------
-    particle, surface
-        Names of the materials.
     case
         A case of the table ``calibration``.
     anchors
@@ -70,17 +68,10 @@ class PairCase:
         Of the softer body, for the onset of yield.
     """
 
-    particle: Name
-    surface: Name
-    case: str = ""
-    anchors: Annotated[tuple[Name, ...], Field(max_length=1)] = ()
+    case: CaseName
+    anchors: Annotated[tuple[PrintedName, ...], Field(max_length=1)] = ()
     calibration_targets: tuple[Name, ...] = ()
     yield_strength_MPa: Positive | None = None  # noqa: N815 (the unit)
-
-    @property
-    def label(self) -> str:
-        """What table and figure call it."""
-        return self.case or f"{self.particle}-{self.surface}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -91,7 +82,7 @@ class Params:
     velocity, those of all laws at ``compared_speed_ratio`` times the printed one.
     """
 
-    pairs: Annotated[tuple[PairCase, ...], Field(min_length=1)]
+    pairs: Annotated[tuple[PairCase, ...], Field(min_length=1), Keyed("case")]
     smallest_diameter_um: Positive
     largest_diameter_um: Positive
     points: Annotated[int, Field(ge=5)]
@@ -100,16 +91,12 @@ class Params:
     exponent_step: Annotated[float, Field(gt=0, le=0.5)]
 
     def __post_init__(self) -> None:
-        """Refuse an empty range, and two pairs under one name."""
+        """Refuse an empty range."""
         if self.smallest_diameter_um >= self.largest_diameter_um:
             raise ValueError(
                 f"largest_diameter_um {self.largest_diameter_um} must be above "
                 f"smallest_diameter_um {self.smallest_diameter_um}"
             )
-        labels = [pair.label for pair in self.pairs]
-        twice = sorted({label for label in labels if labels.count(label) > 1})
-        if twice:
-            raise ValueError(f"pairs: {', '.join(map(repr, twice))} listed twice")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -131,8 +118,8 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     params
         Parameters of the study.
     inputs
-        ``materials``, ``contacts``: the declared rows of the pairs; ``calibration``: table of that
-        study; ``anchors``: printed values.
+        ``materials``: the declared rows of the pairs; ``calibration``: table of that study;
+        ``anchors``: printed values.
 
     Returns
     -------
@@ -208,13 +195,10 @@ def _dahneke(restitution: float) -> Callable[[Contact], FloatArray]:
 
 
 def _contact(pair: PairCase, inputs: Mapping[str, pd.DataFrame]) -> Contact:
-    if not pair.case:
-        contact = declared_contact(inputs, pair.particle, pair.surface)
-    else:
-        contact = calibrated_contact(inputs, pair.case)
+    contact = calibrated_contact(inputs, pair.case)
     limit = float(capture_velocity(contact))
     if not 0.0 < limit < np.inf:
-        raise ValueError(f"{pair.label}: a capture velocity of {limit:g} m/s has no law beside it")
+        raise ValueError(f"{pair.case}: a capture velocity of {limit:g} m/s has no law beside it")
     return contact
 
 
@@ -242,9 +226,9 @@ def _rows(
         gives_e = law.restitution if np.isfinite(compared) else None
         rows.append(
             {
-                "pair": pair.label,
-                "particle": pair.particle,
-                "surface": pair.surface,
+                "pair": pair.case,
+                "particle": contact.particle.name,
+                "surface": contact.surface.name,
                 "diameter_um": float(contact.diameter) * 1e6,
                 "law": name,
                 "capture_velocity_m_per_s": velocity,
@@ -271,9 +255,9 @@ def _curves(
         velocity = np.broadcast_to(law.velocity(sized), diameter.shape)
         finite = np.isfinite(velocity)
         frames.append(
-            _frame(pair.label, name, diameter[finite], velocity[finite], _evidence(pair, name))
+            _frame(pair.case, name, diameter[finite], velocity[finite], _evidence(pair, name))
         )
     if np.isfinite(printed):
         own = np.array([float(contact.diameter) * 1e6])
-        frames.append(_frame(pair.label, "printed", own, printed, "printed"))
+        frames.append(_frame(pair.case, "printed", own, printed, "printed"))
     return frames

@@ -17,7 +17,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.tables import series_frame
-from microimpact.declared.parameters import AngleDegrees, Name, Positive
+from microimpact.declared.parameters import AngleDegrees, CaseName, Positive
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
@@ -40,9 +40,7 @@ class Params:
     Each sphere is the fastest that is captured at its angle, but not above ``largest_speed``.
     """
 
-    particle: Name
-    surface: Name
-    cases: Annotated[tuple[Name, ...], Field(min_length=1)]
+    cases: Annotated[tuple[CaseName, ...], Field(min_length=1)]
     diameters_um: Annotated[tuple[Positive, ...], Field(min_length=1)]
     angles_deg: Annotated[tuple[AngleDegrees, ...], Field(min_length=1)]
     largest_speed_m_per_s: Positive

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from microimpact.core.tables import series_frame
-from microimpact.declared.parameters import Finite, Fraction, Name, NonNegative, Positive
+from microimpact.declared.parameters import Finite, Fraction, NonNegative, Positive, PrintedName
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
 
 _frame = partial(series_frame, x_unit="deg", y_unit="1")
@@ -32,7 +32,7 @@ class Params:
     spin_ratio: tuple[Finite, ...]
     spin_friction: Positive
     points: Annotated[int, Field(ge=2)]
-    anchors: tuple[Name, ...]
+    anchors: tuple[PrintedName, ...]
 
 
 def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:

@@ -11,8 +11,14 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.tables import result_evidence, series_frame
-from microimpact.declared.parameters import AngleDegrees, Name, Positive
-from microimpact.lab.contacts import declared_contact
+from microimpact.declared.parameters import (
+    AngleDegrees,
+    CaseName,
+    Name,
+    Positive,
+    PrintedName,
+)
+from microimpact.lab.contacts import contact_of_case
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.trajectory import Trajectory, trajectory
@@ -26,17 +32,19 @@ TERMS = {
 }
 
 
+NEEDS = {"calibration": ("calibration",)}
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
     """One impact, how finely its path is sampled, and which printed numbers fixed its inputs."""
 
-    particle: Name
-    surface: Name
+    case: CaseName
     diameter_um: Positive
     speed_m_per_s: Positive
     angle_deg: AngleDegrees
     points: Annotated[int, Field(ge=20)]
-    anchors: tuple[Name, ...]
+    anchors: tuple[PrintedName, ...]
     calibration_targets: tuple[Name, ...]
 
 
@@ -48,7 +56,8 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     params
         Parameters of the study.
     inputs
-        ``materials``, ``contacts``: the declared rows of the pair; ``anchors``: printed values.
+        ``calibration``: table of that study; ``materials``: the declared rows of the case;
+        ``anchors``: printed values.
 
     Returns
     -------
@@ -56,9 +65,7 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
         ``fig20``: the normal force and its terms in uN against time in ns.
         ``force_ratios``: peak ratios, dips, contact time and restitution beside printed values.
     """
-    contact = declared_contact(
-        inputs, params.particle, params.surface, diameter=params.diameter_um * 1e-6
-    )
+    contact = contact_of_case(inputs, params.case, diameter=params.diameter_um * 1e-6)
     path = trajectory(contact, params.speed_m_per_s, params.angle_deg, points=params.points)
     frames = [
         series_frame(

@@ -13,12 +13,20 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import series_frame
-from microimpact.declared.parameters import Finite, Fraction, Name, Positive
-from microimpact.lab.contacts import declared_contact
+from microimpact.declared.parameters import (
+    CaseName,
+    Finite,
+    Fraction,
+    Positive,
+    PrintedName,
+)
+from microimpact.lab.contacts import contact_of_case
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import FRICTION_BASES, simulate, velocity_components
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
+
+NEEDS = {"calibration": ("calibration",)}
 
 _frame = partial(series_frame, x_unit="deg", y_unit="1")
 
@@ -27,14 +35,14 @@ _frame = partial(series_frame, x_unit="deg", y_unit="1")
 class Params:
     """One pair at one speed, over angles of incidence from the surface up to the normal."""
 
-    particle: Name
-    surface: Name
+    case: CaseName
     diameter_um: Positive
+    friction: Fraction
     speed_m_per_s: Positive
     spin_rad_per_s: Finite
     rigid_body_restitution: Fraction
     points: Annotated[int, Field(ge=20)]
-    anchors: tuple[Name, ...]
+    anchors: tuple[PrintedName, ...]
 
 
 def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
@@ -45,7 +53,8 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     params
         Parameters of the study.
     inputs
-        ``materials``, ``contacts``: the declared rows of the pair; ``anchors``: printed values.
+        ``calibration``: table of that study; ``materials``: the declared rows of the case;
+        ``anchors``: printed values.
 
     Returns
     -------
@@ -54,9 +63,8 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
         rigid body with the simulation, panel ``basis`` the forces that may support friction.
         ``fig21``: energy loss, total and translational. Captured impacts are left out.
     """
-    contact = declared_contact(
-        inputs, params.particle, params.surface, diameter=params.diameter_um * 1e-6
-    )
+    changes = {"diameter": params.diameter_um * 1e-6, "friction": params.friction}
+    contact = contact_of_case(inputs, params.case, **changes)
     if capture_angle(params, contact) >= 90.0:
         raise ValueError(
             f"oblique_impact: at {params.speed_m_per_s:g} m/s the sphere is captured at every angle"

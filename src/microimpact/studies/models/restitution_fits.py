@@ -12,7 +12,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.tables import POINTS, series_frame
-from microimpact.declared.parameters import Fraction, Name, Positive
+from microimpact.declared.parameters import CaseName, Fraction, Keyed, Positive
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
@@ -36,9 +36,7 @@ class Case:
     are not ``fitted`` are drawn only: the ends of an interval.
     """
 
-    case: Name
-    particle: Name
-    surface: Name
+    case: CaseName
     figure: Literal["fig15", "fig16"]
     result_evidence: Literal["computed", "calibrated"]
     fitted: bool
@@ -51,7 +49,7 @@ class Case:
 class Params:
     """The cases, and how their curves are sampled and fitted."""
 
-    cases: tuple[Case, ...]
+    cases: Annotated[tuple[Case, ...], Keyed("case")]
     points: Annotated[int, Field(ge=20)]
     fitted_points: Annotated[int, Field(ge=8)]
     fixed_exponent: Fraction

@@ -20,7 +20,7 @@ from pydantic import Field
 from microimpact.core.arrays import FloatArray
 from microimpact.core.solve import root
 from microimpact.core.tables import series_frame
-from microimpact.declared.parameters import AngleDegrees, Fraction, Name, Positive
+from microimpact.declared.parameters import AngleDegrees, CaseName, Fraction, Positive
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
@@ -52,9 +52,7 @@ class Params:
     A couple is negligible if its impulse is below ``negligible`` of that of friction.
     """
 
-    particle: Name
-    surface: Name
-    cases: Annotated[tuple[Name, ...], Field(min_length=1)]
+    cases: Annotated[tuple[CaseName, ...], Field(min_length=1)]
     diameters_um: Annotated[tuple[Positive, ...], Field(min_length=1)]
     speeds_m_per_s: Annotated[tuple[Positive, ...], Field(min_length=1)]
     angles_deg: Annotated[tuple[AngleDegrees, ...], Field(min_length=2)]

@@ -11,7 +11,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
-from microimpact.declared.parameters import Name
+from microimpact.declared.parameters import CaseName, Keyed, Name, Positive, PrintedName
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
@@ -28,6 +28,7 @@ from microimpact.studies.analyses.doe.factors import (
     coded,
     elasticities,
     factor_values,
+    realistic_levels,
 )
 from microimpact.studies.analyses.doe.tables import (
     alias_rows,
@@ -36,7 +37,7 @@ from microimpact.studies.analyses.doe.tables import (
     figure_frame,
 )
 
-NEEDS = {"calibration": ("calibration",)}
+NEEDS = {"calibration": ("calibration", "calibration_family")}
 
 # Place of this study among the random draws of one seed.
 ANALYSIS = 24
@@ -47,12 +48,10 @@ OpenFraction = Annotated[float, Field(gt=0, lt=1)]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
-    """A calibrated contact: designs are run where it has realistic levels."""
+    """A calibrated contact: designs are run with it, or its elasticities are taken alone."""
 
-    case: Name
-    particle: Name
-    surface: Name
-    realistic: Levels | None = None
+    case: CaseName
+    designed: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,23 +77,27 @@ class Sampling:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """The cases, the design, and the levels; ``anchors`` names the printed small variation."""
+    """The cases, the design, and the levels.
+
+    ``diameters_um`` are the ends of a sieve class; ``anchors`` names the printed small variation.
+    """
 
     seed: Annotated[int, Field(ge=0)]
-    cases: tuple[Case, ...]
-    drawn_case: Name
+    cases: Annotated[tuple[Case, ...], Keyed("case")]
+    drawn_case: CaseName
     generator: Name
     confidence: OpenFraction
-    anchors: tuple[Name]
+    diameters_um: tuple[Positive, Positive]
+    anchors: tuple[PrintedName]
     sampling: Sampling
 
     def __post_init__(self) -> None:
         """Refuse a generator that confounds factors, and a drawn case without a design."""
         defining_relation(self.generator, LETTERS)
-        designed = [case.case for case in self.cases if case.realistic is not None]
+        designed = [case.case for case in self.cases if case.designed]
         if self.drawn_case not in designed:
             raise ValueError(
-                f"drawn_case: {self.drawn_case!r} must be a case with realistic levels:"
+                f"drawn_case: {self.drawn_case!r} must be a designed case:"
                 f" {', '.join(designed) or 'there is none'}"
             )
 
@@ -107,8 +110,8 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     params
         Parameters of the study.
     inputs
-        ``calibration``: table of that study; ``materials``: declared rows; ``anchors``: the
-        printed small variation.
+        ``calibration``, ``calibration_family``: tables of that study; ``materials``: declared rows;
+        ``anchors``: the printed small variation.
 
     Returns
     -------
@@ -149,10 +152,11 @@ def _experiments(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Iterator
     small = Levels(**{name: (1.0 - share, 1.0 + share) for name, _ in FACTORS.values()})
     number = 0
     for case in params.cases:
-        if case.realistic is None:
+        if not case.designed:
             continue
         contact = calibrated_contact(inputs, case.case)
-        for variation, levels in {"realistic": case.realistic, "uniform": small}.items():
+        wide = realistic_levels(contact, params.diameters_um, inputs)
+        for variation, levels in {"realistic": wide, "uniform": small}.items():
             yield _experiment(params, case.case, variation, contact, levels, number)
             number += 1
 

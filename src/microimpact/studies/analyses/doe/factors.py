@@ -6,14 +6,17 @@ zeta_H of adhesion and material (Eqs. 23 and 24) at a fixed v_N.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import astuple, dataclass, replace
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from microimpact.core.arrays import FloatArray, Real
-from microimpact.core.materials import Material
+from microimpact.core.materials import Material, materials_from_rows
 from microimpact.declared.parameters import Positive
-from microimpact.model.contact import Contact
+from microimpact.model.contact import Contact, hertz_stiffness
 from microimpact.model.dynamics.capture import capture_velocity, threshold
 
 # Letter of the article: name and unit here.
@@ -56,6 +59,74 @@ class Levels:
     def array(self) -> FloatArray:
         """Levels, shape (2, 5)."""
         return np.array(astuple(self), dtype=np.float64).T
+
+
+def realistic_levels(
+    contact: Contact, diameters: tuple[float, float], inputs: Mapping[str, pd.DataFrame]
+) -> Levels:
+    """Return levels half the logarithmic range of each factor to either side of its nominal value.
+
+    The stiffness ranges over the declared bounds of the materials, the radius over the sieve, and
+    adhesion and damping over the calibrated contacts that keep the restitution level.
+
+    Parameters
+    ----------
+    contact
+        The nominal contact; its rate exponent says which end of the family is meant.
+    diameters
+        Ends of the sieve.
+    inputs
+        ``materials``: declared rows; ``calibration_family``: table of the calibration.
+    """
+    flat = flat_family(contact, inputs)
+    return Levels(
+        stiffness=_either_side(_stiffness_ends(contact, inputs["materials"])),
+        work_of_adhesion=_either_side(flat["work_of_adhesion_J_per_m2"]),
+        radius=_either_side(diameters),
+        adhesion_dissipation=_either_side(flat["zeta_adhesion"]),
+        hertz_dissipation=_either_side(flat["zeta_hertz"]),
+    )
+
+
+def flat_family(contact: Contact, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+    """Return the members of the calibrated family with a level restitution, of a rate exponent.
+
+    Raises
+    ------
+    ValueError
+        If there are fewer than two, between which nothing varies.
+    """
+    family = inputs["calibration_family"]
+    exponent = float(contact.adhesion_rate_exponent)
+    flat = family["solved"] & (family["plateau_of_e_holds"] == True)  # noqa: E712  or missing
+    members = family[flat & (family["rate_exponent"] == exponent)]
+    if len(members) < 2:
+        raise ValueError(
+            "calibration.two_stage.works_of_adhesion_J_per_m2: must give two members or more with "
+            f"n = {exponent:g} and a level restitution, gives {len(members)}"
+        )
+    return members
+
+
+def _either_side(values: Iterable[float]) -> tuple[float, float]:
+    found = list(values)
+    half = float(np.sqrt(max(found) / min(found)))
+    return 1.0 / half, half
+
+
+def _stiffness_ends(contact: Contact, materials: pd.DataFrame) -> tuple[float, float]:
+    """Return K with all elastic constants at their lower, and at their upper, declared bounds."""
+    ends = []
+    elastic = materials["property"] != "density"
+    for end, other in (("low", "high"), ("high", "low")):
+        # A larger modulus and a larger Poisson's ratio both stiffen.
+        bound = materials[end].fillna(materials[other]).fillna(materials["value"])
+        value = bound.where(elastic, materials["value"])
+        rows: Any = materials.assign(value=value).to_dict("records")
+        known = materials_from_rows(rows)
+        bodies = (known[body.name] for body in (contact.particle, contact.surface))
+        ends.append(float(hertz_stiffness(*bodies)))
+    return ends[0], ends[1]
 
 
 def coded(levels: FloatArray, design: FloatArray) -> FloatArray:

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 from pydantic import Field
 
-from microimpact.declared.parameters import AngleDegrees, Name
+from microimpact.declared.parameters import AngleDegrees, CaseName, Keyed, Name
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.surface import Rules
 from microimpact.statistics.distributions import Distribution, mean
@@ -19,6 +19,7 @@ from microimpact.statistics.sampling import Correlation, require_varying
 from microimpact.studies.analyses.monte_carlo.ensembles import (
     Ensemble,
     Impact,
+    Inferred,
     Plan,
     Process,
     deterministic,
@@ -27,7 +28,11 @@ from microimpact.studies.analyses.monte_carlo.events import Estimate, estimate, 
 from microimpact.studies.analyses.monte_carlo.figure import figure_data
 from microimpact.studies.analyses.monte_carlo.impacts import impact_of, require_meaning
 from microimpact.studies.analyses.monte_carlo.progress import progress
-from microimpact.studies.analyses.monte_carlo.slope_inference import SlopeInference, infer_slope
+from microimpact.studies.analyses.monte_carlo.slope_inference import (
+    SlopeInference,
+    infer_slope,
+    with_slope,
+)
 from microimpact.studies.analyses.monte_carlo.tables import (
     Ablation,
     Comparison,
@@ -39,15 +44,6 @@ NEEDS = {"calibration": ("calibration",)}
 
 # First number of every stream's key; the second is the number of the variant.
 ESTIMATES, SAMPLING, ABLATION, INFERENCE, LONG_RUN = range(5)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Pair:
-    """A calibrated case and its materials."""
-
-    case: Name
-    particle: Name
-    surface: Name
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,14 +72,6 @@ class Variant:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Replacement:
-    """Another distribution of one parameter of the process."""
-
-    parameter: Name
-    distribution: Distribution
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
     """What is drawn, what an impact does, and what is asked of the ensembles.
 
@@ -95,12 +83,9 @@ class Params:
         ``"rigid_body"``: e of simulated normal impacts and Coulomb friction. ``"simulation"``: the
         equations of motion for every impact.
     smooth
-        The smooth surface of the ensembles.
+        Case of the smooth surface of the ensembles.
     process, correlation, variants, plan
         See `_monte_carlo`.
-    replaced
-        Distributions of another kind in place of those of the process: a file given by
-        ``--configfile`` is merged key by key and cannot change a kind there.
     angles_deg, reference_angle_deg
         Nominal angles, and that from which relative restitution counts.
     points
@@ -111,11 +96,10 @@ class Params:
 
     seed: Annotated[int, Field(ge=0)]
     model: Literal["rigid_body", "simulation"]
-    smooth: Pair
+    smooth: CaseName
     process: Process
-    replaced: tuple[Replacement, ...]
     correlation: Correlation
-    variants: Annotated[tuple[Variant, ...], Field(min_length=1)]
+    variants: Annotated[tuple[Variant, ...], Field(min_length=1), Keyed("name")]
     plan: Plan
     angles_deg: Annotated[tuple[AngleDegrees, ...], Field(min_length=2)]
     reference_angle_deg: AngleDegrees
@@ -128,9 +112,6 @@ class Params:
 
     def __post_init__(self) -> None:
         """Refuse what only shows when parameters are seen together."""
-        variants = [variant.name for variant in self.variants]
-        if len(set(variants)) < len(variants):
-            raise ValueError(f"variants: names must differ, got {', '.join(variants)}")
         if not any(variant.drawn for variant in self.variants):
             raise ValueError("variants: at least one must be drawn")
         if self.reference_angle_deg not in self.angles_deg:
@@ -144,21 +125,12 @@ class Params:
                 f"{self.slope_inference.restitution_half_width:g}"
             )
         known = self.process.distributions
-        named = {
-            "replaced": [item.parameter for item in self.replaced],
-            "ablation.sources": [item.parameter for item in self.ablation.sources],
-        }
-        for key, names in named.items():
-            for name in names:
-                if name not in known:
-                    raise ValueError(f"{key}: {name!r} must be one of {', '.join(known)}")
-        require_meaning(self.model, self.drawn)
-        require_varying(self.correlation, self.drawn.distributions)
-
-    @property
-    def drawn(self) -> Process:
-        """The process with its replacements."""
-        return replace(self.process, **{r.parameter: r.distribution for r in self.replaced})
+        for source in self.ablation.sources:
+            if source.parameter not in known:
+                told = f"{source.parameter!r} must be one of {', '.join(known)}"
+                raise ValueError(f"ablation.sources: {told}")
+        require_meaning(self.model, self.process)
+        require_varying(self.correlation, known)
 
 
 # A pair of variant and angle by its number, and the fields of its `Estimate`.
@@ -271,7 +243,7 @@ def stream(
     if events < 1 or threads < 1:
         raise ValueError(f"events and threads must be 1 or more, got {events} and {threads}")
     number = numbers[variant]
-    impact = impact_of(params.model, calibrated_contact(inputs, params.smooth.case), params.drawn)
+    impact = impact_of(params.model, calibrated_contact(inputs, params.smooth), params.process)
     one = _stream(_ensemble(params, impact, params.variants[number], number), LONG_RUN)
     long = long_run(one, events)
     with progress(f"{variant}, {angle_deg:g} deg", long.plan.replicates * long.plan.events) as done:
@@ -279,8 +251,8 @@ def stream(
 
 
 def _ensembles(params: Params, inputs: Mapping[str, pd.DataFrame]) -> dict[str, Ensemble]:
-    contact = calibrated_contact(inputs, params.smooth.case)
-    impact = impact_of(params.model, contact, params.drawn)
+    contact = calibrated_contact(inputs, params.smooth)
+    impact = impact_of(params.model, contact, params.process)
     return {
         variant.name: _ensemble(params, impact, variant, number)
         for number, variant in enumerate(params.variants)
@@ -288,17 +260,31 @@ def _ensembles(params: Params, inputs: Mapping[str, pd.DataFrame]) -> dict[str, 
 
 
 def _ensemble(params: Params, impact: Impact, variant: Variant, number: int) -> Ensemble:
-    slope = variant.slope or params.drawn.slope
-    across = slope if variant.two_axes else params.drawn.cross_slope
-    process = replace(params.drawn, slope=slope, cross_slope=across)
-    return Ensemble(
-        process=process,
+    slope = variant.slope or params.process.slope
+    across = slope if variant.two_axes else params.process.cross_slope
+    ensemble = Ensemble(
+        process=replace(params.process, slope=slope, cross_slope=across),
         rules=variant.rules,
         impact=impact,
         plan=params.plan,
         seed=(params.seed, ESTIMATES, number),
         correlation=params.correlation,
     )
+    if not (isinstance(slope, Inferred) and variant.drawn):
+        return ensemble
+    found = _inferred(params, ensemble, variant)
+    if not found["reached"]:
+        raise ValueError(
+            f"variants.{variant.name}: no slope gives a restitution of "
+            f"{params.slope_inference.restitution:g} at {params.slope_inference.angle_deg:g} deg; "
+            "declare process.slope"
+        )
+    return with_slope(ensemble, float(str(found["slope_sd"])), two_axes=variant.two_axes)
+
+
+def _inferred(params: Params, ensemble: Ensemble, variant: Variant) -> dict[str, object]:
+    inference = _stream(ensemble, INFERENCE)
+    return infer_slope(inference, params.slope_inference, two_axes=variant.two_axes)
 
 
 def _stream(ensemble: Ensemble, analysis: int) -> Ensemble:
@@ -312,7 +298,7 @@ def _means(params: Params, variant: str, found: list[Estimate], base: Ensemble) 
     angles = sorted(params.angles_deg)
     smooth = [estimate(base, angle) for angle in angles]
     reference = angles.index(params.reference_angle_deg)
-    speed = mean(params.drawn.speed_m_per_s)
+    speed = mean(params.process.speed_m_per_s)
     rows = []
     for angle, one, bare in zip(angles, found, smooth, strict=True):
         at = one is found[reference]
@@ -348,9 +334,7 @@ def _slopes(params: Params, ensembles: Mapping[str, Ensemble]) -> pd.DataFrame:
             "variant": variant.name,
             "angle_deg": settings.angle_deg,
             "restitution": settings.restitution,
-            **infer_slope(
-                _stream(ensembles[variant.name], INFERENCE), settings, two_axes=variant.two_axes
-            ),
+            **_inferred(params, ensembles[variant.name], variant),
             "evidence": "calibrated",
         }
         for variant in params.variants

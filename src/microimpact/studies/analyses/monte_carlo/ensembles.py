@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Annotated
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field
@@ -15,8 +15,10 @@ from microimpact.lab.surface import Rules, Strike, Surface
 from microimpact.statistics.distributions import (
     LARGEST_PROBABILITY,
     SMALLEST_PROBABILITY,
+    AnyDistribution,
     Constant,
     Distribution,
+    Normal,
     mean,
 )
 from microimpact.statistics.sampling import (
@@ -31,6 +33,19 @@ Draws = Mapping[str, FloatArray]
 
 POSITIVE = ("speed_m_per_s", "diameter_um", "work_of_adhesion_factor")
 NON_NEGATIVE = ("friction", "restitution_factor", "hertz_damping_factor", "adhesion_damping_factor")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Inferred(Normal):
+    """Normal about the mean surface, as wide as a printed restitution asks for.
+
+    How wide that is the study infers, variant by variant; until then the width is 1.
+    """
+
+    kind: Literal["inferred"] = "inferred"  # type: ignore[assignment]
+
+
+Slope = Annotated[AnyDistribution | Inferred, Field(discriminator="kind")]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,7 +78,7 @@ class Process:
     speed_m_per_s: Distribution
     angle_offset_deg: Distribution
     diameter_um: Distribution
-    slope: Distribution
+    slope: Slope
     cross_slope: Distribution
     spin_ratio: Distribution
     friction: Distribution
@@ -86,7 +101,7 @@ class Process:
                 )
 
     @property
-    def distributions(self) -> dict[str, Distribution]:
+    def distributions(self) -> dict[str, Any]:
         """The distributions by name."""
         return {item.name: getattr(self, item.name) for item in fields(self)}
 

@@ -10,7 +10,7 @@ import pandas as pd
 import scipy
 from pydantic import Field
 
-from microimpact.declared.parameters import AngleDegrees, Name
+from microimpact.declared.parameters import AngleDegrees, Keyed, Name
 from microimpact.statistics.distributions import Distribution
 from microimpact.statistics.sampling import Correlation, Generator, Method
 from microimpact.studies.analyses.monte_carlo.ensembles import Ensemble, Plan
@@ -48,7 +48,7 @@ class Ablation:
     """Angles at which sources of scatter are compared, and the sources."""
 
     angles_deg: tuple[AngleDegrees, ...]
-    sources: Annotated[tuple[Source, ...], Field(min_length=1)]
+    sources: Annotated[tuple[Source, ...], Field(min_length=1), Keyed("parameter")]
 
 
 def sampling_table(ensemble: Ensemble, settings: Comparison) -> pd.DataFrame:

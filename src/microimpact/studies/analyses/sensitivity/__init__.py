@@ -11,13 +11,17 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
-from microimpact.declared.parameters import Count, Fraction, Name, Positive
+from microimpact.declared.parameters import CaseName, Count, Positive
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.statistics.sobol import require_power_of_two, saltelli_sample
-from microimpact.studies.analyses.doe.factors import LETTERS, NAMES, at_levels
-from microimpact.studies.analyses.sensitivity.ridge import Targets, calibrated_sample
+from microimpact.studies.analyses.doe.factors import LETTERS, NAMES, at_levels, flat_family
+from microimpact.studies.analyses.sensitivity.ridge import (
+    Targets,
+    calibrated_sample,
+    material_damping,
+)
 from microimpact.studies.analyses.sensitivity.tables import (
     CALIBRATED_INPUTS,
     Bootstrap,
@@ -30,7 +34,7 @@ from microimpact.studies.analyses.sensitivity.tables import (
     parameter_rows,
 )
 
-NEEDS = {"calibration": ("calibration",), "doe": ("doe_levels", "doe_effects")}
+NEEDS = {"calibration": ("calibration", "calibration_family"), "doe": ("doe_levels", "doe_effects")}
 
 # Place of this study among the random draws of one seed.
 ANALYSIS = 25
@@ -38,26 +42,6 @@ ANALYSIS = 25
 CALIBRATED = 9
 
 OpenFraction = Annotated[float, Field(gt=0, lt=1)]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Case:
-    """A calibrated contact, and the part of the ridge that keeps e flat.
-
-    ``damping_share`` are the ends of c_H, over the c_H that would give the restitution without
-    adhesion.
-    """
-
-    case: Name
-    particle: Name
-    surface: Name
-    damping_share: tuple[Fraction, Fraction]
-
-    def __post_init__(self) -> None:
-        """Refuse ends that do not ascend."""
-        low, high = self.damping_share
-        if low >= high:
-            raise ValueError(f"damping_share: {low:g} must be below {high:g}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,8 +62,8 @@ class Params:
     level_quantile: Annotated[float, Field(gt=0.5, lt=1)]
     restitution_deviation: Positive
     capture_velocity_deviation_m_per_s: Positive
-    drawn_case: Name
-    cases: tuple[Case, ...]
+    drawn_case: CaseName
+    cases: Annotated[tuple[CaseName, ...], Field(min_length=1)]
 
     def __post_init__(self) -> None:
         """Refuse numbers of samples that are no powers of two, and an unknown drawn case."""
@@ -89,9 +73,9 @@ class Params:
             raise ValueError(
                 f"least_samples {self.least_samples} must not be above samples {self.samples}"
             )
-        known = [case.case for case in self.cases]
-        if self.drawn_case not in known:
-            raise ValueError(f"drawn_case: {self.drawn_case!r} must be one of {', '.join(known)}")
+        if self.drawn_case not in self.cases:
+            known = ", ".join(self.cases)
+            raise ValueError(f"drawn_case: {self.drawn_case!r} must be one of {known}")
 
 
 def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
@@ -102,8 +86,8 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     params
         Parameters of the study.
     inputs
-        ``calibration``: table of that study; ``doe_levels``, ``doe_effects``: of the designed
-        experiments; ``materials``: declared rows.
+        ``calibration``, ``calibration_family``: tables of that study; ``doe_levels``,
+        ``doe_effects``: of the designed experiments; ``materials``: declared rows.
 
     Returns
     -------
@@ -119,32 +103,28 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     }
     options = Bootstrap(resamples=params.resamples, confidence=params.confidence)
     for number, case in enumerate(params.cases):
-        contact = calibrated_contact(inputs, case.case)
+        contact = calibrated_contact(inputs, case)
         levels = inputs["doe_levels"]
-        levels = levels[levels["case"] == case.case]
+        levels = levels[levels["case"] == case]
         if levels.empty:
-            raise ValueError(f"cases: {case.case!r} has no levels in the designed experiments")
+            raise ValueError(f"cases: {case!r} has no levels in the designed experiments")
         by_variation = levels.groupby("variation", sort=False)
         for turn, (variation, rows) in enumerate(by_variation):
-            draw = independent(params, case.case, str(variation), contact, rows, (number, turn))
+            draw = independent(params, case, str(variation), contact, rows, (number, turn))
             numbers = _generator(params, (number, turn, 1))
             tables["indices"] += index_rows(draw, inputs["doe_effects"], numbers, options)
             if variation == "realistic":
                 tables["groups"] += group_rows(draw, NAMES.index("radius"), numbers, options)
             tables["convergence"] += convergence_rows(draw, params.least_samples, numbers, options)
-        draw, sample = calibrated(
-            params,
-            case,
-            contact,
-            by_variation.get_group("realistic"),
-            printed_targets(inputs["calibration"], case.case),
-            (number, CALIBRATED),
-        )
+        target = printed_targets(inputs["calibration"], case)
+        share = damping_share(contact, target[0], inputs)
+        wide = by_variation.get_group("realistic")
+        draw, sample = calibrated(params, case, contact, wide, target, share, (number, CALIBRATED))
         numbers = _generator(params, (number, CALIBRATED, 1))
         radius = CALIBRATED_INPUTS.index("radius")
         tables["groups"] += group_rows(draw, radius, numbers, options)
         tables["groups"] += input_rows(draw, CALIBRATED_INPUTS, numbers, options)
-        tables["parameters"] += parameter_rows(case.case, sample)
+        tables["parameters"] += parameter_rows(case, sample)
     named = {f"sensitivity_{name}": pd.DataFrame(rows) for name, rows in tables.items()}
     return named | {"sobol": drawn(named, params.drawn_case)}
 
@@ -187,18 +167,33 @@ def printed_targets(calibration: pd.DataFrame, case: str) -> tuple[float, float]
     return float(e), float(limit)
 
 
+def damping_share(
+    contact: Contact, restitution: float, inputs: Mapping[str, pd.DataFrame]
+) -> tuple[float, float]:
+    """Return the ends of c_H over the family with a level restitution.
+
+    As shares of the c_H that would give the restitution without adhesion.
+    """
+    speed = float(contact.reference_velocity)  # type: ignore[arg-type]
+    alone = float(material_damping(speed, np.array([restitution]))[0])
+    damping = flat_family(contact, inputs)["hertz_damping_s_per_m"] / alone
+    return float(damping.min()), float(damping.max())
+
+
 def calibrated(
     params: Params,
-    case: Case,
+    case: str,
     contact: Contact,
     levels: pd.DataFrame,
     target: tuple[float, float],
+    share: tuple[float, float],
     key: tuple[int, int],
 ) -> tuple[Draw, Contact]:
     """Return capture velocities for a radius and a calibration drawn, and the contacts calibrated.
 
     The radius varies from sphere to sphere; the targets, the stiffness and the place on the ridge
-    are uncertain, and fix w_A and both damping coefficients at the nominal radius.
+    are uncertain, and fix w_A and both damping coefficients at the nominal radius. The last lies
+    between two shares of damping, see `damping_share`.
     """
     from scipy.special import ndtri
 
@@ -208,7 +203,7 @@ def calibrated(
     rows = levels.set_index("factor").loc[["C", "A"]]
     radius, stiffness = multiples_of(points[:, :2], rows, "realistic", params.level_quantile).T
     e, limit = ndtri(points[:, 2:4]).T
-    low, high = case.damping_share
+    low, high = share
     targets = Targets(
         high_speed=float(contact.reference_velocity),  # type: ignore[arg-type]
         restitution=target[0] + params.restitution_deviation * e,
@@ -222,7 +217,7 @@ def calibrated(
     infinite = int((met & np.isinf(found)).sum())
     response = np.where(met, found, np.inf).reshape(cube.shape[:2])
     draw = Draw(
-        case=case.case,
+        case=case,
         variation="calibrated",
         response=response,
         infinite=infinite,

@@ -11,7 +11,7 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import FloatArray, Real
-from microimpact.lab.contacts import calibrated_contact, declared_contact
+from microimpact.lab.contacts import calibrated_contact, contact_of_case
 from microimpact.lab.samples import (
     Dropped,
     Sampling,
@@ -69,11 +69,9 @@ class Context:
 
     @property
     def fluorescein(self) -> Contact:
-        """Declared contact of ammonium fluorescein on molybdenum."""
+        """Contact of ammonium fluorescein on molybdenum."""
         pair = self.params.fluorescein
-        return declared_contact(
-            self.inputs, pair.particle, pair.surface, diameter=pair.diameter_um * 1e-6
-        )
+        return contact_of_case(self.inputs, pair.case, diameter=pair.diameter_um * 1e-6)
 
     @property
     def speed(self) -> float:

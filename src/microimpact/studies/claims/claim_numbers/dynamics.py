@@ -214,7 +214,7 @@ def c34(context: Context) -> dict[str, float]:
 @claim("C35", evidence=CALIBRATED, units={"capture_velocity": "m/s"})
 def c35(context: Context) -> dict[str, float]:
     """Capture velocity of the calibrated contact on mica, and its work over that on molybdenum."""
-    mica = calibrated_contact(context.inputs, context.params.fluorescein.on_mica.case)
+    mica = calibrated_contact(context.inputs, context.params.fluorescein.on_mica)
     work, other = mica.work_of_adhesion, context.fluorescein.work_of_adhesion
     assert work is not None
     assert other is not None

@@ -9,12 +9,14 @@ from pydantic import Field
 
 from microimpact.declared.parameters import (
     AngleDegrees,
+    CaseName,
     Count,
     Finite,
     Fraction,
     Name,
     NonNegative,
     Positive,
+    PrintedName,
 )
 from microimpact.lab.pdpa.analyser import Instrument as Analyser
 from microimpact.lab.pdpa.pairing import Form
@@ -36,8 +38,8 @@ class Steel:
 
     Attributes
     ----------
-    particle, surface, cases
-        The pair and its calibrated cases, between which the published facts leave the choice open.
+    cases
+        Calibrated cases of the pair, between which the published facts leave the choice open.
     diameter_um, speed_m_per_s, restitution, friction, spin_ratio
         Spin as r omega over v; restitution as printed.
     friction_basis
@@ -48,9 +50,7 @@ class Steel:
         Of sweeps over all angles.
     """
 
-    particle: Name
-    surface: Name
-    cases: Annotated[tuple[Name, ...], Field(min_length=1)]
+    cases: Annotated[tuple[CaseName, ...], Field(min_length=1)]
     diameter_um: Positive
     speed_m_per_s: Positive
     restitution: Fraction
@@ -342,36 +342,23 @@ class Losses:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Calibrated:
-    """A calibrated case and its pair."""
-
-    particle: Name
-    surface: Name
-    case: Name
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Fluorescein:
-    """Section 3.2: ammonium fluorescein on molybdenum, declared and calibrated, and on mica.
+    """Section 3.2: ammonium fluorescein on molybdenum, and on mica.
 
     Attributes
     ----------
-    particle, surface, diameter_um
-        As declared.
-    case
-        As calibrated.
+    case, diameter_um
+        On molybdenum: nominal end of the admissible set, and size.
     sizes_um
         Over which the local exponent of the capture velocity is taken.
     on_mica
-        As calibrated there.
+        Case on mica.
     """
 
-    particle: Name
-    surface: Name
     diameter_um: Positive
-    case: Name
+    case: CaseName
     sizes_um: Annotated[tuple[Positive, ...], Field(min_length=2)]
-    on_mica: Calibrated
+    on_mica: CaseName
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -519,4 +506,4 @@ class Params:
     slopes: Slopes
     roughness: Roughness
     capture: Capture
-    anchors: tuple[Name, ...]
+    anchors: tuple[PrintedName, ...]

@@ -14,7 +14,7 @@ from pydantic import Field
 
 from microimpact.core.materials import find_material, materials_from_rows
 from microimpact.core.tables import series_frame
-from microimpact.declared.parameters import Fraction, Name
+from microimpact.declared.parameters import Fraction, Keyed, PrintedName
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.experiment import Outcome, StopRule
@@ -50,17 +50,17 @@ class Params:
     """
 
     seed: Annotated[int, Field(ge=0)]
-    particles: tuple[Particles, ...]
-    surfaces: tuple[Surface, ...]
-    speed_classes: tuple[SpeedClass, ...]
-    blocks: tuple[Block, ...]
+    particles: Annotated[tuple[Particles, ...], Keyed("name")]
+    surfaces: Annotated[tuple[Surface, ...], Keyed("name")]
+    speed_classes: Annotated[tuple[SpeedClass, ...], Keyed()]
+    blocks: Annotated[tuple[Block, ...], Keyed()]
     speed_ranges_within: Annotated[int, Field(ge=0)]
     friction: Fraction
     stop: StopRule
     dispenser: Dispenser
     pdpa: Analyser
     ptis: Camera
-    anchors: tuple[Name, ...]
+    anchors: tuple[PrintedName, ...]
 
     @property
     def experiments(self) -> list[Experiment]:

@@ -10,7 +10,14 @@ from typing import TypeVar
 import pandas as pd
 
 from microimpact.core.nearest import nearest
-from microimpact.declared.parameters import AngleDegrees, Name, NonNegative, Positive
+from microimpact.declared.parameters import (
+    AngleDegrees,
+    CaseName,
+    MaterialName,
+    Name,
+    NonNegative,
+    Positive,
+)
 from microimpact.lab.dispenser import Dispenser, InitialSpin
 from microimpact.lab.experiment import Drop, Target
 from microimpact.lab.surface import combined_slope, rough
@@ -35,9 +42,9 @@ class Particles:
     """One range of sizes of one material; slope and spin as in the laboratory."""
 
     name: Name
-    particle: Name
+    particle: MaterialName
     diameter_um: Distribution
-    slope: NonNegative
+    particle_slope: NonNegative
     spin_sd: NonNegative
 
 
@@ -46,8 +53,8 @@ class Surface:
     """A target: its material and how rough it is."""
 
     name: Name
-    surface: Name
-    slope: NonNegative
+    surface: MaterialName
+    surface_slope: NonNegative
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,14 +62,15 @@ class SpeedClass:
     """Nominal speed, and range of measured speeds accepted."""
 
     speed_m_per_s: Positive
-    range_m_per_s: tuple[Positive, Positive]
+    speed_range_m_per_s: tuple[Positive, Positive]
 
     def __post_init__(self) -> None:
         """Refuse a class that does not hold its nominal speed."""
-        low, high = self.range_m_per_s
+        low, high = self.speed_range_m_per_s
         if not low < self.speed_m_per_s < high:
             raise ValueError(
-                f"range_m_per_s: [{low:g}, {high:g}] must ascend and hold {self.speed_m_per_s:g}"
+                f"speed_range_m_per_s: [{low:g}, {high:g}] must ascend and hold "
+                f"{self.speed_m_per_s:g}"
             )
 
 
@@ -76,7 +84,7 @@ class Block:
 
     particles: tuple[Name, ...]
     surfaces: tuple[Name, ...]
-    case: Name
+    case: CaseName
     speeds_m_per_s: tuple[Positive, ...]
     angles_deg: tuple[AngleDegrees, ...]
 
@@ -104,13 +112,13 @@ class Experiment:
 
     def drop(self, contact: Contact, dispenser: Dispenser) -> Drop:
         """Return what is dropped, on a contact of its materials."""
-        slope_sd = combined_slope(self.surface.slope, self.particles.slope)
+        slope_sd = combined_slope(self.surface.surface_slope, self.particles.particle_slope)
         return Drop(
             target=Target(contact=contact, surface=rough(slope_sd)),
             diameter_um=self.particles.diameter_um,
             angle=self.angle,
             speed=self.speed_class.speed_m_per_s,
-            speed_range=self.speed_class.range_m_per_s,
+            speed_range=self.speed_class.speed_range_m_per_s,
             dispenser=dispenser,
             spin=InitialSpin(sd=self.particles.spin_sd, mean=0.0),
         )

@@ -49,7 +49,7 @@ def fates_of(counted: Mapping[str, int]) -> dict[str, int]:
 
 def experiment_row(one: Experiment, contact_evidence: str, outcome: Outcome) -> dict[str, Any]:
     """Return the row of one experiment: what it is, what was lost, measured, and true."""
-    low, high = one.speed_class.range_m_per_s
+    low, high = one.speed_class.speed_range_m_per_s
     smallest, largest = one.particles.diameter_um.quantile(np.array([0.0, 1.0]))
     first = outcome.first_impacts
     row: dict[str, Any] = {
@@ -59,7 +59,7 @@ def experiment_row(one: Experiment, contact_evidence: str, outcome: Outcome) -> 
         "largest_um": largest,
         "surface": one.surface.name,
         "surface_material": one.surface.surface,
-        "slope_sd": float(np.hypot(one.surface.slope, one.particles.slope)),
+        "slope_sd": float(np.hypot(one.surface.surface_slope, one.particles.particle_slope)),
         "contact_case": one.case,
         "contact_evidence": contact_evidence,
         "angle_deg": one.angle,

@@ -14,7 +14,15 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import series_frame
-from microimpact.declared.parameters import Count, Fraction, Name, NonNegative, Positive
+from microimpact.declared.parameters import (
+    CaseName,
+    Count,
+    Fraction,
+    Keyed,
+    Name,
+    NonNegative,
+    Positive,
+)
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.dispenser import Dispenser, InitialSpin
 from microimpact.lab.events import Measured
@@ -59,11 +67,9 @@ class Params:
     """Cases, and how often each is repeated; at 90 deg by the analyzer, else by imaging."""
 
     seed: Annotated[int, Field(ge=0)]
-    particle: Name
-    surface: Name
-    case: Name
+    case: CaseName
     friction: Fraction
-    cases: tuple[Case, ...]
+    cases: Annotated[tuple[Case, ...], Keyed("name")]
     experiments: Annotated[int, Field(ge=2)]
     events: Annotated[int, Field(ge=2)]
     level: Annotated[float, Field(gt=0, lt=1)]

@@ -12,7 +12,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.tables import series_frame
-from microimpact.declared.parameters import AngleDegrees, Count, Name
+from microimpact.declared.parameters import AngleDegrees, CaseName, Count, Name, PrintedName
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.ptis.system import Instrument
 from microimpact.lab.samples import Sampling
@@ -48,10 +48,10 @@ class Params:
     spore: Spore
     shallow: Shallow
     speed: SpeedAndAngle
-    drawn_case: Name
+    drawn_case: CaseName
     drawn_angles_deg: tuple[AngleDegrees, ...]
     drawn_mechanisms: tuple[Name, ...]
-    anchors: tuple[Name, ...]
+    anchors: tuple[PrintedName, ...]
     printed_deg: tuple[AngleDegrees, ...]
 
     def __post_init__(self) -> None:

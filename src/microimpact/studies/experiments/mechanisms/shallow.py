@@ -11,9 +11,9 @@ import pandas as pd
 from microimpact.core.arrays import FloatArray
 from microimpact.declared.parameters import (
     AngleDegrees,
+    CaseName,
     Count,
     Fraction,
-    Name,
     NonNegative,
     Positive,
 )
@@ -54,7 +54,7 @@ class Shallow:
     """
 
     dropped: Dropped
-    cases: tuple[Name, ...]
+    cases: tuple[CaseName, ...]
     speeds_m_per_s: tuple[Positive, Positive]
     half_width_m_per_s: Positive
     slope_sd: NonNegative

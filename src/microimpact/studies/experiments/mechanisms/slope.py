@@ -4,13 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
 
 from microimpact.core.solve import root
-from microimpact.declared.parameters import AngleDegrees, Name, NonNegative, Positive
+from microimpact.declared.parameters import (
+    AngleDegrees,
+    CaseName,
+    Keyed,
+    Name,
+    NonNegative,
+    Positive,
+)
 from microimpact.lab.samples import (
     Dropped,
     Sampling,
@@ -60,10 +67,10 @@ class Slope:
         Measured restitution at these angles for which the slope is sought.
     """
 
-    pairs: tuple[Pair, ...]
+    pairs: Annotated[tuple[Pair, ...], Keyed("name")]
     angles_deg: tuple[AngleDegrees, ...]
     swept: Dropped
-    cases: tuple[Name, ...]
+    cases: tuple[CaseName, ...]
     slope_sds: tuple[NonNegative, ...]
     formica_steel: Dropped
     formica_spore: Dropped

@@ -4,12 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
 
-from microimpact.declared.parameters import AngleDegrees, Fraction, Name, NonNegative, Positive
+from microimpact.declared.parameters import (
+    AngleDegrees,
+    CaseName,
+    Fraction,
+    Keyed,
+    NonNegative,
+    Positive,
+)
 from microimpact.lab.samples import (
     Dropped,
     Sampling,
@@ -59,8 +66,8 @@ class SpeedAndAngle:
     """
 
     dropped: Dropped
-    cases: tuple[Name, ...]
-    classes: tuple[SpeedClass, ...]
+    cases: tuple[CaseName, ...]
+    classes: Annotated[tuple[SpeedClass, ...], Keyed()]
     angles_deg: tuple[AngleDegrees, ...]
     trend_deg: tuple[AngleDegrees, AngleDegrees]
     loss_restitutions: tuple[Fraction, ...]

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from microimpact.core.solve import root, threshold
-from microimpact.declared.parameters import AngleDegrees, Finite, Name, NonNegative, Positive
+from microimpact.declared.parameters import AngleDegrees, CaseName, Finite, NonNegative, Positive
 from microimpact.lab.events import Measured
 from microimpact.lab.ptis.experiment import turned
 from microimpact.lab.reduction import quantities
@@ -61,7 +61,7 @@ class Spin:
     """
 
     dropped: Dropped
-    cases: tuple[Name, ...]
+    cases: tuple[CaseName, ...]
     angles_deg: tuple[AngleDegrees, ...]
     spreads: tuple[NonNegative, ...]
     means: tuple[Finite, ...]

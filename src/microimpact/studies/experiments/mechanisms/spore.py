@@ -13,9 +13,9 @@ from microimpact.core.arrays import FloatArray
 from microimpact.core.solve import root
 from microimpact.declared.parameters import (
     AngleDegrees,
+    CaseName,
     Count,
     Fraction,
-    Name,
     NonNegative,
     Positive,
 )
@@ -158,7 +158,7 @@ class Spore:
 
     spore: Dropped
     steel: Dropped
-    steel_cases: tuple[Name, ...]
+    steel_cases: tuple[CaseName, ...]
     angles_deg: tuple[AngleDegrees, ...]
     compared_deg: tuple[AngleDegrees, ...]
     calibrated_restitution: Fraction

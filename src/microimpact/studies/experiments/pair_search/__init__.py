@@ -17,7 +17,7 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.constants import gravity
-from microimpact.declared.parameters import Count, Name, Positive
+from microimpact.declared.parameters import CaseName, Count, Positive
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.pdpa.analyser import REBOUND, Instrument
@@ -72,9 +72,7 @@ class Params:
     """Particles, dispenser and analyzer; heights and speeds; number and size of experiments."""
 
     seed: Annotated[int, Field(ge=0)]
-    case: Name
-    particle: Name
-    surface: Name
+    case: CaseName
     diameter_um: Distribution
     dispenser: Dispenser
     instrument: Instrument

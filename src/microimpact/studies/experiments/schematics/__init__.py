@@ -47,6 +47,9 @@ FIG13: Mapping[str, Mapping[str, Components]] = {
 }
 
 
+NEEDS = {"calibration": ("calibration",)}
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SetUps:
     """What Section 2.1 states of the two set-ups, and the angle of the target drawn in Fig. 1."""

@@ -12,8 +12,13 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import series_frame
-from microimpact.declared.parameters import AngleDegrees, Finite, Name, Positive
-from microimpact.lab.contacts import declared_contact
+from microimpact.declared.parameters import (
+    AngleDegrees,
+    CaseName,
+    Finite,
+    Positive,
+)
+from microimpact.lab.contacts import contact_of_case
 from microimpact.model.dynamics.trajectory import trajectory
 
 Numbers = dict[tuple[str, str], float]
@@ -27,8 +32,7 @@ AXIS, PATH = 0.42, 0.62
 class ContactState:
     """Impact whose greatest compression Fig. 19 shows."""
 
-    particle: Name
-    surface: Name
+    case: CaseName
     diameter_um: Positive
     speed_m_per_s: Positive
     angle_deg: AngleDegrees
@@ -73,9 +77,7 @@ def contact_state(
     The contact radius is ``a = sqrt(r |n|)``, the pressure ``p_0 sqrt(1 - (rho/a)^2)`` with
     ``p_0 = 3 F / (2 pi a^2)`` of the Hertz force F; the ring force f_0 pulls along the edge.
     """
-    contact = declared_contact(
-        inputs, params.particle, params.surface, diameter=params.diameter_um * 1e-6
-    )
+    contact = contact_of_case(inputs, params.case, diameter=params.diameter_um * 1e-6)
     path = trajectory(contact, params.speed_m_per_s, params.angle_deg, points=params.instants)
     turn = int(np.argmax(path.compression))
     force, compression = float(path.hertz_force[turn]), float(path.compression[turn])

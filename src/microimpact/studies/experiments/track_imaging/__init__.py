@@ -12,7 +12,7 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import series_frame
-from microimpact.declared.parameters import Count, Fraction, Positive
+from microimpact.declared.parameters import Count, Fraction, Keyed, Positive
 from microimpact.lab.ptis.frames import render
 from microimpact.lab.ptis.observation import Observation, modelled, observe
 from microimpact.lab.ptis.system import (
@@ -75,7 +75,7 @@ class Params:
     least_observed: Fraction
     largest_bias: Fraction
     drawn_angle_deg: Angle
-    error_cases: tuple[Case, ...]
+    error_cases: Annotated[tuple[Case, ...], Keyed()]
     experiments: Count
     events: Annotated[int, Field(ge=2)]
     tolerances: Tolerances

@@ -9,7 +9,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from microimpact.declared.parameters import Count, Name, Positive
+from microimpact.declared.parameters import CaseName, Count, Keyed, Positive
 from microimpact.studies.models.fit_coverage.intervals import Methods
 from microimpact.studies.models.fit_coverage.truths import TRUTHS, TruthName, Variant
 
@@ -25,9 +25,7 @@ class Params:
     """
 
     seed: Annotated[int, Field(ge=0)]
-    case: Name
-    particle: Name
-    surface: Name
+    case: CaseName
     fixed_exponent: Positive
     lowest_speeds_in_v_c: tuple[AboveCapture, ...]
     highest_speed_in_v_c: AboveCapture
@@ -35,7 +33,7 @@ class Params:
     points: tuple[Annotated[int, Field(ge=8)], ...]
     reference_noise_of_e: Positive
     reference_points: Annotated[int, Field(ge=8)]
-    variants: tuple[Variant, ...]
+    variants: Annotated[tuple[Variant, ...], Keyed("variant")]
     sizes: Annotated[int, Field(ge=3)]
     replicates: Count
     interval_replicates: Count

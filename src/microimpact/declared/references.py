@@ -1,0 +1,294 @@
+"""Analyses name what is declared once: the configuration merged, and its references resolved.
+
+A mapping with the key ``from`` is a reference to a place of the laboratory, or to several. It
+stands for the field of its own name there, or else for those fields that its parameter has.
+Further keys beside it replace what is named for this analysis alone, and that is recorded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from microimpact.core.nearest import nearest
+from microimpact.declared.parameters import KIND, Shape, shape
+from microimpact.declared.provenance import (
+    Declared,
+    Given,
+    as_text,
+    given,
+    is_declaration,
+    problems,
+)
+
+FROM, SEED = "from", "seed"
+NOTHING = "names nothing"
+
+
+def merged(old: Any, new: Any) -> Any:
+    """Return a configuration with changes laid over it.
+
+    Mappings are merged by name, and a name given as null is taken away. A value with its
+    provenance and a distribution are one value each, replaced as a whole; a reference keeps the
+    place it names beside what replaces its value.
+    """
+    if is_reference(old) and new is not None and not isinstance(new, Mapping):
+        return {FROM: old[FROM], "values" if isinstance(new, list) else "value": new}
+    if not (isinstance(old, Mapping) and isinstance(new, Mapping)):
+        return new
+    if _is_one_value(new):
+        return {FROM: old[FROM], **new} if is_reference(old) else new
+    if _is_one_value(old):
+        return new
+    laid = {name: merged(old.get(name), child) for name, child in new.items()}
+    return {name: child for name, child in {**old, **laid}.items() if child is not None}
+
+
+def is_reference(node: object) -> bool:
+    """Tell whether a node of the configuration names a place of the laboratory."""
+    return isinstance(node, Mapping) and FROM in node
+
+
+def _is_one_value(node: Mapping[str, Any]) -> bool:
+    return FROM not in node and (KIND in node or is_declaration(node))
+
+
+@dataclass(frozen=True, slots=True)
+class _Reference:
+    """Places named, what stands beside them, and the key where this is written."""
+
+    places: tuple[str, ...]
+    beside: Any
+    key: str
+
+
+class Resolver:
+    """A configuration whose branches name what its sections declare.
+
+    Parameters
+    ----------
+    config
+        The merged configuration.
+    shipped
+        As it comes with the project: what differs from it is the user's.
+    sections
+        Top-level keys that can be referred to.
+
+    Attributes
+    ----------
+    problems
+        One line per malformed declaration, or reference to nothing, found so far.
+    rows
+        Every value resolved so far, as it is used.
+    aliases
+        Where a value or a named item stands in the files, by its key in the parameters.
+    """
+
+    def __init__(
+        self, config: Mapping[str, Any], shipped: Mapping[str, Any], sections: Collection[str]
+    ) -> None:
+        self.problems: list[str] = []
+        self.rows: list[Declared] = []
+        self.aliases: dict[str, str] = {}
+        self._sections = frozenset(sections)
+        self._elsewhere: set[str] = set()
+        self._nodes = {
+            str(key): self._node(node, shipped.get(key), str(key)) for key, node in config.items()
+        }
+
+    def resolved(self, kind: Any, key: str) -> Any:
+        """Return what stands under a top-level key as plain values, with all that it names.
+
+        Parameters
+        ----------
+        kind
+            Type of the parameter; it tells which fields a reference is to give.
+        key
+            Top-level key.
+        """
+        return self._value(shape(kind), self._nodes.get(key), key)
+
+    def declare(self, section: str, names: Mapping[str, Any]) -> None:
+        """Add a section from elsewhere, to which it refers by its own name.
+
+        Parameters
+        ----------
+        section
+            Its name.
+        names
+            What it holds: values as `Given`, or mappings of them.
+        """
+        self._nodes[section] = dict(names)
+        self._elsewhere.add(section)
+
+    def unused(self) -> list[str]:
+        """Return the places of the sections that nothing resolved so far rests on."""
+        used = {row.place.partition("[")[0] for row in self.rows}
+        every = {place for name in self._sections for place in _places(self._nodes.get(name))}
+        return sorted(every - used)
+
+    def _node(self, node: Any, base: Any, key: str) -> Any:
+        """Return a node with its values as `Given` and its references as `_Reference`."""
+        if is_reference(node):
+            places = node[FROM] if isinstance(node[FROM], list) else [node[FROM]]
+            beside = {name: child for name, child in node.items() if name != FROM}
+            shipped = {n: c for n, c in base.items() if n != FROM} if is_reference(base) else None
+            if is_declaration(beside):
+                told: Any = self._declared(beside, shipped, key, place=str(places))
+            else:
+                told = self._node(beside, shipped, key) if beside else None
+            return _Reference(tuple(map(str, places)), told, key)
+        if is_declaration(node):
+            return self._declared(node, base, key)
+        if isinstance(node, Mapping):
+            before = base if isinstance(base, Mapping) else {}
+            return {
+                str(name): self._node(child, before.get(name), f"{key}.{name}")
+                for name, child in node.items()
+            }
+        if isinstance(node, list) and any(isinstance(item, Mapping) for item in node):
+            items = dict(enumerate(base)) if isinstance(base, list) else {}
+            return [self._node(c, items.get(i), f"{key}[{i}]") for i, c in enumerate(node)]
+        return given(node, base, key)
+
+    def _declared(self, node: Any, base: Any, key: str, place: str | None = None) -> Given:
+        malformed = [f"{key}{line}" for line in problems(node, place)]
+        self.problems += malformed
+        return Given(None, "user", "malformed", key) if malformed else given(node, base, key)
+
+    def _value(self, kind: Shape, node: Any, key: str) -> Any:
+        """Return a node as plain values, and record where each comes from."""
+        if isinstance(node, _Reference):
+            node = self._named(kind, node, key)
+        if isinstance(node, Given):
+            self.rows += node.rows(key)
+            if node.place != key:
+                self.aliases[key] = node.place
+            return node.value
+        # From Python, whole items may come in a list, with their names.
+        if kind.keyed and not isinstance(node, dict | list):
+            self.problems.append(f"{key}: must be a mapping: a name, then its fields")
+            return None
+        if isinstance(node, list):
+            return [self._value(kind.item, item, f"{key}[{i}]") for i, item in enumerate(node)]
+        if not isinstance(node, dict):
+            return None
+        if kind.keyed:
+            return [self._item(kind, i, name, key, node[name]) for i, name in enumerate(node)]
+        fields = kind.fields(node.get(KIND))
+        if SEED in fields and SEED not in node:
+            node = {**node, SEED: self._nodes.get(SEED)}
+        return {
+            name: self._value(fields.get(name, kind.item), child, f"{key}.{name}")
+            for name, child in node.items()
+        }
+
+    def _item(self, kind: Shape, number: int, name: str, key: str, node: Any) -> Any:
+        """Return a named item of a mapping as an item that holds its name."""
+        self.aliases[f"{key}[{number}]"] = where = f"{key}.{name}"
+        value = self._value(kind.item, node, where)
+        if not (kind.keyed and kind.keyed.field and isinstance(value, dict)):
+            return value
+        return {kind.keyed.field: name, **value}
+
+    def _named(self, kind: Shape, node: _Reference, key: str) -> Any:
+        """Return what a reference stands for where a parameter of some kind is wanted."""
+        base, own = self._base(node), key.rpartition(".")[2]
+        if isinstance(base, dict) and own in base:
+            base = base[own]
+            if isinstance(base, _Reference):
+                base = self._named(kind, base, key)
+        elif isinstance(base, dict):
+            wanted = kind.fields(base.get(KIND))
+            chosen = {name: child for name, child in base.items() if name in wanted}
+            if not chosen:
+                told = f"{node.key}.{FROM}: no {own} in {' or '.join(node.places)}"
+                self.problems.append(f"{told}{nearest(own, base)}")
+            base = chosen or _nothing(node.key)
+        return self._laid(base, node.beside)
+
+    def _base(self, node: _Reference, opened: tuple[str, ...] = ()) -> Any:
+        """Return all that the places of a reference hold, the first of them first."""
+        found = []
+        for place in node.places:
+            if place in opened:
+                self.problems.append(f"{node.key}.{FROM}: {place!r} refers to itself")
+                return _nothing(node.key)
+            one = self._found(place, node.key)
+            if isinstance(one, _Reference):
+                one = self._laid(self._base(one, (*opened, place)), one.beside)
+            found.append(one)
+        if all(isinstance(one, dict) for one in found):
+            return {name: child for one in reversed(found) for name, child in one.items()}
+        return next(one for one in found if not isinstance(one, dict))
+
+    def _found(self, place: str, key: str) -> Any:
+        """Return the node of a place; names may hold dots."""
+        section, _, rest = place.partition(".")
+        part, known = (
+            section,
+            {name: self._nodes.get(name) for name in self._sections | self._elsewhere},
+        )
+        node = known.get(section)
+        while node is not None and rest:
+            if isinstance(node, _Reference):
+                node = self._laid(self._base(node), node.beside)
+            known = node if isinstance(node, dict) else {}
+            name = max((n for n in known if f"{rest}.".startswith(f"{n}.")), key=len, default=None)
+            part = rest
+            node, rest = (known[name], rest[len(name) + 1 :]) if name else (None, "")
+        if node is None:
+            self.problems.append(f"{key}.{FROM}: {place!r} is not declared{nearest(part, known)}")
+            return _nothing(key)
+        return node
+
+    def _laid(self, below: Any, above: Any) -> Any:
+        """Return what is named, with what stands beside it laid over."""
+        if above is None or below is None:
+            return below if above is None else above
+        if isinstance(above, Given):
+            kept = above.is_kept and isinstance(below, Given)
+            return replace(above, value=below.value) if kept else self._overriding(above, below)
+        if isinstance(above, dict):
+            return self._fields_laid(below, above)
+        return above
+
+    def _fields_laid(self, below: Any, above: dict[str, Any]) -> Any:
+        if KIND in above:
+            return {name: self._overriding(child, below) for name, child in above.items()}
+        if isinstance(below, _Reference):
+            return replace(below, beside=self._laid(below.beside, above))
+        if isinstance(below, dict):
+            laid = {name: self._laid(below.get(name), child) for name, child in above.items()}
+            return {**below, **laid}
+        keys = (place for place in _places(above) if below.source != NOTHING)
+        self.problems += [f"{place}: unknown key" for place in keys]
+        return below
+
+    def _overriding(self, above: Any, below: Any) -> Any:
+        """Record in a value of an analysis that it stands for another of the laboratory."""
+        if not isinstance(above, Given) or above.place.partition(".")[0] in self._sections:
+            return above
+        if isinstance(below, Given):
+            told = f"{below.place} = {as_text(below.value)}"
+        else:
+            told = ", ".join(below.places) if isinstance(below, _Reference) else ""
+            told = told or next(_places(below), "").rpartition(".")[0]
+        return replace(above, overrides=told)
+
+
+def _nothing(key: str) -> Given:
+    """Return what a reference stands for that names nothing, which is told once."""
+    return Given(None, "user", NOTHING, key)
+
+
+def _places(node: Any) -> Iterator[str]:
+    """Yield where every value at or below a node stands."""
+    if isinstance(node, Given):
+        yield node.place
+    elif isinstance(node, _Reference):
+        yield from _places(node.beside)
+    elif isinstance(node, dict | list):
+        for child in node.values() if isinstance(node, dict) else node:
+            yield from _places(child)

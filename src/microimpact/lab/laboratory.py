@@ -1,0 +1,98 @@
+"""The laboratory: what is declared once, and named by the analyses.
+
+Fields bear the names of the parameters they are given to.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated
+
+from pydantic import Field
+
+from microimpact.declared.parameters import (
+    AngleDegrees,
+    Count,
+    Fraction,
+    MaterialName,
+    Name,
+    NonNegative,
+    Positive,
+)
+from microimpact.lab.dispenser import Dispenser, InitialSpin
+from microimpact.lab.pdpa import analyser as doppler
+from microimpact.lab.ptis import system as imaging
+from microimpact.lab.samples import Dropped
+from microimpact.statistics.distributions import Distribution
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Particles:
+    """One size class of one material."""
+
+    particle: MaterialName
+    mean_diameter_um: Positive | None = None
+    diameter_um: Distribution | None = None
+    particle_slope: NonNegative | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Surface:
+    """A target: its material and its slope."""
+
+    surface: MaterialName
+    surface_slope: NonNegative
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SpeedClass:
+    """Speed of an impact, the number the text has for it, and the measured speeds accepted."""
+
+    speed_m_per_s: Positive
+    printed_speed_m_per_s: Positive | None = None
+    speed_range_m_per_s: tuple[Positive, Positive] | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Experiment:
+    """What an experiment is: its events, when it is given up, and the angles of the target."""
+
+    events: Annotated[int, Field(ge=2)]
+    fewest_events: Annotated[int, Field(ge=2)]
+    most_dropped: Count
+    angles_deg: tuple[AngleDegrees, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Case:
+    """A contact: its materials, what it is calibrated to, and what the article leaves open."""
+
+    particle: MaterialName
+    surface: MaterialName
+    diameter_um: Positive | None = None
+    damped_as: Name | None = None
+    speed_m_per_s: Positive | None = None
+    restitution: Fraction | None = None
+    capture_velocity_m_per_s: Positive | None = None
+    rate_exponent: NonNegative | None = None
+    work_of_adhesion_J_per_m2: Positive | None = None  # noqa: N815
+    adhesion_over_hertz: Positive | None = None
+    dissipation_over_adhesion: Positive | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Laboratory:
+    """All that can be named, by section."""
+
+    particles: Mapping[str, Particles]
+    surfaces: Mapping[str, Surface]
+    speeds: Mapping[str, SpeedClass]
+    spins: Mapping[str, InitialSpin]
+    frictions: Mapping[str, Fraction]
+    dispenser: Dispenser
+    pdpa: doppler.Instrument
+    ptis: imaging.Instrument
+    experiment: Experiment
+    cases: Mapping[str, Case]
+    drops: Mapping[str, Dropped]

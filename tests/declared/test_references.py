@@ -1,0 +1,170 @@
+"""References to what is declared once, and overlays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+import pytest
+
+from microimpact.declared.parameters import Keyed
+from microimpact.declared.references import Resolver, merged
+
+
+@dataclass(frozen=True, kw_only=True)
+class Constant:
+    at: float
+    kind: Literal["constant"] = "constant"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Normal:
+    mean: float
+    sd: float
+    kind: Literal["normal"] = "normal"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spin:
+    sd: float
+    mean: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drop:
+    name: str
+    diameter_um: Constant | Normal
+    speed_m_per_s: float
+    spin: Spin
+
+
+@dataclass(frozen=True, kw_only=True)
+class Params:
+    seed: int
+    drops: Annotated[tuple[Drop, ...], Keyed("name")]
+    fast_m_per_s: float
+    range_m_per_s: tuple[float, float]
+
+
+def given(value, evidence="printed", source="Section 2"):
+    return {
+        "values" if isinstance(value, list) else "value": value,
+        "evidence": evidence,
+        "source": source,
+    }
+
+
+SIZES = {"kind": "normal", "mean": {"from": "particles.SST65.mean_um"}, "sd": given(9.0)}
+WORDS = {"evidence": "assumed", "source": "as there"}
+LABORATORY = {
+    "seed": given(7, "chosen", "root"),
+    "particles": {
+        "SST65": {
+            "material": "steel",
+            "mean_um": given(49),
+            "diameter_um": SIZES,
+        }
+    },
+    "speeds": {"fast, 1": {"speed_m_per_s": given(1.6), "range_m_per_s": given([1.5, 1.7])}},
+    "spins": {"none": {"sd": given(0.0), "mean": given(0.0)}},
+    "steel": {"from": ["particles.SST65", "speeds.fast, 1"], "spin": {"from": "spins.none"}},
+    "study": {
+        "drops": {"a": {"from": "steel"}, "b": {"from": "steel", "spin": {"mean": given(0.5)}}},
+        "fast_m_per_s": {"from": "speeds.fast, 1.speed_m_per_s", **WORDS},
+        "range_m_per_s": {"from": "speeds.fast, 1"},
+    },
+}  # fmt: skip
+SECTIONS = ("particles", "speeds", "spins", "steel")
+
+
+def resolved(changes=(), kind=Params):
+    resolver = Resolver(merged(LABORATORY, dict(changes)), LABORATORY, SECTIONS)
+    return resolver, resolver.resolved(kind, "study")
+
+
+def row(resolver, key):
+    (found,) = (row for row in resolver.rows if row.key == key)
+    return found
+
+
+def test_a_reference_gives_the_fields_that_are_wanted():
+    resolver, study = resolved()
+    assert not resolver.problems
+    sizes = {"kind": "normal", "mean": 49, "sd": 9.0}
+    a = {"name": "a", "diameter_um": sizes, "speed_m_per_s": 1.6, "spin": {"sd": 0.0, "mean": 0.0}}
+    assert study == {
+        "seed": 7,
+        "drops": [a, {**a, "name": "b", "spin": {"sd": 0.0, "mean": 0.5}}],
+        "fast_m_per_s": 1.6,
+        "range_m_per_s": [1.5, 1.7],
+    }
+    assert row(resolver, "study.drops.a.diameter_um.mean").place == "particles.SST65.mean_um"
+    assert row(resolver, "study.fast_m_per_s").evidence == "assumed"
+    assert row(resolver, "study.seed").place == "seed"
+
+
+def test_a_value_beside_a_reference_is_told_as_one_in_its_place():
+    resolver, _ = resolved()
+    assert row(resolver, "study.drops.b.spin.mean").overrides == "spins.none.mean = 0"
+    assert not row(resolver, "study.drops.b.spin.sd").overrides
+    resolver, study = resolved({"study": {"fast_m_per_s": 3.0}})
+    assert study["fast_m_per_s"] == 3.0
+    found = row(resolver, "study.fast_m_per_s")
+    assert (found.evidence, found.overrides) == ("user", "speeds.fast, 1.speed_m_per_s = 1.6")
+
+
+def test_what_is_changed_in_the_laboratory_moves_all_that_names_it():
+    resolver, study = resolved({"particles": {"SST65": {"mean_um": 50}}})
+    assert [drop["diameter_um"]["mean"] for drop in study["drops"]] == [50, 50]
+    assert row(resolver, "study.drops.a.diameter_um.mean").evidence == "user"
+    assert not row(resolver, "study.drops.a.diameter_um.mean").overrides
+
+
+def test_a_distribution_is_replaced_as_a_whole():
+    constant = {"kind": "constant", "at": 3.0}
+    for changes in (
+        {"particles": {"SST65": {"diameter_um": constant}}},
+        {"study": {"drops": {"a": {"diameter_um": constant}}}},
+    ):
+        resolver, study = resolved(changes)
+        assert study["drops"][0]["diameter_um"] == constant
+        assert not resolver.problems
+    told = row(resolver, "study.drops.a.diameter_um.at").overrides
+    assert told == "particles.SST65.diameter_um"
+
+
+def test_names_are_added_and_taken_away():
+    drops = {"a": None, "c": {"from": "steel", "speed_m_per_s": 2.0}}
+    _, study = resolved({"study": {"drops": drops}})
+    assert [drop["name"] for drop in study["drops"]] == ["b", "c"]
+    assert study["drops"][1]["speed_m_per_s"] == 2.0
+
+
+def test_a_declaration_is_replaced_as_a_whole():
+    old = {"a": given(1), "b": given(2)}
+    assert merged(old, {"a": {"value": 3}}) == {"a": {"value": 3}, "b": given(2)}
+    assert merged(old, {"a": 3})["a"] == 3
+    assert merged({"a": [1, 2]}, {"a": [3]}) == {"a": [3]}
+    assert merged({"a": {"from": "x"}}, {"a": {"from": "y"}}) == {"a": {"from": "y"}}
+    assert old == {"a": given(1), "b": given(2)}
+
+
+@pytest.mark.parametrize(
+    ("reference", "line"),
+    [
+        ("speeds.fats, 1", "'speeds.fats, 1' is not declared (did you mean 'fast, 1'?)"),
+        ("speds.fast", "'speds.fast' is not declared (did you mean 'speeds'?)"),
+        ("spins.none", "no fast_m_per_s in spins.none (known here: mean, sd)"),
+        ("study.range_m_per_s", "'study.range_m_per_s' is not declared"),
+        (3, "'3' is not declared"),
+    ],
+)
+def test_a_reference_to_nothing_is_one_line(reference, line):
+    resolver, _ = resolved({"study": {"fast_m_per_s": {"from": reference}}})
+    (told,) = resolver.problems
+    assert told.startswith(f"study.fast_m_per_s.from: {line}")
+
+
+def test_what_nothing_rests_on_is_told():
+    resolver, _ = resolved({"speeds": {"slow": {"speed_m_per_s": 0.4}}})
+    assert resolver.unused() == ["particles.SST65.material", "speeds.slow.speed_m_per_s"]
