@@ -124,7 +124,7 @@ def _section(radius: float, a: float, points: int) -> dict[str, FloatArray]:
     centre = np.array([0.0, radius - a**2 / radius])
     down = np.linspace(np.arcsin(a / radius), 0.5 * np.pi, points)
     rho = radius * np.sin(down)
-    moved = (2.0 * a**2 - rho**2) * np.arcsin(a / rho)
+    moved = (2.0 * a**2 - rho**2) * np.arcsin(np.minimum(a / rho, 1.0))
     moved += a * np.sqrt(np.maximum(rho**2 - a**2, 0.0))
     lower = np.stack([rho, centre[1] - radius * np.cos(down) + moved / (np.pi * radius)], axis=-1)
     turn = np.linspace(0.0, np.pi, 2 * points)
