@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from pydantic import ValidationError
 
+from microimpact.declared.documents import ConfigError
 from microimpact.declared.parameters import build
 from microimpact.studies.experiments import campaign
 
@@ -233,5 +233,5 @@ def test_an_experiment_does_not_depend_on_the_others(run_study, calibration, ang
 def test_an_unknown_figure_is_refused(run_study, calibration, settings):
     series = [dict(s) for s in settings.branches["oblique_experiments"]["series"]]
     series[0]["figures"] = ["fig99"]
-    with pytest.raises(ValidationError, match="figures: 'fig99' must be one of fig06"):
+    with pytest.raises(ConfigError, match="figures: 'fig99' must be one of fig06"):
         run_study("oblique_experiments", calibration, series=series)
