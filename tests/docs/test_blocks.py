@@ -36,8 +36,7 @@ def test_an_analysis_is_shown_in_every_kind_of_file_it_is_made_of():
         "config/analyses/analyses.yaml",
         "config/printed_values.csv",
         "config/figures.yaml",
-        "workflow/rules/separation.smk",
-        "Snakefile",
+        "workflow/rules/analyses.smk",
         "tests/article/test_separation.py",
     }
 

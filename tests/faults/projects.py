@@ -11,17 +11,12 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import yaml
-
 ROOT = Path(__file__).parents[2]
 PARTS = ("Snakefile", "config", "profiles", "src", "workflow")
 OUT = "build/ci"
 
-# A part of the study that starts and ends quickly: its numbers come from equations, from random
-# draws, and from the declared tables alone.
-STUDIES = ("restitution_trends", "coulomb_friction", "track_imaging", "pair_search")
-STUDIES += ("declared_inputs",)
-RULE_FILES = ("common", "inputs", "models", "laboratory", "figures")
+# What starts and ends quickly: numbers come from equations, from random draws, and from the
+# declared tables alone.
 TARGETS = ("fig17", "ptis_accuracy", "declared_inputs")
 
 
@@ -42,10 +37,8 @@ class Project:
         overlay = self.root / "place.yaml"
         overlay.write_text(f"pathvars: {{results: {self.out!r}}}\n", encoding="utf-8")
         configuration = ("--configfile", "config/ci.yaml", overlay.name, *also)
-        return [
-            *(*self.python, "-m", "snakemake", "--cores", str(cores), *arguments),
-            *configuration,
-        ]
+        program = (*self.python, "-m", "snakemake", "--cores", str(cores))
+        return [*program, *arguments, *configuration]
 
     def start(self, *arguments, prefix=(), **how):
         """Start Snakemake as the head of a process group of its own."""
@@ -95,8 +88,8 @@ def kill(process):
     process.stdout.close()
 
 
-def copied(target, *, whole=False, **how):
-    """Copy the project, or the part of it with `STUDIES`, and return the copy.
+def copied(target, **how):
+    """Copy the project and return the copy.
 
     Compiled code comes along: dates are kept, so it stays valid.
     """
@@ -106,30 +99,4 @@ def copied(target, *, whole=False, **how):
         else:
             target.mkdir(parents=True, exist_ok=True)
             shutil.copy2(ROOT / part, target / part)
-    if not whole:
-        _leave_a_part(target)
     return Project(target, **how)
-
-
-def _leave_a_part(root):
-    """Take out of a copy all studies but `STUDIES`, with their rules, numbers and figures."""
-    homes = (root / "src/microimpact/studies").glob("*/[!_]*")
-    others = {path.stem: path for path in homes if path.stem not in STUDIES}
-    for path in others.values():
-        shutil.rmtree(path) if path.is_dir() else path.unlink()
-
-    def is_kept(key, entry):
-        return key not in others and not (isinstance(entry, dict) and entry.get("study") in others)
-
-    for name in ("config.yaml", "ci.yaml", "figures.yaml"):
-        path = root / "config" / name
-        entries = yaml.safe_load(path.read_text(encoding="utf-8"))
-        kept = {key: entry for key, entry in entries.items() if is_kept(key, entry)}
-        path.write_text(yaml.safe_dump(kept, sort_keys=False), encoding="utf-8")
-
-    snakefile = root / "Snakefile"
-    lines = snakefile.read_text(encoding="utf-8").splitlines(keepends=True)
-    included = {f'include: "workflow/rules/{name}.smk"\n' for name in RULE_FILES}
-    kept = [line for line in lines if not line.startswith("include: ") or line in included]
-    assert len(lines) - len(kept) > len(included)
-    snakefile.write_text("".join(kept), encoding="utf-8")

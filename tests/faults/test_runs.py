@@ -41,12 +41,6 @@ def test_a_run_killed_at_random_moments_and_finished_by_the_next(project, undist
     assert elsewhere.results() == undisturbed
 
 
-def test_each_job_by_itself(undisturbed, elsewhere):
-    """Without the process that jobs fork from: what one has loaded or computed changes no other."""
-    elsewhere.run("--no-hooks", *TARGETS)
-    assert elsewhere.results() == undisturbed
-
-
 def test_what_a_killed_run_has_started_ends_with_it(elsewhere):
     run = elsewhere.start("--nolock", "ptis_accuracy")
     part = elsewhere.root / elsewhere.out
@@ -125,7 +119,7 @@ def test_a_table_that_lost_its_last_row_stops_its_readers_until_it_is_gone(
     table = project.root / project.out / "data/fig17.csv"
     table.write_bytes(b"".join(table.read_bytes().splitlines(keepends=True)[:-1]))
     told = project.run("fig17", check=False)
-    assert f"fig17: {table}: not as it was written: cut short, damaged or edited; delete" in told
+    assert f"coulomb_friction_figures: {table}: not as it was written: cut short, damaged" in told
     checked = subprocess.run(
         [*project.python, "-m", "microimpact.cli", "check", project.out],
         cwd=project.root,
@@ -168,7 +162,8 @@ def test_results_that_are_read_only_are_told_and_kept(project, undisturbed, on_t
     table = on_two_cores.root / on_two_cores.out / "data/fig17.csv"
     table.touch()
     with read_only(table.parents[1]) as prefix:
-        told = finished(on_two_cores.start("--force", "fig17", prefix=prefix), check=False)
-    assert "Write-protected output files for rule fig17" in told
+        command = ("--force", "coulomb_friction_figures")
+        told = finished(on_two_cores.start(*command, prefix=prefix), check=False)
+    assert "Write-protected output files for rule coulomb_friction_figures" in told
     assert f"{on_two_cores.out}/figures/fig17.svg" in told
     assert on_two_cores.results() == undisturbed

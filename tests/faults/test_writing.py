@@ -114,6 +114,5 @@ def test_nothing_in_the_package_writes_a_file_in_another_way():
         ("src/microimpact/core/files.py", "mkstemp"),
         ("src/microimpact/core/files.py", "fdopen"),
         # Into memory.
-        ("src/microimpact/run/prefork.py", "fdopen"),
         ("src/microimpact/figures/style.py", "savefig"),
     }

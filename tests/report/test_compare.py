@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import base64
+import json
 import re
 from html.parser import HTMLParser
 
 import pytest
 from tests.report.results_roots import CLAIMS, INPUTS, draw, results, run
 
+from microimpact.core.files import write_checksums
 from microimpact.report.check.compare import as_text, compare
 from microimpact.report.check.page import page
+from microimpact.report.check.wording import worst
 
 VOID = {"meta", "img"}
 EVIL = "<script>alert(1)</script>"
@@ -94,22 +97,91 @@ def test_all_changed_inputs_are_shown(baseline, tmp_path):
     assert as_text(compare(baseline, other), few=3).count("| config, a.b[") == 40
 
 
+def configured(root, **config):
+    stamp = {"git": {"commit": "abc"}, "config": config}
+    (root / "run.json").write_text(json.dumps(stamp), encoding="utf-8")
+    return root
+
+
+def test_texts_and_lists_of_the_configuration_are_inputs(baseline, tmp_path):
+    configured(baseline, friction={"surface": "silicon", "angles": [5, 15]}, chunks=2)
+    rows = (
+        "config,friction.angles[0],5,,,deg,chosen,x\nconfig,friction.angles[1],15,,,deg,chosen,x\n"
+    )
+    (baseline / "tables/inputs.csv").write_text(INPUTS + rows)
+    other = results(tmp_path / "b", inputs=INPUTS + rows.replace(",5,", ",15,", 1))
+    configured(other, friction={"surface": "glass", "angles": [15, 25]}, chunks=2)
+    found = {(d.row, d.reference, d.found) for d in compare(baseline, other).inputs}
+    assert found == {
+        ("config, friction.surface", "silicon", "glass"),
+        ("config, friction.angles", "[5, 15]", "[15, 25]"),
+    }
+
+
+def test_series_are_matched_by_name(baseline, tmp_path):
+    def data(*series):
+        rows = "".join(f"a,{name},computed,{x},{y},,\n" for name, y in series for x in (1, 2))
+        return "panel,series,evidence,x_m_per_s,y_1,y_low,y_high\n" + rows
+
+    other = results(tmp_path / "b")
+    (baseline / "data/fig14.csv").write_text(data(("f = 0.1", 0.1), ("f = 0.2", 0.2)))
+    (other / "data/fig14.csv").write_text(data(("f = 0.2", 0.2), ("f = 0.3", 0.3)))
+    found = [(d.kind, d.row, d.reference, d.found) for d in compare(baseline, other).numbers]
+    assert found == [
+        ("missing row", "f = 0.1", "2 points", ""),
+        ("extra row", "f = 0.3", "", "2 points"),
+    ]
+
+
+def test_figures_that_rest_on_a_changed_input_come_first(baseline, tmp_path):
+    other = results(tmp_path / "b", slope=0.5)
+    for root, slope in ((baseline, 0.2), (other, 0.4)):
+        for name, rests_on in (("fig04", "the same"), ("fig17", f"slope {slope}")):
+            draw(root, name, slope)
+            write_checksums(root, [root / f"figures/{name}.svg"], rests_on)
+        configured(root, restitution_fits={"points": slope})
+    changes = compare(baseline, other)
+    assert changes.resting == ("fig17",)
+    assert [figure.name for figure in changes.figures] == ["fig17", "fig04", "fig14"]
+    text = as_text(changes)
+    assert text.index("Figures that rest on them: fig17.") < text.index("## Numbers")
+
+
+def test_numbers_that_are_all_but_zero_do_not_lead(baseline, tmp_path):
+    def table(small, mean, error):
+        return f"case,mean,standard_error\na,{small},{error}\nb,{mean},0.1\nc,2.0,0.3\n"
+
+    other = results(tmp_path / "b")
+    (baseline / "tables/means.csv").write_text(table("1e-10", "1.0", "0.1"))
+    (other / "tables/means.csv").write_text(table("9e-10", "1.1", "0.2"))
+    found = worst([d for d in compare(baseline, other).numbers if d.file == "tables/means.csv"])
+    assert [(d.row, d.column) for d in found] == [
+        ("b", "mean"),
+        ("a", "mean"),
+        ("a", "standard_error"),
+    ]
+
+
 def test_a_claim_that_one_run_judged_is_a_change_of_verdict(baseline, tmp_path):
     other = results(tmp_path / "b", claims=CLAIMS + "C03,rolls,1,reproduced\n")
     (found,) = compare(baseline, other).verdicts
     assert (found.kind, found.row) == ("extra row", "C03")
 
 
-def test_figures_and_tables_of_one_run_only(baseline, changed):
-    draw(changed, "fig20", 0.3)
-    (baseline / "tables/claims.csv").unlink()
-    changes = compare(baseline, changed)
-    assert {f.name: f.what for f in changes.figures}["fig20"] == "only in the changed run"
-    assert [(d.kind, d.file) for d in changes.verdicts] == [("extra file", "tables/claims.csv")]
-    backwards = compare(changed, baseline)
-    assert {f.name: f.what for f in backwards.figures}["fig20"] == "only in the baseline run"
-    assert [d.kind for d in backwards.verdicts] == ["missing file"]
-    assert Page(page(changes)).tags.count("img") == 3
+def test_what_one_run_has_not_built_is_one_line(baseline, tmp_path):
+    other = results(tmp_path / "b")
+    draw(baseline, "fig20", 0.3)
+    (other / "tables/claims.csv").unlink()
+    changes = compare(baseline, other)
+    assert changes.same
+    assert changes.not_built == {
+        "baseline": (),
+        "changed": ("tables/claims.csv", "figures/fig20.svg"),
+    }
+    for told in (as_text(changes), page(changes)):
+        assert f"2 files were not built in {other}." in told
+        assert "fig20" not in told
+    assert run("compare", other, baseline)[0] == 0
 
 
 def test_runs_without_claims_and_stamp_can_be_compared(baseline, changed):

@@ -282,6 +282,8 @@ def test_results_of_another_commit_are_refused(tmp_path):
     [
         ({"ended": "today"}, "ended must be ISO 8601 with a time zone, got 'today'"),
         ({"ended": "2026-01-02T03:04:05"}, "ended must be ISO 8601"),
+        ({"ended": None}, "the run has not ended well"),
+        ({"outdated": ["data/fig14.csv"]}, "from other inputs: data/fig14.csv;"),
         ({"started": None}, "started must be ISO 8601"),
         ({"git": "abc"}, "git must be an object, got 'abc'"),
         ({"packages": []}, "packages must be an object"),

@@ -53,6 +53,19 @@ def test_a_changed_number_names_its_figure_and_its_table(built, reference):
     assert "| 2502.5 " in text
 
 
+def test_a_run_with_other_settings_is_one_line(built, reference):
+    rows = "".join(f"config,a.b[{i}],{{}},,,-,chosen,x\n" for i in range(21))
+    for root, value in ((built, 1024), (reference, 64)):
+        table = root / "tables/inputs.csv"
+        table.write_text(table.read_text() + rows.replace("{}", str(value)))
+    code, text, error = run("check", built, "--reference", reference)
+    assert (code, text) == (2, "")
+    assert error.count("\n") == 1
+    assert "21 inputs differ, as a.b[0]: 1024 where the references have 64" in error
+    edit(built / "tables/inputs.csv", "a.b[20],1024", "a.b[20],64")
+    assert run("check", built, "--reference", reference)[0] == 1
+
+
 def test_differences_concern_every_figure_that_is_drawn_from_a_table(built, reference):
     edit(built / "data/fig14.csv", ",0.7,", ",0.7007,")
     found = verify(built, reference)

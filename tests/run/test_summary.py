@@ -5,37 +5,32 @@ from __future__ import annotations
 import json
 from datetime import UTC, datetime
 
+import pytest
+
 from microimpact.run import stamp as runstamp
-from microimpact.run import summary
+from microimpact.run.summary import summary
 
 
-def test_summary_names_what_was_built(tmp_path, capsys, monkeypatch):
-    monkeypatch.setenv("COLUMNS", "120")
-    results = tmp_path / "results"
-    for name in ("figures/fig14.svg", "data/fig14.csv", "tables/inputs.csv"):
-        (results / name).parent.mkdir(parents=True, exist_ok=True)
-        (results / name).write_text("x" * 1500)
-    runstamp.write_stamp(results / "run.json", {"seed": 3}, tmp_path, runstamp.run_date())
-    assert summary.main([str(results)]) == 0
-    text = capsys.readouterr().out
-    assert "fig14" in text
-    assert "data/fig14.csv" in text
-    assert "3 kB" in text
-    assert "run.json" in text
+def test_a_whole_run_in_a_few_lines(tmp_path):
+    names = ["tables/claims.csv", "tables/equations.csv", "report/index.html"]
+    names += [f"figures/fig{n:02d}.{kind}" for n in range(1, 26) for kind in ("svg", "png")]
+    for name in names:
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text("verdict\nreproduced\nnot reproduced\nreproduced\n")
+    assert summary(tmp_path, names).splitlines() == [
+        f"In {tmp_path}: 25 figures, 2 tables.",
+        "Claims of the article: 2 reproduced, 1 not reproduced.",
+        "Its equations: 2 reproduced, 1 not reproduced.",
+        f"Open {tmp_path}/report/index.html",
+    ]
 
 
-def test_summary_of_nothing_is_an_error(tmp_path, capsys):
-    assert summary.main([str(tmp_path)]) == 1
-    assert "nothing was built" in capsys.readouterr().out
-
-
-def test_sizes_are_readable():
-    assert [summary.size(n) for n in (0, 999, 1500, 999_600, 2_500_000)] == [
-        "0 B",
-        "999 B",
-        "2 kB",
-        "1 MB",
-        "2 MB",
+def test_a_run_of_one_figure_names_its_files_and_what_is_outdated(tmp_path):
+    made = ["data/fig17.csv", "figures/fig17.svg", "figures/fig17.png"]
+    told = summary(tmp_path, made, ["tables/doe_effects.csv", "data/fig24.csv"])
+    assert told.splitlines() == [
+        f"In {tmp_path}: data/fig17.csv, figures/fig17.svg.",
+        "Made earlier, from other inputs: 2 results. Without a target, all is renewed.",
     ]
 
 
@@ -44,9 +39,30 @@ def test_stamp(tmp_path, monkeypatch):
     assert runstamp.run_date() == datetime(1970, 1, 2, tzinfo=UTC)
     seed = {"value": 7, "evidence": "chosen", "source": "x"}
     started = datetime(1969, 12, 31, 23, tzinfo=UTC)
-    runstamp.write_stamp(tmp_path / "run.json", {"seed": seed}, tmp_path, started)
+    path, config = tmp_path / "run.json", {"seed": seed}
+    runstamp.write_stamp(path, config, tmp_path, started)
+    # A run that is killed leaves this.
+    assert json.loads(path.read_text())["ended"] is None
+    ended = runstamp.run_date()
+    runstamp.write_stamp(path, config, tmp_path, started, ended=ended, outdated=["data/fig17.csv"])
     stamp = json.loads((tmp_path / "run.json").read_text())
     assert stamp["seed"] == 7
     assert stamp["started"] == "1969-12-31T23:00:00+00:00"
     assert stamp["ended"] == "1970-01-02T00:00:00+00:00"
+    assert stamp["outdated"] == ["data/fig17.csv"]
     assert stamp["git"] == {"commit": None, "dirty": None}
+
+
+def test_an_overlay_that_changes_inputs_needs_a_folder_of_its_own():
+    base = {"friction": {"f": 0.1, "surface": "silicon"}, "chunks": 1}
+    for change in ({"f": 0.2}, {"surface": "glass"}):
+        changed = base | {"friction": base["friction"] | change}
+        with pytest.raises(
+            ValueError, match=r"pathvars\.results: the overlay changes friction\."
+        ) as e:
+            runstamp.require_own_root(changed, base)
+        assert "pathvars: {results: build/my-run}" in str(e.value)
+        runstamp.require_own_root(changed | {"pathvars": {"results": "build/x"}}, base)
+        with pytest.raises(ValueError, match="not 'results'"):
+            runstamp.require_own_root(changed | {"pathvars": {"results": "./results/"}}, base)
+    runstamp.require_own_root(base | {"chunks": 8}, base)

@@ -12,7 +12,8 @@ PROFILE = yaml.safe_load((ROOT / "profiles/slurm/config.yaml").read_text(encodin
 
 def test_every_rule_with_resources_of_its_own_exists():
     texts = [path.read_text(encoding="utf-8") for path in (ROOT / "workflow/rules").glob("*.smk")]
-    rules = set(re.findall(r"^\s*rule (\w+):", "\n".join(texts), flags=re.MULTILINE))
+    named = r"^\s*(?:use rule \w+ as|rule) (\w+)(?: with)?:"
+    rules = set(re.findall(named, "\n".join(texts), flags=re.MULTILINE))
     assert "monte_carlo" in rules
     assert set(PROFILE["set-resources"]) <= rules
 

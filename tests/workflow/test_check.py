@@ -130,13 +130,15 @@ def reseeded(text, study, seed):
 
 
 def test_the_rule_rests_on_everything_and_is_not_part_of_all(checked):
-    assert {"fig18", "check"} <= checked.planned("check", *SMALL, "--forcerun", "fig18")
+    assert {"oblique_impact_figures", "check"} <= checked.planned(
+        "check", *SMALL, "--forcerun", "oblique_impact_figures"
+    )
     assert "check" not in checked.planned(*SMALL)
 
 
 def test_the_rule_fails_with_the_check(checked):
     # Of everything, what rests on the edited table would be built again.
-    with checked.edited("workflow/rules/check.smk", swap("everything()", "[]")):
+    with checked.edited("workflow/rules/report.smk", swap("everything()", "[]")):
         assert "files agree" in checked.snakemake("check", *SMALL).text
         with checked.edited(
             f"{OUT}/tables/inputs.csv", swap("config,seed,20011", "config,seed,20012")

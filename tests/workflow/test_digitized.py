@@ -32,7 +32,7 @@ def test_without_points_there_is_a_table_without_rows(project):
 
 
 def test_a_file_redraws_its_figure_alone_and_so_does_its_removal(project):
-    concerned = {"fig17", "digitised_comparison"}
+    concerned = {"coulomb_friction_figures", "digitised_comparison"}
     outputs = [project.root / OUT / name for name in ("figures/fig17.svg", "figures/fig17.png")]
     before = [path.read_bytes() for path in outputs]
     table = project.root / OUT / "tables/digitised_residuals.csv"
@@ -41,7 +41,7 @@ def test_a_file_redraws_its_figure_alone_and_so_does_its_removal(project):
         project.snakemake(*TARGETS)
         assert all(a != b.read_bytes() for a, b in zip(before, outputs, strict=True))
         assert "fig17,friction,0.15,0.15,True,computed,1,1,0,-0.03," in table.read_text()
-        log = (project.root / OUT / "logs/fig17.log").read_text()
+        log = (project.root / OUT / "logs/coulomb_friction_figures.log").read_text()
         assert log == "fig17: drawn from fig17, digitised points from made up\n"
         # another date is no other content
         file.touch()
@@ -55,7 +55,7 @@ def test_a_file_redraws_its_figure_alone_and_so_does_its_removal(project):
 def test_points_of_a_fit_redo_the_fits(project):
     with dropped(project, "fig16.csv", '"steel-silicon, n = 0",0.5,0.5,,\n'):
         planned = project.planned(*TARGETS)
-    assert planned == {"restitution_fits", "fig15", "fig16", "digitised_comparison"}
+    assert planned == {"restitution_fits", "restitution_fits_figures", "digitised_comparison"}
 
 
 def test_a_malformed_file_stops_the_run_before_anything_is_written(project):
@@ -85,7 +85,7 @@ def test_another_folder_may_be_named(project, tmp_path):
     overlay = tmp_path / "overlay.yaml"
     overlay.write_text(f"digitized: {tmp_path / 'points'}\n")
     planned = project.planned(*TARGETS, str(overlay))
-    assert planned == {"fig17", "digitised_comparison"}
+    assert planned == {"coulomb_friction_figures", "digitised_comparison"}
     overlay.write_text("digitized: nowhere\n")
     done = project.snakemake(*TARGETS, str(overlay), check=False)
     assert "digitized: 'nowhere' must be a folder" in done.text

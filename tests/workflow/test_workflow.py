@@ -30,8 +30,10 @@ def figures(project):
 def test_everything_is_built_in_its_own_results_root(project):
     built = project.files(under=OUT)
     for name in figures(project):
-        for file in (f"figures/{name}.svg", f"figures/{name}.png", f"logs/{name}.log"):
+        for file in (f"figures/{name}.svg", f"figures/{name}.png"):
             assert f"{OUT}/{file}" in built
+    for job in ("coulomb_friction", "coulomb_friction_figures"):
+        assert {f"{OUT}/logs/{job}.log", f"{OUT}/benchmarks/{job}.tsv"} <= built
     assert f"{OUT}/tables/inputs.csv" in built
     assert f"{OUT}/data/fig14.csv" in built
     assert not (project.root / "results").exists()
@@ -43,7 +45,9 @@ def test_a_second_call_does_nothing_whatever_the_dates(project):
         path = project.root / part
         for file in [path, *path.rglob("*")]:
             os.utime(file)
-    assert "Nothing to be done" in project.snakemake(*SMALL).text
+    said = project.snakemake(*SMALL).text.splitlines()
+    assert said[-1] == "Everything is up to date."
+    assert len(said) <= 2
 
 
 def test_every_table_has_a_reader(project):
@@ -79,32 +83,38 @@ def test_the_run_stamp(project):
     [
         (
             "src/microimpact/figures/models/restitution.py",
-            {"fig14"},
-            {"fig17", "restitution_trends"},
+            {"restitution_trends_figures"},
+            {"coulomb_friction_figures", "restitution_trends"},
         ),
         (
             "src/microimpact/model/rigid_body/algebra.py",
-            {"coulomb_friction", "fig17"},
-            {"restitution_trends", "fig14", "declared_inputs"},
+            {"coulomb_friction", "coulomb_friction_figures"},
+            {"restitution_trends", "restitution_trends_figures", "declared_inputs"},
         ),
         (
             "src/microimpact/model/empirical/equations.py",
-            {"restitution_trends", "fig14"},
-            {"coulomb_friction", "fig17", "declared_inputs"},
+            {"restitution_trends", "restitution_trends_figures"},
+            {"coulomb_friction", "coulomb_friction_figures", "declared_inputs"},
         ),
         (
             "src/microimpact/figures/microimpact.mplstyle",
-            {"fig14", "fig17"},
+            {"restitution_trends_figures", "coulomb_friction_figures"},
             {"restitution_trends", "coulomb_friction", "declared_inputs"},
         ),
         (
-            "workflow/scripts/draw_figure.py",
-            {"fig14", "fig17"},
+            "workflow/scripts/draw_figures.py",
+            {"restitution_trends_figures", "coulomb_friction_figures"},
             {"restitution_trends", "coulomb_friction", "declared_inputs"},
         ),
         (
             "src/microimpact/core/tables.py",
-            {"restitution_trends", "coulomb_friction", "declared_inputs", "fig14", "fig17"},
+            {
+                "restitution_trends",
+                "coulomb_friction",
+                "declared_inputs",
+                "restitution_trends_figures",
+                "coulomb_friction_figures",
+            },
             set(),
         ),
     ],
@@ -131,7 +141,7 @@ def test_code_that_decides_no_number_reruns_nothing(project):
         (
             "adhesion_exponent: {value: 1.0,",
             "adhesion_exponent: {value: 1.1,",
-            {"restitution_trends", "fig14", "declared_inputs", "report"},
+            {"restitution_trends", "restitution_trends_figures", "declared_inputs", "report"},
         ),
         # words of provenance: the table of inputs, and the report that shows it
         ("schematic: R level at low speed", "schematic", {"declared_inputs", "report"}),
@@ -151,28 +161,28 @@ def test_a_change_of_configuration_reruns_its_chain(project, old, new, expected)
             "config/materials.csv",
             "molybdenum,density",
             "10000",
-            {"force_history", "fig20"},
-            {"oblique_impact", "fig18", "fig21"},
+            {"force_history", "force_history_figures"},
+            {"oblique_impact", "oblique_impact_figures"},
         ),
         (
             "config/materials.csv",
             "silicon,youngs_modulus",
             "150",
-            {"oblique_impact", "fig18", "fig21"},
-            {"force_history", "fig20"},
+            {"oblique_impact", "oblique_impact_figures"},
+            {"force_history", "force_history_figures"},
         ),
         (
             "config/contacts.csv",
             "stainless-steel-316,silicon,friction",
             "0.2",
-            {"oblique_impact", "fig18", "fig21"},
-            {"force_history", "fig20"},
+            {"oblique_impact", "oblique_impact_figures"},
+            {"force_history", "force_history_figures"},
         ),
         (
             "config/printed_values.csv",
             "impulse_ratio_normal_incidence_no_spin",
             "0.01",
-            {"coulomb_friction", "fig17"},
+            {"coulomb_friction", "coulomb_friction_figures"},
             {"oblique_impact", "force_history", "contact_properties"},
         ),
     ],
@@ -187,21 +197,21 @@ def test_a_declared_row_reruns_the_analyses_that_name_it(project, path, row, val
     assert not (spares | {"restitution_trends"}) & planned
 
 
-def test_a_change_of_the_registry_redraws_one_figure(project):
+def test_a_change_of_the_registry_redraws_the_figures_of_one_study(project):
     with project.edited("config/figures.yaml", lambda t: t.replace("Coefficient\n", "Value\n", 1)):
-        assert project.planned(*SMALL) == {"fig14", "report"}
+        assert project.planned(*SMALL) == {"restitution_trends_figures", "report"}
 
 
 def test_a_parameter_in_the_words_of_a_figure_redraws_it(project, tmp_path):
     overlay = tmp_path / "overlay.yaml"
     overlay.write_text("coulomb_friction: {spin_friction: 0.3}\n")
     planned = project.planned("--configfile", "config/ci.yaml", str(overlay))
-    assert planned == {"coulomb_friction", "fig17", "declared_inputs", "report"}
+    assert planned == {"coulomb_friction", "coulomb_friction_figures", "declared_inputs", "report"}
 
 
 def test_one_figure_has_a_target_of_its_own(project):
     planned = project.planned("fig14", "--config", "pathvars={results: build/other}")
-    assert planned == {"restitution_trends", "fig14"}
+    assert planned == {"restitution_trends", "restitution_trends_figures"}
 
 
 def test_the_number_of_parts_changes_no_byte(built, forked, tmp_path):
@@ -211,7 +221,7 @@ def test_the_number_of_parts_changes_no_byte(built, forked, tmp_path):
     before = [(project.root / OUT / name).read_bytes() for name in names]
     parts = tmp_path / "parts.yaml"
     parts.write_text("chunks: 3\n")
-    text = project.snakemake("interval_coverage", *SMALL, str(parts)).text
+    text = project.snakemake("interval_coverage", *SMALL, str(parts), "--verbose").text
     assert re.search(r"^interval_coverage_part +3$", text, flags=re.MULTILINE)
     assert [(project.root / OUT / name).read_bytes() for name in names] == before
     assert not list((project.root / OUT / "chunks").glob("*"))
@@ -281,5 +291,66 @@ def test_a_failing_study_of_the_copy_is_named_and_leaves_no_table(project):
     assert not (project.root / "build/broken/data").is_dir() or not project.files(
         under="build/broken/data"
     )
+    assert json.loads((project.root / "build/broken/run.json").read_text())["ended"] is None
     log = project.root / "build/broken/logs/restitution_trends.log"
     assert "speed out of reach" in log.read_text()
+
+
+def test_the_account_on_the_terminal_is_brief_and_the_full_one_stands_in_a_file(project):
+    root = ("--config", "pathvars={results: build/brief}")
+    said = project.snakemake("fig14", *root).text.splitlines()
+    assert [line.split("  ")[0] for line in said if "  " in line] == [
+        "restitution_trends",
+        "restitution_trends_figures",
+    ]
+    assert said[-1] == ("In build/brief: data/fig14.csv, tables/inputs.csv, figures/fig14.svg.")
+    assert len(said) <= 5
+    logs = sorted((project.root / ".snakemake/log").glob("*.log"))
+    assert "rule restitution_trends:" in logs[-1].read_text()
+    stamp = json.loads((project.root / "build/brief/run.json").read_text())
+    assert (stamp["ended"] is not None, stamp["outdated"]) == (True, [])
+    assert (project.root / "build/brief/tables/inputs.csv").is_file()
+
+
+def test_an_overlay_that_changes_inputs_does_not_write_among_the_shipped_results(project, tmp_path):
+    overlay = tmp_path / "overlay.yaml"
+    overlay.write_text("coulomb_friction: {spin_friction: 0.3}\n")
+    done = project.snakemake("fig17", "--configfile", str(overlay), check=False)
+    assert done.returncode
+    assert "overlay changes coulomb_friction.spin_friction, so its results need a" in done.text
+    assert not (project.root / "results").exists()
+    overlay.write_text("chunks: 5\n")
+    assert "coulomb_friction" in project.planned("fig17", "--configfile", str(overlay))
+
+
+def test_one_target_with_other_inputs_leaves_nothing_that_tells_the_old_ones(project):
+    """The study of Fig. 14 has changed, too; it is not made again, and that is told."""
+    out = project.root / OUT
+
+    def edit(text):
+        for key in ("spin_friction: {value: ", "body_speed_m_per_s: {value: "):
+            assert text.count(key) == 1
+            text = text.replace(key, f"{key}1")
+        return text
+
+    with project.edited("config/config.yaml", edit):
+        said = project.snakemake("fig17", *SMALL).text
+        stamp = json.loads((out / "run.json").read_text())
+        assert stamp["config"]["restitution_trends"]["body_speed_m_per_s"]["value"] == 130.0
+        assert set(stamp["outdated"]) >= {
+            "data/fig14.csv",
+            "figures/fig14.svg",
+            "figures/fig14.png",
+        }
+        assert not [name for name in stamp["outdated"] if "fig17" in name or "fig20" in name]
+        assert "Made earlier, from other inputs" in said
+        assert (
+            "restitution_trends.body_speed_m_per_s,130," in (out / "tables/inputs.csv").read_text()
+        )
+        assert not (out / "report/run.html").exists()
+        # Made by the run itself; its rule need not run again.
+        assert "coulomb_friction" not in project.planned("fig17", *SMALL)
+    project.snakemake(*SMALL)
+    assert json.loads((out / "run.json").read_text())["outdated"] == []
+    assert (out / "report/run.html").exists()
+    assert project.planned(*SMALL) == set()

@@ -93,8 +93,7 @@ def of_other_inputs(root: Path, rests_on: Mapping[str, str]) -> list[str]:
     return [
         name
         for name, word in rests_on.items()
-        if (root / name).is_file()
-        and _recorded_inputs(_record(root, root / name)) not in {"", word}
+        if (root / name).is_file() and recorded_inputs(root, name) not in {"", word}
     ]
 
 
@@ -104,7 +103,9 @@ def recorded_since(root: Path, name: str, begin: float) -> bool:
     return record.is_file() and record.stat().st_mtime >= begin
 
 
-def _recorded_inputs(record: Path) -> str:
+def recorded_inputs(root: Path, name: str) -> str:
+    """Return the word for the inputs of a result below a root; empty if none is recorded."""
+    record = _record(root, root / name)
     text = record.read_text(encoding="utf-8") if record.is_file() else ""
     return text.partition(_RESTS_ON)[2].strip()
 

@@ -27,9 +27,10 @@ _few_option = click.option(
 def check_command(results: Path, reference: Path, few: int) -> None:
     """Compare the tables, data and figures in RESULTS with committed references."""
     from microimpact.report.check.results import drawn_from, figure_files, table_files
-    from microimpact.report.check.verify import concerned, verify
+    from microimpact.report.check.verify import concerned, require_same_settings, verify
     from microimpact.report.check.wording import markdown
 
+    require_same_settings(results, reference)
     differences = verify(results, reference)
     count = len(table_files(results)) + len(figure_files(results))
     if not differences:
@@ -120,7 +121,9 @@ def deviations_command(
     from microimpact.core.files import write_file
     from microimpact.core.materials import declared_file
     from microimpact.ledgers.claims.deviations import deviations
+    from microimpact.report.check.results import require_results
 
+    require_results(results, "tables/claims.csv", "tables/equations.csv")
     page = deviations(results, claims or declared_file("claims.yaml"), settings)
     if output:
         write_file(output, page)

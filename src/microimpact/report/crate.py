@@ -158,6 +158,13 @@ def read_run(path: Path) -> Run:
     if not path.is_file():
         raise ResultsError(f"{path}: missing; a run writes it when the last result is there")
     stamp = read_json(path)
+    if outdated := stamp.get("outdated"):
+        raise ResultsError(
+            f"{path}: made earlier, from other inputs: {', '.join(outdated[:3])}"
+            f"{', ...' if len(outdated) > 3 else ''}; renew them with `snakemake`"
+        )
+    if stamp.get("ended", "") is None:
+        raise ResultsError(f"{path}: the run has not ended well; finish it with `snakemake`")
     git, packages, config = (_mapping(path, stamp, key) for key in ("git", "packages", "config"))
     return Run(
         started=_time(path, stamp, "started"),

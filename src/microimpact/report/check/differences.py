@@ -6,7 +6,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, get_args
 
 import numpy as np
@@ -57,7 +57,9 @@ class Difference:
     """One difference: where, what the reference says, what was found.
 
     `relative` is the relative difference of two numbers, infinite if it has no bound, as
-    beside zero or a missing number; it is NaN for all else.
+    beside zero or a missing number; it is NaN for all else. `share` is the difference over the
+    largest number of the column, by which differences are ranked: numbers that are all but zero
+    differ by any factor.
     """
 
     file: str
@@ -67,6 +69,7 @@ class Difference:
     reference: str = ""
     found: str = ""
     relative: float = math.nan
+    share: float = field(default=math.nan, compare=False)
 
 
 def number(cell: str) -> float | None:
@@ -89,12 +92,13 @@ def compare_tables(
     *,
     keys: Sequence[str] = (),
     tolerance: Callable[[str], Tolerance] = default_tolerance,
+    renamed: bool = True,
 ) -> list[Difference]:
     """Return all differences of two tables.
 
     Rows are matched by what their key columns say, and rows that say the same in the order in
     which they stand. If equally many rows of either table remain, a key was changed, and they
-    are matched in order; otherwise they are missing or extra.
+    are matched in order; otherwise, and if `renamed` is false, they are missing or extra.
 
     Parameters
     ----------
@@ -106,12 +110,14 @@ def compare_tables(
         Columns that name a row. Without any, all columns that hold words do.
     tolerance
         Gives the tolerance of a column by its name.
+    renamed
+        Whether rows whose keys differ may be the same.
     """
     columns = [c for c in reference.columns if c in found.columns]
     by = [c for c in keys if c in columns] or [
         c for c in columns if _has_words(reference[c]) or _has_words(found[c])
     ]
-    rows = _match(_named_rows(reference, by), _named_rows(found, by))
+    rows = _match(_named_rows(reference, by), _named_rows(found, by), renamed=renamed)
     differences = [
         *(
             Difference(file=file, kind="missing column", column=c)
@@ -135,14 +141,17 @@ def compare_tables(
     for column in columns:
         before = reference[column].to_numpy()[rows.before]
         after = found[column].to_numpy()[rows.after]
-        accepted = tolerance(column)
+        accepted, largest = tolerance(column), _largest(reference[column])
         for i in np.flatnonzero(before != after):
             changed = _changed(before[i], after[i], accepted)
             if changed is not None:
                 kind, relative = changed
                 where = {"file": file, "row": rows.labels[i], "column": column}
                 cells = {"reference": before[i], "found": after[i]}
-                differences.append(Difference(kind=kind, relative=relative, **where, **cells))
+                share = _share(before[i], after[i], largest) if kind == "number" else math.nan
+                differences.append(
+                    Difference(kind=kind, relative=relative, share=share, **where, **cells)
+                )
     return differences
 
 
@@ -171,10 +180,10 @@ class _Rows:
     extra: list[tuple[str, int]]
 
 
-def _match(left: Mapping[RowName, int], right: Mapping[RowName, int]) -> _Rows:
+def _match(left: Mapping[RowName, int], right: Mapping[RowName, int], *, renamed: bool) -> _Rows:
     missing, extra = [n for n in left if n not in right], [n for n in right if n not in left]
     pairs = [(name, name) for name in left if name in right]
-    if len(missing) == len(extra):
+    if renamed and len(missing) == len(extra):
         pairs += zip(missing, extra, strict=True)
         missing, extra = [], []
     repeated = {key for key, n in (*left, *right) if n > 1}
@@ -212,6 +221,17 @@ def _changed(before: str, after: str, tolerance: Tolerance) -> tuple[Kind, float
     if not (math.isfinite(a) and math.isfinite(b)) or a == 0:
         return "number", math.inf
     return "number", abs(b - a) / abs(a)
+
+
+def _largest(column: pd.Series) -> float:
+    numbers = (number(cell) for cell in set(column))
+    return max((abs(n) for n in numbers if n is not None and math.isfinite(n)), default=0.0)
+
+
+def _share(before: str, after: str, largest: float) -> float:
+    """Return a difference over the largest number of its column; infinite if it has no bound."""
+    difference = abs(float(after or "nan") - float(before or "nan"))
+    return difference / largest if math.isfinite(difference) and largest else math.inf
 
 
 def _same_words(before: str, after: str, tolerance: Tolerance) -> bool:

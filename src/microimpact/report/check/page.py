@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, tostring
 
-from microimpact.report.check.compare import SIDES, Changes, FigureChange, sections
+from microimpact.report.check.compare import SAME, SIDES, Changes, lone_files, sections
 from microimpact.report.check.differences import Difference
 from microimpact.report.check.wording import by_file, cells, summary, worst
 
@@ -50,14 +50,18 @@ def page(changes: Changes, few: int = 20) -> str:
     for side, root in zip(SIDES, (changes.baseline, changes.changed), strict=True):
         line = _text(body, "p", f"{side}: ")
         _text(line, "code", str(root))
+    for root, names in lone_files(changes):
+        _text(body, "p", f"{len(names)} files were not built in {root}.")
     if changes.same:
-        _text(body, "p", "Inputs, numbers, verdicts and figures are the same.")
+        _text(body, "p", SAME)
     for title, found, shown in sections(changes, few):
         if found:
             _text(body, "h2", title)
             for file, differences in by_file(found).items():
                 _text(body, "h3", f"{file}: {summary(differences)}")
                 _table(body, differences, shown)
+            if title == "Inputs" and changes.resting:
+                _text(body, "p", f"Figures that rest on them: {', '.join(changes.resting)}.")
     _figures(body, changes)
     return "<!DOCTYPE html>\n" + tostring(html, encoding="unicode", method="html") + "\n"
 
@@ -91,18 +95,12 @@ def _figures(body: Element, changes: Changes) -> None:
     for figure in changes.figures:
         _text(body, "h3", f"{figure.name}: {figure.what}")
         pair = SubElement(body, "div", {"class": "pair"})
-        for side, path in _sides(figure):
+        for side, path in zip(SIDES, (figure.baseline, figure.changed), strict=True):
             card = SubElement(pair, "figure")
             _text(card, "figcaption", side)
             SubElement(card, "img", src=_inline(path), alt=f"{figure.name}, {side}")
     if changes.unchanged_figures:
         _text(body, "p", f"Unchanged figures: {', '.join(changes.unchanged_figures)}")
-
-
-def _sides(figure: FigureChange) -> Iterator[tuple[str, Path]]:
-    for side, path in zip(SIDES, (figure.baseline, figure.changed), strict=True):
-        if path is not None:
-            yield side, path
 
 
 def _inline(svg: Path) -> str:

@@ -28,8 +28,8 @@ class ResultsError(ValueError):
     """Results that cannot be compared: not there, or not of the agreed form."""
 
 
-def require_results(root: Path) -> None:
-    """Refuse a folder that is missing, or that no run has written.
+def require_results(root: Path, *needed: str) -> None:
+    """Refuse a folder that is missing, that no run has written, or that lacks needed files.
 
     Raises
     ------
@@ -41,6 +41,8 @@ def require_results(root: Path) -> None:
     if not table_files(root) and not figure_files(root):
         folders = ", ".join(f"{name}/" for name in (*TABLE_FOLDERS, "figures"))
         raise ResultsError(f"{root}: not a results folder: no files in {folders}")
+    if missing := [name for name in needed if not (root / name).is_file()]:
+        raise ResultsError(f"{root}: has no {', '.join(missing)}: build them with `snakemake`")
 
 
 def table_files(root: Path) -> dict[str, Path]:

@@ -16,6 +16,7 @@ import pandas as pd
 from microimpact.core.files import altered_files, write_file
 from microimpact.report.check.differences import Difference, compare_tables, number
 from microimpact.report.check.results import (
+    INPUTS,
     TABLE_FOLDERS,
     ResultsError,
     figure_files,
@@ -32,8 +33,41 @@ from microimpact.report.check.tolerances import FILE, Tolerances, read_tolerance
 # machine stays out of the history.
 DIGITS = 12
 
+# More changed inputs than these are other settings.
+FEW_CHANGES = 20
+
 # Larger tables, long curves and images, are read by nobody and kept compressed.
 PLAIN_BYTES = 100_000
+
+
+def require_same_settings(results: Path, reference: Path) -> None:
+    """Refuse results of a run with other settings altogether than the references come from.
+
+    One or a few changed inputs are differences to be told; a full run beside the references of a
+    small one differs everywhere.
+
+    Raises
+    ------
+    ResultsError
+        Naming one of the inputs that differ and how many there are.
+    """
+    if not all(INPUTS in table_files(root) for root in (results, reference)):
+        return
+    before, after = (_configured(root) for root in (reference, results))
+    other = [key for key in before if key in after and before[key] != after[key]]
+    if len(other) > FEW_CHANGES:
+        key = other[0]
+        raise ResultsError(
+            f"{results}: made with other settings than {reference}: {len(other)} inputs differ, as "
+            f"{key}: {after[key]} where the references have {before[key]}; these are of the small "
+            "run: snakemake --configfile config/ci.yaml"
+        )
+
+
+def _configured(root: Path) -> dict[str, str]:
+    table = read_cells(table_files(root)[INPUTS])
+    own = table[table["file"] == "config"]
+    return dict(zip(own["key"], own["value"], strict=True))
 
 
 def verify(results: Path, reference: Path) -> list[Difference]:

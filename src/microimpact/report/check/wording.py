@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from itertools import groupby
@@ -11,6 +12,9 @@ from microimpact.report.check.differences import KINDS, Difference
 
 WORST = 5
 WIDTH = 60
+
+# Columns of standard errors, deviations, and ends of intervals.
+_UNCERTAINTY = re.compile(r"(standard_error|deviation|_low|_high|interval)")
 
 _COLUMNS = ("row", "column", "reference", "found", "relative")
 # Kind -> what is said of one, and of several.
@@ -55,13 +59,21 @@ def summary(differences: Sequence[Difference]) -> str:
 
 
 def worst(differences: Sequence[Difference], few: int = WORST) -> list[Difference]:
-    """Return a few differences of every kind; of numbers those that differ most."""
-    ranked = sorted(differences, key=lambda d: (KINDS.index(d.kind), -_rank(d)))
+    """Return a few differences of every kind; of numbers those that differ most.
+
+    Most is meant beside the largest number of the column, and how well a number is known comes
+    after the numbers themselves.
+    """
+    ranked = sorted(differences, key=lambda d: (KINDS.index(d.kind), _uncertain(d), -_rank(d)))
     return [d for _, group in groupby(ranked, lambda d: d.kind) for d in list(group)[:few]]
 
 
 def _rank(difference: Difference) -> float:
-    return -1.0 if math.isnan(difference.relative) else difference.relative
+    return -1.0 if math.isnan(difference.share) else difference.share
+
+
+def _uncertain(difference: Difference) -> bool:
+    return _UNCERTAINTY.search(difference.column) is not None
 
 
 def cells(difference: Difference, width: int = WIDTH) -> tuple[str, ...]:

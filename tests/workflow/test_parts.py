@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from microimpact.run.parts import part_from_text, part_text
+from workflow.scripts.parts import part_from_text, part_text
 
 from microimpact import studies
 from microimpact.core.tables import parse_table, read_table

@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-
-from microimpact.run.closure import closure, digest, imports_of, source_files
+from workflow.scripts.closure import closure, digest, imports_of, source_files
 
 SCRIPTS = Path(__file__).parents[2] / "workflow/scripts"
 
@@ -28,9 +27,9 @@ def test_the_root_drags_nothing_in():
 
 
 def test_data_files_and_scripts_belong_to_a_figure():
-    script = SCRIPTS / "draw_figure.py"
+    script = SCRIPTS / "draw_figures.py"
     found = names(source_files("microimpact.figures.models.restitution", scripts=[script]))
-    assert {"microimpact.mplstyle", "style.py", "draw_figure.py", "tables.py"} <= found
+    assert {"microimpact.mplstyle", "style.py", "draw_figures.py", "tables.py"} <= found
     assert "py.typed" not in found
     assert "coulomb.py" not in found
 
