@@ -56,7 +56,7 @@ def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     figure.legend(
         handles.values(),
         handles.keys(),
-        title="computed",
+        title="all computed",
         loc="outside lower center",
         ncols=len(handles),
     )

@@ -109,7 +109,7 @@ def _add_scale(figure: Figure, ax: Axes, scale: ScalarMappable, speeds: list[flo
 
 @style.context()
 def draw_coverage(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
-    """Draw how often intervals hold a mean, against speed and against angle.
+    """Draw how often intervals contain a mean, against speed and against angle.
 
     Parameters
     ----------
@@ -127,6 +127,8 @@ def draw_coverage(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figur
     for (name, panel), table in zip(spec.panels.items(), tables.values(), strict=True):
         ax = axes[name]
         ax.axhline(LEVEL, color="0.5", linewidth=0.6, zorder=1)
+        at = (0.02, LEVEL), ax.get_yaxis_transform()
+        ax.annotate(f"{LEVEL:g} %", *at, va="top", fontsize="small", color="0.35")
         style.draw_panel(ax, table, panel, name)
         for series, own in table.groupby("series", sort=False):
             (x, y), colour = table.columns[3:5], panel.series[str(series)].colour
