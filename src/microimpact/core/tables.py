@@ -22,17 +22,30 @@ RESULT_EVIDENCE = (
     "printed",
     "virtual experiment",
     "digitised",
+    "measured",
     "calibrated",
     "assumed",
 )
 
-# Series of digitised points begin so, in every table: none is taken for another series, nor for
-# a number, and the legend says what it is.
-POINTS = "digitised: "
+# Evidence of points that a user drops in: read off the article, or measured.
+POINTS = ("digitised", "measured")
 
 
 class TableError(ValueError):
     """A table file that does not have the agreed form."""
+
+
+def points_series(evidence: str, name: str) -> str:
+    """Return how a series of points is called: no table takes it for another one or a number."""
+    return f"{evidence}: {name}"
+
+
+def points_parts(series: str) -> tuple[str, str]:
+    """Return evidence and name of a series of points, as `points_series` has put them together."""
+    evidence, _, name = series.partition(": ")
+    if evidence not in POINTS:
+        raise ValueError(f"series {series!r} must begin with {' or '.join(POINTS)} and a colon")
+    return evidence, name
 
 
 def series_frame(

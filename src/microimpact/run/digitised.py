@@ -1,4 +1,4 @@
-"""Digitised points of the article's figures, as a user drops them in, one file per figure.
+"""Points of the article's figures, digitised or measured, dropped in as one file per figure.
 
 The form of a file stands in ``config/digitized/README.md``. Every problem is one line with the
 file, the line and the column.
@@ -15,14 +15,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from microimpact.core.nearest import nearest
-from microimpact.core.tables import POINTS, TableError, check_columns, figure_columns
+from microimpact.core.tables import TableError, check_columns, figure_columns, points_series
 from microimpact.figures.registry import FigureSpec, PanelSpec
 
 # Loaded where there are points.
 if TYPE_CHECKING:
     import pandas as pd
 
-HEADER_KEYS = ("source", "licence", "digitised_by")
+HEADER_KEYS = ("source", "licence", "digitised_by", "measured_by")
+# Who read points off the article, or measured them: one of both, which gives the evidence.
+ORIGINS = {"digitised_by": "digitised", "measured_by": "measured"}
 COLUMNS = ("series", "x", "y", "y_low", "y_high")
 CANONICAL = ("panel", *COLUMNS)
 # More would not fit below the narrowest figure.
@@ -53,18 +55,21 @@ class Digitized:
         Name of the figure.
     path
         The file.
-    source, licence, digitised_by
-        Where the points come from, on which terms, and who read them off.
+    source, licence, by
+        Where the points come from, on which terms, and who read them off or measured them.
+    evidence
+        ``digitised`` or ``measured``.
     table
-        Columns `CANONICAL`: the panel whose data are drawn there, the series as `POINTS` and its
-        name, x and y in the units of the figure, the ends of the bar, NaN where there is none.
+        Columns `CANONICAL`: the panel whose data are drawn there, the series as `points_series`
+        calls it, x and y in the units of the figure, the ends of the bar, NaN where there is none.
     """
 
     figure: str
     path: str
     source: str
     licence: str
-    digitised_by: str
+    by: str
+    evidence: str
     table: pd.DataFrame
 
 
@@ -156,8 +161,18 @@ def read_points(path: str, spec: FigureSpec) -> Digitized:
 
     table = pd.DataFrame(points, columns=list(CANONICAL))
     table = table.astype(dict.fromkeys(COLUMNS[1:], float))
-    table["series"] = POINTS + table["series"]
-    return Digitized(figure=spec.name, path=path, table=table, **header)
+    key = next(key for key in ORIGINS if key in header)
+    evidence = ORIGINS[key]
+    table["series"] = [points_series(evidence, name) for name in table["series"]]
+    return Digitized(
+        figure=spec.name,
+        path=path,
+        source=header["source"],
+        licence=header["licence"],
+        by=header[key],
+        evidence=evidence,
+        table=table,
+    )
 
 
 def _text(path: str) -> str:
@@ -198,8 +213,13 @@ def _header(comments: list[Numbered], problems: list[Numbered]) -> dict[str, str
         elif not text.isprintable():
             problems.append((number, f"header: {key!r} {text!r} must be printable"))
         found[key] = text
-    missing = [key for key in HEADER_KEYS if key not in found]
+    missing = [key for key in HEADER_KEYS if key not in found and key not in ORIGINS]
+    given = [key for key in ORIGINS if key in found]
+    if not given:
+        missing.append(" or ".join(ORIGINS))
     problems += [(1, f"header: '# {key}: ...' is missing") for key in missing]
+    if len(given) > 1:
+        problems.append((1, f"header: give either {' or '.join(ORIGINS)}, not both"))
     return found
 
 
@@ -334,12 +354,12 @@ def as_rows(points: Mapping[str, Digitized], figures: Iterable[str]) -> dict[str
 def overlaid(
     tables: Mapping[str, pd.DataFrame], spec: FigureSpec, points: Digitized
 ) -> dict[str, pd.DataFrame]:
-    """Return the figure data with digitised points as further rows of the first table."""
+    """Return the figure data with the points as further rows of the first table."""
     import pandas as pd
 
     name = next(iter(spec.data))
     unit = spec.data[name]
-    rows = points.table.assign(evidence="digitised")
+    rows = points.table.assign(evidence=points.evidence)
     rows = rows[["panel", "series", "evidence", *COLUMNS[1:]]]
     rows.columns = pd.Index(figure_columns(unit.x, unit.y))
     return {**tables, name: pd.concat([tables[name], rows], ignore_index=True)}

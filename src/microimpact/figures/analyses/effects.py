@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
 
+from microimpact.core.tables import POINTS
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec, PanelSpec
 
@@ -62,10 +63,11 @@ def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     )
     entries: list[Line2D] = []
     for name, panel in spec.panels.items():
-        points = table[(table["panel"] == name) & (table["evidence"] == "digitised")]
+        points = table[(table["panel"] == name) & table["evidence"].isin(POINTS)]
         entries += style.overlay(axes[name], points, panel)
     if entries:
-        style.evidence_key(figure, ["digitised"], entries, loc="outside upper center")
+        given = table.loc[table["evidence"].isin(POINTS), "evidence"]
+        style.evidence_key(figure, given, entries, loc="outside upper center")
     return figure
 
 

@@ -167,8 +167,8 @@ EQUATIONS = (
         slip="article",
         units=UNITS,
         derivation=Derivation(method="symbolic: friction takes energy from slip", check=_resists),
-        reason="Under a net attractive force friction would accelerate the slip, and mu could never "
-        "exceed f. The text leaves open which compressive part is meant.",
+        reason="Under a net attractive force friction would accelerate the slip, and mu could "
+        "never exceed f. The text leaves open which compressive part is meant.",
         function="microimpact.model.dynamics.trajectory.trajectory",
         implementation=lambda x: float(traced(x).friction_force[TRACED_MOMENT]),
         consequence=Consequence(
