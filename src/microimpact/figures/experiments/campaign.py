@@ -127,8 +127,8 @@ def draw_coverage(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figur
     for (name, panel), table in zip(spec.panels.items(), tables.values(), strict=True):
         ax = axes[name]
         ax.axhline(LEVEL, color="0.5", linewidth=0.6, zorder=1)
-        at = (0.02, LEVEL), ax.get_yaxis_transform()
-        ax.annotate(f"{LEVEL:g} %", *at, va="top", fontsize="small", color="0.35")
+        place, mixed = (0.02, LEVEL), ax.get_yaxis_transform()
+        ax.annotate(f"{LEVEL:g} %", place, xycoords=mixed, va="top", fontsize="small")
         style.draw_panel(ax, table, panel, name)
         for series, own in table.groupby("series", sort=False):
             (x, y), colour = table.columns[3:5], panel.series[str(series)].colour
