@@ -75,7 +75,7 @@ def series_frame(
     y_low, y_high
         Ends of the interval around y, if there is one.
     x_unit, y_unit
-        Units as they stand in column names: ``deg``, ``m_per_s``, ``1`` for a pure number.
+        Units as in column names: ``deg``, ``m_per_s``, ``1`` for a pure number.
 
     Returns
     -------
@@ -118,7 +118,7 @@ def write_table(table: pd.DataFrame, path: Path | str) -> None:
 
 
 def read_table(path: Path | str, columns: Sequence[str] | None = None) -> pd.DataFrame:
-    """Read a CSV table; empty fields are missing values, all else is taken as it stands.
+    """Read a CSV table; empty fields are missing values, all else is taken unchanged.
 
     Parameters
     ----------
@@ -194,5 +194,5 @@ def check_columns(found: Sequence[str], expected: Sequence[str], name: str) -> N
     surplus = [column for column in found if column not in expected]
     parts = [f"column {m!r} is missing" for m in missing]
     parts += [f"column {s!r} is not expected" for s in surplus]
-    detail = ", ".join(parts) or f"columns stand in another order than {', '.join(expected)}"
+    detail = ", ".join(parts) or f"columns are in another order than {', '.join(expected)}"
     raise TableError(f"{name}: {detail}")

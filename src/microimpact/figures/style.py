@@ -63,7 +63,7 @@ def context() -> Iterator[None]:
 def new_figure(spec: FigureSpec, columns: int | None = None) -> tuple[Figure, dict[str, Axes]]:
     """Return an empty figure with its panels, by name, axes set up.
 
-    The panels stand side by side, or in rows of so many columns.
+    The panels are side by side, or in rows of so many columns.
     """
     size = WIDTH_MM[spec.width] / MM_PER_INCH, spec.height_mm / MM_PER_INCH
     figure = Figure(figsize=size)

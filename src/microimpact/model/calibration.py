@@ -137,7 +137,7 @@ def damping_factor_for(contact: Contact, speed: float, restitution: float) -> Co
 
     def excess(factor: float) -> float:
         e = float(normal_impact(scaled(factor), speed).coefficient_of_restitution)
-        # Zero below capture is flat; any negative number tells the search that it went too far.
+        # Zero below capture is flat; any negative number ends the search there.
         return e - restitution if e > 0.0 else -1.0
 
     return scaled(_falling_root(excess, LARGEST_DAMPING))
@@ -146,8 +146,8 @@ def damping_factor_for(contact: Contact, speed: float, restitution: float) -> Co
 def adhesion_damping_for(contact: Contact, capture_speed: float) -> Contact:
     """Choose c_A to meet a capture velocity.
 
-    An impact at the capture velocity knows its damping at that speed only, whatever the exponent of
-    its rate: that damping is sought, and referred back to the reference velocity.
+    An impact at the capture velocity depends on its damping at that speed only, whatever its rate
+    exponent: that damping is sought, and referred back to the reference velocity.
 
     Raises
     ------

@@ -1,6 +1,6 @@
 """Points of the article's figures, digitised or measured, dropped in as one file per figure.
 
-The form of a file stands in ``config/digitized/README.md``. Every problem is one line with the
+The form of a file stands in ``config/digitised/README.md``. Every problem is one line with the
 file, the line and the column.
 """
 
@@ -41,12 +41,12 @@ Numbered = tuple[int, str]
 Row = tuple[str, str, float, float, float | None, float | None]
 
 
-class DigitizedError(ValueError):
+class DigitisedError(ValueError):
     """Files of digitised points with problems: one line each."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Digitized:
+class Digitised:
     """Digitised points of one figure.
 
     Attributes
@@ -73,7 +73,7 @@ class Digitized:
     table: pd.DataFrame
 
 
-def read_folder(folder: str, figures: Mapping[str, FigureSpec]) -> dict[str, Digitized]:
+def read_folder(folder: str, figures: Mapping[str, FigureSpec]) -> dict[str, Digitised]:
     """Read every file of digitised points in a folder.
 
     Parameters
@@ -90,12 +90,12 @@ def read_folder(folder: str, figures: Mapping[str, FigureSpec]) -> dict[str, Dig
 
     Raises
     ------
-    DigitizedError
+    DigitisedError
         Naming every problem of every file, one line each; also for a file that belongs to no
         figure, or to a schematic.
     """
     if not Path(folder).is_dir():
-        raise DigitizedError(f"digitized: {folder!r} must be a folder")
+        raise DigitisedError(f"digitised: {folder!r} must be a folder")
     found, problems = {}, []
     for file in sorted(Path(folder).iterdir()):
         if file.name == "README.md" or file.name.startswith(".") or file.name.endswith("~"):
@@ -103,12 +103,12 @@ def read_folder(folder: str, figures: Mapping[str, FigureSpec]) -> dict[str, Dig
         try:
             spec = _figure_of(file, figures)
             found[spec.name] = read_points(str(file), spec)
-        except DigitizedError as error:
+        except DigitisedError as error:
             problems.append(str(error))
         except OSError as error:
             problems.append(f"{file}: {error.strerror}")
     if problems:
-        raise DigitizedError("\n".join(problems))
+        raise DigitisedError("\n".join(problems))
     return found
 
 
@@ -121,16 +121,16 @@ def _figure_of(file: Path, figures: Mapping[str, FigureSpec]) -> FigureSpec:
     ]
     name = file.stem
     if file.suffix != ".csv":
-        raise DigitizedError(f"{file}: must be named figNN.csv for a figure{nearest(name, plots)}")
+        raise DigitisedError(f"{file}: must be named figNN.csv for a figure{nearest(name, plots)}")
     if name in plots:
         return figures[name]
     if name not in figures:
-        raise DigitizedError(f"{file}: no figure {name!r}{nearest(name, plots)}")
+        raise DigitisedError(f"{file}: no figure {name!r}{nearest(name, plots)}")
     kind = "a schematic" if figures[name].is_schematic else "no figure of the article"
-    raise DigitizedError(f"{file}: {name!r} is {kind} and takes no digitised points")
+    raise DigitisedError(f"{file}: {name!r} is {kind} and takes no digitised points")
 
 
-def read_points(path: str, spec: FigureSpec) -> Digitized:
+def read_points(path: str, spec: FigureSpec) -> Digitised:
     """Read the digitised points of one figure.
 
     Parameters
@@ -142,7 +142,7 @@ def read_points(path: str, spec: FigureSpec) -> Digitized:
 
     Raises
     ------
-    DigitizedError
+    DigitisedError
         Naming file, line and column of every problem (of many, the first), one line each.
     OSError
         If the file cannot be read.
@@ -156,7 +156,7 @@ def read_points(path: str, spec: FigureSpec) -> Digitized:
         lines = [f"{path}, line {number}, {problem}" for number, problem in problems[:TOLD]]
         if len(problems) > TOLD:
             lines.append(f"{path}: {len(problems) - TOLD} more problems")
-        raise DigitizedError("\n".join(lines))
+        raise DigitisedError("\n".join(lines))
     import pandas as pd
 
     table = pd.DataFrame(points, columns=list(CANONICAL))
@@ -164,7 +164,7 @@ def read_points(path: str, spec: FigureSpec) -> Digitized:
     key = next(key for key in ORIGINS if key in header)
     evidence = ORIGINS[key]
     table["series"] = [points_series(evidence, name) for name in table["series"]]
-    return Digitized(
+    return Digitised(
         figure=spec.name,
         path=path,
         source=header["source"],
@@ -182,7 +182,7 @@ def _text(path: str) -> str:
     except UnicodeDecodeError as error:
         before = data[: error.start]
         number, column = before.count(b"\n") + 1, len(before) - before.rfind(b"\n")
-        raise DigitizedError(
+        raise DigitisedError(
             f"{path}, line {number}, column {column} (bytes): must be UTF-8 text, "
             f"has the byte 0x{data[error.start]:02x}"
         ) from None
@@ -231,7 +231,7 @@ def _points(rows: list[Numbered], spec: FigureSpec, problems: list[Numbered]) ->
     (number, names), *lines = rows
     try:
         check_columns(_fields(names), COLUMNS, "column names")
-    except (TableError, DigitizedError) as error:
+    except (TableError, DigitisedError) as error:
         problems.append((number, str(error)))
         return []
     if not lines:
@@ -252,7 +252,7 @@ def _fields(line: str) -> list[str]:
     try:
         return next(csv.reader([line], strict=True))
     except csv.Error as error:
-        raise DigitizedError(
+        raise DigitisedError(
             f"column series: quotes must enclose a whole field ({error})"
         ) from None
 
@@ -263,7 +263,7 @@ def _point(line: str, spec: FigureSpec) -> tuple[Row | None, list[str]]:
         return None, ["column series: comments must stand above the column names"]
     try:
         fields = _fields(line)
-    except DigitizedError as error:
+    except DigitisedError as error:
         return None, [str(error)]
     if len(fields) != len(COLUMNS):
         hint = "; a series name with a comma must stand in double quotes"
@@ -333,7 +333,7 @@ def _wrong_side(x: float, y: float, panel: str, spec: FigureSpec) -> Iterator[st
             yield f"column {column}: {value:g} must be positive, as the axis of {panel!r} is"
 
 
-def as_rows(points: Mapping[str, Digitized], figures: Iterable[str]) -> dict[str, str]:
+def as_rows(points: Mapping[str, Digitised], figures: Iterable[str]) -> dict[str, str]:
     """Return the points of some figures as a study is given declared rows.
 
     Returns
@@ -352,7 +352,7 @@ def as_rows(points: Mapping[str, Digitized], figures: Iterable[str]) -> dict[str
 
 
 def overlaid(
-    tables: Mapping[str, pd.DataFrame], spec: FigureSpec, points: Digitized
+    tables: Mapping[str, pd.DataFrame], spec: FigureSpec, points: Digitised
 ) -> dict[str, pd.DataFrame]:
     """Return the figure data with the points as further rows of the first table."""
     import pandas as pd

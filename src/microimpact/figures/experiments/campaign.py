@@ -18,7 +18,7 @@ from microimpact.figures.registry import FigureSpec
 FloatArray = NDArray[np.float64]
 
 FEW = "too few events"
-# Marks of one cell stand in rows of so many, this far apart, in cells.
+# Marks of one cell are in rows of so many, this far apart, in cells.
 IN_A_ROW = 5
 STEP = 0.17, 0.30
 COLOURS = "viridis"
@@ -75,7 +75,7 @@ def draw_map(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
 
 
 def _places(number: int) -> tuple[FloatArray, FloatArray]:
-    """Return where the marks of a cell stand around its middle, in cells."""
+    """Return the places of a cell's marks around its middle, in cells."""
     index = np.arange(number)
     row, lines = index // IN_A_ROW, -(-number // IN_A_ROW)
     wide = np.minimum(number - row * IN_A_ROW, IN_A_ROW)

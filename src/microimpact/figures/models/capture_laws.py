@@ -26,7 +26,7 @@ def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     tables
         One table of capture velocity in m/s against diameter in um, a panel per pair.
     spec
-        Registry entry. Its one panel tells how every pair is drawn, so that a pair added to the
+        Registry entry. Its one panel describes how every pair is drawn, so that a pair added to the
         study needs no entry of its own; its height is that of two rows of panels.
 
     Returns

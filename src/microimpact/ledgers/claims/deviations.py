@@ -62,7 +62,7 @@ def deviations(results: Path, criteria: Path, settings: str) -> str:
     criteria
         The file of claims, see `criteria.read_claims`.
     settings
-        Where the settings of the run stand, to be named at the top.
+        The file of the run's settings, to be named at the top.
 
     Raises
     ------

@@ -54,7 +54,7 @@ def turning(arm: sympy.Matrix, along: sympy.Expr, away: sympy.Expr) -> sympy.Exp
 def newton() -> Facts:
     """State of a solid sphere after impact: linear and angular momentum, given e and mu.
 
-    Axes are (t, n); the contact point stands at -r n from the centre.
+    Axes are (t, n); the contact point is at -r n from the centre.
     """
     arm = sympy.Matrix([0, -r, 0])
     after = solve(

@@ -132,7 +132,7 @@ def _stamps(baseline: Path, changed: Path) -> list[Difference]:
 
 
 def _stamp(path: Path) -> dict[str, str]:
-    """Return what a run stamp says of versions and commit; inputs.csv tells the configuration."""
+    """Return versions and commit of a run stamp; the configuration is compared by inputs.csv."""
     if not path.exists():
         return {}
     flat: dict[str, Any] = {}

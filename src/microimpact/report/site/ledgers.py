@@ -132,7 +132,7 @@ def parts(text: str) -> list[str]:
 
 @cache
 def formula(text: str) -> Markup | str:
-    """Return a formula as MathML, or as it stands if it is none."""
+    """Return a formula as MathML, or unchanged if it is none."""
     try:
         return mathml(text)
     except ValueError:
@@ -140,7 +140,7 @@ def formula(text: str) -> Markup | str:
 
 
 def number(text: str) -> str:
-    """Return a number to four digits; other text as it stands."""
+    """Return a number to four digits; other text unchanged."""
     try:
         return f"{float(text):.4g}"
     except ValueError:

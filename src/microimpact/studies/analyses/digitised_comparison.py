@@ -54,7 +54,7 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     -------
     mapping
         ``digitised_residuals``: a row per digitised series and series of its panel that is a
-        function of x; ``named`` tells whether the latter has the name of the points, alone or
+        function of x; ``named`` says whether the latter has the name of the points, alone or
         before a comma. ``n`` points lie in its range, ``beyond`` outside: it is not continued.
         Their ``bias`` (mean of point less curve) and ``rms_difference`` are in ``unit``, empty if n
         is 0; ``within_bars`` is the fraction of those ``bars`` points that have a bar whose bar

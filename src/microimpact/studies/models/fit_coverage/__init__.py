@@ -87,7 +87,7 @@ def part(
     truths = _truths(params, inputs)
 
     def mine(all_cells: Iterator[Cell]) -> list[tuple[int, Cell]]:
-        # Cells stand in pairs, with q free and fixed; fits with q free take longer.
+        # Cells are in pairs, with q free and fixed; fits with q free take longer.
         return [pair for pair in enumerate(all_cells) if pair[0] // 2 % count == index]
 
     coverage = _coverage(params, truths, mine(cells(params)))

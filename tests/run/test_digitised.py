@@ -12,7 +12,7 @@ import pytest
 from microimpact.core.tables import parse_table, points_series, series_frame
 from microimpact.declared.documents import load
 from microimpact.figures.registry import registry
-from microimpact.run.digitised import DigitizedError, as_rows, overlaid, read_folder, read_points
+from microimpact.run.digitised import DigitisedError, as_rows, overlaid, read_folder, read_points
 
 CONFIG = Path(__file__).parents[2] / "config"
 HEADER = "# source: made up\n# licence: CC0-1.0\n# digitised_by: nobody\n"
@@ -164,7 +164,7 @@ MALFORMED = {
     "columns out of order": (
         HEADER + "x,series,y,y_low,y_high\n" + ROW,
         1,
-        "line 4, column names: columns stand in another order",
+        "line 4, column names: columns are in another order",
     ),
     "semicolons": (TOP.replace(",", ";") + "a;1;2;;\n", 1, "column names: column 'series' is miss"),
     "too few fields": (TOP + "a,1,2\n", 1, "line 5, column y: must have 5 fields, has 3"),
@@ -213,7 +213,7 @@ MALFORMED = {
 
 @pytest.mark.parametrize(("content", "lines", "message"), MALFORMED.values(), ids=MALFORMED)
 def test_a_malformed_file_is_told_by_line_and_column(read, content, lines, message):
-    with pytest.raises(DigitizedError) as caught:
+    with pytest.raises(DigitisedError) as caught:
         read(content)
     found = str(caught.value).split("\n")
     assert len(found) == lines
@@ -233,7 +233,7 @@ def test_a_malformed_file_is_told_by_line_and_column(read, content, lines, messa
     ],
 )
 def test_a_series_must_fit_its_figure(read, row, figure, message):
-    with pytest.raises(DigitizedError, match=re.escape(f"line 5, column {message}")):
+    with pytest.raises(DigitisedError, match=re.escape(f"line 5, column {message}")):
         read(TOP + row, figure)
 
 
@@ -242,10 +242,10 @@ def test_a_point_below_zero_is_one_where_the_axis_begins_there(read):
 
 
 def test_all_problems_come_in_order_and_the_many_are_counted(read):
-    with pytest.raises(DigitizedError) as caught:
+    with pytest.raises(DigitisedError) as caught:
         read("# x: y\n" + TOP + "a,1,y,,\na,x,1,,\n")
     assert [int(n) for n in re.findall(r"line (\d+)", str(caught.value))] == [1, 6, 7]
-    with pytest.raises(DigitizedError) as caught:
+    with pytest.raises(DigitisedError) as caught:
         read(TOP + "a,1,y,,\n" * 1000)
     lines = str(caught.value).split("\n")
     assert len(lines) == 21
@@ -282,7 +282,7 @@ def test_a_folder_holds_points_by_figure(figures, folder):
     ],
 )
 def test_a_file_for_no_figure_is_refused_by_name(figures, folder, name, message):
-    with pytest.raises(DigitizedError) as caught:
+    with pytest.raises(DigitisedError) as caught:
         read_folder(folder(name, "fig16.csv"), figures)
     (line,) = str(caught.value).split("\n")
     assert f"/{name}: {message}" in line
@@ -292,20 +292,20 @@ def test_problems_of_all_files_are_told_together(figures, folder, tmp_path):
     (tmp_path / "fig15.csv").mkdir()
     (tmp_path / "fig17.csv").symlink_to("nothing.csv")
     place = folder("fig99.csv", "fig18.csv")
-    with pytest.raises(DigitizedError) as caught:
+    with pytest.raises(DigitisedError) as caught:
         read_folder(place, figures)
     lines = str(caught.value).split("\n")
     assert "fig15.csv: Is a directory" in lines[0]
     assert "fig17.csv: No such file" in lines[1]
     assert "fig18.csv, line 5, column series" in lines[2]
     assert "fig99.csv: no figure" in lines[3]
-    with pytest.raises(DigitizedError, match="digitized: 'elsewhere' must be a folder"):
+    with pytest.raises(DigitisedError, match="digitised: 'elsewhere' must be a folder"):
         read_folder("elsewhere", figures)
 
 
 def test_the_shipped_folder_holds_no_points_and_its_example_is_one(figures, read):
-    assert read_folder(str(CONFIG / "digitized"), figures) == {}
-    text = (CONFIG / "digitized/README.md").read_text(encoding="utf-8")
+    assert read_folder(str(CONFIG / "digitised"), figures) == {}
+    text = (CONFIG / "digitised/README.md").read_text(encoding="utf-8")
     (example,) = re.findall(r"^```csv\n(.*?)^```$", text, flags=re.DOTALL | re.MULTILINE)
     assert "made up" in example
     assert len(read(example, "fig16").table) == 3
