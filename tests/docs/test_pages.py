@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 
 import pandas as pd
@@ -118,3 +119,17 @@ def test_the_command_says_what_would_change(docs, run):
     CliRunner().invoke(commands, call, catch_exceptions=False)
     checked = CliRunner().invoke(commands, [*call, "--check"])
     assert (checked.exit_code, checked.output) == (0, "no page changes\n")
+
+
+def test_what_the_example_analysis_found_is_in_its_table():
+    page = (ROOT / "docs/adding-an-analysis.md").read_text(encoding="utf-8")
+    rows = page.partition("| statement of the abstract | found |")[2].splitlines()[2:]
+    found = " ".join(row.split(" | ")[1] for row in rows if row)
+    table = pd.read_csv(ROOT / "tests/reference/tables/particle_separation.csv")
+    values = table.select_dtypes("number").stack()
+    numbers = re.findall(r"\d+(?:\.\d+)?", found)
+    for text in numbers:
+        digits = max(len(text.replace(".", "").lstrip("0").rstrip("0" * ("." not in text))), 1)
+        told = {float(f"{v * k:.{digits}g}") for v in values for k in (1.0, 100.0)}
+        assert float(text) in told, f"{text}: not in the table"
+    assert len(numbers) > 15
