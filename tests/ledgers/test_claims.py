@@ -180,6 +180,7 @@ def residuals(*rows):
         "figure": "fig17",
         "panel": "friction",
         "points": "0.15",
+        "points_evidence": "digitised",
         "series": "a",
         "named": True,
         "evidence": "computed",
