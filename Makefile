@@ -8,6 +8,7 @@
 #   make bench BENCH_ARGS=--docs     renew docs/performance.md, too
 #   make check RESULTS=build/ci      an existing run; without RESULTS a new one
 #   make reference RESULTS=build/ci REFERENCE_ARGS=--remove
+#   make pages RESULTS=results       after a full run
 
 PYTHON := python3
 UV := .venv/bin/uv
@@ -43,7 +44,7 @@ STALE := $(shell { read -r place; read -r python; } < .venv/.origin; \
 	|| echo stale)
 endif
 
-.PHONY: help reproduce check reference test lint types docs mutants test-slurm test-faults bench test-peers lock clean distclean stale
+.PHONY: help reproduce check reference pages test lint types docs mutants test-slurm test-faults bench test-peers lock clean distclean stale
 
 help: ## list these targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1|\2/p' Makefile | column -t -s '|'
@@ -62,6 +63,10 @@ reference: .venv/.run ## show how RESULTS=... differs from tests/reference, then
 	@[ -n "$(RESULTS)" ] || $(call fail,which run? Say: make reference RESULTS=build/ci)
 	@.venv/bin/microimpact reference $(RESULTS) $(REFERENCE_ARGS)
 
+pages: .venv/.run ## renew the pages with numbers, docs/deviations.md and others, from RESULTS=..., a full run
+	@[ -n "$(RESULTS)" ] || $(call fail,which run? Say: make pages RESULTS=results)
+	@.venv/bin/microimpact pages $(RESULTS)
+
 test: .venv/.test ## run the tests
 	@$(ACTIVE) .venv/bin/pytest $(PYTEST_ARGS)
 
@@ -79,8 +84,7 @@ mutants: .venv/.test ## put wrong forms into copies of the project and see that 
 	$(ACTIVE) .venv/bin/python -m tests.mutation.run
 
 docs: .venv/.test ## build the guide and the reference of the package into build/docs
-	@.venv/bin/microimpact deviations tests/reference --settings config/ci.yaml \
-		--output docs/deviations.md
+	@.venv/bin/microimpact pages
 	@.venv/bin/sphinx-build -W --keep-going -q -d build/doctrees docs build/docs
 	@echo "Open build/docs/index.html"
 

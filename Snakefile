@@ -1,7 +1,7 @@
 """Regenerate the figures and tables of a study of microparticle impact from declared inputs.
 
 snakemake                                         everything, into results/
-snakemake fig17                                   one figure and what it rests on
+snakemake fig17                                   one figure and what it needs
 snakemake fig17 --configfile config/examples/high-friction.yaml
 snakemake --configfile config/ci.yaml             everything, small, into build/ci/
 

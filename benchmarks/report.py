@@ -38,7 +38,7 @@ BEGIN, END = "<!-- begin: measured -->", "<!-- end: measured -->"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Facts:
-    """What stands above the tables."""
+    """The text above the tables."""
 
     machine: str
     rounds: int

@@ -5,7 +5,7 @@
 
 The first form measures times per event from a thousand events to ``--most`` and writes a table and
 a plot: a flat line is a cost that is linear in the events. Times are the least over the rounds; the
-processor's time stands beside the clock's, which other work on the machine lengthens. The second
+processor's time is given beside the clock's, which other work on the machine lengthens. The second
 form makes one long Monte Carlo run on a rough surface, with a bar on the terminal, and says its
 rate and the memory it took.
 """

@@ -17,6 +17,7 @@ from microimpact.report.commands import (
     compare_command,
     crate_command,
     deviations_command,
+    pages_command,
     reference_command,
     report_command,
     timings_command,
@@ -221,6 +222,7 @@ for _command in (
     crate_command,
     report_command,
     deviations_command,
+    pages_command,
     timings_command,
 ):
     commands.add_command(_command)

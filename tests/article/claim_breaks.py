@@ -286,13 +286,13 @@ def pairs(claim, world, name, **changes):
     params, sampling = world.mechanisms()
     chosen = [pair for pair in params.slope.pairs if pair.name == name]
     others = world.tables["surface_pairs"]
-    slope = replace(params.slope, pairs=tuple(mended(pair, **changes) for pair in chosen))
+    slope = replace(params.slope, pairs=tuple(corrected(pair, **changes) for pair in chosen))
     new = pd.DataFrame(pair_rows(slope, sampling, world.inputs()))
     kept = others[others["pair"] != name]
     return world.numbers(claim, {"surface_pairs": pd.concat([kept, new])})
 
 
-def mended(pair, adhesion_factor=None, **rough):
+def corrected(pair, adhesion_factor=None, **rough):
     factor = pair.adhesion_factor if adhesion_factor is None else adhesion_factor
     return replace(pair, adhesion_factor=factor, rough=replace(pair.rough, **rough))
 
@@ -549,7 +549,7 @@ DYNAMICS = {
     "C38": partial(changed, steel={"diameter_um": 62e3}),
     "C39": printed_sign_of_eq_29,
     "C41": partial(changed, steel={"friction": 0.0}),
-    "C42": partial(patched, where=dynamics, COUPLES=("steady_over_friction",)),
+    "C42": partial(patched, where=dynamics, MOMENTS=("steady_over_friction",)),
     "C70": partial(recalibrated, adhesion_damping=nothing),
     "C99": undamped_family,
     "C100": without_damping,

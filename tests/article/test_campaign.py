@@ -48,7 +48,7 @@ def test_the_campaign_has_the_printed_numbers_of_experiments_and_levels(campaign
     assert not any("second" in name for table in campaign.values() for name in table.columns)
 
 
-def test_normal_impacts_are_seen_by_the_analyzer_and_the_others_imaged(rows):
+def test_normal_impacts_are_seen_by_the_analyser_and_the_others_imaged(rows):
     assert set(rows.loc[rows["angle_deg"] == 90, "instrument"]) == {"PDPA"}
     assert set(rows.loc[rows["angle_deg"] < 90, "instrument"]) == {"PTIS"}
     assert rows.loc[rows["instrument"] == "PDPA", "impulse_ratio"].isna().all()
@@ -159,7 +159,7 @@ def test_the_unknown_height_of_the_probe_selects_slow_rebounds(
     exact = {**branch["pdpa"], "probe_height_error_um": 0.0}
     found = run_study("interval_coverage", calibration, cases=cases, pdpa=exact)
     share = found["interval_coverage"]["coverage_observable"].iloc[0]
-    # What is left is of slow rebounds too: the analyzer reports their mean speed over a transit in
+    # What is left is of slow rebounds too: the analyser reports their mean speed over a transit in
     # which gravity takes most of it, and the height found from it is some 0.03 mm too low.
     assert 0.90 < share < 0.97
 

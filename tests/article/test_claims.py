@@ -267,12 +267,12 @@ def claim_of(name, function):
 # What physics says of some numbers
 
 
-def test_an_impact_rolls_too_little_for_the_couple_of_steady_rolling(value):
+def test_an_impact_rolls_too_little_for_the_moment_of_steady_rolling(value):
     """C42: hysteresis of rolling builds up over the contact's width; here it turns a part of it."""
     assert (value("C42", "largest_distance_rolled_over_contact_radius") < 0.2).all()
     impact, steady, bound = (
-        value("C42", f"largest_{name}_over_friction_couple")
-        for name in ("rolling_couple", "couple_of_steady_rolling", "bound_of_couple")
+        value("C42", f"largest_{name}_over_friction_moment")
+        for name in ("rolling_moment", "moment_of_steady_rolling", "bound_of_moment")
     )
     assert (impact < 0.1 * steady).all()
     assert (steady < bound).all()

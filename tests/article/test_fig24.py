@@ -106,8 +106,8 @@ def test_fits_follow_the_capture_velocities(tables):
     assert ratio.between(0.93, 1.03).all()
     assert ratio.std() < 0.02
     assert design[~design["in_fraction"]]["fitted_capture_velocity_m_per_s"].isna().all()
-    center = design[design["run"] == 0]
-    assert center["capture_velocity_m_per_s"].to_numpy() == pytest.approx(0.18, rel=1e-6)
+    centre = design[design["run"] == 0]
+    assert centre["capture_velocity_m_per_s"].to_numpy() == pytest.approx(0.18, rel=1e-6)
 
 
 def test_an_uncapturable_run_is_named(run_study, calibration, sampling):

@@ -1,4 +1,4 @@
-"""Neglected couples of rolling, and captured spheres that roll away."""
+"""Neglected moments of rolling, and captured spheres that roll away."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ def tables(run_study, calibration):
 
 
 @pytest.fixture(scope="module")
-def couples(tables):
+def moments(tables):
     return tables["rolling_dissipation"]
 
 
 @pytest.fixture(scope="module")
-def rebounds(couples):
-    return couples[~couples["captured"].astype(bool)]
+def rebounds(moments):
+    return moments[~moments["captured"].astype(bool)]
 
 
 @pytest.fixture(scope="module")
@@ -31,17 +31,17 @@ def away(run_study, calibration):
     return run_study("captured_rolling", calibration)
 
 
-def test_every_impact_has_a_row_and_captured_ones_are_empty(couples, settings):
+def test_every_impact_has_a_row_and_captured_ones_are_empty(moments, settings):
     branch = settings.branches["rolling_dissipation"]
     count = len(branch["diameters_um"]) * len(branch["speeds_m_per_s"]) * len(branch["angles_deg"])
-    assert len(couples) == 2 * count
-    captured = couples[couples["captured"].astype(bool)]
+    assert len(moments) == 2 * count
+    captured = moments[moments["captured"].astype(bool)]
     assert captured["impact_over_friction"].isna().all()
     # 0.18 m/s at 62 um, by calibration
-    slow = couples.query("diameter_um == 62 and speed_m_per_s == 0.2")
+    slow = moments.query("diameter_um == 62 and speed_m_per_s == 0.2")
     normal_speed = 0.2 * np.sin(np.radians(slow["angle_deg"]))
     assert (slow["captured"].astype(bool) == (normal_speed < 0.18)).all()
-    filled = couples[~couples["captured"].astype(bool)].drop(columns=["case"])
+    filled = moments[~moments["captured"].astype(bool)].drop(columns=["case"])
     assert filled.notna().all(axis=None)
 
 
@@ -67,11 +67,11 @@ def test_what_an_impact_can_develop_is_negligible_at_every_angle(rebounds):
 
 def test_a_sphere_rolls_through_little_of_its_contact_radius(rebounds):
     assert (rebounds["rolled_over_contact_radius"] < 0.15).all()
-    # roughly as far as its steady couples would have to be scaled down
+    # roughly as far as its steady moments would have to be scaled down
     assert (rebounds["impact_over_friction"] < 0.1 * rebounds["steady_over_friction"]).all()
 
 
-def test_couple_of_friction_vanishes_towards_normal_incidence(rebounds):
+def test_moment_of_friction_vanishes_towards_normal_incidence(rebounds):
     rolling = rebounds[rebounds["angle_deg"] >= 70]
     share = 2 / 7 * np.cos(np.radians(rolling["angle_deg"]))
     assert rolling["friction_over_r_m_v"].to_numpy() == pytest.approx(share.to_numpy(), rel=1e-9)
@@ -83,7 +83,7 @@ def test_sums_are_those_of_the_parts(rebounds):
         assert total.to_numpy() == pytest.approx(rebounds[f"{grade}_over_friction"].to_numpy())
 
 
-def test_ranges_of_angles(tables, couples):
+def test_ranges_of_angles(tables, moments):
     ranges = tables["rolling_ranges"].set_index(["case", "diameter_um", "speed_m_per_s", "grade"])
     steady = ranges.loc[(CONSTANT, 62.0, 1.66, "steady")]
     assert steady["negligible_to_deg"] == pytest.approx(62.5, abs=0.5)
@@ -94,7 +94,7 @@ def test_ranges_of_angles(tables, couples):
     assert impact["from_is_limit"].all()
     assert impact["to_is_limit"].all()
     assert (impact["negligible_to_deg"] == 85.0).all()
-    assert ranges["greatest_ratio"].max() == couples["bound_over_friction"].max()
+    assert ranges["greatest_ratio"].max() == moments["bound_over_friction"].max()
 
 
 def test_around_least():

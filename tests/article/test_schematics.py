@@ -197,7 +197,7 @@ def test_drawn_rebound_has_the_stated_restitution_and_friction(draw, tables, par
 
 
 def test_friction_raises_the_spin_in_the_sense_of_rolling(tables):
-    """Eq. (8) as mended: r (Omega - omega) = -(5/2) (V_t - v_t)."""
+    """Eq. (8) as corrected: r (Omega - omega) = -(5/2) (V_t - v_t)."""
     spins = [vector(tables["fig03"], "impact", f"{leg} spin")[0] for leg in ("incident", "rebound")]
     along = [
         vector(tables["fig03"], "impact", f"{leg} tangential")[0] for leg in ("incident", "rebound")

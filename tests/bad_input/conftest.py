@@ -14,7 +14,7 @@ from microimpact.run.inputs import read_inputs
 
 ROOT = Path(__file__).parents[2]
 
-DIGITIZED = """# source: made up
+DIGITISED = """# source: made up
 # licence: CC0-1.0
 # digitised_by: nobody
 series,x,y,y_low,y_high
@@ -58,5 +58,5 @@ class Declared:
 @pytest.fixture
 def declared(tmp_path: Path) -> Iterator[Declared]:
     shutil.copytree(ROOT / "config", tmp_path / "config")
-    (tmp_path / "config/digitized/fig16.csv").write_text(DIGITIZED, encoding="utf-8")
+    (tmp_path / "config/digitised/fig16.csv").write_text(DIGITISED, encoding="utf-8")
     return Declared(tmp_path)

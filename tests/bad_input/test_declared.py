@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from tests.bad_input.conftest import DIGITIZED
+from tests.bad_input.conftest import DIGITISED
 
 from microimpact.declared.selection import NamedTables
 
@@ -11,7 +11,7 @@ CONFIG, MATERIALS, CONTACTS = "config.yaml", "materials.csv", "contacts.csv"
 LABORATORY, MODELS, EXPERIMENTS = (
     f"{name}.yaml" for name in ("laboratory", "analyses/models", "analyses/experiments")
 )
-PRINTED, FIGURES, POINTS = "printed_values.csv", "figures.yaml", "digitized/fig16.csv"
+PRINTED, FIGURES, POINTS = "printed_values.csv", "figures.yaml", "digitised/fig16.csv"
 
 RESTITUTION = "restitution: {value: 0.80, evidence: derived,"
 STEEL = "stainless-steel-316,youngs_modulus,193,GPa,,,found,maker's data sheets of AISI 316"
@@ -25,8 +25,8 @@ CASES = [
     (CONFIG, "seed: {value: 20011,", "seed: {value: 20011", ["config.yaml, line 10", "not valid YAML"]),
     (CONFIG, "seed: {", "\tseed: {", ["config.yaml, line 10, column 1", "\\t"]),
     (CONFIG, "seed: {", "seed: [", ["config.yaml, line 10", "not valid YAML"]),
-    (CONFIG, "materials: config/materials.csv", "materials: a\nmaterials: b", ["config.yaml, line", "'materials' stands there twice"]),
-    (MODELS, "coulomb_friction:\n", "coulomb_friction:\n  points: 3\n", ["'points' stands there twice"]),
+    (CONFIG, "materials: config/materials.csv", "materials: a\nmaterials: b", ["config.yaml, line", "'materials' is given twice"]),
+    (MODELS, "coulomb_friction:\n", "coulomb_friction:\n  points: 3\n", ["'points' is given twice"]),
     (CONFIG, "seed: {value: 20011,", "seed: {value: *nowhere,", ["config.yaml, line 10", "undefined alias"]),
     (CONFIG, "seed: {", "seed: !!python/object/apply:os.system ['true']\nother: {", ["config.yaml, line 10", "could not determine a constructor"]),
     (CONFIG, "seed: {", "seed: \x07{", ["config.yaml", "not valid YAML"]),
@@ -62,7 +62,7 @@ CASES = [
     (MODELS, "surface: molybdenum", "surface: silicon", ["force_history.surface: 'ammonium-fluorescein on silicon' is not declared in config/contacts.csv"]),
     (MODELS, "- plateau_end_angle", "- plateau_end", ["oblique_impact.anchors[0]: 'plateau_end' is not declared in config/printed_values.csv", "did you mean 'plateau_end_angle'?"]),
     (CONFIG, "materials: config/materials.csv", "materials: config/material.csv", ["config/material.csv"]),
-    (CONFIG, "digitized: config/digitized", "digitized: config/nowhere", ["digitized: 'config/nowhere' must be a folder"]),
+    (CONFIG, "digitised: config/digitised", "digitised: config/nowhere", ["digitised: 'config/nowhere' must be a folder"]),
     (CONFIG, "figures: config/figures.yaml", "figures: config/materials.csv", ["config/materials.csv"]),
     # references
     (MODELS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speeds.nominl}", ["oblique_impact.speed_m_per_s.from: 'speeds.nominl' is not declared (did you mean 'nominal'?)"]),
@@ -143,7 +143,7 @@ def test_there_are_many_of_them():
 
 def test_unspoilt_inputs_are_read(declared):
     settings, found = declared.read()
-    assert "fig16" in found.digitized
+    assert "fig16" in found.digitised
     assert set(settings.rows) == set(settings.branches)
     assert not settings.unused
 
@@ -183,7 +183,7 @@ def test_a_byte_order_mark_and_other_line_ends_do_no_harm(declared):
     for name in (CONFIG, MATERIALS, CONTACTS, FIGURES):
         text = (declared.root / "config" / name).read_text(encoding="utf-8")
         declared.write(name, b"\xef\xbb\xbf" + text.replace("\n", "\r\n").encode())
-    declared.write(POINTS, DIGITIZED.replace("\n", "\r\n").encode())
+    declared.write(POINTS, DIGITISED.replace("\n", "\r\n").encode())
     assert declared.read()[0].general.seed == 20011
 
 

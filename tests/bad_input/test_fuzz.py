@@ -11,7 +11,7 @@ from microimpact.declared.documents import ConfigError, load
 from microimpact.declared.selection import MATERIAL_COLUMNS, SelectionError, read_declared
 from microimpact.figures.registry import RegistryError, registry
 from microimpact.ledgers.claims.criteria import ClaimsError, read_claims
-from microimpact.run.digitised import DigitizedError, read_points
+from microimpact.run.digitised import DigitisedError, read_points
 
 fuzz = settings(
     deadline=None,
@@ -100,7 +100,7 @@ def test_a_spoilt_declared_table(tmp_path, change):
 def test_digitised_points(tmp_path, figure, content):
     try:
         points = read_points(written(tmp_path, content), figure)
-    except DigitizedError as error:
+    except DigitisedError as error:
         one_line_each(error)
     else:
         assert len(points.table)

@@ -49,9 +49,9 @@ def test_a_wrong_unit_column_is_named(tmp_path):
 
 
 def test_unknown_evidence_is_refused():
-    with pytest.raises(ValueError, match="evidence: 'measured' must be one of"):
+    with pytest.raises(ValueError, match="evidence: 'guessed' must be one of"):
         tables.series_frame(
-            panel="p", series="s", evidence="measured", x=1, y=1, x_unit="m", y_unit="m"
+            panel="p", series="s", evidence="guessed", x=1, y=1, x_unit="m", y_unit="m"
         )
 
 

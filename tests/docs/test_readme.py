@@ -13,7 +13,7 @@ from tests.docs.blocks import PAGES, ROOT
 from microimpact.ledgers.claims.deviations import computed_numbers, verdict_counts
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-TABLES = ROOT / "tests/reference/tables"
+TABLES = ROOT / "tests/reference/full/tables"
 CLAIMS = pd.read_csv(TABLES / "claims.csv", keep_default_na=False).set_index("id")
 EQUATIONS = pd.read_csv(TABLES / "equations.csv", keep_default_na=False)
 FINDINGS = re.findall(r"^\| (C\d+) \| (.+) \| (.+) \|$", README, flags=re.MULTILINE)

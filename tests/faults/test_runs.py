@@ -1,4 +1,4 @@
-"""Runs: the same bytes however they are made; what disturbs them is told, and mended by the next.
+"""Runs: the same bytes however they are made; a disturbance is reported, the next run repairs it.
 
 Twice, on one core or two, killed and resumed, elsewhere: figures included, all bytes are the same.
 Each such run has another seed of Python's hashes, since none of the caller's PYTHON* variables is

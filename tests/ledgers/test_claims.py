@@ -75,8 +75,8 @@ def test_verdict_follows_from_criteria_and_cases(changes, values, expected):
 def test_the_row_tells_numbers_criterion_and_what_failed():
     row = verdicts({"C01": claim()}, numbers(("C01", "", "e", 0.8, "-"), GOOD[1])).iloc[0]
     assert row["computed_value"] == "e = 0.8; v = 1 m/s"
-    assert row["criterion"] == "e 0.7 within 0.05"
-    assert row["note"] == "e = 0.8 is not 0.7 within 0.05"
+    assert row["criterion"] == "e 0.7 ± 0.05"
+    assert row["note"] == "e = 0.8 (required: 0.7 ± 0.05)"
     assert row["verdict"] == "not reproduced"
     assert row["code"] == "study.c"
 
@@ -93,7 +93,7 @@ def test_the_row_has_the_columns_of_the_contract_and_the_code():
 def test_the_note_tells_what_was_amended():
     changes = [{"part": "criteria", "was": "a.", "now": "b", "reason": "c."}]
     row = verdicts({"C01": claim(amendments=changes)}, numbers(*GOOD)).iloc[0]
-    assert row["note"] == "because | Amended criteria: was a; now b. c."
+    assert row["note"] == "because | Changed after first judging, criteria: was a; now b. c."
 
 
 @pytest.mark.parametrize(
@@ -180,6 +180,7 @@ def residuals(*rows):
         "figure": "fig17",
         "panel": "friction",
         "points": "0.15",
+        "points_evidence": "digitised",
         "series": "a",
         "named": True,
         "evidence": "computed",

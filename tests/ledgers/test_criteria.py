@@ -97,7 +97,7 @@ def test_a_number_that_fixed_a_parameter_proves_nothing(key):
 
 
 def test_a_misprinted_equation_is_named_where_it_decides():
-    # a mended equation must be undone by its printed form, which then fails
+    # a corrected equation must be undone by its printed form, which then fails
     for claim in CLAIMS.values():
         if claim.positive == "reproduced with a correction":
             assert claim.break_.expect == "not reproduced"
@@ -213,7 +213,7 @@ UNTESTABLE = {"criteria": REMOVED, "quantities": REMOVED, "break": REMOVED}
         (changed(verdicts=["reproduced", "reproduced", "not reproduced"]), "C01: verdicts must"),
         (
             changed(verdicts=["reproduced", "not reproduced", "not testable"]),
-            "C01: 'not testable' must stand alone",
+            "C01: 'not testable' must be the only one",
         ),
         (changed(verdicts=["not testable"]), "C01: a claim that is not testable has no criteria"),
         (

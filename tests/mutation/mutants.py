@@ -244,7 +244,7 @@ SLIPS = (
         ("model/dynamics/test_normal",),
     ),
     Mutant(
-        "the backward film damps adhesion with the wrong sign",
+        "time reversal damps adhesion with the wrong sign",
         f"{MODEL}/dynamics/capture.py",
         "problems[:, kernel.DAMPING_1] = -adhesion_group",
         "problems[:, kernel.DAMPING_1] = adhesion_group",
@@ -342,7 +342,7 @@ SLIPS = (
         ("lab/ptis/test_oblique_incidence",),
     ),
     Mutant(
-        "couple of hysteresis: 3/8 for 3/16",
+        "moment of hysteresis: 3/8 for 3/16",
         f"{MODEL}/dynamics/rolling.py",
         "return 3.0 / 16.0 * loss * contact_radius",
         "return 3.0 / 8.0 * loss * contact_radius",

@@ -23,7 +23,7 @@ STAMP = {
     "ended": DATE,
     "git": {"commit": None, "dirty": None},
     "packages": {"microimpact": "0.1.0", "numpy": "2.4.6", "snakemake": "9.27.1", "absent": None},
-    "config": {"materials": "config/materials.csv", "digitized": "config/digitized", "seed": 1},
+    "config": {"materials": "config/materials.csv", "digitised": "config/digitised", "seed": 1},
 }
 PROJECT = {
     "Snakefile": 'include: "workflow/rules/a.smk"\n',
@@ -31,8 +31,8 @@ PROJECT = {
     "config/config.yaml": "seed: 1\n",
     "config/unused.yaml": "seed: 2\n",
     "config/materials.csv": "material\nsteel\n",
-    "config/digitized/fig14.csv": "x,y\n1,2\n",
-    "config/digitized/README.md": "points\n",
+    "config/digitised/fig14.csv": "x,y\n1,2\n",
+    "config/digitised/README.md": "points\n",
     "workflow/rules/a.smk": "",
     "workflow/scripts/run_study.py": "",
 }
@@ -200,7 +200,7 @@ def test_run_crate_the_run_has_the_main_workflow_as_its_instrument(entities, act
 def test_run_crate_objects_are_the_declared_inputs_and_no_others(entities, action):
     assert ids(action["object"]) == [
         "crate/config/config.yaml",
-        "crate/config/digitized/fig14.csv",
+        "crate/config/digitised/fig14.csv",
         "crate/config/materials.csv",
     ]
     for name in ids(action["object"]):

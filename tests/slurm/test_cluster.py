@@ -1,4 +1,4 @@
-"""A part of the study as jobs of a real Slurm on this machine: same bytes, failures mended.
+"""A part of the study as jobs of a real Slurm on this machine: same bytes, failures repaired.
 
 Run by `make test-slurm`, which installs what is needed and sets MICROIMPACT_SLURM.
 """

@@ -722,7 +722,7 @@ def test_sample_file_draws_its_values(tmp_path):
         (("a", "b"), ((2.0, 0.5), (0.5, 1.0)), "ones on its diagonal"),
         (("a", "b"), ((1.0, 1.0), (1.0, 1.0)), "positive definite"),
         (("a", "b"), ((1.0, 1.5), (1.5, 1.0)), "positive definite.*-0.5"),
-        (("a", "a"), ((1.0, 0.5), (0.5, 1.0)), "'a' stands there more than once"),
+        (("a", "a"), ((1.0, 0.5), (0.5, 1.0)), "'a' is given more than once"),
     ],
 )
 def test_bad_correlations_are_refused(names, matrix, message):

@@ -104,7 +104,7 @@ use rule study as particle_separation with:
 use rule study as digitised_comparison with:
     """tables/digitised_residuals.csv: digitised points against the series of their panels."""
     input:
-        **data(*(table for name in DIGITIZED for table in FIGURES[name].data)),
+        **data(*(table for name in DIGITISED for table in FIGURES[name].data)),
     output:
         **tables("digitised_residuals"),
     pathvars:

@@ -66,7 +66,7 @@ except (ValueError, OSError) as error:
     raise WorkflowError(f"problems in the declared inputs:\n{error}") from None
 
 RESULTS = Path(workflow.pathvars.apply("<results>"))
-FIGURES, FIGURE_ENTRIES, DIGITIZED = INPUTS.figures, INPUTS.figure_entries, INPUTS.digitized
+FIGURES, FIGURE_ENTRIES, DIGITISED = INPUTS.figures, INPUTS.figure_entries, INPUTS.digitised
 
 
 def tables(*names):
@@ -124,7 +124,7 @@ def inputs_behind(*names):
     for name in names:
         if name in FIGURES:
             told += [FIGURE_ENTRIES[name], inputs_behind(FIGURES[name].study)]
-            told += [Path(DIGITIZED[name].path).read_text()] if name in DIGITIZED else []
+            told += [Path(DIGITISED[name].path).read_text()] if name in DIGITISED else []
         else:
             told += [SETTINGS.branches[name], INPUTS.rows[name]]
             told += [Path(path).read_text() for path in sample_files(name)]

@@ -13,7 +13,7 @@ for job, drawn in FIGURE_JOBS.items():
             job
         input:
             **data(*(table for figure in drawn for table in FIGURES[figure].data)),
-            **{f"{name}_digitised": DIGITIZED[name].path for name in drawn if name in DIGITIZED},
+            **{f"{name}_digitised": DIGITISED[name].path for name in drawn if name in DIGITISED},
         output:
             [
                 report(

@@ -117,7 +117,7 @@ use rule study as capture_velocities with:
 
 
 use rule study as rolling_dissipation with:
-    """tables/rolling_dissipation.csv, rolling_ranges.csv: neglected couples; data/rolling.csv."""
+    """tables/rolling_dissipation.csv, rolling_ranges.csv: neglected moments; data/rolling.csv."""
     input:
         **needs("rolling_dissipation"),
     output:

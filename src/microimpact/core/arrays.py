@@ -67,7 +67,7 @@ def checked(name: str, value: object, allowed: Range = FINITE) -> Real:
         If a number is not finite or not in range.
     """
     if type(value) is float and math.isfinite(value) and allowed.contains(value):
-        return value  # most often, and as it stands
+        return value  # most often, and unchanged
     try:
         array = np.asarray(value)
     except ValueError:

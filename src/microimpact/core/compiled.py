@@ -1,6 +1,6 @@
 """Numba's compiler, with its cache on disk where there is a place for it.
 
-The cache stands beside the source, else in the user's cache directory; ``NUMBA_CACHE_DIR`` names
+The cache is kept beside the source, else in the user's cache directory; ``NUMBA_CACHE_DIR`` names
 another place. Where none can be written (an installation for reading only, without a home), every
 process compiles anew, in some seconds.
 

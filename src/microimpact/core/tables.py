@@ -22,17 +22,30 @@ RESULT_EVIDENCE = (
     "printed",
     "virtual experiment",
     "digitised",
+    "measured",
     "calibrated",
     "assumed",
 )
 
-# Series of digitised points begin so, in every table: none is taken for another series, nor for
-# a number, and the legend says what it is.
-POINTS = "digitised: "
+# Evidence of points that a user drops in: read off the article, or measured.
+POINTS = ("digitised", "measured")
 
 
 class TableError(ValueError):
     """A table file that does not have the agreed form."""
+
+
+def points_series(evidence: str, name: str) -> str:
+    """Return how a series of points is called: no table takes it for another one or a number."""
+    return f"{evidence}: {name}"
+
+
+def points_parts(series: str) -> tuple[str, str]:
+    """Return evidence and name of a series of points, as `points_series` has put them together."""
+    evidence, _, name = series.partition(": ")
+    if evidence not in POINTS:
+        raise ValueError(f"series {series!r} must begin with {' or '.join(POINTS)} and a colon")
+    return evidence, name
 
 
 def series_frame(
@@ -62,7 +75,7 @@ def series_frame(
     y_low, y_high
         Ends of the interval around y, if there is one.
     x_unit, y_unit
-        Units as they stand in column names: ``deg``, ``m_per_s``, ``1`` for a pure number.
+        Units as in column names: ``deg``, ``m_per_s``, ``1`` for a pure number.
 
     Returns
     -------
@@ -105,7 +118,7 @@ def write_table(table: pd.DataFrame, path: Path | str) -> None:
 
 
 def read_table(path: Path | str, columns: Sequence[str] | None = None) -> pd.DataFrame:
-    """Read a CSV table; empty fields are missing values, all else is taken as it stands.
+    """Read a CSV table; empty fields are missing values, all else is taken unchanged.
 
     Parameters
     ----------
@@ -181,5 +194,5 @@ def check_columns(found: Sequence[str], expected: Sequence[str], name: str) -> N
     surplus = [column for column in found if column not in expected]
     parts = [f"column {m!r} is missing" for m in missing]
     parts += [f"column {s!r} is not expected" for s in surplus]
-    detail = ", ".join(parts) or f"columns stand in another order than {', '.join(expected)}"
+    detail = ", ".join(parts) or f"columns are in another order than {', '.join(expected)}"
     raise TableError(f"{name}: {detail}")

@@ -21,7 +21,7 @@ DEEPEST = 100
 
 
 class _Unique:
-    """Plain values only; a key that stands twice would replace the first without a word."""
+    """Plain values only; a key that is given twice would silently replace the first."""
 
     def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:
         seen = set()
@@ -29,7 +29,7 @@ class _Unique:
             if isinstance(key.value, str) and key.value != "<<":
                 if key.value in seen:
                     raise yaml.MarkedYAMLError(
-                        problem=f"the key {key.value!r} stands there twice",
+                        problem=f"the key {key.value!r} is given twice",
                         problem_mark=key.start_mark,
                     )
                 seen.add(key.value)
@@ -49,7 +49,7 @@ class _FastLoader(_Unique, getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # ty
 def _read(text: str) -> object:
     """Return the content of a document, by the fast loader where that is safe and finds no fault.
 
-    What is wrong is told by the slow one, so that its words do not depend on the installation.
+    Errors are reported by the slow one, so that messages do not depend on the installation.
     """
     try:
         if _is_shallow(text):

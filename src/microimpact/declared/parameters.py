@@ -191,7 +191,7 @@ def _adapter(kind: Any) -> TypeAdapter[Any]:
 
 
 def nested(kind: type) -> Iterable[type]:
-    """Yield every dataclass that stands, at any depth, in the annotations of another."""
+    """Yield every dataclass that occurs, at any depth, in the annotations of another."""
     for hint in typing.get_type_hints(kind).values():
         for found in _dataclasses_in(hint):
             yield found
@@ -295,7 +295,7 @@ def _keys(kind: Any, location: Iterable[str | int]) -> list[str]:
 
 
 def _without_tags(kind: Any, location: Iterable[str | int]) -> list[str | int]:
-    """Return a location as it stands in the file: the validator adds which variant it took."""
+    """Return a location as in the file: the validator adds which variant it took."""
     parts: list[str | int] = []
     for part in location:
         if _variant(kind, part) is None:

@@ -1,6 +1,6 @@
 """Declared values: a value together with its evidence class and its source.
 
-In the configuration a number stands as ``{value: 62, evidence: printed, source: "..."}``
+In the configuration a number is written as ``{value: 62, evidence: printed, source: "..."}``
 (``values:`` for a list). A bare number, as an overlay may give it, is the user's own.
 """
 
@@ -15,7 +15,7 @@ from typing import Any
 from microimpact.core.nearest import nearest
 
 EVIDENCE = (
-    "printed",  # stands in the article's text
+    "printed",  # given in the article's text
     "found",  # taken from a public source, which is named
     "textbook",  # a handbook value
     "derived",  # follows from the classes above
@@ -186,7 +186,7 @@ def unit_of(key: str) -> str:
 
 
 def as_text(value: object) -> str:
-    """Return a value as it stands in a table: the same for 30 and 30.0."""
+    """Return a value as in a table: the same for 30 and 30.0."""
     return repr(value).removesuffix(".0") if isinstance(value, float) else str(value)
 
 

@@ -62,7 +62,7 @@ class DeclaredTable:
 
 
 class NamedTables(dict[str, Any]):
-    """Tables of a study by name; one that is missing is told in words."""
+    """Tables of a study by name; one that is missing is named in the error."""
 
     def __missing__(self, name: str) -> Any:
         raise SelectionError(f"no rows of {name!r}: the study's branch must name some")
@@ -165,7 +165,7 @@ class DeclaredTables:
     def named(
         self, named: Iterable[tuple[str, str]], bodies: Mapping[str, tuple[str, str]]
     ) -> dict[str, str]:
-        """Return the rows a branch names, by the name its study knows them by, as CSV.
+        """Return the rows a branch names, by the name that its study uses, as CSV.
 
         Parameters
         ----------

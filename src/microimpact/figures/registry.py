@@ -50,7 +50,7 @@ class PanelSpec:
     """Axes of one panel, and its series in the order of the legend.
 
     `shows` names the panel of the data if it is not the one of the same name, as for an
-    enlarged view. A legend `above` stands over all panels, clear of every curve. Axes grow
+    enlarged view. A legend `above` is over all panels, clear of every curve. Axes grow
     where data lie outside; the upright one does not if `fixed`.
     """
 
@@ -70,7 +70,7 @@ class PanelSpec:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DataSpec:
-    """Units of one table of figure data, as they stand in its column names."""
+    """Units of one table of figure data, as in its column names."""
 
     x: Name
     y: Name
@@ -158,7 +158,7 @@ _PLACE = re.compile(r"\[\[([\w.]+)(?::([^\]]*))?\]\]")
 def filled(entries: Mapping[str, Any], branches: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
     """Put values of each figure's study into its words.
 
-    ``[[friction]]`` or ``[[friction:.2f]]`` in any text of an entry stands for the parameter
+    ``[[friction]]`` or ``[[friction:.2f]]`` in any text of an entry is replaced by the parameter
     of that name, ``[[targets.speed]]`` for one within another, so that no word on a figure
     contradicts a changed configuration.
 

@@ -18,7 +18,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from microimpact.core.files import write_file
-from microimpact.core.tables import POINTS
+from microimpact.core.tables import POINTS, points_parts
 from microimpact.figures.registry import FigureSpec, PanelSpec, SeriesSpec
 
 STYLE_FILE = Path(__file__).with_name("microimpact.mplstyle")
@@ -28,13 +28,15 @@ MM_PER_INCH = 25.4
 # Room that an entry of the key takes: its mark, and a letter of its label.
 KEY_MARK_MM, KEY_LETTER_MM = 11.0, 1.0
 
-# How a mark tells what it rests on; lines are computed, marks come from elsewhere.
+# How a mark shows its evidence; lines are computed, marks come from elsewhere. A calibrated line
+# has ticks, which nobody takes for measured points.
 EVIDENCE: dict[str, dict[str, Any]] = {
     "computed": {"linestyle": "solid"},
-    "calibrated": {"linestyle": "solid", "marker": "s", "markevery": 0.1},
+    "calibrated": {"linestyle": "solid", "marker": "|", "markevery": 0.05},
     "printed": {"linestyle": "none", "marker": "D", "markerfacecolor": "white"},
     "virtual experiment": {"linestyle": "none", "marker": "o"},
     "digitised": {"linestyle": "none", "marker": "x", "zorder": 4},
+    "measured": {"linestyle": "none", "marker": "x", "zorder": 4},
     "assumed": {"linestyle": "none", "marker": "+"},
 }
 EVIDENCE_LABEL = {
@@ -43,6 +45,7 @@ EVIDENCE_LABEL = {
     "printed": "printed in the article",
     "virtual experiment": "virtual experiment",
     "digitised": "digitised from the article",
+    "measured": "measured, own points",
     "assumed": "assumed",
 }
 
@@ -60,7 +63,7 @@ def context() -> Iterator[None]:
 def new_figure(spec: FigureSpec, columns: int | None = None) -> tuple[Figure, dict[str, Axes]]:
     """Return an empty figure with its panels, by name, axes set up.
 
-    The panels stand side by side, or in rows of so many columns.
+    The panels are side by side, or in rows of so many columns.
     """
     size = WIDTH_MM[spec.width] / MM_PER_INCH, spec.height_mm / MM_PER_INCH
     figure = Figure(figsize=size)
@@ -96,16 +99,16 @@ def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> li
     panel
         Words and styles; a series it does not name is drawn under its own name.
     name
-        Which panel of the data to draw; digitised points in it are laid over all else.
+        Which panel of the data to draw; points of the user's are laid over all else.
 
     Returns
     -------
     list
-        Entries of the digitised series, for the key below the figure.
+        Entries of the series of points, for the key below the figure.
     """
     x, y = table.columns[3], table.columns[4]
     rows = table[table["panel"] == (panel.shows or name)]
-    is_point = rows["evidence"] == "digitised"
+    is_point = rows["evidence"].isin(POINTS)
     entries = overlay(ax, rows[is_point], panel)
     rows = rows[~is_point]
     if rows.empty:
@@ -133,14 +136,14 @@ def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> li
 
 
 def overlay(ax: Axes, points: pd.DataFrame, panel: PanelSpec) -> list[Line2D]:
-    """Draw digitised points of one panel, above all else; the axes grow to hold them.
+    """Draw the user's points of one panel, above all else; the axes grow to show them.
 
     Parameters
     ----------
     ax
         Axes of the panel, their scales as they will be.
     points
-        Figure data of digitised series alone; may be empty.
+        Figure data of digitised or measured series alone; may be empty.
     panel
         Series of the same name, or beginning with it and a comma, give a series its colour.
 
@@ -158,11 +161,11 @@ def overlay(ax: Axes, points: pd.DataFrame, panel: PanelSpec) -> list[Line2D]:
         ax.set_ylim(widened(ax.get_ylim(), heights, log=ax.get_yscale() == "log"))
     entries = []
     for number, (series, rows) in enumerate(points.groupby("series", sort=False)):
-        name = str(series).removeprefix(POINTS)
+        evidence, name = points_parts(str(series))
         colour = _points_colour(name, panel, number)
-        _draw_series(ax, rows, (x, y), "digitised", SeriesSpec(label=name), colour, None)
+        _draw_series(ax, rows, (x, y), evidence, SeriesSpec(label=name), colour, None)
         label = str(series).replace("$", r"\$")
-        entries.append(Line2D([], [], color=colour, label=label, **_key_look("digitised")))
+        entries.append(Line2D([], [], color=colour, label=label, **_key_look(evidence)))
     return entries
 
 
@@ -229,9 +232,9 @@ def evidence_key(
     loc: Literal["outside lower center", "outside upper center"] = "outside lower center",
     labels: Mapping[str, str] | None = None,
 ) -> None:
-    """Say below the figure which marks are computed, printed, measured on virtual particles.
+    """Say below the figure which marks are computed, printed or virtual experiments.
 
-    Entries of digitised series follow, each name and colour once. ``loc`` may be another place,
+    Entries of series of points follow, each name and colour once. ``loc`` may be another place,
     and ``labels`` replace words, as of what was printed elsewhere than in the article.
     """
     present = [name for name in EVIDENCE if name in set(evidence)]
@@ -242,7 +245,7 @@ def evidence_key(
     handles += {(str(e.get_label()), str(e.get_color())): e for e in entries}.values()
     width = figure.get_figwidth() * MM_PER_INCH
     columns = 5 if width > WIDTH_MM["single"] + 1 else 3
-    if "digitised" in present:
+    if set(POINTS) & set(present):
         longest = max(len(str(handle.get_label())) for handle in handles)
         columns = max(1, min(columns, int(width / (KEY_MARK_MM + KEY_LETTER_MM * longest))))
     columns = min(len(handles), columns)

@@ -1,4 +1,4 @@
-"""What happens to each particle, and what an instrument tells of it."""
+"""What happens to each particle, and what an instrument reports of it."""
 
 from __future__ import annotations
 

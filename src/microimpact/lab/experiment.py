@@ -142,8 +142,8 @@ class Drop:
             f"{self.speed:g} m/s",
             f"{self.angle:g} deg",
         )
-        digest = hashlib.sha256(", ".join(words).encode()).digest()
-        return tuple(int.from_bytes(digest[k : k + 4], "big") for k in (0, 4))
+        hashed = hashlib.sha256(", ".join(words).encode()).digest()
+        return tuple(int.from_bytes(hashed[k : k + 4], "big") for k in (0, 4))
 
     def tabulated(self) -> Drop:
         """Return the same with a table of normal impacts, see `Target.tabulated`."""

@@ -15,7 +15,7 @@ from microimpact.lab.surface import rough
 from microimpact.model import warm
 from microimpact.model.contact import Contact
 
-ANALYZER = pdpa.Instrument(
+ANALYSER = pdpa.Instrument(
     probe_height_mm=1.0,
     probe_height_error_um=0.0,
     initial_estimate_error=0.0,
@@ -45,8 +45,8 @@ def main() -> None:
     contact = Contact(particle=body, surface=body, diameter=5e-5, work_of_adhesion=0.1)
     target = Target(contact=contact, surface=rough(0.1))
     target.hit(impacts.diameter, impacts.velocity, impacts.spin, rng)
-    pdpa.passages(impacts, 1e-3, ANALYZER)
-    pdpa.through_probe(impacts.position, impacts.velocity, 1e-3, ANALYZER)
+    pdpa.passages(impacts, 1e-3, ANALYSER)
+    pdpa.through_probe(impacts.position, impacts.velocity, 1e-3, ANALYSER)
 
 
 SPEED, ANGLE = 1.66, np.radians(60.0)

@@ -113,8 +113,8 @@ def hertz_damping_for(contact: Contact, speed: float, restitution: float) -> Con
 
     if excess(0.0) < 0.0:
         raise NoSolutionError(
-            f"the adhesion damping alone brings e at {speed:g} m/s down to "
-            f"{excess(0.0) + restitution:.4g}, below the target {restitution:g}"
+            f"the adhesion damping alone lowers e at {speed:g} m/s to {excess(0.0) + restitution:.4g},"
+            f" below the target {restitution:g}: raise the work of adhesion or the rate exponent"
         )
     root = _falling_root(excess, LARGEST_DAMPING / speed, float(contact.hertz_damping))
     return contact.replace(hertz_damping=root)
@@ -137,7 +137,7 @@ def damping_factor_for(contact: Contact, speed: float, restitution: float) -> Co
 
     def excess(factor: float) -> float:
         e = float(normal_impact(scaled(factor), speed).coefficient_of_restitution)
-        # Zero below capture is flat; any negative number tells the search that it went too far.
+        # Zero below capture is flat; any negative number ends the search there.
         return e - restitution if e > 0.0 else -1.0
 
     return scaled(_falling_root(excess, LARGEST_DAMPING))
@@ -146,8 +146,8 @@ def damping_factor_for(contact: Contact, speed: float, restitution: float) -> Co
 def adhesion_damping_for(contact: Contact, capture_speed: float) -> Contact:
     """Choose c_A to meet a capture velocity.
 
-    An impact at the capture velocity knows its damping at that speed only, whatever the exponent of
-    its rate: that damping is sought, and referred back to the reference velocity.
+    An impact at the capture velocity depends on its damping at that speed only, whatever its rate
+    exponent: that damping is sought, and referred back to the reference velocity.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Closed forms from the literature, to stand beside the model: capture velocities, restitution.
+"""Closed forms from the literature, to compare with the model: capture velocities, restitution.
 
 Used by the studies and by the tests alike. Arguments are SI numbers or arrays that broadcast.
 """
@@ -38,7 +38,7 @@ def brach_dunn_velocity(contact: Contact) -> Real:
 
     ``v_c = (2 Ebar/d)^(10/7)``, ``Ebar = 0.51 (5 pi^2 (k_1 + k_2) / (4 rho^(3/2)))^(2/5)``; in
     this form, spread by El-Batsh, codes for the deposition of particles in flows rely on it. No
-    energy of adhesion stands in it: the constant 0.51 is dimensional (SI) and holds for one
+    energy of adhesion occurs in it: the constant 0.51 is dimensional (SI) and is valid for one
     adhesion, whatever the surfaces.
     """
     compliance = 4.0 / (3.0 * np.pi * contact.hertz_stiffness)

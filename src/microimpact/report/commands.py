@@ -10,6 +10,8 @@ from pathlib import Path
 import click
 
 REFERENCE = Path("tests/reference")
+# Tables of a full run that the pages of the documentation read.
+FULL = REFERENCE / "full"
 
 _folder = click.Path(path_type=Path)
 _reference_option = click.option(
@@ -129,6 +131,30 @@ def deviations_command(
         write_file(output, page)
     else:
         click.echo(page, nl=False)
+
+
+@click.command("pages")
+@click.argument("results", type=_folder, default=FULL)
+@click.option("--docs", type=_folder, default=Path("docs"), show_default=True, help="Of the pages.")
+@click.option(
+    "--tables", type=_folder, default=FULL, show_default=True, help="Where tables are kept."
+)
+@click.option("--check", is_flag=True, help="Write nothing; end with 1 if a page would change.")
+def pages_command(results: Path, docs: Path, tables: Path, check: bool) -> None:
+    """Write the pages of the documentation whose numbers come from RESULTS, a full run.
+
+    Without RESULTS, the pages are written again from the tables that are kept.
+    """
+    from microimpact.core.materials import declared_file
+    from microimpact.report.documents import outdated, renew
+
+    criteria = declared_file("claims.yaml")
+    if check:
+        names = outdated(results, docs, criteria)
+        click.echo("\n".join(f"{docs / name}: would change" for name in names) or "no page changes")
+        raise SystemExit(bool(names))
+    changed = renew(results, docs, criteria, tables)
+    click.echo("\n".join(map(str, changed)) or "no page changes")
 
 
 @click.command("timings")

@@ -43,7 +43,7 @@ class General:
     printed_values: Name
     figures: Name
     claims: Name
-    digitized: Name
+    digitised: Name
     pathvars: Pathvars = field(default_factory=Pathvars)
 
     @property

@@ -1,6 +1,6 @@
-"""Digitised points of the article's figures, as a user drops them in, one file per figure.
+"""Points of the article's figures, digitised or measured, dropped in as one file per figure.
 
-The form of a file stands in ``config/digitized/README.md``. Every problem is one line with the
+The form of a file stands in ``config/digitised/README.md``. Every problem is one line with the
 file, the line and the column.
 """
 
@@ -15,14 +15,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from microimpact.core.nearest import nearest
-from microimpact.core.tables import POINTS, TableError, check_columns, figure_columns
+from microimpact.core.tables import TableError, check_columns, figure_columns, points_series
 from microimpact.figures.registry import FigureSpec, PanelSpec
 
 # Loaded where there are points.
 if TYPE_CHECKING:
     import pandas as pd
 
-HEADER_KEYS = ("source", "licence", "digitised_by")
+HEADER_KEYS = ("source", "licence", "digitised_by", "measured_by")
+# Who read points off the article, or measured them: one of both, which gives the evidence.
+ORIGINS = {"digitised_by": "digitised", "measured_by": "measured"}
 COLUMNS = ("series", "x", "y", "y_low", "y_high")
 CANONICAL = ("panel", *COLUMNS)
 # More would not fit below the narrowest figure.
@@ -39,12 +41,12 @@ Numbered = tuple[int, str]
 Row = tuple[str, str, float, float, float | None, float | None]
 
 
-class DigitizedError(ValueError):
+class DigitisedError(ValueError):
     """Files of digitised points with problems: one line each."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Digitized:
+class Digitised:
     """Digitised points of one figure.
 
     Attributes
@@ -53,22 +55,25 @@ class Digitized:
         Name of the figure.
     path
         The file.
-    source, licence, digitised_by
-        Where the points come from, on which terms, and who read them off.
+    source, licence, by
+        Where the points come from, on which terms, and who read them off or measured them.
+    evidence
+        ``digitised`` or ``measured``.
     table
-        Columns `CANONICAL`: the panel whose data are drawn there, the series as `POINTS` and its
-        name, x and y in the units of the figure, the ends of the bar, NaN where there is none.
+        Columns `CANONICAL`: the panel whose data are drawn there, the series as `points_series`
+        calls it, x and y in the units of the figure, the ends of the bar, NaN where there is none.
     """
 
     figure: str
     path: str
     source: str
     licence: str
-    digitised_by: str
+    by: str
+    evidence: str
     table: pd.DataFrame
 
 
-def read_folder(folder: str, figures: Mapping[str, FigureSpec]) -> dict[str, Digitized]:
+def read_folder(folder: str, figures: Mapping[str, FigureSpec]) -> dict[str, Digitised]:
     """Read every file of digitised points in a folder.
 
     Parameters
@@ -85,12 +90,12 @@ def read_folder(folder: str, figures: Mapping[str, FigureSpec]) -> dict[str, Dig
 
     Raises
     ------
-    DigitizedError
+    DigitisedError
         Naming every problem of every file, one line each; also for a file that belongs to no
         figure, or to a schematic.
     """
     if not Path(folder).is_dir():
-        raise DigitizedError(f"digitized: {folder!r} must be a folder")
+        raise DigitisedError(f"digitised: {folder!r} must be a folder")
     found, problems = {}, []
     for file in sorted(Path(folder).iterdir()):
         if file.name == "README.md" or file.name.startswith(".") or file.name.endswith("~"):
@@ -98,12 +103,12 @@ def read_folder(folder: str, figures: Mapping[str, FigureSpec]) -> dict[str, Dig
         try:
             spec = _figure_of(file, figures)
             found[spec.name] = read_points(str(file), spec)
-        except DigitizedError as error:
+        except DigitisedError as error:
             problems.append(str(error))
         except OSError as error:
             problems.append(f"{file}: {error.strerror}")
     if problems:
-        raise DigitizedError("\n".join(problems))
+        raise DigitisedError("\n".join(problems))
     return found
 
 
@@ -116,16 +121,16 @@ def _figure_of(file: Path, figures: Mapping[str, FigureSpec]) -> FigureSpec:
     ]
     name = file.stem
     if file.suffix != ".csv":
-        raise DigitizedError(f"{file}: must be named figNN.csv for a figure{nearest(name, plots)}")
+        raise DigitisedError(f"{file}: must be named figNN.csv for a figure{nearest(name, plots)}")
     if name in plots:
         return figures[name]
     if name not in figures:
-        raise DigitizedError(f"{file}: no figure {name!r}{nearest(name, plots)}")
+        raise DigitisedError(f"{file}: no figure {name!r}{nearest(name, plots)}")
     kind = "a schematic" if figures[name].is_schematic else "no figure of the article"
-    raise DigitizedError(f"{file}: {name!r} is {kind} and takes no digitised points")
+    raise DigitisedError(f"{file}: {name!r} is {kind} and takes no digitised points")
 
 
-def read_points(path: str, spec: FigureSpec) -> Digitized:
+def read_points(path: str, spec: FigureSpec) -> Digitised:
     """Read the digitised points of one figure.
 
     Parameters
@@ -137,7 +142,7 @@ def read_points(path: str, spec: FigureSpec) -> Digitized:
 
     Raises
     ------
-    DigitizedError
+    DigitisedError
         Naming file, line and column of every problem (of many, the first), one line each.
     OSError
         If the file cannot be read.
@@ -151,13 +156,23 @@ def read_points(path: str, spec: FigureSpec) -> Digitized:
         lines = [f"{path}, line {number}, {problem}" for number, problem in problems[:TOLD]]
         if len(problems) > TOLD:
             lines.append(f"{path}: {len(problems) - TOLD} more problems")
-        raise DigitizedError("\n".join(lines))
+        raise DigitisedError("\n".join(lines))
     import pandas as pd
 
     table = pd.DataFrame(points, columns=list(CANONICAL))
     table = table.astype(dict.fromkeys(COLUMNS[1:], float))
-    table["series"] = POINTS + table["series"]
-    return Digitized(figure=spec.name, path=path, table=table, **header)
+    key = next(key for key in ORIGINS if key in header)
+    evidence = ORIGINS[key]
+    table["series"] = [points_series(evidence, name) for name in table["series"]]
+    return Digitised(
+        figure=spec.name,
+        path=path,
+        source=header["source"],
+        licence=header["licence"],
+        by=header[key],
+        evidence=evidence,
+        table=table,
+    )
 
 
 def _text(path: str) -> str:
@@ -167,7 +182,7 @@ def _text(path: str) -> str:
     except UnicodeDecodeError as error:
         before = data[: error.start]
         number, column = before.count(b"\n") + 1, len(before) - before.rfind(b"\n")
-        raise DigitizedError(
+        raise DigitisedError(
             f"{path}, line {number}, column {column} (bytes): must be UTF-8 text, "
             f"has the byte 0x{data[error.start]:02x}"
         ) from None
@@ -198,8 +213,13 @@ def _header(comments: list[Numbered], problems: list[Numbered]) -> dict[str, str
         elif not text.isprintable():
             problems.append((number, f"header: {key!r} {text!r} must be printable"))
         found[key] = text
-    missing = [key for key in HEADER_KEYS if key not in found]
+    missing = [key for key in HEADER_KEYS if key not in found and key not in ORIGINS]
+    given = [key for key in ORIGINS if key in found]
+    if not given:
+        missing.append(" or ".join(ORIGINS))
     problems += [(1, f"header: '# {key}: ...' is missing") for key in missing]
+    if len(given) > 1:
+        problems.append((1, f"header: give either {' or '.join(ORIGINS)}, not both"))
     return found
 
 
@@ -211,7 +231,7 @@ def _points(rows: list[Numbered], spec: FigureSpec, problems: list[Numbered]) ->
     (number, names), *lines = rows
     try:
         check_columns(_fields(names), COLUMNS, "column names")
-    except (TableError, DigitizedError) as error:
+    except (TableError, DigitisedError) as error:
         problems.append((number, str(error)))
         return []
     if not lines:
@@ -232,7 +252,7 @@ def _fields(line: str) -> list[str]:
     try:
         return next(csv.reader([line], strict=True))
     except csv.Error as error:
-        raise DigitizedError(
+        raise DigitisedError(
             f"column series: quotes must enclose a whole field ({error})"
         ) from None
 
@@ -243,7 +263,7 @@ def _point(line: str, spec: FigureSpec) -> tuple[Row | None, list[str]]:
         return None, ["column series: comments must stand above the column names"]
     try:
         fields = _fields(line)
-    except DigitizedError as error:
+    except DigitisedError as error:
         return None, [str(error)]
     if len(fields) != len(COLUMNS):
         hint = "; a series name with a comma must stand in double quotes"
@@ -313,7 +333,7 @@ def _wrong_side(x: float, y: float, panel: str, spec: FigureSpec) -> Iterator[st
             yield f"column {column}: {value:g} must be positive, as the axis of {panel!r} is"
 
 
-def as_rows(points: Mapping[str, Digitized], figures: Iterable[str]) -> dict[str, str]:
+def as_rows(points: Mapping[str, Digitised], figures: Iterable[str]) -> dict[str, str]:
     """Return the points of some figures as a study is given declared rows.
 
     Returns
@@ -332,14 +352,14 @@ def as_rows(points: Mapping[str, Digitized], figures: Iterable[str]) -> dict[str
 
 
 def overlaid(
-    tables: Mapping[str, pd.DataFrame], spec: FigureSpec, points: Digitized
+    tables: Mapping[str, pd.DataFrame], spec: FigureSpec, points: Digitised
 ) -> dict[str, pd.DataFrame]:
-    """Return the figure data with digitised points as further rows of the first table."""
+    """Return the figure data with the points as further rows of the first table."""
     import pandas as pd
 
     name = next(iter(spec.data))
     unit = spec.data[name]
-    rows = points.table.assign(evidence="digitised")
+    rows = points.table.assign(evidence=points.evidence)
     rows = rows[["panel", "series", "evidence", *COLUMNS[1:]]]
     rows.columns = pd.Index(figure_columns(unit.x, unit.y))
     return {**tables, name: pd.concat([tables[name], rows], ignore_index=True)}

@@ -11,7 +11,7 @@ from microimpact.declared.documents import load
 from microimpact.figures.registry import FigureSpec, filled, registry
 from microimpact.model.pairs import Pair, Pairs, pair_contact, pairs_from_rows
 from microimpact.run.config import Settings
-from microimpact.run.digitised import Digitized, as_rows, read_folder
+from microimpact.run.digitised import Digitised, as_rows, read_folder
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,14 +24,14 @@ class Inputs:
         Rows of the declared tables that each study is given, as CSV by table.
     figure_entries, figures
         The figure registry with values filled in, plain and checked.
-    digitized
+    digitised
         Digitised points by figure.
     """
 
     rows: Mapping[str, Mapping[str, str]]
     figure_entries: Mapping[str, Any]
     figures: Mapping[str, FigureSpec]
-    digitized: Mapping[str, Digitized]
+    digitised: Mapping[str, Digitised]
 
 
 def read_inputs(settings: Settings) -> Inputs:
@@ -53,16 +53,16 @@ def read_inputs(settings: Settings) -> Inputs:
         raise ValueError("\n".join(f"{general.contacts}: {line}" for line in wrong))
     entries = filled(load(general.figures), settings.branches)
     figures = registry(entries)
-    digitized = read_folder(general.digitized, figures)
+    digitised = read_folder(general.digitised, figures)
     return Inputs(
-        rows={name: study_rows(name, settings, digitized) for name in settings.branches},
+        rows={name: study_rows(name, settings, digitised) for name in settings.branches},
         figure_entries=entries,
         figures=figures,
-        digitized=digitized,
+        digitised=digitised,
     )
 
 
-def study_rows(name: str, settings: Settings, digitized: Mapping[str, Digitized]) -> dict[str, str]:
+def study_rows(name: str, settings: Settings, digitised: Mapping[str, Digitised]) -> dict[str, str]:
     """Return the declared rows that a study is given, as CSV by table.
 
     That are the rows its branch names; but the study of all contacts has all, and the table of
@@ -73,9 +73,9 @@ def study_rows(name: str, settings: Settings, digitized: Mapping[str, Digitized]
     if name == "contact_properties":
         return settings.tables.contact_rows()
     if name == "digitised_comparison":
-        return as_rows(digitized, digitized)
+        return as_rows(digitised, digitised)
     compared = ("fig15", "fig16") if name == "restitution_fits" else ()
-    return {**settings.rows[name], **as_rows(digitized, compared)}
+    return {**settings.rows[name], **as_rows(digitised, compared)}
 
 
 def _out_of_range(pair: Pair, materials: Mapping[str, Material], pairs: Pairs) -> Iterator[str]:

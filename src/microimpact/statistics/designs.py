@@ -1,4 +1,4 @@
-"""Two-level designs of experiments in standard order: the one place that knows the library.
+"""Two-level designs of experiments in standard order: the one place that uses the library.
 
 pyDOE2 serves Python 3.11, its successor pydoe later versions; they order the runs differently, so
 the rows are sorted here, and run numbers do not depend on the library.

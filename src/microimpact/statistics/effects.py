@@ -27,7 +27,7 @@ def words(letters: str) -> list[str]:
 
 
 def product(first: str, second: str) -> str:
-    """Return the product of two words: letters that stand in one of them only."""
+    """Return the product of two words: letters that occur in only one of them."""
     return "".join(sorted(set(first) ^ set(second)))
 
 
@@ -102,9 +102,9 @@ def quarter_fractions(letters: str) -> list[tuple[str, str]]:
 
 
 def aliases(relation: SignedWords, letters: str) -> dict[str, dict[str, int]]:
-    """Return each estimable effect with the effects it cannot be told from, and their signs.
+    """Return each estimable effect with the effects aliased to it, and their signs.
 
-    An effect of the lowest order stands for its class; an effect of the defining relation belongs
+    An effect of the lowest order represents its class; an effect of the defining relation belongs
     to none.
     """
     classes: dict[str, dict[str, int]] = {}

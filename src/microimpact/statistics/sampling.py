@@ -47,7 +47,7 @@ class Correlation:
         n = len(self.names)
         repeated = sorted({name for name in self.names if self.names.count(name) > 1})
         if repeated:
-            raise ValueError(f"names: {repeated[0]!r} stands there more than once")
+            raise ValueError(f"names: {repeated[0]!r} is given more than once")
         lengths = [len(row) for row in self.matrix]
         if lengths != [n] * n:
             raise ValueError(

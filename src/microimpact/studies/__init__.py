@@ -1,7 +1,7 @@
 """Studies: one per analysis, each from a branch of the configuration to tables, by section.
 
 A study bears the name of its branch in ``config/analyses``. It is a module, or a package whose
-parts are its own, that stands directly in one of the folders here, and defines a frozen dataclass
+parts are its own, that is directly in one of the folders here, and defines a frozen dataclass
 ``Params`` and a pure function ``run(params, inputs)`` that returns its tables by name. If it takes
 tables of earlier studies, ``NEEDS`` names them by the study that makes them. Studies are found by
 name; nothing is registered here.

@@ -1,4 +1,4 @@
-"""Phase Doppler analyzer: passages through the probe volume, and records of them."""
+"""Phase Doppler particle analyser: passages through the probe volume, and records of them."""
 
 from __future__ import annotations
 
@@ -160,7 +160,7 @@ def test_a_bounce_is_an_impact_again():
     assert len(with_later_impacts(first, later, 0)) == 3
 
 
-def test_records_of_a_quiet_analyzer_are_the_passages():
+def test_records_of_a_quiet_analyser_are_the_passages():
     found = passages(impacts([0.75, 1.66, 0.3], [0.5, 1.2, 0.0]), H, QUIET)
     stream, truth = records(found, 10.0, QUIET, np.random.default_rng(1))
     assert truth.leg.tolist() == [0, 1, 0, 1, 0]

@@ -7,8 +7,8 @@ from scipy.integrate import solve_ivp
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.normal import (
-    HOPELESS_ADHESION_GROUP,
-    HOPELESS_HERTZ_GROUP,
+    ALWAYS_CAPTURED_ADHESION_GROUP,
+    ALWAYS_CAPTURED_HERTZ_GROUP,
     normal_impact,
 )
 
@@ -79,7 +79,7 @@ def test_work_of_adhesion_and_diameter_act_oppositely(contact):
 
 
 def _escapes(c_h, c_a):
-    """Whether the path that leaves at rest, followed backwards, finds no turning point."""
+    """Whether the path that leaves at rest, reversed in time, finds no turning point."""
 
     def rate(s, u):
         return 2 * s**2 * ((1 - s**2) / u - c_a - c_h * s**2)
@@ -110,9 +110,9 @@ def test_there_is_a_damping_beyond_which_no_speed_rebounds(scaled, place, critic
     assert np.isfinite(capture_velocity(scaled(*(critical * (1 - 2e-6) * direction))))
 
 
-def test_the_bounds_of_hopeless_damping_lie_just_beyond():
-    assert CRITICAL_HERTZ < HOPELESS_HERTZ_GROUP < 1.01 * CRITICAL_HERTZ
-    assert CRITICAL_ADHESION < HOPELESS_ADHESION_GROUP < 1.01 * CRITICAL_ADHESION
+def test_the_bounds_of_damping_that_always_captures_lie_just_beyond():
+    assert CRITICAL_HERTZ < ALWAYS_CAPTURED_HERTZ_GROUP < 1.01 * CRITICAL_HERTZ
+    assert CRITICAL_ADHESION < ALWAYS_CAPTURED_ADHESION_GROUP < 1.01 * CRITICAL_ADHESION
 
 
 def test_the_critical_curve_falls(scaled):

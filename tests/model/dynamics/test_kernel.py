@@ -7,11 +7,11 @@ from microimpact.model.dynamics import kernel
 from microimpact.model.dynamics.normal import integrate
 
 
-def problem(w=1.0, *, adhesion=1.0, c_h=0.0, c_a=0.0, doomed=False):
+def problem(w=1.0, *, adhesion=1.0, c_h=0.0, c_a=0.0, always_captured=False):
     row = np.zeros(kernel.PROBLEM_COLUMNS)
     row[kernel.START_U], row[kernel.ADHESION] = w, adhesion
     row[kernel.HERTZ_DAMPING], row[kernel.DAMPING_2] = c_h, c_a
-    row[kernel.DOOMED] = doomed
+    row[kernel.ALWAYS_CAPTURED] = always_captured
     return row
 
 
@@ -58,7 +58,8 @@ def test_no_problems_give_no_results():
 
 
 def test_statuses_tell_rebound_from_capture():
-    rows = np.array([problem(2.0, c_a=0.3), problem(0.3, c_a=0.3), problem(2.0, doomed=True)])
+    stays = problem(2.0, always_captured=True)
+    rows = np.array([problem(2.0, c_a=0.3), problem(0.3, c_a=0.3), stays])
     status = integrate(rows, ledger=False)[:, kernel.STATUS]
     assert status.tolist() == [kernel.REBOUND, kernel.CAPTURED, kernel.CAPTURED]
 

@@ -13,8 +13,8 @@ from scipy.special import gamma, lambertw
 
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import (
-    HOPELESS_ADHESION_GROUP,
-    HOPELESS_HERTZ_GROUP,
+    ALWAYS_CAPTURED_ADHESION_GROUP,
+    ALWAYS_CAPTURED_HERTZ_GROUP,
     SMALLEST_SPEED,
     normal_impact,
 )
@@ -208,9 +208,10 @@ class TestNearTheThreshold:
         at_equilibrium = np.sqrt(e**2 + 2 * 4 / 15 / 2.0**2)
         assert at_equilibrium > e + 0.05
 
-    def test_hopeless_contacts_capture_every_speed(self, scaled):
+    def test_contacts_that_always_capture_do_so_at_every_speed(self, scaled):
         speed = scaled().velocity_scale * np.geomspace(1e-2, 1e3, 21)
-        for c_h, c_a in [(HOPELESS_HERTZ_GROUP, 0.0), (0.0, HOPELESS_ADHESION_GROUP), (0.6, 3.0)]:
+        alone = (ALWAYS_CAPTURED_HERTZ_GROUP, 0.0), (0.0, ALWAYS_CAPTURED_ADHESION_GROUP)
+        for c_h, c_a in (*alone, (0.6, 3.0)):
             impact = normal_impact(scaled(1.001 * c_h, 1.001 * c_a), speed)
             assert impact.captured.all()
             assert np.isinf(impact.contact_time).all()

@@ -1,4 +1,4 @@
-"""Couples of rolling: closed forms against quadrature, limits, and impulses over an impact."""
+"""Moments of rolling: closed forms against quadrature, limits, and impulses over an impact."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from scipy.integrate import dblquad, quad
 
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.rolling import (
-    adhesion_couple_bound,
-    adhesion_damping_couple,
-    couple_impulses,
-    deformation_couple,
-    deformation_couple_bound,
+    adhesion_damping_moment,
+    adhesion_moment_bound,
+    deformation_moment,
+    deformation_moment_bound,
     gravity_ratio,
-    hertz_damping_couple,
+    hertz_damping_moment,
     opening_level,
-    peeling_couple,
+    peeling_moment,
     rolling_distance,
+    rolling_impulses,
 )
 
 A, FORCE, RING = 1.7e-6, 3e-3, 60.0
@@ -44,21 +44,21 @@ def test_hysteresis_where_the_contact_opens(level):
     missing, _ = quad(
         lambda x: loss * 0.75 * (1 - x * x) * x, -level, 1.0
     )  # Hertz's pressure, strip by strip
-    found = deformation_couple(A, FORCE, loss, level)
+    found = deformation_moment(A, FORCE, loss, level)
     assert found == pytest.approx(missing * A * FORCE, rel=1e-10, abs=1e-30)
 
 
 def test_leading_half_of_hertz_pressure_has_three_sixteenths():
     half = hertz_moment(lambda x: float(x > 0.0))
     assert half == pytest.approx(3 / 16, rel=1e-4)
-    assert deformation_couple(A, FORCE, 1.0) == pytest.approx(half * A * FORCE, rel=1e-4)
-    assert deformation_couple(A, FORCE, 1.0) < deformation_couple_bound(A, FORCE)
+    assert deformation_moment(A, FORCE, 1.0) == pytest.approx(half * A * FORCE, rel=1e-4)
+    assert deformation_moment(A, FORCE, 1.0) < deformation_moment_bound(A, FORCE)
 
 
 def test_damping_of_hertz_pressure():
     """A pressure that is greater by c_H spin x ahead of the centre (x^2 averages a^2/5)."""
     moment = hertz_moment(lambda x: x)
-    found = hertz_damping_couple(A, FORCE, 0.2, 2e4)
+    found = hertz_damping_moment(A, FORCE, 0.2, 2e4)
     assert found == pytest.approx(0.2 * 2e4 * FORCE * A**2 * moment, rel=1e-6)
 
 
@@ -66,9 +66,9 @@ def test_damping_of_hertz_pressure():
 def test_ring_force_where_the_contact_opens(level):
     lever, _ = quad(lambda t: math.cos(t) * (level + math.cos(t) > 0), -math.pi, math.pi, limit=500)
     expected = RING * A**2 * lever
-    assert adhesion_couple_bound(A, RING, level) == pytest.approx(expected, rel=1e-4, abs=1e-13)
+    assert adhesion_moment_bound(A, RING, level) == pytest.approx(expected, rel=1e-4, abs=1e-13)
     rate, _ = quad(lambda t: max(level + math.cos(t), 0.0) * math.cos(t), -math.pi, math.pi)
-    found = adhesion_damping_couple(A, RING, 1.4, 2e4, level)
+    found = adhesion_damping_moment(A, RING, 1.4, 2e4, level)
     assert found == pytest.approx(1.4 * RING * 2e4 * A**3 * rate, rel=1e-6, abs=1e-25)
 
 
@@ -80,18 +80,18 @@ def test_opening_level():
     assert opening_level(np.array([A, 0.0]), np.array([-0.3, 0.3]), 0.0).tolist() == [-1.0, 1.0]
 
 
-def test_peeling_couple(contact):
+def test_peeling_moment(contact):
     expected = 6 * math.pi * 0.5 * 31e-6 * 1e-9
-    assert peeling_couple(contact, 1e-9) == pytest.approx(expected, rel=1e-14)
+    assert peeling_moment(contact, 1e-9) == pytest.approx(expected, rel=1e-14)
     at_no_load = contact.equilibrium_contact_radius
-    assert peeling_couple(contact, 1e-9, at_no_load) == pytest.approx(expected, rel=1e-14)
-    assert peeling_couple(contact, 1e-9, 4 * at_no_load) == pytest.approx(8 * expected, rel=1e-14)
+    assert peeling_moment(contact, 1e-9, at_no_load) == pytest.approx(expected, rel=1e-14)
+    assert peeling_moment(contact, 1e-9, 4 * at_no_load) == pytest.approx(8 * expected, rel=1e-14)
 
 
 @pytest.fixture
 def impact(contact):
     def run(angle=45.0, shift=2e-9, points=400, speed=1.66):
-        return couple_impulses(contact, speed, angle, shift, points)
+        return rolling_impulses(contact, speed, angle, shift, points)
 
     return run
 
@@ -127,7 +127,7 @@ def test_every_estimate_stays_below_its_bound(impact, angle):
 def test_bound_has_the_contact_radius_for_lever_arm(contact):
     """Without adhesion and in sliding, r times friction is r f times the impulse of pressure."""
     bare = contact.replace(work_of_adhesion=0.0)
-    found = couple_impulses(bare, 1.66, 20.0, 0.0)
+    found = rolling_impulses(bare, 1.66, 20.0, 0.0)
     lever = found.bound_deformation / found.friction * bare.friction * bare.radius
     assert 0.8 * found.contact_radius < lever < found.contact_radius
     assert found.bound_adhesion == found.steady_adhesion == 0.0
@@ -137,7 +137,7 @@ def test_bound_has_the_contact_radius_for_lever_arm(contact):
     assert share == pytest.approx(3 / 16 * (1 - e**2), rel=0.02)
 
 
-def test_couples_that_need_rolling_vanish_with_it_and_the_bound_does_not(impact):
+def test_moments_that_need_rolling_vanish_with_it_and_the_bound_does_not(impact):
     near, nearer = impact(88.0), impact(89.0)
     for name in ("impact_deformation", "impact_adhesion", "damping", "rolled"):
         halved = getattr(near, name) / getattr(nearer, name)
@@ -160,12 +160,12 @@ def test_a_captured_sphere_has_no_impulses(contact, impact):
 def test_distance_is_that_of_the_energy(contact):
     v, shift = 0.1, 2e-9
     distance = rolling_distance(contact, v, shift)
-    work = peeling_couple(contact, shift) / contact.radius * distance
+    work = peeling_moment(contact, shift) / contact.radius * distance
     assert work == pytest.approx(0.7 * contact.mass * v**2, rel=1e-13)
     # downhill the weight adds its work
     downhill = rolling_distance(contact, v, shift, 30.0)
     weight = contact.mass * g * math.sin(math.radians(30.0)) * downhill
-    resisted = peeling_couple(contact, shift) / contact.radius * downhill
+    resisted = peeling_moment(contact, shift) / contact.radius * downhill
     assert resisted == pytest.approx(0.7 * contact.mass * v**2 + weight, rel=1e-12)
 
 

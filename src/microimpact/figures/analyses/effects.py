@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
 
+from microimpact.core.tables import POINTS
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec, PanelSpec
 
@@ -56,16 +57,17 @@ def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     figure.legend(
         handles.values(),
         handles.keys(),
-        title="computed",
+        title="all computed",
         loc="outside lower center",
         ncols=len(handles),
     )
     entries: list[Line2D] = []
     for name, panel in spec.panels.items():
-        points = table[(table["panel"] == name) & (table["evidence"] == "digitised")]
+        points = table[(table["panel"] == name) & table["evidence"].isin(POINTS)]
         entries += style.overlay(axes[name], points, panel)
     if entries:
-        style.evidence_key(figure, ["digitised"], entries, loc="outside upper center")
+        given = table.loc[table["evidence"].isin(POINTS), "evidence"]
+        style.evidence_key(figure, given, entries, loc="outside upper center")
     return figure
 
 

@@ -18,7 +18,7 @@ from microimpact.figures.registry import FigureSpec
 FloatArray = NDArray[np.float64]
 
 FEW = "too few events"
-# Marks of one cell stand in rows of so many, this far apart, in cells.
+# Marks of one cell are in rows of so many, this far apart, in cells.
 IN_A_ROW = 5
 STEP = 0.17, 0.30
 COLOURS = "viridis"
@@ -75,7 +75,7 @@ def draw_map(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
 
 
 def _places(number: int) -> tuple[FloatArray, FloatArray]:
-    """Return where the marks of a cell stand around its middle, in cells."""
+    """Return the places of a cell's marks around its middle, in cells."""
     index = np.arange(number)
     row, lines = index // IN_A_ROW, -(-number // IN_A_ROW)
     wide = np.minimum(number - row * IN_A_ROW, IN_A_ROW)
@@ -109,7 +109,7 @@ def _add_scale(figure: Figure, ax: Axes, scale: ScalarMappable, speeds: list[flo
 
 @style.context()
 def draw_coverage(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
-    """Draw how often intervals hold a mean, against speed and against angle.
+    """Draw how often intervals contain a mean, against speed and against angle.
 
     Parameters
     ----------
@@ -127,6 +127,8 @@ def draw_coverage(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figur
     for (name, panel), table in zip(spec.panels.items(), tables.values(), strict=True):
         ax = axes[name]
         ax.axhline(LEVEL, color="0.5", linewidth=0.6, zorder=1)
+        place, mixed = (0.02, LEVEL), ax.get_yaxis_transform()
+        ax.annotate(f"{LEVEL:g} %", place, xycoords=mixed, va="top", fontsize="small")
         style.draw_panel(ax, table, panel, name)
         for series, own in table.groupby("series", sort=False):
             (x, y), colour = table.columns[3:5], panel.series[str(series)].colour

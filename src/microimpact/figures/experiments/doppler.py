@@ -1,4 +1,4 @@
-"""Figure of the phase Doppler analyzer: a stream of records, its pairs, and their correction."""
+"""Figure of the phase Doppler particle analyser: a record stream, pairs and their correction."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        The panels of the entry in rows of three; what their lines mean stands in the free place.
+        The panels of the entry in rows of three; the meaning of their lines is in the free place.
     """
     figure, axes = style.new_figure(spec, COLUMNS)
     evidence: list[str] = []

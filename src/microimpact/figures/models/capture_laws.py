@@ -26,7 +26,7 @@ def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     tables
         One table of capture velocity in m/s against diameter in um, a panel per pair.
     spec
-        Registry entry. Its one panel tells how every pair is drawn, so that a pair added to the
+        Registry entry. Its one panel describes how every pair is drawn, so that a pair added to the
         study needs no entry of its own; its height is that of two rows of panels.
 
     Returns
@@ -37,7 +37,7 @@ def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     (table,) = tables.values()
     (pattern,) = spec.panels.values()
     pairs = list(dict.fromkeys(table["panel"]))
-    panels = {pair: replace(pattern, title=pair) for pair in pairs}
+    panels = {pair: replace(pattern, title=_title(pair)) for pair in pairs}
     rows = -(-len(pairs) // COLUMNS)
     spec = replace(spec, panels=panels, height_mm=spec.height_mm * rows / 2)
     figure, axes = style.new_figure(spec, COLUMNS)
@@ -48,6 +48,10 @@ def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     _legend(figure, list(axes.values()))
     style.evidence_key(figure, table["evidence"])
     return figure
+
+
+def _title(pair: str) -> str:
+    return pair.replace("-", " ").replace("n =", "$n$ =")
 
 
 def _label_marks(ax: Axes, rows: pd.DataFrame) -> None:

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
+from dataclasses import replace
 
 import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from microimpact.figures import style
-from microimpact.figures.registry import FigureSpec
+from microimpact.figures.registry import FigureSpec, PanelSpec, SeriesSpec
+
+# Name of a member of the family, as the study gives it.
+_MEMBER = re.compile(r"(?P<family>n = [\d.]+), w = (?P<work>[\d.]+) J/m2")
 
 
 @style.context()
 def draw_ridge(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
-    """Draw how flat e is over the family, and the members at its ends.
+    """Draw how flat e is over the family, and its two extreme members.
 
     Parameters
     ----------
@@ -31,11 +36,24 @@ def draw_ridge(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     """
     figure, axes = style.new_figure(spec)
     axes["ridge"].set_xscale("log")
+    panels = spec.panels | {"curves": _named_members(spec.panels, tables["ridge_curves"])}
     for table in tables.values():
         for panel in table["panel"].unique():
-            style.draw_panel(axes[panel], table, spec.panels[panel], panel)
+            style.draw_panel(axes[panel], table, panels[panel], panel)
     style.evidence_key(figure, pd.concat(tables.values())["evidence"])
     return figure
+
+
+def _named_members(panels: Mapping[str, PanelSpec], curves: pd.DataFrame) -> PanelSpec:
+    """Return the panel of the curves with each member in the colour of its family."""
+    colours = {name: i for i, name in enumerate(panels["ridge"].series)}
+    members = {}
+    for name in curves["series"].unique():
+        found = _MEMBER.fullmatch(str(name))
+        if found:
+            label = f"$n$ = {found['family'][4:]}, $w_A$ = {found['work']} J/m$^2$"
+            members[str(name)] = SeriesSpec(label=label, colour=colours.get(found["family"]))
+    return replace(panels["curves"], series=members | panels["curves"].series)
 
 
 @style.context()

@@ -1,4 +1,4 @@
-"""Figures of rolling: neglected couples against the angle, and how far captured spheres roll."""
+"""Figures of rolling: neglected moments against the angle, and how far captured spheres roll."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ COLUMNS = 2
 
 
 @style.context()
-def draw_couples(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
-    """Draw ratios of couples, logarithmic, one legend above all panels.
+def draw_moments(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+    """Draw ratios of moments, logarithmic, one legend above all panels.
 
     Parameters
     ----------
     tables
-        ``rolling``: couple over that of friction against the angle, a panel per grade.
+        ``rolling``: rolling moment over friction moment against the angle, a panel per estimate.
     spec
         Registry entry.
 

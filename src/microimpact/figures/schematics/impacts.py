@@ -179,7 +179,7 @@ def _impulses(sheet: Sheet) -> None:
         draw.sphere(ax, spot, 0.016, facecolor="black", zorder=7)
     draw.label(ax, contact + np.array([0.07, 0.08]), sheet.word("contact point"), zorder=7)
     draw.arc(ax, contact, 0.2, (330.0, 215.0), head=True, color="0.4", linewidth=0.7)
-    draw.label(ax, (0.24, -0.17), sheet.word("couple"), color="0.4", ha="left")
+    draw.label(ax, (0.24, -0.17), sheet.word("moment"), color="0.4", ha="left")
 
 
 @style.context()

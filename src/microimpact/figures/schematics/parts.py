@@ -21,7 +21,7 @@ from microimpact.figures.style import MM_PER_INCH, WIDTH_MM
 Points = NDArray[np.float64]
 Place = tuple[float, float, float, float]
 
-# How a part tells what it rests on, and what the key says of it.
+# How a part shows its evidence, and the words of the key.
 INK: dict[str, dict[str, Any]] = {
     "printed": {"color": "black"},
     "assumed": {"color": "0.4", "linestyle": (0, (3.0, 1.6))},
@@ -112,7 +112,7 @@ def _by_part(rows: pd.DataFrame) -> Any:
 
 
 def key(figure: Figure, evidence: set[str]) -> None:
-    """Say below the drawing what its lines rest on."""
+    """Give the evidence of the lines below the drawing."""
     handles = [
         Line2D([], [], linewidth=THICK, label=KEY[name], **look)
         for name, look in INK.items()

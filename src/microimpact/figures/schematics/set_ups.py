@@ -67,7 +67,7 @@ def _imaging_side(sheet: Sheet) -> None:
 
 
 def _along_the_beam(sheet: Sheet) -> None:
-    """Draw what stands along the beam in both views."""
+    """Draw the parts along the beam in both views."""
     draw.box(sheet, "vacuum cell", "none", word=False, zorder=2)
     draw.box(sheet, "chopper", "black")
     draw.line(sheet, "laser beam", BEAM, color=LIGHT, zorder=4.5)

@@ -1,8 +1,8 @@
-"""Phase Doppler particle analyzer: from true impacts to a stream of records (Section 2.1).
+"""Phase Doppler particle analyser: from true impacts to a stream of records (Section 2.1).
 
 The target is horizontal: gravity acts along -z. One small probe volume at a height h above the
 surface reports the vertical velocity, the diameter and the time of every sphere that crosses it,
-on its way down or up; nothing tells which two records are of the same sphere. Heights are those
+on its way down or up; no record says which sphere it is of. Heights are those
 of a sphere's centre above its position in contact: its radius counts to the error of h.
 """
 
@@ -30,7 +30,7 @@ _jit = jit()
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Instrument:
-    """Settings of the analyzer; noise as standard deviations.
+    """Settings of the analyser; noise as standard deviations.
 
     Attributes
     ----------
@@ -139,7 +139,7 @@ class Passages:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stream:
-    """What the analyzer stores: k records by time of acquisition, s, m/s (signed) and m."""
+    """What the analyser stores: k records by time of acquisition, s, m/s (signed) and m."""
 
     time: FloatArray
     velocity: FloatArray
@@ -158,8 +158,8 @@ class Stream:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Truth:
-    """What no experimenter knows of a stream of k records from passages (2, n).
+class GroundTruth:
+    """The ground truth, unknown to an experimenter, of a stream of k records from passages (2, n).
 
     Attributes
     ----------
@@ -307,7 +307,7 @@ def _cross(  # type: ignore[no-untyped-def]
 
 def records(
     crossing: Passages, duration: float, instrument: Instrument, rng: Generator
-) -> tuple[Stream, Truth]:
+) -> tuple[Stream, GroundTruth]:
     """Record the passages: noise, losses, and records of nothing.
 
     Parameters
@@ -323,7 +323,7 @@ def records(
 
     Returns
     -------
-    Stream, Truth
+    Stream, GroundTruth
         The records in order of acquisition, and what they are of.
     """
     leg, impact = np.nonzero(crossing.crossed)
@@ -346,7 +346,7 @@ def records(
     leg, impact = (
         np.concatenate([index[~(together | dropped)], nothing])[acquired] for index in passed
     )
-    truth = Truth(leg=leg, impact=impact, overlapped=overlapped_all, dropped=dropped_all)
+    truth = GroundTruth(leg=leg, impact=impact, overlapped=overlapped_all, dropped=dropped_all)
     return _stamped(stream.take(acquired), 1e-6 * instrument.time_resolution_us), truth
 
 

@@ -1,4 +1,4 @@
-"""One experiment with the phase Doppler analyzer: what it reports, and how good that is."""
+"""One experiment with the phase Doppler particle analyser: its report and its quality."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from microimpact.lab.events import Impacts, IntArray, Measured
 from microimpact.lab.pdpa.analyser import (
     INCIDENT,
     REBOUND,
+    GroundTruth,
     Instrument,
     Passages,
     Stream,
-    Truth,
     passages,
     records,
     true_height,
@@ -39,7 +39,7 @@ FATES = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Quality:
-    """How well the pairs of a stream agree with the truth.
+    """How well the pairs of a stream agree with the ground truth.
 
     Attributes
     ----------
@@ -102,7 +102,7 @@ class Observation:
     measured
         Events, at the surface; `event` counts in `impacts`.
     quality
-        Against the truth.
+        Against the ground truth.
     impacts
         First and later impacts.
     crossing, stream, truth, pairing
@@ -114,7 +114,7 @@ class Observation:
     impacts: Impacts
     crossing: Passages
     stream: Stream
-    truth: Truth
+    truth: GroundTruth
     pairing: Pairing
 
 
@@ -166,7 +166,9 @@ def observe(
     )
 
 
-def at_surface(stream: Stream, pairing: Pairing, truth: Truth, form: Form = "exact") -> Measured:
+def at_surface(
+    stream: Stream, pairing: Pairing, truth: GroundTruth, form: Form = "exact"
+) -> Measured:
     """Reduce accepted pairs to normal velocities at the surface, with the height found."""
     velocities = (stream.velocity[index] for index in (pairing.incident, pairing.rebound))
     incident, rebound = (np.asarray(correct(v, pairing.height, form)) for v in velocities)
@@ -179,7 +181,7 @@ def at_surface(stream: Stream, pairing: Pairing, truth: Truth, form: Form = "exa
     )
 
 
-def pair_events(pairing: Pairing, truth: Truth) -> IntArray:
+def pair_events(pairing: Pairing, truth: GroundTruth) -> IntArray:
     """Return the impact that both records of a pair are of; -1 if there is none, shape (k,)."""
     first, second = truth.impact[pairing.incident], truth.impact[pairing.rebound]
     legs = (truth.leg[pairing.incident] == INCIDENT) & (truth.leg[pairing.rebound] == REBOUND)
@@ -189,12 +191,12 @@ def pair_events(pairing: Pairing, truth: Truth) -> IntArray:
 def judge(
     pairing: Pairing,
     stream: Stream,
-    truth: Truth,
+    truth: GroundTruth,
     crossing: Passages,
     captured: BoolArray,
     height: float,
 ) -> Quality:
-    """Compare pairs with the truth.
+    """Compare pairs with the ground truth.
 
     Parameters
     ----------
@@ -223,7 +225,7 @@ def judge(
 
 
 def _fates(
-    crossing: Passages, truth: Truth, captured: BoolArray, event: IntArray
+    crossing: Passages, truth: GroundTruth, captured: BoolArray, event: IntArray
 ) -> dict[str, int]:
     (falls, rises), (enters, returns) = crossing.reached, crossing.inside
     conditions = [

@@ -1,4 +1,4 @@
-"""Search for pairs in the records of a phase Doppler analyzer, and reduction to the surface.
+"""Pairs in the records of a phase Doppler particle analyser, and reduction to the surface.
 
 From an initial estimate of the height h of the probe volume: which rebound record is of the same
 sphere as which incident record? The delay between them is known from h and both velocities, the
@@ -211,7 +211,7 @@ def _candidates(
     """Return all pairs of a falling and a rising record that are not out of the question."""
     down, up = (np.flatnonzero(sign * stream.velocity > 0.0) for sign in (-1.0, 1.0))
     up = up[np.argsort(stream.time[up], kind="stable")]
-    # The slowest rise starts from rest in the probe volume, seen backwards.
+    # The slowest rise starts from rest in the probe volume, reversed in time.
     highest = height + instrument.gate * height_error
     slowest = np.zeros(len(down))
     noise, slope = delay_noise(stream.velocity[down], slowest, height, instrument)

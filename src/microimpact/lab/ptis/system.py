@@ -97,7 +97,7 @@ class Instrument:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Setup:
-    """The instrument as set for one experiment; all that its reduction knows.
+    """The instrument as set for one experiment; the only input of its reduction.
 
     Attributes
     ----------

@@ -121,7 +121,7 @@ class Spots:
 def find_spots(frame: NDArray[np.uint8], setup: Setup) -> Spots:
     """Find the patches of light in a frame."""
     levels = np.cumsum(np.bincount(frame[::EVERY].ravel()))
-    # Most of a frame is dark: its median is the background, its lower half tells the noise.
+    # Most of a frame is dark: its median is the background, its lower half gives the noise.
     low, background = np.searchsorted(levels, levels[-1] * np.array([0.1587, 0.5])).astype(float)
     noise = max(background - low, 1.0) / (2.0 * np.sqrt(np.pi) * SMOOTHING_PX)
     row, column, patch, core = patches(frame, background, DETECTION * noise)
@@ -193,7 +193,7 @@ def sort_legs(spots: Spots, setup: Setup) -> tuple[FloatArray, FloatArray] | Rej
     """Sort spots into the incident and the rebound leg, whole dashes alone.
 
     Spheres fall: the incident leg is the longest steep row of spots. The rest is the rebound,
-    whose horizontal velocity is constant and tells its order.
+    whose horizontal velocity is constant and gives its order.
 
     Returns
     -------

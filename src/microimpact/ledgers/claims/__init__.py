@@ -182,4 +182,6 @@ def _row(claim: Claim, numbers: pd.DataFrame) -> dict[str, object]:
 def in_words(amendment: Amendment) -> str:
     """Return what was changed after a claim had first been judged, and why."""
     was, now = (text.rstrip(".") for text in (amendment.was, amendment.now))
-    return f"Amended {amendment.part}: was {was}; now {now}. {amendment.reason}"
+    return (
+        f"Changed after first judging, {amendment.part}: was {was}; now {now}. {amendment.reason}"
+    )

@@ -1,7 +1,7 @@
 """Claims of the article and the criteria fixed for them beforehand, read from one file.
 
 ``config/claims.yaml`` says what the article states, which numbers decide it and within which
-bounds; it knows no result. `read_claims` checks it, `holds` applies one criterion to one number,
+bounds; it contains no result. `read_claims` checks it, `holds` applies one criterion to one number,
 `amendments` lists what was changed after the claims had first been judged.
 """
 
@@ -212,7 +212,7 @@ class Claim:
         if self.verdicts == ("not testable",):
             return "a claim that is not testable has no criteria" if self.criteria else ""
         if "not testable" in self.verdicts:
-            return "'not testable' must stand alone"
+            return "'not testable' must be the only one"
         if sum(verdict in POSITIVE for verdict in self.verdicts) != 1:
             return f"verdicts need exactly one of {', '.join(POSITIVE)}"
         if "not reproduced" not in self.verdicts:

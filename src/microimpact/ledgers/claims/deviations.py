@@ -1,4 +1,4 @@
-"""Deviations from the article as a page: what was mended, what does not hold, what was changed.
+"""Deviations from the article as a page: what was corrected, not reproduced or changed.
 
 All words and numbers come from the two ledgers and the file of claims; nothing is written by hand.
 """
@@ -28,22 +28,22 @@ ROUNDING = 1e-9
 
 # Verdicts on claims that the page explains, in its order, and what each means.
 CLAIM_VERDICTS: Mapping[str, str] = {
-    "not reproduced": "A criterion fails whatever the published facts leave open.",
+    "not reproduced": "A criterion fails in every case that the published facts leave open.",
     "not identified": "The published facts do not decide: some of the contacts that fit them meet"
-    " the criteria and others do not, or they leave an interval that is too wide.",
-    "reproduced with a correction": "All criteria hold, once an equation or a relation was mended.",
-    "not testable": "Nothing is published that could be computed against.",
-    "not computed": "The settings of the run do not allow to compute the numbers; the reason is"
-    " told in words of the program.",
+    " the criteria and others do not, or the interval they leave is too wide.",
+    "reproduced with a correction": "All criteria hold once an equation or relation is corrected.",
+    "not testable": "Nothing is published that could be compared with a computation.",
+    "not computed": "The settings of the run do not allow the numbers to be computed; the reason is"
+    " the program's own message.",
 }
 
 Row = Mapping[str, Any]
 
-MENDED = ("corrected", "typographical slip")
+CORRECTED = ("corrected", "typographical slip")
 SLIPS: Mapping[str, str] = {
-    "scan": "a slip of the scan or the typesetting",
+    "scan": "a misreading by the scanner or a misprint",
     "article": "an error of the article",
-    "scan or article": "a slip of the scan, or an error of the article",
+    "scan or article": "a fault of the scan or an error of the article",
 }
 
 _NUMBER = re.compile(
@@ -62,7 +62,7 @@ def deviations(results: Path, criteria: Path, settings: str) -> str:
     criteria
         The file of claims, see `criteria.read_claims`.
     settings
-        Where the settings of the run stand, to be named at the top.
+        The file of the run's settings, to be named at the top.
 
     Raises
     ------
@@ -138,8 +138,8 @@ def computed_numbers(text: str) -> list[tuple[str, str, float, str]]:
 def _opening(claims: pd.DataFrame, equations: pd.DataFrame, settings: str) -> list[str]:
     return [
         "# Deviations from the article",
-        "Every equation that had to be mended, every statement that does not hold as printed, and"
-        " every criterion that was changed after it had first been judged. This page is made by"
+        "Every equation that had to be corrected, every statement that is not reproduced as"
+        " printed, and every criterion that was changed after first judging. This page is made by"
         " `microimpact deviations` from the tables `equations` and `claims` and from"
         " `config/claims.yaml`; do not edit it. Statements and reasons are in our words.",
         f"The numbers are those of the settings in `{settings}`.",
@@ -158,15 +158,15 @@ def _opening(claims: pd.DataFrame, equations: pd.DataFrame, settings: str) -> li
 
 
 def _equation_part(equations: pd.DataFrame) -> list[str]:
-    mended = equations[equations["verdict"].isin(MENDED)]
+    wrong = equations[equations["verdict"].isin(CORRECTED)]
     choices = equations[equations["verdict"] == "undecidable"]
     return [
-        "## Equations that were mended",
+        "## Equations that were corrected",
         "Formulas are written as in code; `vp` and `Vp` are velocities in the frame of a facet."
-        " Each was checked for its dimension and derived anew; the column `evidence` of"
-        " `tables/equations.csv` says how. Numbers are those of a steel sphere of 62 µm on silicon"
+        " Each was checked for its dimension and derived anew, as the column `evidence` of"
+        " `tables/equations.csv` describes. Numbers are those of a steel sphere of 62 µm on silicon"
         " at 1.66 m/s, unless said otherwise.",
-        *(_equation(row) for row in _rows(mended)),
+        *(_equation(row) for row in _rows(wrong)),
         "## Choices that the text leaves open",
         *(_equation(row) for row in _rows(choices)),
     ]
@@ -184,7 +184,7 @@ def _equation(row: Row) -> str:
     if row["used"] != row["printed"]:
         lines.append(f"- as used: `{row['used']}`")
     slip = SLIPS.get(str(row["kind_of_slip"]))
-    lines.append(f"- why: {row['reason']}" + (f" Taken for {slip}." if slip else ""))
+    lines.append(f"- why: {row['reason']}" + (f" Taken as {slip}." if slip else ""))
     if row["consequence"]:
         value = readable(float(str(row["consequence_value"])), str(row["consequence_unit"]))
         lines.append(f"- consequence: {row['consequence']}: **{value}**")
@@ -194,10 +194,12 @@ def _equation(row: Row) -> str:
 
 
 def _claim_part(claims: pd.DataFrame, declared: Mapping[str, Claim]) -> list[str]:
+    changed = sum(bool(claim.amendments) for claim in declared.values())
     parts = [
         "## Statements",
-        "Criteria were fixed before any claim was judged. Numbers that fail one are bold; a number"
-        " without a criterion is told because it helps to understand the others.",
+        f"Criteria were fixed first; {changed} were changed later, listed at the end. Numbers that"
+        " fail a criterion are bold; a number without a criterion is given because it helps to"
+        " understand the others.",
     ]
     for verdict, meaning in CLAIM_VERDICTS.items():
         rows = _rows(claims[claims["verdict"] == verdict])
@@ -213,7 +215,7 @@ def _claim(row: Row, claim: Claim) -> str:
         parts += [f"The article: {claim.article_value}{_unit(claim)}.", _numbers(computed, claim)]
     parts.append(f"Reason: {claim.reason}")
     if claim.equations:
-        parts.append(f"It rests on Eq. {', '.join(claim.equations)}.")
+        parts.append(f"It depends on Eq. {', '.join(claim.equations)}.")
     if code := str(row.get("code", "")):
         parts.append("Code: " + ", ".join(f"`{path}`" for path in code.split()) + ".")
     return "\n\n".join(parts)

@@ -75,8 +75,8 @@ def digitised_rows(criteria: DigitisedCriteria, residuals: pd.DataFrame) -> list
 
 
 def _rows(criteria: DigitisedCriteria, residuals: pd.DataFrame) -> Iterator[dict[str, Any]]:
-    for key, own in residuals.groupby(["figure", "panel", "points"], sort=False):
-        figure, panel, points = map(str, key)
+    for key, own in residuals.groupby(["figure", "panel", "points", "points_evidence"], sort=False):
+        figure, panel, points, evidence = map(str, key)
         number = figure.removeprefix("fig")
         against = _against(own)
         criterion = _criterion(criteria, figure, against)
@@ -84,7 +84,8 @@ def _rows(criteria: DigitisedCriteria, residuals: pd.DataFrame) -> Iterator[dict
         yield {
             "id": f"D{number}-{panel}-{points}",
             "where": f"Fig. {int(number)}, panel {panel}",
-            "statement": f"Points digitised from Fig. {int(number)}, series {points}, agree with"
+            "statement": f"Points {evidence}{' from' if evidence == 'digitised' else ', as in'}"
+            f" Fig. {int(number)}, series {points}, agree with"
             " the computed curve within the criterion.",
             "kind": "digitised",
             "criterion": f"{criterion.quantity} {described(criterion)}",
@@ -97,7 +98,7 @@ def _rows(criteria: DigitisedCriteria, residuals: pd.DataFrame) -> Iterator[dict
             ),
             "unit": str(own["unit"].iloc[0]).replace("1", "-"),
             "verdict": verdict,
-            "evidence": "digitised",
+            "evidence": evidence,
             "figures": figure,
             "code": CODE,
             "note": note,

@@ -6,6 +6,9 @@ from collections.abc import Iterable, Mapping
 
 from microimpact.ledgers.claims.criteria import Criterion, Verdict, holds
 
+# Begins the bound that a number fails, in the words of a verdict.
+REQUIRED = " (required: "
+
 # By case, then by quantity; the only case of what has no alternatives is "".
 Numbers = Mapping[str, Mapping[str, float]]
 
@@ -38,7 +41,7 @@ def failures(criteria: Iterable[Criterion], values: Numbers) -> list[str]:
     of = tuple(criteria)
     return [
         f"{f'{case}: ' if case else ''}{criterion.quantity} = {own[criterion.quantity]:.4g}"
-        f" is not {described(criterion)}"
+        f"{REQUIRED}{described(criterion)})"
         for case, own in values.items()
         for criterion in of
         if not holds(criterion, own[criterion.quantity])
@@ -49,7 +52,7 @@ def described(criterion: Criterion) -> str:
     """Return a criterion in words and numbers."""
     low, high = criterion.interval
     if criterion.test == "within":
-        return f"{criterion.value:g} within {criterion.tolerance:g}"
+        return f"{criterion.value:g} ± {criterion.tolerance:g}"
     if criterion.test in {"between", "outside"}:
         return f"{criterion.test} {low:g} and {high:g}"
     return f"{criterion.test.replace('_', ' ')} {criterion.value:g}"

@@ -109,8 +109,8 @@ def verdict(equation: Equation, printed: Checks, used: Checks, apart: float | No
     Returns
     -------
     str
-        ``definition``, ``correct``, ``typographical slip``, ``corrected`` (an error of the
-        article, or not to be told from a slip), ``undecidable`` (the text leaves a choice open), or
+        ``definition``, ``correct``, ``typographical slip``, ``corrected`` (wrong as printed:
+        an error of the article or a misprint), ``undecidable`` (the text leaves a choice open), or
         ``unproved``: the form used fails a check, or the function does not compute it.
     """
     if not used.hold or (apart is not None and apart > AGREEMENT):

@@ -149,7 +149,10 @@ def _damping_of_unit_zeta(at: At) -> float:
 
 
 _GROUP = "(r**3*K*sqrt(Abs(v_n))/m)**(2/5)"
-_ADVICE = "5/2 stands in (23), (24) and (25) alike, yet only 2/5 gives a number and the time scale."
+_ADVICE = (
+    "Eqs. (23), (24) and (25) all print 5/2, but only 2/5 makes the group dimensionless and the"
+    " expression equal to the time scale."
+)
 
 EQUATIONS = (
     Equation(
@@ -162,7 +165,8 @@ EQUATIONS = (
         slip="scan or article",
         units=UNITS,
         derivation=follows("Hertz, ring force, damping that costs energy", newton),
-        reason="The root covers r alone, and n < 0 in contact asks for its size; all signs hold.",
+        reason="The root covers r alone, and n < 0 in contact requires its absolute value; "
+        "all signs are correct.",
         function="microimpact.model.dynamics.trajectory.trajectory",
         implementation=_traced_force,
         consequence=Consequence(
@@ -179,7 +183,7 @@ EQUATIONS = (
         slip="scan or article",
         units=UNITS,
         derivation=follows("pressure of Hertz", hertz),
-        reason="The index is a factor, and n < 0 in contact.",
+        reason="The index is a factor; n < 0 in contact.",
         function="microimpact.model.contact.Contact.equilibrium_contact_radius",
     ),
     Equation(
@@ -206,7 +210,7 @@ EQUATIONS = (
         section="3.2",
         printed="k_i = (1 - nu_i**2)/(pi*E_i)",
         units=UNITS,
-        reason="Names the compliance of each body for Eq. (20).",
+        reason="Defines the compliance of each body for Eq. (20).",
         function="microimpact.model.contact.hertz_stiffness",
     ),
     Equation(
@@ -259,7 +263,8 @@ EQUATIONS = (
         printed=f"r*c_H/T_H = c_H*{_GROUP}",
         units=UNITS,
         derivation=Derivation(method="symbolic: period of Hertz contact", check=_constant),
-        reason="The text calls T_H the period, which is 3.218 time scales; taken here: the scale.",
+        reason="The text calls T_H the period, which is 3.218 time scales; here T_H is the "
+        "time scale.",
         function="microimpact.model.contact.Contact.damping_unit",
         consequence=Consequence(
             text="factor on every zeta if T_H were the period",
@@ -277,7 +282,8 @@ EQUATIONS = (
         slip="scan or article",
         units=UNITS,
         derivation=follows("Eq. (19) with zeta of Eqs. (23), (24)", scaled_newton),
-        reason="Eq. (19) with zeta; garbled by the scan, but the 5/2 is that of Eqs. (23), (24).",
+        reason="Eq. (19) with zeta. The scan is garbled, but 5/2 is the exponent of Eqs. (23) "
+        "and (24), too.",
         function="microimpact.model.dynamics.trajectory.trajectory",
         implementation=_traced_force,
     ),

@@ -92,7 +92,8 @@ EQUATIONS = (
         slip="article",
         units=UNITS,
         derivation=Derivation(method="numeric: capture up to v_c, rebound above", check=_captures),
-        reason="v_n < 0 before impact, so its size must be compared; below v_c rho stays 1.",
+        reason="v_n < 0 before impact, so its absolute value must be compared; below v_c rho "
+        "stays 1.",
         function="microimpact.model.empirical.equations.adhesion_coefficient",
         implementation=_adhesion,
         consequence=Consequence(

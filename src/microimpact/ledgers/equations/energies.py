@@ -151,7 +151,7 @@ EQUATIONS = (
         slip="article",
         units=UNITS,
         derivation=follows("Eq. (3)", loss_as_number),
-        reason="With T_L the number that Eq. (3) and the plots have, there is nothing to divide.",
+        reason="T_L of Eq. (3) is already dimensionless; it must not be divided by m v^2/2 again.",
         function="microimpact.model.rigid_body.algebra.energy_loss",
     ),
     Equation(
@@ -185,7 +185,8 @@ EQUATIONS = (
         printed="W_A = -R**2*rho*(1 - rho)*m*v_n**2/2",
         units=ENERGIES,
         derivation=follows("integral of velocity over impulse", works),
-        reason="Right as the work of the impulse, but not the W_A of Eq. (17), in sign or value.",
+        reason="Correct as the work of the impulse, but it differs from W_A of Eq. (17) in "
+        "sign and value.",
         consequence=Consequence(
             text="size of this W_A over that of Eq. (17) at rho = 0.01",
             unit="1",
@@ -198,7 +199,7 @@ EQUATIONS = (
         printed="e**2 = R**2*(1 - rho)**2",
         units=ENERGIES,
         derivation=follows("kinetic energy from work of impulses", works),
-        reason="Holds by momentum as well; the root for 0 <= rho <= 1 is e = R (1 - rho).",
+        reason="Follows from momentum as well; the root for 0 <= rho <= 1 is e = R (1 - rho).",
         function="microimpact.model.rigid_body.algebra.restitution_with_adhesion",
         implementation=lambda x: float(restitution_with_adhesion(x["R"], x["rho"]) ** 2),
     ),
@@ -208,7 +209,7 @@ EQUATIONS = (
         printed="(1 - e**2)*m*v_n**2/2 = (1 - R**2)*m*v_n**2/2 + W_A",
         units=ENERGIES,
         derivation=follows("balance of Eq. (16)", lambda: balance() | {e: works()[e]}),
-        reason="Defines W_A anew, as a loss that counts positive.",
+        reason="Defines W_A again, now as a positive loss.",
         function="microimpact.model.rigid_body.algebra.adhesion_work",
     ),
     Equation(
@@ -219,7 +220,7 @@ EQUATIONS = (
         slip="scan",
         units=ENERGIES,
         derivation=follows("balance of Eq. (17)", balance),
-        reason="The z is the digit 2.",
+        reason="The letter z is a misread digit 2.",
         function="microimpact.model.rigid_body.algebra.adhesion_work",
         implementation=_work,
     ),
@@ -231,7 +232,7 @@ EQUATIONS = (
         slip="scan",
         units=ENERGIES,
         derivation=follows("balance of Eq. (17) at rho = 1", at_capture),
-        reason="The z is the digit 2.",
+        reason="The letter z is a misread digit 2.",
         function="microimpact.model.rigid_body.algebra.adhesion_work",
         implementation=lambda x: _work({**x, "rho": 1.0}),
     ),
@@ -245,7 +246,7 @@ EQUATIONS = (
         derivation=Derivation(
             method="symbolic: 90 degrees, with spin and without", check=_made_by_spin
         ),
-        reason="Spin makes a tangential impulse at 90 degrees; the normal one is always there.",
+        reason="Spin causes a tangential impulse at 90 degrees; there is always a normal impulse.",
         function="microimpact.model.rigid_body.algebra.rigid_body_rebound",
     ),
 )

@@ -1,7 +1,7 @@
 """Formulas as text: read by SymPy, checked for dimensions by Pint, evaluated at numbers.
 
 A formula is one line such as ``V_n = -e*v_n``; the line printed in the ledger is the line that is
-checked. ``=``, ``>`` and ``!=`` stand between its sides.
+checked. ``=``, ``>`` or ``!=`` is between its sides.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class DimensionError(ValueError):
 
 
 class Form(NamedTuple):
-    """A formula: its two sides and what stands between them."""
+    """A formula: its two sides and the relation between them."""
 
     left: Any
     relation: str
@@ -97,7 +97,7 @@ def parse(text: str) -> Form:
     """
     found = [relation for relation in RELATIONS if relation in text]
     if len(found) != 1 or text.count(found[0]) != 1:
-        raise ValueError(f"formula {text!r}: exactly one of{''.join(RELATIONS)}must stand in it")
+        raise ValueError(f"formula {text!r}: exactly one of{''.join(RELATIONS)}must occur in it")
     left, right = (_expression(side) for side in text.split(found[0]))
     return Form(left, found[0].strip(), right)
 

@@ -54,7 +54,7 @@ def turning(arm: sympy.Matrix, along: sympy.Expr, away: sympy.Expr) -> sympy.Exp
 def newton() -> Facts:
     """State of a solid sphere after impact: linear and angular momentum, given e and mu.
 
-    Axes are (t, n); the contact point stands at -r n from the centre.
+    Axes are (t, n); the contact point is at -r n from the centre.
     """
     arm = sympy.Matrix([0, -r, 0])
     after = solve(
@@ -122,7 +122,7 @@ EQUATIONS = (
         section="3.1.1",
         printed="mu = P_t/P_n",
         units=UNITS,
-        reason="Names the impulse ratio; Eq. (2) follows from it.",
+        reason="Defines the impulse ratio; Eq. (2) follows from it.",
         function="microimpact.model.rigid_body.algebra.rigid_body_rebound",
     ),
     Equation(
@@ -169,7 +169,7 @@ EQUATIONS = (
         slip="scan or article",
         units=UNITS,
         derivation=follows("angular momentum", newton),
-        reason="5/2 already holds the inertia of a solid sphere, so a single radius must divide.",
+        reason="5/2 already contains the inertia of a solid sphere, so only one radius may divide.",
         function="microimpact.model.rigid_body.algebra.rigid_body_rebound",
         implementation=lambda x: float(_after(x).Omega),
         consequence=Consequence(
@@ -244,7 +244,7 @@ EQUATIONS = (
         section="3.1.2",
         printed="eta = (v_t - r*omega)/v_n",
         units=UNITS,
-        reason="Names the ratio of slip to normal velocity before impact.",
+        reason="Defines the ratio of slip to normal velocity before impact.",
         function="microimpact.model.rigid_body.algebra.rolling_impulse_ratio",
     ),
 )

@@ -132,7 +132,8 @@ EQUATIONS = (
         slip="article",
         units=UNITS,
         derivation=follows("energy of free fall", free_fall),
-        reason="As for the incident one; and rebounds slower than sqrt(2gh) never reach the probe.",
+        reason="Gravity adds a constant to the square of the rebound velocity, too; rebounds "
+        "slower than sqrt(2gh) never reach the probe.",
         function="microimpact.lab.pdpa.pairing.correct",
         implementation=lambda x: float(correct(x["V_probe"], x["h"])),
         consequence=Consequence(
@@ -146,7 +147,7 @@ EQUATIONS = (
         section="2.2",
         printed="e = -V_n/v_n",
         units=UNITS,
-        reason="Names the kinematic coefficient of restitution.",
+        reason="Defines the kinematic coefficient of restitution.",
         function="microimpact.model.rigid_body.algebra.rigid_body_rebound",
         implementation=_rebound_ratio,
     ),
@@ -156,7 +157,8 @@ EQUATIONS = (
         printed="mu = (V_t - v_t)/(V_n - v_n)",
         units=UNITS,
         derivation=follows("impulse and momentum", newton),
-        reason="Equals Eq. (4); negative where friction opposes v_t > 0, yet plots show its size.",
+        reason="Equals Eq. (4). It is negative where friction opposes v_t > 0; the plots show "
+        "its absolute value.",
         function="microimpact.model.dynamics.impact.planar",
     ),
     Equation(
@@ -165,7 +167,8 @@ EQUATIONS = (
         printed="T_L = (v**2 - V**2)/v**2",
         units=UNITS,
         derivation=follows("kinetic energies", kinetic),
-        reason="A number, and translational only; Eqs. (14) and (17) reuse the symbol for joules.",
+        reason="Dimensionless, and translational only; Eqs. (14) and (17) use the symbol for "
+        "an energy in joules.",
         function="microimpact.model.rigid_body.algebra.energy_loss",
         implementation=_loss,
     ),
@@ -189,7 +192,8 @@ EQUATIONS = (
         slip="article",
         units=UNITS,
         derivation=follows("loss 1 - e^2 at 90 degrees", normal_incidence),
-        reason="Called rotational, but 1 - e^2 at high angles and the caption belong to Eq. (3).",
+        reason="The text calls it rotational, but its limit 1 - e^2 at high angles and the "
+        "caption belong to Eq. (3).",
         function="microimpact.model.rigid_body.algebra.energy_loss",
         implementation=_loss,
         consequence=Consequence(
@@ -223,7 +227,7 @@ EQUATIONS = (
         slip="scan or article",
         units=UNITS,
         derivation=follows("components of a velocity", no_spin),
-        reason="The raised -1 means the reciprocal of the tangent; and v_n < 0 makes it negative.",
+        reason="The raised -1 means 1/tan here, and the minus sign follows from v_n < 0.",
         function="microimpact.model.dynamics.impact.velocity_components",
         consequence=Consequence(
             text="in place of -1.73 at 30 degrees",
@@ -239,6 +243,7 @@ EQUATIONS = (
         slip="scan or article",
         units=UNITS,
         derivation=Derivation(method="numeric: slopes below 45 degrees", check=_growth),
-        reason="eta_s is declared nowhere; read as the square, it is this one that grows faster.",
+        reason="eta_s is not defined. Read as the square of eta, it grows faster than eta, as "
+        "the text says.",
     ),
 )

@@ -156,7 +156,7 @@ EQUATIONS = (
         slip="scan",
         units=UNITS,
         derivation=follows("linear momentum", newton),
-        reason="The coordinate along the surface is t; no w is declared.",
+        reason="The coordinate along the surface is t; w is not defined.",
         function="microimpact.model.dynamics.trajectory.trajectory",
     ),
     Equation(
@@ -167,8 +167,8 @@ EQUATIONS = (
         slip="article",
         units=UNITS,
         derivation=Derivation(method="symbolic: friction takes energy from slip", check=_resists),
-        reason="Under a net pull friction would drive the slip, and mu could never exceed f; which "
-        "compressive part is meant stays open.",
+        reason="Under a net attractive force friction would accelerate the slip, and mu could "
+        "never exceed f. The text leaves open which compressive part is meant.",
         function="microimpact.model.dynamics.trajectory.trajectory",
         implementation=lambda x: float(traced(x).friction_force[TRACED_MOMENT]),
         consequence=Consequence(
@@ -198,7 +198,7 @@ EQUATIONS = (
         function="microimpact.model.dynamics.impact.planar",
         implementation=_spun,
         consequence=Consequence(
-            text="final over initial slip at 30 degrees with friction 0.15, above one: it grows",
+            text="final over initial slip at 30 degrees with friction 0.15; above one, slip grows",
             unit="1",
             value=_slip_left,
         ),
@@ -209,7 +209,7 @@ EQUATIONS = (
         printed="f_0 = (9*K*r*w_A**2/(2*pi))**(1/3)",
         units=UNITS,
         derivation=follows("contact radius of JKR at zero load", equilibrium),
-        reason="Exact for the contact radius at rest, and for no other property.",
+        reason="Exact for the contact radius at rest, but for no other property.",
         function="microimpact.model.contact.ring_force_from_work",
         implementation=_ring_force,
     ),
@@ -244,7 +244,7 @@ EQUATIONS = (
         printed="Omega = V_t/r",
         units=UNITS,
         derivation=follows("impulse that just ends slip", rolling),
-        reason="Holds where the sphere leaves rolling.",
+        reason="Correct where the sphere leaves the surface rolling.",
         function="microimpact.model.dynamics.impact.planar",
         consequence=Consequence(
             text="with the stated order of r, 10 um, at 1.6 m/s and 50 degrees",
@@ -274,7 +274,7 @@ EQUATIONS = (
         slip="scan or article",
         units=UNITS,
         derivation=Derivation(method="numeric: a/r in half the contact time", check=_strain_rate),
-        reason="A rate is per second; its size holds for contact radius over radius.",
+        reason="A rate has the unit 1/s; the printed size is that of contact radius over radius.",
         function="microimpact.model.dynamics.normal.normal_impact",
     ),
 )

@@ -20,7 +20,7 @@ Values = Mapping[str, Any]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
-    """The impact at which formulas are compared and consequences are told, in SI units.
+    """The impact at which formulas are compared and consequences computed, in SI units.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class Equation:
     id, section
         Number of the equation, or section and name of a relation within the text.
     printed
-        As it stands in the article; what stands behind a slash is its denominator.
+        As printed in the article; what follows a slash is its denominator.
     used
         The form used here, if another.
     slip

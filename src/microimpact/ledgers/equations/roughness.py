@@ -147,7 +147,8 @@ _ANY_INCIDENCE = (
         slip="scan or article",
         units=UNITS,
         derivation=follows("rotation of velocities", rotation),
-        reason="One rotation gives numerator and Eq. (36); it puts a plus in the denominator.",
+        reason="One rotation gives the numerator and Eq. (36); the same rotation gives a plus "
+        "sign in the denominator.",
         function="microimpact.model.rigid_body.roughness.measured_restitution",
         implementation=_measured,
         consequence=Consequence(
@@ -164,7 +165,7 @@ _ANY_INCIDENCE = (
         printed="mu_m = (mu - tan(phi))/(1 + mu*tan(phi))",
         units=UNITS,
         derivation=follows("rotation of impulses", rotation),
-        reason="The impulse turned by the slope.",
+        reason="The impulse rotated by the slope.",
         function="microimpact.model.rigid_body.roughness.measured_impulse_ratio",
         implementation=lambda x: float(roughness.measured_impulse_ratio(x["phi"], x["mu"])),
     ),
@@ -209,7 +210,7 @@ _ANY_INCIDENCE = (
         printed="e_m > 2*e",
         units=UNITS,
         derivation=Derivation(method="series: leading order at phi = alpha", check=_exceeds),
-        reason="Eq. (37) gives 2 e + 1 there.",
+        reason="Eq. (37) gives 2 e + 1 at that slope.",
         function="microimpact.model.rigid_body.roughness.shallow_restitution",
     ),
     Equation(
@@ -232,7 +233,8 @@ _ANY_INCIDENCE = (
         slip="article",
         units=UNITS,
         derivation=expands("small slope and friction, first order", sliding, "f phi", 1),
-        reason="A slope that faces the sphere lowers mu = -f and so raises the plotted size.",
+        reason="A slope that faces the sphere lowers mu = -f and so raises the plotted "
+        "absolute value.",
         function="microimpact.model.rigid_body.roughness.sloped_impulse_ratio",
         implementation=lambda x: float(
             -roughness.sloped_impulse_ratio(x["phi"], -x["f"], printed=True)
@@ -259,7 +261,7 @@ _NORMAL_INCIDENCE = (
         slip="scan",
         units=UNITS,
         derivation=follows("components at 90 degrees", normal_incidence),
-        reason="The tangential velocity is meant; v_r is declared nowhere.",
+        reason="The tangential velocity is meant; v_r is not defined.",
         function="microimpact.model.dynamics.impact.velocity_components",
     ),
     Equation(
@@ -287,7 +289,7 @@ _NORMAL_INCIDENCE = (
         slip="scan",
         units=UNITS,
         derivation=follows("Eq. (12) along the local surface", critical),
-        reason="The v before omega is no symbol of the article.",
+        reason="The letter v before omega is no symbol of the article.",
         function="microimpact.model.rigid_body.algebra.rolling_impulse_ratio",
         implementation=_spun,
     ),
@@ -332,7 +334,8 @@ _NORMAL_INCIDENCE = (
         slip="article",
         units=UNITS,
         derivation=expands("rolling with spin, first order", rolling, "phi omega", 1),
-        reason="v'_n < 0, so the spin adds with a minus; the plus needs v'_n as a speed.",
+        reason="v'_n < 0, so the spin term has a minus sign; a plus sign would need v'_n as a "
+        "speed.",
         function="microimpact.model.rigid_body.roughness.rolling_impulse_ratio_measured",
         consequence=Consequence(
             text="mu_m on a level surface by a spin of r omega/v = 0.2, in place of +0.0336",

@@ -1,4 +1,4 @@
-"""Capture velocity by running the film backwards.
+"""Capture velocity by time reversal.
 
 The state of a sphere that has just escaped, at rest with no compression, determines the impact that
 led to it: its initial speed is the capture velocity, found by one integration.
@@ -15,8 +15,8 @@ from microimpact.core.solve import roots
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.dynamics import kernel
 from microimpact.model.dynamics.normal import (
-    HOPELESS_ADHESION_GROUP,
-    HOPELESS_HERTZ_GROUP,
+    ALWAYS_CAPTURED_ADHESION_GROUP,
+    ALWAYS_CAPTURED_HERTZ_GROUP,
     integrate,
 )
 
@@ -38,8 +38,8 @@ def threshold(
     Infinite where no speed rebounds.
     """
     # Beyond these all is captured, and far beyond them the equation is too stiff to integrate.
-    hertz_group = np.minimum(hertz_group, HOPELESS_HERTZ_GROUP)
-    adhesion_group = np.minimum(adhesion_group, HOPELESS_ADHESION_GROUP)
+    hertz_group = np.minimum(hertz_group, ALWAYS_CAPTURED_HERTZ_GROUP)
+    adhesion_group = np.minimum(adhesion_group, ALWAYS_CAPTURED_ADHESION_GROUP)
     problems = np.zeros((hertz_group.size, kernel.PROBLEM_COLUMNS))
     r = BRANCH_START
     y = math.sqrt(4.0 / 3.0) + 4.0 / 9.0 * adhesion_group * r**3 - 0.4 / math.sqrt(4.0 / 3.0) * r**4

@@ -281,7 +281,7 @@ def spatial(
 ) -> SpatialImpact:
     """Impact in three dimensions; the surface is the plane z = 0, the normal +z.
 
-    Spin about the normal is inert: a point contact gives it no couple.
+    Spin about the normal is inert: a point contact gives it no moment.
 
     Parameters
     ----------

@@ -7,7 +7,7 @@ With the compression ``x`` in units of a length scale, ``s = sqrt(x)`` (the cont
 
 ``b`` is the strength of adhesion (1 in the adhesion scale, 0 without adhesion) and ``C_A``, ``C_H``
 the damping groups. A *leg* runs at constant ``C_A``: the first ends at the turning point u = 0, the
-second where contact ends, s = 0. Running the film backwards is the same problem with the signs of
+second where contact ends, s = 0. Time reversal is the same problem with the signs of
 the damping groups changed, so one integrator serves impacts and the backward map.
 
 Each step is a Taylor expansion of order ``ORDER``. ``LANES`` impacts advance side by side, each
@@ -16,7 +16,7 @@ neighbours. The loops over lanes compile to SIMD code with sums kept in register
 within them have lengths known to the compiler, and because arrays that are not ``LANES`` wide are
 refused, which makes the distance of rows known as well.
 
-All compiled functions stand in this one module: Numba's on-disk cache looks only at the file of the
+All compiled functions are in this one module: Numba's on-disk cache looks only at the file of the
 function it loads and would keep stale callees from another one. Loops are bounded ``for`` loops on
 purpose: every integration ends, with a status.
 """
@@ -50,8 +50,8 @@ NOTHING_LEFT = 1e-30
 ROOT_TOLERANCE = 1e-9
 
 # Columns of a problem: start of the first leg, strength of adhesion, damping groups of both legs.
-# An impact that is DOOMED (no speed at all rebounds) is followed to the turning point only.
-START_S, START_U, ADHESION, HERTZ_DAMPING, DAMPING_1, DAMPING_2, DOOMED = range(7)
+# An impact with ALWAYS_CAPTURED (no speed rebounds) is followed to the turning point only.
+START_S, START_U, ADHESION, HERTZ_DAMPING, DAMPING_1, DAMPING_2, ALWAYS_CAPTURED = range(7)
 PROBLEM_COLUMNS = 7
 
 # Columns of a result. Impulses and works are per unit mass, in the scaled units of the problem.
@@ -142,7 +142,7 @@ def _rows(number):  # type: ignore[no-untyped-def]
 def _expand(beta, damping_h, damping_a, s, u, p, m):  # type: ignore[no-untyped-def]
     """Taylor coefficients of s and u from their values in row PAD (p = s^2, m = damping)."""
     if not (s.shape[1] == u.shape[1] == p.shape[1] == m.shape[1] == LANES):
-        return  # never: tells the compiler the distance of rows
+        return  # never: gives the compiler the distance of rows
     _coefficients(0, THIRD, beta, damping_h, damping_a, s, u, p, m)
     _coefficients(THIRD, 2 * THIRD, beta, damping_h, damping_a, s, u, p, m)
     _coefficients(2 * THIRD, ORDER, beta, damping_h, damping_a, s, u, p, m)
@@ -295,7 +295,7 @@ def _quadratures(s, u, h, beta, damping_h, damping_a, row_s, row_u, x, total):  
 
 @_jit
 def _never_turns(s, u, damping_h, damping_a):  # type: ignore[no-untyped-def]
-    """True where a film run backwards (negative damping) can no longer come to rest."""
+    """True where the time-reversed path (negative damping) can no longer come to rest."""
     if 1.0 + damping_h * u <= 0.0:
         return True
     return damping_a < 0.0 and -damping_a * u > 2.0 * s * s and s > 2.0 + 4.0 / damping_a**2
@@ -416,11 +416,11 @@ def integrate(problems: FloatArray, mode: int, results: FloatArray) -> None:
                     damping_a[lane] = problems[owner[lane], DAMPING_2]
                     total[TURNING_S, lane] = end_s
                     total[TURNING_TIME, lane] = total[DURATION, lane]
-                    if problems[owner[lane], DOOMED] != 0.0:
+                    if problems[owner[lane], ALWAYS_CAPTURED] != 0.0:
                         status = CAPTURED
                 elif _never_turns(end_s, end_u, damping_h[lane], damping_a[lane]):
                     status = ESCAPED
-                elif problems[owner[lane], DOOMED] != 0.0 and _settles(
+                elif problems[owner[lane], ALWAYS_CAPTURED] != 0.0 and _settles(
                     end_s, end_u, beta[lane], damping_h[lane], damping_a[lane]
                 ):
                     status = CAPTURED

@@ -14,11 +14,11 @@ from microimpact.core.arrays import BoolArray, FloatArray, Real, common_shape
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics import kernel
 
-# By comparison of trajectories, more damping never helps a rebound. Without adhesive damping no
+# By comparison of trajectories, more damping never helps a rebound. Without adhesion damping no
 # speed rebounds above C_H = 0.48741, without material damping none above C_A = 1.16280 (by the
 # backward map), so beyond these bounds capture needs no integration, however stiff the equation.
-HOPELESS_HERTZ_GROUP = 0.49
-HOPELESS_ADHESION_GROUP = 1.17
+ALWAYS_CAPTURED_HERTZ_GROUP = 0.49
+ALWAYS_CAPTURED_ADHESION_GROUP = 1.17
 
 # The kinetic energy is a small difference of large ones below this speed, in velocity scales, and
 # after a rebound with less than this restitution from below one velocity scale: there it is taken
@@ -146,18 +146,18 @@ def scaled_problems(contact: Contact, speed: Real) -> tuple[FloatArray, Scales, 
     length = np.where(adhesive, equilibrium, (mass * v**2 / hertz) ** 0.4)
     velocity = np.where(adhesive, own_scale, v)
     damping = flat(contact.adhesion_damping_at(speed))
-    hopeless = (flat(contact.hertz_damping) * own_scale > HOPELESS_HERTZ_GROUP) | (
-        damping * own_scale > HOPELESS_ADHESION_GROUP
+    always_captured = (flat(contact.hertz_damping) * own_scale > ALWAYS_CAPTURED_HERTZ_GROUP) | (
+        damping * own_scale > ALWAYS_CAPTURED_ADHESION_GROUP
     )
-    hopeless &= equilibrium > 0.0
+    always_captured &= equilibrium > 0.0
     problems = np.zeros((v.size, kernel.PROBLEM_COLUMNS))
     problems[:, kernel.START_U] = v / velocity
     problems[:, kernel.ADHESION] = equilibrium / length
     problems[:, kernel.HERTZ_DAMPING] = flat(contact.hertz_damping) * velocity
-    problems[:, kernel.DAMPING_2] = np.where(hopeless, 0.0, damping * velocity)
+    problems[:, kernel.DAMPING_2] = np.where(always_captured, 0.0, damping * velocity)
     if contact.damped_attachment:
         problems[:, kernel.DAMPING_1] = damping * velocity
-    problems[:, kernel.DOOMED] = hopeless
+    problems[:, kernel.ALWAYS_CAPTURED] = always_captured
     return problems, Scales(length, velocity, mass), shape
 
 

@@ -1,7 +1,7 @@
-"""Couples that oppose rolling: during an impact (Section 3.2.3), and on a captured sphere.
+"""Moments that oppose rolling: during an impact (Section 3.2.3), and on a captured sphere.
 
-The equations of motion leave out the couple M of the contact area (Fig. 13). Its parts are bounded
-and estimated here, a the contact radius, F the compressive force, f_0 the ring force. A couple is
+The equations of motion leave out the moment M of the contact area (Fig. 13). Its parts are bounded
+and estimated here, a the contact radius, F the compressive force, f_0 the ring force. A moment is
 positive where it opposes the spin.
 """
 
@@ -26,8 +26,8 @@ NEAR_REST = 301
 
 
 @dataclass(frozen=True, slots=True)
-class CoupleImpulses:
-    """Time integrals of couples over one impact, N m s, and how far it rolled.
+class RollingImpulses:
+    """Time integrals of moments over one impact, N m s, and how far it rolled.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class CoupleImpulses:
     bound_deformation, bound_adhesion
         What no pressure without tension, and no ring force between zero and its greatest, exceeds.
     steady_deformation, steady_adhesion
-        As if it rolled steadily: hysteresis of deformation, and `peeling_couple`.
+        As if it rolled steadily: hysteresis of deformation, and `peeling_moment`.
     impact_deformation, impact_adhesion
         Hysteresis of deformation, and of the whole ring force, only where and while one part of
         the contact closes and another opens.
@@ -73,13 +73,13 @@ def opening_level(contact_radius: Real, separation_speed: Real, spin: Real) -> R
     return np.clip(level, -1.0, 1.0)
 
 
-def deformation_couple_bound(contact_radius: Real, force: Real) -> Real:
-    """Greatest couple of a pressure without tension, N m: ``a F``, all at the leading edge."""
+def deformation_moment_bound(contact_radius: Real, force: Real) -> Real:
+    """Greatest moment of a pressure without tension, N m: ``a F``, all at the leading edge."""
     return contact_radius * force
 
 
-def deformation_couple(contact_radius: Real, force: Real, loss: Real, level: Real = 0.0) -> Real:
-    """Couple of hysteresis of deformation, N m: ``(3/16) loss a F (1 - h^2)^2``.
+def deformation_moment(contact_radius: Real, force: Real, loss: Real, level: Real = 0.0) -> Real:
+    """Moment of hysteresis of deformation, N m: ``(3/16) loss a F (1 - h^2)^2``.
 
     Where the contact opens, Hertz's pressure is less by the share `loss`. On the part x > x_0 its
     moment about the centre is (3/16) a F (1 - (x_0/a)^2)^2; the boundary lies where `opening_level`
@@ -88,18 +88,18 @@ def deformation_couple(contact_radius: Real, force: Real, loss: Real, level: Rea
     return 3.0 / 16.0 * loss * contact_radius * force * np.square(1.0 - np.square(level))
 
 
-def adhesion_couple_bound(contact_radius: Real, ring_force: Real, level: Real = 0.0) -> Real:
-    """Greatest couple of a ring force that holds only where the contact opens, N m.
+def adhesion_moment_bound(contact_radius: Real, ring_force: Real, level: Real = 0.0) -> Real:
+    """Greatest moment of a ring force that holds only where the contact opens, N m.
 
     ``2 f a^2 sqrt(1 - h^2)``: f a^2 times the integral of cos(theta) over the part of the edge that
-    opens (`opening_level`). With h = 0, all on the trailing half, it is the greatest couple of any
+    opens (`opening_level`). With h = 0, all on the trailing half, it is the greatest moment of any
     ring force between zero and `ring_force`.
     """
     return 2.0 * ring_force * np.square(contact_radius) * np.sqrt(1.0 - np.square(level))
 
 
-def hertz_damping_couple(contact_radius: Real, force: Real, damping: Real, spin: Real) -> Real:
-    """Couple of the Hunt-Crossley damping of Eq. (19) where rolling adds to the rate, N m.
+def hertz_damping_moment(contact_radius: Real, force: Real, damping: Real, spin: Real) -> Real:
+    """Moment of the Hunt-Crossley damping of Eq. (19) where rolling adds to the rate, N m.
 
     At a distance x ahead of the centre the compression grows faster by spin x, and the pressure p
     by ``c_H spin x p``; its moment is ``c_H spin F a^2/5``, as x^2 averages a^2/5 over Hertz's
@@ -108,10 +108,10 @@ def hertz_damping_couple(contact_radius: Real, force: Real, damping: Real, spin:
     return 0.2 * damping * spin * force * np.square(contact_radius)
 
 
-def adhesion_damping_couple(
+def adhesion_damping_moment(
     contact_radius: Real, ring_force: Real, damping: Real, spin: Real, level: Real = 0.0
 ) -> Real:
-    """Couple of the adhesion damping of Eq. (19) where rolling adds to the rate, N m.
+    """Moment of the adhesion damping of Eq. (19) where rolling adds to the rate, N m.
 
     A point of the edge at theta from the trailing end opens at ``spin a (h + cos(theta))``
     (`opening_level`); its ring force is greater by c_A f_0 times that while positive. The moment is
@@ -121,8 +121,8 @@ def adhesion_damping_couple(
     return damping * ring_force * spin * np.power(contact_radius, 3) * share
 
 
-def peeling_couple(contact: Contact, shift: Real, contact_radius: Real | None = None) -> Real:
-    """Couple of adhesion that a rolling sphere has to overcome, N m.
+def peeling_moment(contact: Contact, shift: Real, contact_radius: Real | None = None) -> Real:
+    """Moment of adhesion that a rolling sphere has to overcome, N m.
 
     ``4 F_c (a/a_0)^(3/2) shift`` with JKR's pull-off force F_c = 3/2 pi w_A r and radius at no
     load, ``a_0^3 = 6 pi w_A r^2/K``: that is ``(6 pi w_A K)^(1/2) a^(3/2) shift``, and 6 pi w_A r
@@ -136,14 +136,14 @@ def peeling_couple(contact: Contact, shift: Real, contact_radius: Real | None = 
     return (stretch * shift)[()]
 
 
-def couple_impulses(
+def rolling_impulses(
     contact: Contact, speed: float, angle: float, shift: float, points: int = 400
-) -> CoupleImpulses:
-    """Integrate bounds and estimates of the neglected couples over one impact without spin.
+) -> RollingImpulses:
+    """Integrate bounds and estimates of the neglected moments over one impact without spin.
 
     The bounds allow pressures without tension that sum to the compressive force, and a ring force
     between zero and what it is at the trailing end, ``f_0 (1 + c_A (u + spin a))``. Hysteresis is
-    given all that the impact loses, 1 - e^2. The peeling couple grows with the distance rolled up
+    given all that the impact loses, 1 - e^2. The peeling moment grows with the distance rolled up
     to the shift.
 
     Parameters
@@ -153,7 +153,7 @@ def couple_impulses(
     speed, angle
         Speed before impact, m/s, and angle of incidence from the surface, degrees.
     shift
-        Of `peeling_couple`, m.
+        Of `peeling_moment`, m.
     points
         Times at which the impact is sampled.
 
@@ -184,20 +184,20 @@ def couple_impulses(
     trailing = ring_force * (1.0 + c_a * np.maximum(velocity + spin * a, 0.0))
     loss = 1.0 - (path.velocity[-1] / path.velocity[0]) ** 2
     rolled = scipy.integrate.cumulative_trapezoid(radius * spin, time, initial=0)
-    damping = hertz_damping_couple(a, hertz, contact.hertz_damping, spin)
-    damping = damping + adhesion_damping_couple(a, ring_force, c_a, spin, level)
+    damping = hertz_damping_moment(a, hertz, contact.hertz_damping, spin)
+    damping = damping + adhesion_damping_moment(a, ring_force, c_a, spin, level)
 
-    def impulse(couple: Real) -> float:
-        return float(np.trapezoid(couple, time))
+    def impulse(moment: Real) -> float:
+        return float(np.trapezoid(moment, time))
 
-    return CoupleImpulses(
+    return RollingImpulses(
         friction=radius * float(contact.mass) * float(np.ptp(path.tangential_velocity)),
-        bound_deformation=impulse(deformation_couple_bound(a, np.maximum(hertz + damped, 0.0))),
-        bound_adhesion=impulse(adhesion_couple_bound(a, trailing)),
-        steady_deformation=impulse(deformation_couple(a, hertz, loss)),
-        steady_adhesion=impulse(peeling_couple(contact, np.minimum(rolled, shift), a)),
-        impact_deformation=impulse(deformation_couple(a, hertz, loss, level)),
-        impact_adhesion=impulse(adhesion_couple_bound(a, trailing, level)),
+        bound_deformation=impulse(deformation_moment_bound(a, np.maximum(hertz + damped, 0.0))),
+        bound_adhesion=impulse(adhesion_moment_bound(a, trailing)),
+        steady_deformation=impulse(deformation_moment(a, hertz, loss)),
+        steady_adhesion=impulse(peeling_moment(contact, np.minimum(rolled, shift), a)),
+        impact_deformation=impulse(deformation_moment(a, hertz, loss, level)),
+        impact_adhesion=impulse(adhesion_moment_bound(a, trailing, level)),
         damping=impulse(damping),
         rolled=float(rolled[-1]),
         contact_radius=float(np.max(a)),
@@ -221,7 +221,7 @@ def rolling_distance(
     """Distance that a captured sphere rolls, m; infinite where gravity keeps it rolling.
 
     It starts rolling with V_t, so with the energy (7/10) m V_t^2, and is held back by the force M/r
-    of `peeling_couple`, less the weight along a target tilted downhill: ``(7/10) m V_t^2 / (M/r - m
+    of `peeling_moment`, less the weight along a target tilted downhill: ``(7/10) m V_t^2 / (M/r - m
     g sin(tilt))``. A sphere that struck without spin starts with V_t = (5/7) v_t.
 
     Parameters
@@ -231,7 +231,7 @@ def rolling_distance(
     tangential_velocity
         V_t after capture, m/s.
     shift
-        Of `peeling_couple`, m.
+        Of `peeling_moment`, m.
     tilt
         Angle of the target from the horizontal, degrees, in [0, 90]; 0 leaves gravity out.
     """
@@ -240,7 +240,7 @@ def rolling_distance(
     shift = checked("shift", shift, NON_NEGATIVE)
     tilt = checked("tilt", tilt, TILT)
     weight = contact.mass * gravity * np.sin(np.radians(tilt))
-    hold = np.asarray(peeling_couple(contact, shift) / contact.radius - weight)
+    hold = np.asarray(peeling_moment(contact, shift) / contact.radius - weight)
     energy = 0.5 * (1.0 + INERTIA) * contact.mass * np.square(velocity)
     shape = np.broadcast_shapes(hold.shape, np.shape(energy))
     distance = np.full(shape, np.inf)
@@ -249,8 +249,8 @@ def rolling_distance(
 
 
 def gravity_ratio(contact: Contact, shift: object, tilt: object) -> Real:
-    """Couple of the weight over that of adhesion, ``m g r sin(tilt) / M``: above 1 it rolls."""
+    """Moment of the weight over that of adhesion, ``m g r sin(tilt) / M``: above 1 it rolls."""
     require_contact(contact)
     shift, tilt = checked("shift", shift, POSITIVE), checked("tilt", tilt, TILT)
     weight = contact.mass * gravity * np.sin(np.radians(tilt))
-    return weight * contact.radius / peeling_couple(contact, shift)
+    return weight * contact.radius / peeling_moment(contact, shift)

@@ -125,8 +125,8 @@ def trajectory(
     problems, scales, _ = scaled_problems(contact, -v_n)
     problem, result = problems[0], integrate(problems, ledger=True)[0]
     captured = bool(result[kernel.STATUS] == kernel.CAPTURED)
-    if problem[kernel.DOOMED]:
-        # the kernel drops the damping of a hopeless rebound; the path needs it
+    if problem[kernel.ALWAYS_CAPTURED]:
+        # the kernel drops the damping where the sphere is always captured; the path needs it
         damping = contact.adhesion_damping_at(-v_n) * scales.velocity[0]
         problem[kernel.DAMPING_2] = float(damping)
     end = result[kernel.DURATION]

@@ -66,7 +66,7 @@ class RestitutionFit:
     r_squared
         Share of the (weighted) variance of e that the curve explains.
     on_bound
-        Names of free parameters that ended on a bound; v_c also where it rests on the speed of
+        Names of free parameters that ended on a bound; v_c also where it is fixed by the speed of
         a captured sphere, at which the clip bends the sum of squares.
     q_fixed
         Whether q was given.

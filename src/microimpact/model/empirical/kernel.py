@@ -2,7 +2,7 @@
 
 ``LANES`` searches advance together; one that has ended gives its lane to the next. What a search
 finds does not depend on its neighbours. The loops over lanes compile to SIMD code, for they have a
-length known to the compiler, the rows of an array stand a known distance apart, and `_exp` and
+length known to the compiler, the rows of an array are a known distance apart, and `_exp` and
 `_log` are polynomials without branches. `microimpact.model.empirical.search.model` is the
 same curve in plain form.
 """
@@ -42,7 +42,7 @@ GROUP = 4
 SPEED, LOG_SPEED, MEASURED, WEIGHT = range(4)
 POINT_ROWS = 4
 
-# Beside the slopes of a misfit in the variables stands the misfit itself, and the sums of all their
+# The slopes of a misfit in the variables are followed by the misfit itself; the sums of all their
 # products are the normal equations: matrix, half the gradient as last column, sum of squares.
 COLUMNS = VARIABLES + 1
 PRODUCTS = COLUMNS**2
@@ -123,7 +123,7 @@ def enter(v, e, weight, end, low, high, x, lane, points, state):  # type: ignore
 def evaluate(points, groups, state, slopes):  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912
     """Sums at the trial; ``slopes`` is room for those of a group of points."""
     if not (points.shape[1] == state.shape[1] == slopes.shape[1] == LANES):
-        return  # never: tells the compiler the distance of rows
+        return  # never: gives the compiler the distance of rows
     for lane in range(LANES):
         state[P, lane] = _exp(state[TRIAL + 1, lane])
         state[EXPONENT, lane] = _exp(state[TRIAL + Q, lane])

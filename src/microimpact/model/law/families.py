@@ -17,7 +17,10 @@ from microimpact.core.arrays import FloatArray, Real
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics import kernel
 from microimpact.model.dynamics.capture import scaled_capture_velocity
-from microimpact.model.dynamics.normal import HOPELESS_ADHESION_GROUP, HOPELESS_HERTZ_GROUP
+from microimpact.model.dynamics.normal import (
+    ALWAYS_CAPTURED_ADHESION_GROUP,
+    ALWAYS_CAPTURED_HERTZ_GROUP,
+)
 from microimpact.model.law.pieces import WIDTH
 
 # Quantities of an impact in its scales, the rows of what a table gives.
@@ -215,14 +218,15 @@ class Family:
             problems[:, kernel.HERTZ_DAMPING] = self.hertz * w
             return problems
         hertz, adhesion = self.groups(w, place)
-        hopeless = (hertz > HOPELESS_HERTZ_GROUP) | (adhesion > HOPELESS_ADHESION_GROUP)
+        always_captured = hertz > ALWAYS_CAPTURED_HERTZ_GROUP
+        always_captured |= adhesion > ALWAYS_CAPTURED_ADHESION_GROUP
         problems[:, kernel.START_U] = w
         problems[:, kernel.ADHESION] = 1.0
         problems[:, kernel.HERTZ_DAMPING] = hertz
-        problems[:, kernel.DAMPING_2] = np.where(hopeless, 0.0, adhesion)
+        problems[:, kernel.DAMPING_2] = np.where(always_captured, 0.0, adhesion)
         if self.damped_attachment:
             problems[:, kernel.DAMPING_1] = adhesion
-        problems[:, kernel.DOOMED] = hopeless
+        problems[:, kernel.ALWAYS_CAPTURED] = always_captured
         return problems
 
 

@@ -183,7 +183,7 @@ def _both_sides(  # type: ignore[no-untyped-def]
     w, g, reciprocal, below, lowest_below, split_below, above, lowest_above, split_above, gap, out
 ):
     if below.shape[3] != DEGREE + 1 or below.shape[4] != WIDTH:
-        return  # never: tells the compiler the distance of rows
+        return  # never: gives the compiler the distance of rows
     if above.shape[3] != DEGREE + 1 or above.shape[4] != WIDTH:
         return
     row = np.empty(WIDTH)

@@ -341,13 +341,13 @@ def _fitted(
             w = (x if captured else 1.0 + x) / chebyshev.chebval(place, slowness)
         problems = family.problems(w, place)
         if captured:
-            problems[:, kernel.DOOMED] = 1.0
+            problems[:, kernel.ALWAYS_CAPTURED] = 1.0
         results = integrate(problems, ledger=True)
         found = quantities(problems, results)
         wrong = (results[:, kernel.STATUS] == kernel.CAPTURED) != captured
         found[:, wrong] = np.nan
         if captured:
-            found[CONTACT_TIME] = 0.0  # infinite in truth, and not asked of the table
+            found[CONTACT_TIME] = 0.0  # really infinite, and not asked of the table
         return found
 
     made = _tried(sampled, span, SPLITS, (1,), 1, tolerance if family.alike else 0.25 * tolerance)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from microimpact.declared.parameters import NonNegative
 
-# In the order in which they are told.
+# In the order in which they are reported.
 Kind = Literal[
     "missing file",
     "extra file",
@@ -97,7 +97,7 @@ def compare_tables(
     """Return all differences of two tables.
 
     Rows are matched by what their key columns say, and rows that say the same in the order in
-    which they stand. If equally many rows of either table remain, a key was changed, and they
+    which they occur. If equally many rows of either table remain, a key was changed, and they
     are matched in order; otherwise, and if `renamed` is false, they are missing or extra.
 
     Parameters
@@ -187,7 +187,7 @@ def _match(left: Mapping[RowName, int], right: Mapping[RowName, int], *, renamed
         pairs += zip(missing, extra, strict=True)
         missing, extra = [], []
     repeated = {key for key, n in (*left, *right) if n > 1}
-    # A column that says the same in every row tells none apart.
+    # A column that is the same in every row distinguishes none.
     values = list(zip(*(key for key, _ in (*left, *right)), strict=True))
     telling = [i for i, column in enumerate(values) if len(set(column)) > 1]
 

@@ -76,7 +76,7 @@ def key_columns(name: str) -> tuple[str, ...]:
 
 
 def read_cells(path: Path) -> pd.DataFrame:
-    """Read a CSV table as text, every cell as it stands in the file.
+    """Read a CSV table as text, every cell as in the file.
 
     Raises
     ------

@@ -102,7 +102,7 @@ def _walk(node: ET.Element, place: str, found: Structure) -> None:
 
 
 def _texts(node: ET.Element) -> list[str]:
-    # Letters are drawn as paths; what they say stands in a comment before them.
+    # Letters are drawn as paths; their text is in a comment before them.
     return [(c.text or "").strip() for c in node.iter() if callable(c.tag)]
 
 

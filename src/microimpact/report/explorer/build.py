@@ -10,7 +10,10 @@ import pandas as pd
 
 from microimpact.lab.contacts import calibrated_contact, declared
 from microimpact.model.contact import Contact
-from microimpact.model.dynamics.normal import HOPELESS_ADHESION_GROUP, HOPELESS_HERTZ_GROUP
+from microimpact.model.dynamics.normal import (
+    ALWAYS_CAPTURED_ADHESION_GROUP,
+    ALWAYS_CAPTURED_HERTZ_GROUP,
+)
 from microimpact.model.pairs import pair_contact
 from microimpact.model.rigid_body.algebra import INERTIA
 from microimpact.report.explorer import FILES, SCRIPTS
@@ -68,8 +71,8 @@ def numbers(inputs: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
     return {
         "constants": {
             "inertia": INERTIA,
-            "hopeless_hertz_group": HOPELESS_HERTZ_GROUP,
-            "hopeless_adhesion_group": HOPELESS_ADHESION_GROUP,
+            "always_captured_hertz_group": ALWAYS_CAPTURED_HERTZ_GROUP,
+            "always_captured_adhesion_group": ALWAYS_CAPTURED_ADHESION_GROUP,
         },
         "materials": [
             {"material": material.name} | {name: getattr(material, name) for name in MATERIAL}

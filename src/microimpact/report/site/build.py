@@ -42,7 +42,7 @@ INPUT_COLUMNS = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Table:
-    """One table of the results as the page of tables tells it."""
+    """One table of the results as the page of tables shows it."""
 
     file: str
     columns: tuple[str, ...]
@@ -51,7 +51,7 @@ class Table:
 
     @property
     def folder(self) -> str:
-        """The folder of the results it stands in."""
+        """The folder of the results that contains it."""
         return self.file.partition("/")[0]
 
 

@@ -1,4 +1,4 @@
-"""All that stands behind one figure: its data, inputs, equations and claims."""
+"""One figure with its data, inputs, equations and claims."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from microimpact.report.site.record import Record, Rule
 
 ARTICLE = re.compile(r"fig(\d\d)")
 ACRONYMS = {"ptis", "pdpa"}
-# Names by which a study knows the declared tables, and those of their files.
+# Names of the declared tables in a study, and those of their files.
 TABLES = {"materials": "materials", "contacts": "contacts", "anchors": "printed_values"}
 _MICROMETRE = re.compile(r"\bum\b")
 _ITEM = re.compile(r"\[\d+\]$")
@@ -46,7 +46,7 @@ class Inputs:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Figure:
-    """One figure: words, files relative to the results, and what stands behind it.
+    """One figure: words, files relative to the results, inputs, equations and claims.
 
     Tables of its study that belong beside it have a sentence each.
     """

@@ -1,7 +1,7 @@
 """Formulas of the equations ledger as MathML, which browsers set without any help.
 
 A formula is a line of Python's arithmetic with ``=``, ``>`` or ``!=`` between its sides. It is
-shown as it stands there, nothing is simplified: a misprint must stay one.
+shown as printed; nothing is simplified, so a misprint stays one.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def mathml(text: str) -> Markup:
         if relation in text:
             sides = [_side(side, text) for side in text.split(relation)]
             return _tag("math", _operator(sign).join(sides))
-    raise ValueError(f"formula {text!r}: no relation stands in it")
+    raise ValueError(f"formula {text!r}: it contains no relation")
 
 
 def _side(side: str, whole: str) -> Markup:

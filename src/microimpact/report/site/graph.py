@@ -1,4 +1,4 @@
-"""The rules of the workflow as a graph: what rests on what, and a picture of it in layers."""
+"""The rules of the workflow as a graph: what depends on what, and a picture of it in layers."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def needs(rules: Sequence[Rule]) -> dict[str, tuple[str, ...]]:
 
 
 def upstream(name: str, needed: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
-    """Return all rules that a rule rests on, the nearest first."""
+    """Return all rules that a rule depends on, the nearest first."""
     found: dict[str, None] = {}
     waiting = list(needed.get(name, ()))
     while waiting:
@@ -74,7 +74,7 @@ def picture(needed: Mapping[str, Sequence[str]], figures: Mapping[str, str]) -> 
     needed
         The rules that each rule needs.
     figures
-        What stands on each rule that draws a figure; these are together in the last layer.
+        The words on each rule that draws a figure; these are together in the last layer.
     """
     layers = _ordered(_layers(needed, set(figures)), needed)
     tallest = max((len(layer) for layer in layers), default=0)

@@ -11,6 +11,7 @@ from pathlib import Path
 import pandas as pd
 from markupsafe import Markup
 
+from microimpact.ledgers.claims.judging import REQUIRED
 from microimpact.report.site.formula import mathml
 
 Row = dict[str, str]
@@ -18,7 +19,7 @@ Row = dict[str, str]
 # Each verdict with the colour of its class in the style sheet, from the best to the least known.
 CLAIM_VERDICTS = {
     "reproduced": "good",
-    "reproduced with a correction": "mended",
+    "reproduced with a correction": "corrected",
     "calibrated": "fitted",
     "not reproduced": "bad",
     "not identified": "open",
@@ -28,11 +29,11 @@ CLAIM_VERDICTS = {
 EQUATION_VERDICTS = {
     "correct": "good",
     "definition": "fitted",
-    "typographical slip": "mended",
+    "typographical slip": "corrected",
     "corrected": "bad",
     "undecidable": "open",
 }
-# Claims of this kind cannot fail on physics: they are listed and not counted.
+# Claims of this kind cannot fail: they are listed and not counted.
 ARITHMETIC = "arithmetic"
 CONTRADICTION = "contradiction"
 
@@ -92,7 +93,7 @@ def counts(rows: Sequence[Row], verdicts: Mapping[str, str]) -> tuple[Count, ...
 
 
 def counted(claims: Sequence[Row]) -> list[Row]:
-    """Return the claims that physics can decide."""
+    """Return the claims that a computation can decide."""
     return [row for row in claims if row["kind"] != ARITHMETIC]
 
 
@@ -102,8 +103,13 @@ def not_reproduced(claims: Sequence[Row]) -> list[Row]:
     return sorted(failed, key=lambda r: (r["kind"] != CONTRADICTION, -len(r["figures"].split())))
 
 
+def failed(claim: Row) -> int:
+    """Return how many criteria of a claim failed, over all cases."""
+    return claim["note"].count(REQUIRED)
+
+
 def corrected(equations: Sequence[Row]) -> list[Row]:
-    """Return the equations that had to be corrected: slips of the article first."""
+    """Return the equations that had to be corrected: errors of the article first."""
     wrong = [row for row in equations if row["verdict"] == "corrected"]
     return sorted(wrong, key=lambda row: row["kind_of_slip"] != "article")
 
@@ -126,7 +132,7 @@ def parts(text: str) -> list[str]:
 
 @cache
 def formula(text: str) -> Markup | str:
-    """Return a formula as MathML, or as it stands if it is none."""
+    """Return a formula as MathML, or unchanged if it is none."""
     try:
         return mathml(text)
     except ValueError:
@@ -134,7 +140,7 @@ def formula(text: str) -> Markup | str:
 
 
 def number(text: str) -> str:
-    """Return a number to four digits; other text as it stands."""
+    """Return a number to four digits; other text unchanged."""
     try:
         return f"{float(text):.4g}"
     except ValueError:

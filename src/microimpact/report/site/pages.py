@@ -2,7 +2,7 @@
 
 Another module's page uses the same base. Its template, in a folder of its own, begins with
 ``{% extends "base.html" %}`` and fills the blocks ``title`` (text of the tab), ``head`` (further
-``<link>`` and ``<script>``, by address) and ``main`` (what stands below the navigation)::
+``<link>`` and ``<script>``, by address) and ``main`` (the content below the navigation)::
 
     text = render("explorer.html", templates=Path(__file__).parent / "templates", here="explorer")
     write_file(report / "explorer.html", text)

@@ -21,7 +21,7 @@ _ROOT = Path(__file__).parents[2]
 
 @dataclass(slots=True)
 class _Definition:
-    """What a name of a module stands for: names and attributes in its text, and its methods."""
+    """What a name of a module refers to: names and attributes in its text, and its methods."""
 
     chains: set[tuple[str, ...]] = field(default_factory=set)
     attributes: set[str] = field(default_factory=set)

@@ -1,7 +1,7 @@
-"""What the site tells of a run beyond its tables and figures: rules, registry, versions, commit.
+"""What the site shows of a run beyond its tables and figures: rules, registry, versions, commit.
 
 The workflow writes it to ``report/record.json``, so that the site of a finished run can be made
-again without the workflow engine. A run without that file is told from its stamp and the shipped
+again without the workflow engine. A run without that file is described by its stamp and the shipped
 registry; its rules are not known then.
 """
 

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from microimpact.core.arrays import FloatArray
-from microimpact.core.tables import POINTS
+from microimpact.core.tables import points_parts
 
 COMPARED = ("computed", "calibrated", "virtual experiment")
 # Half the length of a bar, an interval of 95 %, in standard uncertainties.
@@ -19,6 +19,7 @@ COLUMNS = (
     "figure",
     "panel",
     "points",
+    "points_evidence",
     "series",
     "named",
     "evidence",
@@ -53,11 +54,11 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     -------
     mapping
         ``digitised_residuals``: a row per digitised series and series of its panel that is a
-        function of x; ``named`` tells whether the latter has the name of the points, alone or
+        function of x; ``named`` says whether the latter has the name of the points, alone or
         before a comma. ``n`` points lie in its range, ``beyond`` outside: it is not continued.
         Their ``bias`` (mean of point less curve) and ``rms_difference`` are in ``unit``, empty if n
         is 0; ``within_bars`` is the fraction of those ``bars`` points that have a bar whose bar
-        holds the curve, empty if none has, and ``normalised_rms`` the rms of their differences
+        contains the curve, empty if none has, and ``normalised_rms`` the rms of their differences
         over the standard uncertainties, infinite where a bar without length misses the curve. A
         bar is taken for an interval of 95 %. No rows if there are no points.
     """
@@ -66,11 +67,17 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     if not points.empty:
         for key, own in points.groupby(["figure", "panel", "series"], sort=False):
             figure, panel, series = map(str, key)
-            where = {"figure": figure, "panel": panel, "points": series.removeprefix(POINTS)}
+            kind, points_name = points_parts(series)
+            where = {
+                "figure": figure,
+                "panel": panel,
+                "points": points_name,
+                "points_evidence": kind,
+            }
             for name, table in inputs.items():
                 if name == figure or name.startswith(f"{figure}_"):
                     rows += [
-                        where | {"named": is_named(str(row["series"]), where["points"])} | row
+                        where | {"named": is_named(str(row["series"]), points_name)} | row
                         for row in _compared(own, table[table["panel"] == panel])
                     ]
     return {"digitised_residuals": pd.DataFrame(rows, columns=list(COLUMNS))}

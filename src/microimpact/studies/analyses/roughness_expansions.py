@@ -1,7 +1,7 @@
 """Restitution and impulse ratio measured on a slope: exact, expanded, and as printed (Section 4.1).
 
-The article expands Eqs. (35) and (36) for shallow and for normal incidence. Here each equation
-stands as printed and as it should be beside the exact rotation of the rigid body model's rebound.
+The article expands Eqs. (35) and (36) for shallow and for normal incidence. Here each equation,
+as printed and as it should be, is compared with the exact rotation of the rigid body's rebound.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ class Equation:
     shallow
         Whether it is for shallow incidence; else for normal incidence.
     spun
-        Whether spin stands in it.
+        Whether it contains spin.
     form
         Its value for a case, as printed (True) or as it should be.
     """
@@ -211,7 +211,7 @@ class Params:
         return self.shallow_angles_deg if equation.shallow else (90.0,)
 
     def spins(self, equation: Equation) -> tuple[float, ...]:
-        """Return the spin ratios for an equation; none but 0 where spin does not stand in it."""
+        """Return the spin ratios for an equation; only 0 where it does not contain spin."""
         return self.spin_ratios if equation.spun else (0.0,)
 
 

@@ -68,7 +68,7 @@ class Params:
     velocity_noise_relative
         Standard deviation of a measured velocity component over the speed.
     angle_error_deg
-        Tilt of the target that nobody knows; the means are compared with it and with a multiple.
+        Unknown tilt of the target; the means are compared with it and with a multiple.
     """
 
     seed: Annotated[int, Field(ge=0)]

@@ -42,7 +42,7 @@ BRACH_DUNN, DAHNEKE = "brach_dunn_1992", "dahneke_1971"
 YIELD = "thornton_ning_yield"
 
 NOTES = {
-    MODEL: "work of adhesion and damping of this contact, Eq. 25 run backwards from capture",
+    MODEL: "work of adhesion and damping of this contact, Eq. 25 time-reversed from capture",
     JKR: "quasi-static loss of the snap-off alone, no damping (Johnson and Pollock 1994; Thornton "
     "and Ning 1998)",
     BRACH_DUNN: "stick criterion of deposition codes (El-Batsh); holds no energy of adhesion, its "

@@ -22,7 +22,7 @@ from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import velocity_components
-from microimpact.model.dynamics.rolling import gravity_ratio, peeling_couple, rolling_distance
+from microimpact.model.dynamics.rolling import gravity_ratio, peeling_moment, rolling_distance
 from microimpact.model.rigid_body.algebra import INERTIA
 
 NEEDS = {"calibration": ("calibration",)}
@@ -67,7 +67,7 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     mapping
         ``roll_away``: per case, diameter, angle and shift the speed of the fastest captured sphere,
         the distance it rolls without and with gravity (infinite: it does not stop), whether it
-        leaves the spot it hit and the target, and the couple of its weight over that of adhesion,
+        leaves the spot it hit and the target, and the moment of its weight over that of adhesion,
         above 1 where gravity alone rolls it.
         ``roll_away_curves``: data of the figure, the distance in mm against the shift in nm.
     """
@@ -112,7 +112,7 @@ def distances(
         "capture_velocity_m_per_s": limit,
         "speed_m_per_s": speed,
         "rolling_velocity_m_per_s": along,
-        "adhesive_couple_N_m": float(peeling_couple(contact, lag)),
+        "adhesive_moment_N_m": float(peeling_moment(contact, lag)),
         "gravity_over_adhesion": float(gravity_ratio(contact, lag, tilt)),
         "distance_mm": level,
         "distance_with_gravity_mm": tilted,

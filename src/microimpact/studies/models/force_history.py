@@ -67,11 +67,14 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     """
     contact = contact_of_case(inputs, params.case, diameter=params.diameter_um * 1e-6)
     path = trajectory(contact, params.speed_m_per_s, params.angle_deg, points=params.points)
+    # A force that contains a fitted parameter is no prediction.
+    fitted = "calibrated" in set(inputs["contacts"]["evidence"])
+    evidence = "calibrated" if fitted else "computed"
     frames = [
         series_frame(
             panel="force",
             series=series,
-            evidence="computed",
+            evidence=evidence,
             x=path.time * 1e9,
             y=getattr(path, name) * 1e6,
             x_unit="ns",

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 from pydantic import Field
 
-from microimpact.core.tables import POINTS, series_frame
+from microimpact.core.tables import POINTS, points_parts, points_series, series_frame
 from microimpact.declared.parameters import CaseName, Fraction, Keyed, Positive
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.dynamics.capture import capture_velocity
@@ -121,12 +121,14 @@ def _digitised_fits(
     """Rows of the fits to digitised points of a case, and the curve of that with q free."""
     if points is None:
         return [], []
-    is_own = (points["figure"] == case.figure) & (points["series"] == POINTS + case.case)
+    names = [points_series(evidence, case.case) for evidence in POINTS]
+    is_own = (points["figure"] == case.figure) & points["series"].isin(names)
+    evidence = [points_parts(str(name))[0] for name in points.loc[is_own, "series"].unique()]
     v, e = (points.loc[is_own, name].to_numpy(float) for name in ("x", "y"))
     rows: list[dict[str, object]] = []
     curves: list[pd.DataFrame] = []
     for exponent, q in (("free", None), ("fixed", params.fixed_exponent)) if v.size else ():
-        row: dict[str, object] = {"case": case.case, "exponent": exponent, "evidence": "digitised"}
+        row: dict[str, object] = {"case": case.case, "exponent": exponent, "evidence": evidence[0]}
         try:
             fit = fit_restitution(v, e, q=q)
         except ValueError as error:  # too few points, or what is no coefficient of restitution

@@ -1,4 +1,4 @@
-"""Couples of rolling that the models neglect, against the couple of friction (Section 3.2.3).
+"""Moments of rolling that the models neglect, against the moment of friction (Section 3.2.3).
 
 The article neglects them because the contact radius is small. Three grades are compared: what no
 distribution of forces in the contact can exceed, what steady rolling would give, and what can arise
@@ -24,13 +24,13 @@ from microimpact.declared.parameters import AngleDegrees, CaseName, Fraction, Po
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.model.dynamics.rolling import CoupleImpulses, couple_impulses
+from microimpact.model.dynamics.rolling import RollingImpulses, rolling_impulses
 
 NEEDS = {"calibration": ("calibration",)}
 
 _frame = partial(series_frame, x_unit="deg", y_unit="1")
 
-# Grades of the neglected couple, and the parts that add up to each.
+# Grades of the neglected moment, and the parts that add up to each.
 GRADES = {
     "bound": ("bound_deformation", "bound_adhesion"),
     "steady": ("steady_deformation", "steady_adhesion"),
@@ -47,9 +47,9 @@ ABOVE_CAPTURE = 1e-3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """Calibrated cases, and the impacts over which couples are compared.
+    """Calibrated cases, and the impacts over which moments are compared.
 
-    A couple is negligible if its impulse is below ``negligible`` of that of friction.
+    A moment is negligible if its impulse is below ``negligible`` of that of friction.
     """
 
     cases: Annotated[tuple[CaseName, ...], Field(min_length=1)]
@@ -63,7 +63,7 @@ class Params:
     points: Annotated[int, Field(ge=5)]
 
     def __post_init__(self) -> None:
-        """Refuse angles that do not ascend, or at which no couple of friction is left."""
+        """Refuse angles that do not ascend, or at which no moment of friction is left."""
         if list(self.angles_deg) != sorted(set(self.angles_deg)):
             raise ValueError(f"angles_deg {list(self.angles_deg)} must ascend")
         if self.angles_deg[-1] >= 90.0:
@@ -73,7 +73,7 @@ class Params:
 
 
 def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
-    """Compare the neglected couples with that of friction.
+    """Compare the neglected moments with that of friction.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     Returns
     -------
     mapping
-        ``rolling_dissipation``: per case, diameter, speed and angle the impulse of each couple over
+        ``rolling_dissipation``: per case, diameter, speed and angle the impulse of each moment over
         that of friction, and their sums by grade; empty where the sphere is captured.
         ``rolling_ranges``: per case, diameter, speed and grade the least and greatest ratio at the
         angles given, and the angles around the least one between which it is negligible (empty:
@@ -100,14 +100,14 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
         limit = float(capture_velocity(contact))
         for speed in params.speeds_m_per_s:
             start = {"case": case, "diameter_um": diameter, "speed_m_per_s": speed}
-            couples = _couples(params, contact, speed)
-            found = {a: couples(a) for a in _rebounding(limit, speed, params.angles_deg)}
+            moments = _moments(params, contact, speed)
+            found = {a: moments(a) for a in _rebounding(limit, speed, params.angles_deg)}
             rows += [
                 {**start, "angle_deg": angle, **_row(contact, speed, found.get(angle))}
                 for angle in params.angles_deg
             ]
             if len(found) > 1:
-                summary += [{**start, **row} for row in _summary(params, couples, found)]
+                summary += [{**start, **row} for row in _summary(params, moments, found)]
     return {
         "rolling_dissipation": pd.DataFrame(rows).assign(evidence="computed"),
         "rolling_ranges": pd.DataFrame(summary).assign(evidence="computed"),
@@ -115,15 +115,15 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     }
 
 
-def ratio(couples: CoupleImpulses, grade: str) -> float:
-    """Return the sum of a grade over the couple of friction."""
-    total = sum(getattr(couples, part) for part in GRADES[grade])
-    return float(total / couples.friction)
+def ratio(moments: RollingImpulses, grade: str) -> float:
+    """Return the sum of a grade over the moment of friction."""
+    total = sum(getattr(moments, part) for part in GRADES[grade])
+    return float(total / moments.friction)
 
 
-def _couples(params: Params, contact: Contact, speed: float) -> Callable[[float], CoupleImpulses]:
+def _moments(params: Params, contact: Contact, speed: float) -> Callable[[float], RollingImpulses]:
     shift = params.rolling_shift_nm * 1e-9
-    return cache(lambda angle: couple_impulses(contact, speed, float(angle), shift))
+    return cache(lambda angle: rolling_impulses(contact, speed, float(angle), shift))
 
 
 def _rebounding(limit: float, speed: float, angles: tuple[float, ...] | FloatArray) -> FloatArray:
@@ -133,25 +133,25 @@ def _rebounding(limit: float, speed: float, angles: tuple[float, ...] | FloatArr
     return np.extract(normal_speed > limit * (1.0 + ABOVE_CAPTURE), degrees)
 
 
-def _row(contact: Contact, speed: float, couples: CoupleImpulses | None) -> dict[str, object]:
-    if couples is None:
+def _row(contact: Contact, speed: float, moments: RollingImpulses | None) -> dict[str, object]:
+    if moments is None:
         return {"captured": True}
     scale = float(contact.radius) * float(contact.mass) * speed
     return {
         "captured": False,
-        "friction_over_r_m_v": couples.friction / scale,
-        "contact_radius_over_r": couples.contact_radius / float(contact.radius),
-        "rolled_nm": couples.rolled * 1e9,
-        "rolled_over_contact_radius": couples.rolled / couples.contact_radius,
-        **{part: getattr(couples, part) / couples.friction for part in PARTS},
-        **{f"{grade}_over_friction": ratio(couples, grade) for grade in GRADES},
+        "friction_over_r_m_v": moments.friction / scale,
+        "contact_radius_over_r": moments.contact_radius / float(contact.radius),
+        "rolled_nm": moments.rolled * 1e9,
+        "rolled_over_contact_radius": moments.rolled / moments.contact_radius,
+        **{part: getattr(moments, part) / moments.friction for part in PARTS},
+        **{f"{grade}_over_friction": ratio(moments, grade) for grade in GRADES},
     }
 
 
 def _summary(
     params: Params,
-    couples: Callable[[float], CoupleImpulses],
-    found: Mapping[float, CoupleImpulses],
+    moments: Callable[[float], RollingImpulses],
+    found: Mapping[float, RollingImpulses],
 ) -> list[dict[str, object]]:
     angles = np.array(list(found))
     rows: list[dict[str, object]] = []
@@ -159,7 +159,7 @@ def _summary(
         ratios = np.array([ratio(c, grade) for c in found.values()])
 
         def excess(angle: float, grade: str = grade) -> float:
-            return ratio(couples(angle), grade) - params.negligible
+            return ratio(moments(angle), grade) - params.negligible
 
         low, high = around_least(excess, angles, ratios - params.negligible)
         rows.append(
@@ -205,9 +205,9 @@ def curves(params: Params, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
     for case, speed in product(params.cases, params.drawn_speeds_m_per_s):
         contact = resized(calibrated_contact(inputs, case), params.drawn_diameter_um * 1e-6)
         rebounding = _rebounding(float(capture_velocity(contact)), speed, angles)
-        couples = [_couples(params, contact, speed)(angle) for angle in rebounding]
+        moments = [_moments(params, contact, speed)(angle) for angle in rebounding]
         for grade in GRADES:
-            ratios = np.array([ratio(c, grade) for c in couples])
+            ratios = np.array([ratio(c, grade) for c in moments])
             frames.append(_frame(grade, f"{case}, {speed:g} m/s", rebounding, ratios))
     ends = np.array(params.angles_deg)[[0, -1]]
     frames += [_frame(grade, "negligible", ends, np.full(2, params.negligible)) for grade in GRADES]

@@ -50,7 +50,7 @@ globalThis.Fields = (() => {
     return Number(exact.toPrecision(3));
   }
 
-  /** The number that a text means; NaN if none. A comma may stand for the point. */
+  /** The number that a text means; NaN if none. A comma may replace the point. */
   function parsed(text) {
     const plain = text.trim().replace("−", "-").replace(",", ".");
     return /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(plain) ? Number(plain) : NaN;

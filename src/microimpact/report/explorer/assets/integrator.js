@@ -97,7 +97,7 @@ globalThis.Integrator = (() => {
   /** The attraction over s^2: positive where the force pulls, negative where it pushes. */
   const pull = (radius, speed, { b, C_H }, C_A) => b * (1 - C_A * speed) - radius ** 2 * (1 + C_H * speed);
 
-  /** Whether a film run backwards (negative damping) can no longer come to rest. */
+  /** Whether the time-reversed path (negative damping) can no longer come to rest. */
   function neverTurns(radius, speed, C_H, C_A) {
     if (1 + C_H * speed <= 0) return true;
     return C_A < 0 && -C_A * speed > 2 * radius ** 2 && radius > 2 + 4 / C_A ** 2;
@@ -184,7 +184,7 @@ globalThis.Integrator = (() => {
   /**
    * Speed just captured, in velocity scales, of given damping groups; infinite where none rebounds.
    *
-   * The film run backwards: the sphere that has just escaped, at rest, came with this speed.
+   * Time reversal: a sphere that has just escaped, at rest, came with this speed.
    */
   function threshold(C_H, C_A) {
     const r = BRANCH_START;

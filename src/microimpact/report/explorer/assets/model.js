@@ -4,7 +4,7 @@
 globalThis.Explorer = (() => {
   const { follow, threshold, zero } = Integrator;
   const numbers = JSON.parse(document.getElementById("numbers").textContent);
-  const { inertia, hopeless_hertz_group, hopeless_adhesion_group } = numbers.constants;
+  const { inertia, always_captured_hertz_group, always_captured_adhesion_group } = numbers.constants;
   const slipPerImpulse = 1 + 1 / inertia;
 
   // ---- normal motion ------------------------------------------------------------------------
@@ -33,7 +33,7 @@ globalThis.Explorer = (() => {
     const damping = (c_A + 2 * c.hertz_damping) * speed;
     const stays = { captured: true, e: 0, damping, contact_time: Infinity };
     const groups = [c.hertz_damping * scale.velocity, c_A * scale.velocity];
-    if (groups[0] > hopeless_hertz_group || groups[1] > hopeless_adhesion_group) return stays;
+    if (groups[0] > always_captured_hertz_group || groups[1] > always_captured_adhesion_group) return stays;
     // Units of the adhesive scale below its velocity, of the impact's own speed above.
     const adhesive = speed < scale.velocity;
     const unit = adhesive ? scale.velocity : speed;
@@ -66,7 +66,7 @@ globalThis.Explorer = (() => {
     if (hertz === 0 && adhesion === 0) return 0;
     const n = adhesion > 0 ? c.adhesion_rate_exponent : 0;
     const limit = (group) =>
-      hertz > hopeless_hertz_group || group > hopeless_adhesion_group ? Infinity : threshold(hertz, group);
+      hertz > always_captured_hertz_group || group > always_captured_adhesion_group ? Infinity : threshold(hertz, group);
     if (n === 0) return scale.velocity * limit(adhesion);
     if (hertz > 0 && limit(0) === Infinity) return Infinity;
     // w = limit(C_A (v_N/(w V))^n): the right side falls with w, so one w does, between any w and it.

@@ -165,8 +165,8 @@ def _experiment(
     params: Params, case: str, variation: str, contact: Contact, levels: Levels, number: int
 ) -> Experiment:
     full, fraction = full_factorial(len(LETTERS)), fractional_factorial(params.generator)
-    center = np.zeros((1, len(LETTERS)))
-    contacts = at_levels(contact, coded(levels.array, np.concatenate([center, full])))
+    centre = np.zeros((1, len(LETTERS)))
+    contacts = at_levels(contact, coded(levels.array, np.concatenate([centre, full])))
     response = capture_velocity(contacts)
     _require_finite(case, variation, response)
     runs = (fraction > 0.0) @ 2 ** np.arange(len(LETTERS))
@@ -184,7 +184,7 @@ def _experiment(
         relation=defining_relation(params.generator, LETTERS),
         full=full,
         runs=runs,
-        center=float(response[0]),
+        centre=float(response[0]),
         response=response[1:],
         fitted=fitted,
         confidence=params.confidence,
@@ -196,7 +196,7 @@ def _require_finite(case: str, variation: str, response: FloatArray) -> None:
     if bad.size:
         raise ValueError(
             f"doe: {case!r}, {variation} levels: run {bad[0]} has no finite, positive capture"
-            f" velocity ({response[bad[0]]} m/s); nominal values are run 0, the others stand in"
+            f" velocity ({response[bad[0]]} m/s); nominal values are run 0, the others are in"
             f" standard order of {', '.join(LETTERS)}"
         )
 
@@ -252,7 +252,7 @@ def _design_table(each: Experiment) -> pd.DataFrame:
     fits = np.full((2, len(design)), np.nan)
     fits[:, 1 + each.runs] = each.fitted.mean(axis=0), each.fitted.std(axis=0, ddof=1)
     contacts = each.contacts
-    response = np.concatenate([[each.center], each.response])
+    response = np.concatenate([[each.centre], each.response])
     return pd.DataFrame(
         {"case": each.case, "variation": each.variation, "run": range(len(design))}
         | {"in_fraction": np.isin(np.arange(len(design)) - 1, each.runs)}

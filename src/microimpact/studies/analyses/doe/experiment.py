@@ -33,7 +33,7 @@ class Experiment:
         Coded levels of the full design, shape (32, 5).
     runs
         Which of its runs are in the fraction.
-    center, response
+    centre, response
         Capture velocity of the nominal contact, and of all runs of the full design, m/s.
     fitted
         That of the runs in the fraction by fits of Eq. (34), shape (replicates, runs), m/s.
@@ -49,7 +49,7 @@ class Experiment:
     relation: dict[str, int]
     full: FloatArray
     runs: NDArray[np.integer[Any]]
-    center: float
+    centre: float
     response: FloatArray
     fitted: FloatArray
     confidence: float
@@ -75,7 +75,7 @@ class Analysis:
 def analyses(each: Experiment) -> Iterator[Analysis]:
     """Yield the analysis of each response over the fraction, and of exact ones over all runs."""
     slopes = elasticities(each.contact).at_fixed_zeta
-    law = each.center * np.exp(np.log(coded(each.levels, each.full)) @ slopes)
+    law = each.centre * np.exp(np.log(coded(each.levels, each.full)) @ slopes)
     everything = np.arange(len(each.full))
     for name, runs in {"fraction": each.runs, "full": everything}.items():
         relation = each.relation if name == "fraction" else {}

@@ -113,7 +113,7 @@ def _placed(moved: Contact, logs: FloatArray) -> Contact:
 def _misses(moved: Contact, targets: Targets, logs: FloatArray) -> FloatArray:
     """How far both targets are missed, shape (2, n)."""
     sample = _placed(moved, logs)
-    # An impact at the capture velocity knows its damping at that speed only.
+    # An impact at the capture velocity depends on its damping at that speed only.
     damping = sample.adhesion_damping_at(targets.capture_velocity)
     rateless = sample.replace(adhesion_damping=damping, adhesion_rate_exponent=0.0)
     limit = capture_velocity(rateless)

@@ -1,7 +1,7 @@
 """Numbers behind the claims of the article, by section; the claims ledger judges them.
 
 One function per claim, named after it; its docstring says what is computed. What the article
-states, and the criteria, stand in ``config/claims.yaml``.
+states, and the criteria, are in ``config/claims.yaml``.
 """
 
 from __future__ import annotations

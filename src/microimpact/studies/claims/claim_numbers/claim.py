@@ -33,7 +33,7 @@ class Claim:
     by_case
         Whether there are numbers for every case of steel on silicon.
     evidence
-        What they rest on.
+        Their evidence.
     units
         Unit of all quantities, or of those that have one.
     """

@@ -71,10 +71,10 @@ def c59(context: Context) -> dict[str, float]:
 
 @claim("C97", by_case=True)
 def c97(context: Context) -> dict[str, dict[str, float]]:
-    """How far a captured sphere rolls, and the couple of its weight over that of adhesion.
+    """How far a captured sphere rolls, and the moment of its weight over that of adhesion.
 
     It comes at the steepest angle at which it is captured, and adhesion alone stops it: the weight,
-    which would carry it further, stands beside.
+    which would carry it further, is given, too.
     """
     capture, contact = context.params.capture, context.steel
     sine = min(float(capture_velocity(contact)) / context.speed, 1.0)
@@ -86,7 +86,7 @@ def c97(context: Context) -> dict[str, dict[str, float]]:
         distance = rolling_distance(contact, along, lag) * 1e3
         found[f"shift {shift:g} nm"] = {
             "distance_rolled_over_half_width_of_spot": float(distance / capture.spot_mm),
-            "gravity_couple_over_rolling_couple": float(gravity_ratio(contact, lag, 90.0 - angle)),
+            "gravity_moment_over_rolling_moment": float(gravity_ratio(contact, lag, 90.0 - angle)),
         }
     return found
 

@@ -160,7 +160,7 @@ class Context:
         return float(rows[key])
 
     def table(self, name: str, **where: object) -> pd.DataFrame:
-        """Return the rows of a table with these values, of the case if it tells cases apart.
+        """Return the rows of a table with these values, of the case if it has a column of cases.
 
         Raises
         ------

@@ -45,7 +45,7 @@ def log_range(context: Context, letter: str) -> float:
 
 @claim("C54", by_case=True)
 def c54(context: Context) -> dict[str, float]:
-    """Effects of stiffness and adhesive damping at small levels, over the margin."""
+    """Effects of stiffness and adhesion damping at small levels, over the margin."""
     effects = fraction(context, SMALL)
     margin = float(effects["margin_percent"].iloc[0])
     stiffness, damping = (abs(effect(effects, letter)) for letter in "AD")

@@ -42,10 +42,10 @@ UNIT_FACTOR = 2.0
 HERTZ_DURATION = 2.9432751
 # Tabor (1951): representative strain of an indentation over its radius in sphere radii.
 TABOR_STRAIN = 0.2
-# Columns of the couples that can arise during an impact, over the couple of friction: from all that
+# Columns of the moments that can arise during an impact, over the moment of friction: from all that
 # the impact loses, and from the model's own damping. Those of steady rolling and the bound are none
 # of these: an impact rolls through an eighth of the contact radius at most.
-COUPLES = ("impact_over_friction", "damping_over_friction")
+MOMENTS = ("impact_over_friction", "damping_over_friction")
 # Points of curves over speed.
 POINTS = 60
 # How far from the known capture velocity another is sought, as a logarithm.
@@ -340,9 +340,9 @@ def rotational_share(contact: Contact, impact: Impact) -> float:
 
 @claim("C42", by_case=True)
 def c42(context: Context) -> dict[str, float]:
-    """Greatest impulse of the couples that can arise in an impact over that of friction.
+    """Greatest impulse of the moments that can arise in an impact over that of friction.
 
-    Over all rebounds of the table; beside it what steady rolling would give and what no couple
+    Over all rebounds of the table; beside it what steady rolling would give and what no moment
     exceeds, the greatest contact radius over the radius, and the distance rolled over it.
     """
     table = context.table("rolling_dissipation")
@@ -350,12 +350,12 @@ def c42(context: Context) -> dict[str, float]:
     if rows.empty:
         raise ValueError("rolling_dissipation: no rebound")
     return {
-        "largest_rolling_couple_over_friction_couple": largest(rows[list(COUPLES)]),
+        "largest_rolling_moment_over_friction_moment": largest(rows[list(MOMENTS)]),
         "largest_contact_radius_over_radius": largest(rows[["contact_radius_over_r"]]),
-        "largest_couple_of_steady_rolling_over_friction_couple": largest(
+        "largest_moment_of_steady_rolling_over_friction_moment": largest(
             rows[["steady_over_friction"]]
         ),
-        "largest_bound_of_couple_over_friction_couple": largest(rows[["bound_over_friction"]]),
+        "largest_bound_of_moment_over_friction_moment": largest(rows[["bound_over_friction"]]),
         "largest_distance_rolled_over_contact_radius": largest(
             rows[["rolled_over_contact_radius"]]
         ),

@@ -6,6 +6,7 @@ import numpy as np
 import scipy
 
 from microimpact.core.arrays import FloatArray
+from microimpact.core.tables import POINTS
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import (
     simulate,
@@ -31,7 +32,7 @@ def c43(context: Context) -> dict[str, float]:
     From data close above capture by the table of the fits; from two capture velocities here.
     """
     table, fits = context.table("restitution_fits", exponent="free"), context.params.fits
-    rows = table[table["evidence"] != "digitised"]
+    rows = table[~table["evidence"].isin(POINTS)]
     if len(rows) != 1:
         raise ValueError(f"restitution_fits: {len(rows)} fits of case {context.case!r}, need one")
     fitted, limit = rows["v_c_m_per_s"].iloc[0], rows["simulated_v_c_m_per_s"].iloc[0]

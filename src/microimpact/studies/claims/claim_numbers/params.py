@@ -321,7 +321,7 @@ class Losses:
     Attributes
     ----------
     attachment_damped
-        Whether adhesive damping acts on approach as well.
+        Whether adhesion damping acts on approach as well.
     speeds_m_per_s
         At which works and losses are compared.
     held_out_speeds_m_per_s

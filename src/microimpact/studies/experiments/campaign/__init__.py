@@ -83,7 +83,7 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     -------
     mapping
         ``campaign``: one row per experiment: what, how many dropped, lost and measured, means with
-        intervals, and the truth. ``campaign_summary``: counts against the printed ones.
+        intervals, and the ground truth. ``campaign_summary``: counts against the printed ones.
         ``campaign_map``: angle and speed of all experiments, and of those with too few events.
 
     Raises

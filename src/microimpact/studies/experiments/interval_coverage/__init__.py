@@ -64,7 +64,7 @@ class Case:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """Cases, and how often each is repeated; at 90 deg by the analyzer, else by imaging."""
+    """Cases, and how often each is repeated; at 90 deg by the analyser, else by imaging."""
 
     seed: Annotated[int, Field(ge=0)]
     case: CaseName

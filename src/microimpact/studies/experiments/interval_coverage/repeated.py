@@ -26,7 +26,7 @@ WIDER = 1.15
 REACH = 4.0
 # Looked at in one experiment: so many standard deviations more than it needs on average.
 SPARE = 6.0
-# Experiments with the analyzer, by height of its probe, are repeated in so many groups.
+# Experiments with the analyser, by height of its probe, are repeated in so many groups.
 GROUPS = 50
 # Searches for the height of the probe: each starts from the last.
 ROUNDS = 3

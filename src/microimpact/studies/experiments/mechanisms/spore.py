@@ -137,7 +137,7 @@ class Spore:
     spore
         Spores; each cause alone takes their slope or none.
     steel, steel_cases
-        Spheres beside which they stand.
+        Spheres they are compared with.
     angles_deg
         Of incidence, in descending order.
     compared_deg, calibrated_restitution

@@ -1,4 +1,4 @@
-"""Pair search in the records of a phase Doppler analyzer, and correction to the surface.
+"""Pair search in the records of a phase Doppler particle analyser, and correction to the surface.
 
 Virtual experiments on normal impacts (Section 2.1): does the height of the probe volume matter to
 the identification of pairs, what does the constant correction do to velocities and restitution,
@@ -40,7 +40,7 @@ from microimpact.studies.experiments.pair_search.doppler import (
 NEEDS = {"calibration": ("calibration",)}
 
 # Places of the parts among the draws of the study.
-PARTICLES, ANALYZER, CONTROLS, CORRECTION, SLOW, SHOWN = range(6)
+PARTICLES, ANALYSER, CONTROLS, CORRECTION, SLOW, SHOWN = range(6)
 COUNTS = ("pairs", "true_pairs", "later_pairs", "recorded_pairs", "rebounds", "seen_rebounds")
 # Shares with their interval: found of what.
 SHARES = {
@@ -69,7 +69,7 @@ class Shown:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """Particles, dispenser and analyzer; heights and speeds; number and size of experiments."""
+    """Particles, dispenser and analyser; heights and speeds; number and size of experiments."""
 
     seed: Annotated[int, Field(ge=0)]
     case: CaseName
@@ -102,7 +102,7 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
         ``pairing_quality``: precision, recall and error of h by height and speed, with intervals of
         95 %; ``pairing_losses``: what became of the impacts; ``pairing_controls``: streams in
         which pairs must not be found; ``surface_correction``: bias of both corrections;
-        ``slow_rebounds``: what the analyzer does not see. ``doppler_stream``, ``pairing_curves``
+        ``slow_rebounds``: what the analyser does not see. ``doppler_stream``, ``pairing_curves``
         and ``correction_curves``: data of the figure.
     """
     setup = Setup(
@@ -144,7 +144,7 @@ def pairing_quality(params: Params, setup: Setup) -> tuple[pd.DataFrame, pd.Data
             found = []
             for k in range(params.experiments):
                 impacts = dropped(placed, speed, params.particles, (PARTICLES, i, j, k))
-                found.append(observed(placed, impacts, speed, (ANALYZER, i, j, k)))
+                found.append(observed(placed, impacts, speed, (ANALYSER, i, j, k)))
             place = {"probe_height_mm": height, "speed_m_per_s": speed}
             fates = {name: sum(o.quality.fates[name] for o in found) for name in FATES}
             number = params.experiments * params.particles

@@ -12,7 +12,7 @@ from pydantic import Field
 
 from microimpact.core.arrays import BoolArray
 from microimpact.declared.parameters import Positive
-from microimpact.lab.pdpa.analyser import Stream, Truth
+from microimpact.lab.pdpa.analyser import GroundTruth, Stream
 from microimpact.lab.pdpa.observation import Observation, Quality, judge, ratio
 from microimpact.lab.pdpa.pairing import search
 from microimpact.statistics.distributions import generator
@@ -27,7 +27,7 @@ class Control:
     crowding: Annotated[float, Field(gt=1)]
 
 
-Change = Callable[[Observation, np.random.Generator], tuple[Stream, Truth]]
+Change = Callable[[Observation, np.random.Generator], tuple[Stream, GroundTruth]]
 
 
 def pairing_controls(
@@ -94,18 +94,18 @@ def _judged(
         yield judge(pairing, stream, truth, found.crossing, captured, found.quality.height)
 
 
-def _as_recorded(found: Observation, _: np.random.Generator) -> tuple[Stream, Truth]:
+def _as_recorded(found: Observation, _: np.random.Generator) -> tuple[Stream, GroundTruth]:
     return found.stream, found.truth
 
 
-def _times_permuted(found: Observation, rng: np.random.Generator) -> tuple[Stream, Truth]:
+def _times_permuted(found: Observation, rng: np.random.Generator) -> tuple[Stream, GroundTruth]:
     rising = np.flatnonzero(found.stream.velocity > 0.0)
     time = found.stream.time.copy()
     time[rising] = time[rng.permutation(rising)]
     return replace(found.stream, time=time), found.truth
 
 
-def _without_rebounds(found: Observation, _: np.random.Generator) -> tuple[Stream, Truth]:
+def _without_rebounds(found: Observation, _: np.random.Generator) -> tuple[Stream, GroundTruth]:
     """Leave out what rose; false records stay, and rise as often as they fall."""
     stays: BoolArray = (found.truth.impact < 0) | (found.stream.velocity < 0.0)
     truth = replace(found.truth, leg=found.truth.leg[stays], impact=found.truth.impact[stays])

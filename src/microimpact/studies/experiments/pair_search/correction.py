@@ -42,7 +42,7 @@ def surface_correction(setup: Setup, params: Correction, key: int) -> pd.DataFra
     """Return the bias of both corrections on the speeds v and V, m/s, and on e.
 
     ``closed_form`` is that of the printed correction. ``printed`` and ``exact`` come from the
-    analyzer's records and the height found from them, each with its standard error. Where the
+    analyser's records and the height found from them, each with its standard error. Where the
     rebound does not reach the probe volume there is none.
     """
     rows: list[dict[str, object]] = []

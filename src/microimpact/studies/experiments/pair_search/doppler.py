@@ -1,4 +1,4 @@
-"""Virtual experiments on normal impacts with the phase Doppler analyzer."""
+"""Virtual experiments on normal impacts with the phase Doppler particle analyser."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the parts of the two experimental set-ups stand on their drawings, in mm (Section 2.1).
+"""Places of the parts of the two experimental set-ups on their drawings, in mm (Section 2.1).
 
 The places are a layout and not measured; the directions, counts and tracks that a set-up has in
 reality are handed in. A part is given by two corners of a box, or by points of an outline or line.

@@ -13,6 +13,7 @@ import pandas as pd
 import scipy
 
 from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.tables import POINTS
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.empirical.intervals import interval_batch, profile_batch
 from microimpact.model.empirical.search import (
@@ -86,7 +87,7 @@ def part(
     truths = _truths(params, inputs)
 
     def mine(all_cells: Iterator[Cell]) -> list[tuple[int, Cell]]:
-        # Cells stand in pairs, with q free and fixed; fits with q free take longer.
+        # Cells are in pairs, with q free and fixed; fits with q free take longer.
         return [pair for pair in enumerate(all_cells) if pair[0] // 2 % count == index]
 
     coverage = _coverage(params, truths, mine(cells(params)))
@@ -117,7 +118,8 @@ def gather(
 
 
 def _truths(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Truths:
-    fits = inputs["restitution_fits"].query("evidence != 'digitised'")
+    fits = inputs["restitution_fits"]
+    fits = fits[~fits["evidence"].isin(POINTS)]
     fit = fits[(fits["case"] == params.case) & (fits["exponent"] == "fixed")]
     if fit.empty:
         raise ValueError(f"case: {params.case!r} must be one with a fit in restitution_fits")

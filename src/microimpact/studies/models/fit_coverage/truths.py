@@ -60,7 +60,7 @@ class Truths:
     constants
         k, p, kappa, q, v_c of the true Eq. (34), m/s.
     sizes
-        Number of diameters that stand for a sieve cut.
+        Number of diameters that represent a sieve cut.
     """
 
     contact: Contact

@@ -17,7 +17,7 @@ pytestmark = [pytest.mark.workflow, pytest.mark.slow]
 @contextmanager
 def dropped(project, name, rows):
     """Let a file of points lie in its folder while the context lasts."""
-    file = project.root / "config/digitized" / name
+    file = project.root / "config/digitised" / name
     file.write_text(TOP + rows)
     try:
         yield file
@@ -70,9 +70,9 @@ def test_a_malformed_file_stops_the_run_before_anything_is_written(project):
         done = project.snakemake("fig14", *root, check=False)
     assert done.returncode
     for line in (
-        "config/digitized/fig17.csv, line 5, column y: '0,1' must be a finite number",
-        "config/digitized/fig014.csv: no figure 'fig014' (did you mean 'fig14'?)",
-        "config/digitized/fig01.csv: 'fig01' is a schematic and takes no digitised points",
+        "config/digitised/fig17.csv, line 5, column y: '0,1' must be a finite number",
+        "config/digitised/fig014.csv: no figure 'fig014' (did you mean 'fig14'?)",
+        "config/digitised/fig01.csv: 'fig01' is a schematic and takes no digitised points",
     ):
         assert [line in told for told in done.text.splitlines()].count(True) == 1
     assert "Traceback" not in done.text
@@ -83,9 +83,9 @@ def test_another_folder_may_be_named(project, tmp_path):
     (tmp_path / "points").mkdir()
     (tmp_path / "points/fig17.csv").write_text(TOP + "spin: a,30,0.12,,\n")
     overlay = tmp_path / "overlay.yaml"
-    overlay.write_text(f"digitized: {tmp_path / 'points'}\n")
+    overlay.write_text(f"digitised: {tmp_path / 'points'}\n")
     planned = project.planned(*TARGETS, str(overlay))
     assert planned == {"coulomb_friction_figures", "digitised_comparison"}
-    overlay.write_text("digitized: nowhere\n")
+    overlay.write_text("digitised: nowhere\n")
     done = project.snakemake(*TARGETS, str(overlay), check=False)
-    assert "digitized: 'nowhere' must be a folder" in done.text
+    assert "digitised: 'nowhere' must be a folder" in done.text

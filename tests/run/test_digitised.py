@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from microimpact.core.tables import POINTS, parse_table, series_frame
+from microimpact.core.tables import parse_table, points_series, series_frame
 from microimpact.declared.documents import load
 from microimpact.figures.registry import registry
-from microimpact.run.digitised import DigitizedError, as_rows, overlaid, read_folder, read_points
+from microimpact.run.digitised import DigitisedError, as_rows, overlaid, read_folder, read_points
 
 CONFIG = Path(__file__).parents[2] / "config"
 HEADER = "# source: made up\n# licence: CC0-1.0\n# digitised_by: nobody\n"
@@ -41,14 +41,29 @@ def read(figures, tmp_path):
 def test_a_file_is_read(read):
     points = read(TOP + '"e, slow",0.5,0.1,,\nfast,1e0,.25,0.2, 0.4\n')
     assert (points.figure, points.source) == ("fig14", "made up")
-    assert (points.licence, points.digitised_by) == ("CC0-1.0", "nobody")
+    assert (points.licence, points.by, points.evidence) == ("CC0-1.0", "nobody", "digitised")
     table = points.table
     assert list(table["panel"]) == ["trends", "trends"]
-    assert list(table["series"]) == [POINTS + "e, slow", POINTS + "fast"]
+    assert list(table["series"]) == [
+        points_series("digitised", "e, slow"),
+        points_series("digitised", "fast"),
+    ]
     np.testing.assert_array_equal(
         table[["x", "y", "y_low", "y_high"]],
         [[0.5, 0.1, np.nan, np.nan], [1.0, 0.25, 0.2, 0.4]],
     )
+
+
+def test_measured_points_are_told_apart_from_digitised_ones(read, figures):
+    points = read(TOP.replace("digitised_by", "measured_by") + "a,1,2,,\n")
+    assert (points.by, points.evidence) == ("nobody", "measured")
+    assert list(points.table["series"]) == [points_series("measured", "a")]
+    frame = series_frame(
+        panel="trends", series="s", evidence="computed", x=[1.0], y=[1.0], x_unit="m_per_s",
+        y_unit="1",
+    )  # fmt: skip
+    drawn = overlaid({"fig14": frame}, figures["fig14"], points)["fig14"]
+    assert list(drawn["evidence"]) == ["computed", "measured"]
 
 
 @pytest.mark.parametrize(
@@ -73,7 +88,10 @@ def test_what_programs_make_of_a_file_is_the_same_file(read, rewritten):
 def test_the_panel_stands_before_the_name(read):
     table = read(TOP + "friction: a: b,30,0.1,,\nspin: a,30,0.1,,\n", "fig17").table
     assert list(table["panel"]) == ["friction", "spin"]
-    assert list(table["series"]) == [POINTS + "a: b", POINTS + "a"]
+    assert list(table["series"]) == [
+        points_series("digitised", "a: b"),
+        points_series("digitised", "a"),
+    ]
 
 
 def test_points_of_an_enlarged_view_belong_to_the_panel_it_shows(read):
@@ -83,10 +101,10 @@ def test_points_of_an_enlarged_view_belong_to_the_panel_it_shows(read):
 @pytest.mark.parametrize("name", ["<script>alert(1)</script>", "$x", "_x", "5", "true", "é £", "'"])
 def test_a_name_is_text(read, name):
     points = read(TOP + f'"{name}",1,2,,\n')
-    assert list(points.table["series"]) == [POINTS + name]
+    assert list(points.table["series"]) == [points_series("digitised", name)]
     text = as_rows({"fig14": points}, ["fig14"])["digitised"]
     # as a study reads it
-    assert list(parse_table(text)["series"]) == [POINTS + name]
+    assert list(parse_table(text)["series"]) == [points_series("digitised", name)]
 
 
 def test_thousands_of_points(read):
@@ -103,6 +121,16 @@ MALFORMED = {
         HEADER.replace("# licence: CC0-1.0\n", "") + NAMES + ROW,
         1,
         "line 1, header: '# licence: ...' is missing",
+    ),
+    "nobody": (
+        HEADER.replace("# digitised_by: nobody\n", "") + NAMES + ROW,
+        1,
+        "line 1, header: '# digitised_by or measured_by: ...' is missing",
+    ),
+    "two origins": (
+        "# measured_by: me\n" + TOP + ROW,
+        1,
+        "line 1, header: give either digitised_by or measured_by, not both",
     ),
     "empty key": (TOP.replace("made up", "") + ROW, 1, "line 1, header: 'source' is empty"),
     "unknown key": (
@@ -136,7 +164,7 @@ MALFORMED = {
     "columns out of order": (
         HEADER + "x,series,y,y_low,y_high\n" + ROW,
         1,
-        "line 4, column names: columns stand in another order",
+        "line 4, column names: columns are in another order",
     ),
     "semicolons": (TOP.replace(",", ";") + "a;1;2;;\n", 1, "column names: column 'series' is miss"),
     "too few fields": (TOP + "a,1,2\n", 1, "line 5, column y: must have 5 fields, has 3"),
@@ -185,7 +213,7 @@ MALFORMED = {
 
 @pytest.mark.parametrize(("content", "lines", "message"), MALFORMED.values(), ids=MALFORMED)
 def test_a_malformed_file_is_told_by_line_and_column(read, content, lines, message):
-    with pytest.raises(DigitizedError) as caught:
+    with pytest.raises(DigitisedError) as caught:
         read(content)
     found = str(caught.value).split("\n")
     assert len(found) == lines
@@ -205,7 +233,7 @@ def test_a_malformed_file_is_told_by_line_and_column(read, content, lines, messa
     ],
 )
 def test_a_series_must_fit_its_figure(read, row, figure, message):
-    with pytest.raises(DigitizedError, match=re.escape(f"line 5, column {message}")):
+    with pytest.raises(DigitisedError, match=re.escape(f"line 5, column {message}")):
         read(TOP + row, figure)
 
 
@@ -214,10 +242,10 @@ def test_a_point_below_zero_is_one_where_the_axis_begins_there(read):
 
 
 def test_all_problems_come_in_order_and_the_many_are_counted(read):
-    with pytest.raises(DigitizedError) as caught:
+    with pytest.raises(DigitisedError) as caught:
         read("# x: y\n" + TOP + "a,1,y,,\na,x,1,,\n")
     assert [int(n) for n in re.findall(r"line (\d+)", str(caught.value))] == [1, 6, 7]
-    with pytest.raises(DigitizedError) as caught:
+    with pytest.raises(DigitisedError) as caught:
         read(TOP + "a,1,y,,\n" * 1000)
     lines = str(caught.value).split("\n")
     assert len(lines) == 21
@@ -254,7 +282,7 @@ def test_a_folder_holds_points_by_figure(figures, folder):
     ],
 )
 def test_a_file_for_no_figure_is_refused_by_name(figures, folder, name, message):
-    with pytest.raises(DigitizedError) as caught:
+    with pytest.raises(DigitisedError) as caught:
         read_folder(folder(name, "fig16.csv"), figures)
     (line,) = str(caught.value).split("\n")
     assert f"/{name}: {message}" in line
@@ -264,20 +292,20 @@ def test_problems_of_all_files_are_told_together(figures, folder, tmp_path):
     (tmp_path / "fig15.csv").mkdir()
     (tmp_path / "fig17.csv").symlink_to("nothing.csv")
     place = folder("fig99.csv", "fig18.csv")
-    with pytest.raises(DigitizedError) as caught:
+    with pytest.raises(DigitisedError) as caught:
         read_folder(place, figures)
     lines = str(caught.value).split("\n")
     assert "fig15.csv: Is a directory" in lines[0]
     assert "fig17.csv: No such file" in lines[1]
     assert "fig18.csv, line 5, column series" in lines[2]
     assert "fig99.csv: no figure" in lines[3]
-    with pytest.raises(DigitizedError, match="digitized: 'elsewhere' must be a folder"):
+    with pytest.raises(DigitisedError, match="digitised: 'elsewhere' must be a folder"):
         read_folder("elsewhere", figures)
 
 
 def test_the_shipped_folder_holds_no_points_and_its_example_is_one(figures, read):
-    assert read_folder(str(CONFIG / "digitized"), figures) == {}
-    text = (CONFIG / "digitized/README.md").read_text(encoding="utf-8")
+    assert read_folder(str(CONFIG / "digitised"), figures) == {}
+    text = (CONFIG / "digitised/README.md").read_text(encoding="utf-8")
     (example,) = re.findall(r"^```csv\n(.*?)^```$", text, flags=re.DOTALL | re.MULTILINE)
     assert "made up" in example
     assert len(read(example, "fig16").table) == 3
@@ -291,7 +319,7 @@ def test_figure_data_get_the_points_as_rows_of_their_own(read, figures):
     )
     table = overlaid({"fig14": own}, figures["fig14"], points)["fig14"]
     assert list(table.columns) == list(own.columns)
-    assert list(table["series"]) == ["R", "R", POINTS + "R"]
+    assert list(table["series"]) == ["R", "R", points_series("digitised", "R")]
     assert list(table["evidence"]) == ["computed", "computed", "digitised"]
     assert table.iloc[2, 3:].tolist() == [1.0, 2.0, 1.0, 3.0]
 

@@ -1,0 +1,135 @@
+"""Pages with numbers are what the templates and the kept tables of a full run say."""
+
+from __future__ import annotations
+
+import re
+import shutil
+
+import pandas as pd
+import pytest
+from click.testing import CliRunner
+from tests.docs.blocks import ROOT
+
+from microimpact.cli import commands
+from microimpact.ledgers.claims import described
+from microimpact.ledgers.claims.criteria import read_claims
+from microimpact.report.documents import SUFFIX, Numbers, PageError, outdated, pages, renew
+
+FULL = ROOT / "tests/reference/full"
+CRITERIA = ROOT / "config/claims.yaml"
+RENEW = "bring it up to date after a full run: make pages RESULTS=results"
+
+
+@pytest.fixture
+def docs(tmp_path):
+    """A folder with one template."""
+    folder = tmp_path / "docs"
+    folder.mkdir()
+    (folder / f"sizes.md{SUFFIX}").write_text(
+        '{{ table("sizes")("speed", case="a") | fixed(2) }} of {{ 0.25 | percent }}\n'
+    )
+    return folder
+
+
+@pytest.fixture
+def run(tmp_path):
+    """The kept tables of the ledgers, and one more."""
+    tables = tmp_path / "run/tables"
+    shutil.copytree(FULL / "tables", tables)
+    pd.DataFrame({"case": ["a", "b"], "speed": [-0.456, 1.0]}).to_csv(tables / "sizes.csv")
+    return tmp_path / "run"
+
+
+@pytest.mark.parametrize("name", sorted(pages(FULL, ROOT / "docs", CRITERIA)[0]))
+def test_a_committed_page_is_that_of_the_kept_tables(name):
+    made = pages(FULL, ROOT / "docs", CRITERIA)[0][name]
+    assert (ROOT / "docs" / name).read_text(encoding="utf-8") == made, RENEW
+
+
+def test_no_table_is_kept_that_no_page_reads():
+    kept = {path.stem for path in (FULL / "tables").iterdir()}
+    assert kept == set(pages(FULL, ROOT / "docs", CRITERIA)[1])
+
+
+def test_kept_verdicts_are_on_the_declared_statements_and_criteria():
+    kept = pd.read_csv(FULL / "tables/claims.csv", keep_default_na=False).set_index("id")
+    declared = read_claims(CRITERIA)
+    assert list(kept.index) == list(declared), RENEW
+    for name, claim in declared.items():
+        row = kept.loc[name]
+        criterion = "; ".join(f"{c.quantity} {described(c)}" for c in claim.criteria)
+        assert row["statement"] == claim.statement, f"{name}: {RENEW}"
+        assert row["criterion"] == criterion, f"{name}: {RENEW}"
+
+
+def test_a_changed_number_changes_the_page_and_the_kept_table(docs, run, tmp_path):
+    kept = tmp_path / "kept"
+    shutil.copytree(run, kept)
+    renew(kept, docs, CRITERIA, kept)
+    page = docs / "sizes.md"
+    assert page.read_text(encoding="utf-8").endswith("−0.46 of 25 %\n")
+    assert outdated(kept, docs, CRITERIA) == []
+    pd.DataFrame({"case": ["a"], "speed": [0.5]}).to_csv(kept / "tables/sizes.csv")
+    assert outdated(kept, docs, CRITERIA) == ["sizes.md"]
+    assert renew(kept, docs, CRITERIA, kept) == [page]
+    assert page.read_text(encoding="utf-8").endswith("0.50 of 25 %\n")
+    assert {path.stem for path in (kept / "tables").iterdir()} == {"claims", "equations", "sizes"}
+
+
+@pytest.mark.parametrize(
+    ("asked", "message"),
+    [
+        ('table("sises")("speed")', "sises.csv: no such table"),
+        ('table("sizes")("sped")', "sizes: no column 'sped' (did you mean 'speed'?)"),
+        ('table("sizes")("speed", case="c")', "sizes.speed: no number at {'case': 'c'}"),
+        ('table("sizes")("speed")', "sizes.speed: 2 numbers at {}, not one"),
+        ("nothing", "'nothing' is undefined"),
+    ],
+)
+def test_a_number_that_is_not_there_is_named(docs, run, asked, message):
+    (docs / f"sizes.md{SUFFIX}").write_text("{{ " + asked + " }}")
+    with pytest.raises(PageError) as error:
+        pages(run, docs, CRITERIA)
+    assert message in str(error.value)
+
+
+def test_rows_are_chosen_by_words_numbers_and_ranges():
+    rows = pd.DataFrame({"case": list("aab"), "angle": [10.0, 20.0, 30.0], "e": [1.0, None, 3.0]})
+    table = Numbers("t", rows)
+    assert table("e", angle=10) == 1.0
+    assert table.all("e", angle=(5, 30)) == [1.0, 3.0]
+    assert table("e", case="a") == 1.0
+
+
+def test_a_run_of_other_settings_is_refused(docs, run, tmp_path):
+    report = run / "report"
+    report.mkdir()
+    (report / "record.json").write_text(
+        '{"seed": 1, "git": {}, "python": "", "platform": "", "packages": {}, "figures": {},'
+        ' "rules": [], "changes": [{"key": "doe.runs", "shipped": 2, "used": 1}]}'
+    )
+    with pytest.raises(PageError, match=r"1 keys of its configuration differ .*doe\.runs"):
+        renew(run, docs, CRITERIA, tmp_path / "kept")
+
+
+def test_the_command_says_what_would_change(docs, run):
+    call = ["pages", str(run), "--docs", str(docs), "--tables", str(run)]
+    checked = CliRunner().invoke(commands, [*call, "--check"])
+    assert (checked.exit_code, checked.output.count("would change")) == (1, 2)
+    CliRunner().invoke(commands, call, catch_exceptions=False)
+    checked = CliRunner().invoke(commands, [*call, "--check"])
+    assert (checked.exit_code, checked.output) == (0, "no page changes\n")
+
+
+def test_what_the_example_analysis_found_is_in_its_table():
+    page = (ROOT / "docs/adding-an-analysis.md").read_text(encoding="utf-8")
+    rows = page.partition("| statement of the abstract | found |")[2].splitlines()[2:]
+    found = " ".join(row.split(" | ")[1] for row in rows if row)
+    table = pd.read_csv(ROOT / "tests/reference/tables/particle_separation.csv")
+    values = table.select_dtypes("number").stack()
+    numbers = re.findall(r"\d+(?:\.\d+)?", found)
+    for text in numbers:
+        digits = max(len(text.replace(".", "").lstrip("0").rstrip("0" * ("." not in text))), 1)
+        told = {float(f"{v * k:.{digits}g}") for v in values for k in (1.0, 100.0)}
+        assert float(text) in told, f"{text}: not in the table"
+    assert len(numbers) > 15
