@@ -55,7 +55,7 @@ CASES = [
     (MODELS, "points: {value: 360,", "points: {value: 360.5,", ["coulomb_friction.points: 360.5"]),
     (MODELS, "points: {value: 360,", "points: {value: 0,", ["coulomb_friction.points: 0"]),
     (CONFIG, "seed: {value: 20011", "seed: {value: -1", ["seed: -1"]),
-    (CONFIG, "source: root of every random draw", "source: ''", ["seed.source: '' must say where"]),
+    (CONFIG, "source: \"root of every random draw; an analysis takes its seed from this and its name, unless it gives one\"", "source: ''", ["seed.source: '' must say where"]),
     (MODELS, "coulomb_friction:\n", "coulomb_friction: 3\nwas:\n", ["coulomb_friction: 3 must be a mapping"]),
     # names that are not declared
     (MODELS, "particle: stainless-steel-316\n  surface: silicon", "particle: stainles-steel-316\n  surface: silicon", ["oblique_impact.particle: 'stainles-steel-316' is not declared in config/materials.csv", "did you mean 'stainless-steel-316'?"]),

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, make_dataclass
 from typing import Annotated, Literal
 
 import pytest
 
-from microimpact.declared.parameters import Keyed
+from microimpact.declared.parameters import Keyed, Seed, Stream
 from microimpact.declared.references import Resolver, merged
 
 
@@ -40,7 +40,7 @@ class Drop:
 
 @dataclass(frozen=True, kw_only=True)
 class Params:
-    seed: int
+    seed: Seed
     drops: Annotated[tuple[Drop, ...], Keyed("name")]
     fast_m_per_s: float
     range_m_per_s: tuple[float, float]
@@ -93,14 +93,13 @@ def test_a_reference_gives_the_fields_that_are_wanted():
     sizes = {"kind": "normal", "mean": 49, "sd": 9.0}
     a = {"name": "a", "diameter_um": sizes, "speed_m_per_s": 1.6, "spin": {"sd": 0.0, "mean": 0.0}}
     assert study == {
-        "seed": 7,
+        "seed": study["seed"],
         "drops": [a, {**a, "name": "b", "spin": {"sd": 0.0, "mean": 0.5}}],
         "fast_m_per_s": 1.6,
         "range_m_per_s": [1.5, 1.7],
     }
     assert row(resolver, "study.drops.a.diameter_um.mean").place == "particles.SST65.mean_um"
     assert row(resolver, "study.fast_m_per_s").evidence == "assumed"
-    assert row(resolver, "study.seed").place == "seed"
 
 
 def test_a_value_beside_a_reference_is_told_as_one_in_its_place():
@@ -163,6 +162,27 @@ def test_a_reference_to_nothing_is_one_line(reference, line):
     resolver, _ = resolved({"study": {"fast_m_per_s": {"from": reference}}})
     (told,) = resolver.problems
     assert told.startswith(f"study.fast_m_per_s.from: {line}")
+
+
+def test_every_analysis_draws_from_the_root_seed_by_its_name():
+    def seeds(root=7, own=(), kind=Params):
+        resolver = Resolver(
+            merged(LABORATORY, {"seed": root, "study": dict(own), "other": LABORATORY["study"]}),
+            LABORATORY,
+            SECTIONS,
+        )
+        return [resolver.resolved(kind, name)["seed"] for name in ("study", "other")]
+
+    one, other = seeds()
+    assert one != other
+    assert seeds() == [one, other]
+    assert not {one, other} & set(seeds(root=8))
+    assert seeds(own={"seed": 3}) == [3, other]
+    shared = make_dataclass("Shared", [("seed", Annotated[int, Stream("both")])])
+    assert len(set(seeds(kind=shared))) == 1
+    resolver, _ = resolved()
+    assert row(resolver, "study.seed").evidence == "derived"
+    assert row(resolver, "study.seed").source == "from the root seed, 7, and the name 'study'"
 
 
 def test_what_nothing_rests_on_is_told():

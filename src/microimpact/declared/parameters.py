@@ -106,6 +106,17 @@ class Keyed:
         return {"type": "object", "additionalProperties": items, KEYED: self.field}
 
 
+@dataclass(frozen=True, slots=True)
+class Stream:
+    """Marks a seed that several analyses share, where none of them has its own."""
+
+    name: str
+
+
+Seed = Annotated[int, Field(ge=0)]
+# Experiments are drawn by what they are: the same one gives the same number in every analysis.
+ExperimentSeed = Annotated[int, Field(ge=0), Stream("experiments")]
+
 T = TypeVar("T")
 
 # Field that tells which of several dataclasses a mapping stands for.
@@ -134,11 +145,14 @@ class Shape:
         Type of its items, if it holds some.
     keyed
         How the items stand in the files, if by their names.
+    stream
+        Name of the random numbers of a seed, if not that of its analysis.
     """
 
     classes: tuple[type, ...] = ()
     hint: Any = object
     keyed: Keyed | None = None
+    stream: str = ""
 
     @property
     def item(self) -> Shape:
@@ -180,7 +194,8 @@ def shape(hint: Any) -> Shape:
     if typing.get_origin(hint) is typing.Literal:
         return Shape(hint=hint)
     keyed = next((mark for mark in marks if isinstance(mark, Keyed)), None)
-    return Shape(hint=arguments[-1] if arguments else object, keyed=keyed)
+    stream = next((mark.name for mark in marks if isinstance(mark, Stream)), "")
+    return Shape(hint=arguments[-1] if arguments else object, keyed=keyed, stream=stream)
 
 
 @cache

@@ -10,6 +10,9 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
+from zlib import crc32
+
+import numpy as np
 
 from microimpact.core.nearest import nearest
 from microimpact.declared.parameters import KIND, Shape, shape
@@ -178,11 +181,21 @@ class Resolver:
             return [self._item(kind, i, name, key, node[name]) for i, name in enumerate(node)]
         fields = kind.fields(node.get(KIND))
         if SEED in fields and SEED not in node:
-            node = {**node, SEED: self._nodes.get(SEED)}
+            node = {**node, SEED: self._seed(fields[SEED].stream or key.partition(".")[0], key)}
         return {
             name: self._value(fields.get(name, kind.item), child, f"{key}.{name}")
             for name, child in node.items()
         }
+
+    def _seed(self, stream: str, key: str) -> Any:
+        """Return the seed of an analysis without its own, from the root seed and a name."""
+        root = self._nodes.get(SEED)
+        if not isinstance(root, Given) or not isinstance(root.value, int) or root.value < 0:
+            return root
+        words = np.random.SeedSequence(root.value, spawn_key=(crc32(stream.encode()),))
+        value = int(words.generate_state(1)[0])
+        source = f"from the root seed, {root.value}, and the name {stream!r}"
+        return Given(value, "derived", source, f"{key}.{SEED}")
 
     def _item(self, kind: Shape, number: int, name: str, key: str, node: Any) -> Any:
         """Return a named item of a mapping as an item that holds its name."""

@@ -13,7 +13,15 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import series_frame
-from microimpact.declared.parameters import CaseName, Fraction, Keyed, Name, Positive, PrintedName
+from microimpact.declared.parameters import (
+    CaseName,
+    ExperimentSeed,
+    Fraction,
+    Keyed,
+    Name,
+    Positive,
+    PrintedName,
+)
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.dispenser import Dispenser, InitialSpin
 from microimpact.lab.experiment import Drop, StopRule, Target
@@ -43,7 +51,7 @@ class Population:
 class Params:
     """Two sieve classes on one surface over a range of speeds."""
 
-    seed: Annotated[int, Field(ge=0)]
+    seed: ExperimentSeed
     case: CaseName
     other_case: CaseName
     populations: Annotated[tuple[Population, ...], Keyed("name")]

@@ -13,7 +13,14 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import series_frame
-from microimpact.declared.parameters import AngleDegrees, Fraction, Keyed, Name, PrintedName
+from microimpact.declared.parameters import (
+    AngleDegrees,
+    ExperimentSeed,
+    Fraction,
+    Keyed,
+    Name,
+    PrintedName,
+)
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.experiment import Outcome, StopRule
 from microimpact.lab.ptis.experiment import collect
@@ -90,7 +97,7 @@ class Mark:
 class Params:
     """All series over all angles."""
 
-    seed: Annotated[int, Field(ge=0)]
+    seed: ExperimentSeed
     angles_deg: tuple[Annotated[float, Field(gt=0, lt=90)], ...]
     stop: StopRule
     series: Annotated[tuple[Series, ...], Keyed("name")]

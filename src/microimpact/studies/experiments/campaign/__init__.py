@@ -14,7 +14,7 @@ from pydantic import Field
 
 from microimpact.core.materials import find_material, materials_from_rows
 from microimpact.core.tables import series_frame
-from microimpact.declared.parameters import Fraction, Keyed, PrintedName
+from microimpact.declared.parameters import ExperimentSeed, Fraction, Keyed, PrintedName
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.experiment import Outcome, StopRule
@@ -49,7 +49,7 @@ class Params:
     Normal impacts are seen by the analyser, the others by trajectory imaging.
     """
 
-    seed: Annotated[int, Field(ge=0)]
+    seed: ExperimentSeed
     particles: Annotated[tuple[Particles, ...], Keyed("name")]
     surfaces: Annotated[tuple[Surface, ...], Keyed("name")]
     speed_classes: Annotated[tuple[SpeedClass, ...], Keyed()]
