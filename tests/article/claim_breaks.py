@@ -198,7 +198,7 @@ def narrow_speeds(claim, world):
     return world.numbers(claim, ptis_range(world, speeds_m_per_s=speeds))
 
 
-# Experiments at each speed: about 700 pairs or more from 1 mm, which give a recall of 0.98 to 0.005.
+# Experiments at each speed: about 700 pairs or more from 1 mm, so that recall is 0.98 +- 0.005.
 # At 0.3 m/s few spheres come back to the probe.
 PAIRING = {0.3: 240, 0.75: 15, 1.66: 15}
 

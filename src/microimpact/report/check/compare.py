@@ -171,7 +171,7 @@ def _shown(value: object) -> str:
 
 
 def _rests_on_other_inputs(figure: str, baseline: Path, changed: Path) -> bool:
-    """Tell by the records of both runs whether a figure rests on other inputs in one than the other."""
+    """Tell whether a figure was made from other inputs in one run than in the other."""
     before, after = (recorded_inputs(root, f"figures/{figure}.svg") for root in (baseline, changed))
     return bool(before and after) and before != after
 
