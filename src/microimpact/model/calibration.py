@@ -114,7 +114,8 @@ def hertz_damping_for(contact: Contact, speed: float, restitution: float) -> Con
     if excess(0.0) < 0.0:
         raise NoSolutionError(
             f"the adhesion damping alone lowers e at {speed:g} m/s to "
-            f"{excess(0.0) + restitution:.4g}, below the target {restitution:g}: raise the work of adhesion or the rate exponent"
+            f"{excess(0.0) + restitution:.4g}, below the target {restitution:g}: raise the work of "
+            "adhesion or the rate exponent"
         )
     root = _falling_root(excess, LARGEST_DAMPING / speed, float(contact.hertz_damping))
     return contact.replace(hertz_damping=root)
