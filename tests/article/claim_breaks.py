@@ -358,7 +358,7 @@ def strong_spore(claim, world):
 
     def doubled(restitution, dropped, contact, angle, sampling):
         found = plain(restitution, dropped, contact, angle, sampling)
-        factor = 2.0 if dropped.particle == "lycopodium" else 1.0
+        factor = 2.0 if dropped.case.startswith("lycopodium") else 1.0
         return found.replace(work_of_adhesion=factor * found.work_of_adhesion)
 
     world.patch.setattr(spore_mechanism, "met_at", doubled)
