@@ -31,7 +31,6 @@ TERMS = {
     "hertz damping": "hertz_damping_force",
 }
 
-
 NEEDS = {"calibration": ("calibration",)}
 
 
@@ -68,7 +67,7 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     contact = contact_of_case(inputs, params.case, diameter=params.diameter_um * 1e-6)
     path = trajectory(contact, params.speed_m_per_s, params.angle_deg, points=params.points)
     # A force that contains a fitted parameter is no prediction.
-    fitted = "calibrated" in set(inputs["contacts"]["evidence"])
+    fitted = params.case in set(inputs["calibration"]["case"])
     evidence = "calibrated" if fitted else "computed"
     frames = [
         series_frame(
