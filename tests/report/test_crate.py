@@ -29,6 +29,8 @@ PROJECT = {
     "Snakefile": 'include: "workflow/rules/a.smk"\n',
     "LICENSE": "MIT License\n\nCopyright\n",
     "config/config.yaml": "seed: 1\n",
+    "config/laboratory.yaml": "particles: {}\n",
+    "config/analyses/models.yaml": "fig: {}\n",
     "config/unused.yaml": "seed: 2\n",
     "config/materials.csv": "material\nsteel\n",
     "config/digitised/fig14.csv": "x,y\n1,2\n",
@@ -199,8 +201,10 @@ def test_run_crate_the_run_has_the_main_workflow_as_its_instrument(entities, act
 
 def test_run_crate_objects_are_the_declared_inputs_and_no_others(entities, action):
     assert ids(action["object"]) == [
+        "crate/config/analyses/models.yaml",
         "crate/config/config.yaml",
         "crate/config/digitised/fig14.csv",
+        "crate/config/laboratory.yaml",
         "crate/config/materials.csv",
     ]
     for name in ids(action["object"]):

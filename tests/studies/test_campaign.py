@@ -21,15 +21,18 @@ from microimpact.studies.experiments.campaign.plan import (
 )
 
 PARTICLES = tuple(
-    Particles(name=name, particle="steel", diameter_um=Constant(at=d), slope=0.0, spin_sd=0.0)
+    Particles(
+        name=name, particle="steel", diameter_um=Constant(at=d), particle_slope=0.0, spin_sd=0.0
+    )
     for name, d in (("small", 20.0), ("large", 70.0))
 )
 SURFACES = tuple(
-    Surface(name=name, surface="silicon", slope=s) for name, s in (("front", 0.0), ("back", 0.1))
+    Surface(name=name, surface="silicon", surface_slope=s)
+    for name, s in (("front", 0.0), ("back", 0.1))
 )
 CLASSES = (
-    SpeedClass(speed_m_per_s=1.0, range_m_per_s=(0.9, 1.1)),
-    SpeedClass(speed_m_per_s=1.66, range_m_per_s=(1.6, 1.72)),
+    SpeedClass(speed_m_per_s=1.0, speed_range_m_per_s=(0.9, 1.1)),
+    SpeedClass(speed_m_per_s=1.66, speed_range_m_per_s=(1.6, 1.72)),
 )
 DISPENSER = Dispenser(
     exit_speed_m_per_s=0.15,
@@ -108,4 +111,4 @@ def test_bad_blocks_are_refused(change, message):
 
 def test_a_class_holds_its_nominal_speed():
     with pytest.raises(ValueError, match=r"\[1\.1, 1\.2\] must ascend and hold 1"):
-        SpeedClass(speed_m_per_s=1.0, range_m_per_s=(1.1, 1.2))
+        SpeedClass(speed_m_per_s=1.0, speed_range_m_per_s=(1.1, 1.2))

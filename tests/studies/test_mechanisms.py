@@ -38,8 +38,6 @@ STILL = Dispenser(
 )
 SAMPLING = Sampling(seed=5, impacts=800, events=40, angle_error_deg=0.25, dispenser=STILL)
 STEEL = Dropped(
-    particle="steel",
-    surface="silicon",
     case="none",
     friction=0.15,
     diameter_um=TruncatedNormal(mean=62, sd=0.01, low=61, high=63),

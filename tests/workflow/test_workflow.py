@@ -328,12 +328,16 @@ def test_one_target_with_other_inputs_leaves_nothing_that_tells_the_old_ones(pro
     out = project.root / OUT
 
     def edit(text):
-        for key in ("spin_friction: {value: ", "body_speed_m_per_s: {value: "):
-            assert text.count(key) == 1
-            text = text.replace(key, f"{key}1")
+        changes = {
+            "spin_friction: {from: frictions.steel on silicon}": "spin_friction: 0.3",
+            "body_speed_m_per_s: {value: ": "body_speed_m_per_s: {value: 1",
+        }
+        for old, new in changes.items():
+            assert text.count(old) == 1
+            text = text.replace(old, new)
         return text
 
-    with project.edited("config/config.yaml", edit):
+    with project.edited("config/analyses/models.yaml", edit):
         said = project.snakemake("fig17", *SMALL).text
         stamp = json.loads((out / "run.json").read_text())
         assert stamp["config"]["restitution_trends"]["body_speed_m_per_s"]["value"] == 130.0

@@ -229,7 +229,9 @@ def studies_behind(claim: Row, record: Record) -> set[str]:
     """Return the studies that give the numbers of a claim and the data of its figures."""
     drawn = {record.figures[n]["study"] for n in claim["figures"].split() if n in record.figures}
     return drawn | {
-        name for name, home in studies.homes().items() if claim["code"].startswith(f"{home}.")
+        name
+        for name, home in studies.homes().items()
+        if claim.get("code", "").startswith(f"{home}.")
     }
 
 
