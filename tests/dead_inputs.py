@@ -1,0 +1,592 @@
+"""Change every declared value, one at a time, and list those whose change moves no output.
+
+    python -m tests.dead_inputs [RESULTS] [--processes N] [--only TEXT] [--output FILE]
+
+A value is dead if every study, ledger and figure rests on the same parameters after the change, or
+if those that do not give the same tables, to the last bit. The values are those of the
+configuration with the small settings merged, the numbers of the declared tables, and those of the
+criteria of the claims, which must decide a verdict. Changes are tried in turn until one moves
+something: a few per cent, then a factor; one more, twice as many, one less; a flag turned; another
+name that stands under the same key. A change that is refused counts for nothing; a value all of
+whose changes are refused is told as not tested. One whose changes stop the study is needed.
+
+Left out are evidence and sources, paths, and the figure registry, which holds words and axes alone;
+words that show a parameter count as an output of it. The table of declared inputs, which repeats
+every value, does not.
+
+Tables of earlier studies come from RESULTS, a small run of the same state, which is checked first.
+``dead_inputs.yaml`` names the dead values that are meant to be, with the reason. Ends with 1 if
+there is any other, or if one of these is not dead; with 2 if the run is of another state.
+"""
+
+from __future__ import annotations
+
+import argparse
+import functools
+import json
+import multiprocessing
+import os
+import re
+import signal
+import sys
+import tempfile
+import time
+import warnings
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from importlib import import_module
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pandas as pd
+import yaml
+from rich.console import Console
+from rich.progress import MofNCompleteColumn, Progress, TimeElapsedColumn, TimeRemainingColumn
+from snakemake.utils import update_config
+
+from microimpact.config import validate
+from microimpact.documents import load
+from microimpact.figures.registry import filled
+from microimpact.ledgers import claims, equations
+from microimpact.materials import materials_from_rows
+from microimpact.model.pairs import pairs_from_rows
+from microimpact.parameters import build
+from microimpact.provenance import as_text, is_declaration
+from microimpact.selection import DeclaredTables, NamedTables, read_all
+from microimpact.tables import parse_table, read_table
+
+ROOT = Path(__file__).parents[1]
+EXCEPTIONS = Path(__file__).with_suffix(".yaml")
+
+Key = tuple[str | int, ...]
+Document = dict[str, Any]
+Tables = Mapping[str, pd.DataFrame]
+
+
+class Value(NamedTuple):
+    """A declared value: its dotted key, and where it stands in the document."""
+
+    key: str
+    place: Key
+    value: Any
+
+
+class Rests(NamedTuple):
+    """What a study or ledger is made from: its branch, and rows of declared tables as CSV."""
+
+    branch: Any
+    rows: Mapping[str, str]
+
+
+# ---- What is known of the project: the declared document, what rests on it, and how to run that.
+
+TABLES = ("materials", "contacts", "printed_values")
+NUMBERS = ("value", "low", "high")
+# The columns that name a row of each table.
+NAMES = {
+    "materials": ("material", "property"),
+    "contacts": ("particle", "surface", "property"),
+    "printed_values": ("key",),
+}
+# It repeats all values.
+REPEATING = "declared_inputs"
+WORDS = "words of figures"
+CLAIM_NUMBERS = ("model_claims", "analysis_claims", "laboratory_claims")
+RESIDUALS, DIGITISED = "digitised_residuals", "digitised"
+# Repeats the criteria.
+CRITERION = "criterion"
+
+
+def declared() -> Document:
+    """Return everything that is declared: the merged configuration, tables and claims."""
+    config: Document = {}
+    for name in ("config", "ci"):
+        update_config(config, load(ROOT / f"config/{name}.yaml"))
+    general = validate(config, config).general
+    document: Document = {"config": config, "claims": load(ROOT / general.claims)}
+    found = read_all(*(str(ROOT / path) for path in general.tables))
+    for name in TABLES:
+        rows = document[name] = {}
+        for row in getattr(found, name).rows:
+            label = ".".join(row[column] for column in NAMES[name])
+            rows[label] = {k: float(v) if k in NUMBERS and v else v for k, v in row.items()}
+    return document
+
+
+def values(document: Document) -> Iterator[Value]:
+    """Yield every declared value."""
+    for key, node in document["config"].items():
+        if key != "pathvars" and not isinstance(node, str):
+            yield from _values(node, key, ("config", key))
+    for name in TABLES:
+        for label, row in document[name].items():
+            for column in NUMBERS:
+                if isinstance(row.get(column), float):
+                    key = f"{name}: {label}.{column}"
+                    yield Value(key, (name, label, column), row[column])
+    for each in _values(document["claims"], "claims", ("claims",)):
+        if isinstance(each.value, int | float):
+            yield each
+
+
+def _values(node: Any, key: str, place: Key) -> Iterator[Value]:
+    if is_declaration(node):
+        part = "value" if "value" in node else "values"
+        yield from _values(node[part], key, (*place, part))
+    elif isinstance(node, Mapping):
+        for name, child in node.items():
+            yield from _values(child, f"{key}.{name}", (*place, name))
+    elif isinstance(node, list):
+        for i, child in enumerate(node):
+            yield from _values(child, f"{key}[{i}]", (*place, i))
+    else:
+        yield Value(key, place, node)
+
+
+@functools.cache
+def _shipped() -> tuple[DeclaredTables, Mapping[str, Any]]:
+    general = validate(*[load(ROOT / "config/config.yaml")] * 2).general
+    tables = read_all(*(str(ROOT / path) for path in general.tables))
+    return tables, load(ROOT / general.figures)
+
+
+def resolved(document: Document) -> dict[str, Rests]:
+    """Return what each study and ledger, and the words of the figures, rest on.
+
+    Raises
+    ------
+    ValueError
+        If the document is refused.
+    """
+    settings = validate(document["config"], document["config"])
+    shipped, figures = _shipped()
+    tables = DeclaredTables(
+        *(
+            replace(getattr(shipped, name), rows=tuple(map(_row, document[name].values())))
+            for name in TABLES
+        )
+    )
+    materials_from_rows(tables.materials.rows)
+    pairs_from_rows(tables.contacts.rows)
+    steel = tables.named_in({"particle": "stainless-steel-316", "surface": "silicon"})
+    rests = {name: Rests(b, tables.named_in(b)) for name, b in settings.branches.items()}
+    for name in ("contact_properties", "explorer_tables"):
+        rests[name] = Rests(rests[name].branch, tables.contact_rows())
+    del rests[REPEATING]
+    rests["equations"] = Rests(None, steel)
+    for name, claim in document["claims"].items():
+        rests[f"claims.{name}"] = Rests({DIGITISED: document["claims"][DIGITISED], name: claim}, {})
+    rests[WORDS] = Rests(filled(figures, settings.branches), {})
+    return rests
+
+
+def _row(row: Mapping[str, Any]) -> dict[str, str]:
+    return {column: as_text(cell) for column, cell in row.items()}
+
+
+class Inputs(NamedTables):
+    """Tables that a study is given: declared rows, and tables of a run when it asks for them."""
+
+    def __init__(self, rows: Mapping[str, str], results: Path) -> None:
+        super().__init__({name: parse_table(text) for name, text in rows.items()})
+        self.results = results
+
+    def __missing__(self, name: str) -> Any:
+        path = self.results / f"tables/{name}.csv"
+        return read_table(path) if path.exists() else super().__missing__(name)
+
+
+def study(name: str) -> Any:
+    """Return the module of a study."""
+    return import_module(f"microimpact.studies.{name}")
+
+
+def made(name: str, rests: Rests, results: Path) -> Tables:
+    """Return the tables of a study that comes in one piece, or of a ledger."""
+    if name == WORDS:
+        return {name: pd.DataFrame(map(json.dumps, rests.branch.items()))}
+    inputs = Inputs(rests.rows, results)
+    if name == "equations":
+        return {name: equations.judge(inputs)}
+    if name.startswith("claims."):
+        return {name: _verdict(name.removeprefix("claims."), rests.branch, inputs)}
+    of = study(name)
+    tables: Tables = of.run(build(of.Params, rests.branch), inputs)
+    return tables
+
+
+def _verdict(name: str, criteria: Document, inputs: Inputs) -> pd.DataFrame:
+    tables = {table: inputs[table] for table in CLAIM_NUMBERS}
+    tables = {table: numbers[numbers["claim"] == name] for table, numbers in tables.items()}
+    with tempfile.NamedTemporaryFile("w", suffix=".yaml", encoding="utf-8") as file:
+        yaml.safe_dump(criteria, file)
+        file.flush()
+        judged = claims.judge({**tables, RESIDUALS: inputs[RESIDUALS]}, file.name)
+    return judged.drop(columns=CRITERION)
+
+
+# ---- Changes of a value.
+
+# Each is tried in turn; so many that are not refused must move nothing before a value is dead, or
+# stop the study before it is needed.
+FACTORS = (1.05, 2.0, 0.5, 0.95)
+TRIED = 3
+# A criterion decides if any bound whatever would give another verdict.
+EXTREMES = (1e9, -1e9)
+SECONDS = 180
+
+
+def changed(document: Any, place: Key, value: Any) -> Any:
+    """Return a copy of a document in which another value stands at a place."""
+    if not place:
+        return value
+    copy = document.copy()
+    copy[place[0]] = changed(document[place[0]], place[1:], value)
+    return copy
+
+
+def at(document: Any, place: Key) -> Any:
+    """Return what stands at a place."""
+    for part in place:
+        document = document[part]
+    return document
+
+
+def name_of(place: Key) -> str:
+    """Return the last name of a place that is no number of an item."""
+    names = [part for part in place if isinstance(part, str) and part not in {"value", "values"}]
+    return names[-1]
+
+
+def changes(each: Value, document: Document, refused: Sequence[str]) -> Iterator[tuple[Key, Any]]:
+    """Yield what to put where, in place of a value; reads meanwhile what was refused, in words."""
+    value = each.value
+    if isinstance(value, bool):
+        others: Iterator[Any] = iter([not value])
+    elif isinstance(value, int | float):
+        others = _numbers(value, extremes=each.place[0] == "claims")
+    else:
+        others = _texts(each, document, refused)
+    for other in others:
+        yield each.place, other
+    if isinstance(each.place[-1], int):  # without the item
+        items = at(document, each.place[:-1])
+        yield each.place[:-1], items[: each.place[-1]] + items[each.place[-1] + 1 :]
+    elif isinstance(value, str):  # a kind of thing has keys of its own
+        own = at(document, each.place[:-1])
+        for other in _likes(document["config"], str(each.place[-1]), value):
+            yield each.place[:-1], own | {k: v for k, v in other.items() if isinstance(v, str)}
+            yield each.place[:-1], other
+
+
+def _numbers(value: float, *, extremes: bool) -> Iterator[float]:
+    if isinstance(value, int):
+        yield from (value + 1, 2 * value, value - 1)
+    elif value:
+        yield from (factor * value for factor in FACTORS)
+    else:
+        yield from (0.05, 1.0, -0.05)
+    if extremes:
+        yield from EXTREMES
+
+
+def _texts(each: Value, document: Document, refused: Sequence[str]) -> Iterator[str]:
+    told = {each.value}
+    branch = each.place[:2]
+    alike = [one for one in _all(document) if name_of(one.place) == name_of(each.place)]
+    alike.sort(key=lambda one: one.place[:2] != branch)
+    for one in alike:
+        if isinstance(one.value, str) and one.value not in told:
+            told.add(one.value)
+            yield one.value
+    yield f"{each.value} changed"
+    for name in re.findall(r"'([^']+)'", " ".join(re.findall(r"must be (.*)", "\n".join(refused)))):
+        if name not in told:
+            told.add(name)
+            yield name
+
+
+_ALL: list[tuple[Document, list[Value]]] = []
+
+
+def _all(document: Document) -> list[Value]:
+    """Return all values, listed once for one document."""
+    if not _ALL or _ALL[0][0] is not document:
+        _ALL[:] = [(document, list(values(document)))]
+    return _ALL[0][1]
+
+
+def _likes(node: Any, name: str, value: str) -> Iterator[Any]:
+    """Yield every mapping that has another text under the same name."""
+    if isinstance(node, Mapping):
+        if isinstance(node.get(name), str) and node[name] != value:
+            yield node
+        node = list(node.values())
+    if isinstance(node, list):
+        for child in node:
+            yield from _likes(child, name, value)
+
+
+# ---- What a change does.
+
+# A study that comes in parts is compared after each: most changes show in the first.
+PARTS = 8
+
+
+VERDICTS = ("moved", "dead", "needed", "not tested")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Before:
+    """What a study or ledger gives without any change, and how long it takes, s."""
+
+    tables: Tables
+    parts: Sequence[Any] = ()
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Found:
+    """What came of the changes of a value: one of `VERDICTS`, and what moved or refused it."""
+
+    key: str
+    value: Any
+    verdict: str
+    by: str = ""
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class World:
+    """The unchanged state, and the functions that lead from a document to tables."""
+
+    document: Document
+    results: Path
+    resolve: Callable[[Document], Mapping[str, Rests]] = resolved
+    rests: Mapping[str, Rests]
+    before: dict[str, Before] = field(default_factory=dict)
+
+
+def unchanged(name: str, world: World) -> Before:
+    """Return what a study or ledger gives without any change."""
+    start, rests = time.perf_counter(), world.rests[name]
+    if not _in_parts(name):
+        tables, parts = made(name, rests, world.results), []
+    else:
+        of, inputs = study(name), Inputs(rests.rows, world.results)
+        params = build(of.Params, rests.branch)
+        parts = [of.part(params, inputs, i, PARTS) for i in range(PARTS)]
+        tables = of.gather(params, inputs, parts)
+    return Before(tables=tables, parts=parts, seconds=time.perf_counter() - start)
+
+
+def _in_parts(name: str) -> bool:
+    path = ROOT / f"src/microimpact/studies/{name}.py"
+    return path.exists() and hasattr(study(name), "gather")
+
+
+def moved(name: str, rests: Rests, world: World) -> bool:
+    """Tell whether a study or ledger gives other tables from what it rests on after a change."""
+    before = world.before[name]
+    if not before.parts:
+        return _differ(made(name, rests, world.results), before.tables)
+    of, inputs = study(name), Inputs(rests.rows, world.results)
+    params = build(of.Params, rests.branch)
+    parts = list(before.parts)
+    for i in range(PARTS):
+        parts[i] = of.part(params, inputs, i, PARTS)
+        try:
+            if _differ(of.gather(params, inputs, parts), before.tables):
+                return True
+        except Exception:  # parts before and after a change may not fit together
+            if i == PARTS - 1:
+                raise
+    return False
+
+
+def _differ(now: Tables, before: Tables) -> bool:
+    return set(now) != set(before) or not all(table.equals(before[n]) for n, table in now.items())
+
+
+def tried(each: Value, world: World) -> Found:
+    """Change a value until an output moves."""
+    start = time.perf_counter()
+    refused: list[str] = []
+    stopped: list[str] = []
+    unmoved, most = 0, TRIED if each.place[0] != "claims" else len(FACTORS) + len(EXTREMES)
+    verdict, by = "", ""
+    for place, other in changes(each, world.document, refused):
+        try:
+            after = world.resolve(changed(world.document, place, other))
+        except Exception as error:  # noqa: BLE001  whatever is raised refuses the value
+            refused.append(f"{other!r}: {error}")
+            continue
+        signal.alarm(SECONDS)
+        try:
+            by = _mover(after, world)
+        except Exception as error:  # noqa: BLE001  whatever a study raises stops it
+            stopped.append(f"{other!r}: {type(error).__name__}: {error}")
+        else:
+            unmoved += not by
+        finally:
+            signal.alarm(0)
+        if by or most in {unmoved, len(stopped)}:
+            break
+    if by:
+        verdict = "moved"
+    elif unmoved:
+        verdict = "dead"
+    elif stopped:
+        verdict, by = "needed", stopped[0]
+    else:
+        verdict, by = "not tested", "; ".join(refused)[:200]
+    seconds = time.perf_counter() - start
+    return Found(key=each.key, value=each.value, verdict=verdict, by=by, seconds=seconds)
+
+
+def _mover(after: Mapping[str, Rests], world: World) -> str:
+    """Return the first study or ledger that gives other tables; the quickest are asked first.
+
+    Last come the words of figures: a value that moves nothing else is told.
+    """
+    others = [name for name in after if after[name] != world.rests[name]]
+    for name in sorted(others, key=lambda name: (name == WORDS, world.before[name].seconds)):
+        if moved(name, after[name], world):
+            return name
+    return ""
+
+
+# ---- The list.
+
+
+def exceptions(path: Path = EXCEPTIONS) -> dict[str, str]:
+    """Return the reason of each pattern of keys, in which * stands for any text."""
+    return {str(pattern): str(reason) for pattern, reason in load(path).items()}
+
+
+def fits(pattern: str, key: str) -> bool:
+    """Tell whether a key is of a pattern."""
+    return re.fullmatch(".*".join(map(re.escape, pattern.split("*"))), key) is not None
+
+
+def faults(found: Sequence[Found], meant: Mapping[str, str]) -> list[str]:
+    """Return a line for each dead value that is not meant to be, and each that is and is not."""
+    lines = [
+        f"{one.key}: {one.value!r} moves no output"
+        for one in found
+        if one.verdict == "dead" and not any(fits(pattern, one.key) for pattern in meant)
+    ]
+    for pattern in meant:
+        own = [one for one in found if fits(pattern, one.key)]
+        if not own:
+            lines.append(f"{EXCEPTIONS.name}, {pattern}: no such value")
+        lines += [
+            f"{EXCEPTIONS.name}, {pattern}: {one.key} is {one.verdict}, not dead"
+            for one in own
+            if one.verdict != "dead"
+        ]
+    return lines
+
+
+def stale(world: World) -> list[str]:
+    """Return the tables of the run that are not what the studies give."""
+    lines = []
+    for before in world.before.values():
+        for name, table in before.tables.items():
+            for path in (world.results / f"{folder}/{name}.csv" for folder in ("tables", "data")):
+                text = table.to_csv(index=False, lineterminator="\n")
+                if path.exists() and path.read_text(encoding="utf-8") != text:
+                    lines.append(f"{path} is not of this state; make the run anew")
+    return lines
+
+
+def kind(value: object) -> str:
+    """Return what kind of value it is, in a word."""
+    return {bool: "flag", int: "whole number", float: "number"}.get(type(value), "text")
+
+
+def report(found: Sequence[Found], seconds: float) -> str:
+    """Return the counts, and all values that were not moved, in words."""
+    counts = Counter((kind(one.value), one.verdict) for one in found)
+    lines = [f"{'':14}{'values':>8}" + "".join(f"{verdict:>12}" for verdict in VERDICTS)]
+    for name in (*sorted({kind(one.value) for one in found}), "all"):
+        own = [sum(n for (k, v), n in counts.items() if name in {k, "all"} and v == verdict)
+               for verdict in VERDICTS]  # fmt: skip
+        lines.append(f"{name:14}{sum(own):>8}" + "".join(f"{n:>12}" for n in own))
+    lines.append(f"{seconds:.0f} s")
+    words = [one.key for one in found if one.by == WORDS]
+    lines += ["", f"Moved, but words of figures alone: {len(words)}", *words]
+    for verdict in VERDICTS[1:]:
+        unmoved = [one for one in found if one.verdict == verdict]
+        lines += ["", f"{verdict.capitalize()}: {len(unmoved)}"]
+        lines += [f"{o.key}: {o.value!r}{f'  ({o.by})' if o.by else ''}" for o in unmoved]
+    return "\n".join(lines) + "\n"
+
+
+# Workers are forked with it.
+_WORLD: list[World] = []
+
+
+def _unchanged(name: str) -> tuple[str, Before]:
+    return name, unchanged(name, _WORLD[0])
+
+
+def _tried(each: Value) -> Found:
+    return tried(each, _WORLD[0])
+
+
+def _too_long(*_: object) -> None:
+    raise TimeoutError(f"more than {SECONDS} s")
+
+
+def _begin() -> None:
+    warnings.simplefilter("ignore")
+    signal.signal(signal.SIGALRM, _too_long)
+
+
+def all_of(work: Callable[[Any], Any], items: Sequence[Any], title: str, processes: int) -> list:
+    """Return what a function gives for each item, in any order, with a bar for the progress."""
+    columns = (*Progress.get_default_columns()[:2], MofNCompleteColumn(), TimeElapsedColumn())
+    with (
+        multiprocessing.get_context("fork").Pool(processes, _begin) as pool,
+        Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True)) as bar,
+    ):
+        return list(bar.track(pool.imap_unordered(work, items), len(items), description=title))
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Try all values and print the list."""
+    parser = argparse.ArgumentParser(prog="python -m tests.dead_inputs", description=__doc__)
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.add_argument("results", type=Path, nargs="?", default=ROOT / "build/ci")
+    parser.add_argument("--processes", type=int, default=len(os.sched_getaffinity(0)))
+    parser.add_argument("--only", default="", help="values whose key holds this text")
+    parser.add_argument("--output", type=Path, help="write the list here, too")
+    given = parser.parse_args(arguments)
+    start = time.perf_counter()
+    document = declared()
+    rests = resolved(document)
+    world = World(document=document, results=given.results, rests=rests)
+    _WORLD[:] = [world]
+    before = all_of(_unchanged, list(rests), "without a change", given.processes)
+    world.before.update(before)
+    if lines := stale(world):
+        sys.stderr.write("\n".join(lines) + "\n")
+        return 2
+    wanted = [each for each in values(document) if given.only in each.key]
+    order = {each.key: i for i, each in enumerate(wanted)}
+    found = all_of(_tried, wanted, "one change at a time", given.processes)
+    found.sort(key=lambda one: order[one.key])
+    text = report(found, time.perf_counter() - start)
+    sys.stdout.write(text)
+    if given.output:
+        given.output.write_text(text, encoding="utf-8")
+    meant = {p: r for p, r in exceptions().items() if not given.only or given.only in p}
+    lines = faults(found, meant)
+    sys.stderr.write("".join(f"{line}\n" for line in lines))
+    return bool(lines)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
