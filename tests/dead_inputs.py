@@ -6,9 +6,10 @@ A value is dead if every study, ledger and figure rests on the same parameters a
 if those that do not give the same tables, to the last bit. The values are those of the
 configuration with the small settings merged, the numbers of the declared tables, and those of the
 criteria of the claims, which must decide a verdict. Changes are tried in turn until one moves
-something: a few per cent, then a factor; one more, twice as many, one less; a flag turned; another
-name that stands under the same key. A change that is refused counts for nothing; a value all of
-whose changes are refused is told as not tested. One whose changes stop the study is needed.
+something: a few per cent or one more, then a tenth and ten times, since a bound may lie far off; a
+flag turned; another name that stands under the same key. A change that is refused counts for
+nothing; a value all of whose changes are refused is told as not tested. One whose changes stop the
+study is needed.
 
 Left out are evidence and sources, paths, and the figure registry, which holds words and axes alone;
 words that show a parameter count as an output of it. The table of declared inputs, which repeats
@@ -230,7 +231,7 @@ def _verdict(name: str, criteria: Document, inputs: Inputs) -> pd.DataFrame:
 
 # Each is tried in turn; so many that are not refused must move nothing before a value is dead, or
 # stop the study before it is needed.
-FACTORS = (1.05, 2.0, 0.5, 0.95)
+FACTORS = (1.05, 0.1, 10.0, 0.95)
 TRIED = 3
 # A criterion decides if any bound whatever would give another verdict.
 EXTREMES = (1e9, -1e9)
@@ -282,7 +283,8 @@ def changes(each: Value, document: Document, refused: Sequence[str]) -> Iterator
 
 def _numbers(value: float, *, extremes: bool) -> Iterator[float]:
     if isinstance(value, int):
-        yield from (value + 1, 2 * value, value - 1)
+        others = dict.fromkeys((value + 1, value // 10, 10 * value, value - 1))
+        yield from (other for other in others if other != value)
     elif value:
         yield from (factor * value for factor in FACTORS)
     else:
@@ -330,7 +332,7 @@ def _likes(node: Any, name: str, value: str) -> Iterator[Any]:
 
 # ---- What a change does.
 
-# A study that comes in parts is compared after each: most changes show in the first.
+# A study that comes in parts is first compared with one of them made anew: most changes show there.
 PARTS = 8
 
 
@@ -393,16 +395,14 @@ def moved(name: str, rests: Rests, world: World) -> bool:
         return _differ(made(name, rests, world.results), before.tables)
     of, inputs = study(name), Inputs(rests.rows, world.results)
     params = build(of.Params, rests.branch)
-    parts = list(before.parts)
-    for i in range(PARTS):
-        parts[i] = of.part(params, inputs, i, PARTS)
-        try:
-            if _differ(of.gather(params, inputs, parts), before.tables):
-                return True
-        except Exception:  # parts before and after a change may not fit together
-            if i == PARTS - 1:
-                raise
-    return False
+    first = of.part(params, inputs, 0, PARTS)
+    try:
+        if _differ(of.gather(params, inputs, [first, *before.parts[1:]]), before.tables):
+            return True
+    except Exception:  # noqa: BLE001  parts before and after a change may not fit together
+        pass
+    rest = [of.part(params, inputs, i, PARTS) for i in range(1, PARTS)]
+    return _differ(of.gather(params, inputs, [first, *rest]), before.tables)
 
 
 def _differ(now: Tables, before: Tables) -> bool:
