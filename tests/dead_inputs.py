@@ -36,7 +36,6 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -46,16 +45,17 @@ from rich.console import Console
 from rich.progress import MofNCompleteColumn, Progress, TimeElapsedColumn, TimeRemainingColumn
 from snakemake.utils import update_config
 
-from microimpact.config import validate
-from microimpact.documents import load
+from microimpact.core.materials import materials_from_rows
+from microimpact.core.tables import parse_table, read_table
+from microimpact.declared.documents import load
+from microimpact.declared.parameters import build
+from microimpact.declared.provenance import as_text, is_declaration
+from microimpact.declared.selection import DeclaredTables, NamedTables, read_all
 from microimpact.figures.registry import filled
 from microimpact.ledgers import claims, equations
-from microimpact.materials import materials_from_rows
 from microimpact.model.pairs import pairs_from_rows
-from microimpact.parameters import build
-from microimpact.provenance import as_text, is_declaration
-from microimpact.selection import DeclaredTables, NamedTables, read_all
-from microimpact.tables import parse_table, read_table
+from microimpact.run.config import validate
+from microimpact.studies import homes, study
 
 ROOT = Path(__file__).parents[1]
 EXCEPTIONS = Path(__file__).with_suffix(".yaml")
@@ -90,8 +90,8 @@ NAMES = {
     "contacts": ("particle", "surface", "property"),
     "printed_values": ("key",),
 }
-# It repeats all values.
-REPEATING = "declared_inputs"
+# The study that is given all materials and contacts, and the one that repeats all values.
+ALL_CONTACTS, REPEATING = "contact_properties", "declared_inputs"
 WORDS = "words of figures"
 CLAIM_NUMBERS = ("model_claims", "analysis_claims", "laboratory_claims")
 RESIDUALS, DIGITISED = "digitised_residuals", "digitised"
@@ -172,8 +172,7 @@ def resolved(document: Document) -> dict[str, Rests]:
     pairs_from_rows(tables.contacts.rows)
     steel = tables.named_in({"particle": "stainless-steel-316", "surface": "silicon"})
     rests = {name: Rests(b, tables.named_in(b)) for name, b in settings.branches.items()}
-    for name in ("contact_properties", "explorer_tables"):
-        rests[name] = Rests(rests[name].branch, tables.contact_rows())
+    rests[ALL_CONTACTS] = Rests(rests[ALL_CONTACTS].branch, tables.contact_rows())
     del rests[REPEATING]
     rests["equations"] = Rests(None, steel)
     for name, claim in document["claims"].items():
@@ -196,11 +195,6 @@ class Inputs(NamedTables):
     def __missing__(self, name: str) -> Any:
         path = self.results / f"tables/{name}.csv"
         return read_table(path) if path.exists() else super().__missing__(name)
-
-
-def study(name: str) -> Any:
-    """Return the module of a study."""
-    return import_module(f"microimpact.studies.{name}")
 
 
 def made(name: str, rests: Rests, results: Path) -> Tables:
@@ -384,8 +378,7 @@ def unchanged(name: str, world: World) -> Before:
 
 
 def _in_parts(name: str) -> bool:
-    path = ROOT / f"src/microimpact/studies/{name}.py"
-    return path.exists() and hasattr(study(name), "gather")
+    return name in homes() and hasattr(study(name), "gather")
 
 
 def moved(name: str, rests: Rests, world: World) -> bool:

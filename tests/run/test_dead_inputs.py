@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from importlib import import_module
 from types import SimpleNamespace
 
 import pandas as pd
@@ -48,7 +47,7 @@ def test_every_value_of_a_study_moves_its_table(document, resolved, tmp_path):
 def test_a_parameter_that_the_study_does_not_read_is_dead(
     document, resolved, tmp_path, monkeypatch
 ):
-    real = import_module(f"microimpact.studies.{STUDY}")
+    real = dead_inputs.study(STUDY)
 
     def run(params, inputs):
         return real.run(replace(params, body_exponent=1.2), inputs)
