@@ -126,30 +126,31 @@ def values(document: Document) -> Iterator[Value]:
                 if isinstance(row.get(column), float):
                     key = f"{name}: {label}.{column}"
                     yield Value(key, (name, label, column), row[column])
-    for each in _values(document["claims"], "claims", ("claims",)):
+    for each in _values(document["claims"], "claims", ("claims",), with_provenance=False):
         if isinstance(each.value, int | float):
             yield each
 
 
-def _values(node: Any, key: str, place: Key) -> Iterator[Value]:
-    if is_declaration(node):
+def _values(node: Any, key: str, place: Key, *, with_provenance: bool = True) -> Iterator[Value]:
+    inner = functools.partial(_values, with_provenance=with_provenance)
+    if with_provenance and is_declaration(node):
         part = "value" if "value" in node else "values"
-        yield from _values(node[part], key, (*place, part))
+        yield from inner(node[part], key, (*place, part))
     elif isinstance(node, Mapping):
         for name, child in node.items():
-            yield from _values(child, f"{key}.{name}", (*place, name))
+            yield from inner(child, f"{key}.{name}", (*place, name))
     elif isinstance(node, list):
         for i, child in enumerate(node):
-            yield from _values(child, f"{key}[{i}]", (*place, i))
+            yield from inner(child, f"{key}[{i}]", (*place, i))
     else:
         yield Value(key, place, node)
 
 
 @functools.cache
-def _shipped() -> tuple[DeclaredTables, Mapping[str, Any]]:
+def _shipped() -> tuple[DeclaredTables, Mapping[str, Any], Mapping[str, Any]]:
     general = validate(*[load(ROOT / "config/config.yaml")] * 2).general
     tables = read_all(*(str(ROOT / path) for path in general.tables))
-    return tables, load(ROOT / general.figures)
+    return tables, load(ROOT / general.figures), load(ROOT / general.claims)[DIGITISED]
 
 
 def resolved(document: Document) -> dict[str, Rests]:
@@ -161,7 +162,7 @@ def resolved(document: Document) -> dict[str, Rests]:
         If the document is refused.
     """
     settings = validate(document["config"], document["config"])
-    shipped, figures = _shipped()
+    shipped, figures, _ = _shipped()
     tables = DeclaredTables(
         *(
             replace(getattr(shipped, name), rows=tuple(map(_row, document[name].values())))
@@ -176,7 +177,7 @@ def resolved(document: Document) -> dict[str, Rests]:
     del rests[REPEATING]
     rests["equations"] = Rests(None, steel)
     for name, claim in document["claims"].items():
-        rests[f"claims.{name}"] = Rests({DIGITISED: document["claims"][DIGITISED], name: claim}, {})
+        rests[f"claims.{name}"] = Rests({name: claim}, {})
     rests[WORDS] = Rests(filled(figures, settings.branches), {})
     return rests
 
@@ -215,7 +216,7 @@ def _verdict(name: str, criteria: Document, inputs: Inputs) -> pd.DataFrame:
     tables = {table: inputs[table] for table in CLAIM_NUMBERS}
     tables = {table: numbers[numbers["claim"] == name] for table, numbers in tables.items()}
     with tempfile.NamedTemporaryFile("w", suffix=".yaml", encoding="utf-8") as file:
-        yaml.safe_dump(criteria, file)
+        yaml.safe_dump({DIGITISED: _shipped()[2], **criteria}, file)
         file.flush()
         judged = claims.judge({**tables, RESIDUALS: inputs[RESIDUALS]}, file.name)
     return judged.drop(columns=CRITERION)
@@ -228,7 +229,8 @@ def _verdict(name: str, criteria: Document, inputs: Inputs) -> pd.DataFrame:
 FACTORS = (1.05, 0.1, 10.0, 0.95)
 TRIED = 3
 # A criterion decides if any bound whatever would give another verdict.
-EXTREMES = (1e9, -1e9)
+EXTREMES = (1e9, -1e9, 0.0)
+OTHER_END = {"low": "high", "high": "low"}
 SECONDS = 180
 
 
@@ -260,7 +262,7 @@ def changes(each: Value, document: Document, refused: Sequence[str]) -> Iterator
     if isinstance(value, bool):
         others: Iterator[Any] = iter([not value])
     elif isinstance(value, int | float):
-        others = _numbers(value, extremes=each.place[0] == "claims")
+        others = _numbers(each, document, refused)
     else:
         others = _texts(each, document, refused)
     for other in others:
@@ -275,7 +277,8 @@ def changes(each: Value, document: Document, refused: Sequence[str]) -> Iterator
             yield each.place[:-1], other
 
 
-def _numbers(value: float, *, extremes: bool) -> Iterator[float]:
+def _numbers(each: Value, document: Document, refused: Sequence[str]) -> Iterator[float]:
+    value = each.value
     if isinstance(value, int):
         others = dict.fromkeys((value + 1, value // 10, 10 * value, value - 1))
         yield from (other for other in others if other != value)
@@ -283,8 +286,13 @@ def _numbers(value: float, *, extremes: bool) -> Iterator[float]:
         yield from (factor * value for factor in FACTORS)
     else:
         yield from (0.05, 1.0, -0.05)
-    if extremes:
-        yield from EXTREMES
+    for name in _allowed(refused, r"-?\d+(?:\.\d+)?"):
+        if float(name) != value:
+            yield type(value)(float(name))
+    yield 2 * value  # where a power of two is asked for
+    if each.place[0] == "claims":
+        end = at(document, each.place[:-1]).get(OTHER_END.get(name_of(each.place)))
+        yield from (*EXTREMES, *([] if end is None else [value + 0.999 * (end - value)]))
 
 
 def _texts(each: Value, document: Document, refused: Sequence[str]) -> Iterator[str]:
@@ -297,10 +305,15 @@ def _texts(each: Value, document: Document, refused: Sequence[str]) -> Iterator[
             told.add(one.value)
             yield one.value
     yield f"{each.value} changed"
-    for name in re.findall(r"'([^']+)'", " ".join(re.findall(r"must be (.*)", "\n".join(refused)))):
+    for name in _allowed(refused, "(?<=')[^',]+(?=')"):
         if name not in told:
             told.add(name)
             yield name
+
+
+def _allowed(refused: Sequence[str], pattern: str) -> list[str]:
+    """Return what a refusal says that a value must be."""
+    return [name for line in refused for name in re.findall(pattern, line.partition("must be ")[2])]
 
 
 _ALL: list[tuple[Document, list[Value]]] = []
@@ -407,7 +420,7 @@ def tried(each: Value, world: World) -> Found:
     start = time.perf_counter()
     refused: list[str] = []
     stopped: list[str] = []
-    unmoved, most = 0, TRIED if each.place[0] != "claims" else len(FACTORS) + len(EXTREMES)
+    unmoved, most = 0, TRIED if each.place[0] != "claims" else sys.maxsize
     verdict, by = "", ""
     for place, other in changes(each, world.document, refused):
         try:

@@ -110,6 +110,17 @@ def test_a_name_is_changed_to_one_that_stands_elsewhere(small_world):
     assert found_in(small_world, STUDY)[f"{STUDY}.case"].verdict == "moved"
 
 
+def test_a_number_is_changed_to_one_that_the_refusal_names(small_world):
+    def choosy(document):
+        read = document["config"][STUDY]["read"]
+        if read not in {3, 7}:
+            raise ValueError(f"read: {read} must be one of (3, 7)")
+        return small(document)
+
+    found = found_in(replace(small_world, resolve=choosy), STUDY)
+    assert found[f"{STUDY}.read"].verdict == "moved"
+
+
 def test_what_is_always_refused_is_told_as_not_tested(small_world, tmp_path):
     def refusing(document):
         if document is not SMALL:
@@ -165,6 +176,14 @@ FOUND = [
 )
 def test_faults_are_dead_values_without_reason_and_reasons_without_dead_value(meant, expected):
     assert faults(FOUND, meant) == expected
+
+
+def test_every_number_of_a_criterion_is_a_value(document):
+    keys = {one.key for one in dead_inputs.values(document)}
+    for name, claim in document["claims"].items():
+        for i, criterion in enumerate(claim.get("criteria", [])):
+            own = {f"claims.{name}.criteria[{i}].{part}" for part in criterion}
+            assert own - keys == {f"claims.{name}.criteria[{i}].{p}" for p in ("quantity", "test")}
 
 
 def test_every_exception_names_a_value_and_gives_a_reason(document):
