@@ -351,8 +351,8 @@ class Before:
     """What a study or ledger gives without any change, and how long it takes, s."""
 
     tables: Tables
-    parts: Sequence[Any] = ()
-    seconds: float = 0.0
+    parts: Sequence[Any]
+    seconds: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -428,9 +428,12 @@ def tried(each: Value, world: World) -> Found:
         except Exception as error:  # noqa: BLE001  whatever is raised refuses the value
             refused.append(f"{other!r}: {error}")
             continue
+        others = {name: after[name] for name in after if after[name] != world.rests[name]}
+        if lines := [line for name in others for line in _made_known(name, world)]:
+            return Found(key=each.key, value=each.value, verdict="stale", by="\n".join(lines))
         signal.alarm(SECONDS)
         try:
-            by = _mover(after, world)
+            by = _mover(others, world)
         except Exception as error:  # noqa: BLE001  whatever a study raises stops it
             stopped.append(f"{other!r}: {type(error).__name__}: {error}")
         else:
@@ -451,14 +454,34 @@ def tried(each: Value, world: World) -> Found:
     return Found(key=each.key, value=each.value, verdict=verdict, by=by, seconds=seconds)
 
 
-def _mover(after: Mapping[str, Rests], world: World) -> str:
+def _made_known(name: str, world: World) -> list[str]:
+    """Make a study or ledger without a change, once; return what contradicts that in the run."""
+    if name in world.before:
+        return []
+    before = unchanged(name, world)
+    if not (lines := stale(before, world.results)):
+        world.before[name] = before
+    return lines
+
+
+def stale(before: Before, results: Path) -> list[str]:
+    """Return the tables of a run that are not what a study gives."""
+    return [
+        f"{path} is not of this state; make the run anew"
+        for name, table in before.tables.items()
+        for path in (results / f"{folder}/{name}.csv" for folder in ("tables", "data"))
+        if path.exists()
+        and path.read_text(encoding="utf-8") != table.to_csv(index=False, lineterminator="\n")
+    ]
+
+
+def _mover(others: Mapping[str, Rests], world: World) -> str:
     """Return the first study or ledger that gives other tables; the quickest are asked first.
 
     Last come the words of figures: a value that moves nothing else is told.
     """
-    others = [name for name in after if after[name] != world.rests[name]]
     for name in sorted(others, key=lambda name: (name == WORDS, world.before[name].seconds)):
-        if moved(name, after[name], world):
+        if moved(name, others[name], world):
             return name
     return ""
 
@@ -495,18 +518,6 @@ def faults(found: Sequence[Found], meant: Mapping[str, str]) -> list[str]:
     return lines
 
 
-def stale(world: World) -> list[str]:
-    """Return the tables of the run that are not what the studies give."""
-    lines = []
-    for before in world.before.values():
-        for name, table in before.tables.items():
-            for path in (world.results / f"{folder}/{name}.csv" for folder in ("tables", "data")):
-                text = table.to_csv(index=False, lineterminator="\n")
-                if path.exists() and path.read_text(encoding="utf-8") != text:
-                    lines.append(f"{path} is not of this state; make the run anew")
-    return lines
-
-
 def kind(value: object) -> str:
     """Return what kind of value it is, in a word."""
     return {bool: "flag", int: "whole number", float: "number"}.get(type(value), "text")
@@ -534,10 +545,6 @@ def report(found: Sequence[Found], seconds: float) -> str:
 _WORLD: list[World] = []
 
 
-def _unchanged(name: str) -> tuple[str, Before]:
-    return name, unchanged(name, _WORLD[0])
-
-
 def _tried(each: Value) -> Found:
     return tried(each, _WORLD[0])
 
@@ -551,14 +558,15 @@ def _begin() -> None:
     signal.signal(signal.SIGALRM, _too_long)
 
 
-def all_of(work: Callable[[Any], Any], items: Sequence[Any], title: str, processes: int) -> list:
-    """Return what a function gives for each item, in any order, with a bar for the progress."""
+def all_of(work: Callable[[Value], Found], items: Sequence[Value], processes: int) -> list[Found]:
+    """Return what came of each value, in any order, with a bar for the progress."""
     columns = (*Progress.get_default_columns()[:2], MofNCompleteColumn(), TimeElapsedColumn())
     with (
         multiprocessing.get_context("fork").Pool(processes, _begin) as pool,
         Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True)) as bar,
     ):
-        return list(bar.track(pool.imap_unordered(work, items), len(items), description=title))
+        found = pool.imap_unordered(work, items)
+        return list(bar.track(found, len(items), description="one change at a time"))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -575,14 +583,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     rests = resolved(document)
     world = World(document=document, results=given.results, rests=rests)
     _WORLD[:] = [world]
-    before = all_of(_unchanged, list(rests), "without a change", given.processes)
-    world.before.update(before)
-    if lines := stale(world):
-        sys.stderr.write("\n".join(lines) + "\n")
-        return 2
     wanted = [each for each in values(document) if given.only in each.key]
     order = {each.key: i for i, each in enumerate(wanted)}
-    found = all_of(_tried, wanted, "one change at a time", given.processes)
+    found = all_of(_tried, wanted, given.processes)
+    if lines := sorted(
+        {line for one in found if one.verdict == "stale" for line in one.by.split("\n")}
+    ):
+        sys.stderr.write("\n".join(lines) + "\n")
+        return 2
     found.sort(key=lambda one: order[one.key])
     text = report(found, time.perf_counter() - start)
     sys.stdout.write(text)

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pandas as pd
 import pytest
 from tests import dead_inputs
-from tests.dead_inputs import EXCEPTIONS, Found, Rests, World, faults, fits, stale, tried
+from tests.dead_inputs import EXCEPTIONS, Found, Rests, World, faults, fits, tried
 
 STUDY = "restitution_trends"
 DEAD = f"{STUDY}.body_exponent"
@@ -143,13 +143,14 @@ def test_a_value_whose_changes_all_stop_the_study_is_needed(small_world, monkeyp
 
 
 def test_another_run_than_that_of_this_state_is_told(small_world):
-    folder = small_world.results / "tables"
-    folder.mkdir()
-    table = small_world.before[STUDY].tables["t"]
-    table.to_csv(folder / "t.csv", index=False, lineterminator="\n")
-    assert not stale(small_world)
-    (folder / "t.csv").write_text("0,1\n4,first\n")
-    assert stale(small_world) == [f"{folder / 't.csv'} is not of this state; make the run anew"]
+    path = small_world.results / "tables/t.csv"
+    path.parent.mkdir()
+    table = small_world.before.pop(STUDY).tables["t"]
+    path.write_text("0,1\n4,first\n")
+    (found,) = {(one.verdict, one.by) for one in found_in(small_world, STUDY).values()}
+    assert found == ("stale", f"{path} is not of this state; make the run anew")
+    table.to_csv(path, index=False, lineterminator="\n")
+    assert found_in(small_world, STUDY)[f"{STUDY}.read"].verdict == "moved"
 
 
 FOUND = [
