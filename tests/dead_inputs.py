@@ -24,6 +24,7 @@ from __future__ import annotations
 
 import argparse
 import functools
+import itertools
 import json
 import multiprocessing
 import os
@@ -35,7 +36,7 @@ import time
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -43,18 +44,16 @@ import pandas as pd
 import yaml
 from rich.console import Console
 from rich.progress import MofNCompleteColumn, Progress, TimeElapsedColumn, TimeRemainingColumn
-from snakemake.utils import update_config
 
-from microimpact.core.materials import materials_from_rows
 from microimpact.core.tables import parse_table, read_table
 from microimpact.declared.documents import load
 from microimpact.declared.parameters import build
 from microimpact.declared.provenance import as_text, is_declaration
-from microimpact.declared.selection import DeclaredTables, NamedTables, read_all
-from microimpact.figures.registry import filled
+from microimpact.declared.references import is_reference, merged
+from microimpact.declared.selection import DeclaredTable, NamedTables, read_all
 from microimpact.ledgers import claims, equations
-from microimpact.model.pairs import pairs_from_rows
-from microimpact.run.config import validate
+from microimpact.run.config import read_configuration, validate
+from microimpact.run.inputs import read_inputs
 from microimpact.studies import homes, study
 
 ROOT = Path(__file__).parents[1]
@@ -90,23 +89,19 @@ NAMES = {
     "contacts": ("particle", "surface", "property"),
     "printed_values": ("key",),
 }
-# The study that is given all materials and contacts, and the one that repeats all values.
-ALL_CONTACTS, REPEATING = "contact_properties", "declared_inputs"
+# It repeats all values.
+REPEATING = "declared_inputs"
 WORDS = "words of figures"
-CLAIM_NUMBERS = ("model_claims", "analysis_claims", "laboratory_claims")
-RESIDUALS, DIGITISED = "digitised_residuals", "digitised"
-# Repeats the criteria.
+NUMBERS_OF_CLAIMS, RESIDUALS, DIGITISED = "claim_numbers", "digitised_residuals", "digitised"
+# The column of the ledger that repeats the criteria.
 CRITERION = "criterion"
 
 
 def declared() -> Document:
     """Return everything that is declared: the merged configuration, tables and claims."""
-    config: Document = {}
-    for name in ("config", "ci"):
-        update_config(config, load(ROOT / f"config/{name}.yaml"))
-    general = validate(config, config).general
-    document: Document = {"config": config, "claims": load(ROOT / general.claims)}
-    found = read_all(*(str(ROOT / path) for path in general.tables))
+    config = merged(read_configuration(ROOT / "config"), load(ROOT / "config/ci.yaml"))
+    document: Document = {"config": config, "claims": load(ROOT / config["claims"])}
+    found = read_all(*(str(ROOT / config[name]) for name in TABLES))
     for name in TABLES:
         rows = document[name] = {}
         for row in getattr(found, name).rows:
@@ -133,9 +128,11 @@ def values(document: Document) -> Iterator[Value]:
 
 def _values(node: Any, key: str, place: Key, *, with_provenance: bool = True) -> Iterator[Value]:
     inner = functools.partial(_values, with_provenance=with_provenance)
-    if with_provenance and is_declaration(node):
-        part = "value" if "value" in node else "values"
-        yield from inner(node[part], key, (*place, part))
+    if with_provenance and (is_declaration(node) or is_reference(node)):
+        for part in node:
+            if part not in {"evidence", "source"}:
+                own = key if part in {"value", "values"} else f"{key}.{part}"
+                yield from inner(node[part], own, (*place, part))
     elif isinstance(node, Mapping):
         for name, child in node.items():
             yield from inner(child, f"{key}.{name}", (*place, name))
@@ -146,13 +143,6 @@ def _values(node: Any, key: str, place: Key, *, with_provenance: bool = True) ->
         yield Value(key, place, node)
 
 
-@functools.cache
-def _shipped() -> tuple[DeclaredTables, Mapping[str, Any], Mapping[str, Any]]:
-    general = validate(*[load(ROOT / "config/config.yaml")] * 2).general
-    tables = read_all(*(str(ROOT / path) for path in general.tables))
-    return tables, load(ROOT / general.figures), load(ROOT / general.claims)[DIGITISED]
-
-
 def resolved(document: Document) -> dict[str, Rests]:
     """Return what each study and ledger, and the words of the figures, rest on.
 
@@ -161,25 +151,28 @@ def resolved(document: Document) -> dict[str, Rests]:
     ValueError
         If the document is refused.
     """
-    settings = validate(document["config"], document["config"])
-    shipped, figures, _ = _shipped()
-    tables = DeclaredTables(
-        *(
-            replace(getattr(shipped, name), rows=tuple(map(_row, document[name].values())))
-            for name in TABLES
-        )
-    )
-    materials_from_rows(tables.materials.rows)
-    pairs_from_rows(tables.contacts.rows)
-    steel = tables.named_in({"particle": "stainless-steel-316", "surface": "silicon"})
-    rests = {name: Rests(b, tables.named_in(b)) for name, b in settings.branches.items()}
-    rests[ALL_CONTACTS] = Rests(rests[ALL_CONTACTS].branch, tables.contact_rows())
+    with tempfile.TemporaryDirectory() as folder:
+        config = document["config"] | {
+            name: _written(document[name], Path(folder) / f"{name}.csv") for name in TABLES
+        }
+        config |= {name: str(ROOT / config[name]) for name in ("figures", DIGITISED)}
+        settings = validate(config, config)
+        inputs = read_inputs(settings)
+    rests = {name: Rests(branch, inputs.rows[name]) for name, branch in settings.branches.items()}
     del rests[REPEATING]
+    steel = settings.tables.of_pair("stainless-steel-316", "silicon")
     rests["equations"] = Rests(None, steel)
     for name, claim in document["claims"].items():
         rests[f"claims.{name}"] = Rests({name: claim}, {})
-    rests[WORDS] = Rests(filled(figures, settings.branches), {})
+    rests[WORDS] = Rests(inputs.figure_entries, {})
     return rests
+
+
+def _written(rows: Mapping[str, Any], path: Path) -> str:
+    """Write a declared table and return its path."""
+    table = DeclaredTable("", tuple(next(iter(rows.values()))), tuple(map(_row, rows.values())))
+    path.write_text(table.text(), encoding="utf-8")
+    return str(path)
 
 
 def _row(row: Mapping[str, Any]) -> dict[str, str]:
@@ -213,12 +206,12 @@ def made(name: str, rests: Rests, results: Path) -> Tables:
 
 
 def _verdict(name: str, criteria: Document, inputs: Inputs) -> pd.DataFrame:
-    tables = {table: inputs[table] for table in CLAIM_NUMBERS}
-    tables = {table: numbers[numbers["claim"] == name] for table, numbers in tables.items()}
+    numbers = inputs[NUMBERS_OF_CLAIMS]
+    own = {NUMBERS_OF_CLAIMS: numbers[numbers["claim"] == name], RESIDUALS: inputs[RESIDUALS]}
     with tempfile.NamedTemporaryFile("w", suffix=".yaml", encoding="utf-8") as file:
-        yaml.safe_dump({DIGITISED: _shipped()[2], **criteria}, file)
+        yaml.safe_dump({DIGITISED: load(ROOT / "config/claims.yaml")[DIGITISED], **criteria}, file)
         file.flush()
-        judged = claims.judge({**tables, RESIDUALS: inputs[RESIDUALS]}, file.name)
+        judged = claims.judge(own, file.name)
     return judged.drop(columns=CRITERION)
 
 
@@ -228,6 +221,8 @@ def _verdict(name: str, criteria: Document, inputs: Inputs) -> pd.DataFrame:
 # stop the study before it is needed.
 FACTORS = (1.05, 0.1, 10.0, 0.95)
 TRIED = 3
+# Names that are looked through.
+MANY = 30
 # A criterion decides if any bound whatever would give another verdict.
 EXTREMES = (1e9, -1e9, 0.0)
 OTHER_END = {"low": "high", "high": "low"}
@@ -252,7 +247,8 @@ def at(document: Any, place: Key) -> Any:
 
 def name_of(place: Key) -> str:
     """Return the last name of a place that is no number of an item."""
-    names = [part for part in place if isinstance(part, str) and part not in {"value", "values"}]
+    parts = {"value", "values", "from"}
+    names = [part for part in place if isinstance(part, str) and part not in parts]
     return names[-1]
 
 
@@ -264,7 +260,7 @@ def changes(each: Value, document: Document, refused: Sequence[str]) -> Iterator
     elif isinstance(value, int | float):
         others = _numbers(each, document, refused)
     else:
-        others = _texts(each, document, refused)
+        others = itertools.islice(_texts(each, document, refused), MANY)
     for other in others:
         yield each.place, other
     if isinstance(each.place[-1], int):  # without the item
@@ -272,7 +268,7 @@ def changes(each: Value, document: Document, refused: Sequence[str]) -> Iterator
         yield each.place[:-1], items[: each.place[-1]] + items[each.place[-1] + 1 :]
     elif isinstance(value, str):  # a kind of thing has keys of its own
         own = at(document, each.place[:-1])
-        for other in _likes(document["config"], str(each.place[-1]), value):
+        for other in itertools.islice(_likes(document["config"], str(each.place[-1]), value), MANY):
             yield each.place[:-1], own | {k: v for k, v in other.items() if isinstance(v, str)}
             yield each.place[:-1], other
 
@@ -304,6 +300,10 @@ def _texts(each: Value, document: Document, refused: Sequence[str]) -> Iterator[
         if isinstance(one.value, str) and one.value not in told:
             told.add(one.value)
             yield one.value
+    section, dot, _ = each.value.partition(".")
+    if dot and "from" in each.place:
+        names = document["printed_values"] if section == "printed" else document["config"][section]
+        yield from (f"{section}.{name}" for name in names if f"{section}.{name}" not in told)
     yield f"{each.value} changed"
     for name in _allowed(refused, "(?<=')[^',]+(?=')"):
         if name not in told:
