@@ -9,6 +9,7 @@
 #   make check RESULTS=build/ci      an existing run; without RESULTS a new one
 #   make reference RESULTS=build/ci REFERENCE_ARGS=--remove
 #   make pages RESULTS=results       after a full run
+#   make dead-inputs DEAD_ARGS="--only campaign --processes 2"
 
 PYTHON := python3
 UV := .venv/bin/uv
@@ -17,6 +18,7 @@ PYTEST_ARGS ?=
 LOCK_ARGS ?=
 BENCH_ARGS ?=
 REFERENCE_ARGS ?=
+DEAD_ARGS ?=
 RESULTS ?=
 
 SHELL := /bin/bash
@@ -44,7 +46,7 @@ STALE := $(shell { read -r place; read -r python; } < .venv/.origin; \
 	|| echo stale)
 endif
 
-.PHONY: help reproduce check reference pages test lint types docs mutants test-slurm test-faults bench test-peers lock clean distclean stale
+.PHONY: help reproduce check reference pages test lint types docs mutants dead-inputs test-slurm test-faults bench test-peers lock clean distclean stale
 
 help: ## list these targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1|\2/p' Makefile | column -t -s '|'
@@ -82,6 +84,11 @@ types: .venv/.test ## check types, strictly
 
 mutants: .venv/.test ## put wrong forms into copies of the project and see that the tests notice
 	$(ACTIVE) .venv/bin/python -m tests.mutation.run
+
+# Studies run beside each other: more threads in each would only wait for one another.
+dead-inputs: .venv/.test ## change every declared value once and list those that move no output
+	@$(ACTIVE) .venv/bin/snakemake $(SNAKEMAKE_ARGS) --configfile config/ci.yaml
+	@OPENBLAS_NUM_THREADS=1 .venv/bin/python -m tests.dead_inputs $(DEAD_ARGS)
 
 docs: .venv/.test ## build the guide and the reference of the package into build/docs
 	@.venv/bin/microimpact pages
