@@ -80,5 +80,5 @@ def test_a_captured_sphere_is_drawn_too(run_study, draw):
 
 def test_drawn(draw, tables, legend_texts):
     figure = draw("fig20", tables)
-    assert "computed" in legend_texts(figure)
+    assert "computed, calibrated" in legend_texts(figure)
     assert figure.axes[0].get_xlabel().endswith("(ns)")

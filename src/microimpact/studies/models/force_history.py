@@ -67,8 +67,8 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     contact = contact_of_case(inputs, params.case, diameter=params.diameter_um * 1e-6)
     path = trajectory(contact, params.speed_m_per_s, params.angle_deg, points=params.points)
     # A force that contains a fitted parameter is no prediction.
-    fitted = params.case in set(inputs["calibration"]["case"])
-    evidence = "calibrated" if fitted else "computed"
+    case = inputs["calibration"].query("case == @params.case and role == 'target'")
+    evidence = "computed" if case.empty else "calibrated"
     frames = [
         series_frame(
             panel="force",
