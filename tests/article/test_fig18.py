@@ -45,15 +45,18 @@ def test_plateau_then_rise_towards_grazing_incidence(curve):
     assert at(simulation, 25.0) == pytest.approx(at(simulation, 45.0), rel=0.1)
     # ... near the printed coefficient ...
     assert at(simulation, 40.0) == pytest.approx(F, rel=0.1)
-    # ... and rising below 15 deg, which the rigid body model does not do.
-    assert at(simulation, 8.0) > 1.2 * at(simulation, 15.0)
+    # ... and rising below 15 deg, by two fifths where capture begins, which the rigid body model
+    # does not do.
+    assert at(simulation, 8.0) > 1.1 * at(simulation, 15.0)
+    assert simulation[1].max() > 1.4 * at(simulation, 15.0)
     assert at(curve("fig18", "adhesion", "rigid body"), 8.0) == pytest.approx(F, rel=1e-12)
 
 
 def test_only_the_compressive_force_gives_plateau_and_rise(curve):
     net, hertz = curve("fig18", "basis", "net"), curve("fig18", "basis", "hertz")
     assert at(net, 8.0) == pytest.approx(F, rel=1e-9)
-    assert at(hertz, 20.0) > 1.5 * F
+    # the Hertz force alone gives no plateau: the ratio has left it at 20 deg already
+    assert at(hertz, 20.0) > 1.4 * F
 
 
 def test_captured_impacts_are_not_on_the_curves(curve):

@@ -347,8 +347,7 @@ def test_a_slope_that_turns_away_is_drawn(run_study, parameters, draw):
         (
             "contact",
             {
-                "particle": "stainless-steel-316",
-                "surface": "silicon",
+                "case": "steel-silicon, n = 1",
                 "diameter_um": 62.0,
                 "speed_m_per_s": 1.66,
             },
