@@ -131,10 +131,12 @@ def test_the_same_experiment_gives_the_same_number_in_every_study(
 
 
 def test_normal_figures_show_both_classes_and_the_printed_band(normal, draw, legend_texts):
-    for name in ("fig04", "fig05"):
+    printed = {"fig04": "printed, about 0.70", "fig05": "$1 - 0.70^2$, from the printed $e$"}
+    for name, level in printed.items():
         figure = draw(name, normal)
         words = legend_texts(figure)
-        assert {"SST65, measured", "SST125, measured", "printed, about 0.70"} <= set(words)
+        own = {f"{name}, virtual experiment" for name in ("SST65, 49 µm", "SST125, 75 µm")}
+        assert own | {level} <= set(words)
         assert {"virtual experiment", "printed in the article", "computed"} <= set(words)
         assert [t.get_text() for t in figure.axes[0].texts] == ["piles up"]
 
@@ -200,7 +202,7 @@ def test_measured_means_hold_the_truth(angles):
     [
         ("fig06", {"front of silicon, smooth", "back of silicon, rough"}),
         ("fig07", {"front of the mirror", "back of the mirror"}),
-        ("fig08", {"1.60 m/s", "1.05 m/s", "0.45 m/s", "0.45 m/s, with a mean spin"}),
+        ("fig08", {"1.60 m/s", "1.05 m/s", "0.45 m/s", "0.45 m/s, mean spin 0.9 $v/r$"}),
         ("fig09", {"Coulomb friction, $f$ = 0.15, no spin", "printed, 0.15"}),
         ("fig10", {"1.60 m/s", "0.45 m/s"}),
         ("fig11", {"Lycopodium spores", "steel SST76"}),
