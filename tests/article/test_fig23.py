@@ -114,7 +114,11 @@ def test_quasi_random_draws_are_worth_many_plain_ones(tables):
     table = tables["monte_carlo_sampling"].set_index(["method", "generator", "quantity"])
     table = table.sort_index()
     assert table.loc[("quasi_random", "exact"), "variance_ratio_high"].max() < 0.02
-    assert (table.loc[("antithetic", "exact"), "variance_ratio_high"] < 1.3).all()
+    # Antithetic draws are worth as much as plain ones, no more: where a rule drops events, the
+    # halves of a pair no longer make up for each other.
+    antithetic = table.loc[("antithetic", "exact")]
+    assert (antithetic["variance_ratio_low"] < 1.0).all()
+    assert (antithetic["variance_ratio_high"] > 1.0).all()
     plain = table.loc[("plain", "exact", "restitution")]
     for key in (("quasi_random", "exact"), ("plain", "central_limit")):
         other = table.loc[(*key, "restitution")]

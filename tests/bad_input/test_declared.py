@@ -22,13 +22,13 @@ ANCHOR = "capture_velocity_psl_quartz,0.967,,,m/s,"
 # fmt: off
 CASES = [
     # YAML as such
-    (CONFIG, "seed: {value: 20011,", "seed: {value: 20011", ["config.yaml, line 10", "not valid YAML"]),
-    (CONFIG, "seed: {", "\tseed: {", ["config.yaml, line 10, column 1", "\\t"]),
-    (CONFIG, "seed: {", "seed: [", ["config.yaml, line 10", "not valid YAML"]),
+    (CONFIG, "seed: {value: 20011,", "seed: {value: 20011", ["config.yaml, line 9", "not valid YAML"]),
+    (CONFIG, "seed: {", "\tseed: {", ["config.yaml, line 9, column 1", "\\t"]),
+    (CONFIG, "seed: {", "seed: [", ["config.yaml, line 9", "not valid YAML"]),
     (CONFIG, "materials: config/materials.csv", "materials: a\nmaterials: b", ["config.yaml, line", "'materials' is given twice"]),
     (MODELS, "coulomb_friction:\n", "coulomb_friction:\n  points: 3\n", ["'points' is given twice"]),
-    (CONFIG, "seed: {value: 20011,", "seed: {value: *nowhere,", ["config.yaml, line 10", "undefined alias"]),
-    (CONFIG, "seed: {", "seed: !!python/object/apply:os.system ['true']\nother: {", ["config.yaml, line 10", "could not determine a constructor"]),
+    (CONFIG, "seed: {value: 20011,", "seed: {value: *nowhere,", ["config.yaml, line 9", "undefined alias"]),
+    (CONFIG, "seed: {", "seed: !!python/object/apply:os.system ['true']\nother: {", ["config.yaml, line 9", "could not determine a constructor"]),
     (CONFIG, "seed: {", "seed: \x07{", ["config.yaml", "not valid YAML"]),
     (CONFIG, "value: 20011", "value: " + "9" * 5000, ["config.yaml", "not valid YAML", "digits"]),
     # keys
@@ -58,8 +58,8 @@ CASES = [
     (CONFIG, "source: \"root of every random draw; an analysis takes its seed from this and its name, unless it gives one\"", "source: ''", ["seed.source: '' must say where"]),
     (MODELS, "coulomb_friction:\n", "coulomb_friction: 3\nwas:\n", ["coulomb_friction: 3 must be a mapping"]),
     # names that are not declared
-    (MODELS, "particle: stainless-steel-316\n  surface: silicon", "particle: stainles-steel-316\n  surface: silicon", ["oblique_impact.particle: 'stainles-steel-316' is not declared in config/materials.csv", "did you mean 'stainless-steel-316'?"]),
-    (MODELS, "surface: molybdenum", "surface: silicon", ["force_history.surface: 'ammonium-fluorescein on silicon' is not declared in config/contacts.csv"]),
+    (MODELS, "case: fluorescein-molybdenum, nominal", "case: fluorescein-molybdenum, nomial", ["force_history.case: 'fluorescein-molybdenum, nomial' is not declared in cases (did you mean 'fluorescein-molybdenum, nominal'?)"]),
+    (LABORATORY, "    surface: {from: surfaces.Formica}", "    surface: formcia", ["cases.steel-formica.surface: 'formcia' is not declared in config/materials.csv (did you mean 'formica'?)"]),
     (MODELS, "- plateau_end_angle", "- plateau_end", ["oblique_impact.anchors[0]: 'plateau_end' is not declared in config/printed_values.csv", "did you mean 'plateau_end_angle'?"]),
     (CONFIG, "materials: config/materials.csv", "materials: config/material.csv", ["config/material.csv"]),
     (CONFIG, "digitised: config/digitised", "digitised: config/nowhere", ["digitised: 'config/nowhere' must be a folder"]),
@@ -194,6 +194,6 @@ def test_a_study_whose_branch_names_no_rows(declared):
         "  anchors: []\n",
     )
     rows = declared.read()[0].rows["force_history"]
-    assert set(rows) == {"materials", "contacts"}
+    assert set(rows) == {"materials"}
     with pytest.raises(ValueError, match="no rows of 'anchors': the study's branch must name some"):
         NamedTables(rows)["anchors"]

@@ -164,15 +164,15 @@ class Resolver:
         """Return a node as plain values, and record where each comes from."""
         if isinstance(node, _Reference):
             node = self._named(kind, node, key)
+        # From Python, whole items may come in a list, with their names.
+        if kind.keyed and isinstance(node, Given) and node.value and node.source != NOTHING:
+            self.problems.append(f"{key}: must be a mapping: a name, then its fields")
+            return None
         if isinstance(node, Given):
             self.rows += node.rows(key)
             if node.place != key:
                 self.aliases[key] = node.place
             return node.value
-        # From Python, whole items may come in a list, with their names.
-        if kind.keyed and not isinstance(node, dict | list):
-            self.problems.append(f"{key}: must be a mapping: a name, then its fields")
-            return None
         if isinstance(node, list):
             return [self._value(kind.item, item, f"{key}[{i}]") for i, item in enumerate(node)]
         if not isinstance(node, dict):
