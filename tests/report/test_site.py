@@ -313,6 +313,17 @@ def test_the_command_writes_the_site_of_a_finished_run(few):
     assert (root / "report/files/figures/fig14.svg").is_file()
 
 
+def test_no_site_shows_results_of_several_inputs(few):
+    root, record = few
+    write_record(root, record)
+    (root / "run.json").write_text('{"outdated": ["data/fig14.csv"]}')
+    done = CliRunner().invoke(commands, ["report", str(root)])
+    assert str(done.exception).endswith(
+        "run.json: made earlier, from other inputs: data/fig14.csv; renew them with `snakemake`"
+    )
+    assert not (root / "report/index.html").exists()
+
+
 def test_the_base_serves_pages_of_other_packages(tmp_path):
     (tmp_path / "own.html").write_text(
         '{% extends "base.html" %}{% block title %}T{% endblock %}'

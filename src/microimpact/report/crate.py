@@ -29,7 +29,13 @@ from rocrate.model.contextentity import ContextEntity
 from rocrate.rocrate import ROCrate
 
 from microimpact.core.files import require_unaltered, write_file
-from microimpact.report.check.results import TABLE_FOLDERS, ResultsError, read_json, require_results
+from microimpact.report.check.results import (
+    TABLE_FOLDERS,
+    ResultsError,
+    read_json,
+    require_current,
+    require_results,
+)
 from microimpact.run.stamp import git_state
 
 STAMP = "run.json"
@@ -158,11 +164,7 @@ def read_run(path: Path) -> Run:
     if not path.is_file():
         raise ResultsError(f"{path}: missing; a run writes it when the last result is there")
     stamp = read_json(path)
-    if outdated := stamp.get("outdated"):
-        raise ResultsError(
-            f"{path}: made earlier, from other inputs: {', '.join(outdated[:3])}"
-            f"{', ...' if len(outdated) > 3 else ''}; renew them with `snakemake`"
-        )
+    require_current(path, stamp)
     if stamp.get("ended", "") is None:
         raise ResultsError(f"{path}: the run has not ended well; finish it with `snakemake`")
     git, packages, config = (_mapping(path, stamp, key) for key in ("git", "packages", "config"))

@@ -7,6 +7,7 @@ import gzip
 import io
 import json
 import zlib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -43,6 +44,21 @@ def require_results(root: Path, *needed: str) -> None:
         raise ResultsError(f"{root}: not a results folder: no files in {folders}")
     if missing := [name for name in needed if not (root / name).is_file()]:
         raise ResultsError(f"{root}: has no {', '.join(missing)}: build them with `snakemake`")
+
+
+def require_current(path: Path, stamp: Mapping[str, Any]) -> None:
+    """Refuse a run stamp that tells of results made earlier, from other inputs.
+
+    Raises
+    ------
+    ResultsError
+        Naming some of these results.
+    """
+    if outdated := stamp.get("outdated"):
+        some = ", ".join(outdated[:3]) + (", ..." if len(outdated) > 3 else "")
+        raise ResultsError(
+            f"{path}: made earlier, from other inputs: {some}; renew them with `snakemake`"
+        )
 
 
 def table_files(root: Path) -> dict[str, Path]:

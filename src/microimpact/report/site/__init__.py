@@ -8,6 +8,6 @@ PAGES = ("index", "claims", "equations", "tables", "workflow", "run")
 
 def remove(report: Path) -> None:
     """Remove the pages of a report that shows results of other inputs; the explorer stays."""
-    for name in PAGES:
-        (report / f"{name}.html").unlink(missing_ok=True)
+    for name in (*(f"{page}.html" for page in PAGES), "record.json"):
+        (report / name).unlink(missing_ok=True)
     shutil.rmtree(report / "figures", ignore_errors=True)
