@@ -8,12 +8,12 @@ import pandas as pd
 import pytest
 
 from microimpact.lab.dispenser import Dispenser
+from microimpact.lab.experiment import SpeedClass
 from microimpact.statistics.distributions import Constant
 from microimpact.studies.experiments.campaign.plan import (
     COUNTED,
     Block,
     Particles,
-    SpeedClass,
     Surface,
     check_counts,
     counts,

@@ -13,7 +13,7 @@ import scipy
 from pydantic import Field
 
 from microimpact.core.arrays import BoolArray, FloatArray
-from microimpact.declared.parameters import Count
+from microimpact.declared.parameters import Count, Positive
 from microimpact.lab.dispenser import Dispenser, Falling, InitialSpin, drop_height, release
 from microimpact.lab.events import Impacts, IntArray, Measured
 from microimpact.lab.reduction import Mean
@@ -34,6 +34,23 @@ DROPPED_AT_FIRST = 200
 
 # Velocity and spin (k, 3) before later impacts, and whose they are (k,) -> rebounds.
 Later = Callable[[FloatArray, FloatArray, IntArray], Rebound]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SpeedClass:
+    """Nominal speed, and range of measured speeds accepted."""
+
+    speed_m_per_s: Positive
+    speed_range_m_per_s: tuple[Positive, Positive]
+
+    def __post_init__(self) -> None:
+        """Refuse a class that does not hold its nominal speed."""
+        low, high = self.speed_range_m_per_s
+        if not low < self.speed_m_per_s < high:
+            raise ValueError(
+                f"speed_range_m_per_s: [{low:g}, {high:g}] must ascend and hold "
+                f"{self.speed_m_per_s:g}"
+            )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -17,7 +17,7 @@ from microimpact.core.tables import series_frame
 from microimpact.declared.parameters import ExperimentSeed, Fraction, Keyed, PrintedName
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.dispenser import Dispenser
-from microimpact.lab.experiment import Outcome, StopRule
+from microimpact.lab.experiment import Outcome, SpeedClass, StopRule
 from microimpact.lab.pdpa import experiment as doppler
 from microimpact.lab.pdpa.analyser import Instrument as Analyser
 from microimpact.lab.ptis import experiment as imaging
@@ -29,7 +29,6 @@ from microimpact.studies.experiments.campaign.plan import (
     Block,
     Experiment,
     Particles,
-    SpeedClass,
     Surface,
     check_counts,
     counts,

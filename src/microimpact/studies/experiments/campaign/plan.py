@@ -19,7 +19,7 @@ from microimpact.declared.parameters import (
     Positive,
 )
 from microimpact.lab.dispenser import Dispenser, InitialSpin
-from microimpact.lab.experiment import Drop, Target
+from microimpact.lab.experiment import Drop, SpeedClass, Target
 from microimpact.lab.surface import combined_slope, rough
 from microimpact.model.contact import Contact
 from microimpact.statistics.distributions import Distribution
@@ -55,23 +55,6 @@ class Surface:
     name: Name
     surface: MaterialName
     surface_slope: NonNegative
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SpeedClass:
-    """Nominal speed, and range of measured speeds accepted."""
-
-    speed_m_per_s: Positive
-    speed_range_m_per_s: tuple[Positive, Positive]
-
-    def __post_init__(self) -> None:
-        """Refuse a class that does not hold its nominal speed."""
-        low, high = self.speed_range_m_per_s
-        if not low < self.speed_m_per_s < high:
-            raise ValueError(
-                f"speed_range_m_per_s: [{low:g}, {high:g}] must ascend and hold "
-                f"{self.speed_m_per_s:g}"
-            )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -15,8 +15,8 @@ from microimpact.declared.parameters import (
     Fraction,
     Keyed,
     NonNegative,
-    Positive,
 )
+from microimpact.lab.experiment import SpeedClass
 from microimpact.lab.samples import (
     Dropped,
     Sampling,
@@ -32,14 +32,6 @@ from microimpact.studies.experiments.mechanisms.impulse_regions import regions
 
 # Half-width of a 95 % interval over its standard error.
 ERROR_BAR = 1.96
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SpeedClass:
-    """A nominal speed and the range of speeds accepted."""
-
-    speed_m_per_s: Positive
-    speed_range_m_per_s: tuple[Positive, Positive]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
