@@ -559,21 +559,16 @@ DYNAMICS = {
 # Section 3.3
 
 
-def steel_fits(settings, **changes):
+def steel_fits(settings):
     """Return the cases of the fits that are needed: steel, and one that the study asks for."""
     cases = settings.branches["restitution_fits"]["cases"]
-    return [
-        {**case, **(changes if case["case"] in STEEL else {})}
-        for case in cases
-        if case["case"] in {*STEEL, MICA}
-    ]
+    return [case for case in cases if case["case"] in {*STEEL, MICA}]
 
 
 def fast_data_only(claim, world):
-    cases = steel_fits(world.settings, fitted_from=5.0)
-    return world.numbers(
-        claim, dict(world.run_study("restitution_fits", world.tables, cases=cases))
-    )
+    cases = steel_fits(world.settings)
+    found = world.run_study("restitution_fits", world.tables, cases=cases, fitted_from=5.0)
+    return world.numbers(claim, dict(found))
 
 
 EMPIRICAL = {

@@ -67,8 +67,9 @@ def test_fits_from_closer_to_capture_are_closer(run_study, settings, calibration
     case = next(c for c in cases if "n = 0" in c["case"])
     errors = []
     for start in (1.05, 1.5, 3.0):
-        changed = {**case, "fitted_from": start}
-        found = run_study("restitution_fits", calibration, cases=[cases[0], changed])
+        found = run_study(
+            "restitution_fits", calibration, cases=[cases[0], case], fitted_from=start
+        )
         row = found["restitution_fits"].query("case == @case['case']").iloc[0]
         errors.append(abs(row["v_c_m_per_s"] / row["simulated_v_c_m_per_s"] - 1))
     assert np.all(np.diff(errors) > 0)

@@ -30,27 +30,30 @@ V_C_MARK = 0.1
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
-    """One calibrated contact, where its curve is drawn and from which speeds it is fitted.
+    """One calibrated contact, where its curve is drawn and up to which speed it is fitted.
 
-    ``fitted_from`` and ``fitted_to`` are speeds in capture velocities of the simulation. Cases that
-    are not ``fitted`` are drawn only: the ends of an interval.
+    ``fitted_to`` is a speed in capture velocities of the simulation. Cases that are not ``fitted``
+    are drawn only: the ends of an interval.
     """
 
     case: CaseName
     figure: Literal["fig15", "fig16"]
     result_evidence: Literal["computed", "calibrated"]
     fitted: bool
-    fitted_from: Annotated[float, Field(gt=1)]
     fitted_to: Annotated[float, Field(gt=1)]
-    printed_capture_velocity_m_per_s: Positive
+    printed_capture_velocity_m_per_s: Positive | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """The cases, and how their curves are sampled and fitted."""
+    """The cases, and how their curves are sampled and fitted.
+
+    ``fitted_from`` is a speed in capture velocities of the simulation.
+    """
 
     cases: Annotated[tuple[Case, ...], Keyed("case")]
     points: Annotated[int, Field(ge=20)]
+    fitted_from: Annotated[float, Field(gt=1)]
     fitted_points: Annotated[int, Field(ge=8)]
     fixed_exponent: Fraction
     largest_speed_m_per_s: Positive
@@ -97,7 +100,7 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
         frames[case.figure] += curves
         if not case.fitted:
             continue
-        sampled = np.geomspace(case.fitted_from, case.fitted_to, params.fitted_points) * limit
+        sampled = np.geomspace(params.fitted_from, case.fitted_to, params.fitted_points) * limit
         measured = simulate(contact, sampled).coefficient_of_restitution
         fits = [fit_restitution(sampled, measured, q=q) for q in (None, params.fixed_exponent)]
         rows += [_row(case, limit, fit) for fit in fits]
@@ -107,7 +110,8 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
                 f"{case.case}, v_c of the fit", fits[0].v_c, [0.0, V_C_MARK], case.result_evidence
             ),
         ]
-        printed = case.printed_capture_velocity_m_per_s
+        if (printed := case.printed_capture_velocity_m_per_s) is None:
+            continue
         mark = _frame(f"printed, {printed:g} m/s", printed, 0.0, "printed")
         if not any(mark.equals(other) for other in frames[case.figure]):
             frames[case.figure].append(mark)
@@ -151,7 +155,7 @@ def _fitted_curve(case: Case, fit: RestitutionFit, points: int) -> pd.DataFrame:
 def _known(case: Case, limit: float) -> dict[str, object]:
     return {
         "simulated_v_c_m_per_s": limit,
-        "printed_v_c_m_per_s": case.printed_capture_velocity_m_per_s,
+        "printed_v_c_m_per_s": case.printed_capture_velocity_m_per_s or np.nan,
     }
 
 
