@@ -92,7 +92,7 @@ def tables(run_study, settings, branch, declared, shipped_calibration, tmp_path_
 def smooth_surface(run_study, settings, tables):
     """Return the table of the Monte Carlo analysis; its smooth surface needs no sample."""
     branch = settings.branches["monte_carlo"]
-    least = {"replicates": 2, "events": 2}
+    least = {"replicates": 4, "events": 8}
     changes = {
         "plan": least,
         "comparison": least,

@@ -8,6 +8,7 @@ import shutil
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from microimpact.core.files import write_file
@@ -120,16 +121,22 @@ def test_the_same_inputs_give_the_same_bytes(inputs, files):
     assert page_files(inputs) == files
 
 
-def test_calibrated_cases_and_declared_pairs_are_offered_in_si(files, inputs):
+def test_calibrated_cases_and_declared_pairs_are_offered_in_si(inputs):
+    """A pair that is calibrated is offered once, as its cases; here one more is declared."""
+    pairs = inputs["contacts"]
+    other = pairs[pairs["surface"] == "mica"].assign(particle="glass", surface="silicon")
+    files = page_files({**inputs, "contacts": pd.concat([pairs, other])})
     carried = re.search(r'id="numbers">(.*?)</script>', files["explorer.html"], re.DOTALL)
     data = json.loads(carried.group(1))
     contacts = {row["contact"]: row for row in data["contacts"]}
-    assert {"steel-silicon, n = 0", "steel-silicon, n = 1"} <= set(contacts)
-    pair = contacts["stainless-steel-316 on silicon"]
-    assert pair["particle"] == "stainless-steel-316"
+    assert len(contacts) == len(data["contacts"])
+    offered = {name for name, row in contacts.items() if row["origin"] == "declared"}
+    assert offered == {"glass on silicon"}
+    assert set(contacts) - offered == set(inputs["calibration"]["case"])
+    pair = contacts["glass on silicon"]
+    assert (pair["particle"], pair["surface"]) == ("glass", "silicon")
+    assert pair["diameter"] == pytest.approx(4.9e-6)
     assert pair["reference_velocity"] is None
-    declared = inputs["contacts"].drop_duplicates(["particle", "surface"])
-    assert sum(row["origin"] == "declared" for row in data["contacts"]) == len(declared)
     rows = inputs["calibration"].set_index(["case", "quantity"])["value"]
     for name in ("diameter", "work_of_adhesion", "hertz_damping", "adhesion_damping"):
         known = float(rows["steel-silicon, n = 1", name])

@@ -14,6 +14,7 @@ from microimpact.report.site.graph import needs, picture, upstream
 from microimpact.report.site.ledgers import counts, parts
 from microimpact.report.site.reached import reached
 from microimpact.report.site.record import Rule
+from microimpact.studies.claims.claim_numbers import CLAIMS
 
 
 def text(formula):
@@ -86,7 +87,9 @@ def test_every_function_of_the_ledger_is_reached_by_some_study(results):
     from microimpact import studies
 
     ledger = pd.read_csv(results / "tables/equations.csv", dtype=str, keep_default_na=False)
-    called = reached(*(f"{home}.run" for home in studies.homes().values()))
+    runs = [f"{home}.run" for home in studies.homes().values()]
+    registered = [f"{one.of.__module__}.{one.of.__qualname__}" for one in CLAIMS.values()]
+    called = reached(*runs, *registered)
     assert set(ledger["function"]) - {""} <= called
 
 
@@ -135,8 +138,15 @@ def test_names_of_quantities_as_words():
 
 
 def test_items_of_a_list_stand_in_one_row():
-    def row(key, value, source="s"):
-        return {"key": key, "value": value, "unit": "deg", "evidence": "chosen", "source": source}
+    def row(key, value, **changes):
+        same = {"unit": "deg", "evidence": "chosen", "source": "s", "overrides": ""}
+        return {"key": key, "value": value} | same | changes
 
-    rows = [row("angles[0]", "1"), row("angles[1]", "2"), row("angles[2]", "3", "t"), row("n", "4")]
-    assert joined(rows) == [row("angles", "1, 2"), row("angles", "3", "t"), row("n", "4")]
+    rows = [
+        *(row("angles[0]", "1"), row("angles[1]", "2"), row("angles[2]", "3", source="t")),
+        *(row("angles[3]", "5", source="t", overrides="4 (chosen: t)"), row("n", "4")),
+    ]
+    assert joined(rows) == [
+        *(row("angles", "1, 2"), row("angles", "3", source="t")),
+        *(row("angles", "5", source="t", overrides="4 (chosen: t)"), row("n", "4")),
+    ]

@@ -2,8 +2,8 @@
 
 From the body of ``run`` every name is followed to where it is defined, and so on. A method counts
 if its class is reached and something reached has an attribute of its name. This may hold a
-function that no case ever calls, and misses none but those called by a name made up at run time,
-which the package does not do.
+function that no case ever calls, and misses none but those looked up at run time: the functions of
+the claims, which register themselves and must be named as starts.
 """
 
 from __future__ import annotations
