@@ -205,12 +205,11 @@ def _adapter(kind: Any) -> TypeAdapter[Any]:
     return TypeAdapter(kind)
 
 
-def nested(kind: type) -> Iterable[type]:
-    """Yield every dataclass that occurs, at any depth, in the annotations of another."""
-    for hint in typing.get_type_hints(kind).values():
-        for found in _dataclasses_in(hint):
-            yield found
-            yield from nested(found)
+@cache
+def nested(kind: type) -> frozenset[type]:
+    """Return every dataclass that occurs, at any depth, in the annotations of another."""
+    found = frozenset(member for hint in _hints(kind).values() for member in _dataclasses_in(hint))
+    return found.union(*map(nested, found))
 
 
 def _dataclasses_in(hint: Any) -> Iterable[type]:

@@ -91,9 +91,12 @@ class Process:
     def __post_init__(self) -> None:
         """Refuse distributions that reach values without meaning."""
         ends = np.array([SMALLEST_PROBABILITY, LARGEST_PROBABILITY])
-        for name, distribution in self.distributions.items():
+        for name in POSITIVE + NON_NEGATIVE:
+            distribution = getattr(self, name)
+            if getattr(distribution, "low", 0.0) > 0.0:  # nothing is drawn below; no need of SciPy
+                continue
             low = float(np.min(distribution.quantile(ends)))
-            if (name in POSITIVE and low <= 0.0) or (name in NON_NEGATIVE and low < 0.0):
+            if low < 0.0 or (name in POSITIVE and low == 0.0):
                 allowed = "positive" if name in POSITIVE else "zero or more"
                 raise ValueError(
                     f"{name}: {distribution.kind} reaches down to {low:.4g}, must be {allowed}: "
