@@ -174,7 +174,8 @@ def validate(
         bodies=bodies,
         branches={name: json.loads(json.dumps(asdict(each))) for name, each in params.items()},
         rows={name: tables.named(each, bodies) for name, each in named.items()},
-        declared=tuple(resolver.rows),
+        # Where the results go is no input: the same study has the same table anywhere.
+        declared=tuple(row for row in resolver.rows if not row.key.startswith("pathvars.")),
         unused=tuple(place for place in resolver.unused() if place not in used),
     )
 
