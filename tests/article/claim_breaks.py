@@ -53,6 +53,7 @@ from microimpact.studies.experiments.mechanisms.spore import comparison, smooth_
 from microimpact.studies.models import calibration as calibration_study
 
 STEEL = ("steel-silicon, n = 0", "steel-silicon, n = 1")
+MOLYBDENUM = "fluorescein-molybdenum, nominal"
 MICA = "ammonium-fluorescein-mica"
 FORMICA_SPORE = "lycopodium-formica"
 
@@ -492,13 +493,17 @@ def other_force_history(claim, world, quantity, factor):
 
 
 def squared_sum_in_eq_20(claim, world):
-    plain = contact_module.hertz_stiffness
+    """The printed ring force is turned into work where the case is calibrated."""
+    plain, right = contact_module.hertz_stiffness, world.contact(MOLYBDENUM)
 
     def printed(particle, surface):
         # 4/(3 pi (k_1 + k_2)^2), in SI units
         return 0.75 * np.pi * np.square(plain(particle, surface))
 
-    return patched(claim, world, contact_module, hertz_stiffness=printed)
+    world.patch.setattr(contact_module, "hertz_stiffness", printed)
+    work = right.replace(ring_force=right.ring_force).work_of_adhesion
+    tables = world.calibration((MOLYBDENUM,), work_of_adhesion=to(float(work)))
+    return world.numbers(claim, tables)
 
 
 def no_material_damping(claim, world):
