@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 from pydantic import ValidationError
 
+from microimpact.declared.documents import ConfigError
 from microimpact.declared.parameters import build
 from microimpact.studies.experiments import campaign as study
 from microimpact.studies.experiments.campaign.rows import FATES
@@ -201,7 +202,7 @@ def test_the_figure_shows_both_means(coverage, draw, legend_texts):
     [({"experiments": 1}, "experiments"), ({"level": 1.0}, "level"), ({"events": 1}, "events")],
 )
 def test_settings_without_meaning_are_refused(run_study, calibration, change, key):
-    with pytest.raises(ValidationError, match=key):
+    with pytest.raises(ConfigError, match=rf"interval_coverage\.{key}: "):
         run_study("interval_coverage", calibration, **change)
 
 
@@ -215,5 +216,5 @@ def test_a_class_that_nothing_meets_is_refused(settings, run_study, calibration)
 
 def test_cases_of_one_instrument_alone_are_refused(settings, run_study, calibration):
     cases = settings.branches["interval_coverage"]["cases"][1:]
-    with pytest.raises(ValidationError, match="one at another angle"):
+    with pytest.raises(ConfigError, match="one at another angle"):
         run_study("interval_coverage", calibration, cases=cases)

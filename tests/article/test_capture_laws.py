@@ -268,7 +268,7 @@ def test_plastic_restitution():
 
 
 def test_a_declared_pair_is_taken_as_it_stands(study, draw, legend_texts):
-    pair = {"particle": "ammonium-fluorescein", "surface": "molybdenum"}
+    pair = {"case": "ammonium-fluorescein on molybdenum"}
     tables = study(pairs=[pair], points=9)
     table = tables["capture_laws"].set_index("law")
     assert set(table["pair"]) == {"ammonium-fluorescein-molybdenum"}

@@ -68,7 +68,10 @@ def test_slopes_alone_lower_restitution_and_raise_the_impulse_ratio(tables):
     steep = [85.0, 60.0, 45.0]
     assert (alone.loc[steep, "restitution_difference"] < 0.0).all()
     assert (alone.loc[steep, "energy_loss_difference"] > 0.0).all()
-    assert (alone["impulse_ratio_difference"] > 0.0).all()
+    # nearer to normal incidence tilts to either side cancel, down to the error of the sample
+    difference = alone["impulse_ratio_difference"]
+    assert (difference[difference.index <= 60.0] > 0.0).all()
+    assert (difference[difference.index > 60.0].abs() < 0.01).all()
     assert (weaker.loc[steep, "restitution_difference"] > 0.0).all()
     assert (weaker.loc[[85.0, 70.0, 60.0], "energy_loss_difference"] < 0.0).all()
 

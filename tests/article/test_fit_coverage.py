@@ -121,8 +121,8 @@ def test_noise_that_hides_rebounds_is_refused(run_study, earlier, few):
 
 
 def test_a_case_without_a_fit_is_refused(run_study, earlier, few):
-    with pytest.raises(ValueError, match="case: 'none' must be one with a fit"):
-        run_study("fit_coverage", earlier, **few, case="none")
+    with pytest.raises(ValueError, match="case: 'lycopodium-silicon' must be one with a fit"):
+        run_study("fit_coverage", earlier, **few, case="lycopodium-silicon")
 
 
 def test_drawn(draw, tables, legend_texts):

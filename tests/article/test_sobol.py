@@ -16,7 +16,7 @@ def earlier(run_study, settings, calibration):
 
 @pytest.fixture(scope="module")
 def tables(run_study, earlier):
-    small = {"samples": 256, "calibrated_samples": 64, "resamples": 100}
+    small = {"samples": 512, "calibrated_samples": 64, "resamples": 100}
     return run_study("sensitivity", earlier, **small)
 
 
