@@ -186,7 +186,7 @@ def test_imaged_means_have_error_bars(tables):
 def test_drawn(draw, tables, piles, legend_texts):
     figure = draw("causes", tables)
     assert len(figure.axes) == 4
-    assert {"smooth", "article", "adhesion, 1.66 m/s"} <= set(legend_texts(figure))
+    assert {"smooth", "printed in the article", "adhesion, 1.66 m/s"} <= set(legend_texts(figure))
     onset = draw("pile_up_onset", piles)
     assert "0.18 m/s, in the end" in legend_texts(onset)
 

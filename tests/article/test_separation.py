@@ -176,7 +176,7 @@ def test_the_guide_gives_the_numbers_of_the_table(summary):
     assert f"adhesion and patches cross at {meets:.1f} %" in GUIDE
     weaker = middles["adhesion over uniform charge", 2.0]
     needed = middles["charge to mass for equality", 2.0]
-    assert f"{weaker:.0f} times weaker" in GUIDE
-    assert f"would have to be {needed:.0f} uC/g" in GUIDE
+    assert f"{weaker:.0f} times weaker than adhesion at 2 %" in GUIDE
+    assert f"would have to be {needed:.0f} µC/g" in GUIDE
     together = shares["statements that hold, of four", -1.0]
     assert f"in {100 * together:.1f} % of combinations" in GUIDE

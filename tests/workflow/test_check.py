@@ -134,7 +134,9 @@ def test_the_rule_rests_on_everything_and_is_not_part_of_all(checked):
 
 def test_the_rule_fails_with_the_check(checked):
     # Of everything, what rests on the edited table would be built again.
-    with checked.edited("workflow/rules/report.smk", swap("wildcards: everything()", "wildcards: []")):
+    with checked.edited(
+        "workflow/rules/report.smk", swap("wildcards: everything()", "wildcards: []")
+    ):
         assert "files agree" in checked.snakemake("check", *SMALL).text
         with checked.edited(
             f"{OUT}/tables/inputs.csv", swap("config,seed,20011", "config,seed,20012")

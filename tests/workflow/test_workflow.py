@@ -157,26 +157,20 @@ def test_a_change_of_configuration_reruns_its_chain(project, old, new, expected)
 @pytest.mark.parametrize(
     ("path", "row", "value", "reruns", "spares"),
     [
+        # The calibration takes up every material and pair; all that rests on its tables follows.
         (
             "config/materials.csv",
             "molybdenum,density",
             "10000",
-            {"force_history", "force_history_figures"},
-            {"oblique_impact", "oblique_impact_figures"},
-        ),
-        (
-            "config/materials.csv",
-            "silicon,youngs_modulus",
-            "150",
-            {"oblique_impact", "oblique_impact_figures"},
-            {"force_history", "force_history_figures"},
+            {"calibration", "contact_properties", "force_history", "force_history_figures"},
+            {"coulomb_friction", "coulomb_friction_figures", "track_imaging"},
         ),
         (
             "config/contacts.csv",
             "stainless-steel-316,silicon,friction",
             "0.2",
-            {"oblique_impact", "oblique_impact_figures"},
-            {"force_history", "force_history_figures"},
+            {"calibration", "contact_properties", "oblique_impact", "oblique_impact_figures"},
+            {"coulomb_friction", "coulomb_friction_figures", "roughness_expansions"},
         ),
         (
             "config/printed_values.csv",
@@ -236,18 +230,29 @@ def test_every_example_is_valid(project):
     ("overlay", "expected"),
     [
         (
-            {"coulomb_frction": {}, "coulomb_friction": {"spin_fricton": 1}, "seed": "x"},
+            {"coulomb_frction": {}, "coulomb_friction": {"spin_fricton": 1, "points": "x"}},
             [
                 "\ncoulomb_frction: unknown key (did you mean 'coulomb_friction'?)\n",
                 "\ncoulomb_friction.spin_fricton: unknown key (did you mean 'spin_friction'?)\n",
+                "\ncoulomb_friction.points: 'x' must be a valid integer\n",
+            ],
+        ),
+        # what all analyses rest on is judged before them
+        (
+            {"coulomb_frction": {}, "seed": "x"},
+            [
+                "\ncoulomb_frction: unknown key (did you mean 'coulomb_friction'?)\n",
                 "\nseed: 'x' must be a valid integer\n",
             ],
         ),
         ({"materials": "config/contacts.csv"}, ["config/contacts.csv: the header is"]),
         ({"contacts": "config/nothing.csv"}, ["config/nothing.csv"]),
         (
-            {"oblique_impact": {"surface": "silicn"}},
-            ["no rows for 'silicn' (did you mean 'silicon'?)"],
+            {"oblique_impact": {"case": "steel-silicn, n = 1"}},
+            [
+                "oblique_impact.case: 'steel-silicn, n = 1' is not declared in cases",
+                "(did you mean 'steel-silicon, n = 1'?)",
+            ],
         ),
     ],
 )
