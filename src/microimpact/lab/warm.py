@@ -12,9 +12,21 @@ from microimpact.lab.events import Impacts
 from microimpact.lab.experiment import Target
 from microimpact.lab.pdpa import analyser as pdpa
 from microimpact.lab.surface import rough
-from microimpact.model import warm
 from microimpact.model.contact import Contact
+from microimpact.model.dynamics.trajectory import trajectory
+from microimpact.model.empirical.search import data_sets, fit_batch
+from microimpact.model.law.table import tabulate
+from microimpact.model.rigid_body.facets import facet_rebound
 
+BODY = Material(name="any", youngs_modulus=1e11, poissons_ratio=0.3, density=2e3)
+CONTACT = Contact(
+    particle=BODY,
+    surface=BODY,
+    diameter=5e-5,
+    work_of_adhesion=0.1,
+    hertz_damping=0.01,
+    adhesion_damping=1.0,
+)
 ANALYSER = pdpa.Instrument(
     probe_height_mm=1.0,
     probe_height_error_um=0.0,
@@ -39,14 +51,25 @@ ANALYSER = pdpa.Instrument(
 
 def main() -> None:
     """Use every compiled function of model and laboratory once; they stay in Numba's cache."""
-    warm.main()
+    _use_model()
     impacts, rng = _impacts(8), np.random.default_rng(1)
-    body = Material(name="any", youngs_modulus=1e11, poissons_ratio=0.3, density=2e3)
-    contact = Contact(particle=body, surface=body, diameter=5e-5, work_of_adhesion=0.1)
-    target = Target(contact=contact, surface=rough(0.1))
+    target = Target(contact=CONTACT, surface=rough(0.1))
     target.hit(impacts.diameter, impacts.velocity, impacts.spin, rng)
     pdpa.passages(impacts, 1e-3, ANALYSER)
     pdpa.through_probe(impacts.position, impacts.velocity, 1e-3, ANALYSER)
+
+
+def _use_model() -> None:
+    trajectory(CONTACT, 1.0)
+    speed = np.array([0.5, 1.0])
+    law = tabulate(CONTACT, *speed)
+    law.normal_impact(CONTACT, speed)
+    law.restitution(speed, np.zeros(1))
+    down = np.array([[0.5, 0.0, -1.0]])
+    up = np.array([[0.0, 0.0, 1.0]])
+    facet_rebound(down, np.zeros((1, 3)), up, np.full(1, 0.7), np.full(1, 0.15))
+    speed = np.geomspace(1.0, 10.0, 8)
+    fit_batch(data_sets(speed, 0.8 - 0.1 / speed, 100.0))
 
 
 SPEED, ANGLE = 1.66, np.radians(60.0)

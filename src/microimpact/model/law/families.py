@@ -181,7 +181,7 @@ class Family:
         if self.alike:
             return w, np.zeros(1)
         place = np.log(scale / self.velocity_scale) / self.half_width
-        return w, np.broadcast_to(place, w.shape)
+        return w, np.full(w.shape, place)
 
     def scales(self, contact: Contact, speed: FloatArray) -> tuple[Real, Real, Real]:
         """Return the units of length, velocity and mass of impacts."""

@@ -111,7 +111,7 @@ def both_sides(
 
     def run(part: slice) -> None:
         here = w[part], g if g.size == 1 else g[part]
-        _both_sides(*here, reciprocal, *below.compiled, *above.compiled, gap, out[:, part])
+        _both_sides(*here, reciprocal, *below.compiled, *above.compiled, gap, out, part.start)
 
     blocks = [slice(start, start + BLOCK) for start in range(0, w.size, BLOCK)]
     if min(threads, len(blocks)) <= 1:
@@ -180,8 +180,20 @@ def _quantities(x, g, coefficients, lowest, split, row):  # type: ignore[no-unty
 
 @_jit
 def _both_sides(  # type: ignore[no-untyped-def]
-    w, g, reciprocal, below, lowest_below, split_below, above, lowest_above, split_above, gap, out
+    w,
+    g,
+    reciprocal,
+    below,
+    lowest_below,
+    split_below,
+    above,
+    lowest_above,
+    split_above,
+    gap,
+    out,
+    start,
 ):
+    """Write the quantities at w and g into the columns of ``out`` from ``start`` on."""
     if below.shape[3] != DEGREE + 1 or below.shape[4] != WIDTH:
         return  # never: gives the compiler the distance of rows
     if above.shape[3] != DEGREE + 1 or above.shape[4] != WIDTH:
@@ -198,7 +210,7 @@ def _both_sides(  # type: ignore[no-untyped-def]
         else:
             row[0] = math.nan
         for lane in range(WIDTH):
-            out[lane, i] = row[lane]
+            out[lane, start + i] = row[lane]
 
 
 @_jit
