@@ -3,7 +3,7 @@
 #   make PYTHON=python3.12 ...      another interpreter (makes .venv anew)
 #   make UV= ...                    plain pip instead of uv: slower, the same versions
 #   make reproduce SNAKEMAKE_ARGS="--cores 1"
-#   make test PYTEST_ARGS="-n 2 -k kernel"
+#   make test PYTEST_ARGS="-n 2 -k kernel"      all cores without -n
 #   make lock LOCK_ARGS=--upgrade
 #   make bench BENCH_ARGS=--docs     renew docs/performance.md, too
 #   make check RESULTS=build/ci      an existing run; without RESULTS a new one
@@ -69,8 +69,8 @@ pages: .venv/.run ## renew the pages with numbers, docs/deviations.md and others
 	@[ -n "$(RESULTS)" ] || $(call fail,which run? Say: make pages RESULTS=results)
 	@.venv/bin/microimpact pages $(RESULTS)
 
-test: .venv/.test ## run the tests
-	@$(ACTIVE) .venv/bin/pytest $(PYTEST_ARGS)
+test: .venv/.test ## run the tests, on all cores
+	@$(ACTIVE) .venv/bin/pytest -n auto --dist loadfile --no-loadscope-reorder $(PYTEST_ARGS)
 
 lint: .venv/.test ## check style, workflow and the order of imports
 	.venv/bin/ruff check .

@@ -117,5 +117,9 @@ def forked():
 
 
 def pytest_collection_modifyitems(items):
-    """Put the longest files first: workers then end at about the same time."""
-    items.sort(key=lambda item: item.get_closest_marker("workflow") is None)
+    """Put the longest files first: workers, given files, then end at about the same time."""
+
+    def order(item):
+        return [item.get_closest_marker(mark) is None for mark in ("workflow", "slow")]
+
+    items.sort(key=order)

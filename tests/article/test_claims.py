@@ -29,6 +29,9 @@ from microimpact.studies.analyses.doe.factors import elasticities
 from microimpact.studies.claims import claim_numbers
 from microimpact.studies.claims.claim_numbers import CLAIMS, NOT_COMPUTED, numbers_of
 
+# All rest on tables that take long to make.
+pytestmark = pytest.mark.slow
+
 # Small samples: verdicts hang on no last digit.
 SMALL = {
     "sampling": {"impacts": 1500},
