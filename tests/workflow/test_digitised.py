@@ -28,7 +28,7 @@ def dropped(project, name, rows):
 def test_without_points_there_is_a_table_without_rows(project):
     lines = (project.root / OUT / "tables/digitised_residuals.csv").read_text().splitlines()
     assert len(lines) == 1
-    assert lines[0].startswith("figure,panel,points,series")
+    assert lines[0].startswith("figure,panel,points,points_evidence,series")
 
 
 def test_a_file_redraws_its_figure_alone_and_so_does_its_removal(project):
@@ -40,7 +40,7 @@ def test_a_file_redraws_its_figure_alone_and_so_does_its_removal(project):
         assert project.planned(*TARGETS) == concerned
         project.snakemake(*TARGETS)
         assert all(a != b.read_bytes() for a, b in zip(before, outputs, strict=True))
-        assert "fig17,friction,0.15,0.15,True,computed,1,1,0,-0.03," in table.read_text()
+        assert "fig17,friction,0.15,digitised,0.15,True,computed,1,1,0,-0.03," in table.read_text()
         log = (project.root / OUT / "logs/coulomb_friction_figures.log").read_text()
         assert log == "fig17: drawn from fig17, digitised points from made up\n"
         # another date is no other content

@@ -161,22 +161,22 @@ def test_a_change_of_configuration_reruns_its_chain(project, old, new, expected)
             "config/materials.csv",
             "molybdenum,density",
             "10000",
-            {"force_history", "force_history_figures"},
-            {"oblique_impact", "oblique_impact_figures"},
+            {"force_history", "force_history_figures", "calibration"},
+            {"coulomb_friction", "roughness_expansions"},
         ),
         (
             "config/materials.csv",
             "silicon,youngs_modulus",
             "150",
-            {"oblique_impact", "oblique_impact_figures"},
-            {"force_history", "force_history_figures"},
+            {"oblique_impact", "oblique_impact_figures", "calibration"},
+            {"coulomb_friction", "roughness_expansions"},
         ),
         (
             "config/contacts.csv",
             "stainless-steel-316,silicon,friction",
             "0.2",
-            {"oblique_impact", "oblique_impact_figures"},
-            {"force_history", "force_history_figures"},
+            {"oblique_impact", "oblique_impact_figures", "calibration"},
+            {"coulomb_friction", "roughness_expansions"},
         ),
         (
             "config/printed_values.csv",
@@ -236,18 +236,18 @@ def test_every_example_is_valid(project):
     ("overlay", "expected"),
     [
         (
-            {"coulomb_frction": {}, "coulomb_friction": {"spin_fricton": 1}, "seed": "x"},
+            {"coulomb_frction": {}, "coulomb_friction": {"spin_fricton": 1}},
             [
                 "\ncoulomb_frction: unknown key (did you mean 'coulomb_friction'?)\n",
                 "\ncoulomb_friction.spin_fricton: unknown key (did you mean 'spin_friction'?)\n",
-                "\nseed: 'x' must be a valid integer\n",
             ],
         ),
+        ({"seed": "x"}, ["\nseed: 'x' must be a valid integer\n"]),
         ({"materials": "config/contacts.csv"}, ["config/contacts.csv: the header is"]),
         ({"contacts": "config/nothing.csv"}, ["config/nothing.csv"]),
         (
-            {"oblique_impact": {"surface": "silicn"}},
-            ["no rows for 'silicn' (did you mean 'silicon'?)"],
+            {"oblique_impact": {"case": "steel-silicn, n = 1"}},
+            ["oblique_impact.case: ", "(did you mean 'steel-silicon, n = 1'?)"],
         ),
     ],
 )
