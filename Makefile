@@ -168,8 +168,8 @@ install = rm -f $(1)/.run $(1)/.test; \
 	$(1)/bin/python -m pip install --quiet --no-deps --no-build-isolation --editable .
 endif
 
-# Once, and not in every job of the first run.
-warm = .venv/bin/python -m microimpact.lab.warm
+# Once, and not in every job; bytecode too, since some shells forbid Python to write any.
+warm = .venv/bin/python -m compileall -q src workflow/scripts; .venv/bin/python -m microimpact.lab.warm
 
 # The test group contains the run group: once there, it serves both and is kept.
 .venv/.run: $(LOCKED) | $(INSTALLER)

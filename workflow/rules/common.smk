@@ -9,7 +9,6 @@ import os
 import sys
 import time
 from functools import cache
-from importlib.util import LazyLoader, find_spec, module_from_spec
 from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
@@ -32,12 +31,6 @@ os.environ.update(
     # Jobs run beside each other; more threads in each would only wait for one another.
     OPENBLAS_NUM_THREADS="1",
 )
-
-# Studies are asked here for their names and parameters alone: pandas is read at its first use.
-spec = find_spec("pandas")
-spec.loader = LazyLoader(spec.loader)
-sys.modules["pandas"] = module_from_spec(spec)
-spec.loader.exec_module(sys.modules["pandas"])
 
 import closure
 
