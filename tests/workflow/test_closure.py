@@ -28,10 +28,10 @@ def test_the_root_drags_nothing_in():
 
 def test_data_files_and_scripts_belong_to_a_figure():
     script = SCRIPTS / "draw_figures.py"
-    found = names(source_files("microimpact.figures.models.restitution", scripts=[script]))
+    found = names(source_files("microimpact.figures.models.curves", scripts=[script]))
     assert {"microimpact.mplstyle", "style.py", "draw_figures.py", "tables.py"} <= found
     assert "py.typed" not in found
-    assert "coulomb.py" not in found
+    assert "estimation.py" not in found
 
 
 def test_scripts_are_read_for_imports(tmp_path):

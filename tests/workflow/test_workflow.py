@@ -83,9 +83,9 @@ def test_the_run_stamp(project):
     ("path", "reruns", "spares"),
     [
         (
-            "src/microimpact/figures/models/restitution.py",
-            {"restitution_trends_figures"},
-            {"coulomb_friction_figures", "restitution_trends"},
+            "src/microimpact/figures/models/curves.py",
+            {"restitution_trends_figures", "coulomb_friction_figures"},
+            {"restitution_trends", "coulomb_friction", "declared_inputs"},
         ),
         (
             "src/microimpact/model/rigid_body/algebra.py",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Literal
@@ -12,9 +12,11 @@ import numpy as np
 import pandas as pd
 from matplotlib import rc_context
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter
 from numpy.typing import NDArray
 
 from microimpact.core.files import write_file
@@ -218,6 +220,13 @@ def _draw_series(
         bar.set_clip_on(True)
 
 
+def without_bounds(table: pd.DataFrame, which: pd.Series) -> pd.DataFrame:
+    """Return figure data in which some rows have no bounds, for these are drawn another way."""
+    bare = table.copy()
+    bare.loc[which, ["y_low", "y_high"]] = np.nan
+    return bare
+
+
 def shade_capture(ax: Axes, limit: float) -> None:
     """Shade the part of an axis from zero to a limit in which the sphere does not rebound."""
     ax.axvspan(0.0, limit, color="0.93", linewidth=0, zorder=0)
@@ -257,27 +266,84 @@ def _key_look(evidence: str) -> dict[str, Any]:
 
 
 def line_figure(
-    tables: Mapping[str, pd.DataFrame], spec: FigureSpec, x_scale: str = "linear"
+    tables: Mapping[str, pd.DataFrame],
+    spec: FigureSpec,
+    columns: int | None = None,
+    prepare: Callable[[Axes, str], object] | None = None,
 ) -> tuple[Figure, dict[str, Axes]]:
-    """Draw every panel of a figure from its tables, and the key of evidence.
+    """Draw every panel of a figure from the tables that have it, and the key of evidence.
+
+    Parameters
+    ----------
+    tables, spec
+        Figure data and registry entry.
+    columns
+        Panels in a row; all if not given.
+    prepare
+        Called with the axes and the name of each panel before its series are drawn.
 
     Returns
     -------
     tuple
         The figure and its axes by panel, for what a figure adds of its own.
     """
-    figure, axes = new_figure(spec)
-    table = pd.concat([tables[name] for name in spec.data], ignore_index=True)
+    figure, axes = new_figure(spec, columns)
     entries: list[Line2D] = []
     for name, panel in spec.panels.items():
-        if x_scale != "linear":  # setting any would undo the ticks
-            axes[name].set_xscale(x_scale)
+        if prepare:
+            prepare(axes[name], name)
+        own = [t for t in tables.values() if (panel.shows or name) in set(t["panel"])]
+        table = pd.concat(own or list(tables.values()), ignore_index=True)
         entries += draw_panel(axes[name], table, panel, name)
         if panel.legend_place == "above":
-            handles, labels = axes[name].get_legend_handles_labels()
-            figure.legend(handles, labels, loc="outside upper center", ncols=len(labels))
-    evidence_key(figure, table["evidence"], entries, labels=spec.evidence_labels)
+            legend_above(figure, [axes[name]])
+    evidence = pd.concat([table["evidence"] for table in tables.values()])
+    evidence_key(figure, evidence, entries, labels=spec.evidence_labels)
     return figure, axes
+
+
+def log_x(ax: Axes, _: str) -> None:
+    """Prepare axes with a logarithmic abscissa."""
+    ax.set_xscale("log")
+
+
+def plain_numbers(*axes: Axis) -> None:
+    """Write the ticks of logarithmic axes as plain numbers."""
+    for axis in axes:
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+
+
+def _entries(axes: Iterable[Axes]) -> dict[str, Any]:
+    return {
+        label: handle
+        for ax in axes
+        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)
+    }
+
+
+def legend_above(
+    figure: Figure, axes: Iterable[Axes], columns: int | None = None, **look: Any
+) -> None:
+    """Name every line and mark of some axes once, above all panels or where ``loc`` says."""
+    entries = _entries(axes)
+    look = {"loc": "outside upper center", "ncols": columns or len(entries), **look}
+    figure.legend(entries.values(), entries.keys(), **look)
+
+
+def legend_after(figure: Figure, axes: Sequence[Axes], columns: int) -> None:
+    """Name every line and mark once, in the free place after the last of rows of so many panels."""
+    place = figure.add_subplot(-(-(len(axes) + 1) // columns), columns, len(axes) + 1)
+    place.set_axis_off()
+    entries = _entries(axes)
+    place.legend(entries.values(), entries.keys(), loc="center left")
+
+
+def mark_range(ax: Axes, ends: pd.Series, words: str) -> None:
+    """Shade a range of the abscissa, with words above it."""
+    low, high = ends.min(), ends.max()
+    ax.axvspan(low, high, color="0.9", linewidth=0, zorder=0)
+    look: dict[str, Any] = {"fontsize": "small", "ha": "center", "va": "bottom"}
+    ax.text((low + high) / 2, 1.01, words, transform=ax.get_xaxis_transform(), **look)
 
 
 def save(figure: Figure, *paths: Path | str) -> None:

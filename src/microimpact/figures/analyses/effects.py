@@ -9,7 +9,6 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter
 
 from microimpact.core.tables import POINTS
 from microimpact.figures import style
@@ -27,18 +26,8 @@ LABEL_GAP = 5.0
 def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     """Draw a normal plot of effects, and a half-normal one with a logarithmic abscissa.
 
-    Parameters
-    ----------
-    tables
-        ``fig24`` or ``fig25``: one series per response and effect, and the margins, as
-        ``response: effect``.
-    spec
-        Registry entry; each panel names the responses it shows, the margins belong to the first.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Two panels.
+    A series is called ``response: effect``, or as one of the margins. Each panel names the
+    responses it shows; the margins belong to the first.
     """
     figure, axes = style.new_figure(spec)
     (table,) = tables.values()
@@ -49,18 +38,7 @@ def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
         if rows.empty:
             raise ValueError(f"figure data: no rows for panel {name!r}")
         _draw_panel(axes[name], rows, panel, half=name == "half_normal")
-    handles = {
-        label: handle
-        for ax in axes.values()
-        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)
-    }
-    figure.legend(
-        handles.values(),
-        handles.keys(),
-        title="all computed",
-        loc="outside lower center",
-        ncols=len(handles),
-    )
+    style.legend_above(figure, axes.values(), title="all computed", loc="outside lower center")
     entries: list[Line2D] = []
     for name, panel in spec.panels.items():
         points = table[(table["panel"] == name) & table["evidence"].isin(POINTS)]
@@ -78,7 +56,7 @@ def _draw_panel(ax: Axes, rows: pd.DataFrame, panel: PanelSpec, *, half: bool) -
     is_margin = own["word"].isin(MARGINS)
     if half:
         ax.set_xscale("log")
-        ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        style.plain_numbers(ax.xaxis)
     else:
         ax.axhline(0.0, color="0.85", linewidth=0.6, zorder=0)
         ax.axvline(0.0, color="0.85", linewidth=0.6, zorder=0)

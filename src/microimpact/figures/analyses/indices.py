@@ -31,18 +31,7 @@ COLUMNS = 3
 def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     """Draw indices of five factors, of the inputs of a calibration, and their convergence.
 
-    Parameters
-    ----------
-    tables
-        ``sobol``: indices with intervals; the abscissa counts inputs, or samples in the panel
-        ``convergence``.
-    spec
-        Registry entry.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Six panels in two rows.
+    The abscissa counts inputs, or samples in the panel ``convergence``.
     """
     figure, axes = style.new_figure(spec, COLUMNS)
     (table,) = tables.values()
@@ -54,9 +43,7 @@ def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
             _draw_convergence(axes[name], rows, panel)
         else:
             _draw_inputs(axes[name], rows, panel, INPUTS if name == "calibrated" else FACTORS)
-    shared = next(iter(axes.values()))
-    handles, labels = shared.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=len(labels))
+    style.legend_above(figure, [next(iter(axes.values()))])
     style.evidence_key(figure, table["evidence"])
     return figure
 

@@ -21,32 +21,15 @@ LEVELS = {"printed": 0.03, "corrected": 0.07}
 def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     """Draw curves, and bars at the foot of each panel for the ranges of agreement.
 
-    Parameters
-    ----------
-    tables
-        One table of figure data; a series ``range x`` holds the two ends of the range of series x.
-    spec
-        Registry entry.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Panels in rows of three under one legend.
+    A series ``range x`` holds the two ends of the range of series x.
     """
     (table,) = tables.values()
     is_range = table["series"].str.startswith(RANGE)
-    figure, axes = style.new_figure(spec, COLUMNS)
+    figure, axes = style.line_figure({spec.name: table[~is_range]}, spec, COLUMNS)
     for name, ax in axes.items():
-        style.draw_panel(ax, table[~is_range], spec.panels[name], spec.panels[name].shows)
         rows = table[is_range & (table["panel"] == spec.panels[name].shows)]
         _draw_ranges(ax, rows, spec.panels[name])
-    entries = {
-        label: handle
-        for ax in axes.values()
-        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)
-    }
-    figure.legend(entries.values(), entries.keys(), loc="outside upper center", ncols=3)
-    style.evidence_key(figure, table["evidence"])
+    style.legend_above(figure, axes.values(), 3)
     return figure
 
 

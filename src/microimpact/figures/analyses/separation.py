@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -17,20 +16,7 @@ STATED = "stated"
 
 @style.context()
 def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
-    """Draw curves with shaded bands on a logarithmic ordinate, and the statements as marks.
-
-    Parameters
-    ----------
-    tables
-        One table of force in nN against silica in per cent of weight.
-    spec
-        Registry entry.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One panel, the legend above, the key of evidence below.
-    """
+    """Draw curves with shaded bands on a logarithmic ordinate, and the statements as marks."""
     (table,) = tables.values()
     ((name, panel),) = spec.panels.items()
     figure, axes = style.new_figure(spec)
@@ -38,12 +24,9 @@ def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     ax.set_yscale("log")
     is_curve = table["series"] != STATED
     _draw_bands(ax, table[is_curve], panel)
-    bare = table.copy()
-    bare.loc[is_curve, ["y_low", "y_high"]] = np.nan
-    style.draw_panel(ax, bare, panel, name)
+    style.draw_panel(ax, style.without_bounds(table, is_curve), panel, name)
     _label_marks(ax, table[~is_curve])
-    handles, labels = ax.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=2)
+    style.legend_above(figure, [ax], 2)
     style.evidence_key(figure, table["evidence"], labels=spec.evidence_labels)
     return figure
 

@@ -33,18 +33,7 @@ LEVEL = 95.0
 def draw_map(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     """Draw a mark for every experiment: particles on a surface against angle, coloured by speed.
 
-    Parameters
-    ----------
-    tables
-        ``campaign_map``: all experiments, and in panel `FEW` again those with too few events,
-        which are drawn open.
-    spec
-        Registry entry, with one panel.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One panel, with a scale of the speeds.
+    Those with too few events are in panel `FEW` again, and drawn open.
     """
     (table,) = tables.values()
     figure, axes = style.new_figure(spec)
@@ -109,20 +98,7 @@ def _add_scale(figure: Figure, ax: Axes, scale: ScalarMappable, speeds: list[flo
 
 @style.context()
 def draw_coverage(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
-    """Draw how often intervals contain a mean, against speed and against angle.
-
-    Parameters
-    ----------
-    tables
-        ``coverage_by_speed`` and ``coverage_by_angle``, one panel each.
-    spec
-        Registry entry; a panel for each table.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Panels side by side, with a line at the level of the intervals.
-    """
+    """Draw how often intervals contain a mean: a panel per table, with their nominal level."""
     figure, axes = style.new_figure(spec)
     for (name, panel), table in zip(spec.panels.items(), tables.values(), strict=True):
         ax = axes[name]

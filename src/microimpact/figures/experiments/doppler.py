@@ -19,48 +19,26 @@ COLUMNS = 3
 def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     """Draw a stretch of a stream with its pairs, and curves against speed.
 
-    Parameters
-    ----------
-    tables
-        Figure data. In the panel ``stream`` series ``pair ...`` hold both records of a pair and are
-        drawn as lines; the other panels hold curves against speed.
-    spec
-        Registry entry.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The panels of the entry in rows of three; the meaning of their lines is in the free place.
+    In the panel ``stream`` series ``pair ...`` hold both records of a pair and are drawn as lines.
+    The meaning of all lines is in the free place after the last panel.
     """
-    figure, axes = style.new_figure(spec, COLUMNS)
-    evidence: list[str] = []
-    for name, panel in spec.panels.items():
-        table = next(t for t in tables.values() if (panel.shows or name) in set(t["panel"]))
-        if name == STREAM:
-            pairs = table["series"].str.startswith("pair ")
-            _join(axes[name], table[pairs])
-            table = table[~pairs]
-        else:
-            axes[name].set_xscale("log")
-            axes[name].set_xticks(panel.x_ticks, [f"{tick:g}" for tick in panel.x_ticks])
-            axes[name].set_xticks([], minor=True)
-        style.draw_panel(axes[name], table, panel, name)
-        evidence += list(table["evidence"])
-    _legends(figure, axes)
-    style.evidence_key(figure, evidence)
+    stream = {name: table["panel"].eq(STREAM).any() for name, table in tables.items()}
+    is_pair = {name: table["series"].str.startswith("pair ") for name, table in tables.items()}
+
+    def prepare(ax: Axes, name: str) -> None:
+        if name != STREAM:
+            ax.set_xscale("log")
+            ticks = spec.panels[name].x_ticks
+            ax.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+            ax.set_xticks([], minor=True)
+            return
+        for which in (which for which, shown in stream.items() if shown):
+            _join(ax, tables[which][is_pair[which]])
+
+    rest = {name: table[~is_pair[name]] for name, table in tables.items()}
+    figure, axes = style.line_figure(rest, spec, COLUMNS, prepare)
+    style.legend_after(figure, list(axes.values()), COLUMNS)
     return figure
-
-
-def _legends(figure: Figure, axes: Mapping[str, Axes]) -> None:
-    """Name every line and mark once, in the free place after the last panel."""
-    place = figure.add_subplot(-(-(len(axes) + 1) // COLUMNS), COLUMNS, len(axes) + 1)
-    place.set_axis_off()
-    entries = {
-        label: handle
-        for ax in axes.values()
-        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)
-    }
-    place.legend(entries.values(), entries.keys(), loc="center left")
 
 
 def _join(ax: Axes, pairs: pd.DataFrame) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
@@ -18,20 +19,9 @@ LINEAR_PERCENT = 0.1
 
 @style.context()
 def draw_frame(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
-    """Draw a part of a frame with the centroids and paths found in it.
+    """Draw a part of a frame with the centroids and paths found in it; rows count downwards.
 
-    Parameters
-    ----------
-    tables
-        ``ptis_frame``: centroids, paths and line of the surface, px. ``ptis_pixels``: grey levels
-        over columns, one series per row of the frame.
-    spec
-        Registry entry, of one panel.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One panel; rows count downwards, as in the camera.
+    ``ptis_pixels`` holds grey levels over columns, one series per row of the frame.
     """
     figure, axes = style.new_figure(spec)
     ((name, panel),) = spec.panels.items()
@@ -48,8 +38,7 @@ def draw_frame(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
         path.set_linewidth(0.8)
     # Marks inside the axes would be lost on the picture.
     ax.tick_params(which="both", direction="out", top=False, right=False)
-    handles, labels = ax.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=3)
+    style.legend_above(figure, [ax], 3)
     style.evidence_key(figure, track["evidence"])
     return figure
 
@@ -66,31 +55,14 @@ def grey_levels(pixels: pd.DataFrame) -> tuple[np.ndarray, tuple[float, float, f
 
 @style.context()
 def draw_accuracy(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
-    """Draw bias and scatter of the measured speed against the speed, one panel per leg.
+    """Draw bias and scatter of the measured speed against the speed, one panel per leg."""
 
-    Parameters
-    ----------
-    tables
-        ``ptis_accuracy``: mean relative error in per cent, with the standard deviation of single
-        events to either side.
-    spec
-        Registry entry.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Panels with a logarithmic axis of speed, and one of the error that is linear about zero.
-    """
-    figure, axes = style.new_figure(spec)
-    for ax in axes.values():
+    def prepare(ax: Axes, _: str) -> None:
         ax.set_xscale("log")
         # Linear about zero, so that errors of either sign and any size show.
         ax.set_yscale("symlog", linthresh=LINEAR_PERCENT)
         for axis in (ax.xaxis, ax.yaxis):
             axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−")))
         ax.axhline(0.0, color="0.6", linewidth=0.6, zorder=1)
-    (table,) = tables.values()
-    for name, panel in spec.panels.items():
-        style.draw_panel(axes[name], table, panel, name)
-    style.evidence_key(figure, table["evidence"])
-    return figure
+
+    return style.line_figure(tables, spec, prepare=prepare)[0]

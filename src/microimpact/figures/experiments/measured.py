@@ -1,4 +1,4 @@
-"""Figures of the virtual experiments: restitution, impulse ratio and energy loss as measured."""
+"""Figures of the virtual experiments: measured means, supposed mechanisms, and pile-up."""
 
 from __future__ import annotations
 
@@ -10,45 +10,22 @@ from matplotlib.figure import Figure
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec
 
+# The series of both ends of the speeds at which particles piled up.
 PILE_UP = "printed pile-up"
+# Panels of mechanisms in a row, and the level that is drawn in them.
+COLUMNS = 2
+LEVELS = {"spin": 0.0, "slope": 1.0, "spore": 1.0}
 
 
 @style.context()
 def draw_normal(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
-    """Draw a quantity against the normal speed, with the speeds at which particles piled up.
-
-    Parameters
-    ----------
-    tables
-        ``fig04`` or ``fig05``; the series `PILE_UP` holds both ends of a range of speeds.
-    spec
-        Registry entry, with one panel.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One panel.
-    """
-    bands = {name: table[table["series"] == PILE_UP] for name, table in tables.items()}
-    rest = {name: table[table["series"] != PILE_UP] for name, table in tables.items()}
-    figure, axes = style.line_figure(rest, spec)
-    for name, ax in axes.items():
-        for table in bands.values():
-            own = table[table["panel"] == name]
-            if own.empty:
-                continue
-            low, high = own[own.columns[3]].min(), own[own.columns[3]].max()
-            ax.axvspan(low, high, color="0.9", linewidth=0, zorder=0)
-            middle, above = (low + high) / 2, ax.get_xaxis_transform()
-            ax.text(
-                middle,
-                1.01,
-                "piles up",
-                fontsize="small",
-                transform=above,
-                ha="center",
-                va="bottom",
-            )
+    """Draw a quantity against the normal speed, with the speeds at which particles piled up."""
+    (table,) = tables.values()
+    is_band = table["series"] == PILE_UP
+    figure, axes = style.line_figure(dict.fromkeys(tables, table[~is_band]), spec)
+    words = "piles up" if spec.article else "piles up (article)"
+    for ax in axes.values():
+        style.mark_range(ax, table[is_band].iloc[:, 3], words)
     return figure
 
 
@@ -56,17 +33,7 @@ def draw_normal(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
 def draw_oblique(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     """Draw measured quantities against the angle of incidence.
 
-    Parameters
-    ----------
-    tables
-        One of ``fig06`` to ``fig12``.
-    spec
-        Registry entry, with a panel per quantity.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Panels side by side; means that lie above a panel are written at its upper edge.
+    Means that lie above a panel are written at its upper edge.
     """
     figure, axes = style.line_figure(tables, spec)
     table = pd.concat([tables[name] for name in spec.data])
@@ -86,4 +53,13 @@ def draw_oblique(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure
                 va="top",
                 fontsize="small",
             )
+    return figure
+
+
+@style.context()
+def draw_causes(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+    """Draw one panel per mechanism, each with a legend of its own."""
+    figure, axes = style.line_figure(tables, spec, COLUMNS)
+    for name, level in LEVELS.items():
+        axes[name].axhline(level, color="0.6", linewidth=0.6, zorder=0)
     return figure

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, NullFormatter
+from matplotlib.ticker import NullFormatter
 
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec, PanelSpec
@@ -24,18 +24,7 @@ GUIDE: dict[str, Any] = {"linewidth": 0.6, "alpha": 0.7, "zorder": 2}
 def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     """Draw panels in two columns, one for each true curve, with thin lines to guide the eye.
 
-    Parameters
-    ----------
-    tables
-        One table, a panel per quantity and true curve, as ``quantity, truth``.
-    spec
-        Registry entry; panels of ``coverage`` have their series moved apart, those of ``rms`` a
-        logarithmic ordinate.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The panels, one legend above.
+    A panel is called ``quantity, truth``; the series of a ``coverage`` are moved apart.
     """
     (table,) = tables.values()
     figure, axes = style.new_figure(spec, COLUMNS)
@@ -50,10 +39,10 @@ def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
             rows = _apart(rows, panel)
         style.draw_panel(ax, rows, panel, name)
         _guide(ax, rows, panel)
-        _plain_ticks(ax, panel)
-    first = list(axes.values())[-1]
-    handles, labels = first.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=4)
+        ax.set_xticks(np.array(panel.x_ticks))
+        style.plain_numbers(ax.xaxis)
+        ax.xaxis.set_minor_formatter(NullFormatter())
+    style.legend_above(figure, list(axes.values())[-1:], 4)
     style.evidence_key(figure, table["evidence"])
     return figure
 
@@ -75,10 +64,3 @@ def _guide(ax: Axes, rows: pd.DataFrame, panel: PanelSpec) -> None:
         if own is not None and own.colour is not None:
             line = "dashed" if own.open else "solid"
             ax.plot(part[x], part[y], color=f"C{own.colour}", linestyle=line, **GUIDE)
-
-
-def _plain_ticks(ax: Axes, panel: PanelSpec) -> None:
-    """Write speeds as plain numbers at the levels of the registry."""
-    ax.set_xticks(np.array(panel.x_ticks))
-    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    ax.xaxis.set_minor_formatter(NullFormatter())

@@ -7,8 +7,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec, PanelSpec, SeriesSpec
@@ -19,29 +20,14 @@ _MEMBER = re.compile(r"(?P<family>n = [\d.]+), w = (?P<work>[\d.]+) J/m2")
 
 @style.context()
 def draw_ridge(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
-    """Draw how flat e is over the family, and its two extreme members.
-
-    Parameters
-    ----------
-    tables
-        ``ridge``: deviation from the plateau against work of adhesion. ``ridge_curves``: e against
-        speed. One panel each.
-    spec
-        Registry entry.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Two panels, the first with a logarithmic abscissa.
-    """
-    figure, axes = style.new_figure(spec)
-    axes["ridge"].set_xscale("log")
+    """Draw how flat e is over the family against work of adhesion, and its two extreme members."""
     panels = spec.panels | {"curves": _named_members(spec.panels, tables["ridge_curves"])}
-    for table in tables.values():
-        for panel in table["panel"].unique():
-            style.draw_panel(axes[panel], table, panels[panel], panel)
-    style.evidence_key(figure, pd.concat(tables.values())["evidence"])
-    return figure
+
+    def prepare(ax: Axes, name: str) -> None:
+        if name == "ridge":
+            ax.set_xscale("log")
+
+    return style.line_figure(tables, replace(spec, panels=panels), prepare=prepare)[0]
 
 
 def _named_members(panels: Mapping[str, PanelSpec], curves: pd.DataFrame) -> PanelSpec:
@@ -58,23 +44,10 @@ def _named_members(panels: Mapping[str, PanelSpec], curves: pd.DataFrame) -> Pan
 
 @style.context()
 def draw_fits(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
-    """Draw simulated restitution with its fits, and the printed capture velocities.
-
-    Parameters
-    ----------
-    tables
-        ``fig15`` or ``fig16``: e against the normal impact speed.
-    spec
-        Registry entry.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One panel with a logarithmic axis of speed, marked in plain numbers.
-    """
-    figure, axes = style.line_figure(tables, spec, x_scale="log")
+    """Draw simulated restitution with its fits, and the printed capture velocities."""
+    figure, axes = style.line_figure(tables, spec, prepare=style.log_x)
     for ax in axes.values():
         ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        style.plain_numbers(ax.xaxis)
         ax.xaxis.set_minor_formatter(NullFormatter())
     return figure

@@ -27,18 +27,7 @@ DEGREES = np.linspace(0.0, 360.0, 181)
 def draw_fig19(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     """Draw a sphere at its greatest compression, and the stresses on its contact.
 
-    Parameters
-    ----------
-    tables
-        ``fig19``: section in um; ``fig19_pressure``: GPa over the radius in um; ``fig19_ring``:
-        force per length of the edge, N/m.
-    spec
-        Registry entry; ranges in multiples of the radius of the sphere, and of the contact.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The section to scale, and the stresses that act on the sphere, in perspective.
+    Ranges are in multiples of the radius of the sphere, and of that of the contact.
     """
     places = {"section": (0.0, 6.0, 76.0, 72.0), "stresses": (76.0, 6.0, 98.0, 72.0)}
     section = tables["fig19"]

@@ -31,20 +31,7 @@ AROUND = 1.3
 
 @style.context()
 def draw_fig03(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
-    """Draw the velocities before and after an impact with their components.
-
-    Parameters
-    ----------
-    tables
-        ``fig03``: vectors from the origin in m/s, panel ``impact``.
-    spec
-        Registry entry; ranges in units of the drawing.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One panel; every arrow is as long as its velocity.
-    """
+    """Draw the velocities before and after an impact with their components."""
     places, scale = {"impact": (0.0, 6.0, 86.0, 55.0)}, _fitting(tables["fig03"], spec)
     figure, sheets = draw.sheets(tables, spec, places, scale)
     sheet = sheets["impact"]
@@ -110,21 +97,7 @@ def _spin(sheet: Sheet, part: str, centre: Points, radius: float, middle: float)
 
 @style.context()
 def draw_fig13(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
-    """Draw momentum before, impulses and momentum after, as a sum.
-
-    Parameters
-    ----------
-    tables
-        ``fig13``: vectors over the mass from the origin, m/s; panels ``before``, ``impulse``,
-        ``after``.
-    spec
-        Registry entry; ranges in units of the drawing.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Three panels, one scale.
-    """
+    """Draw momentum before, impulses and momentum after, as a sum."""
     places = {name: (58.0 * i, 6.0, 58.0, 77.0) for i, name in enumerate(spec.panels)}
     scale = _fitting(tables["fig13"], spec)
     figure, sheets = draw.sheets(tables, spec, places, scale)
@@ -186,17 +159,7 @@ def _impulses(sheet: Sheet) -> None:
 def draw_fig22(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     """Draw a sphere that strikes a wavy surface, with nominal and local axes and angles.
 
-    Parameters
-    ----------
-    tables
-        ``fig22``: points in um, the point of impact at the origin.
-    spec
-        Registry entry; ranges in multiples of half the length of the surface, a wavelength.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        One panel; the angles are those between the lines of the table.
+    Ranges are in multiples of half the length of the surface, a wavelength.
     """
     wavelength = float(draw.vectors(tables["fig22"], "geometry")["surface"][0])
     places = {"geometry": (0.0, 6.0, 86.0, 60.0)}

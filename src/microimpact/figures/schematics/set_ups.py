@@ -22,20 +22,7 @@ OPTICAL_AXIS = (0, (6, 2, 1, 2))
 
 @style.context()
 def draw_fig01(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
-    """Draw the particle trajectory imaging system from the side and from above.
-
-    Parameters
-    ----------
-    tables
-        ``fig01``: parts in mm, panels ``side`` and ``top``.
-    spec
-        Registry entry; the labels of its series are the words on and beside the parts.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Both views, aligned along the beam.
-    """
+    """Draw the particle trajectory imaging system from the side and from above."""
     places = {"side": (0.0, 49.0, 174.0, 76.0), "top": (0.0, 6.0, 174.0, 42.0)}
     figure, sheets = draw.sheets(tables, spec, places)
     _imaging_side(sheets["side"])
@@ -150,20 +137,7 @@ def _viewing_angle(sheet: Sheet, corner: Points, end: Points) -> None:
 
 @style.context()
 def draw_fig02(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
-    """Draw the phase Doppler particle analyser from above, and its probe volume from the side.
-
-    Parameters
-    ----------
-    tables
-        ``fig02``: parts in mm, panels ``top`` and ``side``.
-    spec
-        Registry entry; the labels of its series are the words on and beside the parts.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The layout, and the enlarged surroundings of the probe volume.
-    """
+    """Draw the phase Doppler particle analyser from above, and its probe volume from the side."""
     places = {"top": (0.0, 6.0, 128.0, 72.0), "side": (128.0, 6.0, 46.0, 72.0)}
     figure, sheets = draw.sheets(tables, spec, places)
     _analyser_top(sheets["top"])
