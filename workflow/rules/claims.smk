@@ -41,7 +41,7 @@ rule claims:
 
 
 rule equations:
-    """tables/equations.csv: every equation as printed and as used, checked and judged."""
+    """tables/equations.csv: every equation as printed and as used, judged; tables/errata.csv."""
     output:
         equations=report(
             "<results>/tables/equations.csv",
@@ -49,6 +49,7 @@ rule equations:
             category="Ledgers",
             labels={"ledger": "equations"},
         ),
+        errata="<results>/tables/errata.csv",
     log:
         "<results>/logs/equations.log",
     benchmark:

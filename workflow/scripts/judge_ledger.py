@@ -12,7 +12,8 @@ def main(job: Any) -> str:
     """Judge one ledger and return a line that counts its verdicts.
 
     The rule gives rows of declared tables as ``params.rows`` (name -> CSV text), tables of studies
-    as named input files and, for some, a file of criteria; its only output is the ledger.
+    as named input files and, for some, a file of criteria; its first output is the ledger, and a
+    second one, ``errata``, the slips that the ledger of equations tells besides.
     """
     ledger = import_module(f"microimpact.ledgers.{job.rule}")
     tables = {name: parse_table(text) for name, text in job.params.rows.items()}
@@ -21,6 +22,8 @@ def main(job: Any) -> str:
     tables |= {name: read_table(path) for name, path in files.items()}
     judged = ledger.judge(tables, criteria) if criteria else ledger.judge(tables)
     write_table(judged, job.output[0])
+    if path := dict(job.output.items()).get("errata"):
+        write_table(ledger.errata(), path)
     counts = judged["verdict"].value_counts().items()
     return f"{job.rule}: {', '.join(f'{count} {verdict}' for verdict, count in counts)}\n"
 

@@ -23,6 +23,7 @@ from microimpact.ledgers.equations import (
     roughness,
 )
 from microimpact.ledgers.equations.case import reference_case
+from microimpact.ledgers.equations.errata import errata as errata
 from microimpact.ledgers.equations.forms import DimensionError, check_dimensions, parse
 from microimpact.ledgers.equations.records import At, Case, Equation, Outcome
 

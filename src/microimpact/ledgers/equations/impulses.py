@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import cache
 
 import sympy
 
-from microimpact.ledgers.equations.forms import declared, symbols
+from microimpact.ledgers.equations.forms import symbols
 from microimpact.ledgers.equations.records import (
-    At,
     Consequence,
     Equation,
     Facts,
@@ -17,26 +15,7 @@ from microimpact.ledgers.equations.records import (
     follows,
     solve,
 )
-from microimpact.model.rigid_body.algebra import (
-    RigidBodyRebound,
-    adhesion_impulse,
-    deformation_impulse,
-    rigid_body_rebound,
-    rolling_impulse_ratio,
-)
-
-UNITS = declared(
-    {
-        "": "e R rho mu mu_0 eta f T_L alpha eta_rate eta_squared_rate",
-        "m": "h k r",
-        "m/s": "v V v_n V_n v_t V_t v_probe V_probe V_Ct",
-        "m/s**2": "g",
-        "rad/s": "omega Omega",
-        "kg": "m",
-        "kg*m**2": "I",
-        "N*s": "P_n P_t P_D P_D_A P_D_R P_A_R",
-    }
-)
+from microimpact.model.rigid_body import algebra
 
 e, eta, k, m, mu, mu_0, omega, Omega, r, R, rho = symbols("e eta k m mu mu_0 omega Omega r R rho")
 v_n, v_t, V_n, V_t, V_Ct = symbols("v_n v_t V_n V_t V_Ct")
@@ -97,153 +76,113 @@ def adhesion() -> Facts:
     }
 
 
-def _after(x: Mapping[str, float]) -> RigidBodyRebound:
-    return rigid_body_rebound(x["v_n"], x["v_t"], x["omega"], x["r"], x["e"], x["f"])
-
-
-def _rolling(x: Values) -> float:
-    return float(rolling_impulse_ratio(x["v_n"], x["v_t"] - x["r"] * x["omega"], x["e"]))
-
-
-def _slip(x: Values) -> float:
-    after = _after(x)
-    return float(after.V_t - x["r"] * after.Omega)
-
-
-def _restitution(at: At) -> float:
-    """Return e where the rebound impulse of adhesion is as printed, per approach impulse."""
-    R, rho = 0.9, 0.5
-    return R + at.printed(rho=rho, P_D_A=1.0)
+def _after(x: Values) -> algebra.RigidBodyRebound:
+    return algebra.rigid_body_rebound(x["v_n"], x["v_t"], x["omega"], x["r"], x["e"], x["f"])
 
 
 EQUATIONS = (
     Equation(
-        id="4",
-        section="3.1.1",
-        printed="mu = P_t/P_n",
-        units=UNITS,
+        "4",
+        "mu = P_t/P_n",
         reason="Defines the impulse ratio; Eq. (2) follows from it.",
         function="microimpact.model.rigid_body.algebra.rigid_body_rebound",
     ),
     Equation(
-        id="5",
-        section="3.1.1",
-        printed="P_A_R = -rho*P_D_A",
-        used="P_A_R = -rho*P_D_R",
-        slip="article",
-        units=UNITS,
+        "5",
+        "P_A_R = -rho*P_D_A",
+        used=("article", "P_A_R = -rho*P_D_R"),
         derivation=follows("momentum of rebound R (1 - rho)", adhesion),
         reason="Eqs. (10), (16) and (34) need the deformation impulse of rebound, not of approach.",
         function="microimpact.model.rigid_body.algebra.adhesion_impulse",
         consequence=Consequence(
-            text="restitution at R = 0.9, rho = 0.5, in place of 0.45",
-            unit="1",
-            value=_restitution,
+            "restitution at R = 0.9, rho = 0.5, in place of 0.45",
+            lambda at: 0.9 + at.printed(rho=0.5, P_D_A=1.0),
         ),
     ),
     Equation(
-        id="6",
-        section="3.1.2",
-        printed="V_n = -e*v_n",
-        units=UNITS,
+        "6",
+        "V_n = -e*v_n",
         derivation=follows("impulse and momentum", newton),
         reason="Eq. (1) solved for the final velocity.",
         function="microimpact.model.rigid_body.algebra.rigid_body_rebound",
-        implementation=lambda x: float(_after(x).V_n),
+        implementation=lambda x: _after(x).V_n,
     ),
     Equation(
-        id="7",
-        section="3.1.2",
-        printed="V_t = v_t - mu*(1 + e)*v_n",
-        units=UNITS,
+        "7",
+        "V_t = v_t - mu*(1 + e)*v_n",
         derivation=follows("impulse and momentum", newton),
         reason="Tangential momentum with the impulse mu P_n.",
         function="microimpact.model.rigid_body.algebra.rigid_body_rebound",
-        implementation=lambda x: float(_after(x).V_t),
+        implementation=lambda x: _after(x).V_t,
     ),
     Equation(
-        id="8",
-        section="3.1.2",
-        printed="Omega = omega + 5*mu*(1 + e)*v_n/(2*k**2)",
-        used="Omega = omega + 5*mu*(1 + e)*v_n/(2*r)",
-        slip="scan or article",
-        units=UNITS,
+        "8",
+        "Omega = omega + 5*mu*(1 + e)*v_n/(2*k**2)",
+        used=("scan or article", "Omega = omega + 5*mu*(1 + e)*v_n/(2*r)"),
         derivation=follows("angular momentum", newton),
         reason="5/2 already contains the inertia of a solid sphere, so only one radius may divide.",
         function="microimpact.model.rigid_body.algebra.rigid_body_rebound",
-        implementation=lambda x: float(_after(x).Omega),
+        implementation=lambda x: _after(x).Omega,
         consequence=Consequence(
-            text="factor on the change of spin of a 62 um sphere, which has a dimension",
-            unit="1/m",
-            value=lambda at: at.printed(omega=0.0) / at.used(omega=0.0),
+            "factor on the change of spin of a 62 um sphere, which has a dimension",
+            lambda at: at.printed(omega=0.0) / at.used(omega=0.0),
+            "1/m",
         ),
     ),
     Equation(
-        id="9",
-        section="3.1.2",
-        printed="P_D = -m*(1 + R)*v_n",
-        units=UNITS,
+        "9",
+        "P_D = -m*(1 + R)*v_n",
         derivation=follows("deformation impulses of approach and rebound", adhesion),
         reason="Sum over approach and rebound.",
         function="microimpact.model.rigid_body.algebra.deformation_impulse",
-        implementation=lambda x: float(x["m"] * deformation_impulse(x["v_n"], x["R"])),
+        implementation=lambda x: x["m"] * algebra.deformation_impulse(x["v_n"], x["R"]),
     ),
     Equation(
-        id="10",
-        section="3.1.2",
-        printed="P_A_R = rho*R*m*v_n",
-        units=UNITS,
+        "10",
+        "P_A_R = rho*R*m*v_n",
         derivation=follows("momentum of rebound R (1 - rho)", adhesion),
         reason="Agrees with Eqs. (6), (9) and (16), unlike Eq. (5); it defines rho here.",
         function="microimpact.model.rigid_body.algebra.adhesion_impulse",
-        implementation=lambda x: float(x["m"] * adhesion_impulse(x["v_n"], x["R"], x["rho"])),
+        implementation=lambda x: x["m"] * algebra.adhesion_impulse(x["v_n"], x["R"], x["rho"]),
     ),
     Equation(
-        id="3.1.2 contact velocity",
-        section="3.1.2",
-        printed="V_Ct = V_t - r*Omega",
-        units=UNITS,
+        "3.1.2 contact velocity",
+        "V_Ct = V_t - r*Omega",
         derivation=follows("kinematics of a rigid body", contact_velocity),
         reason="Spin is positive in the sense of rolling along +t.",
         function="microimpact.model.dynamics.trajectory.trajectory",
     ),
     Equation(
-        id="11",
-        section="3.1.2",
-        printed="V_Ct = v_t - r*omega - 7*mu*(1 + e)/(2*v_n)",
-        used="V_Ct = v_t - r*omega - 7*mu*(1 + e)*v_n/2",
-        slip="scan",
-        units=UNITS,
+        "11",
+        "V_Ct = v_t - r*omega - 7*mu*(1 + e)/(2*v_n)",
+        used=("scan", "V_Ct = v_t - r*omega - 7*mu*(1 + e)*v_n/2"),
         derivation=follows("momentum and kinematics", newton),
         reason="The velocity belongs to the numerator: the sum of the changes in Eqs. (7) and (8).",
         function="microimpact.model.rigid_body.algebra.rigid_body_rebound",
-        implementation=_slip,
+        implementation=lambda x: _after(x).V_t - x["r"] * _after(x).Omega,
         consequence=Consequence(
-            text="change of slip as read literally over the right one, sliding at 30 degrees",
-            unit="s**2/m**2",
-            value=lambda at: (at.printed(v_t=0.0, omega=0.0)) / at.used(v_t=0.0, omega=0.0),
+            "change of slip as read literally over the right one, sliding at 30 degrees",
+            lambda at: (at.printed(v_t=0.0, omega=0.0)) / at.used(v_t=0.0, omega=0.0),
+            "s**2/m**2",
         ),
     ),
     Equation(
-        id="12",
-        section="3.1.2",
-        printed="mu_0 = 2*eta/(7*(1 + e))",
-        units=UNITS,
+        "12",
+        "mu_0 = 2*eta/(7*(1 + e))",
         derivation=follows("V_Ct = 0", newton),
         reason="Sliding ends if |mu_0| is below f; its sign is that of eta.",
         function="microimpact.model.rigid_body.algebra.rolling_impulse_ratio",
-        implementation=_rolling,
+        implementation=lambda x: algebra.rolling_impulse_ratio(
+            x["v_n"], x["v_t"] - x["r"] * x["omega"], x["e"]
+        ),
         consequence=Consequence(
-            text="read as (2/7) eta (1 + e): factor on mu_0 at e = 0.70",
-            unit="1",
-            value=lambda at: (1.0 + at.values()["e"]) ** 2,
+            "read as (2/7) eta (1 + e): factor on mu_0 at e = 0.70",
+            lambda at: (1.0 + at.values()["e"]) ** 2,
         ),
     ),
     Equation(
-        id="13",
-        section="3.1.2",
-        printed="eta = (v_t - r*omega)/v_n",
-        units=UNITS,
+        "13",
+        "eta = (v_t - r*omega)/v_n",
         reason="Defines the ratio of slip to normal velocity before impact.",
         function="microimpact.model.rigid_body.algebra.rolling_impulse_ratio",
     ),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 import sympy
@@ -10,20 +11,18 @@ import sympy
 from microimpact.core.constants import gravity
 from microimpact.lab.pdpa.pairing import correct
 from microimpact.ledgers.equations.forms import Form, symbols
-from microimpact.ledgers.equations.impulses import UNITS, newton
+from microimpact.ledgers.equations.impulses import _after, newton
 from microimpact.ledgers.equations.records import (
     Case,
     Consequence,
     Derivation,
     Equation,
     Facts,
-    Outcome,
     Values,
     follows,
-    passed,
     where_one,
 )
-from microimpact.model.rigid_body.algebra import energy_loss, rigid_body_rebound
+from microimpact.model.rigid_body import algebra
 
 PROBE_HEIGHT = 1e-3  # m, Section 2.1
 
@@ -71,13 +70,13 @@ def no_spin() -> Facts:
     return {eta: sympy.cos(alpha) / -sympy.sin(alpha)}
 
 
-def _growth(form: Form, _: Case) -> Outcome:
+def _growth(form: Form, _: Case) -> bool:
     """Compare how fast |eta| and its square grow as the angle falls, everywhere below 45 deg."""
     size = sympy.cot(alpha)
     rates = {eta_rate: -size.diff(alpha), eta_squared_rate: -(size**2).diff(alpha)}
     gap = form.residual.subs(rates | {eta_s_rate: rates[eta_squared_rate]})
     at = np.linspace(0.01, np.pi / 4, 50)
-    return passed(form.relation == ">" and bool(np.all(sympy.lambdify(alpha, gap)(at) > 0.0)))
+    return form.relation == ">" and bool(np.all(sympy.lambdify(alpha, gap)(at) > 0.0))
 
 
 def _restitution(speed: float, e: float) -> float:
@@ -88,84 +87,64 @@ def _restitution(speed: float, e: float) -> float:
     return float(-found[1] / found[0])
 
 
-def _loss(x: Values) -> float:
-    return float(energy_loss(x["v_n"], x["v_t"], x["omega"], x["r"], x["e"], x["mu"]).translational)
-
-
-def _rebound_ratio(x: Values) -> float:
-    after = rigid_body_rebound(x["v_n"], x["v_t"], x["omega"], x["r"], x["e"], x["f"])
-    return float(-after.V_n / x["v_n"])
+def _loss(x: Values) -> Any:
+    given = (x[name] for name in ("v_n", "v_t", "omega", "r", "e", "mu"))
+    return algebra.energy_loss(*given).translational
 
 
 EQUATIONS = (
     Equation(
-        id="2.1 fall",
-        section="2.1",
-        printed="v = sqrt(2*g*h)",
-        units=UNITS,
+        "2.1 fall",
+        "v = sqrt(2*g*h)",
         derivation=follows("energy of free fall", from_rest),
         reason="Heights of 0.01 to 1.0 m give 0.44 to 4.4 m/s, as the text says.",
         function="microimpact.lab.dispenser.drop_height",
     ),
     Equation(
-        id="2.1 incident",
-        section="2.1",
-        printed="v = v_probe + sqrt(2*g*h)",
-        used="v = sqrt(v_probe**2 + 2*g*h)",
-        slip="article",
-        units=UNITS,
+        "2.1 incident",
+        "v = v_probe + sqrt(2*g*h)",
+        used=("article", "v = sqrt(v_probe**2 + 2*g*h)"),
         derivation=follows("energy of free fall", free_fall),
         reason="Gravity adds a constant to the square of a velocity, not to the velocity.",
         function="microimpact.lab.pdpa.pairing.correct",
-        implementation=lambda x: float(-correct(-x["v_probe"], x["h"])),
+        implementation=lambda x: -correct(-x["v_probe"], x["h"]),
         consequence=Consequence(
-            text="restitution found for 0.70 at 1.6 m/s, probe 1 mm above the surface",
-            unit="1",
-            value=lambda _: _restitution(1.6, 0.70),
+            "restitution found for 0.70 at 1.6 m/s, probe 1 mm above the surface",
+            lambda _: _restitution(1.6, 0.70),
         ),
     ),
     Equation(
-        id="2.1 rebound",
-        section="2.1",
-        printed="V = V_probe + sqrt(2*g*h)",
-        used="V = sqrt(V_probe**2 + 2*g*h)",
-        slip="article",
-        units=UNITS,
+        "2.1 rebound",
+        "V = V_probe + sqrt(2*g*h)",
+        used=("article", "V = sqrt(V_probe**2 + 2*g*h)"),
         derivation=follows("energy of free fall", free_fall),
         reason="Gravity adds a constant to the square of the rebound velocity, too; rebounds "
         "slower than sqrt(2gh) never reach the probe.",
         function="microimpact.lab.pdpa.pairing.correct",
-        implementation=lambda x: float(correct(x["V_probe"], x["h"])),
+        implementation=lambda x: correct(x["V_probe"], x["h"]),
         consequence=Consequence(
-            text="restitution found for 0.40 at 0.5 m/s, probe 1 mm above the surface",
-            unit="1",
-            value=lambda _: _restitution(0.5, 0.40),
+            "restitution found for 0.40 at 0.5 m/s, probe 1 mm above the surface",
+            lambda _: _restitution(0.5, 0.40),
         ),
     ),
     Equation(
-        id="1",
-        section="2.2",
-        printed="e = -V_n/v_n",
-        units=UNITS,
+        "1",
+        "e = -V_n/v_n",
         reason="Defines the kinematic coefficient of restitution.",
         function="microimpact.model.rigid_body.algebra.rigid_body_rebound",
-        implementation=_rebound_ratio,
+        implementation=lambda x: -_after(x).V_n / x["v_n"],
     ),
     Equation(
-        id="2",
-        section="2.2",
-        printed="mu = (V_t - v_t)/(V_n - v_n)",
-        units=UNITS,
+        "2",
+        "mu = (V_t - v_t)/(V_n - v_n)",
         derivation=follows("impulse and momentum", newton),
         reason="Equals Eq. (4). It is negative where friction opposes v_t > 0; the plots show "
         "its absolute value.",
         function="microimpact.model.dynamics.impact.planar",
     ),
     Equation(
-        id="3",
-        section="2.2",
-        printed="T_L = (v**2 - V**2)/v**2",
-        units=UNITS,
+        "3",
+        "T_L = (v**2 - V**2)/v**2",
         derivation=follows("kinetic energies", kinetic),
         reason="Dimensionless, and translational only; Eqs. (14) and (17) use the symbol for "
         "an energy in joules.",
@@ -173,76 +152,59 @@ EQUATIONS = (
         implementation=_loss,
     ),
     Equation(
-        id="2.3.1 normal loss",
-        section="2.3.1",
-        printed="T_L = 1 - e**2",
-        units=UNITS,
+        "2.3.1 normal loss",
+        "T_L = 1 - e**2",
         derivation=follows("rolling loss at 90 degrees", normal_incidence),
         reason="Eq. (3) with V = e v.",
         function="microimpact.model.rigid_body.algebra.energy_loss",
-        implementation=lambda x: float(
-            energy_loss(-x["v"], 0.0, 0.0, x["r"], x["e"], 0.0).translational
+        implementation=lambda x: (
+            algebra.energy_loss(-x["v"], 0, 0, x["r"], x["e"], 0).translational
         ),
     ),
     Equation(
-        id="2.4.2 rotational loss",
-        section="2.4.2",
-        printed="T_L = I*(omega**2 - Omega**2)/(m*v**2)",
-        used="T_L = (v**2 - V**2)/v**2",
-        slip="article",
-        units=UNITS,
+        "2.4.2 rotational loss",
+        "T_L = I*(omega**2 - Omega**2)/(m*v**2)",
+        used=("article", "T_L = (v**2 - V**2)/v**2"),
         derivation=follows("loss 1 - e^2 at 90 degrees", normal_incidence),
         reason="The text calls it rotational, but its limit 1 - e^2 at high angles and the "
         "caption belong to Eq. (3).",
         function="microimpact.model.rigid_body.algebra.energy_loss",
         implementation=_loss,
         consequence=Consequence(
-            text="rotational loss, a gain, of a sphere without initial spin that slides",
-            unit="1",
-            value=lambda at: at.printed(omega=0.0),
+            "rotational loss, a gain, of a sphere without initial spin that slides",
+            lambda at: at.printed(omega=0.0),
         ),
     ),
     Equation(
-        id="2.4.2 high angles",
-        section="2.4.2",
-        printed="T_L = 1 - e**2",
-        units=UNITS,
+        "2.4.2 high angles",
+        "T_L = 1 - e**2",
         derivation=follows("rolling loss, limit of 90 degrees", normal_incidence),
         reason="The limit of rolling without spin, (1 - e^2) sin^2 + (24/49) cos^2 of the angle.",
         function="microimpact.model.rigid_body.algebra.energy_loss",
         consequence=Consequence(
-            text="excess over the loss of a rolling sphere at 50 degrees",
-            unit="1",
-            value=lambda at: (
+            "excess over the loss of a rolling sphere at 50 degrees",
+            lambda at: (
                 at.printed()
                 - float(rolling_loss().subs({alpha: np.radians(50.0), e: at.values()["e"]}))
             ),
         ),
     ),
     Equation(
-        id="2.4.2 eta",
-        section="2.4.2",
-        printed="eta = atan(alpha)",
-        used="eta = -cot(alpha)",
-        slip="scan or article",
-        units=UNITS,
+        "2.4.2 eta",
+        "eta = atan(alpha)",
+        used=("scan or article", "eta = -cot(alpha)"),
         derivation=follows("components of a velocity", no_spin),
         reason="The raised -1 means 1/tan here, and the minus sign follows from v_n < 0.",
         function="microimpact.model.dynamics.impact.velocity_components",
         consequence=Consequence(
-            text="in place of -1.73 at 30 degrees",
-            unit="1",
-            value=lambda at: at.printed(alpha=np.pi / 6),
+            "in place of -1.73 at 30 degrees", lambda at: at.printed(alpha=np.pi / 6)
         ),
     ),
     Equation(
-        id="2.4.2 eta_s",
-        section="2.4.2",
-        printed="eta_rate > eta_s_rate",
-        used="eta_squared_rate > eta_rate",
-        slip="scan or article",
-        units=UNITS,
-        derivation=Derivation(method="numeric: slopes below 45 degrees", check=_growth),
+        "2.4.2 eta_s",
+        "eta_rate > eta_s_rate",
+        used=("scan or article", "eta_squared_rate > eta_rate"),
+        derivation=Derivation("numeric: slopes below 45 degrees", _growth),
         reason="eta_s is not defined. Read as the square of eta, it grows faster than eta, as "
         "the text says.",
     ),

@@ -3,19 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from itertools import count, islice
 from typing import Any, Literal
 
 import sympy
 
-from microimpact.ledgers.equations.forms import Form, evaluate, symbol, vanishes
+from microimpact.ledgers.equations.forms import Form, evaluate, symbol, units_of, vanishes
 from microimpact.model.contact import Contact
 
 Slip = Literal["scan", "article", "scan or article"]
 Outcome = Literal["passed", "failed", "open", "none"]
 Facts = dict[Any, Any]
 Values = Mapping[str, Any]
+
+# Sections of the numbered equations, each with its first number.
+SECTIONS = {
+    1: "2.2",
+    4: "3.1.1",
+    6: "3.1.2",
+    14: "3.1.3",
+    19: "3.2",
+    30: "3.2.1",
+    32: "3.3",
+    35: "4.1",
+    37: "4.1.1",
+    39: "4.1.2",
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,40 +55,43 @@ class Case:
         return found | {name: value for name, value in meant if value is not None}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Derivation:
-    """How a relation is proved, and the proof: it takes a formula and can fail."""
+    """How a relation is proved, and the proof: whether a formula holds; None leaves it open."""
 
     method: str
-    check: Callable[[Form, Case], Outcome]
+    proof: Callable[[Form, Case], bool | None]
+
+    def check(self, form: Form, case: Case) -> Outcome:
+        """Return what the proof says of a formula."""
+        holds = self.proof(form, case)
+        return "open" if holds is None else "passed" if holds else "failed"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Consequence:
     """What the printed form leads to: words, and a number with its unit."""
 
     text: str
-    unit: str
-    value: Callable[[At], float]
+    value: Callable[[At], Any]
+    unit: str = "1"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Equation:
     """One relation of the article.
 
     Attributes
     ----------
-    id, section
+    id
         Number of the equation, or section and name of a relation within the text.
     printed
         As printed in the article; what follows a slash is its denominator.
     used
-        The form used here, if another.
-    slip
-        Where the difference comes from, given with ``used``: the scan or typesetting, the article
-        itself, or one of them.
-    units
-        Unit of every symbol.
+        Where the form used here is another: where the difference comes from, which is the scan or
+        typesetting, the article itself, or one of them; and that form.
+    means
+        Units of symbols that have another meaning here than in `forms.units_of`.
     derivation
         Proof; none for a definition.
     reason
@@ -88,26 +105,38 @@ class Equation:
     """
 
     id: str
-    section: str
     printed: str
-    used: str = ""
-    slip: Slip | None = None
-    units: Mapping[str, str] = field(repr=False)
+    _: KW_ONLY
+    used: tuple[Slip, str] | None = None
+    means: Mapping[str, str] = field(default_factory=dict)
     derivation: Derivation | None = None
     reason: str
     function: str = ""
-    implementation: Callable[[Values], float] | None = None
+    implementation: Callable[[Values], Any] | None = None
     consequence: Consequence | None = None
 
-    def __post_init__(self) -> None:
-        """Refuse a slip without another form, or another form without a slip."""
-        if bool(self.used) != (self.slip is not None):
-            raise ValueError(f"equation {self.id}: give both 'used' and 'slip', or neither")
+    @property
+    def slip(self) -> Slip | Literal["none"]:
+        """Where the difference of both forms comes from."""
+        return self.used[0] if self.used else "none"
 
     @property
     def form_used(self) -> str:
         """The form used here."""
-        return self.used or self.printed
+        return self.used[1] if self.used else self.printed
+
+    @property
+    def section(self) -> str:
+        """Section in which the relation stands: its name begins with it, or its number tells."""
+        first = self.id.partition(" ")[0]
+        if "." in first:
+            return first
+        return next(s for number, s in reversed(SECTIONS.items()) if number <= int(first))
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Unit of every symbol."""
+        return units_of(self.section) | dict(self.means)
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,30 +163,23 @@ class At:
         return self.formula(self.equation.form_used, **changes)
 
 
-def passed(holds: bool) -> Outcome:
-    """Return the outcome of a check."""
-    return "passed" if holds else "failed"
-
-
 def follows(method: str, facts: Callable[[], Facts]) -> Derivation:
     """Proof that both sides are equal once what is known is put in for their symbols."""
 
-    def check(form: Form, _: Case) -> Outcome:
-        return passed(
-            form.relation == "=" and vanishes(form.residual.subs(facts(), simultaneous=True))
-        )
+    def proof(form: Form, _: Case) -> bool:
+        return form.relation == "=" and vanishes(form.residual.subs(facts(), simultaneous=True))
 
-    return Derivation(method=f"symbolic: {method}", check=check)
+    return Derivation(f"symbolic: {method}", proof)
 
 
 def expands(method: str, facts: Callable[[], Facts], small: str, order: int) -> Derivation:
     """Proof that the sides agree up to an order in the symbols that are small together."""
 
-    def check(form: Form, _: Case) -> Outcome:
+    def proof(form: Form, _: Case) -> bool:
         residual = form.residual.subs(facts(), simultaneous=True)
-        return passed(form.relation == "=" and vanishes(leading(residual, small, order)))
+        return form.relation == "=" and vanishes(leading(residual, small, order))
 
-    return Derivation(method=f"series: {method}", check=check)
+    return Derivation(f"series: {method}", proof)
 
 
 def leading(expression: Any, small: str, order: int) -> Any:

@@ -8,35 +8,22 @@ import numpy as np
 import sympy
 
 from microimpact.ledgers.equations import impulses
-from microimpact.ledgers.equations.forms import Form, declared, symbols, vanishes
+from microimpact.ledgers.equations.forms import Form, symbols, vanishes
 from microimpact.ledgers.equations.records import (
-    At,
     Case,
     Consequence,
     Derivation,
     Equation,
     Facts,
-    Outcome,
     Values,
     expands,
     follows,
     leading,
-    passed,
 )
-from microimpact.model.rigid_body import roughness
-from microimpact.model.rigid_body.algebra import rolling_impulse_ratio
-
-UNITS = declared(
-    {
-        "": "e e_m mu mu_m mu_m_size mu_0 mu_c f phi alpha small",
-        "m": "r",
-        "m/s": "vp_n vp_t Vp_t v v_t",
-        "rad/s": "omega",
-    }
-)
+from microimpact.model.rigid_body import algebra, roughness
 
 alpha, e, e_m, f, mu, mu_0, mu_c = symbols("alpha e e_m f mu mu_0 mu_c")
-mu_m, mu_m_size, omega, phi, r, small = symbols("mu_m mu_m_size omega phi r small")
+mu_m, omega, phi, r, small = symbols("mu_m omega phi r small")
 v, v_t, vp_n, vp_t, Vp_t, v_omega = symbols("v v_t vp_n vp_t Vp_t v_omega")
 
 STEEP = np.radians(10.0)
@@ -77,8 +64,7 @@ def rebound() -> Facts:
 def sliding() -> Facts:
     """Of a sphere that slides throughout, v_t > 0: mu = -f; its slope acts by `small`."""
     measured = rebound()[e_m].subs(mu, -f)
-    size = -rebound()[mu_m].subs(mu, -f)
-    return {e_m: measured, mu: -f, mu_m_size: size}
+    return {e_m: measured, mu: -f}
 
 
 @cache
@@ -121,11 +107,11 @@ def critical() -> Facts:
     return {mu_0: impulses.newton()[impulses.mu_0].subs(local), v_omega: omega}
 
 
-def _exceeds(form: Form, _: Case) -> Outcome:
+def _exceeds(form: Form, _: Case) -> bool:
     """Leading order at phi = alpha, for every e."""
     measured = leading(sliding()[e_m], "alpha phi", 0).subs(phi, alpha)
     gap = sympy.cancel(form.residual.subs(e_m, measured))
-    return passed(form.relation == ">" and bool(gap.is_positive))
+    return form.relation == ">" and bool(gap.is_positive)
 
 
 def _measured(x: Values) -> float:
@@ -133,218 +119,145 @@ def _measured(x: Values) -> float:
     return float(roughness.measured_restitution(x["alpha"], x["phi"], x["e"], mu))
 
 
-def _steep(at: At) -> float:
-    """Return what is printed for a slope of 10 degrees."""
-    return at.printed(phi=STEEP, alpha=STEEP, mu_c=0.0)
-
-
-_ANY_INCIDENCE = (
+EQUATIONS = (
     Equation(
-        id="35",
-        section="4.1",
-        printed="e_m = (e*cos(phi) - Vp_t*sin(phi)/vp_n)/(cos(phi) - vp_t*sin(phi)/vp_n)",
-        used="e_m = (e*cos(phi) - Vp_t*sin(phi)/vp_n)/(cos(phi) + vp_t*sin(phi)/vp_n)",
-        slip="scan or article",
-        units=UNITS,
+        "35",
+        "e_m = (e*cos(phi) - Vp_t*sin(phi)/vp_n)/(cos(phi) - vp_t*sin(phi)/vp_n)",
+        used=(
+            "scan or article",
+            "e_m = (e*cos(phi) - Vp_t*sin(phi)/vp_n)/(cos(phi) + vp_t*sin(phi)/vp_n)",
+        ),
         derivation=follows("rotation of velocities", rotation),
         reason="One rotation gives the numerator and Eq. (36); the same rotation gives a plus "
         "sign in the denominator.",
         function="microimpact.model.rigid_body.roughness.measured_restitution",
         implementation=_measured,
         consequence=Consequence(
-            text="e_m at phi = alpha = 10 degrees, e = 0.70, f = 0.15, in place of 2.21",
-            unit="1",
-            value=lambda _: float(
+            "e_m at phi = alpha = 10 degrees, e = 0.70, f = 0.15, in place of 2.21",
+            lambda _: float(
                 roughness.measured_restitution(STEEP, STEEP, 0.70, -0.15, printed=True)
             ),
         ),
     ),
     Equation(
-        id="36",
-        section="4.1",
-        printed="mu_m = (mu - tan(phi))/(1 + mu*tan(phi))",
-        units=UNITS,
+        "36",
+        "mu_m = (mu - tan(phi))/(1 + mu*tan(phi))",
         derivation=follows("rotation of impulses", rotation),
         reason="The impulse rotated by the slope.",
         function="microimpact.model.rigid_body.roughness.measured_impulse_ratio",
-        implementation=lambda x: float(roughness.measured_impulse_ratio(x["phi"], x["mu"])),
+        implementation=lambda x: roughness.measured_impulse_ratio(x["phi"], x["mu"]),
     ),
     Equation(
-        id="37",
-        section="4.1.1",
-        printed="e_m = (1 + phi/alpha)*(e + phi/(phi + alpha))",
-        units=UNITS,
+        "37",
+        "e_m = (1 + phi/alpha)*(e + phi/(phi + alpha))",
         derivation=expands("shallow angles, leading order", sliding, "alpha phi", 0),
         reason="Leading order of the exact form; friction enters at the next.",
         function="microimpact.model.rigid_body.roughness.shallow_restitution",
-        implementation=lambda x: float(
-            roughness.shallow_restitution(x["alpha"], x["phi"], x["e"], x["mu"], printed=True)
+        implementation=lambda x: roughness.shallow_restitution(
+            x["alpha"], x["phi"], x["e"], x["mu"], printed=True
         ),
         consequence=Consequence(
-            text="e_m at phi = alpha = 10 degrees, e = 0.70, where it is 2.21 with f = 0.15",
-            unit="1",
-            value=lambda _: float(
-                roughness.shallow_restitution(STEEP, STEEP, 0.70, -0.15, printed=True)
-            ),
+            "e_m at phi = alpha = 10 degrees, e = 0.70, where it is 2.21 with f = 0.15",
+            lambda _: float(roughness.shallow_restitution(STEEP, STEEP, 0.70, -0.15, printed=True)),
         ),
     ),
     Equation(
-        id="4.1.1 condition",
-        section="4.1.1",
-        printed="small = f/alpha",
-        used="small = f*(1 + e)*(alpha + phi)",
-        slip="article",
-        units=UNITS,
+        "4.1.1 condition",
+        "small = f/alpha",
+        used=("scan or article", "small = f*(1 + e)*(alpha + phi)"),
         derivation=follows("next order of Eq. (37)", friction_share),
-        reason="This is what friction takes from the excess phi/alpha, so this must be small.",
+        reason="This is what friction takes from the excess phi/alpha, so this must be small; a "
+        "product read as a fraction would explain the printed form.",
         function="microimpact.model.rigid_body.roughness.shallow_restitution",
         consequence=Consequence(
-            text="parameter said to be small at f = 0.15, alpha = 0.1",
-            unit="1",
-            value=lambda at: at.printed(f=0.15, alpha=0.1),
+            "parameter said to be small at f = 0.15, alpha = 0.1",
+            lambda at: at.printed(f=0.15, alpha=0.1),
         ),
     ),
     Equation(
-        id="4.1.1 excess",
-        section="4.1.1",
-        printed="e_m > 2*e",
-        units=UNITS,
-        derivation=Derivation(method="series: leading order at phi = alpha", check=_exceeds),
+        "4.1.1 excess",
+        "e_m > 2*e",
+        derivation=Derivation("series: leading order at phi = alpha", _exceeds),
         reason="Eq. (37) gives 2 e + 1 at that slope.",
         function="microimpact.model.rigid_body.roughness.shallow_restitution",
     ),
     Equation(
-        id="38",
-        section="4.1.1",
-        printed="mu_m = mu - phi",
-        units=UNITS,
+        "38",
+        "mu_m = mu - phi",
         derivation=expands("small slope and friction, first order", rotation, "mu phi", 1),
-        reason="First order in slope and friction; for any friction it is mu - (1 + mu^2) phi.",
+        reason="First order in slope and friction; for any friction it is mu - (1 + mu^2) phi. A "
+        "slope that faces the sphere lowers mu = -f and so raises the plotted absolute value.",
         function="microimpact.model.rigid_body.roughness.sloped_impulse_ratio",
-        implementation=lambda x: float(
-            roughness.sloped_impulse_ratio(x["phi"], x["mu"], printed=True)
-        ),
+        implementation=lambda x: roughness.sloped_impulse_ratio(x["phi"], x["mu"], printed=True),
     ),
     Equation(
-        id="4.1.1 bias",
-        section="4.1.1",
-        printed="mu_m_size = f - phi",
-        used="mu_m_size = f + phi",
-        slip="article",
-        units=UNITS,
-        derivation=expands("small slope and friction, first order", sliding, "f phi", 1),
-        reason="A slope that faces the sphere lowers mu = -f and so raises the plotted "
-        "absolute value.",
-        function="microimpact.model.rigid_body.roughness.sloped_impulse_ratio",
-        implementation=lambda x: float(
-            -roughness.sloped_impulse_ratio(x["phi"], -x["f"], printed=True)
-        ),
-        consequence=Consequence(
-            text="plotted impulse ratio on a slope of 10 degrees with f = 0.15, in place of 0.32",
-            unit="1",
-            value=_steep,
-        ),
-    ),
-)
-
-
-def _spun(x: Values) -> float:
-    return float(rolling_impulse_ratio(x["vp_n"], x["vp_t"] - x["r"] * x["omega"], x["e"]))
-
-
-_NORMAL_INCIDENCE = (
-    Equation(
-        id="4.1.2 velocity",
-        section="4.1.2",
-        printed="v_r = 0",
-        used="v_t = 0",
-        slip="scan",
-        units=UNITS,
+        "4.1.2 velocity",
+        "v_r = 0",
+        used=("scan", "v_t = 0"),
         derivation=follows("components at 90 degrees", normal_incidence),
         reason="The tangential velocity is meant; v_r is not defined.",
         function="microimpact.model.dynamics.impact.velocity_components",
     ),
     Equation(
-        id="39",
-        section="4.1.2",
-        printed="e_m = e - phi**2 + (1 + e)*mu_c*phi",
-        used="e_m = e - (1 + e)*phi**2 + (1 + e)*mu_c*phi",
-        slip="article",
-        units=UNITS,
+        "39",
+        "e_m = e - phi**2 + (1 + e)*mu_c*phi",
+        used=("article", "e_m = e - (1 + e)*phi**2 + (1 + e)*mu_c*phi"),
         derivation=expands("normal incidence, second order", normal_incidence, "phi", 2),
         reason="The denominator of Eq. (35) brings another -e phi^2; mu_c is mu_0.",
         function="microimpact.model.rigid_body.roughness.normal_restitution",
-        implementation=lambda x: float(roughness.normal_restitution(x["phi"], x["e"], x["mu_c"])),
+        implementation=lambda x: roughness.normal_restitution(x["phi"], x["e"], x["mu_c"]),
         consequence=Consequence(
-            text="excess of e_m on a slope of 10 degrees, e = 0.70",
-            unit="1",
-            value=lambda at: at.printed(phi=STEEP) - at.used(phi=STEEP),
+            "excess of e_m on a slope of 10 degrees, e = 0.70",
+            lambda at: at.printed(phi=STEEP) - at.used(phi=STEEP),
         ),
     ),
     Equation(
-        id="40",
-        section="4.1.2",
-        printed="mu_0 = 2/(7*(1 + e))*(vp_t - r*v_omega)/vp_n",
-        used="mu_0 = 2/(7*(1 + e))*(vp_t - r*omega)/vp_n",
-        slip="scan",
-        units=UNITS,
+        "40",
+        "mu_0 = 2/(7*(1 + e))*(vp_t - r*v_omega)/vp_n",
+        used=("scan", "mu_0 = 2/(7*(1 + e))*(vp_t - r*omega)/vp_n"),
         derivation=follows("Eq. (12) along the local surface", critical),
         reason="The letter v before omega is no symbol of the article.",
         function="microimpact.model.rigid_body.algebra.rolling_impulse_ratio",
-        implementation=_spun,
+        implementation=lambda x: algebra.rolling_impulse_ratio(
+            x["vp_n"], x["vp_t"] - x["r"] * x["omega"], x["e"]
+        ),
     ),
     Equation(
-        id="4.1.2 impulse ratio",
-        section="4.1.2",
-        printed="(1 + e)*mu_c = -2*phi/7",
-        used="(1 + e)*mu_c = 2*phi/7",
-        slip="article",
-        units=UNITS,
+        "4.1.2 impulse ratio",
+        "(1 + e)*mu_c = -2*phi/7",
+        used=("article", "(1 + e)*mu_c = 2*phi/7"),
         derivation=expands("rolling without spin, first order", without_spin, "phi", 1),
         reason="v'_t/v'_n is +tan(phi) at normal incidence; Eq. (41) has it so.",
         function="microimpact.model.rigid_body.roughness.rolling_restitution",
         consequence=Consequence(
-            text="(1 + e) mu_0 on a slope of 10 degrees, in place of +0.0499",
-            unit="1",
-            value=lambda at: at.printed(phi=STEEP),
+            "(1 + e) mu_0 on a slope of 10 degrees, in place of +0.0499",
+            lambda at: at.printed(phi=STEEP),
         ),
     ),
     Equation(
-        id="4.1.2 restitution",
-        section="4.1.2",
-        printed="e_m = e - 9*phi**2/7",
-        used="e_m = e - (e + 5/7)*phi**2",
-        slip="article",
-        units=UNITS,
+        "4.1.2 restitution",
+        "e_m = e - 9*phi**2/7",
+        used=("article", "e_m = e - (e + 5/7)*phi**2"),
         derivation=expands("rolling without spin, second order", without_spin, "phi", 2),
         reason="Two slips, the sign of mu_c and the missing e phi^2, cancel only at e = 4/7.",
         function="microimpact.model.rigid_body.roughness.rolling_restitution",
-        implementation=lambda x: float(roughness.rolling_restitution(x["phi"], x["e"])),
+        implementation=lambda x: roughness.rolling_restitution(x["phi"], x["e"]),
         consequence=Consequence(
-            text="excess of e_m on a slope of 10 degrees, e = 0.70",
-            unit="1",
-            value=lambda at: at.printed(phi=STEEP) - at.used(phi=STEEP),
+            "excess of e_m on a slope of 10 degrees, e = 0.70",
+            lambda at: at.printed(phi=STEEP) - at.used(phi=STEEP),
         ),
     ),
     Equation(
-        id="41",
-        section="4.1.2",
-        printed="mu_m = -phi*(1 - (2/7)/(1 + e)) + (2/7)/(1 + e)*r*v_omega/vp_n",
-        used="mu_m = -phi*(1 - (2/7)/(1 + e)) - (2/7)/(1 + e)*r*omega/vp_n",
-        slip="article",
-        units=UNITS,
+        "41",
+        "mu_m = -phi*(1 - (2/7)/(1 + e)) + (2/7)/(1 + e)*r*v_omega/vp_n",
+        used=("article", "mu_m = -phi*(1 - (2/7)/(1 + e)) - (2/7)/(1 + e)*r*omega/vp_n"),
         derivation=expands("rolling with spin, first order", rolling, "phi omega", 1),
         reason="v'_n < 0, so the spin term has a minus sign; a plus sign would need v'_n as a "
         "speed.",
         function="microimpact.model.rigid_body.roughness.rolling_impulse_ratio_measured",
         consequence=Consequence(
-            text="mu_m on a level surface by a spin of r omega/v = 0.2, in place of +0.0336",
-            unit="1",
-            value=lambda _: float(
-                roughness.rolling_impulse_ratio_measured(0.0, 0.70, 0.2, printed=True)
-            ),
+            "mu_m on a level surface by a spin of r omega/v = 0.2, in place of +0.0336",
+            lambda _: float(roughness.rolling_impulse_ratio_measured(0.0, 0.70, 0.2, printed=True)),
         ),
     ),
 )
-
-EQUATIONS = (*_ANY_INCIDENCE, *_NORMAL_INCIDENCE)

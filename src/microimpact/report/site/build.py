@@ -32,6 +32,7 @@ EQUATION_COLUMNS = (
     *("consequence", "consequence_value", "consequence_unit", "derivation_printed"),
     *("derivation_used", "dimension_printed", "dimension_used", "evidence"),
 )
+ERRATA_COLUMNS = ("where", "printed", "meant", "reason")
 # Characters of a figure's title in the picture of the rules.
 WORDS = 64
 INPUT_COLUMNS = (
@@ -123,6 +124,7 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
             for row in claims
         },
         "equations": equations,
+        "errata": read_rows(results / "tables/errata.csv", ERRATA_COLUMNS),
         "claim_counts": ledgers.counts(ledgers.counted(claims), ledgers.CLAIM_VERDICTS),
         "equation_counts": ledgers.counts(equations, ledgers.EQUATION_VERDICTS),
         "shown": shown,
