@@ -177,6 +177,16 @@ def test_intervals_do_not_hold_the_mean_over_all_impacts_where_some_are_never_se
     assert shares.loc[60.0].iloc[0] > 0.85
 
 
+def test_the_imaging_leaves_out_slow_rebounds_of_the_slow_class_at_steep_angles(held):
+    slow = held.loc["slow, oblique"].xs("restitution", level="quantity").droplevel(1)
+    assert slow.loc[85.0, "coverage_rebounds"] < 0.3
+    assert slow.loc[85.0, "mean_rebounds"] < slow.loc[85.0, "mean_observable"] - 0.01
+    assert slow.loc[60.0, "coverage_rebounds"] > 0.85
+    # Captured impacts count in the mean of all, and in no other.
+    assert (slow["captured_share"] > 0.0).all()
+    assert (slow["mean_all"] < slow["mean_rebounds"]).all()
+
+
 def test_repetitions_are_like_the_experiments_of_the_campaign(held, rows):
     """Same speed and surface: means agree within the interval of the single experiment."""
     for angle in (60, 30, 15):
@@ -193,7 +203,7 @@ def test_repetitions_are_like_the_experiments_of_the_campaign(held, rows):
 def test_the_figure_shows_both_means(coverage, draw, legend_texts):
     figure = draw("coverage_of_means", coverage)
     words = legend_texts(figure)
-    assert {"of measurable events", "of all impacts", "virtual experiment"} <= set(words)
+    assert {"of measurable events", "of all rebounds", "virtual experiment"} <= set(words)
     assert len(figure.axes) == 2
 
 

@@ -197,12 +197,26 @@ def test_measured_means_hold_the_truth(angles):
     assert inside.mean() > 0.95
 
 
+def test_the_mean_of_all_rebounds_shows_what_the_imaging_leaves_out(oblique, angles):
+    """At 0.45 m/s slow rebounds at steep angles; of rough surfaces those that leave flat."""
+    chosen = angles.loc[[("0.45 m/s", 85), ("silicon back", 10), ("steel on Formica", 20)]]
+    assert (chosen["true_restitution"] > chosen["true_restitution_of_rebounds"] + 0.01).all()
+    fast = angles.loc["silicon front"].loc[[85, 60, 45, 30]]
+    assert np.allclose(fast["true_restitution_of_rebounds"], fast["true_restitution"], atol=0.01)
+    # Where hardly any sphere rebounds there is no mean.
+    assert np.isnan(angles.loc[("0.45 m/s", 10), "true_restitution_of_rebounds"])
+    drawn = oblique["fig08"].query("series == '0.45 m/s, all rebounds'")
+    column = angles.loc["0.45 m/s", "true_restitution_of_rebounds"].dropna()
+    assert dict(zip(drawn["x_deg"], drawn["y_1"], strict=True)) == column.to_dict()
+
+
 @pytest.mark.parametrize(
     ("figure", "words"),
     [
         ("fig06", {"front of silicon, smooth", "back of silicon, rough"}),
         ("fig07", {"front of the mirror", "back of the mirror"}),
-        ("fig08", {"1.60 m/s", "1.05 m/s", "0.45 m/s", "0.45 m/s, mean spin 0.9 $v/r$"}),
+        ("fig08", {"1.60 m/s", "1.05 m/s", "0.45 m/s", "0.45 m/s, all rebounds"}),
+        ("fig08", {"0.45 m/s, mean spin 0.9 $v/r$"}),
         ("fig09", {"Coulomb friction, $f$ = 0.15, no spin", "printed, 0.15"}),
         ("fig10", {"1.60 m/s", "0.45 m/s"}),
         ("fig11", {"Lycopodium spores", "steel SST76"}),
@@ -228,6 +242,14 @@ def test_an_experiment_does_not_depend_on_the_others(run_study, calibration, ang
     tables = run_study("oblique_experiments", calibration, angles_deg=[85], points=10)
     alone = tables["oblique_experiments"].set_index(["series", "angle_deg"])
     assert alone.loc[("silicon front", 85)].equals(angles.loc[("silicon front", 85)])
+
+
+@pytest.mark.parametrize(
+    ("key", "name"), [("compared_series", "2 m/s"), ("compared_with_all", ["2 m/s"])]
+)
+def test_a_series_that_is_not_there_is_refused(run_study, calibration, key, name):
+    with pytest.raises(ConfigError, match=f"{key}: '2 m/s' must be one of silicon front"):
+        run_study("oblique_experiments", calibration, **{key: name})
 
 
 def test_an_unknown_figure_is_refused(run_study, calibration, settings):

@@ -112,7 +112,7 @@ use rule study_part as interval_coverage_part with:
 
 
 use rule study as interval_coverage with:
-    """tables/interval_coverage.csv: how often 95 % intervals hold either mean; figure data."""
+    """tables/interval_coverage.csv: how often 95 % intervals hold each mean; figure data."""
     input:
         **needs("interval_coverage"),
         parts=parts("interval_coverage"),

@@ -15,6 +15,7 @@ from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import series_frame
 from microimpact.declared.parameters import (
     AngleDegrees,
+    Count,
     ExperimentSeed,
     Fraction,
     Keyed,
@@ -22,18 +23,21 @@ from microimpact.declared.parameters import (
     PrintedName,
 )
 from microimpact.lab.dispenser import Dispenser
-from microimpact.lab.experiment import Outcome, StopRule
+from microimpact.lab.experiment import Drop, Outcome, StopRule
 from microimpact.lab.ptis.experiment import collect
 from microimpact.lab.ptis.exposure import MEASURED
-from microimpact.lab.ptis.system import Instrument
+from microimpact.lab.ptis.system import Instrument, child
 from microimpact.lab.reduction import QUANTITIES, Mean
-from microimpact.lab.samples import Dropped, contact_of
+from microimpact.lab.samples import Dropped, contact_of, in_class, in_plane
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import simulate, velocity_components
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
 from microimpact.statistics.distributions import generator
 
 NEEDS = {"calibration": ("calibration",)}
+
+# Child of an experiment's generator; the others serve the experiment.
+UNSELECTED = 3
 
 _frame = partial(series_frame, x_unit="deg", y_unit="1")
 
@@ -105,6 +109,8 @@ class Params:
     instrument: Instrument
     coulomb_restitution: Fraction
     points: Annotated[int, Field(ge=10)]
+    unselected: Count
+    compared_with_all: tuple[Name, ...]
     compared_series: Name
     reference_angle_deg: AngleDegrees
     marks: Annotated[tuple[Mark, ...], Keyed("name")]
@@ -116,10 +122,10 @@ class Params:
             if figure not in FIGURES:
                 raise ValueError(f"figures: {figure!r} must be one of {', '.join(FIGURES)}")
         names = [series.name for series in self.series]
-        if self.compared_series not in names:
-            raise ValueError(
-                f"compared_series: {self.compared_series!r} must be one of {', '.join(names)}"
-            )
+        compared = [("compared_with_all", name) for name in self.compared_with_all]
+        for key, name in (("compared_series", self.compared_series), *compared):
+            if name not in names:
+                raise ValueError(f"{key}: {name!r} must be one of {', '.join(names)}")
         if self.reference_angle_deg not in self.angles_deg:
             raise ValueError(
                 f"reference_angle_deg: {self.reference_angle_deg:g} must be one of angles_deg"
@@ -160,18 +166,35 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
             drop = series.drop(contacts[series.name], angle, params.dispenser)
             rng = generator(params.seed, *drop.key)
             outcome = collect(drop, params.instrument, params.stop, rng)
-            rows.append(experiment_row(series, angle, outcome))
+            truth = restitution_of_rebounds(params, series, drop, child(rng, UNSELECTED))
+            rows.append(experiment_row(series, angle, outcome, truth))
             points += [Point(series.name, name, angle, of) for name, of in outcome.means.items()]
     printed = inputs["anchors"].set_index("key")
-    figures = {figure: figure_data(params, figure, points, contacts, printed) for figure in FIGURES}
+    table = pd.DataFrame(rows)
     return {
-        **figures,
+        **{of: figure_data(params, of, points, table, contacts, printed) for of in FIGURES},
         "fig23_points": relative_points(params, points),
-        "oblique_experiments": pd.DataFrame(rows),
+        "oblique_experiments": table,
     }
 
 
-def experiment_row(series: Series, angle: float, outcome: Outcome) -> dict[str, Any]:
+def restitution_of_rebounds(
+    params: Params, series: Series, drop: Drop, rng: np.random.Generator
+) -> float:
+    """Return the true mean restitution of all rebounds of the class, seen or not; nan of too few.
+
+    It is of more impacts than an experiment has, so that it shows what the imaging leaves out.
+    """
+    impacts = drop.tabulated().impacts(params.unselected, rng)
+    rebounds = in_plane(impacts, in_class(series, impacts) & ~impacts.captured)
+    if len(rebounds) < params.stop.fewest_events:
+        return np.nan
+    return float(np.mean(rebounds.coefficient_of_restitution))
+
+
+def experiment_row(
+    series: Series, angle: float, outcome: Outcome, of_rebounds: float
+) -> dict[str, Any]:
     """Return one experiment as a row of the table: what was seen, measured, and true."""
     captured = outcome.impacts.captured
     row: dict[str, Any] = {
@@ -190,6 +213,7 @@ def experiment_row(series: Series, angle: float, outcome: Outcome) -> dict[str, 
         row[f"{name}_sd"] = of.sd if of else np.nan
     true = outcome.true.coefficient_of_restitution
     row["true_restitution"] = float(np.mean(true)) if true.size else np.nan
+    row["true_restitution_of_rebounds"] = of_rebounds
     row["evidence"] = "virtual experiment"
     return row
 
@@ -198,11 +222,16 @@ def figure_data(
     params: Params,
     figure: str,
     points: list[Point],
+    table: pd.DataFrame,
     contacts: Mapping[str, Contact],
     printed: pd.DataFrame,
 ) -> pd.DataFrame:
-    """Return the data of one figure: points, smooth curves, Coulomb friction, printed marks."""
-    frames = [*_points(params, figure, points), *_curves(params, figure, contacts)]
+    """Return the data of one figure: points, curves, Coulomb friction, printed marks."""
+    frames = [
+        *_points(params, figure, points),
+        *_rebounds(params, figure, table),
+        *_curves(params, figure, contacts),
+    ]
     for mark in params.marks:
         if figure in mark.figures:
             values = printed.loc[list(mark.anchors), ["value", "low", "high"]].astype(float)
@@ -252,6 +281,15 @@ def _points(params: Params, figure: str, points: list[Point]) -> Iterator[pd.Dat
                 [p.mean.low for p in own],
                 [p.mean.high for p in own],
             )
+
+
+def _rebounds(params: Params, figure: str, table: pd.DataFrame) -> Iterator[pd.DataFrame]:
+    of = {series.name: series.figures for series in params.series}
+    for name in params.compared_with_all if "restitution" in FIGURES[figure] else ():
+        if figure in of[name]:
+            own = table[table["series"] == name].dropna(subset="true_restitution_of_rebounds")
+            angle, mean = own["angle_deg"], own["true_restitution_of_rebounds"]
+            yield _frame("restitution", f"{name}, all rebounds", angle, mean)
 
 
 def _curves(params: Params, figure: str, contacts: Mapping[str, Contact]) -> Iterator[pd.DataFrame]:

@@ -46,7 +46,8 @@ NEEDS = {"calibration": ("calibration",)}
 NORMAL = 90.0
 SHIFTED = {"PDPA": normal_incidence.moved, "PTIS": oblique_incidence.turned}
 MEASURED_BY = {"PDPA": ("restitution",), "PTIS": QUANTITIES}
-OBSERVABLE, EVERYTHING = "events that can be measured", "all impacts"
+# The means that are drawn, by the end of their columns.
+DRAWN = {"observable": "events that can be measured", "rebounds": "all rebounds"}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,7 +86,7 @@ class Params:
 
 
 def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
-    """Repeat every experiment and count the intervals that hold either mean.
+    """Repeat every experiment and count the intervals that hold each mean.
 
     Parameters
     ----------
@@ -167,10 +168,10 @@ def _repeated(
 def coverage_rows(
     params: Params, case: Case, angle: float, speed: float, repeated: Repeated
 ) -> Iterator[dict[str, Any]]:
-    """Yield how often the intervals of each quantity hold either mean, and how wide they are."""
+    """Yield how often the intervals of each quantity hold each mean, and how wide they are."""
     instrument = "PDPA" if angle == NORMAL else "PTIS"
     means = quantities(repeated.measured)
-    accepted, everything = quantities(repeated.true), _all_impacts(case, speed, repeated)
+    accepted, unselected = quantities(repeated.true), _unselected(case, speed, repeated)
     systematic = _systematic(instrument, repeated)
     for name in MEASURED_BY[instrument]:
         values = means[name]
@@ -188,7 +189,7 @@ def coverage_rows(
             "captured_share": float(np.mean(repeated.impacts.captured)),
             "observable_share": repeated.observable,
         }
-        truths = {"observable": float(accepted[name].mean()), "all": float(everything[name])}
+        truths = {"observable": float(accepted[name].mean())} | unselected[name]
         for which, truth in truths.items():
             held = np.abs(centre - truth) <= half
             low, high = wilson_interval(int(held.sum()), held.size)
@@ -222,18 +223,20 @@ def _skewness(values: FloatArray) -> float:
     return float(np.mean(squares * about) / np.mean(squares) ** 1.5)
 
 
-def _all_impacts(case: Case, speed: float, repeated: Repeated) -> dict[str, float]:
-    """Return the means over all impacts of the class, seen or not.
+def _unselected(case: Case, speed: float, repeated: Repeated) -> dict[str, dict[str, float]]:
+    """Return the means over all rebounds and over all impacts of the class, seen or not.
 
-    Captured ones count with no restitution and all their energy lost; friction is of rebounds.
+    Captured impacts count with no restitution and all their energy lost; friction is of rebounds.
     """
     exact: Measured = repeated.impacts.in_plane
     inside = np.abs(exact.speed / speed - 1.0) <= case.speed_window
-    stays = repeated.impacts.captured
-    values = quantities(exact)
+    rebounds = inside & ~repeated.impacts.captured
     return {
-        name: float(np.mean(of[inside & ~stays] if name == "impulse_ratio" else of[inside]))
-        for name, of in values.items()
+        name: {
+            "rebounds": float(np.mean(of[rebounds])),
+            "all": float(np.mean(of[rebounds if name == "impulse_ratio" else inside])),
+        }
+        for name, of in quantities(exact).items()
     }
 
 
@@ -256,7 +259,7 @@ def drawn(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
                 y_unit="percent",
             )
             for name, own in rows[rows["instrument"] == instrument].groupby("case", sort=False)
-            for which, words in (("observable", OBSERVABLE), ("all", EVERYTHING))
+            for which, words in DRAWN.items()
         ]
         found[f"coverage_by_{axis}"] = pd.concat(frames, ignore_index=True)
     return found
