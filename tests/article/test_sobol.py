@@ -40,7 +40,7 @@ def test_logarithmic_indices_are_the_shares_of_squared_effects(tables):
 
 def test_nothing_was_left_out(tables):
     for name in ("sensitivity_indices", "sensitivity_groups"):
-        assert (tables[name]["points_without_finite_v_c"] == 0).all()
+        assert (tables[name]["points_truncated"] == 0).all()
         assert (tables[name]["points_without_calibration"] == 0).all()
 
 

@@ -118,3 +118,10 @@ def test_a_choice_is_one_of_the_allowed_words():
         choice("mode", "c", ("a", "b"))
     with pytest.raises(TypeError, match="mode must be one of 'a', 'b', got None"):
         choice("mode", None, ("a", "b"))
+
+
+def test_masked_values_are_refused_and_a_mask_that_hides_nothing_is_not():
+    measured = np.ma.masked_greater([1.0, 2.0, 9.0], 5.0)
+    with pytest.raises(ValueError, match=r"^speed must have no masked values"):
+        checked("speed", measured)
+    np.testing.assert_array_equal(checked("speed", measured[:2]), [1.0, 2.0])

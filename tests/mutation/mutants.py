@@ -279,6 +279,20 @@ SLIPS = (
         ("model/dynamics/test_impact",),
     ),
     Mutant(
+        "a captured sphere rolls without friction",
+        f"{MODEL}/dynamics/impact.py",
+        "rolling = normal.captured & (np.asarray(contact.friction) > 0.0)",
+        "rolling = np.asarray(normal.captured)",
+        ("model/dynamics/test_impact",),
+    ),
+    Mutant(
+        "a heavily damped sphere comes from rest without delay",
+        f"{MODEL}/dynamics/normal.py",
+        "(at_top * lag_top - at_rest * lag_rest)[:, 0]",
+        "0.0",
+        ("model/dynamics/test_normal",),
+    ),
+    Mutant(
         "slip in space with the wrong spin",
         f"{MODEL}/dynamics/impact.py",
         "v[..., 1] + radius * w[..., 0]], axis=-1)",

@@ -103,7 +103,7 @@ def test_groups_of_a_product():
     # y = x_0 (x_1 + x_2): uncertainty is the sum, variability the factor; they interact
     cube = 0.5 + saltelli_sample(3, 2048, generator(1))
     response = cube[..., 0] * (cube[..., 1] + cube[..., 2])
-    draw = Draw(case="c", variation="v", response=response, infinite=0, uncalibrated=0)
+    draw = Draw(case="c", variation="v", response=response, truncated=0, uncalibrated=0)
     options = Bootstrap(resamples=50, confidence=0.95)
     groups = {row["input"]: row for row in group_rows(draw, 0, generator(3), options)}
     radius, rest = 4.0 / 12.0, 2.0 / 12.0
@@ -143,13 +143,13 @@ def test_responses_without_indices(response, words):
         indices(response)
 
 
-def test_base_samples_with_an_infinite_response_are_left_out_and_counted():
+def test_base_samples_without_a_calibration_are_left_out_and_counted():
     response = np.arange(20.0).reshape(4, 5)
-    response[1, 2] = np.inf
-    draw = Draw(case="c", variation="v", response=response, infinite=1, uncalibrated=0)
+    response[1, 2] = np.nan
+    draw = Draw(case="c", variation="v", response=response, truncated=0, uncalibrated=1)
     np.testing.assert_array_equal(draw.kept(), response[[0, 2, 3]])
     assert draw.label["samples_kept"] == 3
-    assert draw.label["points_without_finite_v_c"] == 1
+    assert draw.label["points_without_calibration"] == 1
     with pytest.raises(ValueError, match="1 of 2 base samples"):
         draw.kept(2)
 
@@ -223,3 +223,16 @@ def test_calibration_absorbs_the_stiffness(ridge):
     # V stays, so w_A goes with K^(2/5)
     ratio = sample.work_of_adhesion[1] / sample.work_of_adhesion[0]
     assert ratio == pytest.approx(1.5**0.4, rel=1e-7)
+
+
+@pytest.mark.parametrize("largest", [0.1, 10.0])
+def test_capture_velocities_are_truncated_and_the_draws_counted(branch, ridge, largest):
+    small = {"samples": 8, "least_samples": 8, "largest_capture_velocity_m_per_s": largest}
+    params = build(sensitivity.Params, {**branch, **small})
+    letters = pd.DataFrame({"low_multiple": [1.0] * 5, "high_multiple": [1.0] * 5})
+    letters.loc[4, "high_multiple"] = 1e9  # so much material damping captures at any speed
+    draw = sensitivity.independent(params, "c", "realistic", ridge, letters, (0, 0))
+    assert draw.response.max() == largest
+    assert 0 < draw.truncated == np.sum(draw.response == largest)
+    assert draw.label["points_truncated"] == draw.truncated
+    assert len(draw.kept()) == 8

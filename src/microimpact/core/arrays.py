@@ -64,10 +64,12 @@ def checked(name: str, value: object, allowed: Range = FINITE) -> Real:
     TypeError
         If ``value`` does not hold real numbers (text, booleans, None, complex).
     ValueError
-        If a number is not finite or not in range.
+        If a number is masked, not finite or not in range.
     """
     if type(value) is float and math.isfinite(value) and allowed.contains(value):
         return value  # most often, and unchanged
+    if np.ma.is_masked(value):
+        raise ValueError(f"{name} must have no masked values; drop them or fill them first")
     try:
         array = np.asarray(value)
     except ValueError:

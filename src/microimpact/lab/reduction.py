@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from microimpact.core.arrays import FloatArray
+from microimpact.core.arrays import FloatArray, checked
 from microimpact.lab.events import Measured
 from microimpact.statistics.intervals import student_half_width
 
@@ -56,9 +56,9 @@ def mean_interval(values: ArrayLike, systematic: ArrayLike = 0.0, level: float =
     Raises
     ------
     ValueError
-        With fewer than two events.
+        With fewer than two events, or a value that is masked or not finite.
     """
-    values = np.asarray(values, dtype=float)
+    values = np.asarray(checked("values", values))
     n = values.size
     if n < FEWEST_EVENTS:
         raise ValueError(f"an interval needs at least {FEWEST_EVENTS} events, got {n}")

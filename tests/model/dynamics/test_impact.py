@@ -478,3 +478,13 @@ class TestSpatial:
 
     def test_no_impacts_give_empty_arrays(self, contact):
         assert spatial(contact, np.zeros((0, 3))).velocity.shape == (0, 3)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.15])
+def test_a_captured_sphere_rolls_only_by_friction(contact, friction):
+    smooth = contact.replace(friction=friction)
+    impact = simulate(smooth, 0.5 * capture_velocity(contact), 45.0)
+    assert impact.captured
+    assert bool(impact.rolling) == (friction > 0.0)
+    v_n = 0.5 * capture_velocity(contact)
+    assert bool(spatial(smooth, (0.1, 0.0, -v_n)).rolling) == (friction > 0.0)

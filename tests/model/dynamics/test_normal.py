@@ -1,6 +1,7 @@
 """Normal impact against closed forms, a table of high precision and conservation laws."""
 
 import csv
+import math
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 from scipy.special import gamma, lambertw
 
+from microimpact.model.dynamics import normal
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import (
     ALWAYS_CAPTURED_ADHESION_GROUP,
@@ -301,3 +303,59 @@ class TestShapes:
         slow = 0.5 * SMALLEST_SPEED * contact.velocity_scale
         with pytest.raises(ValueError, match=r"speed must be at least 1e-30 .* got .* m/s"):
             normal_impact(contact, slow)
+
+
+class TestHeavyDamping:
+    """Far above c_H v = 1 a rebound creeps, and the integration alone would not end."""
+
+    def bare(self, contact):
+        return contact.replace(work_of_adhesion=0.0, adhesion_damping=0.0, hertz_damping=1.0)
+
+    @pytest.mark.parametrize("damping", [2e4, 1e8, 1e12, 9e14])
+    def test_a_sphere_leaves_at_one_over_the_damping(self, contact, damping):
+        heavy = self.bare(contact).replace(hertz_damping=damping)
+        impact = normal_impact(heavy, np.array([1.0, 1.1]), ledger=True)
+        # exactly, y = c_H V obeys -y - ln(1 - y) = C - ln(1 + C): y = 1 but for exp(-C)
+        assert impact.coefficient_of_restitution == pytest.approx(
+            1.0 / (damping * np.array([1.0, 1.1])), rel=1e-12
+        )
+        assert impact.ledger.energy_residual == pytest.approx(0.0, abs=1e-11)
+        # creeping back from the greatest compression at that speed
+        assert impact.contact_time == pytest.approx(
+            impact.maximum_compression * damping, rel=0.3 * damping**-0.4
+        )
+
+    def test_it_does_not_spoil_the_other_impacts(self, contact):
+        some = contact.replace(hertz_damping=np.array([1e-3, 1e9]), adhesion_damping=0.0)
+        alone = normal_impact(contact.replace(hertz_damping=1e-3, adhesion_damping=0.0), 2.0)
+        impact = normal_impact(some, 2.0)
+        assert impact.coefficient_of_restitution[0] == alone.coefficient_of_restitution
+        assert impact.captured.tolist() == [False, True]
+
+    @pytest.mark.parametrize("c_a", [0.0, 0.03])
+    @pytest.mark.parametrize("c_h", [1e-4, 0.1, 0.45])
+    def test_both_ways_agree_where_the_integration_still_ends(self, scaled, monkeypatch, c_h, c_a):
+        contact = scaled(c_h, c_a, damped_attachment=c_h == 0.1)
+        speed = np.array([2e4, 1e5]) / contact.hertz_damping
+        quick = normal_impact(contact, speed, ledger=True)
+        monkeypatch.setattr(normal, "STIFF", math.inf)
+        slow = normal_impact(contact, speed, ledger=True)
+        for name, error in {
+            "coefficient_of_restitution": 1e-12,
+            "contact_time": 1e-9,
+            "compression_time": 1e-12,
+            "maximum_compression": 1e-13,
+            "compressive_impulse": 1e-9,
+            "peak_net_impulse": 1e-9,
+            "hertz_impulse": 1e-10,
+        }.items():
+            assert getattr(quick, name) == pytest.approx(getattr(slow, name), rel=error)
+        assert quick.ledger.hertz_work == pytest.approx(slow.ledger.hertz_work, rel=1e-9)
+        assert quick.ledger.adhesion_work == pytest.approx(slow.ledger.adhesion_work, rel=1e-5)
+        assert quick.ledger.adhesion_impulse == pytest.approx(
+            slow.ledger.adhesion_impulse, rel=1e-8
+        )
+
+    def test_beyond_double_precision_it_says_so(self, contact):
+        with pytest.raises(ValueError, match=r"hertz_damping times speed must be at most 1e\+15"):
+            normal_impact(contact.replace(hertz_damping=1e16), 1.0)

@@ -212,6 +212,7 @@ class TestArguments:
         [
             ("speed", 0.0, ValueError),
             ("speed", math.nan, ValueError),
+            ("speed", 3e8, ValueError),
             ("speed", "1", TypeError),
             ("angle", 91.0, ValueError),
             ("angle", None, TypeError),

@@ -374,3 +374,13 @@ def test_bad_arguments_of_the_bootstrap_are_named(fit, arguments, error, message
 def test_optimisers_load_only_when_a_fit_is_made():
     code = "import sys, microimpact.model.empirical.fit; sys.exit('scipy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_interval_ends_in_the_lowest_valley_of_the_profile():
+    # On the way to the upper end the search follows a valley at the bound of p; another is lower.
+    v = [0.2786, 0.2285, 0.2094, 0.3725, 0.6512, 0.8251, 1.1572, 1.4372, 1.4584, 1.6697]
+    v += [1.9192, 2.0821, 2.6778, 2.708, 3.3865, 3.6203, 3.7482, 3.9564, 8.0201]
+    e = [0.0, 0.0, 0.0, 0.4423, 0.5818, 0.6803, 0.7008, 0.6906, 0.7262, 0.7057]
+    e += [0.7926, 0.761, 0.8107, 0.7391, 0.8503, 0.7821, 0.8443, 0.827, 0.7428]
+    # The end by a search of its own, with SciPy.
+    assert fit_restitution(v, e, q=0.5).v_c_interval[1] == pytest.approx(0.316842, abs=1e-6)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
-from microimpact.model.rigid_body.eccentric import eccentric_rebound
+from microimpact.model.rigid_body.eccentric import JAMMING, eccentric_rebound
 
 RADIUS = 16.5e-6
 speeds = st.floats(-2.0, 2.0)
@@ -106,3 +106,17 @@ def test_wrong_input_is_refused():
         eccentric_rebound(-1.0, 0.0, 0.0, RADIUS, 1.0, 0.7, 0.15)
     with pytest.raises(ValueError, match="friction"):
         eccentric_rebound(-1.0, 0.0, 0.0, RADIUS, 0.1, 0.7, 1.5)
+
+
+@given(b=shares, f=st.floats(0.0, 0.999 * JAMMING))
+def test_below_the_friction_that_jams_the_contact_always_separates(b, f):
+    after = eccentric_rebound(-1.0, np.array([-9.0, 0.1, 9.0]), 0.0, RADIUS, 0.99 * b, 0.7, f)
+    assert np.all(after.energy_loss >= 0.0)
+    assert np.all(np.isfinite(after.V_n))
+
+
+def test_friction_jams_first_at_one_offset():
+    b = np.linspace(0.001, 0.999, 99801)
+    jams = (1.0 + b**2 / 0.4) / (b * np.sqrt(1.0 - b**2) / 0.4)
+    assert jams.min() == pytest.approx(JAMMING, rel=1e-9)
+    assert b[jams.argmin()] ** 2 == pytest.approx(2.0 / 9.0, abs=1e-4)

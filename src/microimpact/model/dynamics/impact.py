@@ -51,7 +51,7 @@ class Impact:
     impulse_ratio
         -mu of Eq. (2): tangential over normal impulse, positive where friction acts against +t.
     captured
-        True where the sphere stays on the surface; it then ends rolling, with V_n = 0.
+        True where the sphere stays on the surface, with V_n = 0; with friction it ends rolling.
     contact_time
         s; infinite where captured.
     normal_velocity, tangential_velocity, spin
@@ -124,7 +124,9 @@ def friction_impulse(
         impulse = normal.hertz_impulse if basis == "hertz" else normal.compressive_impulse
         assert impulse is not None
         sliding = available = impulse / contact.mass
-    rolling = normal.captured | (SLIP_PER_IMPULSE * contact.friction * available >= slip)
+    # A captured sphere is pressed on for ever: it rolls in the end, if there is friction at all.
+    rolling = normal.captured & (np.asarray(contact.friction) > 0.0)
+    rolling = rolling | (SLIP_PER_IMPULSE * contact.friction * available >= slip)
     return np.where(rolling, slip / SLIP_PER_IMPULSE, contact.friction * sliding), rolling
 
 

@@ -27,6 +27,13 @@ SHALLOW_SPEED = 0.1
 SLOW_REBOUND = 0.05
 SMALLEST_SPEED = 1e-30
 
+# Above this c_H v the rebound is stiff: it creeps at nearly the speed 1/c_H, at which damping and
+# Hertz force cancel, and is integrated only from the compression on to which this c_H v leads.
+STIFF = 1e4
+# Far beyond this c_H v the series of the approach leave double precision.
+LARGEST_DAMPING = 1e15
+_NODES, _WEIGHTS = (0.5 * a for a in np.polynomial.legendre.leggauss(200))
+
 # Depth of the well of Hertz and ring force, in the adhesive scale.
 WELL_DEPTH = 4.0 / 15.0
 
@@ -127,7 +134,8 @@ def scaled_problems(contact: Contact, speed: Real) -> tuple[FloatArray, Scales, 
     Raises
     ------
     ValueError
-        If shapes do not broadcast, or a speed is too small for double precision.
+        If shapes do not broadcast, or a speed is too small or damped too heavily for double
+        precision.
     """
     shape = common_shape({"contact": np.empty(contact.shape), "speed": speed})
 
@@ -146,6 +154,11 @@ def scaled_problems(contact: Contact, speed: Real) -> tuple[FloatArray, Scales, 
     length = np.where(adhesive, equilibrium, (mass * v**2 / hertz) ** 0.4)
     velocity = np.where(adhesive, own_scale, v)
     damping = flat(contact.adhesion_damping_at(speed))
+    heaviest = flat(contact.hertz_damping) * v
+    if np.any(heaviest > LARGEST_DAMPING):
+        raise ValueError(
+            f"hertz_damping times speed must be at most {LARGEST_DAMPING:g}, got {heaviest.max():g}"
+        )
     always_captured = (flat(contact.hertz_damping) * own_scale > ALWAYS_CAPTURED_HERTZ_GROUP) | (
         damping * own_scale > ALWAYS_CAPTURED_ADHESION_GROUP
     )
@@ -178,11 +191,15 @@ def integrate(problems: FloatArray, *, ledger: bool) -> FloatArray:
     """
     start, adhesion = problems[:, kernel.START_U], problems[:, kernel.ADHESION]
     shallow = is_shallow(problems)
+    stiff = problems[:, kernel.HERTZ_DAMPING] * start > STIFF
+    mode = kernel.LEDGER if ledger else kernel.PLAIN
     results = np.zeros((problems.shape[0], kernel.RESULT_COLUMNS))
-    _run(problems, shallow, kernel.SHALLOW, results)
-    _run(problems, ~shallow, kernel.LEDGER if ledger else kernel.PLAIN, results)
+    _run(problems, shallow & ~stiff, kernel.SHALLOW, results)
+    _run(problems, ~shallow & ~stiff, mode, results)
+    if np.any(stiff):
+        results[stiff] = _stiff(problems[stiff], mode)
     slow = (results[:, kernel.STATUS] == kernel.REBOUND) & (adhesion == 1.0)
-    slow &= ~shallow & (-results[:, kernel.END_U] < SLOW_REBOUND * start)
+    slow &= ~shallow & ~stiff & (-results[:, kernel.END_U] < SLOW_REBOUND * start)
     _run(problems, slow, kernel.SHALLOW, results)
     failed = np.flatnonzero(results[:, kernel.STATUS] == kernel.FAILED)
     if failed.size:
@@ -200,6 +217,95 @@ def _run(problems: FloatArray, chosen: BoolArray, mode: int, results: FloatArray
         part = np.zeros((int(chosen.sum()), kernel.RESULT_COLUMNS))
         kernel.integrate(np.ascontiguousarray(problems[chosen]), mode, part)
         results[chosen] = part
+
+
+def _stiff(problems: FloatArray, mode: int) -> FloatArray:
+    """Integrate impacts with c_H v above `STIFF`, where explicit steps would be c_H v in number.
+
+    In units of the speed 1/c_H the rebound obeys, with the speed w of separation at compression x,
+    the strength of adhesion b and A = c_A/c_H,
+
+        dw/dt = k (w_0 - w),  k = x^(1/2) (x + b A),  w_0 = (x - b)/(x + b A).
+
+    As 1/k is short, w = w_0 + w_0 w_0'/k from shortly after the turning point on, and what comes
+    later does not depend on where the sphere turned: the deviation dies as exp(-2/5 x^(5/2)). So
+    the kernel integrates the approach, and the rebound from rest at the compression of ``STIFF``;
+    between the two the terms are quadratures, with a delay of 1/k after rest. Terms of the order
+    of ``STIFF**-2`` are left out. Without adhesion the speed after impact is 1/c_H.
+    """
+    damping = problems[:, kernel.HERTZ_DAMPING]
+    velocity, length = 1.0 / damping, damping**-0.8
+    own = problems.copy()
+    own[:, kernel.START_U] *= damping
+    own[:, kernel.ADHESION] /= length
+    own[:, kernel.HERTZ_DAMPING] = 1.0
+    own[:, [kernel.DAMPING_1, kernel.DAMPING_2]] *= velocity[:, None]
+    own[:, kernel.ALWAYS_CAPTURED] = 1.0
+    results = np.zeros((len(own), kernel.RESULT_COLUMNS))
+    kernel.integrate(own, mode, results)
+    back = (problems[:, kernel.ALWAYS_CAPTURED] == 0.0) & (
+        results[:, kernel.STATUS] != kernel.FAILED
+    )
+    results[back] = _crept_back(own[back], results[back], mode)
+    units = np.ones_like(results)
+    units[:, [kernel.END_S, kernel.TURNING_S]] = np.sqrt(length)[:, None]
+    units[:, [kernel.DURATION, kernel.TURNING_TIME]] = (length / velocity)[:, None]
+    units[:, kernel.COMPRESSIVE_IMPULSE : kernel.ADHESION_IMPULSE + 1] = velocity[:, None]
+    units[:, [kernel.HERTZ_WORK, kernel.ADHESION_WORK]] = np.square(velocity)[:, None]
+    units[:, kernel.END_U] = velocity
+    return results * units
+
+
+def _crept_back(problems: FloatArray, approach: FloatArray, mode: int) -> FloatArray:
+    """Rebounds of `_stiff`, in its units, added to the results of the approach."""
+    beta = problems[:, kernel.ADHESION, None]
+    drag = beta * problems[:, kernel.DAMPING_2, None]
+    top = np.square(approach[:, kernel.TURNING_S, None])
+    rest = np.full_like(top, (2.5 * STIFF) ** 0.4)
+    late = problems.copy()
+    late[:, kernel.ALWAYS_CAPTURED] = 0.0
+    late[:, kernel.START_S], late[:, kernel.START_U] = np.sqrt(rest[:, 0]), SMALLEST_SPEED
+    results = np.zeros_like(approach)
+    kernel.integrate(late, mode, results)
+
+    def rate(x: FloatArray) -> FloatArray:
+        return np.sqrt(x) * (x + drag)
+
+    # Between both places: the integrals go over ln x, as top may be anything.
+    span = np.log(top / rest)
+    x = rest * np.exp(span * (_NODES + 0.5))
+    steady = (x - beta) / (x + drag)
+    speed = steady * (1.0 + (beta + drag) / np.square(x + drag) / rate(x))
+    step = span * x * _WEIGHTS
+    lag_top, lag_rest = 1.0 / rate(top), 1.0 / rate(rest)
+
+    def total(per_time: FloatArray, at_top: FloatArray, at_rest: FloatArray) -> FloatArray:
+        along = np.sum(per_time / speed * step, axis=1)
+        return np.asarray(along + (at_top * lag_top - at_rest * lag_rest)[:, 0])
+
+    one = np.ones_like(top)
+    results[:, kernel.DURATION] += approach[:, kernel.DURATION] + total(np.ones_like(x), one, one)
+    # Up to the first balance of forces adhesion has added the energy of its well.
+    first = np.sqrt(problems[:, kernel.START_U] ** 2 + 2.0 * WELL_DEPTH * beta[:, 0] ** 2.5)
+    results[:, kernel.LOWEST_U] = -((top - beta) / (top + drag))[:, 0]
+    results[:, kernel.COMPRESSIVE_IMPULSE] = first - results[:, kernel.LOWEST_U]
+    results[:, kernel.STEPS] += approach[:, kernel.STEPS]
+    for column in (kernel.TURNING_S, kernel.TURNING_TIME):
+        results[:, column] = approach[:, column]
+    if mode == kernel.PLAIN:
+        return results
+    for column, strength, power in (
+        (kernel.HERTZ_IMPULSE, one, 1.5),
+        (kernel.ADHESION_IMPULSE, beta, 0.5),
+    ):
+        places = (strength * np.power(place, power) for place in (x, top, rest))
+        results[:, column] += approach[:, column] + total(*places)
+    for column, lost in (
+        (kernel.HERTZ_WORK, np.power(x, 1.5)),
+        (kernel.ADHESION_WORK, drag * np.sqrt(x)),
+    ):
+        results[:, column] += approach[:, column] + np.sum(lost * speed * step, axis=1)
+    return results
 
 
 def normal_impact(contact: Contact, speed: Real, *, ledger: bool = False) -> NormalImpact:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from microimpact.core.arrays import FINITE, POSITIVE, FloatArray, Real, checked, choice
+from microimpact.core.arrays import FINITE, FloatArray, Real, checked, choice
 from microimpact.core.solve import roots
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.dynamics import kernel
@@ -15,6 +15,7 @@ from microimpact.model.dynamics.impact import (
     ANGLE,
     FRICTION_BASES,
     SLIP_PER_IMPULSE,
+    SPEED,
     velocity_components,
 )
 from microimpact.model.dynamics.normal import Scales, integrate, is_shallow, scaled_problems
@@ -113,7 +114,7 @@ def trajectory(
         raise TypeError(f"points must be a whole number, got {points!r}")
     if points < 2:
         raise ValueError(f"points must be at least 2, got {points}")
-    speed = checked("speed", speed, POSITIVE)
+    speed = checked("speed", speed, SPEED)
     angle = checked("angle", angle, ANGLE)
     spin = checked("spin", spin, FINITE)
     for name, value in {"speed": speed, "angle": angle, "spin": spin}.items():

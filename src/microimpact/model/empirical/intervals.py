@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -89,9 +90,17 @@ def interval_batch(sets: DataSets, fit: BatchFit, rise: ArrayLike) -> Intervals:
     held = inside == outside
     crossed = np.flatnonzero(~held)
     ends = np.repeat([0.0, 1.0], count)
-    ends[crossed] = 1.0 - roots(
-        way.excess, inside[crossed], outside[crossed], crossed, relative=TOLERANCE
+    found = roots(way.excess, inside[crossed], outside[crossed], crossed, relative=TOLERANCE)
+    # A search from its neighbour's end may stay in a higher valley than one from a fresh start.
+    further = way.excess(found, crossed, fresh=True) < -TOLERANCE * way.limit[crossed]
+    found[further] = roots(
+        partial(way.excess, fresh=True),
+        found[further],
+        outside[crossed[further]],
+        crossed[further],
+        relative=TOLERANCE,
     )
+    ends[crossed] = 1.0 - found
     lowest = np.argmin(way.least.reshape(2, -1), axis=0) * count + np.arange(count)
     return Intervals(
         ends=ends.reshape(2, -1).T * sets.unit[:, None],

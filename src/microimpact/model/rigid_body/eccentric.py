@@ -21,6 +21,7 @@ offset the sphere of Eqs. (6)-(8), (11)-(13) is left. Without friction and spin
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -28,8 +29,9 @@ import numpy as np
 from microimpact.core.arrays import FINITE, POSITIVE, FloatArray, Range, checked, common_shape
 from microimpact.model.rigid_body.algebra import INERTIA, UNIT_INTERVAL
 
-# At friction above 1.26 a point of contact could jam.
-FRICTION = Range(lower=0.0, upper=1.0, lower_closed=True, upper_closed=True)
+# From this friction on a point of contact may jam: A = f |C| at b^2 = k / (1 + 2 k), the least.
+JAMMING = 2.0 * math.sqrt(INERTIA * (1.0 + INERTIA))
+FRICTION = Range(lower=0.0, upper=JAMMING, lower_closed=True)
 OFFSET = Range(lower=-1.0, upper=1.0)
 
 
@@ -71,7 +73,7 @@ def eccentric_rebound(
     e
         Coefficient of restitution at the point of contact (of energy), in [0, 1].
     friction
-        Coulomb coefficient f, in [0, 1].
+        Coulomb coefficient f, in [0, 1.4967): beyond, a point of contact could jam.
 
     Returns
     -------

@@ -50,7 +50,8 @@ class Params:
 
     ``level_quantile``: the levels of the designed experiments are this quantile and its complement
     of lognormal distributions where levels are realistic; between levels of the small variation
-    the distribution is uniform.
+    the distribution is uniform. ``largest_capture_velocity_m_per_s``: where no speed rebounds v_c
+    is infinite, and a v_c that may be so has no variance: larger ones are truncated to this.
     """
 
     seed: Annotated[int, Field(ge=0)]
@@ -62,6 +63,7 @@ class Params:
     level_quantile: Annotated[float, Field(gt=0.5, lt=1)]
     restitution_deviation: Positive
     capture_velocity_deviation_m_per_s: Positive
+    largest_capture_velocity_m_per_s: Positive
     drawn_case: CaseName
     cases: Annotated[tuple[CaseName, ...], Field(min_length=1)]
 
@@ -141,9 +143,13 @@ def independent(
     cube = saltelli_sample(len(LETTERS), params.samples, _generator(params, (*key, 0)))
     multiples = multiples_of(cube, levels, variation, params.level_quantile)
     response = capture_velocity(at_levels(contact, multiples))
-    infinite = int(np.isinf(response).sum())
+    largest = params.largest_capture_velocity_m_per_s
     return Draw(
-        case=case, variation=variation, response=response, infinite=infinite, uncalibrated=0
+        case=case,
+        variation=variation,
+        response=np.minimum(response, largest),
+        truncated=int((response > largest).sum()),
+        uncalibrated=0,
     )
 
 
@@ -214,13 +220,13 @@ def calibrated(
     _require_admissible(targets)
     sample, met = calibrated_sample(contact, targets)
     found = capture_velocity(sample.replace(diameter=sample.diameter * radius))
-    infinite = int((met & np.isinf(found)).sum())
-    response = np.where(met, found, np.inf).reshape(cube.shape[:2])
+    largest = params.largest_capture_velocity_m_per_s
+    response = np.where(met, np.minimum(found, largest), np.nan).reshape(cube.shape[:2])
     draw = Draw(
         case=case,
         variation="calibrated",
         response=response,
-        infinite=infinite,
+        truncated=int((met & (found > largest)).sum()),
         uncalibrated=int((~met).sum()),
     )
     return draw, sample

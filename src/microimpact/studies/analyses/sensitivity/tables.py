@@ -38,19 +38,20 @@ class Draw:
     case, variation
         Which contact, and how it was varied.
     response
-        Capture velocities in m/s, shape (samples, inputs + 2); infinite where there is none.
-    infinite, uncalibrated
-        Points where no speed rebounds, and points whose calibration has no solution.
+        Capture velocities in m/s, shape (samples, inputs + 2); NaN where there is no calibration.
+    truncated, uncalibrated
+        Points whose capture velocity was above the largest one that counts, infinite ones among
+        them, and points whose calibration has no solution.
     """
 
     case: str
     variation: str
     response: FloatArray
-    infinite: int
+    truncated: int
     uncalibrated: int
 
     def kept(self, samples: int | None = None) -> FloatArray:
-        """Return the first base samples, without those that hold an infinite response.
+        """Return the first base samples, without those that lack a response.
 
         Raises
         ------
@@ -62,7 +63,7 @@ class Draw:
         if len(kept) < 2:
             raise ValueError(
                 f"sensitivity: {self.case!r}, {self.variation}: {len(kept)} of {len(first)} base"
-                " samples have finite capture velocities throughout; two are needed"
+                " samples are calibrated throughout; two are needed"
             )
         return kept
 
@@ -75,7 +76,7 @@ class Draw:
             "samples": len(self.response),
             "samples_kept": len(self.kept()),
             "points": self.response.size,
-            "points_without_finite_v_c": self.infinite,
+            "points_truncated": self.truncated,
             "points_without_calibration": self.uncalibrated,
         }
 
