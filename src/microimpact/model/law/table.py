@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -88,6 +89,8 @@ class Law:
         The contacts it was made for, whose impacts `simulate` computes.
     family
         All contacts that it holds for.
+    fastest
+        Normal speed up to which it was asked for, m/s.
     slowness
         Chebyshev coefficients, over the place in the family, of the reciprocal of the capture
         velocity in velocity scales, which is nearly linear; empty where nothing is captured.
@@ -100,6 +103,7 @@ class Law:
 
     contact: Contact
     family: Family
+    fastest: float
     slowness: FloatArray
     rebounds: Table
     captures: Table
@@ -132,6 +136,47 @@ class Law:
             If an integration failed.
         """
         return incident(self.contact, speed, angle, spin, friction_basis, self.normal_impact)
+
+    def export(
+        self,
+        path: Path | str,
+        format: str = "c",  # noqa: A002
+        friction_basis: str = "compressive",
+        tolerance: float = 1e-6,
+    ) -> list[Path]:
+        """Write the law of its one contact for another program.
+
+        It holds from rest to at least the fastest speed of the table.
+
+        Parameters
+        ----------
+        path
+            Folder of the files; it is made.
+        format
+            ``"c"``: a header in C99 without dependencies, and an example; ``"fluent"``,
+            ``"openfoam"``: the same with a boundary condition; ``"csv"``, ``"npz"``: e and the
+            impulses over the speed; ``"lammps"``: the force without damping as a table of a wall.
+        friction_basis
+            As of `simulate`.
+        tolerance
+            Largest error of e and of the supporting impulse.
+
+        Returns
+        -------
+        list of Path
+            The files written.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an argument is out of range, there are several contacts, or the table is below
+            capture.
+        OSError
+            If a file cannot be written.
+        """
+        from microimpact.model.law.export import export
+
+        return export(self, path, format, friction_basis, tolerance)
 
     @property
     def pieces(self) -> int:
@@ -290,6 +335,7 @@ def tabulate(contact: Contact, slowest: float, fastest: float, tolerance: float 
     return Law(
         contact=contact,
         family=family,
+        fastest=fastest,
         slowness=slowness,
         rebounds=rebounds,
         captures=captures,

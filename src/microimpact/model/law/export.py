@@ -1,0 +1,316 @@
+"""The rebound law of one contact for other programs: tables, C, boundary conditions.
+
+What a program of flow or of particles needs of a normal impact are two numbers that depend on the
+normal speed alone: e, and the impulse of the force that supports friction. From them the rule of
+`model.dynamics.impact` (slip, rolling, capture) is algebra.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+from dataclasses import dataclass
+from importlib.metadata import version
+from importlib.resources import files
+from pathlib import Path
+from string import Template
+
+import numpy as np
+import pandas as pd
+
+from microimpact.core.arrays import POSITIVE, FloatArray, checked, choice
+from microimpact.core.files import write_file
+from microimpact.model.contact import Contact
+from microimpact.model.dynamics.impact import FRICTION_BASES, SLIP_PER_IMPULSE
+from microimpact.model.dynamics.normal import integrate
+from microimpact.model.law.families import COMPRESSIVE, HERTZ, PEAK, RESTITUTION, Family, quantities
+from microimpact.model.law.pieces import WIDTH, Table, piecewise
+from microimpact.model.law.table import SPLITS, Law
+from microimpact.model.rigid_body.algebra import INERTIA
+
+FORMATS = ("c", "csv", "npz", "fluent", "openfoam", "lammps")
+
+# Binary exponent of the lowest octave of v/v_c - 1: there e ~ sqrt(v/v_c - 1) to some parts in a
+# million of itself, and e is 1e-4. Without capture, of c_H v: there e is 1 to double precision.
+LOWEST, LOWEST_BARE = -24, -52
+# Points an octave, off the nodes, at which the error is measured; the error stated is twice that.
+HELD_OUT, SAFETY = 37, 2.0
+ROWS = 200  # of the tables for people
+SUPPORT = {"compressive": COMPRESSIVE, "hertz": HERTZ, "net": PEAK}
+IMPULSE = 1  # row of the impulse in the table, beside RESTITUTION
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Rebounds:
+    """e and the supporting impulse of one contact over the normal speed, to a stated error.
+
+    Attributes
+    ----------
+    contact, basis
+        The contact, and the force that supports friction.
+    capture_velocity
+        m/s; 0 where nothing is captured.
+    unit
+        The table's variable is v/unit, less 1 where spheres are captured; m/s.
+    table
+        Polynomials of `RESTITUTION` and `IMPULSE`, the impulse per mass and normal speed.
+    fastest
+        Normal speed up to which it holds, m/s.
+    error
+        Bound of the error of both, as a share of 1 or of the number if this is larger.
+    """
+
+    contact: Contact
+    basis: str
+    capture_velocity: float
+    unit: float
+    table: Table
+    fastest: float
+    error: float
+
+    @property
+    def offset(self) -> float:
+        """What is taken from v/unit."""
+        return 1.0 if self.capture_velocity else 0.0
+
+    @property
+    def octaves(self) -> int:
+        """Octaves of the table."""
+        return self.table.pieces // self.table.split
+
+    def __call__(self, speed: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return e and the impulse per mass and normal speed at normal speeds (n,), m/s."""
+        x = speed / self.unit - self.offset
+        lowest = math.ldexp(0.5, self.table.lowest)
+        found = self.table(np.maximum(x, lowest), np.zeros(1))
+        e = found[RESTITUTION]
+        if self.offset:
+            e = e * np.sqrt(np.clip(x / lowest, 0.0, 1.0))
+        return e, np.where((x > 0.0) | (self.offset == 0.0), found[IMPULSE], 0.0)
+
+
+def rebounds(
+    contact: Contact, family: Family, fastest: float, basis: str, tolerance: float
+) -> Rebounds:
+    """Return the rebound law of one contact up to a normal speed.
+
+    Parameters
+    ----------
+    contact, family
+        The contact, and the family it was tabulated in.
+    fastest
+        m/s.
+    basis
+        Force that supports friction.
+    tolerance
+        Largest error of both, see `Rebounds`.
+
+    Raises
+    ------
+    ValueError
+        If there are several contacts, none rebounds up to ``fastest``, or no table is that close.
+    """
+    if contact.shape:
+        raise ValueError(f"contact must be a single one to be exported, got {contact.shape}")
+    at = np.zeros(1)
+    limit = float(family.capture_speed(at)[0])
+    scale = float(contact.velocity_scale) or 1.0 / (float(contact.hertz_damping) or 1.0)
+    unit, offset = limit * scale or scale, 1.0 if limit else 0.0
+    top = fastest / unit - offset
+    lowest = LOWEST if family.adhesive else LOWEST_BARE
+    if top <= math.ldexp(1.0, lowest):
+        raise ValueError(
+            f"fastest must be above the capture velocity {limit * scale:.6g} m/s, got {fastest:g}"
+        )
+
+    def sampled(x: FloatArray, place: FloatArray) -> FloatArray:
+        w = (1.0 + x) * limit if limit else x
+        problems = family.problems(w, place)
+        found = quantities(problems, integrate(problems, ledger=True))
+        out = np.zeros((WIDTH, x.size))
+        out[RESTITUTION] = found[RESTITUTION]
+        out[IMPULSE] = found[SUPPORT[basis]] / (w if family.adhesive else 1.0)
+        return out
+
+    octaves = math.frexp(top)[1] - lowest + 1
+    held_out = np.exp2(lowest - 1 + np.linspace(0.0, octaves, HELD_OUT * octaves, endpoint=False))
+    expected = sampled(held_out, np.zeros_like(held_out))
+    error = math.inf
+    for split in SPLITS:
+        table = piecewise(sampled, lowest=lowest, octaves=octaves, split=split)
+        difference = np.abs(table(held_out, at) - expected) / np.maximum(expected, 1.0)
+        error = SAFETY * float(np.max(difference))
+        if error <= tolerance:
+            return Rebounds(
+                contact=contact,
+                basis=basis,
+                capture_velocity=limit * scale,
+                unit=unit,
+                table=table,
+                fastest=unit * (math.ldexp(1.0, lowest + octaves - 1) + offset),
+                error=error,
+            )
+    raise ValueError(f"tolerance {tolerance:g} is not reached; the closest comes to {error:.1g}")
+
+
+def export(
+    tabulated: Law, path: Path | str, form: str, friction_basis: str, tolerance: float
+) -> list[Path]:
+    """Write the rebound law for another program; see `model.law.table.Law.export`."""
+    choice("format", form, FORMATS)
+    basis = choice("friction_basis", friction_basis, FRICTION_BASES)
+    limit = float(checked("tolerance", tolerance, POSITIVE))
+    law = rebounds(tabulated.contact, tabulated.family, tabulated.fastest, basis, limit)
+    contents: dict[str, str | bytes] = {}
+    if form in {"c", "fluent", "openfoam"}:
+        contents["microimpact_rebound.h"] = _filled("rebound.h", law)
+    if form == "csv":
+        contents["microimpact_rebound.csv"] = _commented(law) + _sampled(law).to_csv(index=False)
+    elif form == "npz":
+        contents["microimpact_rebound.npz"] = _archive(law)
+    elif form == "lammps":
+        contents["microimpact_wall.table"] = _wall_table(law)
+    contents |= {name: _filled(name, law) for name in WORKED.get(form, ())}
+    written = [Path(path) / name for name in contents]
+    for file, content in zip(written, contents.values(), strict=True):
+        write_file(file, content)
+    return written
+
+
+# Worked boundary conditions that go with a format.
+WORKED = {
+    "c": ("example.c",),
+    "fluent": ("microimpact_fluent.c",),
+    "openfoam": ("MicroimpactRebound.H", "MicroimpactRebound.C"),
+    "lammps": ("in.microimpact",),
+}
+
+
+def _filled(name: str, law: Rebounds) -> str:
+    """Return a template with the numbers of the law."""
+    text = (files(__package__) / "templates" / name).read_text(encoding="utf-8")
+    coefficients = law.table.coefficients[0, :, 0, :, [RESTITUTION, IMPULSE]]
+    rows = (
+        "{" + ", ".join("{" + f"{e!r}, {i!r}" + "}" for e, i in piece) + "}"
+        for piece in np.moveaxis(coefficients, 0, -1).tolist()
+    )
+    contact = law.contact
+    return Template(text).substitute(
+        described="\n * ".join(_described(law)),
+        version=version("microimpact"),
+        basis=law.basis,
+        net=int(law.basis == "net"),
+        radius=repr(float(contact.radius)),
+        diameter=repr(float(contact.diameter)),
+        start=repr(1.01 * float(contact.radius)),
+        points=20 * ROWS,
+        density=repr(float(contact.particle.density)),
+        friction=repr(float(contact.friction)),
+        unit=repr(law.unit),
+        offset=repr(law.offset),
+        capture_velocity=repr(law.capture_velocity),
+        fastest=repr(law.fastest),
+        error=f"{law.error:.1e}",
+        lowest=law.table.lowest,
+        split=law.table.split,
+        pieces=law.table.pieces,
+        terms=law.table.coefficients.shape[3],
+        inertia=repr(INERTIA),
+        slip_per_impulse=repr(SLIP_PER_IMPULSE),
+        coefficients=",\n    ".join(rows),
+    )
+
+
+def _described(law: Rebounds) -> list[str]:
+    """Return the contact, the range and the error in words."""
+    contact = law.contact
+    rate = contact.reference_velocity
+    return [
+        f"{contact.particle.name} on {contact.surface.name}, {contact.diameter * 1e6:g} um: "
+        f"w_A = {contact.work_of_adhesion:.6g} J/m2, c_H = {contact.hertz_damping:.6g} s/m,",
+        f"c_A = {contact.adhesion_damping:.6g} s/m, n = {contact.adhesion_rate_exponent:g}"
+        + (f" with v_N = {rate:g} m/s" if rate is not None else "")
+        + f", f = {contact.friction:g} on the {law.basis} force.",
+        f"Capture velocity {law.capture_velocity:.6g} m/s; holds up to {law.fastest:.6g} m/s.",
+        f"Error of e and of the impulse ratio: {law.error:.1e}.",
+    ]
+
+
+def _sampled(law: Rebounds) -> pd.DataFrame:
+    """Return e and the impulse ratio of sliding over the normal speed, dense near capture."""
+    unit, offset = law.unit, law.offset
+    x = np.geomspace(1e-4, law.fastest / unit - offset, ROWS, endpoint=False)
+    e, impulse = law(unit * (x + offset))
+    sliding = law.contact.friction * (1.0 if law.basis == "net" else impulse / (1.0 + e))
+    columns = {"normal_speed_m_per_s": unit * (x + offset)}
+    if law.capture_velocity:
+        columns = {"v_n_over_v_c": x + 1.0} | columns
+    return pd.DataFrame(
+        columns
+        | {
+            "restitution": e,
+            "impulse_ratio_of_sliding": sliding,
+            "supporting_impulse_per_mass_and_speed": impulse,
+            "error": law.error,
+        }
+    )
+
+
+RULE = """\
+Captured where v_n <= v_c. Else V_n = e v_n, and with the slip s = v_t - r omega and the supporting
+impulse I = supporting_impulse_per_mass_and_speed: the sphere leaves rolling if 7/2 f I v_n >= |s|,
+and the slip's own velocity changes by 2/7 |s|; else it slides and changes by
+impulse_ratio_of_sliding (1 + e) v_n. Friction acts against the slip; spin changes by 5/(2 r) of it.
+A captured sphere ends rolling. v_n is the normal speed, not the total one."""
+
+
+def _commented(law: Rebounds) -> str:
+    lines = [*_described(law), *RULE.splitlines()]
+    return "".join(f"# {line}\n" for line in lines)
+
+
+def _archive(law: Rebounds) -> bytes:
+    """Return columns and polynomials as an archive of NumPy."""
+    target = io.BytesIO()
+    columns = {str(name): np.asarray(of) for name, of in _sampled(law).items()}
+    coefficients = law.table.coefficients[0, :, 0, :, [RESTITUTION, IMPULSE]]
+    np.savez(
+        target,
+        **columns,  # type: ignore[arg-type]
+        described=np.array(_commented(law)),
+        coefficients=np.moveaxis(coefficients, 0, -1),
+        lowest=law.table.lowest,
+        split=law.table.split,
+        unit=law.unit,
+        offset=law.offset,
+        capture_velocity=law.capture_velocity,
+        radius=law.contact.radius,
+        friction=law.contact.friction,
+    )
+    return target.getvalue()
+
+
+def _wall_table(law: Rebounds) -> str:
+    """Return the force without damping, of Eq. (25), over the distance of centre and wall."""
+    contact = law.contact
+    radius, bent = float(contact.radius), float(contact.hertz_radius)
+    deepest = 2.0 * float(
+        (1.25 * contact.mass * law.fastest**2 / (np.sqrt(bent) * contact.stiffness)) ** 0.4
+    )
+    n = np.linspace(deepest, 0.0, 20 * ROWS)
+    contact_radius = np.sqrt(bent * n)
+    adhesion = 2.0 * np.pi * float(contact.ring_force or 0.0)
+    force = float(contact.stiffness) * np.sqrt(bent) * n**1.5 - adhesion * contact_radius
+    energy = 0.4 * float(contact.stiffness) * np.sqrt(bent) * n**2.5
+    energy -= adhesion * np.sqrt(bent) * n**1.5 / 1.5
+    rows = (
+        f"{i} {r!r} {u!r} {f!r}"
+        for i, (r, u, f) in enumerate(
+            zip((radius - n).tolist(), energy.tolist(), force.tolist(), strict=True), 1
+        )
+    )
+    head = "".join(f"# {line}\n" for line in _described(law))
+    return (
+        f"{head}# Units: si. Force without damping: no loss, so no capture.\n\n"
+        f"CONTACT\nN {n.size}\n\n" + "\n".join(rows) + "\n"
+    )

@@ -1,0 +1,298 @@
+"""The law for other programs: C against the package, tables against integration."""
+
+import ctypes
+import subprocess
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import FRICTION_BASES, planar
+from microimpact.model.law.export import FORMATS
+from microimpact.model.law.table import tabulate
+
+STRICT = ("gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O2")
+FASTEST, COUNT = 20.0, 4000
+
+# So that many impacts are one call: what a host program's loop would do.
+LOOP = """
+#include "microimpact_rebound.h"
+void all(int n, const double *v_n, const double *v_t, const double *omega, double *V_n,
+         double *V_t, double *Omega, int *outcome)
+{
+    int i;
+    for (i = 0; i < n; i++)
+        outcome[i] = microimpact_rebound(v_n[i], v_t[i], omega[i], V_n + i, V_t + i, Omega + i);
+}
+"""
+
+# What the worked boundary condition uses of Fluent's own header.
+FLUENT = """
+#include <math.h>
+typedef double real;
+typedef int face_t;
+typedef struct { int id; } Thread;
+typedef struct { real velocity[3], before[3]; } Tracked_Particle;
+enum { PATH_ACTIVE, PATH_END, PATH_ABORT };
+#define TP_VEL(p) ((p)->velocity)
+#define TP_VEL0(p) ((p)->before)
+#define DEFINE_DPM_BC(name, p, t, f, n, d) \\
+    int name(Tracked_Particle *p, Thread *t, face_t f, real n[], int d)
+"""
+
+# And of OpenFOAM's.
+FOAM = """
+#include <memory>
+#include <ostream>
+#define TypeName(name) static constexpr const char* typeName = name
+#define FatalErrorInFunction FatalError
+namespace Foam {
+using scalar = double;
+struct Exit {};
+struct Failure {
+    template<class T> Failure& operator<<(const T&) { return *this; }
+    void operator<<(Exit) { throw 1; }
+};
+static Failure FatalError;
+inline Exit exit(const Failure&) { return {}; }
+struct vector { double x, y, z; };
+inline vector operator-(vector a, vector b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline double operator&(vector a, vector b) { return a.x*b.x + a.y*b.y + a.z*b.z; }
+inline vector operator*(double s, vector a) { return {s*a.x, s*a.y, s*a.z}; }
+inline vector& operator+=(vector& a, vector b) { a = {a.x + b.x, a.y + b.y, a.z + b.z}; return a; }
+inline double mag(vector a) { return __builtin_sqrt(a & a); }
+struct dictionary {};
+struct polyPatch { virtual ~polyPatch() = default; };
+struct wallPolyPatch : polyPatch {};
+template<class T> bool isA(const polyPatch& p) { return dynamic_cast<const T*>(&p); }
+template<class T> struct autoPtr : std::unique_ptr<T> { using std::unique_ptr<T>::unique_ptr; };
+template<class C> struct PatchInteractionModel {
+    C& cloud;
+    PatchInteractionModel(const dictionary&, C& c, const char*) : cloud(c) {}
+    PatchInteractionModel(const PatchInteractionModel& o) : cloud(o.cloud) {}
+    virtual ~PatchInteractionModel() = default;
+    C& owner() { return cloud; }
+    virtual bool correct(typename C::parcelType&, const polyPatch&, bool&) = 0;
+};
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def pair(scaled):
+    """Damping of both kinds that depends on the rate, friction so that some slide and some roll."""
+    made = scaled(0.05, 0.4, adhesion_rate_exponent=1.0, reference_velocity=1.0)
+    return made.replace(friction=0.15)
+
+
+@pytest.fixture(scope="module")
+def compiled(pair, tmp_path_factory):
+    """Return the compiled loop over impacts of a pair, by basis."""
+
+    def make(pair, basis="compressive"):
+        folder = tmp_path_factory.mktemp("header")
+        tabulate(pair, 0.1, FASTEST).export(folder, "c", basis)
+        (folder / "loop.c").write_text(LOOP, encoding="utf-8")
+        command = [*STRICT, "-shared", "-fPIC", "loop.c", "-o", "loop.so", "-lm"]
+        subprocess.run(command, cwd=folder, check=True)
+        return ctypes.CDLL(str(folder / "loop.so")).all
+
+    return make
+
+
+def rebounds(loop, v_n, v_t, omega):
+    found = [np.full(v_n.size, np.nan) for _ in range(3)]
+    outcome = np.zeros(v_n.size, np.int32)
+    pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in (v_n, v_t, omega, *found, outcome)]
+    loop(v_n.size, *pointers)
+    return *found, outcome
+
+
+@pytest.mark.parametrize("basis", FRICTION_BASES)
+def test_the_header_is_the_package(pair, compiled, basis):
+    random = np.random.default_rng(3)
+    limit = float(capture_velocity(pair))
+    v_n = -limit * np.exp(random.uniform(np.log(0.1), np.log(FASTEST / limit), COUNT))
+    v_t = random.normal(0.0, 5.0, COUNT)
+    omega = random.normal(0.0, 5.0, COUNT) / float(pair.radius)
+    *found, outcome = rebounds(compiled(pair, basis), v_n, v_t, omega)
+    expected = planar(pair, v_n, v_t, omega, basis)
+    assert np.array_equal(outcome == 1, expected.captured)
+    assert 0.1 < np.mean(expected.captured) < 0.9
+    assert 0.1 < np.mean(expected.rolling) < 0.9
+    size = np.abs(v_n) + np.abs(v_t) + np.abs(omega) * pair.radius
+    names = ("normal_velocity", "tangential_velocity", "spin")
+    units = (1.0, 1.0, 1.0 / pair.radius)
+    for name, unit, value in zip(names, units, found, strict=True):
+        assert np.max(np.abs(value - getattr(expected, name)) / (unit * size)) < 1e-6, name
+
+
+def test_close_to_capture(pair, compiled):
+    limit = float(capture_velocity(pair))
+    near = 10.0 ** -np.arange(3.0, 13.0)
+    v_n = -limit * np.concatenate([1.0 + near, 1.0 - near])
+    still = np.zeros_like(v_n)
+    normal, _, _, outcome = rebounds(compiled(pair), v_n, still, still)
+    assert outcome.tolist() == [0] * near.size + [1] * near.size
+    expected = planar(pair, v_n, still).normal_velocity
+    assert np.max(np.abs(normal - expected)) < 1e-6 * limit
+
+
+@pytest.mark.parametrize("changes", [{}, {"hertz_damping": 0.0}])
+def test_without_adhesion(pair, compiled, changes):
+    bare = pair.replace(work_of_adhesion=0.0, **changes)
+    v_n = -np.geomspace(1e-6, 0.99 * FASTEST, 50)
+    v_t, omega = np.ones(50), np.zeros(50)
+    *found, outcome = rebounds(compiled(bare), v_n, v_t, omega)
+    assert not outcome.any()
+    expected = planar(bare, v_n, v_t, omega)
+    assert np.max(np.abs(found[0] / expected.normal_velocity - 1.0)) < 1e-6
+    assert np.max(np.abs(found[1] - expected.tangential_velocity)) < 1e-6
+
+
+def test_what_the_table_does_not_hold_is_refused(pair, compiled):
+    v_n = np.array([1.0, 0.0, np.nan, -1e6, -np.inf])
+    *found, outcome = rebounds(compiled(pair), v_n, np.ones(5), np.zeros(5))
+    assert outcome.tolist() == [-1] * 5
+    assert np.all(np.isnan(found))
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_files(pair, tmp_path, form):
+    written = tabulate(pair, 0.1, FASTEST).export(tmp_path / "new", form)
+    assert written
+    assert sorted(path.name for path in (tmp_path / "new").iterdir()) == sorted(
+        path.name for path in written
+    )
+    assert all("$" not in path.read_text(encoding="latin-1") for path in written if form != "npz")
+
+
+def test_tables_are_integration(pair, tmp_path):
+    law = tabulate(pair, 0.1, FASTEST)
+    table = pd.read_csv(law.export(tmp_path, "csv")[0], comment="#")
+    archive = np.load(law.export(tmp_path, "npz")[0])
+    speed = table["normal_speed_m_per_s"].to_numpy()
+    # So fast along the surface that the sphere slides throughout.
+    slides = planar(pair, -speed, np.full_like(speed, 1e3))
+    assert np.allclose(table["restitution"], slides.coefficient_of_restitution, rtol=0, atol=1e-6)
+    assert np.allclose(table["impulse_ratio_of_sliding"], slides.impulse_ratio, rtol=0, atol=1e-6)
+    assert np.allclose(table["v_n_over_v_c"], speed / capture_velocity(pair), rtol=1e-12)
+    assert np.array_equal(archive["restitution"], table["restitution"])
+
+
+def test_the_example_runs(pair, tmp_path):
+    tabulate(pair, 0.1, FASTEST).export(tmp_path, "c")
+    subprocess.run([*STRICT, "example.c", "-lm"], cwd=tmp_path, check=True)
+
+    def run(*words):
+        return subprocess.run(
+            [tmp_path / "a.out", *words], capture_output=True, text=True, check=False
+        )
+
+    after = planar(pair, -8.0, 1.0)
+    first = float(run("8", "1", "0").stdout.split()[1])
+    assert first == pytest.approx(float(after.normal_velocity), rel=1e-6)
+    assert run("1e-3", "1", "0").stdout.startswith("captured")
+    assert run("1").returncode == run("1e9", "0", "0").returncode == 2
+
+
+def test_fluents_boundary_condition_against_a_stub(pair, tmp_path):
+    tabulate(pair, 0.1, FASTEST).export(tmp_path, "fluent")
+    (tmp_path / "udf.h").write_text(FLUENT, encoding="utf-8")
+    library = [*STRICT, "-I.", "-shared", "-fPIC", "microimpact_fluent.c", "-o", "bc.so", "-lm"]
+    subprocess.run(library, cwd=tmp_path, check=True)
+    wall = ctypes.CDLL(str(tmp_path / "bc.so")).microimpact_wall
+    vector = ctypes.c_double * 3
+
+    def impact(*velocity):
+        particle = (ctypes.c_double * 6)(*velocity, 0.0, 0.0, 0.0)
+        return wall(particle, None, 0, vector(0.0, 0.0, -1.0), 3), list(particle)
+
+    outcome, particle = impact(3.0, 4.0, -8.0)
+    after = planar(pair, -8.0, 5.0)
+    along = float(after.tangential_velocity) / 5.0
+    expected = [3.0 * along, 4.0 * along, float(after.normal_velocity)]
+    assert outcome == 0
+    assert particle == pytest.approx(2 * expected, rel=1e-6)
+    assert impact(0.0, 1.0, -1e-3)[0] == 1
+    assert impact(0.0, 1.0, -1e6)[0] == 2
+
+
+OF_FOAM = """
+#include <cstdio>
+#include "MicroimpactRebound.H"
+#include "MicroimpactRebound.C"
+using namespace Foam;
+struct Parcel {
+    vector velocity;
+    bool moving = true;
+    vector& U() { return velocity; }
+    void active(bool still) { moving = still; }
+};
+struct Cloud {
+    using parcelType = Parcel;
+    void patchData(Parcel&, const polyPatch&, vector& normal, vector& velocity)
+    {
+        normal = {0, 0, -1};
+        velocity = {1, 0, 0};
+    }
+};
+int main()
+{
+    Cloud cloud;
+    MicroimpactRebound<Cloud> model(dictionary{}, cloud);
+    for (double speed : {8.0, 1e-3}) {
+        Parcel parcel{{4.0, 4.0, -speed}};
+        bool kept = false;
+        std::printf("%d ", model.correct(parcel, wallPolyPatch{}, kept));
+        std::printf("%d %.9g %.9g %.9g\\n", parcel.moving, parcel.velocity.x, parcel.velocity.y,
+                    parcel.velocity.z);
+    }
+    Parcel parcel{{0, 0, -1e6}};
+    bool kept = false;
+    try { model.correct(parcel, wallPolyPatch{}, kept); } catch (int) { std::printf("2 "); }
+    std::printf("%d\\n", model.correct(parcel, polyPatch{}, kept));
+}
+"""
+
+
+def test_openfoams_patch_interaction_against_a_stub(pair, tmp_path):
+    tabulate(pair, 0.1, FASTEST).export(tmp_path, "openfoam")
+    for name in ("PatchInteractionModel.H", "wallPolyPatch.H"):
+        (tmp_path / name).write_text(f"#pragma once\n{FOAM if name[0] == 'P' else ''}")
+    (tmp_path / "main.cpp").write_text(OF_FOAM, encoding="utf-8")
+    command = ["g++", "-std=c++14", "-Wall", "-Werror", "-I.", "main.cpp", "-o", "foam"]
+    subprocess.run(command, cwd=tmp_path, check=True)
+    text = subprocess.run([tmp_path / "foam"], capture_output=True, text=True, check=True).stdout
+    fast, slow, other = ([float(word) for word in line.split()] for line in text.splitlines())
+    after = planar(pair, -8.0, 5.0)  # relative to a patch that moves with 1 m/s along x
+    along = float(after.tangential_velocity) / 5.0
+    velocity = [1.0 + 3.0 * along, 4.0 * along, float(after.normal_velocity)]
+    assert fast == pytest.approx([1.0, 1.0, *velocity], rel=1e-6)
+    assert slow == [1.0, 0.0, 1.0, 0.0, 0.0]
+    assert other == [2.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"format": "fortran"}, "format"),
+        ({"friction_basis": "all"}, "friction_basis"),
+        ({"tolerance": 0.0}, "tolerance"),
+        ({"tolerance": 1e-15}, "tolerance 1e-15 is not reached"),
+    ],
+)
+def test_bad_input_is_refused(pair, tmp_path, changes, message):
+    with pytest.raises(ValueError, match=message):
+        tabulate(pair, 0.1, FASTEST).export(tmp_path / "none", **changes)
+    assert not (tmp_path / "none").exists()
+
+
+def test_one_contact_that_rebounds(pair, tmp_path):
+    sizes = pair.replace(diameter=np.array([1.0, 1.1]) * pair.diameter)
+    with pytest.raises(ValueError, match="contact must be a single one"):
+        tabulate(sizes, 0.1, FASTEST).export(tmp_path)
+    slow = 0.5 * float(capture_velocity(pair))
+    with pytest.raises(ValueError, match="fastest must be above the capture velocity"):
+        tabulate(pair, 0.5 * slow, slow).export(tmp_path)
