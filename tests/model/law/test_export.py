@@ -1,6 +1,7 @@
 """The law for other programs: C against the package, tables against integration."""
 
 import ctypes
+import shutil
 import subprocess
 
 import numpy as np
@@ -14,6 +15,10 @@ from microimpact.model.law.table import tabulate
 
 STRICT = ("gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O2")
 FASTEST, COUNT = 20.0, 4000
+
+compiled_here = pytest.mark.skipif(
+    not (shutil.which("gcc") and shutil.which("g++")), reason="apt install g++ to compile the law"
+)
 
 # So that many impacts are one call: what a host program's loop would do.
 LOOP = """
@@ -109,6 +114,7 @@ def rebounds(loop, v_n, v_t, omega):
     return *found, outcome
 
 
+@compiled_here
 @pytest.mark.parametrize("basis", FRICTION_BASES)
 def test_the_header_is_the_package(pair, compiled, basis):
     random = np.random.default_rng(3)
@@ -128,6 +134,7 @@ def test_the_header_is_the_package(pair, compiled, basis):
         assert np.max(np.abs(value - getattr(expected, name)) / (unit * size)) < 1e-6, name
 
 
+@compiled_here
 def test_close_to_capture(pair, compiled):
     limit = float(capture_velocity(pair))
     near = 10.0 ** -np.arange(3.0, 13.0)
@@ -139,6 +146,7 @@ def test_close_to_capture(pair, compiled):
     assert np.max(np.abs(normal - expected)) < 1e-6 * limit
 
 
+@compiled_here
 @pytest.mark.parametrize("changes", [{}, {"hertz_damping": 0.0}])
 def test_without_adhesion(pair, compiled, changes):
     bare = pair.replace(work_of_adhesion=0.0, **changes)
@@ -151,6 +159,7 @@ def test_without_adhesion(pair, compiled, changes):
     assert np.max(np.abs(found[1] - expected.tangential_velocity)) < 1e-6
 
 
+@compiled_here
 def test_what_the_table_does_not_hold_is_refused(pair, compiled):
     v_n = np.array([1.0, 0.0, np.nan, -1e6, -np.inf])
     *found, outcome = rebounds(compiled(pair), v_n, np.ones(5), np.zeros(5))
@@ -181,6 +190,7 @@ def test_tables_are_integration(pair, tmp_path):
     assert np.array_equal(archive["restitution"], table["restitution"])
 
 
+@compiled_here
 def test_the_example_runs(pair, tmp_path):
     tabulate(pair, 0.1, FASTEST).export(tmp_path, "c")
     subprocess.run([*STRICT, "example.c", "-lm"], cwd=tmp_path, check=True)
@@ -197,6 +207,7 @@ def test_the_example_runs(pair, tmp_path):
     assert run("1").returncode == run("1e9", "0", "0").returncode == 2
 
 
+@compiled_here
 def test_fluents_boundary_condition_against_a_stub(pair, tmp_path):
     tabulate(pair, 0.1, FASTEST).export(tmp_path, "fluent")
     (tmp_path / "udf.h").write_text(FLUENT, encoding="utf-8")
@@ -257,6 +268,7 @@ int main()
 """
 
 
+@compiled_here
 def test_openfoams_patch_interaction_against_a_stub(pair, tmp_path):
     tabulate(pair, 0.1, FASTEST).export(tmp_path, "openfoam")
     for name in ("PatchInteractionModel.H", "wallPolyPatch.H"):
