@@ -16,7 +16,6 @@ from pathlib import Path
 from string import Template
 
 import numpy as np
-import pandas as pd
 
 from microimpact.core.arrays import POSITIVE, FloatArray, checked, choice
 from microimpact.core.files import write_file
@@ -165,7 +164,7 @@ def export(
     if form in {"c", "fluent", "openfoam"}:
         contents["microimpact_rebound.h"] = _filled("rebound.h", law)
     if form == "csv":
-        contents["microimpact_rebound.csv"] = _commented(law) + _sampled(law).to_csv(index=False)
+        contents["microimpact_rebound.csv"] = _commented(law) + _text(_sampled(law))
     elif form == "npz":
         contents["microimpact_rebound.npz"] = _archive(law)
     elif form == "lammps":
@@ -236,7 +235,7 @@ def _described(law: Rebounds) -> list[str]:
     ]
 
 
-def _sampled(law: Rebounds) -> pd.DataFrame:
+def _sampled(law: Rebounds) -> dict[str, FloatArray]:
     """Return e and the impulse ratio of sliding over the normal speed, dense near capture."""
     unit, offset = law.unit, law.offset
     x = np.geomspace(1e-4, law.fastest / unit - offset, ROWS, endpoint=False)
@@ -245,15 +244,18 @@ def _sampled(law: Rebounds) -> pd.DataFrame:
     columns = {"normal_speed_m_per_s": unit * (x + offset)}
     if law.capture_velocity:
         columns = {"v_n_over_v_c": x + 1.0} | columns
-    return pd.DataFrame(
-        columns
-        | {
-            "restitution": e,
-            "impulse_ratio_of_sliding": sliding,
-            "supporting_impulse_per_mass_and_speed": impulse,
-            "error": law.error,
-        }
-    )
+    return columns | {
+        "restitution": e,
+        "impulse_ratio_of_sliding": sliding,
+        "supporting_impulse_per_mass_and_speed": impulse,
+        "error": np.full(ROWS, law.error),
+    }
+
+
+def _text(columns: dict[str, FloatArray]) -> str:
+    """Return columns as CSV."""
+    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+    return "".join(",".join(map(str, row)) + "\n" for row in (columns, *rows))
 
 
 RULE = """\
@@ -272,11 +274,10 @@ def _commented(law: Rebounds) -> str:
 def _archive(law: Rebounds) -> bytes:
     """Return columns and polynomials as an archive of NumPy."""
     target = io.BytesIO()
-    columns = {str(name): np.asarray(of) for name, of in _sampled(law).items()}
     coefficients = law.table.coefficients[0, :, 0, :, [RESTITUTION, IMPULSE]]
     np.savez(
         target,
-        **columns,  # type: ignore[arg-type]
+        **_sampled(law),  # type: ignore[arg-type]
         described=np.array(_commented(law)),
         coefficients=np.moveaxis(coefficients, 0, -1),
         lowest=law.table.lowest,
