@@ -105,7 +105,7 @@ def rough_surface() -> Ensemble:
     )
     return Ensemble(
         process=process,
-        rules=Rules(flux_weighted=False, must_face=True, must_leave=True, most_contacts=1),
+        rules=Rules(facets="facing", must_leave=True, most_contacts=1),
         impact=RigidBody.of(steel_on_silicon(), process),
         plan=Plan(replicates=2, events=2),
         seed=(SEED,),

@@ -114,7 +114,7 @@ def test_facets_always_face_the_particle_and_frames_are_orthonormal():
 
 
 def test_equal_weights_take_facets_as_they_lie():
-    equal = replace(rough(0.3), rules=replace(LABORATORY, flux_weighted=False))
+    equal = replace(rough(0.3), rules=replace(LABORATORY, facets="facing"))
     v = incoming(100_000, 5.0)
     normal = facets_of(v, equal, seed=1)
     assert np.mean(normal[:, 0] / normal[:, 2]) == pytest.approx(0.0, abs=0.005)

@@ -330,8 +330,8 @@ SLIPS = (
     Mutant(
         "facets hit whatever they face",
         f"{LAB}/surface.py",
-        "    if surface.rules.flux_weighted:",
-        "    if not surface.rules.must_face:",
+        '    if surface.rules.facets == "seen":',
+        '    if surface.rules.facets == "every":',
         ("lab/test_surface",),
     ),
     Mutant(

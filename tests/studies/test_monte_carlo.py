@@ -80,7 +80,7 @@ def constants(**changes):
     return Process(**{**fixed, "friction": Constant(at=0.15), **changes})
 
 
-ARTICLE = Rules(flux_weighted=False, must_face=True, must_leave=True, most_contacts=1)
+ARTICLE = Rules(facets="facing", must_leave=True, most_contacts=1)
 SIZES = Uniform(low=45.0, high=76.0)
 
 
@@ -297,10 +297,10 @@ def test_a_facet_that_faces_the_motion_turns_its_normal_against_it():
 # Estimates
 
 
-@pytest.mark.parametrize("flux_weighted", [False, True])
+@pytest.mark.parametrize("facets", ["facing", "seen"])
 @pytest.mark.parametrize("must_leave", [False, True])
 @pytest.mark.parametrize("angle_deg", [10.0, 20.0, 45.0, 85.0])
-def test_mean_over_slopes_alone_is_a_known_integral(flux_weighted, must_leave, angle_deg):
+def test_mean_over_slopes_alone_is_a_known_integral(facets, must_leave, angle_deg):
     # frictionless, constant e: e_m = ((1 + e) sin(alpha + 2 phi)/sin(alpha) - (1 - e)) / 2
     e, sd, alpha = 0.7, 0.2, np.radians(angle_deg)
 
@@ -308,7 +308,7 @@ def test_mean_over_slopes_alone_is_a_known_integral(flux_weighted, must_leave, a
         return 0.5 * ((1 + e) * np.sin(alpha + 2 * np.arctan(x)) / np.sin(alpha) - (1 - e))
 
     def weight(x):
-        hit = np.tan(alpha) + x if flux_weighted else 1.0
+        hit = np.tan(alpha) + x if facets == "seen" else 1.0
         return hit * stats.norm.pdf(x, 0.0, sd)
 
     low = -min(np.tan(alpha), 8 * sd)
@@ -322,7 +322,7 @@ def test_mean_over_slopes_alone_is_a_known_integral(flux_weighted, must_leave, a
     top = integrate.quad(lambda x: measured(x) * weight(x), low, high, **limits)[0]
     bottom = integrate.quad(weight, low, high, **limits)[0]
     process = constants(slope=Normal(sd=sd), friction=Constant(at=0.0))
-    rules = replace(ARTICLE, flux_weighted=flux_weighted, must_leave=must_leave)
+    rules = replace(ARTICLE, facets=facets, must_leave=must_leave)
     found = estimate(
         ensemble(process, rules=rules, impact=constant_e(e), method="quasi_random"), angle_deg
     )
@@ -424,7 +424,7 @@ def test_small_spreads_give_the_deterministic_rebound():
         diameter_um=Normal(mean=62.0, sd=1e-6),
         spin_ratio=Normal(mean=0.1, sd=1e-8),
     )
-    for rules in (ARTICLE, replace(ARTICLE, flux_weighted=True, most_contacts=3)):
+    for rules in (ARTICLE, replace(ARTICLE, facets="seen", most_contacts=3)):
         one = ensemble(narrow, rules=rules)
         for angle in (10.0, 45.0, 90.0):
             found, exact = estimate(one, angle), estimate(deterministic(one), angle)
@@ -444,7 +444,7 @@ def test_shares_of_events_add_up_and_rules_reject_what_they_say():
     # P(slope < -tan alpha)
     expected = stats.norm.cdf(-np.tan(np.radians(15.0)) / 0.2)
     assert strict.facing_away == pytest.approx(expected, abs=0.01)
-    flux = estimate(ensemble(rules=replace(ARTICLE, flux_weighted=True)), 15.0)
+    flux = estimate(ensemble(rules=replace(ARTICLE, facets="seen")), 15.0)
     assert flux.facing_away == 0.0
     assert flux.not_leaving < strict.not_leaving
     twice = estimate(ensemble(rules=replace(ARTICLE, most_contacts=5)), 15.0)
@@ -457,7 +457,7 @@ def test_shares_of_events_add_up_and_rules_reject_what_they_say():
 
 def test_without_rules_roughness_does_not_raise_restitution():
     # frictionless: over even slopes the mean of sin(alpha + 2 phi) is below sin(alpha)
-    none = Rules(flux_weighted=False, must_face=False, must_leave=False, most_contacts=1)
+    none = Rules(facets="every", must_leave=False, most_contacts=1)
     process = constants(slope=Normal(sd=0.15), friction=Constant(at=0.0))
     found = estimate(
         ensemble(process, rules=none, impact=constant_e(0.7), method="quasi_random"), 20.0
@@ -632,14 +632,14 @@ def test_inferred_slope_gives_back_the_restitution_it_was_inferred_from():
         laboratory_sd=0.16,
         plan=Plan(replicates=4, events=512, method="quasi_random"),
     )
-    flux = ensemble(rules=replace(ARTICLE, flux_weighted=True))
+    flux = ensemble(rules=replace(ARTICLE, facets="seen"))
     row = infer_slope(flux, settings, two_axes=False)
     assert row["reached"]
     again = replace(flux, process=replace(flux.process, slope=Normal(sd=row["slope_sd"])))
     found = estimate(replace(again, plan=replace(settings.plan, replicates=32)), 20.0)
     assert found.restitution == pytest.approx(1.0, abs=5e-3)
     assert row["u_slope_sd"] > row["u_events_measured"] > 10 * row["u_events_drawn"]
-    none = replace(ARTICLE, must_face=False, must_leave=False)
+    none = replace(ARTICLE, facets="every", must_leave=False)
     missed = infer_slope(ensemble(rules=none), settings, two_axes=False)
     assert not missed["reached"]
     assert missed["largest_restitution"] < 1.0

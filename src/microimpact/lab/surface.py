@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import islice
-from typing import Annotated
+from typing import Annotated, Literal
 
 import numpy as np
 import scipy
@@ -60,25 +60,23 @@ class Rules:
 
     Attributes
     ----------
-    flux_weighted
-        Facets are hit in proportion to their area as seen along the motion; otherwise in
-        proportion to their area on the map, as in adding a random slope to the angle.
-    must_face
-        A facet turned away from the sphere is not hit, and the event does not count. If false, the
-        equations are applied to it all the same, as a program does that does not ask.
+    facets
+        ``seen``: facets are hit in proportion to their area as seen along the motion. ``facing``:
+        in proportion to their area on the map, as in adding a random slope to the angle; one turned
+        away from the sphere is not hit, and the event does not count. ``every``: the same, but the
+        equations are applied to such a facet, too, as a program does that does not ask.
     must_leave
         An event counts only if the sphere leaves the nominal surface.
     most_contacts
         So many facets may be hit in turn by a sphere that does not leave the surface.
     """
 
-    flux_weighted: bool
-    must_face: bool
+    facets: Literal["seen", "facing", "every"]
     must_leave: bool
     most_contacts: Annotated[int, Field(ge=1, le=20)]
 
 
-LABORATORY = Rules(flux_weighted=True, must_face=True, must_leave=True, most_contacts=5)
+LABORATORY = Rules(facets="seen", must_leave=True, most_contacts=5)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -178,7 +176,7 @@ def collide(
     for along, across in islice(shares, surface.rules.most_contacts):
         normal = facets(surface, velocity[moving], along[moving], across[moving])
         into = np.vecdot(velocity[moving], normal)
-        if not surface.rules.must_face:
+        if surface.rules.facets == "every":
             normal, into = -np.sign(into)[:, None] * normal, -np.abs(into)
         moving, normal = moving[into < 0.0], normal[into < 0.0]
         velocity[moving], spin[moving], stays = strike(
@@ -206,7 +204,7 @@ def facets(
     along, across
         Shares of which the quantiles are the slopes, shape (n,).
     """
-    if surface.rules.flux_weighted:
+    if surface.rules.facets == "seen":
         speed = np.hypot(velocity[:, 0], velocity[:, 1])
         # Upright motion meets all facets alike; no slope can be hit where none faces the sphere.
         tangent = -velocity[:, 2] / np.maximum(speed, TINY)

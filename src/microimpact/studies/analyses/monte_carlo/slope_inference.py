@@ -64,9 +64,9 @@ class SlopeInference:
 
 
 def with_slope(ensemble: Ensemble, sd: float, *, two_axes: bool) -> Ensemble:
-    """Return an ensemble on normal slopes, along the motion only or across it as well."""
+    """Return an ensemble on normal slopes, across the motion as along it or as they were."""
     slope = Normal(sd=sd)
-    across = slope if two_axes else Constant(at=0.0)
+    across = slope if two_axes else ensemble.process.cross_slope
     return replace(ensemble, process=replace(ensemble.process, slope=slope, cross_slope=across))
 
 

@@ -217,7 +217,7 @@ def rendered_range(params: Params, searched: pd.DataFrame) -> tuple[pd.DataFrame
         rows.append(_summary(params, setup, FRAMES, *seen))
         lost.append(_fates(setup, FRAMES, seen[0].fates))
         straight = _row(params, setup, FRAMES, params.rendered_events, with_gravity=False)
-        rows.append({**straight, "method": "straight lines", "covered": False})
+        rows.append({**straight, "method": "straight lines"})
     if not rows:
         raise ValueError(
             f"drawn_angle_deg: at {params.drawn_angle_deg:g} deg no speed is measurable"
