@@ -124,23 +124,37 @@ def _contact_options(command: Command) -> Command:
     show_default=True,
     help="Force that supports friction: compressive, hertz or net.",
 )
+@click.option(
+    "--tangential",
+    default="rigid",
+    show_default=True,
+    help="Compliance along the surface: rigid, mindlin or spring.",
+)
 def simulate_command(
-    speed: float, angle: float, spin: float, friction_basis: str, as_json: bool, **pair: Any
+    speed: float,
+    angle: float,
+    spin: float,
+    friction_basis: str,
+    tangential: str,
+    as_json: bool,
+    **pair: Any,
 ) -> None:
     """Simulate one impact."""
     from microimpact.model.dynamics.impact import simulate
 
     contact, replaced = _contact(**pair)
-    outcome = simulate(contact, speed, angle, spin, friction_basis)
+    laws = {"friction_basis": friction_basis, "tangential": tangential}
+    outcome = simulate(contact, speed, angle, spin, **laws)
     values = {name: getattr(outcome, name).item() for name in _IMPACT}
     if as_json:
-        before = {"speed": speed, "angle": angle, "spin": spin, "friction_basis": friction_basis}
+        before = {"speed": speed, "angle": angle, "spin": spin, **laws}
         after = {"spin_after" if name == "spin" else name: v for name, v in values.items()}
         _print_json(_inputs(contact, replaced) | before | after)
         return
     title = (
         f"{_words(contact, replaced)}\n{speed:g} m/s at {angle:g} deg, spin {spin:g} rad/s, "
         f"friction {contact.friction:g}, supported by the {friction_basis} force"
+        f"{'' if tangential == 'rigid' else f', tangential compliance {tangential}'}"
     )
     rows = [
         (label, _text(values[name], factor), unit)

@@ -273,7 +273,7 @@ SLIPS = (
     ),
     Mutant(
         "slip lost 1 + 2/5 times for 7/2",
-        f"{MODEL}/dynamics/impact.py",
+        f"{MODEL}/rigid_body/algebra.py",
         "SLIP_PER_IMPULSE = 1.0 + 1.0 / INERTIA",
         "SLIP_PER_IMPULSE = 1.0 + INERTIA",
         ("model/dynamics/test_impact",),
@@ -281,8 +281,8 @@ SLIPS = (
     Mutant(
         "a captured sphere rolls without friction",
         f"{MODEL}/dynamics/impact.py",
-        "rolling = normal.captured & (np.asarray(contact.friction) > 0.0)",
-        "rolling = np.asarray(normal.captured)",
+        "stays = normal.captured & (np.asarray(contact.friction) > 0.0)",
+        "stays = np.asarray(normal.captured)",
         ("model/dynamics/test_impact",),
     ),
     Mutant(
@@ -372,6 +372,37 @@ SLIPS = (
 )
 
 # The virtual laboratory, statistics, designs and random numbers.
+COMPLIANCE = (
+    Mutant(
+        "tangential compliance: what joins the contact is strained already",
+        f"{MODEL}/dynamics/tangential.py",
+        "(0.5 * way if entering and i == count - 1 else way)",
+        "(way if i < count else way) + (springs[2, 0] if entering and i == count - 1 else 0.0)",
+        ("model/dynamics/test_tangential",),
+    ),
+    Mutant(
+        "tangential compliance: (2 - nu) without its 2",
+        f"{MODEL}/dynamics/tangential.py",
+        "2.0 * (1.0 + np.asarray(m.poissons_ratio)) * (2.0 - m.poissons_ratio)",
+        "2.0 * (1.0 + np.asarray(m.poissons_ratio)) * (1.0 - m.poissons_ratio)",
+        ("model/dynamics/test_tangential",),
+    ),
+    Mutant(
+        "tangential compliance: pressure even over the contact",
+        f"{MODEL}/dynamics/tangential.py",
+        "most = density * max(s * s - springs[0, i], 0.0)",
+        "most = density * s * s / 1.5",
+        ("model/dynamics/test_tangential",),
+    ),
+    Mutant(
+        "tangential compliance: the force stays while the contact shrinks",
+        f"{MODEL}/dynamics/tangential.py",
+        "        x = springs[2, 0] + way\n        if entering:",
+        "        x = springs[2, 0] * before / max(s, 1e-9) + way\n        if entering:",
+        ("model/dynamics/test_tangential",),
+    ),
+)
+
 LABORATORY = (
     Mutant(
         "pairs: each rebound one record late",
@@ -534,4 +565,4 @@ LABORATORY = (
     ),
 )
 
-MUTANTS = MISPRINTS + SLIPS + LABORATORY
+MUTANTS = MISPRINTS + SLIPS + COMPLIANCE + LABORATORY

@@ -86,9 +86,20 @@ def test_the_answer_names_the_contact_and_repeats_all_inputs(microimpact):
               "adhesion_rate_exponent", "reference_velocity", "stiffness_model")  # fmt: skip
     again = simulate(
         Contact(**bodies, **{name: found[name] for name in fields}),
-        found["speed"], found["angle"], found["spin"], found["friction_basis"],
+        found["speed"], found["angle"], found["spin"], found["friction_basis"], found["tangential"],
     )  # fmt: skip
     assert float(again.spin) == found["spin_after"]
+
+
+def test_compliance_along_the_surface_is_an_option(microimpact):
+    arguments = ("simulate", *STEEL, "--speed", "1.66", "--angle", "60")
+    rigid, compliant = (
+        json.loads(microimpact(*arguments, "--tangential", law, "--json").stdout)
+        for law in ("rigid", "mindlin")
+    )
+    assert compliant["coefficient_of_restitution"] == rigid["coefficient_of_restitution"]
+    assert compliant["spin_after"] > 1.1 * rigid["spin_after"]
+    assert "compliance mindlin" in microimpact(*arguments, "--tangential", "mindlin").stdout
 
 
 def test_the_declared_pairs_are_the_calibrated_cases():
@@ -149,6 +160,7 @@ def test_materials_lists_materials_and_pairs(microimpact):
         (("simulate", *STEEL, "--speed", "abc"), "abc"),
         (("simulate", *STEEL, "--speed", "1", "--angle", "91"), "angle"),
         (("simulate", *STEEL, "--speed", "1", "--friction-basis", "x"), "friction_basis"),
+        (("simulate", *STEEL, "--speed", "1", "--tangential", "x"), "tangential must be one of"),
         (("capture", *STEEL, "--ring-force", "3", "--work-of-adhesion", "1"), "got both"),
         (("capture", *FLUORESCEIN, "--adhesion-rate-exponent", "1"), "reference_velocity"),
         (("capture", *STEEL, "--diameter-um", "0"), "diameter"),

@@ -1,9 +1,10 @@
 """Oblique impact with friction and spin, Eqs. (26)-(29), planar and in three dimensions.
 
-Slip of the contact point, ``v_t - r omega``, keeps its direction and falls by 7/2 of the tangential
-impulse per mass. So the outcome follows from the impulse of the force that supports friction: the
-sphere slides throughout, or rolls from the instant at which the slip would be used up. Eq. (29) is
-used with the moment ``-R F_t``: with the printed sign friction would speed the slip up.
+Slip of the contact point, ``v_t - r omega``, keeps its line and falls by 7/2 of the tangential
+impulse per mass. In a rigid contact it stops for good. So the outcome follows from the impulse of
+the force that supports friction: the sphere slides throughout, or rolls from the instant at which
+the slip would be used up. A compliant contact gives slip back, see `dynamics.tangential`. Eq. (29)
+is used with the moment ``-R F_t``: with the printed sign friction would speed the slip up.
 """
 
 from __future__ import annotations
@@ -25,16 +26,15 @@ from microimpact.core.arrays import (
 )
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.dynamics.normal import NormalImpact, normal_impact
-from microimpact.model.rigid_body.algebra import APPROACHING, INERTIA
+from microimpact.model.dynamics.tangential import compliant_impulse
+from microimpact.model.rigid_body.algebra import APPROACHING, INERTIA, SLIP_PER_IMPULSE
 
 FRICTION_BASES = ("compressive", "hertz", "net")
+TANGENTIAL_LAWS = ("rigid", "mindlin", "spring")
 # Squares of faster spheres' energies would leave double precision long after physics is left.
 SPEED_OF_LIGHT = 299_792_458.0
 SPEED = Range(lower=0.0, upper=SPEED_OF_LIGHT)
 ANGLE = Range(lower=0.0, upper=90.0, upper_closed=True)
-
-# Slip lost per unit of tangential impulse and mass: 1 + 1/INERTIA.
-SLIP_PER_IMPULSE = 1.0 + 1.0 / INERTIA
 
 # Normal impacts of contacts (first) at normal speeds in m/s (second).
 NormalLaw = Callable[[Contact, Real], NormalImpact]
@@ -57,7 +57,7 @@ class Impact:
     normal_velocity, tangential_velocity, spin
         After impact, m/s and rad/s.
     rolling
-        True where slip has ended.
+        True where slip has ended; with a compliant contact, where it stuck for some time.
     energy_loss, translational_energy_loss
         Fractions of the initial translational kinetic energy, with and without rotation.
     maximum_compression
@@ -86,7 +86,7 @@ class SpatialImpact:
     """Outcome of impacts in three dimensions, surface normal along z.
 
     As `Impact`, with ``velocity`` and ``spin`` vectors (..., 3), m/s and rad/s, and
-    ``impulse_ratio`` the magnitude of the tangential over the normal impulse.
+    ``impulse_ratio`` the tangential over the normal impulse, positive against the slip.
     """
 
     coefficient_of_restitution: FloatArray
@@ -103,9 +103,14 @@ class SpatialImpact:
 
 
 def friction_impulse(
-    contact: Contact, normal: NormalImpact, slip: FloatArray, basis: str, speed: Real
+    contact: Contact,
+    normal: NormalImpact,
+    slip: FloatArray,
+    basis: str,
+    speed: Real,
+    tangential: str = "rigid",
 ) -> tuple[FloatArray, BoolArray]:
-    """Magnitude of the friction impulse per mass, m/s, and whether the sphere ends rolling.
+    """Friction impulse per mass against the slip, m/s, and whether the sphere ends rolling.
 
     Parameters
     ----------
@@ -116,6 +121,8 @@ def friction_impulse(
         ``net`` the normal force as printed in Eq. (27); there rolling is decided at first passage.
     speed
         Normal speed of approach, m/s.
+    tangential
+        As in `planar`.
     """
     if basis == "net":
         sliding = np.asarray((1.0 + normal.coefficient_of_restitution) * speed)
@@ -125,9 +132,13 @@ def friction_impulse(
         assert impulse is not None
         sliding = available = impulse / contact.mass
     # A captured sphere is pressed on for ever: it rolls in the end, if there is friction at all.
-    rolling = normal.captured & (np.asarray(contact.friction) > 0.0)
-    rolling = rolling | (SLIP_PER_IMPULSE * contact.friction * available >= slip)
-    return np.where(rolling, slip / SLIP_PER_IMPULSE, contact.friction * sliding), rolling
+    stays = normal.captured & (np.asarray(contact.friction) > 0.0)
+    if tangential == "rigid":
+        rolling = stays | (SLIP_PER_IMPULSE * contact.friction * available >= slip)
+        return np.where(rolling, slip / SLIP_PER_IMPULSE, contact.friction * sliding), rolling
+    impulse, stuck = compliant_impulse(contact, normal, slip, speed, tangential, basis)
+    impulse = np.where(stays, slip / SLIP_PER_IMPULSE, impulse)
+    return np.where(stuck | stays, impulse, contact.friction * sliding), stuck | stays
 
 
 def planar(
@@ -137,6 +148,7 @@ def planar(
     omega: object = 0.0,
     friction_basis: str = "compressive",
     law: NormalLaw | None = None,
+    tangential: str = "rigid",
 ) -> Impact:
     """Impact in a plane.
 
@@ -153,6 +165,11 @@ def planar(
     law
         Where normal impacts come from; every one is integrated if none is given. A table made by
         `model.law.table.tabulate` is another: its `Law.normal_impact`.
+    tangential
+        ``"rigid"``: slip stops for good. ``"mindlin"``: the contact yields along the surface too
+        and slips in part; ``"spring"``: it is the spring of discrete element codes; see
+        `model.dynamics.tangential`. Both take the shear modulus from the materials, and friction
+        that rests on ``"compressive"`` or ``"hertz"``; a captured sphere ends rolling all the same.
 
     Raises
     ------
@@ -162,7 +179,7 @@ def planar(
         If an integration failed.
     """
     require_contact(contact)
-    basis = choice("friction_basis", friction_basis, FRICTION_BASES)
+    basis = _basis(friction_basis, tangential)
     v_n = checked("v_n", v_n, APPROACHING)
     v_t = checked("v_t", v_t, FINITE)
     omega = checked("omega", omega, FINITE)
@@ -172,7 +189,7 @@ def planar(
     speed, radius = np.abs(v_n), contact.radius
     normal = _normal(contact, speed, basis, law)
     slip = np.asarray(v_t - radius * omega)
-    size, rolling = friction_impulse(contact, normal, np.abs(slip), basis, speed)
+    size, rolling = friction_impulse(contact, normal, np.abs(slip), basis, speed, tangential)
     change = np.sign(slip) * size
     e = normal.coefficient_of_restitution
     after_t = v_t - change
@@ -207,6 +224,7 @@ def simulate(
     angle: object = 90.0,
     spin: object = 0.0,
     friction_basis: str = "compressive",
+    tangential: str = "rigid",
 ) -> Impact:
     """Simulate impacts given by speed and angle of incidence, each integrated.
 
@@ -222,6 +240,9 @@ def simulate(
         Spin before impact, rad/s, positive in the sense of rolling along the motion.
     friction_basis
         Force that supports friction: ``"compressive"``, ``"hertz"`` or ``"net"``.
+    tangential
+        Compliance along the surface: ``"rigid"`` (none), ``"mindlin"`` or ``"spring"``; see
+        `planar`.
 
     Returns
     -------
@@ -235,7 +256,7 @@ def simulate(
     RuntimeError
         If an integration failed.
     """
-    return incident(contact, speed, angle, spin, friction_basis)
+    return incident(contact, speed, angle, spin, friction_basis, tangential=tangential)
 
 
 def incident(
@@ -245,16 +266,29 @@ def incident(
     spin: object,
     friction_basis: str,
     law: NormalLaw | None = None,
+    tangential: str = "rigid",
 ) -> Impact:
     """Return planar impacts by any law of normal impacts; as `simulate` and `planar`."""
     require_contact(contact)
-    choice("friction_basis", friction_basis, FRICTION_BASES)
+    _basis(friction_basis, tangential)
     speed = checked("speed", speed, SPEED)
     angle = checked("angle", angle, ANGLE)
     spin = checked("spin", spin, FINITE)
     common_shape({"contact": np.empty(contact.shape), "speed": speed, "angle": angle, "spin": spin})
     v_n, v_t = velocity_components(speed, angle)
-    return planar(contact, v_n, v_t, spin, friction_basis, law)
+    return planar(contact, v_n, v_t, spin, friction_basis, law, tangential)
+
+
+def _basis(friction_basis: object, tangential: object) -> str:
+    """Return the checked basis of friction, for a checked tangential law."""
+    basis = choice("friction_basis", friction_basis, FRICTION_BASES)
+    if choice("tangential", tangential, TANGENTIAL_LAWS) != "rigid" and basis == "net":
+        allowed = " or ".join(map(repr, FRICTION_BASES[:2]))
+        raise ValueError(
+            f"friction_basis must be {allowed} with tangential {tangential!r}, got 'net': a limit "
+            "that adhesion makes negative is none"
+        )
+    return basis
 
 
 def _normal(contact: Contact, speed: Real, basis: str, law: NormalLaw | None) -> NormalImpact:
@@ -280,6 +314,7 @@ def spatial(
     spin: object = (0.0, 0.0, 0.0),
     friction_basis: str = "compressive",
     law: NormalLaw | None = None,
+    tangential: str = "rigid",
 ) -> SpatialImpact:
     """Impact in three dimensions; the surface is the plane z = 0, the normal +z.
 
@@ -293,9 +328,7 @@ def spatial(
         Velocity before impact (..., 3), m/s, with a negative z component.
     spin
         Angular velocity before impact (..., 3), rad/s, right-handed.
-    friction_basis
-        As in `planar`.
-    law
+    friction_basis, law, tangential
         As in `planar`.
 
     Raises
@@ -306,7 +339,7 @@ def spatial(
         If an integration failed.
     """
     require_contact(contact)
-    basis = choice("friction_basis", friction_basis, FRICTION_BASES)
+    basis = _basis(friction_basis, tangential)
     vectors = {}
     for name, value in {"velocity": velocity, "spin": spin}.items():
         vectors[name] = np.asarray(checked(name, value, FINITE))
@@ -328,7 +361,7 @@ def spatial(
     # Velocity of the contact point along the surface: v + w x (-r z).
     slip = np.stack([v[..., 0] - radius * w[..., 1], v[..., 1] + radius * w[..., 0]], axis=-1)
     length = np.hypot(slip[..., 0], slip[..., 1])
-    size, rolling = friction_impulse(contact, normal, length, basis, speed)
+    size, rolling = friction_impulse(contact, normal, length, basis, speed, tangential)
     direction = slip / np.where(length > 0.0, length, 1.0)[..., None]
     change = direction * size[..., None]
     e = normal.coefficient_of_restitution

@@ -14,12 +14,11 @@ from microimpact.model.dynamics import kernel
 from microimpact.model.dynamics.impact import (
     ANGLE,
     FRICTION_BASES,
-    SLIP_PER_IMPULSE,
     SPEED,
     velocity_components,
 )
 from microimpact.model.dynamics.normal import Scales, integrate, is_shallow, scaled_problems
-from microimpact.model.rigid_body.algebra import INERTIA
+from microimpact.model.rigid_body.algebra import INERTIA, SLIP_PER_IMPULSE
 
 # Room for the series of so many steps, widened where it does not suffice.
 STEPS, MOST_STEPS = 256, 1_000_000

@@ -20,12 +20,12 @@ import numpy as np
 from microimpact.core.arrays import POSITIVE, FloatArray, checked, choice
 from microimpact.core.files import write_file
 from microimpact.model.contact import Contact
-from microimpact.model.dynamics.impact import FRICTION_BASES, SLIP_PER_IMPULSE
+from microimpact.model.dynamics.impact import FRICTION_BASES
 from microimpact.model.dynamics.normal import integrate
 from microimpact.model.law.families import COMPRESSIVE, HERTZ, PEAK, RESTITUTION, Family, quantities
 from microimpact.model.law.pieces import WIDTH, Table, piecewise
 from microimpact.model.law.table import SPLITS, Law
-from microimpact.model.rigid_body.algebra import INERTIA
+from microimpact.model.rigid_body.algebra import INERTIA, SLIP_PER_IMPULSE
 
 FORMATS = ("c", "csv", "npz", "fluent", "openfoam", "lammps")
 

@@ -27,6 +27,8 @@ UNIT_INTERVAL = Range(lower=0.0, upper=1.0, lower_closed=True, upper_closed=True
 
 # Moment of inertia of a solid sphere: I = INERTIA m r^2.
 INERTIA = 0.4
+# Slip lost per unit of tangential impulse and mass.
+SLIP_PER_IMPULSE = 1.0 + 1.0 / INERTIA
 
 
 class RigidBodyRebound(NamedTuple):
