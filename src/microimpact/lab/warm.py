@@ -5,6 +5,8 @@ Jobs that start side by side on a new machine would each compile the same functi
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from microimpact.core.materials import Material
@@ -13,20 +15,16 @@ from microimpact.lab.experiment import Target
 from microimpact.lab.pdpa import analyser as pdpa
 from microimpact.lab.surface import rough
 from microimpact.model.contact import Contact
+from microimpact.model.contact_laws import JKR
+from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.dynamics.trajectory import trajectory
 from microimpact.model.empirical.search import data_sets, fit_batch
 from microimpact.model.law.table import tabulate
 from microimpact.model.rigid_body.facets import facet_rebound
 
 BODY = Material(name="any", youngs_modulus=1e11, poissons_ratio=0.3, density=2e3)
-CONTACT = Contact(
-    particle=BODY,
-    surface=BODY,
-    diameter=5e-5,
-    work_of_adhesion=0.1,
-    hertz_damping=0.01,
-    adhesion_damping=1.0,
-)
+PAIR: Any = {"particle": BODY, "surface": BODY, "diameter": 5e-5}
+CONTACT = Contact(**PAIR, work_of_adhesion=0.1, hertz_damping=0.01, adhesion_damping=1.0)
 ANALYSER = pdpa.Instrument(
     probe_height_mm=1.0,
     probe_height_error_um=0.0,
@@ -69,6 +67,7 @@ def _use_model() -> None:
     up = np.array([[0.0, 0.0, 1.0]])
     facet_rebound(down, np.zeros((1, 3)), up, np.full(1, 0.7), np.full(1, 0.15))
     speed = np.geomspace(1.0, 10.0, 8)
+    normal_impact(Contact(**PAIR, work_of_adhesion=0.1, law=JKR(viscous_time=1e-9)), speed)
     fit_batch(data_sets(speed, 0.8 - 0.1 / speed, 100.0))
 
 

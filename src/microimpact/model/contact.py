@@ -10,6 +10,7 @@ import numpy as np
 
 from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, Real, checked, choice, common_shape
 from microimpact.core.materials import Material
+from microimpact.model.contact_laws import RING_FORCE, ContactLaw, Hysteresis, contact_law
 
 STIFFNESS_MODELS = ("hertz", "reduced")
 
@@ -44,10 +45,18 @@ def resized(contact: Contact, diameter: Real) -> Contact:
     return contact.replace(diameter=diameter, work_of_adhesion=contact.work_of_adhesion)
 
 
-def require_contact(value: object) -> None:
-    """Raise a TypeError unless ``value`` is a contact."""
+def require_contact(value: object, *, any_law: bool = False) -> None:
+    """Raise a TypeError unless ``value`` is a contact.
+
+    Raises
+    ------
+    ValueError
+        If it has another law than the ring force, and not any law will do.
+    """
     if not isinstance(value, Contact):
         raise TypeError(f"contact must be a Contact, got {value!r}")
+    if value.law is not None and not any_law:
+        raise ValueError(f"contact must have the law {RING_FORCE!r} here, got {value.law.name!r}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -82,6 +91,10 @@ class Contact:
         Radius of curvature of the surface, m (Eq. 22); infinite for a plane.
     damped_attachment
         Whether adhesion is damped during approach too (the article: no).
+    law
+        Law of the normal force: ``"ring force"`` (the article's), or a record of another one from
+        `microimpact.model.contact_laws`: `JKR`, `ThorntonNing` or `Hysteresis`. These take
+        ``work_of_adhesion`` and have losses of their own, so none of the damping above.
 
     Attributes
     ----------
@@ -109,6 +122,7 @@ class Contact:
     reference_velocity: Real | None = None
     surface_radius: Real = math.inf
     damped_attachment: bool = False
+    law: ContactLaw | None = None
     adhesion_input: str = field(init=False, default="")
     shape: tuple[int, ...] = field(init=False, default=())
 
@@ -124,11 +138,36 @@ class Contact:
                 f"damped_attachment must be True or False, got {self.damped_attachment!r}"
             )
         choice("stiffness_model", self.stiffness_model, STIFFNESS_MODELS)
+        self._set("law", contact_law(self.law))
         given = "ring_force" if self.work_of_adhesion is None else "work_of_adhesion"
         self._set("adhesion_input", given)
         self._check_numbers(given)
+        if self.law is not None:
+            self._check_law(self.law, given)
         with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
             self._resolve_adhesion()
+
+    def _check_law(self, law: ContactLaw, adhesion_input: str) -> None:
+        """Refuse what belongs to the ring force, and works of adhesion that would gain energy."""
+        foreign = {
+            "ring_force": adhesion_input == "ring_force",
+            "stiffness_model": self.stiffness_model != "hertz",
+            "damped_attachment": self.damped_attachment,
+        } | {
+            name: bool(np.any(np.asarray(getattr(self, name))))
+            for name in ("hertz_damping", "adhesion_damping", "adhesion_rate_exponent")
+        }
+        given = [name for name, found in foreign.items() if found]
+        if given:
+            raise ValueError(
+                f"law {law.name!r} does not know {', '.join(given)}: leave that to the ring force"
+            )
+        work = np.asarray(self.work_of_adhesion, dtype=np.float64)
+        if isinstance(law, Hysteresis) and np.any(np.asarray(law.unloading_work) < work):
+            raise ValueError(
+                f"law.unloading_work must not be below work_of_adhesion {work}, "
+                f"got {law.unloading_work}"
+            )
 
     def _resolve_adhesion(self) -> None:
         radius, stiffness = self.hertz_radius, self.hertz_stiffness
@@ -173,8 +212,10 @@ class Contact:
         named = {
             f.name: getattr(self, f.name)
             for f in fields(self)
-            if f.init and f.name not in {"particle", "surface", "stiffness_model"}
+            if f.init and f.name not in {"particle", "surface", "stiffness_model", "law"}
         }
+        if self.law is not None:
+            named |= {f"law.{name}": value for name, value in self.law.parameters.items()}
         for role in ("particle", "surface"):
             for name in ("youngs_modulus", "poissons_ratio", "density"):
                 named[f"{role}.{name}"] = getattr(getattr(self, role), name)
@@ -242,6 +283,13 @@ class Contact:
     def hertz_radius(self) -> Real:
         """Effective radius r of Eq. (22), m; the sphere's on a plane."""
         return 1.0 / (1.0 / self.radius + 1.0 / np.asarray(self.surface_radius))[()]
+
+    @property
+    def pull_off_force(self) -> Real:
+        """Force in N that pulls a JKR contact apart: ``3 pi w r / 2``, w that of separation."""
+        hysteresis = isinstance(self.law, Hysteresis)
+        work = self.law.unloading_work if hysteresis else self.work_of_adhesion  # type: ignore[union-attr]
+        return 1.5 * np.pi * work * self.hertz_radius  # type: ignore[operator]
 
     @property
     def mass(self) -> Real:

@@ -25,12 +25,15 @@ from microimpact.core.arrays import (
     common_shape,
 )
 from microimpact.model.contact import Contact, require_contact
+from microimpact.model.contact_laws import RING_FORCE
 from microimpact.model.dynamics.normal import NormalImpact, normal_impact
 from microimpact.model.dynamics.tangential import compliant_impulse
 from microimpact.model.rigid_body.algebra import APPROACHING, INERTIA, SLIP_PER_IMPULSE
 
 FRICTION_BASES = ("compressive", "hertz", "net")
 TANGENTIAL_LAWS = ("rigid", "mindlin", "spring")
+# Of other laws than the ring force: that has a Hertz term, and if damped pulls harder than this.
+PULL_OFF = "pull-off"
 # Squares of faster spheres' energies would leave double precision long after physics is left.
 SPEED_OF_LIGHT = 299_792_458.0
 SPEED = Range(lower=0.0, upper=SPEED_OF_LIGHT)
@@ -119,6 +122,8 @@ def friction_impulse(
     basis
         Force that supports friction: ``compressive`` max(F_n, 0), ``hertz`` the Hertz term alone,
         ``net`` the normal force as printed in Eq. (27); there rolling is decided at first passage.
+        ``pull-off`` the normal force and twice the pull-off force (Thornton and Yin 1991), which
+        is for contacts with another law than the ring force, as ``hertz`` is for that one.
     speed
         Normal speed of approach, m/s.
     tangential
@@ -127,6 +132,10 @@ def friction_impulse(
     if basis == "net":
         sliding = np.asarray((1.0 + normal.coefficient_of_restitution) * speed)
         available = normal.peak_net_impulse / contact.mass
+    elif basis == PULL_OFF:
+        time = np.where(normal.captured, 0.0, normal.contact_time)
+        adhesion = 2.0 * contact.pull_off_force * time / contact.mass
+        sliding = available = (1.0 + normal.coefficient_of_restitution) * speed + adhesion
     else:
         impulse = normal.hertz_impulse if basis == "hertz" else normal.compressive_impulse
         assert impulse is not None
@@ -161,7 +170,7 @@ def planar(
     omega
         Spin before impact, rad/s, positive in the sense of rolling along t.
     friction_basis
-        ``"compressive"``, ``"hertz"`` or ``"net"``; see `friction_impulse`.
+        ``"compressive"``, ``"hertz"``, ``"net"`` or ``"pull-off"``; see `friction_impulse`.
     law
         Where normal impacts come from; every one is integrated if none is given. A table made by
         `model.law.table.tabulate` is another: its `Law.normal_impact`.
@@ -178,8 +187,8 @@ def planar(
     RuntimeError
         If an integration failed.
     """
-    require_contact(contact)
-    basis = _basis(friction_basis, tangential)
+    require_contact(contact, any_law=tangential == "rigid")
+    basis = _basis(contact, friction_basis, tangential)
     v_n = checked("v_n", v_n, APPROACHING)
     v_t = checked("v_t", v_t, FINITE)
     omega = checked("omega", omega, FINITE)
@@ -239,7 +248,8 @@ def simulate(
     spin
         Spin before impact, rad/s, positive in the sense of rolling along the motion.
     friction_basis
-        Force that supports friction: ``"compressive"``, ``"hertz"`` or ``"net"``.
+        Force that supports friction: ``"compressive"``, ``"hertz"``, ``"net"`` or ``"pull-off"``;
+        see `friction_impulse`.
     tangential
         Compliance along the surface: ``"rigid"`` (none), ``"mindlin"`` or ``"spring"``; see
         `planar`.
@@ -269,8 +279,8 @@ def incident(
     tangential: str = "rigid",
 ) -> Impact:
     """Return planar impacts by any law of normal impacts; as `simulate` and `planar`."""
-    require_contact(contact)
-    _basis(friction_basis, tangential)
+    require_contact(contact, any_law=tangential == "rigid")
+    _basis(contact, friction_basis, tangential)
     speed = checked("speed", speed, SPEED)
     angle = checked("angle", angle, ANGLE)
     spin = checked("spin", spin, FINITE)
@@ -279,15 +289,18 @@ def incident(
     return planar(contact, v_n, v_t, spin, friction_basis, law, tangential)
 
 
-def _basis(friction_basis: object, tangential: object) -> str:
-    """Return the checked basis of friction, for a checked tangential law."""
-    basis = choice("friction_basis", friction_basis, FRICTION_BASES)
+def _basis(contact: Contact, friction_basis: object, tangential: object) -> str:
+    """Return the checked basis of friction, for the contact's law and a checked tangential law."""
+    basis = choice("friction_basis", friction_basis, (*FRICTION_BASES, PULL_OFF))
     if choice("tangential", tangential, TANGENTIAL_LAWS) != "rigid" and basis == "net":
         allowed = " or ".join(map(repr, FRICTION_BASES[:2]))
         raise ValueError(
             f"friction_basis must be {allowed} with tangential {tangential!r}, got 'net': a limit "
             "that adhesion makes negative is none"
         )
+    if basis == (PULL_OFF if contact.law is None else "hertz"):
+        law = contact.law.name if contact.law else RING_FORCE
+        raise ValueError(f"friction_basis {basis!r} does not go with the law {law!r}")
     return basis
 
 
@@ -338,8 +351,8 @@ def spatial(
     RuntimeError
         If an integration failed.
     """
-    require_contact(contact)
-    basis = _basis(friction_basis, tangential)
+    require_contact(contact, any_law=tangential == "rigid")
+    basis = _basis(contact, friction_basis, tangential)
     vectors = {}
     for name, value in {"velocity": velocity, "spin": spin}.items():
         vectors[name] = np.asarray(checked(name, value, FINITE))

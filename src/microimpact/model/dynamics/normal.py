@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from microimpact.core.arrays import BoolArray, FloatArray, Real, common_shape
-from microimpact.model.contact import Contact
-from microimpact.model.dynamics import kernel
+from microimpact.model.contact import Contact, require_contact
+from microimpact.model.dynamics import kernel, laws
 
 # By comparison of trajectories, more damping never helps a rebound. Without adhesion damping no
 # speed rebounds above C_H = 0.48741, without material damping none above C_A = 1.16280 (by the
@@ -72,6 +72,8 @@ class NormalImpact:
         Integral of the Hertz term alone, N s; None unless asked for.
     ledger
         Energy and momentum balance; None unless asked for.
+    losses
+        Where the energy went by another law than the ring force; None by that one.
     interpolation_error
         Bound of the relative difference from integration; 0 where every impact was integrated.
     """
@@ -85,7 +87,19 @@ class NormalImpact:
     peak_net_impulse: FloatArray
     hertz_impulse: FloatArray | None = None
     ledger: Ledger | None = None
+    losses: Losses | None = None
     interpolation_error: FloatArray | float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Losses:
+    """Energy lost in the bulk, viscous or plastic, and to adhesion, J; the latter all of the rest.
+
+    Of a captured sphere adhesion has all that the bulk has not taken in the first compression.
+    """
+
+    bulk: FloatArray
+    adhesion: FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -309,7 +323,7 @@ def _crept_back(problems: FloatArray, approach: FloatArray, mode: int) -> FloatA
 
 
 def normal_impact(contact: Contact, speed: Real, *, ledger: bool = False) -> NormalImpact:
-    """Integrate normal impacts, Eq. (25).
+    """Integrate normal impacts, Eq. (25), or solve them by the contact's own law.
 
     Parameters
     ----------
@@ -318,15 +332,18 @@ def normal_impact(contact: Contact, speed: Real, *, ledger: bool = False) -> Nor
     speed
         Normal speed of approach, m/s, positive (checked by the callers).
     ledger
-        Whether to compute the impulse and work of every term too.
+        Whether to compute the impulse and work of every term too; of the ring force alone.
 
     Raises
     ------
     ValueError
-        If shapes do not broadcast.
+        If shapes do not broadcast, or another law is asked for terms of the ring force.
     RuntimeError
         If an integration failed.
     """
+    if contact.law is not None:
+        require_contact(contact, any_law=not ledger)
+        return _by_law(contact, speed)
     problems, scales, shape = scaled_problems(contact, speed)
     results = integrate(problems, ledger=ledger)
     captured = results[:, kernel.STATUS] == kernel.CAPTURED
@@ -346,6 +363,28 @@ def normal_impact(contact: Contact, speed: Real, *, ledger: bool = False) -> Nor
         peak_net_impulse=shaped((start - results[:, kernel.LOWEST_U]) * impulse),
         hertz_impulse=shaped(results[:, kernel.HERTZ_IMPULSE] * impulse) if ledger else None,
         ledger=_ledger(problems, results, scales, shape) if ledger else None,
+    )
+
+
+def _by_law(contact: Contact, speed: Real) -> NormalImpact:
+    problem, units, shape = laws.scaled(contact, speed)
+    found = laws.solve(problem)
+    time, impulse = units.length / units.speed, units.mass * units.speed
+    s, energy = found.deepest, units.mass * units.speed**2
+    compression = s**4 - 4.0 * problem.closing * s
+
+    def shaped(values: FloatArray) -> FloatArray:
+        return values.reshape(shape)
+
+    return NormalImpact(
+        captured=found.captured.reshape(shape),
+        coefficient_of_restitution=shaped(found.speed / problem.speed),
+        contact_time=shaped(found.time * time),
+        compression_time=shaped(found.turning_time * time),
+        maximum_compression=shaped(compression * units.length),
+        compressive_impulse=shaped(found.compressive * impulse),
+        peak_net_impulse=shaped(found.greatest * impulse),
+        losses=Losses(shaped(found.bulk * energy), shaped(found.adhesion * energy)),
     )
 
 

@@ -1,0 +1,118 @@
+"""Laws of the normal force beside the article's ring force, as records of their parameters.
+
+Each of them rests on the contact of Johnson, Kendall and Roberts 1971 (JKR), with the work of
+adhesion and the materials of its `Contact`; what it does is in `microimpact.model.dynamics.laws`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import ClassVar
+
+from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, Range, Real, checked
+
+RING_FORCE = "ring force"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ContactLaw:
+    """A law of the normal force; its parameters may be arrays, as the fields of a contact."""
+
+    name: ClassVar[str] = ""
+    admissible: ClassVar[Range] = POSITIVE
+
+    def __post_init__(self) -> None:
+        """Check the parameters.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If one is not a number, or out of range.
+        """
+        for name, value in self.parameters.items():
+            object.__setattr__(self, name, checked(f"law.{name}", value, self.admissible))
+
+    @property
+    def parameters(self) -> dict[str, Real]:
+        """The parameters by name."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class JKR(ContactLaw):
+    """JKR contact with viscous loss in the bulk (Brilliantov et al. 2007; Krijt et al. 2013).
+
+    It closes at touch and breaks at a negative overlap; that alone costs energy. The bulk opposes
+    ``2 E* a A`` times the speed of compression, the stiffness of a contact of radius a.
+
+    Parameters
+    ----------
+    viscous_time
+        Relaxation time A, s; T_vis/nu^2 of Krijt et al.
+    """
+
+    name: ClassVar[str] = "jkr"
+    admissible: ClassVar[Range] = NON_NEGATIVE
+    viscous_time: Real = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ThorntonNing(ContactLaw):
+    """Adhesive elastic, perfectly plastic contact (Thornton and Ning 1998).
+
+    JKR until the pressure in the middle reaches the yield pressure; a force that grows with the
+    area of contact beyond; elastic unloading, JKR with the flattened sphere's larger radius.
+
+    Parameters
+    ----------
+    yield_pressure
+        p_y, Pa: about 1.6 times the yield strength, up to 2.8 times it, the hardness.
+    """
+
+    name: ClassVar[str] = "thornton-ning"
+    yield_pressure: Real
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Hysteresis(ContactLaw):
+    """Rate-independent hysteresis of adhesion: the contact closes by one work and opens by another.
+
+    JKR with the contact's work of adhesion while the contact grows; at constant radius until the
+    release of energy suffices for the larger work; JKR with that one while it shrinks.
+
+    Parameters
+    ----------
+    unloading_work
+        Work of adhesion of separation, J/m2; not below the contact's, which is that of approach.
+    """
+
+    name: ClassVar[str] = "hysteresis"
+    unloading_work: Real
+
+
+LAWS: tuple[type[ContactLaw], ...] = (JKR, ThorntonNing, Hysteresis)
+NAMES = (RING_FORCE, *(law.name for law in LAWS))
+
+
+def contact_law(value: object) -> ContactLaw | None:
+    """Return a law given as a record or by name; None is the ring force.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is no law, or a name whose law needs a parameter.
+    """
+    if value is None or value == RING_FORCE:
+        return None
+    if value == JKR.name:
+        return JKR()
+    for law in LAWS:
+        if value == law.name:
+            needed = ", ".join(field.name for field in fields(law))
+            raise ValueError(f"law {value!r} needs its parameter: law={law.__name__}({needed}=...)")
+    if isinstance(value, str):
+        raise ValueError(f"law must be one of {', '.join(map(repr, NAMES))}, got {value!r}")
+    if not isinstance(value, ContactLaw):
+        records = ", ".join(law.__name__ for law in LAWS)
+        raise TypeError(f"law must be {RING_FORCE!r} or one of {records}, got {value!r}")
+    return value

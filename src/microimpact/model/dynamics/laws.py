@@ -1,0 +1,394 @@
+"""Normal impacts by the laws of `microimpact.model.contact_laws`, mostly in closed form.
+
+With a the contact radius, F = K a^3/R - (6 pi w K a^3)^(1/2) and compression
+a^2/R - (2/3)(6 pi w a/K)^(1/2) (Johnson, Kendall and Roberts 1971), and with s the square root of
+a/a_0, everything is a polynomial in s::
+
+    force  s^6 - 6 b s^3      compression  s^4 - 4 b s      energy  2/5 s^10 - 4 b s^7 + 6 b^2 s^4
+
+in units of K a_0^3/R, a_0^2/R and their product; b goes with the square root of the work of
+adhesion. The contact closes where the compression is zero, at s^3 = 4 b, and breaks where the
+compression is least, at s^3 = b. The unit a_0 is that at which the unit of speed is the impact's
+own, or, below it, that of a contact with b = 1.
+
+The energy holds elastic and surface energy, so that what is lost follows from its values at the
+places where the contact closes, turns and breaks: only the times are quadratures.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from microimpact.core.arrays import BoolArray, FloatArray, Real, common_shape
+from microimpact.core.solve import roots
+from microimpact.model.contact import Contact
+from microimpact.model.contact_laws import JKR, Hysteresis, ThorntonNing
+from microimpact.model.dynamics import viscous
+
+# Distance from the break, of its s, at which a path backwards begins; the energy that it neglects
+# is the cube of it.
+BACKWARD_START = 1e-6
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
+_SINE, _COSINE = np.sin(0.25 * np.pi * (_NODES + 1.0)), np.cos(0.25 * np.pi * (_NODES + 1.0))
+_WEIGHTS = 0.25 * np.pi * _WEIGHTS * _COSINE
+
+
+# Some impacts of many, or all of them with an axis for nodes.
+Place = BoolArray | tuple[slice, None]
+COLUMN: Final = (slice(None), None)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Units:
+    """Units of each impact (n,): length, speed and time in SI; mass."""
+
+    length: FloatArray
+    speed: FloatArray
+    mass: FloatArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Problem:
+    """Impacts in scaled form, every field (n,).
+
+    Attributes
+    ----------
+    speed
+        Of approach, 1 or less.
+    closing, opening
+        Strength b of adhesion while the contact grows, and while it shrinks.
+    pressure
+        Yield pressure; infinite where nothing yields.
+    drag
+        Viscous loss in the bulk.
+    """
+
+    speed: FloatArray
+    closing: FloatArray
+    opening: FloatArray
+    pressure: FloatArray
+    drag: FloatArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Outcome:
+    """Outcome of scaled impacts, every field (n,); impulses and energies per unit mass.
+
+    As in `microimpact.model.dynamics.normal.NormalImpact`; ``deepest`` is s at the turning point,
+    ``bulk`` and ``adhesion`` are the energies lost to either (adhesion: all else, if captured).
+    """
+
+    captured: BoolArray
+    speed: FloatArray
+    time: FloatArray
+    turning_time: FloatArray
+    deepest: FloatArray
+    compressive: FloatArray
+    greatest: FloatArray
+    bulk: FloatArray
+    adhesion: FloatArray
+
+
+def scaled(contact: Contact, speed: Real) -> tuple[Problem, Units, tuple[int, ...]]:
+    """Write impacts of a contact with a law in scaled form; the shape is that of the results."""
+    shape = common_shape({"contact": np.empty(contact.shape), "speed": speed})
+
+    def flat(value: object) -> FloatArray:
+        return np.full(shape, value, dtype=np.float64).ravel()
+
+    law, v = contact.law, flat(speed)
+    radius, mass, stiffness = (
+        flat(value) for value in (contact.hertz_radius, contact.mass, contact.hertz_stiffness)
+    )
+    closing = flat(contact.work_of_adhesion)
+    opening = flat(law.unloading_work) if isinstance(law, Hysteresis) else closing
+    cube = np.pi * radius**2 / (6.0 * stiffness)  # a^3 at the break, per work of adhesion
+    inertia = radius**2 * mass / stiffness
+    unit_speed = np.maximum(v, np.sqrt((cube * opening) ** (5.0 / 3.0) / inertia))
+    unit_speed[unit_speed == 0.0] = 1.0  # neither speed nor adhesion: any unit will do
+    unit = (unit_speed**2 * inertia) ** 0.2
+    length = unit**2 / radius
+    pressure = law.yield_pressure if isinstance(law, ThorntonNing) else np.inf
+    time = law.viscous_time if isinstance(law, JKR) else 0.0
+    problem = Problem(
+        speed=v / unit_speed,
+        closing=np.sqrt(cube * closing / unit**3),
+        opening=np.sqrt(cube * opening / unit**3),
+        pressure=np.pi * flat(pressure) * radius / (stiffness * unit),
+        drag=1.5 * flat(time) * unit_speed / length,
+    )
+    return problem, Units(length=length, speed=unit_speed, mass=mass), shape
+
+
+def force(s: FloatArray, b: FloatArray) -> FloatArray:
+    """Force of a JKR contact."""
+    cube = s * s * s
+    return np.asarray(cube * (cube - 6.0 * b))
+
+
+def energy(s: FloatArray, b: FloatArray, flattening: Real = 1.0) -> FloatArray:
+    """Elastic and surface energy of a JKR contact, its radius of curvature ``flattening`` R."""
+    cube = s * s * s
+    flat = cube / flattening
+    return np.asarray(cube * s * (flat * (0.4 * flat - 4.0 * b) + 6.0 * b * b))
+
+
+def solve(problem: Problem) -> Outcome:
+    """Solve scaled impacts: closed forms, or integration where the bulk is viscous."""
+    return _integrated(problem) if np.any(problem.drag > 0.0) else _quasi_static(problem)
+
+
+def _integrated(problem: Problem) -> Outcome:
+    closed, broken = np.cbrt(4.0 * problem.closing), np.cbrt(problem.opening)
+    found = _followed(problem.closing, problem.drag, closed, problem.speed, broken)
+    captured = found[:, viscous.STATUS] == viscous.CAPTURED
+    speed = np.where(captured, 0.0, found[:, viscous.SPEED])
+    bulk = found[:, viscous.WORK]
+    return Outcome(
+        captured=captured,
+        speed=speed,
+        time=np.where(captured, np.inf, found[:, viscous.TIME]),
+        turning_time=found[:, viscous.TURNING_TIME],
+        deepest=found[:, viscous.TURNING_S],
+        compressive=found[:, viscous.COMPRESSIVE_IMPULSE],
+        greatest=problem.speed - found[:, viscous.LOWEST_V],
+        bulk=bulk,
+        adhesion=0.5 * (problem.speed**2 - speed**2) - bulk,
+    )
+
+
+def _followed(*columns: FloatArray) -> FloatArray:
+    problems = np.stack(np.broadcast_arrays(*columns), axis=1)
+    found = np.zeros((len(problems), viscous.RESULT_COLUMNS))
+    viscous.integrate(problems, found)
+    failed = np.flatnonzero(found[:, viscous.STATUS] == viscous.FAILED)
+    if failed.size:
+        raise RuntimeError(
+            f"the integration of {failed.size} impact(s) failed; "
+            f"the first in scaled form: {problems[failed[0]].tolist()}"
+        )
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class _Loading:
+    """Loading of scaled contacts: JKR, and plastic from the yield pressure in the middle on.
+
+    Beyond, ``dF/ds = 4 p s^3 - 6 b s^2`` (Thornton and Ning 1998); force and stiffness do not jump.
+    """
+
+    b: FloatArray
+    pressure: FloatArray
+    closed: FloatArray
+    yields: FloatArray
+
+    @classmethod
+    def of(cls, b: FloatArray, pressure: FloatArray) -> _Loading:
+        # Pressure in the middle, times s^4: 3/2 s^6 - 3 b s^3.
+        soft = np.isfinite(pressure)
+        finite, some = pressure[soft], b[soft]
+        yields = np.full(b.shape, np.inf)
+        ends = np.cbrt(2.0 * some), np.sqrt(finite / 1.5)  # with either part alone
+        yields[soft] = roots(
+            lambda s, b, p: 1.5 * s**3 - 3.0 * b - p * s,
+            0.999 * np.maximum(*ends),
+            1.001 * np.add(*ends),
+            some,
+            finite,
+        )
+        return cls(b, np.where(soft, pressure, 0.0), np.cbrt(4.0 * b), yields)
+
+    def take(self, place: Place) -> _Loading:
+        fields = (self.b, self.pressure, self.closed, self.yields)
+        return _Loading(*(field[place] for field in fields))
+
+    @property
+    def _offset(self) -> FloatArray:
+        s = np.where(np.isfinite(self.yields), self.yields, 0.0)
+        return np.asarray(force(s, self.b) - self.pressure * s**4 + 2.0 * self.b * s**3)
+
+    def force(self, s: FloatArray) -> FloatArray:
+        plastic = self._offset + self.pressure * s**4 - 2.0 * self.b * s**3
+        return np.where(s <= self.yields, force(s, self.b), plastic)
+
+    def _plastic_work(self, s: FloatArray) -> FloatArray:
+        b, p = self.b, self.pressure
+        cube = s * s * s
+        fourth = cube * s
+        yielding = p * fourth * s * (0.5 * cube - 0.8 * b)
+        constant = self._offset * (fourth - 4.0 * b * s)
+        return np.asarray(constant + yielding - b * fourth * (8.0 / 7.0 * cube - 2.0 * b))
+
+    def work(self, s: FloatArray) -> FloatArray:
+        """Work of compression from the closing of the contact to s."""
+        if not np.any(self.pressure):
+            return np.asarray(energy(s, self.b) - energy(self.closed, self.b))
+        start = np.maximum(np.minimum(self.yields, s), self.closed)
+        elastic = energy(start, self.b) - energy(self.closed, self.b)
+        beyond = np.maximum(s, start)
+        return np.asarray(elastic + (self._plastic_work(beyond) - self._plastic_work(start)))
+
+    def deepest(self, speed: FloatArray) -> FloatArray:
+        """Return s at which a speed is used up."""
+        top = 2.0 * self.closed + 1.0
+        while np.any(short := self.work(top) <= 0.5 * speed**2):
+            top = np.where(short, 2.0 * top, top)
+        shares = self.b, self.pressure, self.closed, self.yields, 0.5 * speed**2
+        return roots(lambda s, *a: _Loading(*a[:4]).work(s) - a[4], self.closed, top, *shares)
+
+    def balance(self, deepest: FloatArray) -> FloatArray:
+        """Return s where the force changes its sign."""
+        place = np.cbrt(6.0 * self.b)
+        early = place > self.yields
+        if np.any(early):
+            some = self.take(early)
+            shares = some.b, some.pressure, some.closed, some.yields
+            place[early] = roots(
+                lambda s, *a: _Loading(*a).force(s), some.closed, deepest[early], *shares
+            )
+        return place
+
+
+@dataclass(frozen=True, slots=True)
+class _Unloading:
+    """Unloading from s: at constant radius while adhesion grows, then JKR, to the break."""
+
+    b: FloatArray
+    top: FloatArray
+    first_force: FloatArray
+    flattening: FloatArray
+    pinned: FloatArray
+
+    @classmethod
+    def of(cls, loading: _Loading, opening: FloatArray, top: FloatArray) -> _Unloading:
+        b, at_top = loading.b, loading.force(top)
+        flattening = top**6 / (at_top + 6.0 * b * top**3)
+        back = at_top - 3.0 * (opening - b) * top**3  # mean force at constant radius
+        return cls(opening, top, at_top, flattening, back * 4.0 * (opening - b) * top)
+
+    def take(self, place: Place) -> _Unloading:
+        fields = (self.b, self.top, self.first_force, self.flattening, self.pinned)
+        return _Unloading(*(field[place] for field in fields))
+
+    @property
+    def end(self) -> FloatArray:
+        return np.minimum(np.cbrt(self.b * self.flattening), self.top)
+
+    def regained(self, s: FloatArray) -> FloatArray:
+        """Work regained down to s."""
+        first, last = (energy(x, self.b, self.flattening) for x in (self.top, s))
+        return np.asarray(self.pinned + first - last)
+
+
+def _quasi_static(problem: Problem) -> Outcome:
+    v, b = problem.speed, problem.closing
+    loading = _Loading.of(b, problem.pressure)
+    top = loading.deepest(v)
+    unloading = _Unloading.of(loading, problem.opening, top)
+    end, left = unloading.end, unloading.regained(unloading.end)
+    captured = left <= 0.0
+    speed = np.sqrt(2.0 * np.maximum(left, 0.0))
+    fastest_in = np.sqrt(v**2 - 2.0 * loading.work(loading.balance(top)))
+    # The force changes its sign on the way back by JKR, or already at constant radius.
+    turns = np.cbrt(6.0 * unloading.b * unloading.flattening)
+    regained = np.where(
+        turns <= top,
+        unloading.regained(np.minimum(turns, top)),
+        unloading.first_force**2 / (3.0 * top**2),
+    )
+    fastest_out = np.sqrt(2.0 * np.maximum(regained, 0.0))
+    turning_time = _loading_time(loading, v, top)
+    back = np.full(v.shape, np.inf)
+    gone = ~captured
+    back[gone] = _unloading_time(unloading.take(gone), end[gone])
+    plastic = energy(loading.closed, b) + loading.work(top) - energy(top, b, unloading.flattening)
+    bulk = np.where(top > loading.yields, plastic, 0.0)
+    return Outcome(
+        captured=captured,
+        speed=speed,
+        time=turning_time + back,
+        turning_time=turning_time,
+        deepest=top,
+        compressive=fastest_in + fastest_out,
+        greatest=v + fastest_out,
+        bulk=bulk,
+        adhesion=0.5 * (v**2 - speed**2) - bulk,
+    )
+
+
+def _loading_time(loading: _Loading, v: FloatArray, top: FloatArray) -> FloatArray:
+    """Time from touch to the turning point."""
+    middle = np.clip(loading.yields, loading.closed, top)
+    total = np.zeros_like(v)
+    wide = loading.take(COLUMN)
+    for first, last in ((loading.closed, middle), (middle, top)):
+        if not np.any(last > first):
+            continue
+        # The sine takes the root of the speed at the turning point away.
+        s = first[:, None] + (last - first)[:, None] * _SINE
+        speed = np.sqrt(np.maximum(v[:, None] ** 2 - 2.0 * wide.work(s), 1e-300))
+        step = 4.0 * (s**3 - wide.b) / speed * _WEIGHTS
+        total += (last - first) * np.sum(step, axis=1)
+    return total
+
+
+def _unloading_time(unloading: _Unloading, end: FloatArray) -> FloatArray:
+    """Time from the turning point to the break, of contacts that break."""
+    top, b = unloading.top, unloading.b
+    at_end = top**3 * (top**3 / unloading.flattening - 6.0 * b)  # force after constant radius
+    held = np.arccos(np.clip(at_end / unloading.first_force, -1.0, 1.0)) / (np.sqrt(1.5) * top)
+    s = end[:, None] + (top - end)[:, None] * _SINE
+    wide = unloading.take(COLUMN)
+    speed = np.sqrt(2.0 * np.maximum(wide.regained(s), 1e-300))
+    step = 4.0 * (s**3 / wide.flattening - wide.b) / speed * _WEIGHTS
+    return np.asarray(held + (top - end) * np.sum(step, axis=1))
+
+
+def capture_speed(contact: Contact) -> FloatArray:
+    """Normal speed below which a contact with a law captures, m/s, in the contact's shape."""
+    problem, units, shape = scaled(contact, 0.0)
+    found = np.zeros(problem.speed.shape)
+    adhesive = problem.opening > 0.0
+    some = replace(
+        problem,
+        **{
+            name: getattr(problem, name)[adhesive]
+            for name in ("speed", "closing", "opening", "pressure", "drag")
+        },
+    )
+    found[adhesive] = _backwards(some) if np.any(problem.drag > 0.0) else _stops_at_the_break(some)
+    return np.asarray((found * units.speed).reshape(shape)[()])
+
+
+def _backwards(problem: Problem) -> FloatArray:
+    """Speeds of scaled impacts that just end at the break, by time reversal."""
+    broken = np.cbrt(problem.opening)
+    start = broken * BACKWARD_START
+    pace = np.sqrt(60.0) * problem.opening * start
+    closed = np.cbrt(4.0 * problem.closing)
+    found = _followed(problem.opening, -problem.drag, broken + start, pace, closed)
+    escaped = found[:, viscous.STATUS] == viscous.ESCAPED
+    return np.where(escaped, np.inf, found[:, viscous.SPEED])
+
+
+def _stops_at_the_break(problem: Problem) -> FloatArray:
+    """Speeds of scaled impacts that regain just what they need: a root in s at the turning."""
+    loading = _Loading.of(problem.closing, problem.pressure)
+    shares = (*(getattr(loading, name) for name in loading.__slots__), problem.opening)
+
+    def left(log_s: FloatArray, *a: FloatArray) -> FloatArray:
+        s = np.exp(log_s)
+        unloading = _Unloading.of(_Loading(*a[:4]), a[4], s)
+        return np.asarray(unloading.regained(unloading.end) / s**10)
+
+    # From the balance of closing on, where at the latest the way back is all uphill.
+    low = np.log(np.maximum(np.cbrt(6.0 * problem.closing), 1e-3 * np.cbrt(problem.opening)))
+    high = low + 1.0
+    while np.any(short := left(high, *shares) <= 0.0):
+        high = np.where(short, high + 1.0, high)
+    top = np.exp(roots(left, low, high, *shares))
+    return np.sqrt(np.maximum(2.0 * loading.work(top), 0.0))

@@ -1,0 +1,389 @@
+"""Other laws of the normal force: closed forms, published limits, integrations of another kind."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad, solve_ivp
+from scipy.optimize import brentq, minimize_scalar
+from scipy.special import beta
+
+from microimpact.model.closed_forms import (
+    contact_modulus,
+    jkr_sticking_velocity,
+    plastic_restitution,
+    yield_velocity,
+)
+from microimpact.model.contact import Contact
+from microimpact.model.contact_laws import JKR, Hysteresis, ThorntonNing
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import planar, simulate, spatial
+from microimpact.model.dynamics.normal import normal_impact
+from microimpact.model.dynamics.trajectory import trajectory
+from microimpact.model.law.table import tabulate
+from microimpact.model.separation import jkr_pull_off
+
+EVERY = [
+    JKR(),
+    JKR(viscous_time=3e-9),
+    ThorntonNing(yield_pressure=2e9),
+    Hysteresis(unloading_work=4.0),
+]
+every_law = pytest.mark.parametrize("law", EVERY, ids=lambda law: f"{law.name}{law.parameters}")
+
+
+@pytest.fixture(scope="module")
+def build(steel, silicon):
+    def contact(law, work=0.5, **changes):
+        fields = {"particle": steel, "surface": silicon, "diameter": 62e-6} | changes
+        return Contact(work_of_adhesion=work, law=law, **fields)
+
+    return contact
+
+
+class Textbook:
+    """JKR by its formulas in SI."""
+
+    def __init__(self, contact, work=None):
+        self.modulus, self.radius = contact_modulus(contact), contact.hertz_radius
+        self.work, self.mass = contact.work_of_adhesion if work is None else work, contact.mass
+
+    def force(self, a):
+        hertz = 4 * self.modulus * a**3 / (3 * self.radius)
+        return hertz - math.sqrt(8 * math.pi * self.work * self.modulus * a**3)
+
+    def compression(self, a):
+        return a**2 / self.radius - math.sqrt(2 * math.pi * self.work * a / self.modulus)
+
+    def slope(self, a):
+        return 2 * a / self.radius - math.sqrt(math.pi * self.work / (2 * self.modulus * a))
+
+    @property
+    def broken(self):
+        """Contact radius at the least compression."""
+        return brentq(self.slope, 1e-12, 1e-5, xtol=1e-22, rtol=1e-14)
+
+    @property
+    def closed(self):
+        return brentq(self.compression, 1.5 * self.broken, 1e-5, xtol=1e-22, rtol=1e-14)
+
+    def energy(self, a, b):
+        return quad(lambda x: self.force(x) * self.slope(x), a, b, epsabs=0, epsrel=1e-12)[0]
+
+    def radius_at(self, compression):
+        return brentq(lambda a: self.compression(a) - compression, self.broken, 1e-4, xtol=1e-20)
+
+
+class TestJKR:
+    def test_the_pull_off_force_is_the_least_of_the_textbook(self, build):
+        contact = build(JKR())
+        book = Textbook(contact)
+        least = minimize_scalar(
+            lambda a: book.force(a) * 1e6, bounds=(1e-9, 1e-5), options={"xatol": 1e-16}
+        )
+        assert contact.pull_off_force == pytest.approx(-least.fun / 1e6, rel=1e-12)
+        assert contact.pull_off_force == jkr_pull_off(0.5, contact.hertz_radius)
+
+    def test_all_that_is_lost_is_lost_between_closing_and_break(self, build):
+        contact = build(JKR())
+        book = Textbook(contact)
+        lost = -book.energy(book.broken, book.closed)
+        speed = np.array([0.02, 0.1, 1.66, 50.0])
+        e = normal_impact(contact, speed).coefficient_of_restitution
+        sticking = math.sqrt(2 * lost / contact.mass)
+        assert e == pytest.approx(np.sqrt(1 - (sticking / speed) ** 2), rel=1e-12)
+        assert capture_velocity(contact) == pytest.approx(sticking, rel=1e-12)
+        # Thornton and Ning print 14.18 for the constant of its square.
+        assert sticking == pytest.approx(jkr_sticking_velocity(contact), rel=4e-4)
+
+    def test_force_and_path_are_those_of_a_march_in_time(self, build):
+        contact = build(JKR(viscous_time=3e-9))
+        book, speed = Textbook(contact), 0.3
+        end = book.compression(book.broken)
+
+        def rates(_, y):
+            a = book.radius_at(max(y[0], end * (1 - 1e-15)))
+            drag = 2 * book.modulus * a * 3e-9 * y[1]
+            return [y[1], -(book.force(a) + drag) / book.mass]
+
+        def parted(_, y):
+            return y[0] - end * (1 - 1e-9)
+
+        parted.terminal, parted.direction = True, -1
+        path = solve_ivp(
+            rates, (0, 1e-5), [0.0, speed], events=parted, method="LSODA", rtol=1e-9, atol=1e-18
+        )
+        impact = normal_impact(contact, speed)
+        assert impact.coefficient_of_restitution == pytest.approx(-path.y[1, -1] / speed, rel=1e-5)
+        assert impact.contact_time == pytest.approx(path.t[-1], rel=1e-5)
+        assert impact.maximum_compression == pytest.approx(path.y[0].max(), rel=1e-3)
+
+    @pytest.mark.parametrize("viscous_time", [1e-12, 1e-11, 1e-10])
+    def test_without_adhesion_it_follows_the_viscoelastic_series(self, build, viscous_time):
+        """1 - C_1 A + 3/5 (C_1 A)^2 (Schwager and Poeschel 1998; Ramirez et al. 1999)."""
+        contact = build(JKR(viscous_time=viscous_time), work=0.0)
+        group = contact.hertz_stiffness * math.sqrt(contact.hertz_radius) / contact.mass
+        first = 3 * 1.25**0.6 * 0.4 * beta(0.6, 1.5) * viscous_time * group**0.4 * 1.66**0.2
+        e = normal_impact(contact, 1.66).coefficient_of_restitution
+        assert e == pytest.approx(1 - first + 0.6 * first**2, abs=max(first**3, 1e-14))
+        assert 3 * 1.25**0.6 * 0.4 * beta(0.6, 1.5) / 1.5 == pytest.approx(1.15344, rel=1e-5)
+
+    def test_integration_and_closed_form_meet(self, build):
+        speed = np.geomspace(0.018, 20.0, 30)
+        closed = normal_impact(build(JKR()), speed)
+        followed = normal_impact(build(JKR(viscous_time=1e-30)), speed)
+        for name, error in {
+            "coefficient_of_restitution": 1e-11,
+            "contact_time": 1e-6,
+            "compression_time": 1e-10,
+            "maximum_compression": 1e-13,
+            "compressive_impulse": 1e-12,
+            "peak_net_impulse": 1e-12,
+        }.items():
+            assert getattr(closed, name) == pytest.approx(getattr(followed, name), rel=error)
+
+    def test_a_bulk_too_viscous_captures_at_any_speed(self, build):
+        contact = build(JKR(viscous_time=1e-5))
+        assert capture_velocity(contact) == math.inf
+        assert normal_impact(contact, 2.0).captured
+
+
+class TestThorntonNing:
+    SPEED = np.geomspace(0.05, 50.0, 40)
+
+    def test_without_adhesion_it_is_the_published_closed_form(self, build):
+        contact = build(ThorntonNing(yield_pressure=1.6e9), work=0.0)
+        limit = yield_velocity(contact, 1e9)
+        e = normal_impact(contact, self.SPEED).coefficient_of_restitution
+        np.testing.assert_allclose(e, plastic_restitution(self.SPEED, limit), rtol=1e-13)
+        assert normal_impact(contact, 0.999 * limit).coefficient_of_restitution == pytest.approx(1)
+
+    def test_at_high_speed_it_falls_with_the_fourth_root(self, build):
+        contact = build(ThorntonNing(yield_pressure=2e9))
+        e = normal_impact(contact, np.array([1e6, 2e6])).coefficient_of_restitution
+        assert math.log2(e[1] / e[0]) == pytest.approx(-0.25, abs=2e-3)
+
+    def test_loading_is_that_of_the_published_stiffness(self, build):
+        """dP/dx = (3 pi R p_y P_1^(1/2) - 2 R* E* a P_c^(1/2)) / (3 P_1^(1/2) - P_c^(1/2))."""
+        contact = build(ThorntonNing(yield_pressure=2e9))
+        book, speed = Textbook(contact), 1.0
+        r, modulus, limit = book.radius, book.modulus, 1.5 * math.pi * book.work * book.radius
+
+        def pressure(a):
+            tensile = math.sqrt(2 * modulus * book.work / (math.pi * a))
+            return 2 * modulus * a / (math.pi * r) - tensile
+
+        start = brentq(lambda a: pressure(a) - 2e9, 1e-7, 1e-5, xtol=1e-20)
+
+        def rates(a, y):
+            hertz = math.sqrt(4 * modulus * a**3 / (3 * r))
+            grip = math.sqrt(limit)
+            stiffness = (3 * math.pi * r * 2e9 * hertz - 2 * modulus * a * grip) / (
+                3 * hertz - grip
+            )
+            return [stiffness * book.slope(a), y[0] * book.slope(a)]
+
+        before = [book.force(start), book.energy(book.closed, start)]
+        kinetic = 0.5 * book.mass * speed**2
+
+        def stops(_, y):
+            return y[1] - kinetic
+
+        stops.terminal = True
+        path = solve_ivp(
+            rates, (start, 1e-4), before, events=stops, method="DOP853", rtol=1e-12, atol=0
+        )
+        a, force = path.t[-1], path.y[0, -1]
+        impact = normal_impact(contact, speed)
+        assert impact.maximum_compression == pytest.approx(book.compression(a), rel=1e-8)
+        # Unloads as JKR with the radius that has this contact radius at this force.
+        cube = 4 * modulus * a**3 / 3
+        book.radius = cube / (force + math.sqrt(8 * math.pi * book.work * modulus * a**3))
+        left = book.energy(book.broken, a)
+        assert impact.coefficient_of_restitution == pytest.approx(math.sqrt(left / kinetic), 1e-8)
+        assert impact.losses.adhesion == pytest.approx(
+            kinetic - left - impact.losses.bulk, rel=1e-6
+        )
+
+    def test_a_hard_sphere_is_elastic(self, build):
+        hard = normal_impact(build(ThorntonNing(yield_pressure=1e12)), self.SPEED)
+        elastic = normal_impact(build(JKR()), self.SPEED)
+        for name in ("coefficient_of_restitution", "contact_time", "compressive_impulse"):
+            np.testing.assert_allclose(getattr(hard, name), getattr(elastic, name), rtol=1e-11)
+        np.testing.assert_allclose(hard.losses.bulk, 0.0, atol=1e-12 * elastic.losses.adhesion[0])
+
+
+class TestHysteresis:
+    SPEED = np.array([0.02, 0.3, 0.75, 1.66, 20.0])
+
+    def test_equal_works_give_the_elastic_contact(self, build):
+        same = normal_impact(build(Hysteresis(unloading_work=0.5)), self.SPEED)
+        elastic = normal_impact(build(JKR()), self.SPEED)
+        for name in ("coefficient_of_restitution", "contact_time", "peak_net_impulse"):
+            np.testing.assert_allclose(getattr(same, name), getattr(elastic, name), rtol=1e-13)
+
+    @pytest.mark.parametrize("work", [0.0, 0.5, 3.9])
+    def test_the_loss_is_that_of_area_and_of_both_ends(self, build, work):
+        """(w_2 - w_1) pi a^2, the elastic contact that closes and the one that breaks."""
+        contact = build(Hysteresis(unloading_work=4.0), work=work)
+        impact = normal_impact(contact, self.SPEED[2:])
+        book, opening = Textbook(contact), Textbook(contact, 4.0)
+        for i, compression in enumerate(impact.maximum_compression):
+            a = brentq(lambda x, c=compression: book.compression(x) - c, 1e-7, 1e-4, xtol=1e-20)
+            lost = (4.0 - work) * math.pi * a**2 + opening.energy(0.0, opening.broken)
+            lost -= book.energy(0.0, book.closed) if work else 0.0
+            assert impact.losses.adhesion[i] == pytest.approx(lost, rel=1e-9)
+        assert not impact.losses.bulk.any()
+
+    def test_its_loss_fades_at_high_speed(self, build):
+        """The loss goes with the area, v^(4/5), the energy with v^2: no plateau below one."""
+        contact = build(Hysteresis(unloading_work=4.0))
+        lost = 1 - normal_impact(contact, np.array([1e4, 2e4])).coefficient_of_restitution ** 2
+        assert math.log2(lost[1] / lost[0]) == pytest.approx(-1.2, abs=2e-3)
+
+    def test_it_does_not_gain_energy(self, build):
+        with pytest.raises(ValueError, match=r"law\.unloading_work must not be below .*0\.5"):
+            build(Hysteresis(unloading_work=0.4))
+
+
+@every_law
+class TestEveryLaw:
+    def test_energy_is_kept(self, build, law):
+        contact, speed = build(law), np.geomspace(0.3, 30.0, 20)
+        impact = normal_impact(contact, speed)
+        before = 0.5 * contact.mass * speed**2
+        after = before * impact.coefficient_of_restitution**2
+        spent = impact.losses.bulk + impact.losses.adhesion
+        np.testing.assert_allclose((after + spent) / before, 1.0, atol=1e-10)
+        assert np.all(impact.losses.bulk >= 0.0)
+        if isinstance(law, JKR):
+            book = Textbook(contact)
+            snap = -book.energy(book.broken, book.closed)
+            np.testing.assert_allclose((impact.losses.adhesion - snap) / before, 0.0, atol=1e-10)
+
+    def test_it_captures_below_one_speed_alone(self, build, law):
+        contact = build(law)
+        limit = capture_velocity(contact)
+        speed = limit * np.array([1e-6, 0.5, 1 - 1e-9, 1 + 1e-9, 1.5, 30.0])
+        impact = normal_impact(contact, speed)
+        assert impact.captured.tolist() == [True] * 3 + [False] * 3
+        assert np.isinf(impact.contact_time).tolist() == [True] * 3 + [False] * 3
+        assert impact.coefficient_of_restitution[3] < 1e-3
+
+    @given(work=st.floats(0.01, 5.0), speed=st.floats(0.01, 30.0), size=st.floats(1e-6, 1e-4))
+    def test_the_speed_after_grows_with_that_before(self, build, law, work, speed, size):
+        if isinstance(law, Hysteresis):
+            law = Hysteresis(unloading_work=2.0 * work)
+        contact = build(law, work=work, diameter=size)
+        v = speed * np.array([1.0, 1.01, 1.5])
+        after = v * normal_impact(contact, v).coefficient_of_restitution
+        assert np.all(np.diff(after) >= -1e-12 * speed)
+        assert np.all(after <= v)
+
+    def test_the_momentum_of_the_compressive_part_exceeds_that_of_all(self, build, law):
+        speed = np.array([0.5, 1.66])
+        contact = build(law)
+        impact = normal_impact(contact, speed)
+        whole = contact.mass * speed * (1 + impact.coefficient_of_restitution)
+        # equal where viscous loss hides the pull at first touch
+        assert np.all(impact.compressive_impulse >= impact.peak_net_impulse * (1 - 1e-14))
+        assert np.all(impact.peak_net_impulse > whole)
+
+    def test_oblique_impacts_take_it(self, build, law):
+        contact = build(law)
+        shallow, steep = simulate(contact, 1.66, [10.0, 80.0], friction_basis="pull-off").rolling
+        assert not shallow
+        assert steep
+        plane = planar(contact, -0.5, 1.2, 1e4)
+        space = spatial(contact, (1.2, 0.0, -0.5), (0.0, 1e4, 0.0))
+        assert space.velocity[0] == pytest.approx(plane.tangential_velocity, rel=1e-13)
+        assert 0.0 < plane.energy_loss < 1.0
+
+    def test_friction_of_thornton_and_yin_counts_twice_the_pull_off_force(self, build, law):
+        contact = build(law)
+        impact = normal_impact(contact, 0.4)
+        slid = simulate(contact, 40.0, math.degrees(math.asin(0.01)), friction_basis="pull-off")
+        extra = 2 * contact.pull_off_force * impact.contact_time
+        whole = contact.mass * 0.4 * (1 + impact.coefficient_of_restitution)
+        assert slid.impulse_ratio == pytest.approx(0.15 * (1 + extra / whole), rel=1e-9)
+
+    def test_arrays_broadcast(self, build, law):
+        speed, size = np.array([[0.5], [1.66]]), np.array([20e-6, 40e-6, 62e-6])
+        impact = normal_impact(build(law, diameter=size), speed)
+        assert impact.coefficient_of_restitution.shape == (2, 3)
+        single = normal_impact(build(law, diameter=40e-6), 1.66)
+        assert impact.coefficient_of_restitution[1, 1] == single.coefficient_of_restitution
+
+    def test_what_needs_the_ring_force_says_so(self, build, law):
+        contact = build(law)
+        said = f"contact must have the law 'ring force' here, got '{law.name}'"
+        for call in (trajectory, lambda c, v: tabulate(c, v, 2 * v)):
+            with pytest.raises(ValueError, match=said):
+                call(contact, 1.0)
+        with pytest.raises(ValueError, match=f"'hertz' does not go with the law '{law.name}'"):
+            simulate(contact, 1.0, 45.0, friction_basis="hertz")
+        with pytest.raises(ValueError, match=said):
+            normal_impact(contact, 1.0, ledger=True)
+
+
+def test_the_ring_force_has_no_friction_of_thornton_and_yin(contact):
+    with pytest.raises(ValueError, match="'pull-off' does not go with the law 'ring force'"):
+        simulate(contact, 1.0, 45.0, friction_basis="pull-off")
+
+
+def test_parameters_of_a_law_are_arrays_too(build):
+    times = np.array([0.0, 1e-9, 3e-9])
+    e = normal_impact(build(JKR(viscous_time=times)), 1.0).coefficient_of_restitution
+    assert build(JKR(viscous_time=times)).shape == (3,)
+    assert np.all(np.diff(e) < 0.0)
+    assert e[0] == pytest.approx(normal_impact(build(JKR()), 1.0).coefficient_of_restitution)
+
+
+def test_without_adhesion_nothing_is_captured(build):
+    for law in (JKR(viscous_time=1e-9), ThorntonNing(yield_pressure=1e9)):
+        assert capture_velocity(build(law, work=0.0)) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("law", "error", "said"),
+    [
+        ("hertz", ValueError, "law must be one of 'ring force', 'jkr', 'thornton-ning'"),
+        ("hysteresis", ValueError, r"law=Hysteresis\(unloading_work="),
+        (3.0, TypeError, "law must be 'ring force' or one of JKR"),
+    ],
+)
+def test_a_law_is_a_record_or_a_name(build, law, error, said):
+    with pytest.raises(error, match=said):
+        build(law)
+
+
+def test_names_of_laws(build):
+    assert build("ring force").law is None
+    assert build("jkr").law.viscous_time == 0.0
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("hertz_damping", 0.1),
+        ("adhesion_damping", [0.0, 1.0]),
+        ("stiffness_model", "reduced"),
+        ("damped_attachment", True),
+    ],
+)
+def test_what_belongs_to_the_ring_force_is_refused(build, field, value):
+    with pytest.raises(ValueError, match=f"law 'thornton-ning' does not know {field}"):
+        build(ThorntonNing(yield_pressure=1e9), **{field: value})
+
+
+def test_a_law_needs_the_work_of_adhesion(steel, silicon):
+    with pytest.raises(ValueError, match="law 'jkr' does not know ring_force"):
+        Contact(particle=steel, surface=silicon, diameter=6e-5, ring_force=1.0, law=JKR())
+
+
+@pytest.mark.parametrize("value", [-1e-9, math.nan, "1", True])
+def test_parameters_are_checked(value):
+    with pytest.raises((TypeError, ValueError), match=r"^law\.viscous_time must be"):
+        JKR(viscous_time=value)
