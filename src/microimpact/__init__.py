@@ -13,6 +13,9 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from microimpact.core.materials import Material as Material
     from microimpact.model.contact import Contact as Contact
+    from microimpact.model.contact_laws import JKR as JKR
+    from microimpact.model.contact_laws import Hysteresis as Hysteresis
+    from microimpact.model.contact_laws import ThorntonNing as ThorntonNing
     from microimpact.model.dynamics.capture import capture_velocity as capture_velocity
     from microimpact.model.dynamics.impact import Impact as Impact
     from microimpact.model.dynamics.impact import SpatialImpact as SpatialImpact
@@ -32,7 +35,10 @@ if TYPE_CHECKING:
 _HOME = {
     "Material": "core.materials",
     "Contact": "model.contact",
+    "Hysteresis": "model.contact_laws",
+    "JKR": "model.contact_laws",
     "Law": "model.law.table",
+    "ThorntonNing": "model.contact_laws",
     "Impact": "model.dynamics.impact",
     "SpatialImpact": "model.dynamics.impact",
     "Trajectory": "model.dynamics.trajectory",

@@ -293,6 +293,27 @@ SLIPS = (
         ("model/dynamics/test_normal",),
     ),
     Mutant(
+        "a JKR contact breaks where the force is least",
+        f"{MODEL}/dynamics/laws.py",
+        "return np.minimum(np.cbrt(self.b * self.flattening), self.top)",
+        "return np.minimum(np.cbrt(3.0 * self.b * self.flattening), self.top)",
+        ("model/dynamics/test_laws",),
+    ),
+    Mutant(
+        "a plastic contact unloads with the radius of the sphere",
+        f"{MODEL}/dynamics/laws.py",
+        "flattening = top**6 / (at_top + 6.0 * b * top**3)",
+        "flattening = np.ones_like(top)",
+        ("model/dynamics/test_laws",),
+    ),
+    Mutant(
+        "viscous loss of a JKR contact without the factor 3/2",
+        f"{MODEL}/dynamics/laws.py",
+        "drag=1.5 * flat(time)",
+        "drag=flat(time)",
+        ("model/dynamics/test_laws",),
+    ),
+    Mutant(
         "slip in space with the wrong spin",
         f"{MODEL}/dynamics/impact.py",
         "v[..., 1] + radius * w[..., 0]], axis=-1)",
