@@ -64,6 +64,10 @@ CASES = [
     (CONFIG, "materials: config/materials.csv", "materials: config/material.csv", ["config/material.csv"]),
     (CONFIG, "digitised: config/digitised", "digitised: config/nowhere", ["digitised: 'config/nowhere' must be a folder"]),
     (CONFIG, "figures: config/figures.yaml", "figures: config/materials.csv", ["config/materials.csv"]),
+    (LABORATORY, "    case: steel-formica", "    case: {surface: formica}", ["drops.steel on Formica.case: {'surface': 'formica'} must be a name that is declared in cases (did you mean 'steel-formica'?)"]),
+    (LABORATORY, "    case: steel-formica", "    case: stainless-steel-316 on formcia", ["drops.steel on Formica.case: 'stainless-steel-316 on formcia' is not declared in cases (did you mean 'stainless-steel-316 on formica'?)"]),
+    (MODELS, "    steel-formica: {from: cases.steel-formica}\n", "", ["cases.steel-formica: is named, but calibration does not calibrate it"]),
+    (CONTACTS, "stainless-steel-316,formica,work_of_adhesion", "stainless-steel-316,formcia,work_of_adhesion", ["contacts.csv: stainless-steel-316 on formica: the pair", "is incomplete; give work_of_adhesion", "unknown material 'formcia' (did you mean 'formica'?)"]),
     # references
     (MODELS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speeds.nominl}", ["oblique_impact.speed_m_per_s.from: 'speeds.nominl' is not declared (did you mean 'nominal'?)"]),
     (MODELS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speds.nominal}", ["'speds.nominal' is not declared (did you mean 'speeds'?)"]),

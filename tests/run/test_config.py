@@ -105,9 +105,17 @@ def test_all_problems_are_listed():
         coulomb_friction={"restitution": 2, "frictoin": 1, "points": {"valu": 1, "source": "x"}},
         restitution_trends={"points": "many"},
         sed=1,
+        seed="many",
     )
     found = "\n".join(lines(config))
-    for key in ("restitution:", "frictoin:", "points.valu:", "restitution_trends.points:", "sed:"):
+    for key in (
+        "\nseed:",
+        "restitution:",
+        "frictoin:",
+        "points.valu:",
+        "restitution_trends.points:",
+        "sed:",
+    ):
         assert key in found
 
 

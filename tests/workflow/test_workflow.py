@@ -231,19 +231,16 @@ def test_every_example_is_valid(project):
     ("overlay", "expected"),
     [
         (
-            {"coulomb_frction": {}, "coulomb_friction": {"spin_fricton": 1, "points": "x"}},
+            {
+                "seed": "x",
+                "coulomb_frction": {},
+                "coulomb_friction": {"spin_fricton": 1, "points": "x"},
+            },
             [
+                "\nseed: 'x' must be a valid integer\n",
                 "\ncoulomb_frction: unknown key (did you mean 'coulomb_friction'?)\n",
                 "\ncoulomb_friction.spin_fricton: unknown key (did you mean 'spin_friction'?)\n",
                 "\ncoulomb_friction.points: 'x' must be a valid integer\n",
-            ],
-        ),
-        # what all analyses rest on is judged before them
-        (
-            {"coulomb_frction": {}, "seed": "x"},
-            [
-                "\ncoulomb_frction: unknown key (did you mean 'coulomb_friction'?)\n",
-                "\nseed: 'x' must be a valid integer\n",
             ],
         ),
         ({"materials": "config/contacts.csv"}, ["config/contacts.csv: the header is"]),

@@ -11,10 +11,10 @@ from __future__ import annotations
 import json
 import types
 import typing
-from collections.abc import Hashable, Iterable, Mapping
-from dataclasses import dataclass, field, fields, is_dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, is_dataclass
 from functools import cache
-from typing import Annotated, Any, TypeVar, cast
+from typing import Annotated, Any, TypeVar
 
 from pydantic import (
     ConfigDict,
@@ -69,17 +69,20 @@ class Names:
         self, source: Any, handler: GetCoreSchemaHandler
     ) -> CoreSchema:
         """Check the name where it is known what is declared."""
-        return core_schema.with_info_after_validator_function(self._checked, handler(source))
+        return core_schema.with_info_wrap_validator_function(self._checked, handler(source))
 
-    def _checked(self, name: str, info: ValidationInfo) -> str:
+    def _checked(self, name: Any, handler: Callable[[Any], str], info: ValidationInfo) -> str:
         if info.context is None:
-            return name
-        told = f"{info.data.get(self.beside)} on {name}" if self.beside else name
+            return handler(name)
         where, known = info.context.names[self.sort]
+        if not isinstance(name, str):
+            likely = nearest(str(name), known)
+            raise ValueError(f"{name!r} must be a name that is declared in {where}{likely}")
+        told = f"{info.data.get(self.beside)} on {name}" if self.beside else name
         if told not in known:
             raise ValueError(f"{told!r} is not declared in {where}{nearest(told, known)}")
         info.context.named.append((self.sort, told))
-        return name
+        return handler(name)
 
 
 MaterialName = Annotated[Name, Names("materials")]
@@ -127,10 +130,12 @@ KEYED = "x-name-in"
 STRICT = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
 
 
-def adapter(kind: type[T]) -> TypeAdapter[T]:
+@cache
+def adapter(kind: Any) -> TypeAdapter[Any]:
     """Return the strict validator of a dataclass and of the dataclasses nested in it."""
-    known: TypeAdapter[T] = _adapter(cast(Hashable, kind))
-    return known
+    for member in (kind, *nested(kind)):
+        with_config(STRICT)(member)
+    return TypeAdapter(kind)
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,23 +164,26 @@ class Shape:
         """The shape of one item."""
         return shape(self.hint)
 
-    def fields(self, kind: object) -> Mapping[str, Shape]:
+    @property
+    def kinds(self) -> Mapping[object, Shape]:
+        """The dataclasses, if there are several, each by its kind."""
+        several = [Shape((each,)) for each in self.classes] if len(self.classes) > 1 else []
+        return {
+            kind: each for each in several for kind in typing.get_args(each.fields()[KIND].hint)
+        }
+
+    def fields(self, kind: object = None) -> Mapping[str, Shape]:
         """Return the shape of every field, of the dataclass of that kind if there are several."""
         if len(self.classes) == 1:
             return _fields(self.classes[0])
-        known = (fields for fields in map(_fields, self.classes) if KIND in fields)
-        value = getattr(kind, "value", kind)
-        return next((f for f in known if value in typing.get_args(f[KIND].hint)), {})
+        own = self.kinds.get(getattr(kind, "value", kind))
+        return own.fields() if own else {}
 
 
 @cache
 def _fields(kind: type) -> dict[str, Shape]:
-    return {name: shape(hint) for name, hint in _hints(kind).items()}
-
-
-@cache
-def _hints(kind: type) -> dict[str, Any]:
-    return typing.get_type_hints(kind, include_extras=True)
+    hints = typing.get_type_hints(kind, include_extras=True)
+    return {name: shape(hint) for name, hint in hints.items()}
 
 
 def shape(hint: Any) -> Shape:
@@ -199,24 +207,14 @@ def shape(hint: Any) -> Shape:
 
 
 @cache
-def _adapter(kind: Any) -> TypeAdapter[Any]:
-    for member in (kind, *nested(kind)):
-        with_config(STRICT)(member)
-    return TypeAdapter(kind)
-
-
-@cache
 def nested(kind: type) -> frozenset[type]:
     """Return every dataclass that occurs, at any depth, in the annotations of another."""
-    found = frozenset(member for hint in _hints(kind).values() for member in _dataclasses_in(hint))
-    return found.union(*map(nested, found))
-
-
-def _dataclasses_in(hint: Any) -> Iterable[type]:
-    if isinstance(hint, type) and is_dataclass(hint):
-        yield hint
-    for argument in typing.get_args(hint):
-        yield from _dataclasses_in(argument)
+    waiting, found = list(_fields(kind).values()), set[type]()
+    while waiting:
+        one = waiting.pop()
+        found |= {*one.classes}
+        waiting += [one.item] if one.item != one else []
+    return frozenset(found).union(*map(nested, found))
 
 
 def build(kind: type[T], values: Mapping[str, Any], known: Known | None = None) -> T:
@@ -243,7 +241,9 @@ def build(kind: type[T], values: Mapping[str, Any], known: Known | None = None) 
         (see `explain` for readable lines).
     """
     # JSON is the strict mode in which lists may become tuples and mappings dataclasses.
-    return adapter(kind).validate_json(json.dumps(values, default=str), context=known)
+    text = json.dumps(values, default=str)
+    built: T = adapter(kind).validate_json(text, context=known)  # type: ignore[arg-type]
+    return built
 
 
 def explain(
@@ -266,15 +266,20 @@ def explain(
 
 
 def _line(item: Mapping[str, Any], kind: type, key: str, aliases: Mapping[str, str]) -> str:
-    location = _without_tags(kind, item["loc"])
-    dotted = written = key
-    for part in location:
+    here, dotted, written = shape(kind), key, key
+    fields: Iterable[str] = ()
+    for part in item["loc"]:
+        if part in here.kinds:  # which variant the validator took stands in no file
+            here = here.kinds[part]
+            continue
+        fields = here.fields()
+        here = here.item if isinstance(part, int) else here.fields().get(part, here.item)
         written = dotted + (f"[{part}]" if isinstance(part, int) else f".{part}")
         dotted = written = written.removeprefix(".")
         while dotted in aliases:
             dotted = aliases[dotted]
     if item["type"] in {"extra_forbidden", "unexpected_keyword_argument"}:
-        return f"{written}: unknown key{nearest(str(location[-1]), _keys(kind, item['loc'][:-1]))}"
+        return f"{written}: unknown key{nearest(str(item['loc'][-1]), fields)}"
     if item["type"] in {"missing", "missing_keyword_only_argument", "missing_argument"}:
         return f"{dotted}: missing"
     wanted = item["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
@@ -295,42 +300,3 @@ def _hint(value: object, problem: str) -> str:
         " (it is text: write it without quotes, an exponent as in 1.0e-6 or 1.0e+6, in a file"
         " given by --configfile; nested values on --config always arrive as text)"
     )
-
-
-def _keys(kind: Any, location: Iterable[str | int]) -> list[str]:
-    for part in location:
-        kind = _member(kind, part)
-    while not (isinstance(kind, type) and is_dataclass(kind)):
-        inner = list(_dataclasses_in(kind))
-        if not inner:
-            return []
-        kind = inner[0]
-    return [field.name for field in fields(kind)]
-
-
-def _without_tags(kind: Any, location: Iterable[str | int]) -> list[str | int]:
-    """Return a location as in the file: the validator adds which variant it took."""
-    parts: list[str | int] = []
-    for part in location:
-        if _variant(kind, part) is None:
-            parts.append(part)
-        kind = _member(kind, part)
-    return parts
-
-
-def _variant(kind: Any, tag: str | int) -> type | None:
-    """Return the dataclass of a union whose ``kind`` is the tag."""
-    if typing.get_origin(kind) not in {typing.Union, types.UnionType}:
-        return None
-    members = [a for a in typing.get_args(kind) if is_dataclass(a) and isinstance(a, type)]
-    kinds = {typing.get_args(typing.get_type_hints(m).get("kind", Name)): m for m in members}
-    return kinds.get((tag,))
-
-
-def _member(kind: Any, part: str | int) -> Any:
-    if isinstance(kind, type) and is_dataclass(kind):
-        return typing.get_type_hints(kind).get(str(part), object)
-    if typing.get_origin(kind) in {typing.Union, types.UnionType}:
-        return _variant(kind, part) or kind
-    arguments = [a for a in typing.get_args(kind) if a is not Ellipsis]
-    return arguments[-1] if arguments else object

@@ -191,7 +191,7 @@ class Resolver:
         """Return the seed of an analysis without its own, from the root seed and a name."""
         root = self._nodes.get(SEED)
         if not isinstance(root, Given) or not isinstance(root.value, int) or root.value < 0:
-            return root
+            return root or _nothing(f"{key}.{SEED}", 0)
         words = np.random.SeedSequence(root.value, spawn_key=(crc32(stream.encode()),))
         value = int(words.generate_state(1)[0])
         source = f"from the root seed, {root.value}, and the name {stream!r}"
@@ -291,9 +291,9 @@ class Resolver:
         return replace(above, overrides=told)
 
 
-def _nothing(key: str) -> Given:
-    """Return what a reference stands for that names nothing, which is told once."""
-    return Given(None, "user", NOTHING, key)
+def _nothing(key: str, value: object = None) -> Given:
+    """Return what stands for that which is missing, which is told once."""
+    return Given(value, "user", NOTHING, key)
 
 
 def _places(node: Any) -> Iterator[str]:

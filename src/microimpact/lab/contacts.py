@@ -30,34 +30,18 @@ def declared_contact(
     return pair_contact(particle, surface, *declared(inputs), **changes)
 
 
-def contact_of_case(inputs: Mapping[str, pd.DataFrame], case: str, **changes: Any) -> Contact:
+def calibrated_contact(inputs: Mapping[str, pd.DataFrame], case: str, **changes: Any) -> Contact:
     """Return the contact of a case: a calibrated one, or a declared pair, as ``glass on silicon``.
 
     Parameters
     ----------
     inputs
-        ``calibration`` and ``materials`` as for `calibrated_contact`; ``contacts``, if the case is
-        a declared pair.
+        ``calibration``, the table of that study, and ``materials``, declared rows; ``contacts``, if
+        the case is a declared pair.
     case
         Name of the case.
     **changes
         Fields of `Contact` in place of those of the case.
-    """
-    if case in set(inputs["calibration"]["case"]) or "contacts" not in inputs:
-        return calibrated_contact(inputs, case).replace(**changes)
-    particle, surface = case.split(" on ")
-    return declared_contact(inputs, particle, surface, **changes)
-
-
-def calibrated_contact(inputs: Mapping[str, pd.DataFrame], case: str) -> Contact:
-    """Return the contact of a calibrated case.
-
-    Parameters
-    ----------
-    inputs
-        ``calibration``, the table of that study, and ``materials``, declared rows.
-    case
-        Name of the case.
 
     Raises
     ------
@@ -66,12 +50,15 @@ def calibrated_contact(inputs: Mapping[str, pd.DataFrame], case: str) -> Contact
     """
     table = inputs["calibration"]
     rows = table[(table["case"] == case) & (table["role"] == "parameter")]
+    if rows.empty and "contacts" in inputs and " on " in case:
+        return declared_contact(inputs, *case.split(" on "), **changes)
     if rows.empty:
         raise ValueError(f"no calibrated case {case!r}{nearest(case, set(table['case']))}")
     fields = dict(zip(rows["quantity"], rows["value"].astype(float), strict=True))
     materials: Any = inputs["materials"].to_dict("records")
     particle, surface = rows["particle"].iloc[0], rows["surface"].iloc[0]
-    return pair_contact(particle, surface, materials_from_rows(materials), {}, **fields)
+    contact = pair_contact(particle, surface, materials_from_rows(materials), {}, **fields)
+    return contact.replace(**changes)
 
 
 def declared(inputs: Mapping[str, pd.DataFrame]) -> tuple[dict[str, Material], Pairs]:

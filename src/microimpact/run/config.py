@@ -46,11 +46,6 @@ class General:
     digitised: Name
     pathvars: Pathvars = field(default_factory=Pathvars)
 
-    @property
-    def tables(self) -> tuple[str, str, str]:
-        """Paths of the declared tables: materials, contacts and printed values."""
-        return self.materials, self.contacts, self.printed_values
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
@@ -99,6 +94,8 @@ def _names(tables: DeclaredTables, cases: Collection[str]) -> dict[str, tuple[st
     return tables.names() | {"cases": ("cases", [*cases, *pairs])}
 
 
+TABLES = ("materials", "contacts", "printed_values")
+CALIBRATION = "calibration"
 GENERAL = tuple(f.name for f in fields(General))
 _BODIES = ("particle", "surface")
 SECTIONS = tuple(f.name for f in fields(Laboratory))
@@ -148,8 +145,8 @@ def validate(
     check = _Check(config, resolver, found)
     general = check.sections(General, GENERAL)
     shown = list(resolver.rows)
-    tables = _tables(general, found)
-    if general is None or tables is None:  # nothing can be named
+    tables = _tables(resolver, found)
+    if tables is None:  # nothing can be named
         raise ConfigError("\n".join([*resolver.problems, *_others(found, resolver.problems)]))
     resolver.declare("printed", tables.printed())
     check.known = Known(_names(tables, config.get("cases") or ()))
@@ -161,13 +158,18 @@ def validate(
         check.known.named.clear()
         params[name] = check.checked(studies.study(name).Params, name)
         named[name] = list(check.known.named)
+    cases = {name for each in named.values() for sort, name in each if sort == "cases"}
+    if laboratory and params.get(CALIBRATION):
+        calibrated = params[CALIBRATION].calibrated
+        found += [
+            f"cases.{case}: is named, but {CALIBRATION} does not calibrate it"
+            for case in sorted(cases & set(laboratory.cases) - calibrated)
+        ]
     found = [*resolver.problems, *_others(found, resolver.problems)]
     if found:
         raise ConfigError("\n".join(dict.fromkeys(found)))
     bodies = {name: (case.particle, case.surface) for name, case in laboratory.cases.items()}
-    cases = {name for each in named.values() for sort, name in each if sort == "cases"}
-    calibrated = cases & set(bodies)
-    used = {stands[f"cases.{case}.{body}"] for case in calibrated for body in _BODIES}
+    used = {stands[f"cases.{case}.{body}"] for case in cases & set(bodies) for body in _BODIES}
     return Settings(
         general=general,
         tables=tables,
@@ -212,9 +214,11 @@ class _Check:
             return None
 
 
-def _tables(general: General | None, found: list[str]) -> DeclaredTables | None:
+def _tables(resolver: Resolver, found: list[str]) -> DeclaredTables | None:
+    """Read the declared tables, whatever is wrong with other general keys."""
+    paths = [resolver.resolved(str, name) for name in TABLES]
     try:
-        return read_all(*general.tables) if general else None
+        return read_all(*paths) if all(isinstance(path, str) for path in paths) else None
     except (ValueError, OSError) as error:
         found.append(str(error))
         return None

@@ -139,7 +139,7 @@ def _words(value: Any) -> str:
 
 def _registry(title: str, pattern: str, kind: type[Any], name: str) -> Schema:
     """Return the schema of a file of named entries, whose names match a pattern."""
-    entry = _without_titles(adapter(kind).json_schema())
+    entry = _without_titles(adapter(kind).json_schema())  # type: ignore[arg-type]
     definitions = entry.pop("$defs", {})
     entry["properties"].pop(name)
     entry["required"].remove(name)

@@ -277,6 +277,13 @@ class Params:
     by_work_of_adhesion: Annotated[tuple[WorkTarget, ...], Keyed("case")]
     by_restitution: Annotated[tuple[RestitutionTarget, ...], Keyed("case")]
 
+    @property
+    def calibrated(self) -> set[str]:
+        """Names of all cases whose contact the study finds."""
+        members = (member.case for member in self.two_stage.members)
+        others = (each.case for each in self.by_work_of_adhesion + self.by_restitution)
+        return {*CORNERS, *members, *others}
+
 
 def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
     """Calibrate every case.

@@ -18,7 +18,7 @@ from microimpact.declared.parameters import (
     Positive,
     PrintedName,
 )
-from microimpact.lab.contacts import contact_of_case
+from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.trajectory import Trajectory, trajectory
@@ -64,7 +64,7 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
         ``fig20``: the normal force and its terms in uN against time in ns.
         ``force_ratios``: peak ratios, dips, contact time and restitution beside printed values.
     """
-    contact = contact_of_case(inputs, params.case, diameter=params.diameter_um * 1e-6)
+    contact = calibrated_contact(inputs, params.case, diameter=params.diameter_um * 1e-6)
     path = trajectory(contact, params.speed_m_per_s, params.angle_deg, points=params.points)
     # A force that contains a fitted parameter is no prediction.
     case = inputs["calibration"].query("case == @params.case and role == 'target'")

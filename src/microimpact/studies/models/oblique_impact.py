@@ -20,7 +20,7 @@ from microimpact.declared.parameters import (
     Positive,
     PrintedName,
 )
-from microimpact.lab.contacts import contact_of_case
+from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import FRICTION_BASES, simulate, velocity_components
@@ -64,7 +64,7 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
         ``fig21``: energy loss, total and translational. Captured impacts are left out.
     """
     changes = {"diameter": params.diameter_um * 1e-6, "friction": params.friction}
-    contact = contact_of_case(inputs, params.case, **changes)
+    contact = calibrated_contact(inputs, params.case, **changes)
     if capture_angle(params, contact) >= 90.0:
         raise ValueError(
             f"oblique_impact: at {params.speed_m_per_s:g} m/s the sphere is captured at every angle"

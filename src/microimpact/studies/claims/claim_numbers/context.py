@@ -11,7 +11,7 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import FloatArray, Real
-from microimpact.lab.contacts import calibrated_contact, contact_of_case
+from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.samples import (
     Dropped,
     Sampling,
@@ -71,7 +71,7 @@ class Context:
     def fluorescein(self) -> Contact:
         """Contact of ammonium fluorescein on molybdenum."""
         pair = self.params.fluorescein
-        return contact_of_case(self.inputs, pair.case, diameter=pair.diameter_um * 1e-6)
+        return calibrated_contact(self.inputs, pair.case, diameter=pair.diameter_um * 1e-6)
 
     @property
     def speed(self) -> float:

@@ -18,7 +18,7 @@ from microimpact.declared.parameters import (
     Finite,
     Positive,
 )
-from microimpact.lab.contacts import contact_of_case
+from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.dynamics.trajectory import trajectory
 
 Numbers = dict[tuple[str, str], float]
@@ -77,7 +77,7 @@ def contact_state(
     The contact radius is ``a = sqrt(r |n|)``, the pressure ``p_0 sqrt(1 - (rho/a)^2)`` with
     ``p_0 = 3 F / (2 pi a^2)`` of the Hertz force F; the ring force f_0 pulls along the edge.
     """
-    contact = contact_of_case(inputs, params.case, diameter=params.diameter_um * 1e-6)
+    contact = calibrated_contact(inputs, params.case, diameter=params.diameter_um * 1e-6)
     path = trajectory(contact, params.speed_m_per_s, params.angle_deg, points=params.instants)
     turn = int(np.argmax(path.compression))
     force, compression = float(path.hertz_force[turn]), float(path.compression[turn])
