@@ -12,6 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 from microimpact.cli import commands
+from microimpact.report.check.results import ResultsError
 from microimpact.report.site import PAGES
 from microimpact.report.site.build import (
     CLAIM_COLUMNS,
@@ -24,7 +25,6 @@ from microimpact.report.site.pages import ASSETS, NAVIGATION, render
 from microimpact.report.site.record import (
     Change,
     Record,
-    RecordError,
     changes,
     from_plain,
     read_record,
@@ -273,7 +273,7 @@ def test_a_record_survives_its_file(few):
 def test_a_malformed_record_is_refused(record, broken):
     content = record.plain()
     del content[broken]
-    with pytest.raises(RecordError, match=broken):
+    with pytest.raises(ResultsError, match=broken):
         from_plain(content)
 
 

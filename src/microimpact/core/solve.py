@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
-from typing import Any, overload
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.arrays import FloatArray
+
+Place = TypeVar("Place", float, FloatArray)
 
 # Relative error to which a root is sought where none is asked for: the least there is.
 ROUNDING = 4.0 * float(np.finfo(float).eps)
@@ -114,36 +116,14 @@ def roots(
     return np.asarray(found.x)
 
 
-@overload
-def threshold(
-    holds: Callable[[float], Any],
-    low: float,
-    high: float,
-    *,
-    absolute: float = ...,
-    relative: float = ...,
-) -> float: ...
-
-
-@overload
-def threshold(
-    holds: Callable[[FloatArray], BoolArray],
-    low: FloatArray,
-    high: FloatArray,
-    *,
-    absolute: float = ...,
-    relative: float = ...,
-) -> FloatArray: ...
-
-
 def threshold(
     holds: Callable[[Any], Any],
-    low: float | FloatArray,
-    high: float | FloatArray,
+    low: Place,
+    high: Place,
     *,
     absolute: float = 0.0,
     relative: float = ROUNDING,
-) -> float | FloatArray:
+) -> Place:
     """Return where a condition begins to hold, by halving.
 
     Parameters
@@ -168,11 +148,14 @@ def threshold(
             place = float(np.asarray(end)[wrong].flat[0])
             raise NoRootError(f"the condition must {'' if wanted else 'not '}hold at {place:g}")
     least = max(absolute, TINY)
-    while np.any(np.abs(np.subtract(high, low)) > least + relative * np.abs(high)):
-        middle = 0.5 * (low + high)
+    below: Any = low
+    above: Any = high
+    while np.any(np.abs(np.subtract(above, below)) > least + relative * np.abs(above)):
+        middle = 0.5 * (below + above)
         if np.ndim(middle):
             true = holds(middle)
-            low, high = np.where(true, low, middle), np.where(true, middle, high)
+            below, above = np.where(true, below, middle), np.where(true, middle, above)
         else:
-            low, high = (low, middle) if holds(middle) else (middle, high)
-    return high
+            below, above = (below, middle) if holds(middle) else (middle, above)
+    found: Place = above
+    return found

@@ -150,14 +150,7 @@ def _inputs(baseline: Path, changed: Path, numbers: Sequence[Difference]) -> lis
     """Return changed inputs: of the configurations whole values, texts and lists among them."""
     left, right = (_stamp(root).get("config", {}) for root in (baseline, changed))
     found = [
-        Difference(
-            file=INPUTS,
-            kind="text",
-            row=f"config, {change.key}",
-            column="value",
-            reference=_shown(change.shipped),
-            found=_shown(change.used),
-        )
+        _text(INPUTS, f"config, {change.key}", _shown(change.shipped), _shown(change.used))
         for change in configured(right, left)
     ]
     told = {d.row for d in found}
@@ -188,17 +181,16 @@ def _figure(name: str, baseline: Path, changed: Path) -> FigureChange:
 def _stamps(baseline: Path, changed: Path) -> list[Difference]:
     left, right = (_told(_stamp(root)) for root in (baseline, changed))
     return [
-        Difference(
-            file="run.json",
-            kind="text",
-            row=key,
-            column="value",
-            reference=left.get(key, ""),
-            found=right.get(key, ""),
-        )
+        _text("run.json", key, left.get(key, ""), right.get(key, ""))
         for key in dict.fromkeys((*left, *right))
         if left.get(key) != right.get(key)
     ]
+
+
+def _text(file: str, row: str, before: str, after: str) -> Difference:
+    return Difference(
+        file=file, kind="text", row=row, column="value", reference=before, found=after
+    )
 
 
 def _stamp(root: Path) -> dict[str, Any]:

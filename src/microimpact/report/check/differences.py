@@ -118,26 +118,22 @@ def compare_tables(
         c for c in columns if _has_words(reference[c]) or _has_words(found[c])
     ]
     rows = _match(_named_rows(reference, by), _named_rows(found, by), renamed=renamed)
+    sides: tuple[tuple[Kind, pd.DataFrame], ...] = (
+        ("missing column", reference),
+        ("extra column", found),
+    )
     differences = [
-        *(
-            Difference(file=file, kind="missing column", column=c)
-            for c in reference.columns
-            if c not in columns
-        ),
-        *(
-            Difference(file=file, kind="extra column", column=c)
-            for c in found.columns
-            if c not in columns
-        ),
-        *(
-            Difference(file=file, kind="missing row", row=label, reference=_told(reference, i, by))
-            for label, i in rows.missing
-        ),
-        *(
-            Difference(file=file, kind="extra row", row=label, found=_told(found, i, by))
-            for label, i in rows.extra
-        ),
+        Difference(file=file, kind=kind, column=c)
+        for kind, table in sides
+        for c in table.columns
+        if c not in columns
     ]
+    for label, place in rows.missing:
+        told = _told(reference, place, by)
+        differences.append(Difference(file=file, kind="missing row", row=label, reference=told))
+    for label, place in rows.extra:
+        told = _told(found, place, by)
+        differences.append(Difference(file=file, kind="extra row", row=label, found=told))
     for column in columns:
         before = reference[column].to_numpy()[rows.before]
         after = found[column].to_numpy()[rows.after]

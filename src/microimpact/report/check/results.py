@@ -9,12 +9,16 @@ import json
 import zlib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import pandas as pd
+from pydantic import ValidationError
 
 from microimpact.core.materials import declared_file
 from microimpact.declared.documents import load
+from microimpact.declared.parameters import build, explain
+
+T = TypeVar("T")
 
 TABLE_FOLDERS = ("tables", "data")
 INPUTS = "tables/inputs.csv"
@@ -146,6 +150,21 @@ def read_json(path: Path) -> dict[str, Any]:
     if not isinstance(content, dict):
         raise ResultsError(f"{path}: must hold a JSON object")
     return content
+
+
+def built(kind: type[T], content: Mapping[str, Any], where: str) -> T:
+    """Return a dataclass from plain values.
+
+    Raises
+    ------
+    ResultsError
+        One line per problem, with the place and the dotted key.
+    """
+    try:
+        return build(kind, content)
+    except ValidationError as error:
+        lines = explain(error, kind, "")
+        raise ResultsError("\n".join(f"{where}: {line}" for line in lines)) from None
 
 
 def drawn_from() -> dict[str, tuple[str, ...]]:

@@ -7,12 +7,10 @@ from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from pydantic import ValidationError
-
 from microimpact.declared.documents import load
-from microimpact.declared.parameters import Name, NonNegative, build, explain
+from microimpact.declared.parameters import Name, NonNegative
 from microimpact.report.check.differences import Tolerance
-from microimpact.report.check.results import ResultsError
+from microimpact.report.check.results import ResultsError, built
 from microimpact.report.check.shapes import PictureTolerance
 
 FILE = "tolerances.yaml"
@@ -80,10 +78,4 @@ def read_tolerances(path: Path) -> Tolerances:
     ResultsError
         One line per problem, with the dotted key.
     """
-    if not path.exists():
-        return Tolerances()
-    try:
-        return build(Tolerances, load(path))
-    except ValidationError as error:
-        lines = explain(error, Tolerances, "")
-        raise ResultsError("\n".join(f"{path}: {line}" for line in lines)) from None
+    return built(Tolerances, load(path), str(path)) if path.exists() else Tolerances()

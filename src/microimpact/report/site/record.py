@@ -21,6 +21,7 @@ from microimpact.core.materials import declared_file
 from microimpact.declared.documents import load
 from microimpact.declared.provenance import plain
 from microimpact.figures.registry import filled
+from microimpact.report.check.results import ResultsError, built, read_json
 from microimpact.run.config import read_configuration, validate
 from microimpact.run.stamp import Change, changes, git_state, package_versions
 
@@ -28,10 +29,6 @@ RECORD = "report/record.json"
 STAMP = "run.json"
 # Columns that name a row of a declared table.
 _ROW_NAMES = ("material", "particle", "surface", "key")
-
-
-class RecordError(ValueError):
-    """A record or a run stamp that is missing, or not as this version writes it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,7 +75,7 @@ class Record:
     packages: Mapping[str, str | None]
     changes: tuple[Change, ...]
     figures: Mapping[str, Mapping[str, Any]]
-    rules: tuple[Rule, ...] = ()
+    rules: tuple[Rule, ...]
 
     def plain(self) -> dict[str, Any]:
         """Return the record as JSON would hold it."""
@@ -139,22 +136,10 @@ def from_plain(content: Mapping[str, Any], where: str = RECORD) -> Record:
 
     Raises
     ------
-    RecordError
+    ResultsError
         If a key is missing, unknown or of another kind.
     """
-    try:
-        parts = dict(content)
-        parts["changes"] = tuple(Change(**change) for change in parts["changes"])
-        parts["rules"] = tuple(_rule(rule) for rule in parts["rules"])
-        return Record(**parts)
-    except (KeyError, TypeError, AttributeError) as error:
-        raise RecordError(f"{where}: not a record of this version: {error}") from None
-
-
-def _rule(content: Mapping[str, Any]) -> Rule:
-    rows = {name: tuple(keys) for name, keys in content["declared"].items()}
-    files = {name: tuple(content[name]) for name in ("inputs", "outputs")}
-    return Rule(name=content["name"], purpose=content["purpose"], declared=rows, **files)
+    return built(Record, content, where)
 
 
 def write_record(results: Path, record: Record) -> None:
@@ -168,31 +153,22 @@ def read_record(results: Path) -> Record:
 
     Raises
     ------
-    RecordError
+    ResultsError
         If the folder has neither record nor stamp, or a malformed one.
     """
     if (results / RECORD).is_file():
-        return from_plain(_json(results / RECORD), str(results / RECORD))
+        return from_plain(read_json(results / RECORD), str(results / RECORD))
     if not (results / STAMP).is_file():
-        raise RecordError(f"{results}: neither {RECORD} nor {STAMP}: no finished run")
-    stamp = _json(results / STAMP)
+        raise ResultsError(f"{results}: neither {RECORD} nor {STAMP}: no finished run")
+    stamp = read_json(results / STAMP)
     names = ("seed", "git", "python", "platform", "packages", "config")
     if missing := [name for name in names if name not in stamp]:
-        raise RecordError(f"{results / STAMP}: has no {', '.join(missing)}")
+        raise ResultsError(f"{results / STAMP}: has no {', '.join(missing)}")
     config = stamp.pop("config")
     shipped = read_configuration(declared_file("config.yaml").parent)
     return Record(
         **{name: stamp[name] for name in names[:-1]},
         changes=changes(config, shipped),
         figures=filled(load(declared_file("figures.yaml")), validate(config, shipped).branches),
+        rules=(),
     )
-
-
-def _json(path: Path) -> dict[str, Any]:
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise RecordError(f"{path}: cannot be read: {error}") from None
-    if not isinstance(content, dict):
-        raise RecordError(f"{path}: must hold a JSON object")
-    return content
