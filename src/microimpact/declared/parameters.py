@@ -71,18 +71,19 @@ class Names:
         """Check the name where it is known what is declared."""
         return core_schema.with_info_wrap_validator_function(self._checked, handler(source))
 
-    def _checked(self, name: Any, handler: Callable[[Any], str], info: ValidationInfo) -> str:
+    def _checked(self, name: Any, handler: Callable[[Any], str], info: ValidationInfo) -> Any:
         if info.context is None:
             return handler(name)
         where, known = info.context.names[self.sort]
         if not isinstance(name, str):
             likely = nearest(str(name), known)
             raise ValueError(f"{name!r} must be a name that is declared in {where}{likely}")
+        name = handler(name)
         told = f"{info.data.get(self.beside)} on {name}" if self.beside else name
         if told not in known:
             raise ValueError(f"{told!r} is not declared in {where}{nearest(told, known)}")
         info.context.named.append((self.sort, told))
-        return handler(name)
+        return name
 
 
 MaterialName = Annotated[Name, Names("materials")]

@@ -179,6 +179,9 @@ class Resolver:
             return None
         if kind.keyed:
             return [self._item(kind, i, name, key, node[name]) for i, name in enumerate(node)]
+        stands = next(_places(node), "").rpartition(".")[0]
+        if kind == Shape() and stands not in {"", key}:  # where one value is wanted
+            self.aliases[key] = stands
         fields = kind.fields(node.get(KIND))
         if SEED in fields and SEED not in node:
             node = {**node, SEED: self._seed(fields[SEED].stream or key.partition(".")[0], key)}
