@@ -232,6 +232,88 @@ def export_command(
     click.echo("\n".join(written))
 
 
+@commands.command("fit")
+@click.argument("data")
+@click.option("--unit", help="Unit of the speeds where the header says none; default m/s.")
+@click.option("--sigma", type=float, help="Standard deviation of e where no column has it.")
+@click.option("--confidence", type=float, default=0.95, show_default=True, help="Of intervals.")
+@click.option("--plot", help="Draw data, models and interval: a .png, .svg or .pdf file.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON in SI units.")
+def fit_command(
+    data: str,
+    unit: str | None,
+    sigma: float | None,
+    confidence: float,
+    plot: str | None,
+    as_json: bool,
+) -> None:
+    """Find the capture velocity from measured restitutions, by several models.
+
+    DATA is a CSV file with the columns v, and e or V (normal speeds before and after impact), and
+    optionally sigma (of e) and captured (yes or no).
+    """
+    from microimpact.measured.rebounds import read_rebounds
+    from microimpact.model.empirical.comparison import compare_models
+
+    measured = read_rebounds(data, unit)
+    if sigma is not None and measured.sigma is not None:
+        raise ValueError("sigma stands in the file; leave out --sigma")
+    spread = measured.sigma if sigma is None else sigma
+    found = compare_models(measured.v, measured.e, spread, confidence=confidence)
+    if plot:
+        from microimpact.measured.picture import draw
+
+        draw(measured, found, plot)
+    if as_json:
+        numbers = ("free", "v_c", "interval", "chi_square", "criterion", "weight")
+        _print_json(
+            {
+                "v_c": found.v_c,
+                "v_c_interval": list(found.v_c_interval),
+                "confidence": found.confidence,
+                "sigma": found.sigma,
+                "scatter_over_sigma": found.scatter,
+                "warnings": list(found.warnings),
+                "models": {
+                    model.name: {name: getattr(model, name) for name in numbers}
+                    for model in found.models
+                },
+            }
+        )
+        return
+    captured = int((measured.e == 0.0).sum())
+    title = f"{data}: {measured.v.size - captured} rebounds, {captured} captured"
+    header = (
+        "model",
+        "v_c (m/s)",
+        f"{100 * confidence:g} %",
+        "free",
+        "chi-square",
+        "AICc",
+        "weight",
+    )
+    rows = [
+        (
+            model.name,
+            f"{model.v_c:.4g}",
+            *(f"{end:.4g}" for end in model.interval),
+            str(model.free),
+            "" if model.chi_square is None else f"{model.chi_square:.1f}",
+            f"{model.criterion:.1f}",
+            f"{model.weight:.2f}",
+        )
+        for model in found.models
+    ]
+    _print_table(title, header, rows)
+    low, high = found.v_c_interval
+    click.echo(
+        f"v_c = {found.v_c:.4g} m/s, {100 * confidence:g} %: {low:.4g} to {high:.4g} m/s, averaged "
+        "over the models by weight.\nOn condition that one of them has the shape of the true curve."
+    )
+    for warning in found.warnings:
+        click.echo(f"Warning: {warning}.")
+
+
 @commands.command("materials")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON in SI units.")
 def materials_command(as_json: bool) -> None:

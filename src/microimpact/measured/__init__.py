@@ -1,0 +1,1 @@
+"""Measurements that a user brings: read, compared with models, drawn."""

@@ -1,0 +1,62 @@
+"""Measured rebounds with the models that were fitted to them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from microimpact.figures.style import MM_PER_INCH, WIDTH_MM, context
+from microimpact.measured.rebounds import Rebounds
+from microimpact.model.empirical.comparison import LIGHT, Comparison
+
+FORMATS = (".png", ".svg", ".pdf")
+LINES = ("solid", "dashed", "dashdot", "dotted", (0, (1, 3)))
+HEIGHT_MM, POINTS = 105.0, 400
+
+
+@context()
+def draw(data: Rebounds, found: Comparison, path: Path | str) -> None:
+    """Draw data, models, interval of v_c, and residuals of the best model.
+
+    Parameters
+    ----------
+    data, found
+        The measurements and the comparison made of them.
+    path
+        File to be written, of one of `FORMATS`.
+
+    Raises
+    ------
+    ValueError
+        If the ending is another.
+    OSError
+        If the file cannot be written.
+    """
+    if Path(path).suffix not in FORMATS:
+        raise ValueError(f"plot must end in {', '.join(FORMATS)}, got {str(path)!r}")
+    figure = Figure(figsize=(WIDTH_MM["double"] / MM_PER_INCH, HEIGHT_MM / MM_PER_INCH))
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    low, high = found.v_c_interval
+    above.axvspan(low, high, color="0.85", label=f"v_c, {100 * found.confidence:g} %")
+    above.axvline(found.v_c, color="0.4", linewidth=0.8)
+    v = np.geomspace(max(0.8 * min(data.v.min(), found.v_c), 1e-9), 1.1 * data.v.max(), POINTS)
+    shown = [model for model in found.models if model.weight >= LIGHT]
+    for model, line in zip(shown, LINES, strict=False):
+        label = f"{model.name} (weight {model.weight:.2f})"
+        above.plot(v, model.law(v), linestyle=line, marker="none", color="black", label=label)
+    captured = data.e == 0.0
+    points = {"linestyle": "none", "color": "tab:blue", "capsize": 2.0, "zorder": 3}
+    for chosen, marker, label in ((~captured, "o", "rebounds"), (captured, "v", "captured")):
+        if np.any(chosen):
+            error = None if data.sigma is None else data.sigma[chosen]
+            mark = points | {"marker": marker, "label": label, "markerfacecolor": "white"}
+            above.errorbar(data.v[chosen], data.e[chosen], yerr=error, **mark)
+    missed = data.e - shown[0].law(data.v)
+    below.errorbar(data.v, missed, yerr=data.sigma, marker="o", **points)
+    below.axhline(0.0, color="black", linewidth=0.8)
+    above.set(ylabel="coefficient of restitution e", ylim=(-0.03, 1.03), xscale="log")
+    below.set(xlabel="normal speed before impact v (m/s)", ylabel="e less model")
+    above.legend(loc="lower right")
+    figure.savefig(path)

@@ -1,0 +1,154 @@
+"""Measured rebounds from a CSV file."""
+
+from __future__ import annotations
+
+import csv
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from microimpact.core.arrays import FloatArray
+from microimpact.core.nearest import nearest
+
+SPEED_UNITS = {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3, "um/s": 1e-6, "km/h": 1.0 / 3.6}
+COLUMNS = {
+    "v": "normal speed before impact",
+    "e": "coefficient of restitution",
+    "V": "normal speed after impact, in place of e",
+    "sigma": "standard deviation of e",
+    "captured": "yes or no",
+}
+_YES, _NO = {"yes", "true", "1", "captured"}, {"no", "false", "0", "", "rebound"}
+# "v", "v (cm/s)", "v [cm/s]" or "v_cm_per_s".
+_HEADER = re.compile(r"\s*(\w+?)(?:\s*[(\[]\s*([^)\]]*?)\s*[)\]]|_([a-z]+)_per_([a-z]+))?\s*$")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Rebounds:
+    """Measured normal impacts.
+
+    Attributes
+    ----------
+    v
+        Speeds before impact (n,), m/s.
+    e
+        Coefficients of restitution (n,); 0 where captured.
+    sigma
+        Standard deviations of e (n,), or None.
+    """
+
+    v: FloatArray
+    e: FloatArray
+    sigma: FloatArray | None
+
+
+def read_rebounds(path: Path | str, unit: str | None = None) -> Rebounds:
+    """Read a CSV file with the columns `COLUMNS`, of which v and e or V are needed.
+
+    Parameters
+    ----------
+    path
+        The file; lines that begin with ``#`` are comments. A captured sphere has ``captured`` yes,
+        or e (or V) 0.
+    unit
+        Unit of the speeds, one of `SPEED_UNITS`, where the header does not say it; m/s else.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    ValueError
+        Naming file, line, column, value and what is allowed.
+    """
+    name = Path(path).name
+    lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
+    kept = [(at, line) for at, line in enumerate(lines, 1) if line.strip() and line[0] != "#"]
+    if not kept:
+        raise ValueError(f"{name}: no header; columns are {', '.join(COLUMNS)}")
+    table = list(csv.reader(line for _, line in kept))
+    units = _columns(name, table[0], unit)
+    rows = []
+    for (at, _), cells in zip(kept[1:], table[1:], strict=True):
+        if len(cells) != len(table[0]):
+            raise ValueError(
+                f"{name}, line {at}: {len(cells)} cells, but {len(table[0])} columns in the header"
+            )
+        named = dict(zip(units, map(str.strip, cells), strict=True))
+        rows.append(_row(f"{name}, line {at}", named, units))
+    if not rows:
+        raise ValueError(f"{name}: no data below the header")
+    v, e, sigma = zip(*rows, strict=True)
+    return Rebounds(
+        v=np.array(v), e=np.array(e), sigma=np.array(sigma) if "sigma" in units else None
+    )
+
+
+def _columns(name: str, header: list[str], unit: str | None) -> dict[str, float]:
+    """Return the columns and the factors from their units to SI."""
+    if unit is not None and unit not in SPEED_UNITS:
+        raise ValueError(f"unit must be one of {', '.join(SPEED_UNITS)}, got {unit!r}")
+    found: dict[str, float] = {}
+    for cell in header:
+        match = _HEADER.match(cell)
+        column = match[1] if match else cell
+        if match is None or column not in COLUMNS:
+            raise ValueError(
+                f"{name}: the column {cell.strip()!r} is none of {', '.join(COLUMNS)}"
+                f"{nearest(column, COLUMNS)}"
+            )
+        if column in found:
+            raise ValueError(f"{name}: the column {column} stands there twice")
+        said = f"{match[3]}/{match[4]}" if match[3] else match[2]
+        if column in {"v", "V"}:
+            said = said or unit or "m/s"
+            if said not in SPEED_UNITS:
+                raise ValueError(
+                    f"{name}: the unit of {column} must be one of {', '.join(SPEED_UNITS)}, "
+                    f"got {said!r}"
+                )
+            found[column] = SPEED_UNITS[said]
+        elif said not in {None, "", "1", "-"}:
+            raise ValueError(f"{name}: {column} has no unit, got {said!r}; give fractions")
+        else:
+            found[column] = 1.0
+    if "v" not in found or ("e" in found) == ("V" in found):
+        got = ", ".join(found)
+        raise ValueError(f"{name}: the columns v and either e or V are needed, got {got}")
+    return found
+
+
+def _row(where: str, cells: dict[str, str], units: dict[str, float]) -> tuple[float, float, float]:
+    """Return v in m/s, e and sigma of a row."""
+    said = cells.get("captured", "").lower()
+    if said not in _YES | _NO:
+        raise ValueError(f"{where}: captured must be yes or no, got {cells['captured']!r}")
+    v = _number(where, "v", cells["v"]) * units["v"]
+    if v <= 0.0:
+        raise ValueError(f"{where}: v must be positive, got {cells['v']}")
+    captured = said in _YES
+    after = "e" if "e" in cells else "V"
+    e = 0.0 if captured and not cells[after] else _number(where, after, cells[after])
+    if after == "V":
+        e = abs(e) * units["V"] / v
+    if captured and e > 0.0:
+        raise ValueError(f"{where}: captured, but {after} is {cells[after]}; it must be 0 or empty")
+    if not 0.0 <= e <= 1.0:
+        percent = "; divide percent by 100" if after == "e" and 1.0 < e <= 100.0 else ""
+        got = cells[after] if after == "e" else f"V/v = {e:.3g}"
+        raise ValueError(f"{where}: e must be from 0 to 1, got {got}{percent}")
+    sigma = _number(where, "sigma", cells["sigma"]) if "sigma" in cells else 1.0
+    if not 0.0 < sigma < 1.0:
+        raise ValueError(f"{where}: sigma must be above 0 and below 1, got {cells['sigma']}")
+    return v, e, sigma
+
+
+def _number(where: str, column: str, cell: str) -> float:
+    try:
+        number = float(cell)
+    except ValueError:
+        number = np.nan
+    if not np.isfinite(number):
+        raise ValueError(f"{where}: {column} must be a number, got {cell!r}")
+    return number

@@ -1,0 +1,555 @@
+"""Capture velocity from restitutions by several models, and an interval that rests on no one.
+
+Each model of e(v) has its own profile of chi-square over v_c. Models are weighted by Akaike's
+criterion, corrected for few data (AICc; Burnham and Anderson 2002), and the interval is that of
+averaged tail areas (Fletcher and Turek 2012): what the models' signed roots of chi-square leave
+beyond an end, averaged with these weights, is half of what the confidence leaves.
+
+The ring force needs no material here: speeds count in units of v_c, and two damping groups are
+left, that of the material and that of adhesion at v_c. Their threshold is one integration.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.special import chdtrc, ndtr, stdtr
+
+from microimpact.core.arrays import POSITIVE, FloatArray, Range, checked
+from microimpact.core.solve import root
+from microimpact.model.dynamics import kernel
+from microimpact.model.dynamics.capture import threshold
+from microimpact.model.dynamics.normal import integrate
+from microimpact.model.empirical.equations import restitution
+from microimpact.model.empirical.search import STARTS, in_own_units, profile, start_points
+
+# e (m, n) of m sets of parameters (m, k) at speeds (n,), all speeds in units of v_c.
+Curve = Callable[[FloatArray, FloatArray], FloatArray]
+
+CONFIDENCE = Range(lower=0.0, upper=1.0)
+FRACTION = Range(lower=0.0, upper=1.0, lower_closed=True, upper_closed=True)
+# Data from the slowest rebound upwards: fewer leave no model a degree of freedom.
+FEWEST = 5
+# A scatter of e above this, where no model explains half of the variance, is no curve.
+WILD = 0.15
+# Within this factor of v_c a speed is near capture.
+NEAR = 1.3
+TINY = 1e-300
+# v_c is sought between these shares of the smallest rebounding speed.
+LEAST, GREATEST = 1e-3, 1.0 - 1e-6
+# Values of v_c in a profile; it is drawn anew so many times, each about where chi-square is low.
+VALUES, ROUNDS = 24, 2
+# Rise of chi-square, in units of what one parameter adds, at which nothing of v_c is left.
+NEGLIGIBLE = 30.0
+# A shape that two parameters give is fitted from several places, in steps that start this short.
+STEPS, DAMPED, OVERDAMPED, SHORTEST, LONGEST, DIFFERENCE = 40, 1e-2, 1e8, 1e-6, 1.5, 1e-5
+# Models lighter than this are left out of words.
+LIGHT = 0.05
+# Shares by which tests reject: misfit, residuals in runs.
+REJECTED = 0.01
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shape:
+    """A model of e(v) whose parameters are v_c and logarithms within bounds.
+
+    Attributes
+    ----------
+    curve
+        e over v/v_c > 1.
+    bounds, starts
+        Of the logarithms: (k, 2) and (s, k).
+    """
+
+    curve: Curve
+    bounds: FloatArray
+    starts: FloatArray
+
+
+def ring_force(exponent: float) -> Shape:
+    """Return e of Eq. (25) with adhesion damped as (v_c/v)^n; the groups are C_H and C_A at v_c."""
+
+    def curve(logs: FloatArray, ratio: FloatArray) -> FloatArray:
+        hertz, adhesion = np.exp(logs).T
+        limit = threshold(hertz, adhesion, damped_attachment=False)
+        known = np.isfinite(limit)
+        e = np.full(ratio.shape, np.nan)
+        faster = (ratio > 1.0) & known[:, None]
+        w = (ratio * np.where(known, limit, 1.0)[:, None])[faster]
+        problems = np.zeros((w.size, kernel.PROBLEM_COLUMNS))
+        problems[:, kernel.START_U] = w
+        problems[:, kernel.ADHESION] = 1.0
+        problems[:, kernel.HERTZ_DAMPING] = np.broadcast_to(hertz[:, None], e.shape)[faster]
+        rate = adhesion[:, None] * ratio**-exponent
+        problems[:, kernel.DAMPING_2] = rate[faster]
+        results = integrate(problems, ledger=False)
+        rebound = results[:, kernel.STATUS] == kernel.REBOUND
+        e[faster] = np.where(rebound, -results[:, kernel.END_U] / w, 0.0)
+        return e
+
+    bounds = np.log([[1e-6, 0.4], [1e-4, 1.1]])
+    return Shape(
+        curve=curve, bounds=bounds, starts=np.log([[0.05, 0.3], [1e-3, 0.05], [0.02, 1e-3]])
+    )
+
+
+def _fixed_loss(logs: FloatArray, ratio: FloatArray) -> FloatArray:
+    """Return e_0 sqrt(1 - (v_c/v)^2): adhesion takes one energy, whatever the speed."""
+    return np.asarray(np.exp(logs) * np.sqrt(np.maximum(1.0 - ratio**-2, 0.0)))
+
+
+FIXED_LOSS = Shape(curve=_fixed_loss, bounds=np.log([[0.01, 1.0]]), starts=np.log([[0.7]]))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Data:
+    """Restitutions in units of the smallest rebounding speed.
+
+    Attributes
+    ----------
+    v, e, weight
+        Speeds, restitutions (0: captured), and 1/sigma, shape (n,).
+    unit
+        The smallest rebounding speed, m/s.
+    """
+
+    v: FloatArray
+    e: FloatArray
+    weight: FloatArray
+    unit: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Model:
+    """One model fitted to the data.
+
+    Attributes
+    ----------
+    name
+        What it is.
+    free
+        Number of free parameters.
+    v_c, interval
+        Capture velocity and its profile interval by this model alone, m/s. An end may be that of
+        the range, 0 or the smallest rebounding speed.
+    chi_square
+        Least sum of squares over sigma, or None where sigma is not given.
+    criterion
+        AICc, less that of the best model.
+    weight
+        Akaike's weight; all sum to 1.
+    law
+        e at normal speeds (n,), m/s.
+    """
+
+    name: str
+    free: int
+    v_c: float
+    interval: tuple[float, float]
+    chi_square: float | None
+    criterion: float
+    weight: float
+    law: Callable[[FloatArray], FloatArray]
+
+
+class Held(NamedTuple):
+    """Searches with v_c held: chi-square (m,) and logarithms of the other parameters (m, k)."""
+
+    chi_square: FloatArray
+    logs: FloatArray
+
+
+# Of the data, v_c (m,) in their unit, and logarithms (s, m, k) to start from, if any.
+Profile = Callable[[Data, FloatArray, FloatArray], Held]
+
+
+def _empirical(q: float | None, data: Data, v_c: FloatArray, starts: FloatArray) -> Held:
+    """Profile of Eq. (34)."""
+    whole = in_own_units(data.v[None], data.e[None], data.weight[None], q)
+    sets = whole.take(np.zeros(v_c.size, np.intp))
+    owner, gap = np.arange(v_c.size), 1.0 - v_c
+    fresh = [start_points(sets, owner, i, gap)[:, :-1] for i in range(len(STARTS))]
+    return Held(*profile(sets, gap, *fresh, *starts))
+
+
+def _shaped(shape: Shape, data: Data, v_c: FloatArray, starts: FloatArray) -> Held:
+    """Profile of a shape, by damped Gauss-Newton steps of all values of v_c side by side."""
+    if not len(starts):
+        starts = np.repeat(shape.starts[:, None], v_c.size, axis=1)
+    ratio = np.tile(data.v / v_c[:, None], (len(starts), 1))
+    logs = np.concatenate(starts)
+
+    def missed(at: FloatArray, rows: FloatArray) -> FloatArray:
+        e = np.where(rows > 1.0, shape.curve(at, rows), 0.0)
+        return (e - data.e) * data.weight
+
+    miss = missed(logs, ratio)
+    chi_square = np.sum(miss**2, axis=1)
+    damping = np.full(len(logs), DAMPED)
+    active = np.arange(len(logs))
+    for _ in range(STEPS):
+        at, rows = logs[active], ratio[active]
+        new = _stepped(shape.bounds, partial(missed, rows=rows), at, miss[active], damping[active])
+        found_miss = missed(new, rows)
+        found = np.sum(found_miss**2, axis=1)
+        better = found < chi_square[active]
+        slight = better & (chi_square[active] - found < SHORTEST * (1.0 + found))
+        at_better = active[better]
+        logs[at_better], miss[at_better] = new[better], found_miss[better]
+        chi_square[at_better] = found[better]
+        damping[active] *= np.where(better, 0.2, 8.0)
+        active = active[~slight & (damping[active] < OVERDAMPED)]
+        if not active.size:
+            break
+    chi_square = np.where(np.isfinite(chi_square), chi_square, np.inf)
+    best = np.argmin(chi_square.reshape(len(starts), -1), axis=0) * v_c.size + np.arange(v_c.size)
+    return Held(chi_square[best], logs[best])
+
+
+def _stepped(
+    bounds: FloatArray,
+    missed: Callable[[FloatArray], FloatArray],
+    at: FloatArray,
+    miss: FloatArray,
+    damping: FloatArray,
+) -> FloatArray:
+    """Return where damped Gauss-Newton steps (Marquardt 1963) within the bounds lead, (m, k)."""
+    slopes = []
+    for i in range(at.shape[1]):
+        step = np.where(at[:, i] + DIFFERENCE > bounds[i, 1], -DIFFERENCE, DIFFERENCE)
+        moved = at.copy()
+        moved[:, i] += step
+        slopes.append((missed(moved) - miss) / step[:, None])
+    slope = np.nan_to_num(np.stack(slopes, axis=-1))
+    normal = np.einsum("mni,mnj->mij", slope, slope)
+    gradient = np.einsum("mni,mn->mi", slope, miss)
+    # A variable at its bound that wants beyond it is held there.
+    stuck = (at <= bounds[:, 0]) & (gradient > 0.0) | (at >= bounds[:, 1]) & (gradient < 0.0)
+    places = np.arange(at.shape[1])
+    diagonal = normal[:, places, places] * (1.0 + damping[:, None])
+    normal = np.where(stuck[:, :, None] | stuck[:, None, :], 0.0, normal)
+    normal[:, places, places] = np.where(stuck | (diagonal == 0.0), 1.0, diagonal)
+    change = np.linalg.solve(normal, np.where(stuck, 0.0, -gradient)[..., None])[..., 0]
+    return np.asarray(np.clip(at + np.clip(change, -LONGEST, LONGEST), *bounds.T))
+
+
+def _eq_34(logs: FloatArray, v_c: float, v: FloatArray) -> FloatArray:
+    """Return Eq. (34) at speeds (n,), with v_c, of logarithms of k, p, kappa and q."""
+    k, p, kappa, q = np.exp(logs)
+    return restitution(v, k, p, kappa, q, v_c)
+
+
+def _of_shape(shape: Shape, logs: FloatArray, v_c: float, v: FloatArray) -> FloatArray:
+    """Return a shape at speeds (n,)."""
+    ratio = v[None] / v_c
+    return np.asarray(np.where(ratio > 1.0, shape.curve(logs[None], ratio), 0.0)[0])
+
+
+class Candidate(NamedTuple):
+    """A model to be tried: free parameters with v_c, profile, e of logarithms, v_c and v."""
+
+    name: str
+    free: int
+    profile: Profile
+    restitution: Callable[[FloatArray, float, FloatArray], FloatArray]
+
+    @classmethod
+    def of(cls, name: str, shape: Shape) -> Candidate:
+        """Return that of a shape."""
+        return cls(name, len(shape.bounds) + 1, partial(_shaped, shape), partial(_of_shape, shape))
+
+
+CANDIDATES = (
+    Candidate("Eq. 34, q free", 5, partial(_empirical, None), _eq_34),
+    Candidate("Eq. 34, q = 1/2", 4, partial(_empirical, 0.5), _eq_34),
+    Candidate.of("ring force, n = 0", ring_force(0.0)),
+    Candidate.of("ring force, n = 1", ring_force(1.0)),
+    Candidate.of("fixed loss", FIXED_LOSS),
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Comparison:
+    """Models of one data set side by side, and v_c from all of them.
+
+    Attributes
+    ----------
+    models
+        The best first.
+    v_c, v_c_interval
+        Median and interval of the averaged tail areas, m/s.
+    confidence
+        Nominal coverage of all intervals.
+    sigma
+        Standard deviation of e that the best model leaves, where none is given; else None.
+    scatter
+        The same over the sigma given, or 1.
+    warnings
+        What speaks against trusting the interval, in sentences.
+    """
+
+    models: tuple[Model, ...]
+    v_c: float
+    v_c_interval: tuple[float, float]
+    confidence: float
+    sigma: float | None
+    scatter: float
+    warnings: tuple[str, ...]
+
+
+def compare_models(
+    v: ArrayLike, e: ArrayLike, sigma: ArrayLike | None = None, *, confidence: float = 0.95
+) -> Comparison:
+    """Find the capture velocity from restitutions by all models, and an interval of their average.
+
+    Where the best model leaves more scatter than sigma admits, sigma is taken larger by that much.
+
+    Parameters
+    ----------
+    v
+        Normal impact speeds (n,), m/s; repeats are welcome.
+    e
+        Coefficients of restitution (n,), in [0, 1]; 0 for a captured sphere.
+    sigma
+        Standard deviation of e, one number or (n,); None: one for all, estimated.
+    confidence
+        Coverage of the intervals, in (0, 1).
+
+    Raises
+    ------
+    TypeError, ValueError
+        If numbers are out of range or too few, no sphere rebounds, or e hardly depends on v in the
+        way that a rebound does.
+    """
+    level = float(checked("confidence", confidence, CONFIDENCE))
+    data, given = _data(v, e, sigma)
+    count = int(np.sum(data.v >= 1.0))
+    tried = [candidate for candidate in CANDIDATES if count > candidate.free + 2]
+    free = np.array([candidate.free for candidate in tried])
+    drawn = [_drawn(partial(of.profile, data), count - of.free, given) for of in tried]
+    least = np.array([found.chi_square.min() for found in drawn])
+    leftover = least / (count - free)  # variance of e in units of sigma squared
+    criterion = _criterion(least, free, count, given)
+    best = int(np.argmin(criterion))
+    weights = np.exp(-0.5 * (criterion - criterion[best]))
+    weights /= weights.sum()
+    widened = max(1.0, float(leftover[best]))
+    freedom = None if given and widened == 1.0 else count - free
+    tails = [
+        _Tail(
+            found, widened if given else float(leftover[k]), None if freedom is None else freedom[k]
+        )
+        for k, found in enumerate(drawn)
+    ]
+    half, unit = 0.5 * (1.0 - level), data.unit
+
+    def averaged(v_c: float) -> float:
+        return float(sum(w * tail(v_c) for w, tail in zip(weights, tails, strict=True)))
+
+    def ends(share: Callable[[float], float]) -> tuple[float, float]:
+        return unit * _quantile(share, half), unit * _quantile(share, 1.0 - half)
+
+    models = [
+        Model(
+            name=of.name,
+            free=of.free,
+            v_c=unit * found.v_c,
+            interval=ends(tails[k]),
+            chi_square=float(least[k]) if given else None,
+            criterion=float(criterion[k] - criterion[best]),
+            weight=float(weights[k]),
+            law=partial(_in_metres, of, found, unit),
+        )
+        for k, (of, found) in enumerate(zip(tried, drawn, strict=True))
+    ]
+    models.sort(key=lambda model: model.criterion)
+    _require_a_curve(data, models[0])
+    v_c, interval = unit * _quantile(averaged, 0.5), ends(averaged)
+    return Comparison(
+        models=tuple(models),
+        v_c=v_c,
+        v_c_interval=interval,
+        confidence=level,
+        sigma=float(np.sqrt(leftover[best])) if not given else None,
+        scatter=float(np.sqrt(leftover[best])) if given else 1.0,
+        warnings=tuple(_warnings(data, models, v_c, interval)),
+    )
+
+
+def _in_metres(of: Candidate, found: _Drawn, unit: float, v: FloatArray) -> FloatArray:
+    return of.restitution(found.logs, found.v_c, np.asarray(v) / unit)
+
+
+def _data(v: ArrayLike, e: ArrayLike, sigma: ArrayLike | None) -> tuple[Data, bool]:
+    """Return checked data, and whether sigma is given."""
+    speed = np.atleast_1d(checked("v", v, POSITIVE))
+    measured = np.atleast_1d(checked("e", e, FRACTION))
+    spread = np.asarray(checked("sigma", 1.0 if sigma is None else sigma, POSITIVE))
+    if speed.ndim != 1 or speed.shape != measured.shape:
+        raise ValueError(f"v and e must be of one shape (n,), got {np.shape(v)} and {np.shape(e)}")
+    if spread.shape not in {(), speed.shape}:
+        raise ValueError(f"sigma must be one number or of shape {speed.shape}, got {spread.shape}")
+    if not np.any(measured > 0.0):
+        raise ValueError("e must be positive somewhere: no sphere rebounds")
+    unit = float(speed[measured > 0.0].min())
+    if (telling := int(np.sum(speed >= unit))) < FEWEST:
+        raise ValueError(
+            f"v must hold at least {FEWEST} points from the smallest rebounding speed {unit:g} m/s "
+            f"upwards, got {telling}"
+        )
+    if (different := np.unique(speed[speed >= unit]).size) < FEWEST - 1:
+        raise ValueError(
+            f"v must hold at least {FEWEST - 1} different speeds from the smallest rebounding "
+            f"one upwards, got {different}"
+        )
+    order = np.argsort(speed, kind="stable")
+    weight = np.broadcast_to(1.0 / spread, speed.shape)[order]
+    return Data(v=speed[order] / unit, e=measured[order], weight=weight, unit=unit), (
+        sigma is not None
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Drawn:
+    """A profile: v_c in the data's unit and chi-square (g,); the best v_c and logarithms (k,)."""
+
+    values: FloatArray
+    chi_square: FloatArray
+    v_c: float
+    logs: FloatArray
+
+
+def _drawn(of: Callable[[FloatArray, FloatArray], Held], freedom: int, given: bool) -> _Drawn:
+    """Draw a profile, closer and closer about its low part."""
+    close = 1.0 - np.geomspace(1.0 - GREATEST, 0.05, VALUES // 3)
+    values = np.concatenate([np.linspace(LEAST, 0.95, VALUES - close.size, endpoint=False), close])
+    values = np.sort(values)
+    held = of(values, np.zeros((0, 0, 0)))
+    for _ in range(ROUNDS):
+        lowest = float(held.chi_square.min())
+        unit = max(1.0, lowest / freedom) if given else max(lowest / freedom, TINY)
+        low = np.flatnonzero(held.chi_square - lowest < NEGLIGIBLE * unit)
+        ends = values[max(low[0] - 1, 0)], values[min(low[-1] + 1, values.size - 1)]
+        fresh = np.setdiff1d(np.linspace(*ends, VALUES), values)
+        # Neighbours on both sides are close starts.
+        after = np.clip(np.searchsorted(values, fresh), 1, values.size - 1)
+        found = of(fresh, np.stack([held.logs[after - 1], held.logs[after]]))
+        order = np.argsort(values := np.append(values, fresh))
+        values = values[order]
+        held = Held(*(np.concatenate(pair)[order] for pair in zip(held, found, strict=True)))
+    at = int(np.argmin(held.chi_square))
+    return _Drawn(
+        values=values, chi_square=held.chi_square, v_c=float(values[at]), logs=held.logs[at]
+    )
+
+
+class _Tail:
+    """Share of the probability of v_c below a value, by the signed root of chi-square's rise."""
+
+    def __init__(self, drawn: _Drawn, variance: float, freedom: int | None) -> None:
+        at = int(np.searchsorted(drawn.values, drawn.v_c))
+        rise = np.sqrt((drawn.chi_square - drawn.chi_square.min()) / max(variance, TINY))
+        # Beyond a valley counts what lies lower further out: the profile of a missed minimum.
+        below = np.minimum.accumulate(rise[: at + 1])
+        above = np.minimum.accumulate(rise[at:][::-1])[::-1]
+        self.values, self.freedom = drawn.values, freedom
+        self.roots = np.concatenate([-below[:-1], above])
+
+    def __call__(self, v_c: float) -> float:
+        root_here = float(np.interp(v_c, self.values, self.roots))
+        return float(ndtr(root_here) if self.freedom is None else stdtr(self.freedom, root_here))
+
+
+def _quantile(share: Callable[[float], float], level: float) -> float:
+    """Return the v_c below which so large a share lies; 0 or 1 where the range sets it."""
+    if share(LEAST) >= level:
+        return 0.0
+    if share(GREATEST) <= level:
+        return 1.0
+    return root(lambda v_c: share(v_c) - level, LEAST, GREATEST, absolute=1e-9)
+
+
+def _criterion(least: FloatArray, free: FloatArray, count: int, given: bool) -> FloatArray:
+    """AICc; with sigma too small for every model, chi-square in units of what the best leaves."""
+    numbers = free if given else free + 1
+    loss = least / max(1.0, float(np.min(least / (count - free))))
+    if not given:
+        loss = count * np.log(np.maximum(least, TINY) / count)
+    return np.asarray(loss + 2.0 * numbers * count / (count - numbers - 1.0))
+
+
+def _missed(data: Data, model: Model) -> tuple[FloatArray, FloatArray]:
+    """Return e from the slowest rebound upwards, and what the model leaves of it."""
+    telling = data.v >= 1.0
+    e = data.e[telling]
+    return e, e - model.law(data.unit * data.v[telling])
+
+
+def _require_a_curve(data: Data, model: Model) -> None:
+    """Refuse data that no model describes better than chance would."""
+    e, missed = _missed(data, model)
+    scatter = float(np.sqrt(np.mean(missed**2)))
+    if scatter > WILD and np.sum(missed**2) > 0.5 * np.sum((e - e.mean()) ** 2):
+        raise ValueError(
+            f"e must depend on v as a rebound does: the closest of all models leaves a scatter of "
+            f"{scatter:.2g}, and explains less than half of the variance"
+        )
+
+
+def _warnings(
+    data: Data, models: list[Model], v_c: float, interval: tuple[float, float]
+) -> Iterator[str]:
+    yield from _about_the_fit(data, models[0])
+    heavy = [model for model in models if model.weight >= LIGHT]
+    for one, other in combinations(heavy, 2):
+        if one.interval[0] > other.interval[1] or other.interval[0] > one.interval[1]:
+            yield f"models disagree: {one.name} and {other.name} have intervals that do not meet"
+    if len(heavy) == 1 < len(models):
+        yield f"one model alone, {models[0].name}, carries the interval, which supposes it true"
+    captured = data.unit * data.v[data.e == 0.0]
+    if data.unit > NEAR * v_c and not (captured > v_c / NEAR).any():
+        yield (
+            f"no speed is near capture: the slowest rebound, {data.unit:.3g} m/s, is "
+            f"{data.unit / v_c:.2g} times v_c"
+        )
+    if (nearest := max(captured, default=0.0)) > data.unit:
+        yield (
+            f"captures up to {nearest:.3g} m/s and rebounds from {data.unit:.3g} m/s on overlap: "
+            "the spheres or the places do not share one v_c"
+        )
+    if interval[0] == 0.0:
+        yield "the data do not bound v_c from below"
+    if interval[1] == data.unit:
+        yield "the upper end is the slowest rebound itself"
+
+
+def _about_the_fit(data: Data, best: Model) -> Iterator[str]:
+    _, missed = _missed(data, best)
+    if best.chi_square is None:
+        yield "sigma is not given, so that no misfit can be told from noise"
+    elif chdtrc(freedom := missed.size - best.free, best.chi_square) < REJECTED:
+        yield (
+            f"the scatter about the best model is {np.sqrt(best.chi_square / freedom):.2g} times "
+            "the sigma given: the intervals are widened by that"
+        )
+    if _runs(missed) < REJECTED:
+        yield "residuals of one sign come in runs: no model has the shape of the data"
+
+
+def _runs(missed: FloatArray) -> float:
+    """Return how often chance alone gives so few runs of signs (Wald and Wolfowitz 1940)."""
+    above = missed > 0.0
+    more, less = int(above.sum()), int((~above).sum())
+    total = more + less
+    if min(more, less) < 2:
+        return 1.0
+    runs = 1 + int(np.sum(above[1:] != above[:-1]))
+    mean = 1.0 + 2.0 * more * less / total
+    variance = (mean - 1.0) * (mean - 2.0) / (total - 1.0)
+    return float(ndtr((runs + 0.5 - mean) / np.sqrt(variance)))
