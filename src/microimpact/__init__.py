@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from microimpact.model.dynamics.trajectory import Trajectory as Trajectory
     from microimpact.model.dynamics.trajectory import trajectory as trajectory
     from microimpact.model.empirical.bootstrap import bootstrap_v_c as bootstrap_v_c
+    from microimpact.model.empirical.comparison import compare_models as compare_models
     from microimpact.model.empirical.equations import restitution as restitution
     from microimpact.model.empirical.fit import fit_restitution as fit_restitution
     from microimpact.model.law.table import Law as Law
@@ -44,6 +45,7 @@ _HOME = {
     "Trajectory": "model.dynamics.trajectory",
     "bootstrap_v_c": "model.empirical.bootstrap",
     "capture_velocity": "model.dynamics.capture",
+    "compare_models": "model.empirical.comparison",
     "fit_restitution": "model.empirical.fit",
     "planar": "model.dynamics.impact",
     "restitution": "model.empirical.equations",

@@ -286,9 +286,10 @@ def fit_command(
     header = (
         "model",
         "v_c (m/s)",
-        f"{100 * confidence:g} %",
+        "from",
+        "to",
         "free",
-        "chi-square",
+        "chi2",
         "AICc",
         "weight",
     )

@@ -200,3 +200,48 @@ def test_export_refuses_and_writes_nothing(microimpact, tmp_path, options, messa
     assert message in done.stderr
     assert done.stderr.count("\n") == 1
     assert not (tmp_path / "law").exists()
+
+
+@pytest.fixture
+def own_data(tmp_path):
+    """Rebounds of the constant loss e = 0.9 sqrt(1 - (0.8/v)^2), some captured."""
+    v = [0.5 * 1.13**i for i in range(20)]
+    e = [0.9 * max(1.0 - (0.8 / speed) ** 2, 0.0) ** 0.5 for speed in v]
+    rows = [f"{a:.5g},{b:.4f},0.02" for a, b in zip(v, e, strict=True)]
+    path = tmp_path / "own.csv"
+    path.write_text("\n".join(["v (m/s),e,sigma", *rows]), encoding="utf-8")
+    return path
+
+
+def test_fit_prints_draws_and_writes_json(microimpact, own_data, tmp_path):
+    plot = tmp_path / "own.svg"
+    text = microimpact("fit", str(own_data), "--plot", str(plot)).stdout
+    found = json.loads(microimpact("fit", str(own_data), "--json").stdout)
+    low, high = found["v_c_interval"]
+    assert low < 0.8 < high
+    assert set(found["models"]) >= {"fixed loss", "Eq. 34, q free", "ring force, n = 0"}
+    assert f"v_c = {found['v_c']:.4g} m/s, 95 %: {low:.4g} to {high:.4g} m/s" in text
+    assert "weight" in text
+    assert plot.read_text(encoding="utf-8").startswith("<?xml")
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--unit", "mph"), "unit must be one of"),
+        (("--sigma", "0.02"), "sigma stands in the file"),
+        (("--confidence", "95"), "confidence must be"),
+        (("--plot", "x.bmp"), "plot must end in"),
+    ],
+)
+def test_fit_refuses_in_one_line(microimpact, own_data, options, message):
+    done = microimpact("fit", str(own_data), *options)
+    assert done.returncode == 2
+    assert message in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+def test_fit_names_a_missing_file(microimpact):
+    done = microimpact("fit", "nowhere.csv")
+    assert done.returncode == 2
+    assert "nowhere.csv" in done.stderr

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from microimpact.figures.style import MM_PER_INCH, WIDTH_MM, context
+from microimpact.figures.style import MM_PER_INCH, WIDTH_MM, context, plain_numbers
 from microimpact.measured.rebounds import Rebounds
 from microimpact.model.empirical.comparison import LIGHT, Comparison
 
@@ -39,7 +39,7 @@ def draw(data: Rebounds, found: Comparison, path: Path | str) -> None:
     figure = Figure(figsize=(WIDTH_MM["double"] / MM_PER_INCH, HEIGHT_MM / MM_PER_INCH))
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
     low, high = found.v_c_interval
-    above.axvspan(low, high, color="0.85", label=f"v_c, {100 * found.confidence:g} %")
+    above.axvspan(low, high, color="0.85", label=f"$v_c$, {100 * found.confidence:g} %")
     above.axvline(found.v_c, color="0.4", linewidth=0.8)
     v = np.geomspace(max(0.8 * min(data.v.min(), found.v_c), 1e-9), 1.1 * data.v.max(), POINTS)
     shown = [model for model in found.models if model.weight >= LIGHT]
@@ -58,5 +58,6 @@ def draw(data: Rebounds, found: Comparison, path: Path | str) -> None:
     below.axhline(0.0, color="black", linewidth=0.8)
     above.set(ylabel="coefficient of restitution e", ylim=(-0.03, 1.03), xscale="log")
     below.set(xlabel="normal speed before impact v (m/s)", ylabel="e less model")
+    plain_numbers(below.xaxis)
     above.legend(loc="lower right")
     figure.savefig(path)

@@ -138,7 +138,7 @@ def _row(where: str, cells: dict[str, str], units: dict[str, float]) -> tuple[fl
         percent = "; divide percent by 100" if after == "e" and 1.0 < e <= 100.0 else ""
         got = cells[after] if after == "e" else f"V/v = {e:.3g}"
         raise ValueError(f"{where}: e must be from 0 to 1, got {got}{percent}")
-    sigma = _number(where, "sigma", cells["sigma"]) if "sigma" in cells else 1.0
+    sigma = _number(where, "sigma", cells["sigma"]) if "sigma" in cells else 0.5
     if not 0.0 < sigma < 1.0:
         raise ValueError(f"{where}: sigma must be above 0 and below 1, got {cells['sigma']}")
     return v, e, sigma

@@ -1,0 +1,144 @@
+"""Capture velocity by several models: truth inside, profiles that another search confirms."""
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import simulate
+from microimpact.model.empirical.comparison import compare_models
+from microimpact.model.empirical.fit import fit_restitution
+
+NOISE, POINTS = 0.02, 24
+
+
+@pytest.fixture(scope="module")
+def rated(contact):
+    """Damping that falls with the rate: the shape that Eq. (34) with q = 1/2 does not have."""
+    return contact.replace(
+        work_of_adhesion=0.7,
+        hertz_damping=0.2148,
+        adhesion_damping=1.612,
+        adhesion_rate_exponent=1.0,
+        reference_velocity=1.66,
+    )
+
+
+def measured(law, seed, slowest=0.8):
+    """Noisy restitutions of a contact, captured spheres among them."""
+    limit = float(capture_velocity(law))
+    v = limit * np.geomspace(slowest, 15.0, POINTS)
+    exact = simulate(law, v).coefficient_of_restitution
+    noise = np.random.default_rng(seed).normal(0.0, NOISE, POINTS)
+    return limit, v, np.where(exact > 0.0, np.clip(exact + noise, 0.0, 1.0), 0.0)
+
+
+@pytest.fixture(scope="module")
+def compared(rated):
+    limit, v, e = measured(rated, 1)
+    return limit, v, e, compare_models(v, e, NOISE)
+
+
+def test_the_true_law_is_found_and_the_interval_holds_v_c(compared):
+    limit, _, _, found = compared
+    low, high = found.v_c_interval
+    assert low < limit < high
+    assert found.models[0].name == "ring force, n = 1"
+    assert sum(model.weight for model in found.models) == pytest.approx(1.0)
+    fixed = next(model for model in found.models if model.name == "Eq. 34, q = 1/2")
+    assert not fixed.interval[0] <= limit <= fixed.interval[1]
+    assert fixed.weight < 1e-3
+
+
+def test_profiles_of_eq_34_are_those_of_its_own_fit(compared):
+    _, v, e, found = compared
+    for name, q in (("Eq. 34, q free", None), ("Eq. 34, q = 1/2", 0.5)):
+        model = next(model for model in found.models if model.name == name)
+        own = fit_restitution(v, e, NOISE, q)
+        assert model.chi_square == pytest.approx(own.chi_square, abs=0.02)
+        assert model.v_c == pytest.approx(own.v_c, rel=0.01)
+        assert model.interval == pytest.approx(own.v_c_interval, rel=0.01)
+        assert np.allclose(model.law(v), own.curve(v), atol=5e-3)
+
+
+def test_the_ring_force_is_fitted_as_another_search_fits_it(contact):
+    """The same least squares by SciPy, over damping and work of adhesion of a real contact."""
+    limit, v, e = measured(contact, 3)
+    found = compare_models(v, e, NOISE)
+    model = next(model for model in found.models if model.name == "ring force, n = 0")
+
+    def missed(logs):
+        work, hertz, adhesion = np.exp(logs)
+        changed = contact.replace(
+            work_of_adhesion=work, hertz_damping=hertz, adhesion_damping=adhesion
+        )
+        return (simulate(changed, v).coefficient_of_restitution - e) / NOISE
+
+    best = least_squares(missed, np.log([0.5, 0.01, 3.0]), diff_step=1e-4)
+    assert model.chi_square == pytest.approx(2.0 * best.cost, abs=0.02)
+    assert np.allclose(model.law(v) - e, best.fun * NOISE, atol=2e-3)
+    assert found.v_c_interval[0] < limit < found.v_c_interval[1]
+
+
+def test_the_unit_of_speed_does_not_matter(compared):
+    _, v, e, found = compared
+    slower = compare_models(0.1 * v, e, NOISE)
+    assert np.allclose(slower.v_c_interval, 0.1 * np.array(found.v_c_interval), rtol=1e-6)
+
+
+def test_a_sigma_too_small_widens_and_warns(compared):
+    _, v, e, found = compared
+    wrong = compare_models(v, e, NOISE / 5.0)
+    assert wrong.scatter > 2.0
+    assert any("times the sigma given" in warning for warning in wrong.warnings)
+    without = compare_models(v, e)
+    assert without.sigma == pytest.approx(NOISE, rel=0.5)
+    assert any("sigma is not given" in warning for warning in without.warnings)
+    for other in (wrong, without):
+        assert np.diff(other.v_c_interval) > 0.3 * np.diff(found.v_c_interval)
+
+
+def test_data_far_from_capture_say_so(rated):
+    limit, v, e = measured(rated, 2, slowest=4.0)
+    found = compare_models(v, e, NOISE)
+    assert any("no speed is near capture" in warning for warning in found.warnings)
+    assert found.v_c_interval[0] < limit < found.v_c_interval[1]
+    assert np.diff(found.v_c_interval) > limit
+
+
+def test_captures_above_rebounds_are_told(compared):
+    _, v, e, _ = compared
+    mixed = e.copy()
+    mixed[np.flatnonzero(e > 0.0)[2]] = 0.0
+    found = compare_models(v, mixed, NOISE)
+    assert any("overlap" in warning for warning in found.warnings)
+
+
+@pytest.mark.parametrize("confidence", [0.5, 0.99])
+def test_intervals_grow_with_the_confidence(compared, confidence):
+    _, v, e, found = compared
+    other = compare_models(v, e, NOISE, confidence=confidence)
+    wider = np.diff(other.v_c_interval) > np.diff(found.v_c_interval)
+    assert wider == (confidence > found.confidence)
+
+
+def test_what_is_no_curve_is_refused():
+    random = np.random.default_rng(4)
+    with pytest.raises(ValueError, match="e must depend on v"):
+        compare_models(random.uniform(0.1, 5.0, 40), random.uniform(0.0, 1.0, 40), NOISE)
+
+
+@pytest.mark.parametrize(
+    ("v", "e", "message"),
+    [
+        ([1.0], [0.5], "at least 5 points"),
+        (np.arange(1, 9), np.zeros(8), "no sphere rebounds"),
+        (np.arange(1, 9), np.full(8, 1.01), r"in \[0, 1\], got 1.01"),
+        (np.arange(1, 9), np.full(7, 0.5), "of one shape"),
+        (np.ones(8), np.full(8, 0.5), "at least 4 different speeds"),
+        (-np.arange(1, 9), np.full(8, 0.5), "v must be"),
+    ],
+)
+def test_too_little_or_wrong_is_refused(v, e, message):
+    with pytest.raises(ValueError, match=message):
+        compare_models(v, e, NOISE)
