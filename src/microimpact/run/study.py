@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from microimpact import studies
 from microimpact.core.materials import declared_file
 from microimpact.core.nearest import nearest
-from microimpact.core.tables import parse_table
+from microimpact.core.tables import parse_table, read_table
 from microimpact.declared.parameters import build
 from microimpact.declared.references import merged
 from microimpact.declared.selection import NamedTables
@@ -97,6 +97,54 @@ def run_with(
     inputs.update(tables)
     found: dict[str, pd.DataFrame] = dict(study.run(build(study.Params, branch), inputs))
     return found
+
+
+class Made(dict[str, "pd.DataFrame"]):
+    """Tables of earlier studies, each read or computed when it is first asked for.
+
+    Parameters
+    ----------
+    name
+        Study that takes them.
+    changes
+        Keys of the configuration that differ from the shipped ones, at every depth; what rests on
+        one of them is computed anew.
+    results
+        Folder of a run of the shipped configuration, from which the other tables are read; without
+        one, they are computed.
+
+    Raises
+    ------
+    ValueError
+        If a key is unknown or a value not allowed: one line per problem.
+    """
+
+    def __init__(self, name: str, changes: Mapping[str, Any], results: Path | None = None) -> None:
+        super().__init__()
+        self.settings = (
+            validate(merged(_shipped(), changes), _shipped()) if changes else _declared()
+        )
+        self.results = results
+        self.makers = dict(studies.needs(name))
+
+    def __missing__(self, table: str) -> pd.DataFrame:
+        """Return a table, and keep it with all others of its study."""
+        maker = self.makers[table]
+        if self.moved(maker):
+            self.makers |= studies.needs(maker)
+            given = {name: self[name] for name in studies.needs(maker)}
+            rows = study_rows(maker, self.settings, {})
+            self.update(run_with(maker, self.settings.branches[maker], rows, given))
+        elif self.results:
+            self[table] = read_table(self.results / f"tables/{table}.csv")
+        else:
+            self.update(_made(maker))
+        return self[table]
+
+    def moved(self, name: str) -> bool:
+        """Tell whether a study rests on what was changed."""
+        own = self.settings.branches[name] != _declared().branches[name]
+        return own or any(self.moved(maker) for maker in set(studies.needs(name).values()))
 
 
 @cache

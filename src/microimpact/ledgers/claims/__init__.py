@@ -14,17 +14,49 @@ from microimpact.ledgers.claims.criteria import (
     Amendment,
     Claim,
     Finding,
-    Verdict,
     read_claims,
 )
 from microimpact.ledgers.claims.digitised import digitised_rows, read_digitised
-from microimpact.ledgers.claims.judging import Numbers, described, failures, judged, place
+from microimpact.ledgers.claims.judging import (
+    NO_ERRORS,
+    Numbers,
+    described,
+    failures,
+    judged,
+    least_margin,
+    place,
+)
 
-__all__ = ["COLUMNS", "NUMBER_COLUMNS", "LedgerError", "described", "judge", "verdict", "verdicts"]
+__all__ = [
+    "CHANGED",
+    "COLUMNS",
+    "NUMBER_COLUMNS",
+    "LedgerError",
+    "described",
+    "judge",
+    "verdict",
+    "verdicts",
+]
 
 # Numbers of a claim; the case is empty where nothing is left open. A row with a problem stands for
 # numbers that could not be computed.
-NUMBER_COLUMNS = ("claim", "case", "quantity", "value", "unit", "evidence", "code", "problem")
+NUMBER_COLUMNS = (
+    *(
+        "claim",
+        "case",
+        "quantity",
+        "value",
+        "error",
+        "unit",
+        "evidence",
+        "code",
+        "inputs",
+        "problem",
+    ),
+)
+
+# Begins what a note tells of a part that was changed.
+CHANGED = "Changed after first judging"
 
 COLUMNS = (
     "id",
@@ -36,9 +68,12 @@ COLUMNS = (
     "computed_value",
     "unit",
     "verdict",
+    "margin",
     "evidence",
     "figures",
     "code",
+    "inputs",
+    "reason",
     "note",
 )
 
@@ -88,7 +123,8 @@ def verdicts(claims: Mapping[str, Claim], numbers: pd.DataFrame) -> pd.DataFrame
         unit than declared.
     """
     # A column without any text has been read as one of missing numbers.
-    text = {name: numbers[name].astype(object).fillna("") for name in ("case", "problem")}
+    names = ("case", "inputs", "problem")
+    text = {name: numbers[name].astype(object).fillna("") for name in names}
     numbers = numbers.assign(**text)
     problems = [line for claim in claims.values() for line in _problems(claim, numbers)]
     strangers = [str(name) for name in dict.fromkeys(numbers["claim"]) if name not in claims]
@@ -98,15 +134,18 @@ def verdicts(claims: Mapping[str, Claim], numbers: pd.DataFrame) -> pd.DataFrame
     return pd.DataFrame([_row(claim, numbers) for claim in claims.values()], columns=list(COLUMNS))
 
 
-def verdict(claim: Claim, values: Numbers) -> tuple[Verdict, list[str]]:
+def verdict(
+    claim: Claim, values: Numbers, errors: Numbers = NO_ERRORS
+) -> tuple[Finding, list[str]]:
     """Return the verdict on one claim, and which criteria failed, in words.
 
     Parameters
     ----------
     claim
         The claim.
-    values
-        Numbers by quantity, by case; the only case of a claim without alternatives is ``""``.
+    values, errors
+        Numbers by quantity, by case, and standard errors; the only case of a claim without
+        alternatives is ``""``.
     """
     positive = claim.positive
     if positive is None:
@@ -114,7 +153,7 @@ def verdict(claim: Claim, values: Numbers) -> tuple[Verdict, list[str]]:
     unidentified = failures(claim.identified_if, values)
     if unidentified:
         return "not identified", unidentified
-    return judged(positive, claim.criteria, values)
+    return judged(positive, claim.criteria, values, errors)
 
 
 def _problems(claim: Claim, numbers: pd.DataFrame) -> list[str]:
@@ -142,13 +181,16 @@ def _problems(claim: Claim, numbers: pd.DataFrame) -> list[str]:
 def _row(claim: Claim, numbers: pd.DataFrame) -> dict[str, object]:
     own = numbers[numbers["claim"] == claim.id]
     computed = own[own["problem"] == ""]
-    values = {
-        str(case): dict(zip(rows["quantity"], rows["value"].astype(float), strict=True))
-        for case, rows in computed.groupby("case", sort=False)
-    }
+    values, errors = (
+        {
+            str(case): dict(zip(rows["quantity"], rows[column].astype(float), strict=True))
+            for case, rows in computed.groupby("case", sort=False)
+        }
+        for column in ("value", "error")
+    )
     found: Finding
     if len(computed) == len(own):
-        found, failed = verdict(claim, values)
+        found, failed = verdict(claim, values, errors)
     else:
         lacking = own[own["problem"] != ""]
         found = NOT_COMPUTED
@@ -172,9 +214,12 @@ def _row(claim: Claim, numbers: pd.DataFrame) -> dict[str, object]:
         "computed_value": told,
         "unit": claim.unit,
         "verdict": found,
+        "margin": least_margin((*claim.identified_if, *claim.criteria), values, errors),
         "evidence": "; ".join(dict.fromkeys(own["evidence"])),
         "figures": " ".join(claim.figures),
         "code": " ".join(dict.fromkeys(own["code"])),
+        "inputs": " ".join(sorted({name for text in own["inputs"] for name in text.split()})),
+        "reason": claim.reason,
         "note": " | ".join(["; ".join(failed) or claim.reason, *map(in_words, claim.amendments)]),
     }
 
@@ -182,6 +227,4 @@ def _row(claim: Claim, numbers: pd.DataFrame) -> dict[str, object]:
 def in_words(amendment: Amendment) -> str:
     """Return what was changed after a claim had first been judged, and why."""
     was, now = (text.rstrip(".") for text in (amendment.was, amendment.now))
-    return (
-        f"Changed after first judging, {amendment.part}: was {was}; now {now}. {amendment.reason}"
-    )
+    return f"{CHANGED}, {amendment.part}: was {was}; now {now}. {amendment.reason}"

@@ -24,7 +24,7 @@ CLAIM_NAME = r"^C\d{2,3}$"
 # The key of a file of claims that is no claim.
 DIGITISED = "digitised"
 
-Kind = Literal["model", "virtual experiment", "arithmetic", "contradiction"]
+Kind = Literal["model", "virtual experiment", "arithmetic", "contradiction", "finding"]
 Test = Literal["within", "at_least", "at_most", "between", "outside"]
 Verdict = Literal[
     "reproduced",
@@ -36,11 +36,16 @@ Verdict = Literal[
 ]
 # What a claim gets whose numbers the settings of a run do not allow; no claim can declare it.
 NOT_COMPUTED: Literal["not computed"] = "not computed"
-Finding = Literal[Verdict, "not computed"]
+# What it gets if the error of a number covers the bound that decides; none declares that, either.
+UNDECIDED: Literal["undecided"] = "undecided"
+Finding = Literal[Verdict, "not computed", "undecided"]
 Quantity = Annotated[str, Field(pattern=r"^[a-z][a-z0-9]*(_[a-z0-9]+)*$")]
 # A figure of the article, 01 to 25, or one of the project's own.
 Figure = Annotated[str, Field(pattern=r"^(fig(0[1-9]|1\d|2[0-5])|[a-z]+(_[a-z]+)*)$")]
 Equation = Annotated[str, Field(pattern=r"^([1-9]|[1-3]\d|4[01])$")]
+
+# Kinds that are listed but not counted among the statements of the article.
+UNCOUNTED: tuple[Kind, ...] = ("arithmetic", "finding")
 
 # What a claim gets if all its criteria hold: a property of the claim, not of the result.
 POSITIVE: tuple[Verdict, ...] = ("reproduced", "reproduced with a correction", "calibrated")
@@ -94,6 +99,12 @@ class Criterion:
         bound = float(centre)
         return (bound, math.inf) if self.test == "at_least" else (-math.inf, bound)
 
+    def distance(self, value: float) -> float:
+        """Return how far a number is from the nearest bound: negative where it fails."""
+        low, high = self.interval
+        inside = min(value - low, high - value)
+        return -inside if self.test == "outside" else inside
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Break:
@@ -117,7 +128,7 @@ class Amendment:
         Why, in terms that do not depend on the verdict.
     """
 
-    part: Literal["statement", "criteria", "cases", "quantities", "break"]
+    part: Literal["statement", "kind", "criteria", "cases", "quantities", "verdicts", "break"]
     was: Name
     now: Name
     reason: Name
@@ -141,7 +152,8 @@ class Claim:
     statement
         What is claimed, in our words.
     kind
-        What the test is; `arithmetic` rows are listed but not counted.
+        What the test is; rows `arithmetic` (an identity, or what a model assumes) and `finding`
+        (of this study, not of the article) are listed but not counted.
     article_value, unit
         The printed number, or the shape, sign or order claimed.
     quantities

@@ -5,26 +5,20 @@ All words and numbers come from the two ledgers and the file of claims; nothing 
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, cast
 
-import numpy as np
 import pandas as pd
 
-from microimpact.ledgers.claims import described
 from microimpact.ledgers.claims.criteria import (
     CLAIM_NAME,
+    UNCOUNTED,
     Amendment,
     Claim,
-    Criterion,
-    holds,
     read_claims,
 )
-
-# Smaller than this, in the units of the claims, a difference of numbers is rounding.
-ROUNDING = 1e-9
+from microimpact.ledgers.claims.words import Cell, article_value, by_quantity, readable
 
 # Verdicts on claims that the page explains, in its order, and what each means.
 CLAIM_VERDICTS: Mapping[str, str] = {
@@ -32,6 +26,7 @@ CLAIM_VERDICTS: Mapping[str, str] = {
     "not identified": "The published facts do not decide: some of the contacts that fit them meet"
     " the criteria and others do not, or the interval they leave is too wide.",
     "reproduced with a correction": "All criteria hold once an equation or relation is corrected.",
+    "undecided": "The 95 % interval of a number covers the bound that decides.",
     "not testable": "Nothing is published that could be compared with a computation.",
     "not computed": "The settings of the run do not allow the numbers to be computed; the reason is"
     " the program's own message.",
@@ -45,11 +40,6 @@ SLIPS: Mapping[str, str] = {
     "article": "an error of the article",
     "scan or article": "a fault of the scan or an error of the article",
 }
-
-_NUMBER = re.compile(
-    r"^(?P<quantity>\w+)(?: \((?P<case>[^)]*)\))? = (?P<value>\S+)(?: (?P<unit>.+))?$"
-)
-_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def deviations(results: Path, criteria: Path, settings: str) -> str:
@@ -97,42 +87,9 @@ def deviations(results: Path, criteria: Path, settings: str) -> str:
 
 
 def verdict_counts(claims: pd.DataFrame) -> dict[str, int]:
-    """Return how many claims got each verdict; arithmetic identities are not counted."""
-    counted = claims[claims["kind"] != "arithmetic"]
+    """Return how many claims got each verdict; identities and own findings are not counted."""
+    counted = claims[~claims["kind"].isin(UNCOUNTED)]
     return {str(name): int(count) for name, count in counted["verdict"].value_counts().items()}
-
-
-def readable(value: float, unit: str = "-", rounding: float = 0.0) -> str:
-    """Return a number in four digits with its unit; what is below rounding is zero."""
-    if abs(value) <= rounding:
-        digits = "0"
-    elif 1e-3 <= abs(value) < 1e6:
-        digits = np.format_float_positional(value, precision=4, fractional=False, trim="-")
-    else:
-        mantissa, _, exponent = f"{value:.2e}".partition("e")
-        digits = f"{mantissa} × 10{str(int(exponent)).translate(_SUPERSCRIPTS)}"
-    return digits if unit in {"-", "1", ""} else f"{digits} {unit.replace('**', '^')}"
-
-
-def in_words(quantity: str) -> str:
-    """Return the name of a quantity of a claim in words: ``at_0p45_m_per_s`` is at 0.45 m/s."""
-    decimal = re.sub(r"(?<=\d)p(?=\d)", ".", quantity)
-    return decimal.replace("_m_per_s", " m/s").replace("_", " ")
-
-
-def computed_numbers(text: str) -> list[tuple[str, str, float, str]]:
-    """Return quantity, case, value and unit of the numbers in a cell of computed values."""
-    matches = [(part, _NUMBER.match(part)) for part in text.split("; ")]
-    for part, match in matches:
-        if match is None:
-            raise ValueError(
-                f"computed value {part!r} must be of the form 'name (case) = 1.0 unit'"
-            )
-    return [
-        (match["quantity"], match["case"] or "", float(match["value"]), match["unit"] or "-")
-        for _, match in matches
-        if match is not None
-    ]
 
 
 def _opening(claims: pd.DataFrame, equations: pd.DataFrame, settings: str) -> list[str]:
@@ -151,7 +108,7 @@ def _opening(claims: pd.DataFrame, equations: pd.DataFrame, settings: str) -> li
             ],
         ),
         _table(
-            ("statements, without arithmetic identities", "number"),
+            ("statements, without identities and findings of this study", "number"),
             [(name, str(count)) for name, count in verdict_counts(claims).items()],
         ),
     ]
@@ -212,7 +169,7 @@ def _claim_part(claims: pd.DataFrame, declared: Mapping[str, Claim]) -> list[str
 def _claim(row: Row, claim: Claim) -> str:
     parts = [f"### {claim.id} ({claim.where})", claim.statement]
     if computed := str(row["computed_value"]):
-        parts += [f"The article: {claim.article_value}{_unit(claim)}.", _numbers(computed, claim)]
+        parts += [f"The article: {article_value(claim)}.", _numbers(computed, claim)]
     parts.append(f"Reason: {claim.reason}")
     if claim.equations:
         parts.append(f"It depends on Eq. {', '.join(claim.equations)}.")
@@ -221,35 +178,20 @@ def _claim(row: Row, claim: Claim) -> str:
     return "\n\n".join(parts)
 
 
-def _unit(claim: Claim) -> str:
-    last = claim.article_value[-1]
-    return f" {claim.unit}" if claim.unit != "-" and last.isdigit() else ""
-
-
 def _numbers(computed: str, claim: Claim) -> str:
     """Return the numbers of a claim as a table: one row per quantity, one column per case."""
-    found: dict[str, dict[str, str]] = {}
-    cases: dict[str, None] = {}
-    for quantity, case, value, unit in computed_numbers(computed):
-        cases[case] = None
-        text = _cell(value, unit, _about(quantity, claim))
-        found.setdefault(quantity, {})[case] = text
+    found = by_quantity(computed, claim)
     return _table(
-        ("quantity", "criterion", *(case or "computed" for case in cases)),
+        ("quantity", "criterion", *(case or "computed" for case in found[0].cells)),
         [
-            (in_words(name), "; ".join(map(described, _about(name, claim))), *values.values())
-            for name, values in found.items()
+            (one.words, one.criterion, *(_cell(cell) for cell in one.cells.values()))
+            for one in found
         ],
     )
 
 
-def _about(quantity: str, claim: Claim) -> list[Criterion]:
-    return [c for c in (*claim.criteria, *claim.identified_if) if c.quantity == quantity]
-
-
-def _cell(value: float, unit: str, criteria: Iterable[Criterion]) -> str:
-    text = readable(value, unit, ROUNDING)
-    return text if all(holds(criterion, value) for criterion in criteria) else f"**{text}**"
+def _cell(cell: Cell) -> str:
+    return cell.text if cell.holds else f"**{cell.text}**"
 
 
 def _amendment_part(declared: Mapping[str, Claim]) -> list[str]:

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from microimpact.declared.documents import load
 from microimpact.declared.parameters import Name, Positive, build, explain
-from microimpact.ledgers.claims.criteria import DIGITISED, ClaimsError, Criterion, Figure, Verdict
+from microimpact.ledgers.claims.criteria import DIGITISED, ClaimsError, Criterion, Figure, Finding
 from microimpact.ledgers.claims.judging import Numbers, described, judged, place
 
 CODE = "microimpact.studies.analyses.digitised_comparison.run"
@@ -98,9 +98,12 @@ def _rows(criteria: DigitisedCriteria, residuals: pd.DataFrame) -> Iterator[dict
             ),
             "unit": str(own["unit"].iloc[0]).replace("1", "-"),
             "verdict": verdict,
+            "margin": math.nan,
             "evidence": evidence,
             "figures": figure,
             "code": CODE,
+            "inputs": "",
+            "reason": criteria.reason,
             "note": note,
         }
 
@@ -124,7 +127,7 @@ def _criterion(criteria: DigitisedCriteria, figure: str, against: pd.DataFrame) 
 
 def _verdict(
     criteria: DigitisedCriteria, criterion: Criterion, own: pd.DataFrame, against: pd.DataFrame
-) -> tuple[Verdict, str]:
+) -> tuple[Finding, str]:
     if against.empty:
         return "not testable", "No point lies where a series is computed"
     verdict, failed = judged("reproduced", [criterion], _numbers(against, (criterion.quantity,)))

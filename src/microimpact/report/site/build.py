@@ -6,6 +6,7 @@ import csv
 import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,8 @@ CLAIM_COLUMNS = (
     *("id", "where", "statement", "kind", "criterion", "article_value", "computed_value"),
     *("verdict", "figures", "note"),
 )
+# Of a ledger of claims; those of earlier versions have none of these.
+LATER_COLUMNS = ("margin", "code", "inputs", "reason")
 EQUATION_COLUMNS = (
     *("equation", "section", "printed", "used", "verdict", "kind_of_slip", "reason", "function"),
     *("consequence", "consequence_value", "consequence_unit", "derivation_printed"),
@@ -49,6 +52,11 @@ class Table:
     columns: tuple[str, ...]
     rows: int
     maker: Rule | None
+
+    @property
+    def name(self) -> str:
+        """The name by which studies take it."""
+        return Path(self.file).stem
 
     @property
     def folder(self) -> str:
@@ -82,7 +90,7 @@ def write_site(results: Path, record: Record) -> list[Path]:
     report = results / REPORT
     for folder in FOLDERS:
         shutil.rmtree(report / folder, ignore_errors=True)
-    for source, target in _copies(results):
+    for source, target in [*_copies(results), *_sources(results)]:
         write_file(report / target, source.read_bytes())
     for name, text in pages.items():
         write_file(report / name, text)
@@ -102,13 +110,27 @@ def _copies(results: Path) -> list[tuple[Path, str]]:
     ]
 
 
+def _sources(results: Path) -> list[tuple[Path, str]]:
+    """Return the modules that compute the numbers of the claims, as texts."""
+    rows = read_rows(results / "tables/claims.csv")
+    codes = sorted({code for row in rows for code in row.get("code", "").split()})
+    modules = dict.fromkeys(code.rpartition(".")[0] for code in codes)
+    specs = {name: find_spec(name) for name in modules}
+    return [
+        (Path(spec.origin), ledgers.source_of(f"{name}."))
+        for name, spec in specs.items()
+        if spec and spec.origin
+    ]
+
+
 def _visible(folder: Path, pattern: str) -> list[Path]:
     return [path for path in sorted(folder.glob(pattern)) if not path.name.startswith(".")]
 
 
 def site_pages(results: Path, record: Record) -> dict[str, str]:
     """Return the text of each page by its place in the report."""
-    claims = read_rows(results / "tables/claims.csv", CLAIM_COLUMNS)
+    ledger = read_rows(results / "tables/claims.csv", CLAIM_COLUMNS)
+    claims = [dict.fromkeys(LATER_COLUMNS, "") | row for row in ledger]
     equations = read_rows(results / "tables/equations.csv", EQUATION_COLUMNS)
     declared = read_rows(results / "tables/inputs.csv", INPUT_COLUMNS)
     shown = figures(results, record, {"claims": claims, "equations": equations}, declared)

@@ -11,7 +11,10 @@ from pathlib import Path
 import pandas as pd
 from markupsafe import Markup
 
+from microimpact.ledgers.claims import CHANGED
+from microimpact.ledgers.claims.criteria import UNCOUNTED
 from microimpact.ledgers.claims.judging import REQUIRED
+from microimpact.ledgers.claims.words import ROUNDING, computed_numbers, in_words, readable
 from microimpact.report.site.formula import mathml
 
 Row = dict[str, str]
@@ -23,6 +26,7 @@ CLAIM_VERDICTS = {
     "calibrated": "fitted",
     "not reproduced": "bad",
     "not identified": "open",
+    "undecided": "open",
     "not testable": "mute",
     "not computed": "mute",
 }
@@ -33,8 +37,6 @@ EQUATION_VERDICTS = {
     "corrected": "bad",
     "undecidable": "open",
 }
-# Claims of this kind cannot fail: they are listed and not counted.
-ARITHMETIC = "arithmetic"
 CONTRADICTION = "contradiction"
 
 _KEY = re.compile(r"\b[A-Za-z]\w*_\w+\b")
@@ -93,8 +95,8 @@ def counts(rows: Sequence[Row], verdicts: Mapping[str, str]) -> tuple[Count, ...
 
 
 def counted(claims: Sequence[Row]) -> list[Row]:
-    """Return the claims that a computation can decide."""
-    return [row for row in claims if row["kind"] != ARITHMETIC]
+    """Return the claims that a computation can decide; others are listed and not counted."""
+    return [row for row in claims if row["kind"] not in UNCOUNTED]
 
 
 def not_reproduced(claims: Sequence[Row]) -> list[Row]:
@@ -106,6 +108,55 @@ def not_reproduced(claims: Sequence[Row]) -> list[Row]:
 def failed(claim: Row) -> int:
     """Return how many criteria of a claim failed, over all cases."""
     return claim["note"].count(REQUIRED)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Computed:
+    """The numbers of one quantity of a claim: criterion; case, text and whether it failed."""
+
+    words: str
+    criterion: str
+    cells: tuple[tuple[str, str, bool], ...]
+
+
+def computed(claim: Row) -> list[Computed]:
+    """Return the numbers of a claim, those first that a criterion is about; else its text."""
+    text = claim["computed_value"]
+    criteria = dict(part.partition(" ")[::2] for part in claim["criterion"].split("; "))
+    found: dict[str, list[tuple[str, str, bool]]] = {}
+    try:
+        numbers = computed_numbers(text) if text else []
+    except ValueError:
+        return [Computed(words=part, criterion="", cells=()) for part in parts(text)]
+    for quantity, case, value, unit in numbers:
+        failed = f"{f'{case}: ' if case else ''}{quantity} = " in claim["note"]
+        cell = (case, readable(value, unit, ROUNDING), failed)
+        found.setdefault(quantity, []).append(cell)
+    return [
+        Computed(words=in_words(name), criterion=criteria.get(name, ""), cells=tuple(found[name]))
+        for name in sorted(found, key=lambda name: name not in criteria)
+    ]
+
+
+def changed_later(claims: Sequence[Row]) -> int:
+    """Return how many claims were changed after they had first been judged."""
+    return sum(CHANGED in row["note"] for row in claims)
+
+
+def changes(claim: Row) -> list[str]:
+    """Return what of a claim was changed after first judging, and why, one text per change."""
+    return [part for part in claim["note"].split(" | ") if part.startswith(CHANGED)]
+
+
+def failures(claim: Row) -> list[str]:
+    """Return which criteria failed, or why there are no numbers; nothing where all hold."""
+    first = claim["note"].split(" | ")[0]
+    return [] if first in {claim["reason"], ""} else parts(first)
+
+
+def source_of(code: str) -> str:
+    """Return the file of the report that holds the function of a claim, by its full name."""
+    return f"files/code/{code.rpartition('.')[0]}.txt"
 
 
 def corrected(equations: Sequence[Row]) -> list[Row]:

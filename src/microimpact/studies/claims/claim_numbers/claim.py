@@ -4,12 +4,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from microimpact.studies.claims.claim_numbers.context import Context
+from microimpact.studies.claims.claim_numbers.context import Context, Estimate
 
-COLUMNS = ("claim", "case", "quantity", "value", "unit", "evidence", "code", "problem")
+COLUMNS = (
+    *(
+        "claim",
+        "case",
+        "quantity",
+        "value",
+        "error",
+        "unit",
+        "evidence",
+        "code",
+        "inputs",
+        "problem",
+    ),
+)
 
 VIRTUAL, CALIBRATED = "virtual experiment", "calibrated"
 
@@ -18,7 +31,8 @@ NOT_COMPUTED = "not computed"
 # What the settings or the physics forbid. Errors of the program are none of these and end the run.
 UNCOMPUTABLE = (ValueError, ArithmeticError, RuntimeError)
 
-# Values by quantity; by alternative and quantity, where the claim has alternatives of its own.
+# Values, or `Estimate`, by quantity; by alternative and quantity, where the claim has alternatives
+# of its own.
 Numbers = Mapping[str, Any]
 
 
@@ -46,6 +60,19 @@ class Claim:
     def unit(self, quantity: str) -> str:
         """Return the unit of a quantity, ``-`` for none."""
         return self.units if isinstance(self.units, str) else self.units.get(quantity, "-")
+
+
+class Read(dict[str, Any]):
+    """Declared rows and tables, and the names of those that were read."""
+
+    def __init__(self, tables: Mapping[str, Any]) -> None:
+        super().__init__()
+        self.tables, self.names = tables, set[str]()
+
+    def __missing__(self, name: str) -> Any:
+        """Return a table and note its name."""
+        self.names.add(name)
+        return self.tables[name]
 
 
 CLAIMS: dict[str, Claim] = {}
@@ -80,29 +107,35 @@ def rows(name: str, context: Context) -> Iterator[dict[str, object]]:
     own = CLAIMS[name]
     code = f"{own.of.__module__}.{own.of.__qualname__}"
     row = {"claim": name, "evidence": own.evidence, "code": code}
+    read = Read(context.inputs)
+    context = replace(context, inputs=read)
     for each in context.cases() if own.by_case else (context,):
         try:
             found = list(_flat(own.of(each), each.case))
         except UNCOMPUTABLE as error:
-            reason = " ".join(f"{type(error).__name__}: {error}".split())
-            found = [(each.case, NOT_COMPUTED, math.nan, reason)]
-        for case, quantity, value, problem in found:
+            why = " ".join(f"{type(error).__name__}: {error}".split())
+            found = [(each.case, NOT_COMPUTED, Estimate(math.nan, math.nan), why)]
+        for case, quantity, number, problem in found:
             unit = own.unit(quantity) if not problem else "-"
             yield row | {
                 "case": case,
                 "quantity": quantity,
-                "value": value,
+                "value": number.value,
+                "error": number.error,
                 "unit": unit,
+                "inputs": " ".join(sorted(read.names)),
                 "problem": problem,
             }
 
 
-def _flat(numbers: Numbers, case: str) -> Iterator[tuple[str, str, float, str]]:
-    """Yield case, quantity, value and problem (none); alternatives are named after the case."""
-    for name, value in numbers.items():
-        if isinstance(value, Mapping):
-            yield from _flat(value, f"{case}, {name}")
-        elif math.isfinite(value):
-            yield case, name, float(value), ""
-        else:
+def _flat(numbers: Numbers, case: str) -> Iterator[tuple[str, str, Estimate, str]]:
+    """Yield case, quantity, number and problem (none); alternatives are named after the case."""
+    for name, number in numbers.items():
+        if isinstance(number, Mapping):
+            yield from _flat(number, f"{case}, {name}" if case else name)
+            continue
+        exact = not isinstance(number, Estimate)
+        value, error = (number, math.nan) if exact else number
+        if not math.isfinite(value):
             raise ArithmeticError(f"{name} = {value} is not a finite number")
+        yield case, name, Estimate(float(value), float(error)), ""

@@ -8,6 +8,11 @@ from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.core.solve import threshold
 from microimpact.lab.experiment import Target
 from microimpact.lab.surface import Rebound, rough
+from microimpact.model.closed_forms import (
+    YIELD_PRESSURE_RATIO,
+    plastic_restitution,
+    yield_velocity,
+)
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import (
@@ -23,8 +28,6 @@ from microimpact.studies.claims.claim_numbers.context import (
     without_adhesion,
 )
 
-# Yielding starts below the surface where the greatest pressure exceeds 1.6 yield strengths.
-PRESSURE_AT_YIELD = 1.6
 ANALYSIS = 98
 # Where normal speeds of capture are looked for, relative to the one known.
 AROUND = 1e-3
@@ -39,19 +42,30 @@ def c40(context: Context) -> dict[str, float]:
     return {"largest_final_spin": np.max(np.abs(impact.spin))}
 
 
-@claim("C58", units={"yield_strength_needed": "MPa", "peak_hertz_pressure": "GPa"})
-def c58(context: Context) -> dict[str, float]:
-    """Greatest pressure by Hertz without adhesion and damping, and the yield strength it needs.
+@claim("C58", units={"yield_strength_for_no_yield": "MPa", "peak_hertz_pressure": "GPa"})
+def c58(context: Context) -> dict[str, dict[str, float]]:
+    """Loss by plastic deformation (Thornton and Ning 1998) over the loss measured, by hardness.
 
-    ``p_0 = 3 F/(2 pi a^2)`` with ``F = K a^3/r``.
+    Beside it the greatest pressure by Hertz without adhesion and damping, ``p_0 = 3 F/(2 pi a^2)``
+    with ``F = K a^3/r``, and the yield strength at which nothing yields.
     """
     elastic = without_adhesion(context.steel).replace(hertz_damping=0.0)
     depth = float(simulate(elastic, context.speed).maximum_compression)
     slope = np.sqrt(depth / float(elastic.hertz_radius))
     pressure = 1.5 / np.pi * float(elastic.stiffness) * slope
-    return {
-        "yield_strength_needed": pressure / PRESSURE_AT_YIELD * 1e-6,
+    measured = 1.0 - context.params.steel.restitution**2
+    common = {
+        "yield_strength_for_no_yield": pressure / YIELD_PRESSURE_RATIO * 1e-6,
         "peak_hertz_pressure": pressure * 1e-9,
+    }
+
+    def lost(strength: float) -> float:
+        limit = yield_velocity(elastic, strength * 1e6)
+        return 1.0 - float(plastic_restitution(context.speed, limit)) ** 2
+
+    return {
+        name: {"plastic_loss_over_measured_loss": lost(strength) / measured, **common}
+        for name, strength in context.params.capture.yield_strengths_MPa.items()
     }
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
 import pandas as pd
@@ -25,6 +25,13 @@ from microimpact.lab.samples import (
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.impact import Impact, simulate
 from microimpact.studies.claims.claim_numbers.params import Params
+
+
+class Estimate(NamedTuple):
+    """A number with its standard error, of sampling or of the computation."""
+
+    value: float
+    error: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -116,6 +123,8 @@ class Context:
 
     def contact(self, dropped: Dropped) -> Contact:
         """Return the contact of what is dropped, at the mean diameter."""
+        # Made once, but read for every sample.
+        _ = self.inputs["calibration"], self.inputs["materials"]
         key = rough(with_spin(dropped, mean=0.0, sd=0.0), 0.0)
         if key not in self._contacts:
             self._contacts[key] = contact_of(dropped, self.inputs)
@@ -135,7 +144,7 @@ class Context:
         one: tuple[Dropped, float],
         other: tuple[Dropped, float],
         sampling: Sampling | None = None,
-    ) -> float:
+    ) -> Estimate:
         """Return a difference of means, one less other, over the half-width of its interval.
 
         Parameters
@@ -147,8 +156,12 @@ class Context:
         sampling
             How the samples are drawn.
         """
-        a, b = (self.seen(*sample, sampling).statistics[quantity] for sample in (one, other))
-        return (a.mean - b.mean) / half_width(a, b, sampling or self.params.sampling)
+        samples = [self.seen(*sample, sampling) for sample in (one, other)]
+        a, b = (sample.statistics[quantity] for sample in samples)
+        width = half_width(a, b, sampling or self.params.sampling)
+        counts = np.array([len(sample.measured) for sample in samples])
+        error = np.sqrt(np.sum(np.square([a.sd, b.sd]) / np.maximum(counts, 1)))
+        return Estimate((a.mean - b.mean) / width, float(error) / width)
 
     # Tables
 
@@ -196,6 +209,11 @@ class Context:
             raise ValueError(f"{name}: no row at {', '.join(missing)} deg")
         at: pd.Series = found.loc[wanted]
         return at
+
+
+def of_share(share: float, drawn: int) -> Estimate:
+    """Return a share of so many independent draws with its standard error."""
+    return Estimate(share, float(np.sqrt(share * (1.0 - share) / drawn)))
 
 
 def without_adhesion(contact: Contact) -> Contact:

@@ -17,12 +17,20 @@ DIRECT, LOGARITHM = "v_c", "ln v_c"
 
 
 @claim("C53", by_case=True)
-def c53(context: Context) -> dict[str, float]:
-    """Effects of radius and adhesion at realistic levels against all others.
+def c53(context: Context) -> dict[str, dict[str, float]]:
+    """Effects of radius and adhesion against all others, at two sets of levels.
 
     Beside them, how much wider the work of adhesion would have to vary to match the damping.
     """
-    effects = fraction(context, REALISTIC)
+    return {
+        "levels of this study": ranking(context, REALISTIC),
+        "levels of 5 %": ranking(context, SMALL),
+    }
+
+
+def ranking(context: Context, variation: str) -> dict[str, float]:
+    """Return how the effects of radius and work of adhesion rank at one set of levels."""
+    effects = fraction(context, variation)
     slope = context.table("doe_elasticities").set_index("factor")["at_fixed_zeta"]
     margin = float(effects["margin_percent"].iloc[0])
     size = effects["effect_percent"].abs()
@@ -31,15 +39,15 @@ def c53(context: Context) -> dict[str, float]:
         "effect_of_work_of_adhesion_over_margin": effect(effects, "B") / margin,
         "smaller_of_both_over_largest_other_effect": leading(effects)
         / float(size.drop(["B", "C"], errors="ignore").max()),
-        "log_range_of_work_of_adhesion_over_that_of_damping": log_range(context, "B")
-        / log_range(context, "D"),
+        "log_range_of_work_of_adhesion_over_that_of_damping": log_range(context, variation, "B")
+        / log_range(context, variation, "D"),
         "log_range_at_which_both_have_one_effect": float(slope["D"] / slope["B"]),
     }
 
 
-def log_range(context: Context, letter: str) -> float:
-    """Return the logarithm of the high over the low realistic level of a factor."""
-    levels = context.table("doe_levels", variation=REALISTIC, factor=letter).iloc[0]
+def log_range(context: Context, variation: str, letter: str) -> float:
+    """Return the logarithm of the high over the low level of a factor."""
+    levels = context.table("doe_levels", variation=variation, factor=letter).iloc[0]
     return float(np.log(levels["high_multiple"] / levels["low_multiple"]))
 
 

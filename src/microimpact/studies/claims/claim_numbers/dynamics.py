@@ -179,7 +179,7 @@ def c31(context: Context) -> dict[str, float]:
     return {"work_of_adhesion_by_eq_30": float(work)}
 
 
-@claim("C32", evidence=CALIBRATED)
+@claim("C32")
 def c32(context: Context) -> dict[str, float]:
     """Greatest ring force over greatest Hertz force."""
     ratio = force_ratio(context, "peak_adhesion_over_peak_hertz")
@@ -231,28 +231,27 @@ def c36(context: Context) -> dict[str, float]:
 
 
 @claim("C37", by_case=True, units="ns")
-def c37(context: Context) -> dict[str, float]:
-    """Shortest and longest contact of all rebounds in a range of sizes and speeds.
+def c37(context: Context) -> dict[str, dict[str, float]]:
+    """Shortest and longest contact of the rebounds over a range of speeds, by size class."""
+    diameters = context.params.normal.lasting_diameters_um
+    return {name: lasting(context, diameter * 1e-6) for name, diameter in diameters.items()}
 
-    Just above the capture velocity of each size contact lasts longest: those speeds are added.
+
+def lasting(context: Context, diameter: float) -> dict[str, float]:
+    """Return the shortest and the longest contact of a sphere, ns, and those by Hertz alone.
+
+    Just above its capture velocity contact lasts longest: that speed is added.
     """
-    normal, steel = context.params.normal, context.steel
-    diameters = between(normal.lasting_diameters_um, normal.points) * 1e-6
+    normal, sphere = context.params.normal, resized(context.steel, diameter)
     low, high = normal.lasting_speeds_m_per_s
-    sizes = resized(steel, diameters[:, None])
-    limit = np.clip(capture_velocity(sizes) * (1.0 + normal.above_capture), low, high)
-    speeds = np.hstack(
-        [
-            np.broadcast_to(between((low, high), normal.points), (diameters.size, normal.points)),
-            limit,
-        ]
-    )
-    impact = simulate(sizes, speeds)
+    limit = float(capture_velocity(sphere)) * (1.0 + normal.above_capture)
+    speeds = np.append(between((low, high), normal.points), np.clip(limit, low, high))
+    impact = simulate(sphere, speeds)
     free = ~impact.captured
     if not free.any():
-        raise ValueError("normal.lasting_speeds_m_per_s: no size rebounds at them")
+        raise ValueError("normal.lasting_speeds_m_per_s: no sphere rebounds at them")
     lasting = impact.contact_time[free] * 1e9
-    bare = without_adhesion(sizes).replace(hertz_damping=0.0)
+    bare = without_adhesion(sphere).replace(hertz_damping=0.0)
     deepest = simulate(bare, speeds).maximum_compression
     hertz = (HERTZ_DURATION * deepest / speeds)[free] * 1e9
     return {

@@ -13,23 +13,27 @@ from microimpact.model.dynamics.impact import (
 )
 from microimpact.model.empirical.fit import fit_restitution
 from microimpact.model.empirical.intervals import interval_batch
-from microimpact.model.empirical.search import data_sets, fit_batch
+from microimpact.model.empirical.search import DataSets, data_sets, fit_batch
 from microimpact.statistics.distributions import generator
 from microimpact.studies.claims.claim_numbers.claim import claim
 from microimpact.studies.claims.claim_numbers.context import (
     Context,
+    Estimate,
     between,
 )
 
 ANALYSIS = 104
 CONFIDENCE = 0.95
+# Standard error of a median over that of the mean, of a normal distribution.
+MEDIAN_ERROR = 1.2533
 
 
 @claim("C43", by_case=True)
-def c43(context: Context) -> dict[str, float]:
+def c43(context: Context) -> dict[str, float | Estimate]:
     """Capture velocity by Eq. (34) over the simulated one, less 1, exponents free.
 
-    From data close above capture by the table of the fits; from two capture velocities here.
+    The rms over some sets of rebounds with the noise of the instrument; without noise from data
+    close above capture, by the table of the fits, and from two capture velocities.
     """
     table, fits = context.table("restitution_fits", exponent="free"), context.params.fits
     rows = table[~table["evidence"].isin(POINTS)]
@@ -40,15 +44,29 @@ def c43(context: Context) -> dict[str, float]:
     ratios = between((fits.late_from, fits.fitted_to), fits.rebounds)
     e = simulate(context.steel, ratios * steel_limit).coefficient_of_restitution
     later = fit_restitution(ratios * steel_limit, e).v_c
+    errors = fit_batch(noisy_sets(context)).parameters[:, -1] / steel_limit - 1.0
+    rms = float(np.sqrt(np.mean(np.square(errors))))
     return {
-        "relative_error_of_fitted_capture_velocity": fitted / limit - 1.0,
+        "rms_relative_error_of_fitted_capture_velocity": Estimate(
+            rms, float(np.std(np.square(errors)) / (2.0 * rms * np.sqrt(len(errors))))
+        ),
+        "relative_error_without_noise": fitted / limit - 1.0,
         "relative_error_from_data_above_2_capture_velocities": later / steel_limit - 1.0,
     }
 
 
 @claim("C104", by_case=True)
-def c104(context: Context) -> dict[str, float]:
+def c104(context: Context) -> dict[str, Estimate]:
     """Width of the interval of v_c by Eq. (34), over v_c; the median of some sets."""
+    sets = noisy_sets(context)
+    ends = interval_batch(sets, fit_batch(sets), scipy.special.chdtri(1, 1.0 - CONFIDENCE)).ends
+    width = np.diff(ends) / float(capture_velocity(context.steel))
+    error = MEDIAN_ERROR * np.std(width) / np.sqrt(width.size)
+    return {"relative_width_of_profile_interval": Estimate(float(np.median(width)), float(error))}
+
+
+def noisy_sets(context: Context) -> DataSets:
+    """Return sets of rebounds above the capture velocity with the noise of the instrument."""
     contact, fits = context.steel, context.params.fits
     limit = float(capture_velocity(contact))
     speed = limit * np.geomspace(fits.fitted_from, fits.fitted_to, fits.rebounds)
@@ -56,9 +74,7 @@ def c104(context: Context) -> dict[str, float]:
     sigma = restitution_noise(context, speed, e)
     rng = generator(context.params.sampling.seed, ANALYSIS)
     measured = np.maximum(e + sigma * rng.standard_normal((fits.data_sets, e.size)), 0.0)
-    sets = data_sets(speed, measured, (measured > 0.0) / sigma)
-    ends = interval_batch(sets, fit_batch(sets), scipy.special.chdtri(1, 1.0 - CONFIDENCE)).ends
-    return {"relative_width_of_profile_interval": float(np.median(np.diff(ends)) / limit)}
+    return data_sets(speed, measured, (measured > 0.0) / sigma)
 
 
 def restitution_noise(context: Context, speed: FloatArray, e: FloatArray) -> FloatArray:

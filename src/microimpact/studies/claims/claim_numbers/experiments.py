@@ -24,7 +24,9 @@ from microimpact.statistics.distributions import Distribution, generator
 from microimpact.studies.claims.claim_numbers.claim import CALIBRATED, VIRTUAL, claim
 from microimpact.studies.claims.claim_numbers.context import (
     Context,
+    Estimate,
     between,
+    of_share,
 )
 from microimpact.studies.experiments.pile_up import onset
 
@@ -32,6 +34,8 @@ from microimpact.studies.experiments.pile_up import onset
 LOWER_END = 0.025
 # An interval that is said to hold the mean so often does, if it does so within the tolerance.
 LEVEL, LEVEL_TOLERANCE = 0.95, 0.015
+# Half-width of a 95 % interval over its standard error.
+ERROR_BAR = 1.96
 
 
 @claim("C01", units="m/s")
@@ -178,9 +182,9 @@ def sized(context: Context, contact: Contact, diameter: Real) -> Contact:
 
 @claim("C61", evidence=VIRTUAL, units={"disk_speed_needed": "rev/min", "best_field_of_view": "mm"})
 def c61(context: Context) -> dict[str, float]:
-    """Speeds that the best field of view serves at its best angle, and the disk that they need.
+    """Speeds that some field of view serves, and those that the best one does at its best angle.
 
-    The disk speed is the greatest over the speeds served.
+    The disk speed is the greatest over the speeds that the best one serves.
     """
     table = context.table("ptis_range", method="model")
     pulses = context.params.instruments.most_pulses_per_s
@@ -195,6 +199,7 @@ def c61(context: Context) -> dict[str, float]:
     ]
     count, width, disk = max(views, default=(0, 0.0, 0.0))
     return {
+        "speeds_served_by_some_field_of_view": served["speed_m_per_s"].nunique(),
         "speeds_served_by_best_field_of_view": count,
         "disk_speed_needed": disk,
         "best_field_of_view": width,
@@ -202,16 +207,27 @@ def c61(context: Context) -> dict[str, float]:
 
 
 @claim("C62", evidence=VIRTUAL)
-def c62(context: Context) -> dict[str, float]:
+def c62(context: Context) -> dict[str, Estimate]:
     """Largest change of precision and recall with the height of the probe, at any of the speeds.
 
-    Heights at which no pair is recorded have neither.
+    Over the half-width of the 95 % interval that two experiments have for it. Heights at which no
+    pair is recorded have neither.
     """
-    table = context.table("pairing_quality")
+    table, events = context.table("pairing_quality"), context.params.sampling.events
     speeds = context.params.instruments.pair_speeds_m_per_s
-    chosen = table[table["speed_m_per_s"].isin(speeds)].groupby("speed_m_per_s")
-    change = chosen[["precision", "recall"]].max() - chosen[["precision", "recall"]].min()
-    return {f"largest_change_of_{name}": float(change[name].max()) for name in change}
+    chosen = table[table["speed_m_per_s"].isin(speeds)]
+    found = {}
+    for name, counted in (("precision", "pairs"), ("recall", "recorded_pairs")):
+        changes = []
+        for _, own in chosen.dropna(subset=[name]).groupby("speed_m_per_s"):
+            share, n = own[name].to_numpy(float), own[counted].to_numpy(float)
+            ends = [int(share.argmin()), int(share.argmax())]
+            variance = share[ends] * (1.0 - share[ends])
+            width = ERROR_BAR * np.sqrt(max(variance.sum(), np.finfo(float).tiny) / events)
+            error = np.sqrt(np.sum(variance / n[ends]))
+            changes.append(Estimate(float(np.ptp(share) / width), float(error / width)))
+        found[f"largest_change_of_{name}_over_half_width"] = max(changes)
+    return found
 
 
 @claim(
@@ -219,14 +235,18 @@ def c62(context: Context) -> dict[str, float]:
     evidence=VIRTUAL,
     units={"speed_at_least_coverage": "m/s", "angle_at_least_coverage": "deg"},
 )
-def c63(context: Context) -> dict[str, float]:
+def c63(context: Context) -> dict[str, float | Estimate]:
     """Share of intervals of restitution that hold either mean: the extremes over experiments."""
     table = context.table("interval_coverage", quantity="restitution")
     coverage = table["coverage_observable"]
-    least = table.iloc[int(coverage.argmin())]
+    least, greatest = (table.iloc[int(k)] for k in (coverage.argmin(), coverage.argmax()))
     return {
-        "least_coverage_of_mean_of_observable_events": float(coverage.min()),
-        "greatest_coverage_of_mean_of_observable_events": float(coverage.max()),
+        "least_coverage_of_mean_of_observable_events": of_share(
+            float(coverage.min()), int(least["experiments"])
+        ),
+        "greatest_coverage_of_mean_of_observable_events": of_share(
+            float(coverage.max()), int(greatest["experiments"])
+        ),
         "speed_at_least_coverage": float(least["speed_m_per_s"]),
         "angle_at_least_coverage": float(least["angle_deg"]),
         "share_of_experiments_within_0p015": float(
@@ -313,16 +333,19 @@ def c65(context: Context) -> dict[str, float]:
 
 
 @claim("C66", evidence=VIRTUAL, units="m/s")
-def c66(context: Context) -> dict[str, float]:
-    """Speeds below which a target piles up, for strong and weak capture.
+def c66(context: Context) -> dict[str, dict[str, float]]:
+    """Speeds below which a target piles up, for strong and weak capture, by share that stays."""
+    shares = context.params.instruments.pile_shares
+    return {f"{100.0 * share:g} % stay": piles(context, share) for share in shares}
 
-    Their difference, the largest and the least, over all targets and scatters.
-    """
+
+def piles(context: Context, share: float) -> dict[str, float]:
+    """Return both onsets, and their largest and least difference over all targets and scatters."""
     params = context.params.instruments
     table = context.table("pile_up")
     found = {
         (radius, slope): [
-            first_pile(context, radius, slope, velocity)
+            first_pile(context, radius, slope, velocity, share)
             for velocity in (params.strong_capture_m_per_s, params.weak_capture_m_per_s)
         ]
         for radius, slope in table[["target_radius_mm", "slope_deg"]]
@@ -345,7 +368,9 @@ def c66(context: Context) -> dict[str, float]:
     }
 
 
-def first_pile(context: Context, radius: float, slope: float, velocity: float) -> float:
+def first_pile(
+    context: Context, radius: float, slope: float, velocity: float, wanted: float
+) -> float:
     """Return the highest speed (m/s) at which the share that counts as a pile rests on a target.
 
     The slowest of the speeds tried, if there is no pile at any of them.
@@ -355,7 +380,6 @@ def first_pile(context: Context, radius: float, slope: float, velocity: float) -
     if rows.empty:
         raise ValueError(f"pile_up: no row with capture_velocity_m_per_s {velocity:g}")
     speed, share = (rows[name].to_numpy(float) for name in ("speed_m_per_s", "share_on_target"))
-    wanted = context.params.instruments.pile_share
     return float(speed[0]) if np.all(share < wanted) else onset(speed, share, wanted)
 
 

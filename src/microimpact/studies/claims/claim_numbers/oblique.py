@@ -33,6 +33,8 @@ from microimpact.statistics.distributions import generator
 from microimpact.studies.claims.claim_numbers.claim import VIRTUAL, claim
 from microimpact.studies.claims.claim_numbers.context import (
     Context,
+    Estimate,
+    of_share,
 )
 from microimpact.studies.experiments.mechanisms.impulse_regions import regions
 from microimpact.studies.experiments.mechanisms.spin import rolling_limit
@@ -171,7 +173,7 @@ def c15(context: Context) -> dict[str, float]:
 
 
 @claim("C16", by_case=True, evidence=VIRTUAL)
-def c16(context: Context) -> dict[str, float]:
+def c16(context: Context) -> dict[str, float | Estimate]:
     """Share captured, and mean restitution, of slow impacts below a normal speed.
 
     At the declared angles at which the nominal speed leads there. A captured sphere counts with the
@@ -189,8 +191,9 @@ def c16(context: Context) -> dict[str, float]:
         captured.append(chosen.captured)
         rebound = np.where(chosen.captured, 0.0, chosen.rebound_velocity[:, 2])
         restitution.append(-rebound / chosen.velocity[:, 2])
+    stayed = np.concatenate(captured)
     return {
-        "captured_share_below_0p2_m_per_s": float(np.mean(np.concatenate(captured))),
+        "captured_share_below_0p2_m_per_s": of_share(float(np.mean(stayed)), stayed.size),
         "mean_restitution_below_0p2_m_per_s": float(np.mean(np.concatenate(restitution))),
     }
 
@@ -203,12 +206,20 @@ def sampled(context: Context, dropped: Dropped, angle: float) -> Impacts:
 
 
 @claim("C67", by_case=True, evidence=VIRTUAL, units={"width_of_transition": "deg"})
-def c67(context: Context) -> dict[str, float]:
-    """Kinds of regions between change points of the mean impulse ratio, and the transition."""
+def c67(context: Context) -> dict[str, dict[str, float]]:
+    """Kinds of regions of the mean impulse ratio, and the transition, with and without spins."""
+    smooth = context.params.smooth
+    spun = with_spin(smooth, mean=0.0, sd=context.params.regions.spin_sd)
+    return {
+        "no spin": found_regions(context, smooth),
+        "spins of either sense": found_regions(context, spun),
+    }
+
+
+def found_regions(context: Context, dropped: Dropped) -> dict[str, float]:
+    """Return the kinds of regions between change points, and the width of the transition."""
     wanted = context.params.regions
-    samples = [
-        context.seen(context.params.smooth, angle, context.series) for angle in wanted.angles_deg
-    ]
+    samples = [context.seen(dropped, angle, context.series) for angle in wanted.angles_deg]
     ratio = [sample.statistics["impulse_ratio"] for sample in samples]
     mean, sd = (np.array([getattr(one, name) for one in ratio]) for name in ("mean", "sd"))
     known = np.isfinite(mean)
@@ -269,11 +280,34 @@ def quotient(
 
 
 @claim("C71", evidence=VIRTUAL)
-def c71(context: Context) -> dict[str, float]:
-    """Least difference of restitution above 20 deg, by slopes alone."""
+def c71(context: Context) -> dict[str, dict[str, Estimate]]:
+    """Least difference of restitution above 20 deg, by slopes alone and with weaker adhesion."""
     named = context.params.mechanisms
-    found = pair(context, named.slopes_alone, "restitution_difference", named.restitution_deg)
-    return {"least_difference_rough_less_smooth": found.min()}
+    alternatives = {"slopes alone": named.slopes_alone, "half the adhesion": named.half_adhesion}
+    return {
+        words: {
+            "least_difference_rough_less_smooth": least_difference(
+                context, name, "restitution", named.restitution_deg
+            )
+        }
+        for words, name in alternatives.items()
+    }
+
+
+def least_difference(
+    context: Context, name: str, quantity: str, angles: tuple[float, ...]
+) -> Estimate:
+    """Return the least difference of a mean, rough less smooth, with at most its error.
+
+    The smooth surface scatters no more than the rough one.
+    """
+    difference, sd, n = (
+        pair(context, name, column, angles)
+        for column in (f"{quantity}_difference", f"{quantity}_sd", "rebounds")
+    )
+    least = int(difference.argmin())
+    error = sd.iloc[least] * np.sqrt(2.0 / n.iloc[least])
+    return Estimate(float(difference.iloc[least]), float(error))
 
 
 def pair(context: Context, name: str, column: str, angles: tuple[float, ...]) -> pd.Series:
@@ -308,74 +342,131 @@ def c73(context: Context) -> dict[str, float]:
 
 
 @claim("C74", evidence=VIRTUAL)
-def c74(context: Context) -> dict[str, float]:
+def c74(context: Context) -> dict[str, float | Estimate]:
     """Least difference of the losses on the mirror, and its error by squared restitutions."""
     named = context.params.mechanisms
-    of = (named.mirror, "energy_loss_difference", named.mirror_deg)
     error = pair(context, named.mirror, "loss_less_squares_over_half_width", named.mirror_deg)
     return {
-        "least_difference_of_losses_rough_less_smooth": pair(context, *of).min(),
+        "least_difference_of_losses_rough_less_smooth": least_difference(
+            context, named.mirror, "energy_loss", named.mirror_deg
+        ),
         "largest_error_of_difference_over_half_width": error.abs().max(),
     }
 
 
-@claim("C75", by_case=True)
-def c75(context: Context) -> dict[str, float]:
-    """Falls of restitution with the speed and the angle; of the sieve class, with the speed."""
-    e = mean_sphere(context)
-    fast, middle, slow = e[:, 0]
-    falls = e[:, 0] - e[:, 1]
-    table = context.table("speed_and_angle").sort_values("speed_m_per_s")
-    conditional = table["conditional_mean_steep"].to_numpy(float)
+@claim("C75", by_case=True, evidence=VIRTUAL)
+def c75(context: Context) -> dict[str, float | Estimate]:
+    """Falls of restitution with the speed and the angle: means of the rebounds of a class.
+
+    Beside them the fall of the mean sphere between the two faster speeds.
+    """
+    slow = context.params.slow
+    e = [[class_mean(context, name, angle) for angle in slow.trend_deg] for name in slow.classes]
+    (fast, _), (middle, _), (slowest, _) = e
+    by_angle = [difference(*ends) for ends in (e[-1], e[0])]
+    speeds = np.array(slow.speeds_m_per_s[:2])
+    sphere = simulate(context.steel, speeds, slow.trend_deg[0]).coefficient_of_restitution
     return {
-        "fall_at_85_deg_1p60_to_1p05_m_per_s": fast - middle,
-        "fall_at_85_deg_1p05_to_0p45_m_per_s": middle - slow,
-        "fall_85_to_25_deg_at_0p45_less_at_1p60_m_per_s": falls[-1] - falls[0],
-        "conditional_mean_fall_at_85_deg_1p60_to_0p45_m_per_s": conditional[-1] - conditional[0],
+        "fall_at_85_deg_1p60_to_0p45_m_per_s": difference(fast, slowest),
+        "fall_85_to_25_deg_at_0p45_less_at_1p60_m_per_s": difference(*by_angle),
+        "fall_at_85_deg_1p60_to_1p05_m_per_s": difference(fast, middle),
+        "fall_at_85_deg_1p60_to_1p05_m_per_s_mean_sphere": float(sphere[0] - sphere[1]),
     }
 
 
-def mean_sphere(context: Context) -> FloatArray:
-    """Return restitution of the mean sphere by speed and angle (steep, shallow)."""
+def class_mean(context: Context, name: str, angle: float) -> Estimate:
+    """Return the mean restitution of the rebounds of a speed class at one angle.
+
+    Raises
+    ------
+    ValueError
+        If too few rebound.
+    """
+    one = context.params.slow.classes[name]
+    dropped = replace(
+        context.params.slow.dropped,
+        speed_m_per_s=one.speed_m_per_s,
+        speed_range_m_per_s=one.speed_range_m_per_s,
+    )
+    sample = context.seen(dropped, angle)
+    if not sample.measured:
+        raise ValueError(f"slow.classes.{name}: no sphere rebounds at {angle:g} deg")
+    of = sample.statistics["restitution"]
+    return Estimate(of.mean, of.sd / np.sqrt(len(sample.measured)))
+
+
+def difference(one: Estimate, other: Estimate) -> Estimate:
+    """Return the difference of two independent numbers."""
+    return Estimate(one.value - other.value, float(np.hypot(one.error, other.error)))
+
+
+@claim("C76", by_case=True, evidence=VIRTUAL)
+def c76(context: Context) -> dict[str, Estimate]:
+    """Fall of restitution from steep to shallow: means of the rebounds of the fastest class."""
     slow = context.params.slow
-    speed = np.array(slow.speeds_m_per_s)[:, None]
-    impact = simulate(context.steel, speed, np.array(slow.trend_deg))
-    return np.asarray(impact.coefficient_of_restitution)
-
-
-@claim("C76", by_case=True)
-def c76(context: Context) -> dict[str, float]:
-    """Fall of restitution of the mean sphere at the greatest speed, from steep to shallow."""
-    steep, shallow = mean_sphere(context)[0]
-    return {"fall_of_restitution_85_to_25_deg": steep - shallow}
+    fastest = next(iter(slow.classes))
+    ends = (class_mean(context, fastest, angle) for angle in slow.trend_deg)
+    return {"fall_of_restitution_85_to_25_deg": difference(*ends)}
 
 
 @claim("C77", by_case=True, units="deg")
-def c77(context: Context) -> dict[str, float]:
-    """How far the end of rolling moves towards steep angles as the speed falls."""
+def c77(context: Context) -> dict[str, dict[str, float]]:
+    """How far the end of rolling moves towards steep angles as the speed falls, by spin."""
     slow = context.params.slow
     fast, middle, slowest = slow.speeds_m_per_s
     base = rolling_limit(context.steel, fast, 0.0)
     return {
-        "shift_of_rolling_limit_at_0p45_m_per_s": (
-            rolling_limit(context.steel, slowest, slow.limit_spin_ratio) - base
-        ),
-        "shift_of_rolling_limit_at_1p05_m_per_s": rolling_limit(context.steel, middle, 0.0) - base,
+        name: {
+            f"shift_of_rolling_limit_at_{words}_m_per_s": rolling_limit(context.steel, speed, spin)
+            - base
+            for words, speed in (("0p45", slowest), ("1p05", middle))
+        }
+        for name, spin in (("no spin", 0.0), ("back spin", slow.limit_spin_ratio))
+    }
+
+
+@claim("C111", by_case=True)
+def c111(context: Context) -> dict[str, float]:
+    """Share of initial spins that narrow rolling visibly, that end friction, and that do both.
+
+    Of spins of the mean sphere at the slowest speed, from back spin r omega = v to rolling.
+    """
+    slow = context.params.slow
+    fast, _, slowest = slow.speeds_m_per_s
+    spins = np.linspace(-slow.spin_ratio, slow.spin_ratio, slow.tried_spins)
+    base = rolling_limit(context.steel, fast, 0.0)
+    shift = np.array([rolling_limit(context.steel, slowest, spin) - base for spin in spins])
+    turning = spins * slowest / context.steel.radius
+    ratio = simulate(context.steel, slowest, slow.spin_deg, turning).impulse_ratio
+    narrower, frictionless = shift >= slow.seen_shift_deg, ratio <= 0.0
+    return {
+        "share_of_spins_that_do_both": float(np.mean(narrower & frictionless)),
+        "share_of_spins_that_narrow_rolling": float(np.mean(narrower)),
+        "share_of_spins_without_friction": float(np.mean(frictionless)),
+        "least_spin_over_speed_without_friction": float(spins[frictionless].min(initial=np.inf)),
+        "greatest_spin_over_speed_that_narrows": float(spins[narrower].max(initial=-np.inf)),
     }
 
 
 @claim("C78", by_case=True, evidence=VIRTUAL)
-def c78(context: Context) -> dict[str, float]:
-    """Least mean impulse ratio over spreads of spins, and the spins that would make it zero.
+def c78(context: Context) -> dict[str, dict[str, float | Estimate]]:
+    """Least mean impulse ratio over spreads of spins about two means, and the spins needed.
 
     The mean spin needed brings the mean to zero. No spread about zero does; the spread needed is
     the least with which the interval of an experiment reaches zero.
     """
+    spin = context.params.slow.mean_spin
+    alternatives = {"spins of either sense": 0.0, "spins of the sense of rolling": spin}
+    return {name: low_ratios(context, mean) for name, mean in alternatives.items()}
+
+
+def low_ratios(context: Context, mean: float) -> dict[str, float | Estimate]:
+    """Return the least mean impulse ratio over spreads about a mean spin, and what is needed."""
     slow = context.params.slow
     needed = context.table("spin_needed", angle_deg=slow.spin_deg).iloc[0]
     return {
-        "least_mean_impulse_ratio_zero_mean_spin": min(
-            _with_spread(context, slow.mean_spin, sd).mean for sd in slow.spin_spreads
+        "least_mean_impulse_ratio": min(
+            _with_spread(context, mean, sd).mean for sd in slow.spin_spreads
         ),
         "mean_spin_over_speed_needed": float(needed["mean_spin_needed"]),
         "spin_deviation_over_speed_needed": spread_needed(context),
@@ -404,9 +495,12 @@ def spread_needed(context: Context) -> float:
 
 @claim("C79", by_case=True, evidence=VIRTUAL, units="deg")
 def c79(context: Context) -> dict[str, float]:
-    """First angle at which the loss differs from that at the steepest; 0 if it never does."""
+    """First angle at which the loss differs from that at the steepest.
+
+    Without such an angle there is no number.
+    """
     table = context.table("speed_and_angle").sort_values("speed_m_per_s")
-    slow, middle, fast = np.nan_to_num(table["first_departure_of_loss_deg"].to_numpy(float))
+    slow, middle, fast = table["first_departure_of_loss_deg"].to_numpy(float)
     return {
         "angle_of_departure_at_1p05_m_per_s": middle,
         "angle_of_departure_at_0p45_m_per_s": slow,
@@ -415,10 +509,14 @@ def c79(context: Context) -> dict[str, float]:
 
 
 @claim("C80")
-def c80(context: Context) -> dict[str, float]:
-    """Share of angles, restitutions and frictions at which the loss falls towards shallow ones."""
-    share = context.table("loss_slopes")["share_falling"].mean()
-    return {"share_of_falling_slopes_below_45_deg": float(share)}
+def c80(context: Context) -> dict[str, Estimate]:
+    """Share of angles, restitutions and frictions at which the loss falls towards shallow ones.
+
+    Its error is that of a mean over as many pairs of restitution and friction drawn at random.
+    """
+    share = context.table("loss_slopes")["share_falling"]
+    error = float(share.std() / np.sqrt(len(share)))
+    return {"share_of_falling_slopes_below_45_deg": Estimate(float(share.mean()), error)}
 
 
 @claim("C106", by_case=True)
@@ -434,7 +532,7 @@ def c106(context: Context) -> dict[str, float]:
 
 
 @claim("C109", evidence=VIRTUAL)
-def c109(context: Context) -> dict[str, float]:
+def c109(context: Context) -> dict[str, Estimate]:
     """Mean half-width of -mu in experiments with spin over that in those without.
 
     Events are those that the imaging system reports, by the model of its errors.
@@ -442,10 +540,12 @@ def c109(context: Context) -> dict[str, float]:
     spread = context.params.spread
     spun = half_widths(context, spread.dropped.spin)
     bare = half_widths(context, InitialSpin(sd=0.0, mean=0.0))
-    return {"interval_width_with_over_without_spin_at_70_deg": float(spun / bare)}
+    error = np.hypot(spun.error / spun.value, bare.error / bare.value)
+    ratio = spun.value / bare.value
+    return {"interval_width_with_over_without_spin_at_70_deg": Estimate(ratio, ratio * error)}
 
 
-def half_widths(context: Context, spin: InitialSpin) -> float:
+def half_widths(context: Context, spin: InitialSpin) -> Estimate:
     """Return the mean half-width of the impulse ratio over repeated experiments."""
     params = context.params
     spread, sampling, camera = params.spread, params.sampling, params.camera
@@ -457,7 +557,7 @@ def half_widths(context: Context, spin: InitialSpin) -> float:
         rng = generator(sampling.seed, ANALYSIS, SPREAD, number)
         of = collect(drop, camera, stop, rng).means["impulse_ratio"]
         widths.append(0.5 * (of.high - of.low))
-    return float(np.mean(widths))
+    return Estimate(float(np.mean(widths)), float(np.std(widths, ddof=1) / np.sqrt(len(widths))))
 
 
 @claim("C110", by_case=True, units="deg")

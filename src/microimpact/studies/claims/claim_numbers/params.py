@@ -18,6 +18,7 @@ from microimpact.declared.parameters import (
     Positive,
     PrintedName,
 )
+from microimpact.lab.experiment import SpeedClass
 from microimpact.lab.pdpa.analyser import Instrument as Analyser
 from microimpact.lab.pdpa.pairing import Form
 from microimpact.lab.ptis.system import Instrument as Camera
@@ -97,7 +98,7 @@ class Instruments:
     pair_speeds_m_per_s: tuple[Positive, ...]
     pile_radius_mm: Positive
     pile_slope_deg: NonNegative
-    pile_share: Fraction
+    pile_shares: tuple[Fraction, Fraction]
     strong_capture_m_per_s: Positive
     weak_capture_m_per_s: Positive
 
@@ -157,7 +158,7 @@ class Normal:
     work_size_exponent: Finite
     exponent_step: Annotated[float, Field(gt=0, lt=0.5)]
     plateau_share: Annotated[Fraction, Field(gt=0)]
-    lasting_diameters_um: tuple[Positive, Positive]
+    lasting_diameters_um: dict[Name, Positive]
     lasting_speeds_m_per_s: tuple[Positive, Positive]
     points: Points
 
@@ -224,11 +225,13 @@ class Slow:
     spin_deg, spin_ratio
         Angle, and spin r omega/v, of a sphere that has rolled on the wall of the dispenser.
     limit_spin_ratio
-        Spin at the slowest speed for the limit of rolling.
-    dropped
-        Sample.
+        Spin against rolling at the slower speeds, with which the limit of rolling may shift.
+    seen_shift_deg, tried_spins
+        Least shift of that limit that is seen, and how many spins are tried for it.
+    dropped, classes
+        Sample, and its speed classes from the fastest.
     mean_spin, spin_spreads
-        Of samples with initial spin, r omega/v.
+        Of samples with initial spin, r omega/v: mean, if they have a sense, and spreads.
     normal_speed_below_m_per_s
         Below which captured impacts are looked for.
     """
@@ -238,7 +241,10 @@ class Slow:
     spin_deg: AngleDegrees
     spin_ratio: Finite
     limit_spin_ratio: Finite
+    seen_shift_deg: Positive
+    tried_spins: Points
     dropped: Dropped
+    classes: dict[Name, SpeedClass]
     mean_spin: Finite
     spin_spreads: tuple[Positive, ...]
     normal_speed_below_m_per_s: Positive
@@ -246,11 +252,12 @@ class Slow:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Regions:
-    """Section 2.4: angles over which regions of the impulse ratio are sought."""
+    """Section 2.4: angles over which regions of the impulse ratio are sought, and spins."""
 
     angles_deg: Angles
     constant_within: Fraction
     least_transition_deg: Positive
+    spin_sd: NonNegative
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -293,6 +300,8 @@ class Formica:
         Steep and shallow angle between which the coefficients are followed.
     spore_angles_deg
         Of the two printed normal speeds of the spores (Section 2.4.3).
+    least_spore_friction
+        In place of the friction of steel.
     seen_events, seen_dropped
         Events and particles of the sample seen by the camera.
     """
@@ -301,6 +310,7 @@ class Formica:
     spore: Dropped
     trend_deg: AngleRange
     spore_angles_deg: AngleRange
+    least_spore_friction: Fraction
     seen_events: Count
     seen_dropped: Count
 
@@ -396,6 +406,8 @@ class Slopes:
         At which coefficients of expansions are compared.
     biasing_spin_ratio
         r omega / v of impacts with spin.
+    printed_angle_error_deg
+        Uncertainty of a printed angle of the target.
     """
 
     form: Literal["corrected", "printed"]
@@ -405,6 +417,7 @@ class Slopes:
     small_slope_deg: FacingDegrees
     restitutions: tuple[Fraction, ...]
     biasing_spin_ratio: Finite
+    printed_angle_error_deg: Positive
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -456,6 +469,8 @@ class Capture:
         At which the normal speed of capture is sought.
     slope_sd, oblique_angle_deg, spheres
         Slopes, angle and number of the impacts whose apparent capture is sought.
+    yield_strengths_MPa
+        Of the spheres, by their state.
     """
 
     shifts_nm: tuple[Positive, Positive]
@@ -465,6 +480,7 @@ class Capture:
     slope_sd: NonNegative
     oblique_angle_deg: AngleDegrees
     spheres: Count
+    yield_strengths_MPa: dict[Name, Positive]  # noqa: N815 (the unit)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
@@ -10,8 +12,12 @@ from microimpact.lab.samples import Dropped, Seen
 from microimpact.studies.claims.claim_numbers.claim import CALIBRATED, VIRTUAL, claim
 from microimpact.studies.claims.claim_numbers.context import (
     Context,
+    Estimate,
 )
 from microimpact.studies.experiments.mechanisms.spore import as_imaged
+
+# Half-width of a 95 % interval over its standard error.
+ERROR_BAR = 1.96
 
 
 @claim("C17", units="m/s")
@@ -26,7 +32,7 @@ def c17(context: Context) -> dict[str, float]:
     }
 
 
-@claim("C81", by_case=True, evidence=VIRTUAL)
+@claim("C81", by_case=True, evidence=CALIBRATED)
 def c81(context: Context) -> dict[str, float]:
     """Largest difference of restitution, steel less spores, each calibrated at 85 deg alone."""
     found = context.column(
@@ -53,32 +59,43 @@ def c82(context: Context) -> dict[str, float]:
 
 
 @claim("C83", evidence=VIRTUAL)
-def c83(context: Context) -> dict[str, float]:
-    """Rise of restitution from 38 to 15 deg by each cause alone."""
+def c83(context: Context) -> dict[str, float | Estimate]:
+    """Rise of restitution from 38 to 15 deg by each cause alone, and the greatest."""
     named = context.params.mechanisms
-    rise = "restitution_rise_38_to_15"
-    return {
-        "rise_38_to_15_deg_by_slopes_over_half_width": trend(context, named.spore_slopes, rise),
-        "rise_38_to_15_deg_by_second_contacts_over_half_width": trend(
-            context, named.spore_second_contacts, rise
-        ),
-        "rise_38_to_15_deg_by_collisions_off_centre_over_half_width": trend(
-            context, named.spore_off_centre, rise
-        ),
+    rises = {
+        words: trend(context, name, "restitution_rise_38_to_15")
+        for words, name in (
+            ("slopes", named.spore_slopes),
+            ("second_contacts", named.spore_second_contacts),
+            ("collisions_off_centre", named.spore_off_centre),
+        )
+    }
+    return {"greatest_rise_38_to_15_deg_over_half_width": max(rises.values())} | {
+        f"rise_38_to_15_deg_by_{words}_over_half_width": rise.value for words, rise in rises.items()
     }
 
 
-def trend(context: Context, mechanism: str, column: str) -> float:
+def trend(context: Context, mechanism: str, column: str) -> Estimate:
     """Return a trend that a supposed cause gives, over its half-width.
 
-    It is 0 where so few rebound at one of the angles that there is no trend to see.
+    The sample is large: its error is about that of means of as many events as rebound at 15 deg.
+
+    Raises
+    ------
+    ValueError
+        If so few rebound at one of the angles that there is no trend to see.
     """
-    rows = context.table("spore_trends", mechanism=mechanism)
-    return float(np.nan_to_num(rows[f"{column}_over_half_width"].iloc[0]))
+    row = context.table("spore_trends", mechanism=mechanism).iloc[0]
+    found, rebounds = row[f"{column}_over_half_width"], row["rebounds_at_15_deg"]
+    if not np.isfinite(found):
+        raise ValueError(f"spore_trends: too few rebounds for {column}, {mechanism}")
+    return Estimate(
+        float(found), float(np.sqrt(context.params.sampling.events / rebounds) / ERROR_BAR)
+    )
 
 
 @claim("C84", evidence=VIRTUAL)
-def c84(context: Context) -> dict[str, float]:
+def c84(context: Context) -> dict[str, Estimate]:
     """Rises and fall of the impulse ratio as the camera sees them."""
     seen = context.params.mechanisms.spore_seen
     return {
@@ -90,35 +107,53 @@ def c84(context: Context) -> dict[str, float]:
 
 @claim("C85")
 def c85(context: Context) -> dict[str, float]:
-    """Differences of the losses and of the printed restitutions at 40 deg."""
+    """Differences of the losses and of the printed restitutions at 40 deg, and their ratio."""
     row = context.table("loss_resolution").iloc[0]
-    return {
-        f"difference_of_{name}_at_40_deg_over_half_width": float(
-            abs(row[f"difference_of_{name}_over_half_width"])
-        )
+    losses, restitutions = (
+        float(abs(row[f"difference_of_{name}_over_half_width"]))
         for name in ("losses", "restitutions")
+    )
+    return {
+        "resolution_by_losses_over_that_by_restitutions_at_40_deg": losses / restitutions,
+        "difference_of_losses_at_40_deg_over_half_width": losses,
+        "difference_of_restitutions_at_40_deg_over_half_width": restitutions,
     }
 
 
 @claim("C86", evidence=CALIBRATED, units={"slope_deviation_of_formica": "rad"})
-def c86(context: Context) -> dict[str, float]:
-    """Restitution of steel less that of spores, rises of both, and that of steel itself."""
-    samples = context.params.formica
+def c86(context: Context) -> dict[str, dict[str, float | Estimate]]:
+    """Restitution of steel less that of spores, rises of both, and that of steel itself.
+
+    With the slopes that are supposed of the spores, and without any.
+    """
+    spore = context.params.formica.spore
+    alternatives = {
+        "slopes of spores as supposed": spore,
+        "spores without slopes": replace(spore, particle_slope=0.0),
+    }
+    return {name: on_formica(context, each) for name, each in alternatives.items()}
+
+
+def on_formica(context: Context, spore: Dropped) -> dict[str, float | Estimate]:
+    """Return the numbers of C86 for one sort of spores."""
+    sample, series = context.params.formica.steel, context.series
+    angles = compared(context, "restitution_difference").index
     steel = formica(context, "steel_restitution", (20.0, 15.0))
     return {
-        "least_difference_steel_less_spore_over_half_width": compared(
-            context, "restitution_difference_over_half_width"
-        ).min(),
+        "least_difference_steel_less_spore_over_half_width": min(
+            context.over_half_width("restitution", (sample, angle), (spore, angle), series)
+            for angle in angles
+        ),
         "lesser_rise_45_to_15_deg_over_half_width": min(
-            rise_of_restitution(context, one) for one in (samples.steel, samples.spore)
+            rise_of_restitution(context, one) for one in (sample, spore)
         ),
         "measured_restitution_of_steel_at_20_deg": steel[20.0],
         "measured_restitution_of_steel_at_15_deg": steel[15.0],
-        "slope_deviation_of_formica": samples.steel.surface_slope,
+        "slope_deviation_of_formica": sample.surface_slope,
     }
 
 
-def rise_of_restitution(context: Context, dropped: Dropped) -> float:
+def rise_of_restitution(context: Context, dropped: Dropped) -> Estimate:
     """Return the rise from the steep to the shallow angle on Formica, over its half-width."""
     steep, shallow = context.params.formica.trend_deg
     ends = (dropped, shallow), (dropped, steep)
@@ -137,38 +172,82 @@ def compared(context: Context, column: str) -> pd.Series:
 
 
 @claim("C87", evidence=VIRTUAL)
-def c87(context: Context) -> dict[str, float]:
-    """Largest difference of the impulse ratios, and the lesser rise towards shallow angles."""
+def c87(context: Context) -> dict[str, dict[str, Estimate]]:
+    """Largest difference of the impulse ratios over its half-width, and the lesser rise.
+
+    With the friction of steel for the spores, and with less.
+    """
+    samples = context.params.formica
+    less = replace(samples.spore, friction=samples.least_spore_friction)
+    alternatives = {"friction of spores as of steel": samples.spore, "less friction": less}
+    return {name: compared_ratios(context, spore) for name, spore in alternatives.items()}
+
+
+def compared_ratios(context: Context, spore: Dropped) -> dict[str, Estimate]:
+    """Return the numbers of C87 for one sort of spores."""
+    steel, series, quantity = context.params.formica.steel, context.series, "impulse_ratio"
+    steep, shallow = context.params.formica.trend_deg
+    apart = [
+        context.over_half_width(quantity, (steel, angle), (spore, angle), series)
+        for angle in compared(context, "impulse_ratio_difference").index
+    ]
     return {
-        "largest_difference_of_impulse_ratios": compared(context, "impulse_ratio_difference")
-        .abs()
-        .max(),
-        "lesser_rise_45_to_15_deg": lesser_rise(context),
+        "largest_difference_of_impulse_ratios_over_half_width": max(
+            Estimate(abs(one.value), one.error) for one in apart
+        ),
+        "lesser_rise_45_to_15_deg_over_half_width": min(
+            context.over_half_width(quantity, (one, shallow), (one, steep), series)
+            for one in (steel, spore)
+        ),
     }
 
 
-def lesser_rise(context: Context) -> float:
-    """Return the lesser rise of the impulse ratio of steel and of spores."""
-    steep, shallow = trend = context.params.formica.trend_deg
-    ratios = [formica(context, f"{name}_impulse_ratio", trend) for name in ("steel", "spore")]
-    return float(min(ratio[shallow] - ratio[steep] for ratio in ratios))
-
-
 @claim("C88", evidence=VIRTUAL)
-def c88(context: Context) -> dict[str, float]:
-    """Difference of the losses at 30 deg over that at 80 deg, and of the restitutions at 30."""
-    losses = formica(context, "energy_loss_difference", (30.0, 80.0))
+def c88(context: Context) -> dict[str, float | Estimate]:
+    """How far the difference of the losses shrinks from 80 to 30 deg, over its half-width.
+
+    Beside it the ratio of both, and the difference of the restitutions at 30 deg.
+    """
+    losses, over = (
+        formica(context, f"energy_loss_difference{ending}", (30.0, 80.0))
+        for ending in ("", "_over_half_width")
+    )
     restitution = formica(context, "restitution_difference_over_half_width", 30.0)
     sines = np.sin(np.radians([30.0, 80.0]))
+    width = float(np.hypot(*(losses / over)))
+    spread = [
+        formica(context, f"{name}_energy_loss_sd", (30.0, 80.0))
+        / np.sqrt(formica(context, f"{name}_rebounds", (30.0, 80.0)))
+        for name in ("steel", "spore")
+    ]
+    error = float(np.sqrt(sum(np.sum(np.square(of)) for of in spread)))
     return {
+        "shrinking_of_difference_of_losses_80_to_30_deg_over_half_width": Estimate(
+            float(losses.abs()[80.0] - losses.abs()[30.0]) / width, error / width
+        ),
         "difference_of_losses_30_over_80_deg": losses[30.0] / losses[80.0],
-        "difference_of_restitutions_at_30_deg_over_half_width": restitution[30.0],
+        "difference_of_restitutions_at_30_deg_over_half_width": Estimate(
+            restitution[30.0], resolved(context, "restitution", 30.0)
+        ),
         "squared_ratio_of_sines": float((sines[0] / sines[1]) ** 2),
     }
 
 
+def resolved(context: Context, quantity: str, angle: float) -> float:
+    """Return the error of a difference of means on Formica over its half-width."""
+    sd, n = (
+        np.array([formica(context, f"{who}_{what}", angle).iloc[0] for who in ("steel", "spore")])
+        for what in (f"{quantity}_sd", "rebounds")
+    )
+    difference, over = (
+        formica(context, f"{quantity}_difference{ending}", angle).iloc[0]
+        for ending in ("", "_over_half_width")
+    )
+    return float(np.sqrt(np.sum(np.square(sd) / n)) / abs(difference / over))
+
+
 @claim("C89", evidence=VIRTUAL)
-def c89(context: Context) -> dict[str, float]:
+def c89(context: Context) -> dict[str, float | Estimate]:
     """Share of spores captured, or not seen by the camera, while restitution rises."""
     spore, (_, shallow) = context.params.formica.spore, context.params.formica.trend_deg
     at_shallow = {

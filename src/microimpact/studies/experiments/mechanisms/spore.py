@@ -258,6 +258,7 @@ def trend_row(name: str, samples: Mapping[float, Seen], sampling: Sampling) -> d
         "impulse_ratio_rise_45_to_20_over_half_width": change("impulse_ratio", 45.0, 20.0),
         "impulse_ratio_fall_15_to_5_over_half_width": -change("impulse_ratio", 15.0, 5.0),
         "impulse_ratio_fall_15_to_10_over_half_width": -change("impulse_ratio", 15.0, 10.0),
+        "rebounds_at_15_deg": len(samples[15.0].measured),
         "evidence": "virtual experiment",
     }
 
@@ -282,6 +283,7 @@ def _second_contacts(
         "impulse_ratio_rise_45_to_20_over_half_width": added("impulse_ratio", 45.0, 20.0),
         "impulse_ratio_fall_15_to_5_over_half_width": -added("impulse_ratio", 15.0, 5.0),
         "impulse_ratio_fall_15_to_10_over_half_width": -added("impulse_ratio", 15.0, 10.0),
+        "rebounds_at_15_deg": len(first[15.0].measured),
         "evidence": "virtual experiment",
     }
 

@@ -1,0 +1,156 @@
+"""One claim in words: what is stated, how it is judged, its numbers and where they come from."""
+
+from __future__ import annotations
+
+import inspect
+import math
+import textwrap
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import yaml
+
+from microimpact import studies
+from microimpact.core.materials import declared_file
+from microimpact.core.nearest import nearest
+from microimpact.core.tables import parse_table, read_table
+from microimpact.declared.parameters import build
+from microimpact.ledgers.claims import in_words, verdicts
+from microimpact.ledgers.claims.criteria import Claim, read_claims
+from microimpact.ledgers.claims.words import article_value, by_quantity, readable
+from microimpact.report.site.record import RecordError, read_record
+from microimpact.run.inputs import study_rows
+from microimpact.run.study import Made
+from microimpact.studies.claims.claim_numbers import CLAIMS, Params, numbers_of
+
+STUDY = "claim_numbers"
+WIDTH = 96
+
+
+def tell(name: str, changes: Mapping[str, Any], results: Path) -> str:
+    """Return a claim in words, its numbers from a run or computed anew.
+
+    Parameters
+    ----------
+    name
+        Such as ``C58``.
+    changes
+        Declared values to be changed, at every depth; the claim alone is then computed anew, with
+        the studies that it needs, and nothing is written.
+    results
+        Results folder. Tables are taken from it if it holds a run of the shipped configuration.
+
+    Raises
+    ------
+    ValueError
+        If there is no such claim or key, or a value is not allowed.
+    """
+    claims = read_claims(declared_file("claims.yaml"))
+    if name not in claims:
+        raise ValueError(f"{name!r} is no claim{nearest(name, claims)}")
+    claim = claims[name]
+    if claim.positive is None:
+        return "\n".join([*_head(claim), f"Verdict: {claim.verdicts[0]}"])
+    folder = results if _shipped(results) else None
+    numbers = _numbers(name, changes, folder)
+    row = {str(key): value for key, value in verdicts({name: claim}, numbers).iloc[0].items()}
+    if folder and not changes:
+        known = read_table(folder / "tables/claims.csv").set_index("id").loc[name].dropna()
+        row |= {str(key): value for key, value in known.items()}
+    return "\n".join([*_head(claim), *_body(claim, row, numbers, changes, folder)])
+
+
+def changed(settings: Sequence[str]) -> dict[str, Any]:
+    """Return the changes that texts like ``claim_numbers.steel.friction=0.3`` mean.
+
+    Raises
+    ------
+    ValueError
+        If a text is none of that form.
+    """
+    found: dict[str, Any] = {}
+    for text in settings:
+        key, sign, value = text.partition("=")
+        if not sign or not all(key.split(".")):
+            raise ValueError(f"--set: {text!r} must be of the form key=value")
+        *above, last = key.split(".")
+        place = found
+        for part in above:
+            place = place.setdefault(part, {})
+        try:
+            place[last] = yaml.safe_load(value)
+        except yaml.YAMLError:
+            raise ValueError(f"--set: {value!r} is no value that YAML knows") from None
+    return found
+
+
+def _shipped(results: Path) -> bool:
+    """Tell whether a folder holds a run of the shipped configuration."""
+    try:
+        whole = (results / "tables/claims.csv").is_file()
+        return whole and not read_record(results).changes
+    except RecordError:
+        return False
+
+
+def _numbers(name: str, changes: Mapping[str, Any], results: Path | None) -> pd.DataFrame:
+    if results and not changes:
+        table = read_table(results / f"tables/{STUDY}.csv")
+        return table[table["claim"] == name]
+    made = Made(STUDY, changes, results)
+    rows = study_rows(STUDY, made.settings, {})
+    made.update({key: parse_table(text) for key, text in rows.items()})
+    return numbers_of(name, build(Params, made.settings.branches[STUDY]), made)
+
+
+def _head(claim: Claim) -> list[str]:
+    return [
+        f"{claim.id} ({claim.where}; {claim.kind})",
+        *_wrapped(claim.statement),
+        "",
+        f"The article: {article_value(claim)}",
+        *_wrapped(f"Reason of the criterion: {claim.reason}"),
+        *(line for one in claim.amendments for line in _wrapped(in_words(one))),
+        "",
+    ]
+
+
+def _body(
+    claim: Claim,
+    row: Mapping[str, Any],
+    numbers: pd.DataFrame,
+    changes: Mapping[str, Any],
+    results: Path | None,
+) -> list[str]:
+    lines = ["Numbers" + (" (- fails its criterion)" if row["verdict"] != claim.positive else "")]
+    for one in by_quantity(str(row["computed_value"]), claim) if row["computed_value"] else ():
+        bound = f" [{one.criterion}]" if one.criterion else ""
+        lines.append(f"  {one.words}{bound}")
+        lines += [
+            f"  {'  ' if cell.holds else '- '}  {cell.text}{f' ({case})' if case else ''}"
+            for case, cell in one.cells.items()
+        ]
+    for problem in dict.fromkeys(numbers["problem"].dropna()):
+        lines += _wrapped(f"  {problem}") if problem else []
+    lines += ["", f"Verdict: {row['verdict']}"]
+    if (margin := row.get("margin")) is not None and math.isfinite(float(margin)):
+        lines.append(f"Margin: {readable(float(margin))} standard errors from the bound")
+    function = CLAIMS[claim.id].of
+    source, line = inspect.getsourcefile(function), inspect.getsourcelines(function)[1]
+    lines.append(f"Code: {function.__module__}.{function.__qualname__}, {source}:{line}")
+    makers = studies.needs(STUDY)
+    read = sorted({name for text in numbers["inputs"].dropna() for name in text.split()})
+    tables = [f"{name} (of {makers[name]})" if name in makers else name for name in read]
+    lines += _wrapped(f"Inputs: {', '.join([f'branch {STUDY}', *tables])}")
+    if changes:
+        lines.append(f"Changed: {yaml.safe_dump(dict(changes), default_flow_style=True).strip()}")
+    anew = "computed anew" if changes else "computed now"
+    rest = f"; what rests on no change from {results}" if changes else str(results)
+    lines.append(f"Numbers: {(anew + rest if changes else rest) if results else anew}")
+    return lines
+
+
+def _wrapped(text: str) -> list[str]:
+    return textwrap.wrap(text, WIDTH)

@@ -1,0 +1,73 @@
+"""The command that tells one claim: words and numbers, a changed input, one line for bad input."""
+
+import pytest
+from click.testing import CliRunner
+
+from microimpact.cli import commands
+from microimpact.report.claim import changed, tell
+
+
+@pytest.fixture
+def nowhere(tmp_path):
+    return tmp_path / "results"
+
+
+def test_a_claim_is_told_with_all_that_decides_it(nowhere):
+    text = tell("C58", {}, nowhere)
+    for part in (
+        "The impacts hardly deform the materials plastically.",
+        "Reason of the criterion: Minimal means",
+        "plastic loss over measured loss [at most 0.1]",
+        "1.76 (annealed)",
+        "Verdict: not identified",
+        "conclusions.c58, ",
+        "conclusions.py:",
+        "Inputs: branch claim_numbers, calibration (of calibration), materials",
+    ):
+        assert part in text
+    assert not nowhere.exists()
+
+
+@pytest.mark.parametrize(
+    ("setting", "verdict"),
+    [
+        # of the claim's own branch, and of a study that its numbers rest on
+        ("claim_numbers.fall.pile_up_speed_m_per_s=0.44", "reproduced"),
+        ("claim_numbers.fall.pile_up_speed_m_per_s=0.2", "not reproduced"),
+    ],
+)
+def test_a_changed_value_gives_another_verdict(setting, verdict, nowhere):
+    text = tell("C04", changed([setting]), nowhere)
+    assert f"\nVerdict: {verdict}\n" in text
+    assert "pile_up_speed_m_per_s" in text
+
+
+def test_studies_on_which_a_claim_rests_follow_the_change(nowhere):
+    plain, doubled = (
+        tell("C32", changed(settings), nowhere)
+        for settings in ([], ["force_history.diameter_um=2.58"])
+    )
+    assert "Verdict: reproduced" in plain
+    assert "0.352" in plain
+    assert "0.352" not in doubled
+
+
+def test_a_claim_without_a_test_is_told(nowhere):
+    assert tell("C90", {}, nowhere).endswith("Verdict: not testable")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["C10O"], "'C10O' is no claim (did you mean 'C10'?)"),
+        (["C04", "--set", "claim_numbers"], "--set: 'claim_numbers' must be of the form key=value"),
+        (["C04", "--set", "claim_numbrs.x=1"], "claim_numbrs: unknown key (did you mean 'cla"),
+        (["C04", "--set", "claim_numbers.fal.x=1"], "claim_numbers.fal: unknown key (did you me"),
+        (["C04", "--set", "claim_numbers.fall=[}"], "--set: '[}' is no value that YAML knows"),
+    ],
+)
+def test_bad_input_gives_one_line(arguments, message):
+    outcome = CliRunner().invoke(commands, ["claim", *arguments])
+    assert isinstance(outcome.exception, ValueError)
+    (line,) = str(outcome.exception).splitlines()
+    assert line.startswith(message)
