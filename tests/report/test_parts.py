@@ -142,7 +142,8 @@ ROW = {
     "computed_value": "other = 2.37797e-17; speed_at_0p45_m_per_s (a) = 2377.97 MPa;"
     " speed_at_0p45_m_per_s (b) = 0.0993185 MPa; share = 123456",
     "reason": "because",
-    "note": "a: speed_at_0p45_m_per_s = 2378 (required: at most 1) | Changed after first judging, b",
+    "note": "a: speed_at_0p45_m_per_s = 2378 (required: at most 1)"
+    " | Changed after first judging, b",
 }
 
 

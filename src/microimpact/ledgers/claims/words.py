@@ -49,19 +49,28 @@ def readable(value: float, unit: str = "-", rounding: float = 0.0) -> str:
         mantissa, _, exponent = f"{value:.{DIGITS - 1}e}".partition("e")
         power = str(int(exponent)).translate(_SUPERSCRIPTS)
         digits = f"{mantissa.replace('-', '−')} × 10{power}"
-    return digits if unit in {"-", "1", ""} else f"{digits} {unit.replace('**', '^')}"
+    if unit in {"-", "1", ""}:
+        return digits
+    return f"{digits}°" if unit == "deg" else f"{digits} {unit.replace('**', '^')}"
 
 
 def in_words(quantity: str) -> str:
     """Return the name of a quantity of a claim in words: ``at_0p45_m_per_s`` is at 0.45 m/s."""
     decimal = re.sub(r"(?<=\d)p(?=\d)", ".", quantity)
-    return decimal.replace("_m_per_s", " m/s").replace("_", " ")
+    spoken = decimal.replace("_m_per_s", " m/s").replace("_", " ")
+    return re.sub(r"(?<=\d) deg\b", "°", re.sub(r"(?<=\d) um\b", " µm", spoken))
 
 
 def article_value(claim: Claim) -> str:
     """Return what the article gives, with its unit if it is a number."""
-    number = claim.unit != "-" and claim.article_value[-1].isdigit()
-    return f"{claim.article_value} {claim.unit}" if number else claim.article_value
+    return with_unit(claim.article_value, claim.unit)
+
+
+def with_unit(text: str, unit: str) -> str:
+    """Return what the article gives with a unit, if it ends as a number."""
+    if unit == "-" or not text[-1:].isdigit():
+        return text
+    return f"{text}°" if unit == "deg" else f"{text} {unit}"
 
 
 def computed_numbers(text: str) -> list[tuple[str, str, float, str]]:

@@ -26,7 +26,7 @@ COPIED = {"figures": ("*.svg", "*.png"), "tables": ("*.csv",), "data": ("*.csv",
 
 CLAIM_COLUMNS = (
     *("id", "where", "statement", "kind", "criterion", "article_value", "computed_value"),
-    *("verdict", "figures", "note"),
+    *("unit", "verdict", "figures", "note"),
 )
 # Of a ledger of claims; those of earlier versions have none of these.
 LATER_COLUMNS = ("margin", "code", "inputs", "reason")

@@ -14,7 +14,13 @@ from markupsafe import Markup
 from microimpact.ledgers.claims import CHANGED
 from microimpact.ledgers.claims.criteria import UNCOUNTED
 from microimpact.ledgers.claims.judging import REQUIRED
-from microimpact.ledgers.claims.words import ROUNDING, computed_numbers, in_words, readable
+from microimpact.ledgers.claims.words import (
+    ROUNDING,
+    computed_numbers,
+    in_words,
+    readable,
+    with_unit,
+)
 from microimpact.report.site.formula import mathml
 
 Row = dict[str, str]
@@ -136,6 +142,11 @@ def computed(claim: Row) -> list[Computed]:
         Computed(words=in_words(name), criterion=criteria.get(name, ""), cells=tuple(found[name]))
         for name in sorted(found, key=lambda name: name not in criteria)
     ]
+
+
+def printed(claim: Row) -> str:
+    """Return what the article gives, with its unit if it is a number."""
+    return with_unit(claim["article_value"], claim["unit"])
 
 
 def changed_later(claims: Sequence[Row]) -> int:
