@@ -17,10 +17,11 @@ from microimpact.core.materials import declared_file
 from microimpact.core.nearest import nearest
 from microimpact.core.tables import parse_table, read_table
 from microimpact.declared.parameters import build
-from microimpact.ledgers.claims import in_words, verdicts
+from microimpact.ledgers.claims import NUMBER_COLUMNS, in_words, verdicts
 from microimpact.ledgers.claims.criteria import Claim, read_claims
 from microimpact.ledgers.claims.words import article_value, by_quantity, readable
-from microimpact.report.site.record import RecordError, read_record
+from microimpact.report.check.results import ResultsError
+from microimpact.report.site.record import read_record
 from microimpact.run.inputs import study_rows
 from microimpact.run.study import Made
 from microimpact.studies.claims.claim_numbers import CLAIMS, Params, numbers_of
@@ -91,13 +92,13 @@ def _shipped(results: Path) -> bool:
     try:
         whole = (results / "tables/claims.csv").is_file()
         return whole and not read_record(results).changes
-    except RecordError:
+    except ResultsError:
         return False
 
 
 def _numbers(name: str, changes: Mapping[str, Any], results: Path | None) -> pd.DataFrame:
     if results and not changes:
-        table = read_table(results / f"tables/{STUDY}.csv")
+        table = read_table(results / f"tables/{STUDY}.csv", NUMBER_COLUMNS)
         return table[table["claim"] == name]
     made = Made(STUDY, changes, results)
     rows = study_rows(STUDY, made.settings, {})
