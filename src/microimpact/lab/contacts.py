@@ -12,6 +12,17 @@ from microimpact.core.nearest import nearest
 from microimpact.model.contact import Contact
 from microimpact.model.pairs import Pairs, pair_contact, pairs_from_rows
 
+# Columns of the admissible contacts, and the fields of a contact that they are.
+DRAWN = {
+    "diameter_um": "diameter",
+    "work_of_adhesion_J_per_m2": "work_of_adhesion",
+    "hertz_damping_s_per_m": "hertz_damping",
+    "adhesion_damping_s_per_m": "adhesion_damping",
+    "rate_exponent": "adhesion_rate_exponent",
+    "reference_velocity_m_per_s": "reference_velocity",
+    "friction": "friction",
+}
+
 
 def declared_contact(
     inputs: Mapping[str, pd.DataFrame], particle: str, surface: str, **changes: Any
@@ -59,6 +70,39 @@ def calibrated_contact(inputs: Mapping[str, pd.DataFrame], case: str, **changes:
     particle, surface = rows["particle"].iloc[0], rows["surface"].iloc[0]
     contact = pair_contact(particle, surface, materials_from_rows(materials), {}, **fields)
     return contact.replace(**changes)
+
+
+def admissible_contact(
+    inputs: Mapping[str, pd.DataFrame], case: str, variant: str, **changes: Any
+) -> Contact:
+    """Return the admissible contacts of a case as one contact of arrays (draws,).
+
+    Their diameter is the size class that the article leaves open; `resized` gives another one.
+
+    Parameters
+    ----------
+    inputs
+        ``admissible_contacts``, the table of that study, and ``materials``, declared rows.
+    case, variant
+        As in that table.
+    **changes
+        Fields of `Contact` in place of those of the table.
+
+    Raises
+    ------
+    ValueError
+        If there are no such draws; the message names the nearest.
+    """
+    table = inputs["admissible_contacts"]
+    for column, name in {"case": case, "variant": variant}.items():
+        if name not in set(table[column]):
+            raise ValueError(f"no admissible {column} {name!r}{nearest(name, set(table[column]))}")
+        table = table[table[column] == name]
+    materials: Any = inputs["materials"].to_dict("records")
+    fields = {field: table[column].to_numpy(float) for column, field in DRAWN.items()}
+    fields["diameter"] = fields["diameter"] * 1e-6
+    pair = table["particle"].iloc[0], table["surface"].iloc[0]
+    return pair_contact(*pair, materials_from_rows(materials), {}, **fields).replace(**changes)
 
 
 def declared(inputs: Mapping[str, pd.DataFrame]) -> tuple[dict[str, Material], Pairs]:

@@ -1,0 +1,289 @@
+"""A pair whose contact is open: what is open of it, what is printed on it, and its posterior."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+import numpy as np
+import pandas as pd
+from pydantic import Field
+
+from microimpact.core import ensemble
+from microimpact.core.arrays import FloatArray
+from microimpact.declared.parameters import (
+    CaseName,
+    Count,
+    CounterpartName,
+    Keyed,
+    MaterialName,
+    Name,
+    NonNegative,
+    Positive,
+)
+from microimpact.lab.contacts import declared_contact
+from microimpact.model.contact import Contact
+from microimpact.statistics.distributions import generator
+from microimpact.studies.models.admissible_contacts.statements import (
+    AnyStatement,
+    Evaluation,
+    Likelihood,
+    Statement,
+    Within,
+    dissipation_ratio,
+)
+
+# Parameters that can be open, and the field of a contact that each is.
+FIELDS = {
+    "work_of_adhesion_J_per_m2": "work_of_adhesion",
+    "hertz_damping_s_per_m": "hertz_damping",
+    "adhesion_damping_s_per_m": "adhesion_damping",
+    "rate_exponent": "adhesion_rate_exponent",
+    "friction": "friction",
+}
+# Those whose logarithm is uniform before the statements.
+LOGARITHMIC = ("work_of_adhesion_J_per_m2", "adhesion_damping_s_per_m")
+Basis = Literal["compressive", "hertz", "net"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ranges:
+    """Ends of what is open; None where it is declared of the pair.
+
+    The logarithms of w_A and c_A are uniform before the statements, for not even their order is
+    known; c_H is so itself, for it adds to the loss: no share of the material is preferred.
+    """
+
+    work_of_adhesion_J_per_m2: tuple[Positive, Positive] | None = None  # noqa: N815 (the unit)
+    hertz_damping_s_per_m: tuple[NonNegative, Positive] | None = None
+    adhesion_damping_s_per_m: tuple[Positive, Positive] | None = None
+    rate_exponent: tuple[NonNegative, Positive] | None = None
+    friction: tuple[Positive, Positive] | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse ranges that are empty."""
+        for name, (low, high) in self.open().items():
+            if not low < high:
+                raise ValueError(f"{name} must ascend, got [{low:g}, {high:g}]")
+
+    def open(self) -> dict[str, tuple[float, float]]:
+        """Ends of the open parameters by name."""
+        return {name: ends for name in FIELDS if (ends := getattr(self, name)) is not None}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Case:
+    """A pair, what is open of it, and what is printed on it.
+
+    Attributes
+    ----------
+    particle, surface
+        The materials; what is not open is as declared of the pair.
+    diameter_um, speed_m_per_s
+        Where derived numbers are told; the speed is the reference velocity of the rate exponent.
+    ranges
+        Of the open parameters.
+    classes_um
+        Diameters where a statement gives none.
+    friction_bases
+        Forces that may support friction.
+    compared
+        Cases of the two-stage calibration to be compared with.
+    statements
+        What is printed.
+    """
+
+    case: Name
+    particle: MaterialName
+    surface: CounterpartName
+    diameter_um: Positive
+    speed_m_per_s: Positive
+    ranges: Ranges
+    classes_um: Annotated[tuple[Positive, ...], Field(min_length=2)]
+    friction_bases: Annotated[tuple[Basis, ...], Field(min_length=1)]
+    compared: tuple[CaseName, ...]
+    statements: Annotated[tuple[Statement, ...], Keyed("statement")]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Variant:
+    """Statements that are left out; a case need not have them."""
+
+    variant: Name
+    without: tuple[Name, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sampler:
+    """How the ensemble draws.
+
+    Attributes
+    ----------
+    spread
+        Binary logarithm of the number of points among which walkers find their starts.
+    walkers, steps
+        Of each of its ensembles.
+    pool
+        Draws whose capture velocities are computed.
+    """
+
+    spread: Annotated[int, Field(ge=8, le=20)]
+    walkers: Annotated[int, Field(ge=12)]
+    steps: Annotated[int, Field(ge=30)]
+    pool: Count
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Posterior:
+    """A pool of draws by the statements on impacts, and what all statements say of them.
+
+    Attributes
+    ----------
+    case
+        The pair.
+    evaluation
+        How statements are evaluated.
+    pool
+        The draws.
+    quantities
+        By statement.
+    seed
+        Of what is drawn from the pool.
+    """
+
+    case: Case
+    evaluation: Evaluation
+    pool: ensemble.Draws
+    quantities: Mapping[str, FloatArray]
+    seed: int
+
+    def likelihood(self, statements: Sequence[AnyStatement]) -> Likelihood:
+        """Return what some statements say of the pool."""
+        return self.evaluation.likelihood(statements, self.quantities)
+
+    def stated(self, variant: Variant) -> list[AnyStatement]:
+        """Statements that hold in a variant."""
+        return [s for s in self.case.statements if s.statement not in variant.without]
+
+    def weights(self, variant: Variant) -> FloatArray:
+        """Weights of the pool in a variant, the largest 1."""
+        all_of = self.likelihood(self.stated(variant)).total
+        logs = all_of - self.likelihood(on_impacts(self.case)).total
+        return np.exp(logs - np.max(logs))
+
+    def chosen(self, variant: Variant, draws: int) -> Chosen:
+        """Draw from the pool by its weights, and class and basis of each by their likelihoods."""
+        rng = generator(self.seed, 1)
+        taken = ensemble.resampled(self.weights(variant), draws, rng)
+        logs = self.likelihood(self.stated(variant))
+        classes, bases = _one_each(logs.by_class[taken], rng), _one_each(logs.by_basis[taken], rng)
+        rows = np.arange(draws)
+        return Chosen(
+            taken=taken,
+            points=self.pool.points[taken],
+            classes=classes,
+            bases=bases,
+            log_likelihood=logs.plain[taken]
+            + logs.by_class[taken][rows, classes]
+            + logs.by_basis[taken][rows, bases],
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Chosen:
+    """Draws of one variant (n,).
+
+    Attributes
+    ----------
+    taken
+        Their numbers in the pool.
+    points
+        As sampled (n, axes).
+    classes, bases
+        Numbers of size class and basis of friction.
+    log_likelihood
+        Of all statements of the variant, class and basis being these.
+    """
+
+    taken: FloatArray
+    points: FloatArray
+    classes: FloatArray
+    bases: FloatArray
+    log_likelihood: FloatArray
+
+
+def _one_each(logs: FloatArray, rng: np.random.Generator) -> Any:
+    """Draw one column per row, in proportion to what the logarithms are of."""
+    share = np.cumsum(np.exp(logs - np.max(logs, axis=1, keepdims=True)), axis=1)
+    return np.argmax(share > rng.random((len(logs), 1)) * share[:, -1:], axis=1)
+
+
+def on_impacts(case: Case) -> list[AnyStatement]:
+    """Statements that need no capture velocity."""
+    return [s for s in case.statements if not s.of_capture]
+
+
+def bare_contact(case: Case, inputs: Mapping[str, pd.DataFrame]) -> Contact:
+    """Return the declared contact of the pair, w_A being that of its declared diameter."""
+    declared = declared_contact(inputs, case.particle, case.surface)
+    return declared.replace(
+        diameter=case.diameter_um * 1e-6,
+        work_of_adhesion=declared.work_of_adhesion,
+        reference_velocity=case.speed_m_per_s,
+    )
+
+
+def values(case: Case, points: FloatArray) -> dict[str, FloatArray]:
+    """Open parameters by name (n,) from points as sampled (n, axes)."""
+    return {
+        name: np.exp(column) if name in LOGARITHMIC else column
+        for name, column in zip(case.ranges.open(), points.T, strict=True)
+    }
+
+
+def contacts(case: Case, bare: Contact, points: FloatArray, diameters_um: FloatArray) -> Contact:
+    """Contacts of points (n, axes) at diameters (k,): fields of shape (n, k)."""
+    fields = {FIELDS[name]: value[:, None] for name, value in values(case, points).items()}
+    work = fields.pop("work_of_adhesion", bare.work_of_adhesion)
+    return bare.replace(diameter=diameters_um * 1e-6, work_of_adhesion=work, **fields)
+
+
+def posterior(
+    case: Case, inputs: Mapping[str, pd.DataFrame], sampler: Sampler, seed: int
+) -> Posterior:
+    """Draw the pool of a case and evaluate all statements."""
+    bare = bare_contact(case, inputs)
+    ends = case.ranges.open()
+    ratio = next(
+        (
+            dissipation_ratio(
+                bare,
+                s.speeds_m_per_s[0],
+                ends["hertz_damping_s_per_m"],
+                ends["adhesion_damping_s_per_m"],
+            )
+            for s in case.statements
+            if isinstance(s, Within) and s.quantity == "dissipation over adhesion"
+        ),
+        None,
+    )
+    evaluation = Evaluation(
+        contacts=lambda points, diameters: contacts(case, bare, points, diameters),
+        classes_um=case.classes_um,
+        bases=case.friction_bases,
+        ratio=ratio,
+    )
+    stated = on_impacts(case)
+    box = np.array([np.log(e) if n in LOGARITHMIC else e for n, e in ends.items()])
+    pool = ensemble.draw(
+        lambda points: evaluation.likelihood(stated, evaluation.quantities(points, stated)).total,
+        *box.T,
+        draws=sampler.pool,
+        spread=sampler.spread,
+        walkers=sampler.walkers,
+        steps=sampler.steps,
+        seed=seed,
+    )
+    quantities = evaluation.quantities(pool.points, case.statements)
+    return Posterior(case=case, evaluation=evaluation, pool=pool, quantities=quantities, seed=seed)

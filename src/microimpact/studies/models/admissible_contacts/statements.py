@@ -1,0 +1,331 @@
+"""Printed statements as likelihoods: an interval, and normal tails beyond it.
+
+Each is evaluated at its own diameters, speeds and angles. Where the article leaves a diameter open,
+a statement has a value per size class; where friction enters, one per basis of friction.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+from scipy.interpolate import RectBivariateSpline
+
+from microimpact.core.arrays import FloatArray
+from microimpact.declared.parameters import AngleDegrees, Count, Finite, Name, Positive
+from microimpact.model.calibration import peak_ratios
+from microimpact.model.contact import Contact
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import planar, velocity_components
+from microimpact.model.dynamics.normal import normal_impact
+from microimpact.statistics.distributions import Distribution
+
+# Far enough below all else, where a statement has no value: a captured sphere never leaves.
+IMPOSSIBLE = -1e6
+# Quantiles of sizes and speeds that stand for the spheres of an experiment.
+NODES = 40
+# Below this share captured none is, for the formula that divides by it.
+SMALLEST_SHARE = 1e-9
+# Logarithm of the likelihood below which the rest is not looked at.
+HOPELESS = -50.0
+# Per axis, for the ratio of dissipation and adhesion over both coefficients of damping.
+RATIO_NODES = 7
+RATIO_POINTS = 200
+
+Quantity = Literal[
+    "restitution",
+    "spread of restitution",
+    "impulse ratio",
+    "change of impulse ratio",
+    "contact time in ns",
+    "capture velocity in m/s",
+    "adhesion over hertz",
+    "dissipation over adhesion",
+]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Within:
+    """A quantity that a statement puts into an interval.
+
+    Attributes
+    ----------
+    quantity
+        The mean over the impacts; of a spread the largest less the smallest, of a change the first
+        over the last.
+    diameter_um
+        None where the article leaves it open.
+    speeds_m_per_s, angles_deg
+        Of the impacts; one of both may stand for all.
+    interval
+        Where the likelihood is one, in the unit that the quantity names.
+    tail
+        Standard deviation of the normal tails beyond.
+    """
+
+    statement: Name
+    quantity: Quantity
+    diameter_um: Positive | None = None
+    speeds_m_per_s: Annotated[tuple[Positive, ...], Field(min_length=1)] = (1.0,)
+    angles_deg: Annotated[tuple[AngleDegrees, ...], Field(min_length=1)] = (90.0,)
+    interval: tuple[Finite, Finite]
+    tail: Positive
+    kind: Literal["within"] = "within"
+
+    def __post_init__(self) -> None:
+        """Refuse an empty interval, and impacts that cannot be paired."""
+        if not self.interval[0] < self.interval[1]:
+            raise ValueError(f"interval must ascend, got {list(self.interval)}")
+        if len({len(self.speeds_m_per_s), len(self.angles_deg)} - {1}) > 1:
+            raise ValueError("speeds_m_per_s and angles_deg must be as many, or one of them one")
+
+    @property
+    def of_capture(self) -> bool:
+        """Whether it needs the capture velocity, which costs far more than an impact."""
+        return self.quantity == "capture velocity in m/s"
+
+    @property
+    def frictional(self) -> bool:
+        """Whether it depends on the basis of friction."""
+        return self.quantity in ("impulse ratio", "change of impulse ratio")
+
+    def sizes(self, classes_um: Sequence[float]) -> tuple[float, ...]:
+        """Diameters of the spheres, um."""
+        return tuple(classes_um) if self.diameter_um is None else (self.diameter_um,)
+
+    def impacts(self, classes_um: Sequence[float]) -> FloatArray:
+        """Diameter (um), normal and tangential speed of its impacts (k, 3), size by size."""
+        v_n, v_t = velocity_components(np.array(self.speeds_m_per_s), np.array(self.angles_deg))
+        velocities = np.column_stack(np.broadcast_arrays(-v_n, v_t))
+        return np.vstack([np.insert(velocities, 0, d, axis=1) for d in self.sizes(classes_um)])
+
+    def value(self, values: FloatArray, classes: int) -> FloatArray:
+        """The quantity from its values at the impacts, the last axis: (n,), or (n, classes)."""
+        if self.diameter_um is None:
+            values = values.reshape(values.shape[0], classes, -1)
+        if self.quantity == "spread of restitution":
+            return np.ptp(values, axis=-1)
+        if self.quantity == "change of impulse ratio":
+            return np.asarray(values[..., 0] / values[..., -1])
+        return np.asarray(np.mean(values, axis=-1))
+
+    def log_likelihood(self, value: FloatArray) -> FloatArray:
+        """Logarithm of the likelihood, 0 inside the interval."""
+        low, high = self.interval
+        with np.errstate(invalid="ignore"):
+            beyond = np.maximum(np.maximum(low - value, value - high), 0.0) / self.tail
+        return np.where(np.isfinite(value), np.maximum(-0.5 * beyond**2, IMPOSSIBLE), IMPOSSIBLE)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NoCapture:
+    """No capture was noticed among spheres of a size class at a slow speed.
+
+    A captured sphere may have rolled away or never been looked for: the share of captures that
+    would have been noticed is unknown, uniform between none and all.
+    """
+
+    statement: Name
+    diameter_um: Distribution
+    speed_range_m_per_s: tuple[Positive, Positive]
+    angle_deg: AngleDegrees
+    spheres: Count
+    kind: Literal["no capture"] = "no capture"
+
+    @property
+    def of_capture(self) -> bool:
+        """It needs the capture velocity."""
+        return True
+
+    def captured(self, at: Mapping[float, FloatArray]) -> FloatArray:
+        """Share of the spheres that are captured, from capture velocities at two diameters (um)."""
+        share = (np.arange(NODES) + 0.5) / NODES
+        diameter = np.asarray(self.diameter_um.quantile(share))[:, None]
+        low, high = self.speed_range_m_per_s
+        speed = (low + (high - low) * share) * math.sin(math.radians(self.angle_deg))
+        small, large = min(at), max(at)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            slope = np.log(at[large] / at[small]) / math.log(large / small)
+        limit = at[small][:, None, None] * (diameter / small) ** slope[:, None, None]
+        return np.asarray(np.mean(limit > speed, axis=(1, 2)))
+
+    def log_likelihood(self, value: FloatArray) -> FloatArray:
+        """Logarithm of ``int (1 - q p)^n dq``, p the share captured and q the share noticed."""
+        trials, p = self.spheres + 1, np.clip(value, SMALLEST_SHARE, 1.0 - SMALLEST_SHARE)
+        return np.asarray(np.log(-np.expm1(trials * np.log1p(-p)) / (trials * p)))
+
+
+AnyStatement = Within | NoCapture
+Statement = Annotated[AnyStatement, Field(discriminator="kind")]
+
+
+# Contacts at points (n, axes) and diameters in um (k,): fields (n, k).
+Contacts = Callable[[FloatArray, FloatArray], Contact]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Likelihood:
+    """Log likelihoods of contacts (n,).
+
+    Attributes
+    ----------
+    plain, by_class, by_basis
+        Of statements without an open axis (n,), and of the others, summed, per size class
+        (n, classes) and per basis of friction (n, bases).
+    """
+
+    plain: FloatArray
+    by_class: FloatArray
+    by_basis: FloatArray
+
+    @property
+    def total(self) -> FloatArray:
+        """Log likelihood, classes and bases being alike before the statements (n,)."""
+        return self.plain + mean_over(self.by_class) + mean_over(self.by_basis)
+
+
+def mean_over(logs: FloatArray) -> FloatArray:
+    """Logarithm of the mean over the last axis of what the logarithms are of."""
+    top = np.max(logs, axis=-1)
+    return np.asarray(top + np.log(np.mean(np.exp(logs - top[..., None]), axis=-1)))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Evaluation:
+    """How statements are evaluated.
+
+    Attributes
+    ----------
+    contacts
+        From points to contacts.
+    classes_um, bases
+        Size classes and bases of friction that the article leaves open.
+    ratio
+        Ratio of the peaks of dissipation and adhesion by c_H and ln c_A; None if none is stated.
+    """
+
+    contacts: Contacts
+    classes_um: tuple[float, ...]
+    bases: tuple[str, ...]
+    ratio: RectBivariateSpline | None = None
+
+    def quantities(
+        self, points: FloatArray, statements: Sequence[AnyStatement]
+    ) -> dict[str, FloatArray]:
+        """Quantities by statement: (n,), (n, classes) or (n, bases).
+
+        Those with friction are nan where the others leave no hope.
+        """
+        within = [s for s in statements if isinstance(s, Within) and not s.of_capture]
+        frictional = [s for s in within if s.frictional]
+        normal = [s for s in within if not s.frictional]
+        found = self._normal(points, normal)
+        found |= self._captures(points, [s for s in statements if s.of_capture])
+        if frictional:
+            hopeful = self.likelihood(normal, found).total > HOPELESS
+            for name, value in self._frictional(points[hopeful], frictional).items():
+                found[name] = np.full((len(points), len(self.bases)), np.nan)
+                found[name][hopeful] = value
+        return found
+
+    def likelihood(
+        self, statements: Sequence[AnyStatement], quantities: Mapping[str, FloatArray]
+    ) -> Likelihood:
+        """Return what statements together say of their quantities."""
+        (n,) = {len(value) for value in quantities.values()}
+        plain, by_class = np.zeros(n), np.zeros((n, len(self.classes_um)))
+        by_basis = np.zeros((n, len(self.bases)))
+        for one in statements:
+            log = one.log_likelihood(quantities[one.statement])
+            if isinstance(one, Within) and one.frictional:
+                by_basis += log
+            elif log.ndim == 1:
+                plain += log
+            else:
+                by_class += log
+        return Likelihood(plain=plain, by_class=by_class, by_basis=by_basis)
+
+    def _normal(self, points: FloatArray, statements: Sequence[Within]) -> dict[str, FloatArray]:
+        """Quantities of normal motion."""
+        if not statements:
+            return {}
+        impacts = [statement.impacts(self.classes_um) for statement in statements]
+        events, place = np.unique(np.concatenate(impacts)[:, :2], axis=0, return_inverse=True)
+        contact = self.contacts(points, events[:, 0])
+        outcome = normal_impact(contact, events[:, 1])
+        ends = np.cumsum([len(part) for part in impacts])
+        found = {}
+        for statement, own in zip(statements, np.split(place.ravel(), ends[:-1]), strict=True):
+            if statement.quantity == "contact time in ns":
+                value = outcome.contact_time[:, own] * 1e9
+            elif statement.quantity == "adhesion over hertz":
+                # Both forces peak at the greatest compression, and K r^(1/2) s^(3/2) is Hertz's.
+                value = (contact.equilibrium_compression / outcome.maximum_compression)[:, own]
+            elif statement.quantity == "dissipation over adhesion":
+                assert self.ratio is not None
+                damping = contact.adhesion_damping_at(events[:, 1])
+                value = self.ratio.ev(contact.hertz_damping, np.log(damping))[:, own]
+            else:
+                value = outcome.coefficient_of_restitution[:, own]
+            found[statement.statement] = statement.value(value, len(self.classes_um))
+        return found
+
+    def _frictional(
+        self, points: FloatArray, statements: Sequence[Within]
+    ) -> dict[str, FloatArray]:
+        """Quantities of oblique impacts (n, bases)."""
+        impacts = [statement.impacts(self.classes_um) for statement in statements]
+        diameter, v_n, v_t = np.concatenate(impacts).T
+        contact = self.contacts(points, diameter)
+        normal = normal_impact(contact, v_n, ledger="hertz" in self.bases)
+        ratios = [
+            planar(contact, -v_n, v_t, 0.0, basis, law=lambda *_: normal).impulse_ratio
+            for basis in self.bases
+        ]
+        ends = np.cumsum([len(part) for part in impacts])
+        parts = np.split(np.stack(ratios, axis=1), ends[:-1], axis=2)
+        return {
+            statement.statement: statement.value(part, 0)
+            for statement, part in zip(statements, parts, strict=True)
+        }
+
+    def _captures(
+        self, points: FloatArray, statements: Sequence[AnyStatement]
+    ) -> dict[str, FloatArray]:
+        """Capture velocities, or shares captured."""
+        if not statements:
+            return {}
+        sizes = {d for s in statements if isinstance(s, Within) for d in s.sizes(self.classes_um)}
+        diameters = sorted(sizes | set(self.classes_um))
+        limits = capture_velocity(self.contacts(points, np.array(diameters)))
+        at = dict(zip(diameters, limits.T, strict=True))
+        return {
+            s.statement: s.captured(at)
+            if isinstance(s, NoCapture)
+            else s.value(
+                np.stack([at[d] for d in s.sizes(self.classes_um)], 1), len(self.classes_um)
+            )
+            for s in statements
+        }
+
+
+def dissipation_ratio(
+    contact: Contact, speed: float, hertz: tuple[float, float], adhesion: tuple[float, float]
+) -> RectBivariateSpline:
+    """Ratio of the peaks of dissipation and adhesion over ranges of c_H and c_A (s/m)."""
+    c_h, c_a = np.linspace(*hertz, RATIO_NODES), np.geomspace(*adhesion, RATIO_NODES)
+    bare = contact.replace(adhesion_rate_exponent=0.0)
+    ratios = [
+        [
+            peak_ratios(
+                bare.replace(hertz_damping=h, adhesion_damping=a), speed, points=RATIO_POINTS
+            )[1]
+            for a in c_a
+        ]
+        for h in c_h
+    ]
+    return RectBivariateSpline(c_h, np.log(c_a), np.array(ratios))
