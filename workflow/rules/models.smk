@@ -12,6 +12,23 @@ use rule study as calibration with:
         **of("calibration"),
 
 
+use rule study as admissible_contacts with:
+    """tables/admissible_*.csv: contacts that the printed statements admit, and how they were drawn."""
+    input:
+        **needs("admissible_contacts"),
+    output:
+        **tables(
+            "admissible_contacts",
+            "admissible_diagnostics",
+            "admissible_summary",
+            "admissible_statements",
+        ),
+    pathvars:
+        name="admissible_contacts",
+    params:
+        **of("admissible_contacts"),
+
+
 use rule study as restitution_trends with:
     """data/fig14.csv: R, rho and e against the impact speed (Eqs. 32-34)."""
     output:

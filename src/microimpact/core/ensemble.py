@@ -121,13 +121,14 @@ def draw(
     ]
     unchecked: Any = {"skip_initial_state_check": True}
     chains, values, accepted = [], [], []
-    for start, stream in zip(np.split(starts, ENSEMBLES), streams[2:], strict=True):
+    for begun, stream in zip(np.split(starts, ENSEMBLES), streams[2:], strict=True):
+        places = begun
         sampler = emcee.EnsembleSampler(walkers, low.size, inside, moves=moves, vectorize=True)
         sampler.random_state = np.random.RandomState(stream.integers(2**32)).get_state()
         for _ in range(GATHERINGS):
-            state = sampler.run_mcmc(start, (steps - kept) // (GATHERINGS + 1), **unchecked)
-            start = _gathered(state.coords, state.log_prob, stream)
-        sampler.run_mcmc(start, steps - sampler.iteration, **unchecked)
+            state = sampler.run_mcmc(places, (steps - kept) // (GATHERINGS + 1), **unchecked)
+            places = _gathered(state.coords, state.log_prob, stream)
+        sampler.run_mcmc(places, steps - sampler.iteration, **unchecked)
         chains.append(sampler.get_chain()[-kept:])
         values.append(sampler.get_log_prob()[-kept:])
         accepted.append(np.mean(sampler.acceptance_fraction))

@@ -99,10 +99,11 @@ def admissible_contact(
             raise ValueError(f"no admissible {column} {name!r}{nearest(name, set(table[column]))}")
         table = table[table[column] == name]
     materials: Any = inputs["materials"].to_dict("records")
-    fields = {field: table[column].to_numpy(float) for column, field in DRAWN.items()}
+    fields: dict[str, Any] = {field: table[name].to_numpy(float) for name, field in DRAWN.items()}
     fields["diameter"] = fields["diameter"] * 1e-6
-    pair = table["particle"].iloc[0], table["surface"].iloc[0]
-    return pair_contact(*pair, materials_from_rows(materials), {}, **fields).replace(**changes)
+    particle, surface = table["particle"].iloc[0], table["surface"].iloc[0]
+    contact = pair_contact(particle, surface, materials_from_rows(materials), {}, **fields)
+    return contact.replace(**changes)
 
 
 def declared(inputs: Mapping[str, pd.DataFrame]) -> tuple[dict[str, Material], Pairs]:

@@ -18,14 +18,17 @@ from microimpact.core.nearest import nearest
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.dynamics.normal import normal_impact
 
-# Ranges of what can be free. Damping is given times the highest speed: there c v is a pure number.
-WORKS_OF_ADHESION = 1e-3, 10.0
-HERTZ_DAMPING_TIMES_SPEED = 0.0, 10.0
-ADHESION_DAMPING_TIMES_SPEED = 1e-3, 1e3
-RATE_EXPONENTS = 0.0, 1.0
+# Ranges of what can be free; those of damping are of c v at the highest speed, a pure number.
+RANGES = {
+    "work_of_adhesion": (1e-3, 10.0),
+    "hertz_damping": (0.0, 10.0),
+    "adhesion_damping": (1e-3, 1e3),
+    "adhesion_rate_exponent": (0.0, 1.0),
+}
+FREE = tuple(RANGES)
+PER_SPEED = frozenset({"hertz_damping", "adhesion_damping"})
 # Those whose logarithm is uniform in its range; the others are so themselves.
 LOGARITHMIC = frozenset({"work_of_adhesion", "adhesion_damping"})
-FREE = ("work_of_adhesion", "hertz_damping", "adhesion_damping", "adhesion_rate_exponent")
 
 RESTITUTION = Range(lower=0.0, upper=1.0, lower_closed=True, upper_closed=True)
 
@@ -68,8 +71,9 @@ class Calibration:
     split_r_hat: Mapping[str, float]
 
     def __str__(self) -> str:
+        least = -2.0 * self.log_likelihood.max()
         lines = [
-            f"{self.log_likelihood.size} draws, least chi-square {-2 * self.log_likelihood.max():.3g}; "
+            f"{self.log_likelihood.size} draws, least chi-square {least:.3g}; "
             f"acceptance {self.acceptance:.2f}, effective size {self.effective_size:.0f}"
         ]
         for name in self.free:
@@ -223,12 +227,8 @@ def _range(
     name: str, ranges: Mapping[str, tuple[float, float]], speed: float
 ) -> tuple[float, float]:
     if name not in ranges:
-        return {
-            "work_of_adhesion": WORKS_OF_ADHESION,
-            "hertz_damping": tuple(c / speed for c in HERTZ_DAMPING_TIMES_SPEED),
-            "adhesion_damping": tuple(c / speed for c in ADHESION_DAMPING_TIMES_SPEED),
-            "adhesion_rate_exponent": RATE_EXPONENTS,
-        }[name]
+        low, high = RANGES[name]
+        return (low / speed, high / speed) if name in PER_SPEED else (low, high)
     ends = np.atleast_1d(
         checked(
             f"ranges[{name!r}]", ranges[name], POSITIVE if name in LOGARITHMIC else NON_NEGATIVE

@@ -20,9 +20,9 @@ import numpy as np
 import pandas as pd
 
 from microimpact.core import ensemble
-from microimpact.core.arrays import FloatArray
+from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.declared.parameters import Count, Keyed, Seed
-from microimpact.lab.contacts import admissible_contact, calibrated_contact
+from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
@@ -46,6 +46,8 @@ NEEDS = {"calibration": ("calibration",)}
 # Lower end, middle and upper end of what is told of a distribution.
 QUANTILES = (0.05, 0.5, 0.95)
 COLUMNS = ("low", "median", "high")
+# Columns that are told.
+TOLD = (*FIELDS, "restitution", "adhesion_share", "contact_time_ns", "pull_off_uN")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,17 +83,18 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     found = [posterior(case, inputs, params.sampler, params.seed) for case in params.cases]
     pairs = [(p, v, p.chosen(v, params.draws)) for p in found for v in params.variants]
     draws = [table(p, v, chosen, inputs) for p, v, chosen in pairs]
+    rows = [row for one, drawn in zip(pairs, draws, strict=True) for row in summary(*one, drawn)]
+    rows += [row for case in params.cases for row in two_stage(case, inputs)]
     return {
         "admissible_contacts": pd.concat(draws, ignore_index=True),
         "admissible_diagnostics": pd.DataFrame([diagnostics(*one) for one in pairs]),
-        "admissible_summary": summary(params.cases, draws, inputs),
+        "admissible_summary": pd.DataFrame(rows)[["case", "estimate", "quantity", *COLUMNS]],
         "admissible_statements": pd.DataFrame([row for one in pairs for row in told(*one)]),
     }
 
 
 def derived(case: Case, contact: Contact) -> dict[str, FloatArray]:
     """Return what follows from contacts of any shape at the case's diameter and speed."""
-    contact = resized(contact, case.diameter_um * 1e-6)
     outcome = normal_impact(contact, case.speed_m_per_s, ledger=True)
     ledger, work = outcome.ledger, contact.work_of_adhesion
     assert ledger is not None
@@ -101,10 +104,6 @@ def derived(case: Case, contact: Contact) -> dict[str, FloatArray]:
         "adhesion_share": ledger.adhesion_work / (ledger.adhesion_work + ledger.hertz_work),
         "contact_time_ns": outcome.contact_time * 1e9,
         "pull_off_uN": np.broadcast_to(jkr_pull_off(work, contact.radius) * 1e6, contact.shape),
-        **{
-            f"v_c_at_{d:g}_um_m_per_s": capture_velocity(resized(contact, d * 1e-6))
-            for d in case.classes_um
-        },
     }
 
 
@@ -114,43 +113,38 @@ def table(
     """Return the draws of one case and variant, a row each."""
     case, bare = found.case, bare_contact(found.case, inputs)
     contact = contacts(case, bare, chosen.points, np.array([case.diameter_um]))
-    open_values = values(case, chosen.points)
-    parameters = {
-        name: open_values.get(name, np.full(len(chosen.points), getattr(bare, field)))
-        for name, field in FIELDS.items()
-    }
-    follows = {name: value[:, 0] for name, value in derived(case, contact).items()}
-    limits = np.stack([follows.pop(f"v_c_at_{d:g}_um_m_per_s") for d in case.classes_um], axis=1)
+    own = values(case, chosen.points)
+    limits = found.limits[chosen.taken]
     return pd.DataFrame(
         {
             "case": case.case,
             "variant": variant.variant,
-            "draw": np.arange(len(chosen.points)),
+            "draw": np.arange(len(limits)),
             "particle": case.particle,
             "surface": case.surface,
-            **parameters,
+            **{name: own.get(name, getattr(bare, field)) for name, field in FIELDS.items()},
             "reference_velocity_m_per_s": case.speed_m_per_s,
             "diameter_um": np.array(case.classes_um)[chosen.classes],
             "friction_basis": np.array(case.friction_bases)[chosen.bases],
             "v_c_m_per_s": limits[np.arange(len(limits)), chosen.classes],
             "derived_at_um": case.diameter_um,
             "derived_at_m_per_s": case.speed_m_per_s,
-            "v_c_derived_m_per_s": capture_velocity(contact)[:, 0],
-            **follows,
+            "v_c_derived_m_per_s": limits[:, case.classes_um.index(case.diameter_um)],
+            **{name: value[:, 0] for name, value in derived(case, contact).items()},
             "log_likelihood": chosen.log_likelihood,
             "most_central": most_central(chosen.points),
         }
     )
 
 
-def most_central(points: FloatArray) -> FloatArray:
+def most_central(points: FloatArray) -> BoolArray:
     """Mark the draw with the least mean distance to all others (n,), axes in their own spread.
 
     The likelihood is flat where all statements hold, so its maximum may lie in any corner.
     """
     scaled = points / points.std(axis=0)
     distance = np.linalg.norm(scaled[:, None] - scaled, axis=-1).mean(axis=1)
-    return np.arange(len(points)) == np.argmin(distance)
+    return np.asarray(np.arange(len(points)) == np.argmin(distance))
 
 
 def diagnostics(found: Posterior, variant: Variant, chosen: Chosen) -> dict[str, object]:
@@ -173,32 +167,41 @@ def diagnostics(found: Posterior, variant: Variant, chosen: Chosen) -> dict[str,
 
 
 def summary(
-    cases: tuple[Case, ...], draws: list[pd.DataFrame], inputs: Mapping[str, pd.DataFrame]
-) -> pd.DataFrame:
-    """Return medians and intervals of every number, and those of the two-stage estimates."""
-    named = {case.case: case for case in cases}
-    rows: list[dict[str, object]] = []
-    for rows_of in draws:
-        case = named[rows_of["case"].iloc[0]]
-        names = {"case": case.case, "estimate": rows_of["variant"].iloc[0]}
-        contact = admissible_contact(inputs | {"admissible_contacts": rows_of}, *names.values())
-        numbers = {name: rows_of[name].to_numpy(float) for name in FIELDS}
-        for name, value in (numbers | derived(case, contact)).items():
-            ends = dict(zip(COLUMNS, np.quantile(value, QUANTILES), strict=True))
-            rows.append(names | {"quantity": name} | ends)
-        for axis in ("diameter_um", "friction_basis"):
-            for value, share in rows_of[axis].value_counts(normalize=True, sort=False).items():
-                rows.append(names | {"quantity": f"share of {axis} {value}", "median": share})
-    for case in cases:
-        for other in case.compared:
-            contact = calibrated_contact(inputs, other)
-            numbers = {name: getattr(contact, field) for name, field in FIELDS.items()}
-            rows += [
-                {"case": case.case, "estimate": f"two-stage, {other}"}
-                | {"quantity": name, "median": float(value)}
-                for name, value in (numbers | derived(case, contact)).items()
-            ]
-    return pd.DataFrame(rows)[["case", "estimate", "quantity", *COLUMNS]]
+    found: Posterior, variant: Variant, chosen: Chosen, draws: pd.DataFrame
+) -> list[dict[str, object]]:
+    """Return medians and intervals of the numbers of one case and variant."""
+    case = found.case
+    sizes = limits_by_size(case, found.limits[chosen.taken])
+    numbers = {name: draws[name].to_numpy(float) for name in TOLD} | sizes
+    names = {"case": case.case, "estimate": variant.variant}
+    rows: list[dict[str, object]] = [
+        names | {"quantity": name} | dict(zip(COLUMNS, np.quantile(value, QUANTILES), strict=True))
+        for name, value in numbers.items()
+    ]
+    for axis, kinds in (("diameter_um", case.classes_um), ("friction_basis", case.friction_bases)):
+        for kind in kinds:
+            share = float(np.mean(draws[axis] == kind))
+            rows.append(names | {"quantity": f"share of {axis} {kind}", "median": share})
+    return rows
+
+
+def two_stage(case: Case, inputs: Mapping[str, pd.DataFrame]) -> list[dict[str, object]]:
+    """Return the same numbers of the two-stage estimates, which have no interval."""
+    rows = []
+    for other in case.compared:
+        contact = calibrated_contact(inputs, other)
+        limits = capture_velocity(resized(contact, np.array(case.classes_um) * 1e-6))
+        numbers = {name: getattr(contact, field) for name, field in FIELDS.items()}
+        numbers |= derived(case, contact) | limits_by_size(case, limits)
+        names = {"case": case.case, "estimate": f"two-stage, {other}"}
+        rows += [names | {"quantity": n, "median": float(v)} for n, v in numbers.items()]
+    return rows
+
+
+def limits_by_size(case: Case, limits: FloatArray) -> dict[str, FloatArray]:
+    """Capture velocities of every size class, from those of all (..., classes)."""
+    names = [f"v_c_at_{d:g}_um_m_per_s" for d in case.classes_um]
+    return dict(zip(names, np.moveaxis(limits, -1, 0), strict=True))
 
 
 def told(found: Posterior, variant: Variant, chosen: Chosen) -> list[dict[str, object]]:
@@ -206,33 +209,23 @@ def told(found: Posterior, variant: Variant, chosen: Chosen) -> list[dict[str, o
 
     A statement that the variant leaves out is told, too: what the draws predict for it.
     """
-    rows = []
-    places = {"classes": chosen.classes, "bases": chosen.bases}
-    stated = [s.statement for s in found.stated(variant)]
-    for one in found.case.statements:
+    rows: list[dict[str, object]] = []
+    for one in found.case.all_statements:
         value = found.quantities[one.statement][chosen.taken]
         if value.ndim == 2:
-            kind = "bases" if isinstance(one, Within) and one.frictional else "classes"
-            value = value[np.arange(len(value)), places[kind]]
-        ends = dict(zip(COLUMNS, np.quantile(value, QUANTILES), strict=True))
-        within = isinstance(one, Within)
-        rows.append(
-            {
-                "case": found.case.case,
-                "variant": variant.variant,
-                "statement": one.statement,
-                "stated": one.statement in stated,
-                "quantity": one.quantity if within else "share captured",
-                "interval_low": one.interval[0] if within else np.nan,
-                "interval_high": one.interval[1] if within else np.nan,
-                "tail": one.tail if within else np.nan,
-                **ends,
-                "log_likelihood": float(np.median(one.log_likelihood(value))),
-                "share_inside": float(
-                    np.mean((value >= one.interval[0]) & (value <= one.interval[1]))
-                )
-                if within
-                else np.nan,
-            }
-        )
+            kinds = chosen.bases if isinstance(one, Within) and one.frictional else chosen.classes
+            value = value[np.arange(len(value)), kinds]
+        row: dict[str, object] = {
+            "case": found.case.case,
+            "variant": variant.variant,
+            "statement": one.statement,
+            "stated": one.statement not in variant.without,
+            "quantity": "share captured",
+        }
+        if isinstance(one, Within):
+            low, high = one.interval
+            row |= {"quantity": one.quantity, "interval_low": low, "interval_high": high}
+            row |= {"tail": one.tail, "share_inside": np.mean((low <= value) & (value <= high))}
+        row |= dict(zip(COLUMNS, np.quantile(value, QUANTILES), strict=True))
+        rows.append(row | {"log_likelihood": np.median(one.log_likelihood(value))})
     return rows

@@ -26,9 +26,9 @@ from microimpact.lab.contacts import declared_contact
 from microimpact.model.contact import Contact
 from microimpact.statistics.distributions import generator
 from microimpact.studies.models.admissible_contacts.statements import (
-    AnyStatement,
     Evaluation,
     Likelihood,
+    NoCapture,
     Statement,
     Within,
     dissipation_ratio,
@@ -90,7 +90,7 @@ class Case:
         Forces that may support friction.
     compared
         Cases of the two-stage calibration to be compared with.
-    statements
+    statements, no_capture
         What is printed.
     """
 
@@ -103,7 +103,20 @@ class Case:
     classes_um: Annotated[tuple[Positive, ...], Field(min_length=2)]
     friction_bases: Annotated[tuple[Basis, ...], Field(min_length=1)]
     compared: tuple[CaseName, ...]
-    statements: Annotated[tuple[Statement, ...], Keyed("statement")]
+    statements: Annotated[tuple[Within, ...], Keyed("statement")]
+    no_capture: Annotated[tuple[NoCapture, ...], Keyed("statement")] = ()
+
+    @property
+    def all_statements(self) -> tuple[Statement, ...]:
+        """Statements of both sorts."""
+        return (*self.statements, *self.no_capture)
+
+    def __post_init__(self) -> None:
+        """Refuse diameters at which no capture velocity is computed."""
+        own = {s.statement: s.diameter_um for s in self.statements if s.of_capture}
+        for name, size in {"diameter_um": self.diameter_um, **own}.items():
+            if size not in {None, *self.classes_um}:
+                raise ValueError(f"{name}: {size} must be one of classes_um {self.classes_um}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -148,6 +161,8 @@ class Posterior:
         The draws.
     quantities
         By statement.
+    limits
+        Capture velocities (n, classes), m/s.
     seed
         Of what is drawn from the pool.
     """
@@ -156,15 +171,16 @@ class Posterior:
     evaluation: Evaluation
     pool: ensemble.Draws
     quantities: Mapping[str, FloatArray]
+    limits: FloatArray
     seed: int
 
-    def likelihood(self, statements: Sequence[AnyStatement]) -> Likelihood:
+    def likelihood(self, statements: Sequence[Statement]) -> Likelihood:
         """Return what some statements say of the pool."""
         return self.evaluation.likelihood(statements, self.quantities)
 
-    def stated(self, variant: Variant) -> list[AnyStatement]:
+    def stated(self, variant: Variant) -> list[Statement]:
         """Statements that hold in a variant."""
-        return [s for s in self.case.statements if s.statement not in variant.without]
+        return [s for s in self.case.all_statements if s.statement not in variant.without]
 
     def weights(self, variant: Variant) -> FloatArray:
         """Weights of the pool in a variant, the largest 1."""
@@ -219,9 +235,9 @@ def _one_each(logs: FloatArray, rng: np.random.Generator) -> Any:
     return np.argmax(share > rng.random((len(logs), 1)) * share[:, -1:], axis=1)
 
 
-def on_impacts(case: Case) -> list[AnyStatement]:
+def on_impacts(case: Case) -> list[Statement]:
     """Statements that need no capture velocity."""
-    return [s for s in case.statements if not s.of_capture]
+    return [s for s in case.all_statements if not s.of_capture]
 
 
 def bare_contact(case: Case, inputs: Mapping[str, pd.DataFrame]) -> Contact:
@@ -264,7 +280,7 @@ def posterior(
                 ends["adhesion_damping_s_per_m"],
             )
             for s in case.statements
-            if isinstance(s, Within) and s.quantity == "dissipation over adhesion"
+            if s.quantity == "dissipation over adhesion"
         ),
         None,
     )
@@ -285,5 +301,12 @@ def posterior(
         steps=sampler.steps,
         seed=seed,
     )
-    quantities = evaluation.quantities(pool.points, case.statements)
-    return Posterior(case=case, evaluation=evaluation, pool=pool, quantities=quantities, seed=seed)
+    limits = evaluation.limits(pool.points)
+    return Posterior(
+        case=case,
+        evaluation=evaluation,
+        pool=pool,
+        quantities=evaluation.quantities(pool.points, case.all_statements, limits),
+        limits=limits,
+        seed=seed,
+    )

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Annotated, Literal
 
 import numpy as np
@@ -74,7 +75,6 @@ class Within:
     angles_deg: Annotated[tuple[AngleDegrees, ...], Field(min_length=1)] = (90.0,)
     interval: tuple[Finite, Finite]
     tail: Positive
-    kind: Literal["within"] = "within"
 
     def __post_init__(self) -> None:
         """Refuse an empty interval, and impacts that cannot be paired."""
@@ -93,22 +93,12 @@ class Within:
         """Whether it depends on the basis of friction."""
         return self.quantity in ("impulse ratio", "change of impulse ratio")
 
-    def sizes(self, classes_um: Sequence[float]) -> tuple[float, ...]:
-        """Diameters of the spheres, um."""
-        return tuple(classes_um) if self.diameter_um is None else (self.diameter_um,)
-
-    def impacts(self, classes_um: Sequence[float]) -> FloatArray:
-        """Diameter (um), normal and tangential speed of its impacts (k, 3), size by size."""
-        v_n, v_t = velocity_components(np.array(self.speeds_m_per_s), np.array(self.angles_deg))
-        velocities = np.column_stack(np.broadcast_arrays(-v_n, v_t))
-        return np.vstack([np.insert(velocities, 0, d, axis=1) for d in self.sizes(classes_um)])
-
     def value(self, values: FloatArray, classes: int) -> FloatArray:
         """The quantity from its values at the impacts, the last axis: (n,), or (n, classes)."""
         if self.diameter_um is None:
             values = values.reshape(values.shape[0], classes, -1)
         if self.quantity == "spread of restitution":
-            return np.ptp(values, axis=-1)
+            return np.asarray(np.ptp(values, axis=-1))
         if self.quantity == "change of impulse ratio":
             return np.asarray(values[..., 0] / values[..., -1])
         return np.asarray(np.mean(values, axis=-1))
@@ -119,6 +109,17 @@ class Within:
         with np.errstate(invalid="ignore"):
             beyond = np.maximum(np.maximum(low - value, value - high), 0.0) / self.tail
         return np.where(np.isfinite(value), np.maximum(-0.5 * beyond**2, IMPOSSIBLE), IMPOSSIBLE)
+
+
+@cache
+def impacts_of(statement: Within, classes_um: tuple[float, ...]) -> FloatArray:
+    """Diameter (um), normal and tangential speed of its impacts (k, 3), size by size."""
+    v_n, v_t = velocity_components(
+        np.array(statement.speeds_m_per_s), np.array(statement.angles_deg)
+    )
+    velocities = np.column_stack(np.broadcast_arrays(-v_n, v_t))
+    sizes = classes_um if statement.diameter_um is None else (statement.diameter_um,)
+    return np.vstack([np.insert(velocities, 0, size, axis=1) for size in sizes])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -134,7 +135,6 @@ class NoCapture:
     speed_range_m_per_s: tuple[Positive, Positive]
     angle_deg: AngleDegrees
     spheres: Count
-    kind: Literal["no capture"] = "no capture"
 
     @property
     def of_capture(self) -> bool:
@@ -159,8 +159,7 @@ class NoCapture:
         return np.asarray(np.log(-np.expm1(trials * np.log1p(-p)) / (trials * p)))
 
 
-AnyStatement = Within | NoCapture
-Statement = Annotated[AnyStatement, Field(discriminator="kind")]
+Statement = Within | NoCapture
 
 
 # Contacts at points (n, axes) and diameters in um (k,): fields (n, k).
@@ -214,26 +213,31 @@ class Evaluation:
     ratio: RectBivariateSpline | None = None
 
     def quantities(
-        self, points: FloatArray, statements: Sequence[AnyStatement]
+        self,
+        points: FloatArray,
+        statements: Sequence[Statement],
+        limits: FloatArray | None = None,
     ) -> dict[str, FloatArray]:
         """Quantities by statement: (n,), (n, classes) or (n, bases).
 
-        Those with friction are nan where the others leave no hope.
+        Those with friction are nan where the others leave no hope; those of capture are left out
+        where no capture velocities (n, classes) are given.
         """
         within = [s for s in statements if isinstance(s, Within) and not s.of_capture]
         frictional = [s for s in within if s.frictional]
         normal = [s for s in within if not s.frictional]
         found = self._normal(points, normal)
-        found |= self._captures(points, [s for s in statements if s.of_capture])
         if frictional:
             hopeful = self.likelihood(normal, found).total > HOPELESS
             for name, value in self._frictional(points[hopeful], frictional).items():
                 found[name] = np.full((len(points), len(self.bases)), np.nan)
                 found[name][hopeful] = value
+        if limits is not None:
+            found |= self._captures(limits, [s for s in statements if s.of_capture])
         return found
 
     def likelihood(
-        self, statements: Sequence[AnyStatement], quantities: Mapping[str, FloatArray]
+        self, statements: Sequence[Statement], quantities: Mapping[str, FloatArray]
     ) -> Likelihood:
         """Return what statements together say of their quantities."""
         (n,) = {len(value) for value in quantities.values()}
@@ -253,7 +257,7 @@ class Evaluation:
         """Quantities of normal motion."""
         if not statements:
             return {}
-        impacts = [statement.impacts(self.classes_um) for statement in statements]
+        impacts = [impacts_of(statement, self.classes_um) for statement in statements]
         events, place = np.unique(np.concatenate(impacts)[:, :2], axis=0, return_inverse=True)
         contact = self.contacts(points, events[:, 0])
         outcome = normal_impact(contact, events[:, 1])
@@ -267,8 +271,8 @@ class Evaluation:
                 value = (contact.equilibrium_compression / outcome.maximum_compression)[:, own]
             elif statement.quantity == "dissipation over adhesion":
                 assert self.ratio is not None
-                damping = contact.adhesion_damping_at(events[:, 1])
-                value = self.ratio.ev(contact.hertz_damping, np.log(damping))[:, own]
+                damping = np.asarray(contact.adhesion_damping_at(events[:, 1]))
+                value = self.ratio.ev(np.asarray(contact.hertz_damping), np.log(damping))[:, own]
             else:
                 value = outcome.coefficient_of_restitution[:, own]
             found[statement.statement] = statement.value(value, len(self.classes_um))
@@ -278,7 +282,7 @@ class Evaluation:
         self, points: FloatArray, statements: Sequence[Within]
     ) -> dict[str, FloatArray]:
         """Quantities of oblique impacts (n, bases)."""
-        impacts = [statement.impacts(self.classes_um) for statement in statements]
+        impacts = [impacts_of(statement, self.classes_um) for statement in statements]
         diameter, v_n, v_t = np.concatenate(impacts).T
         contact = self.contacts(points, diameter)
         normal = normal_impact(contact, v_n, ledger="hertz" in self.bases)
@@ -293,23 +297,22 @@ class Evaluation:
             for statement, part in zip(statements, parts, strict=True)
         }
 
+    def limits(self, points: FloatArray) -> FloatArray:
+        """Capture velocities (n, classes), m/s."""
+        return capture_velocity(self.contacts(points, np.array(self.classes_um)))
+
     def _captures(
-        self, points: FloatArray, statements: Sequence[AnyStatement]
+        self, limits: FloatArray, statements: Sequence[Statement]
     ) -> dict[str, FloatArray]:
         """Capture velocities, or shares captured."""
-        if not statements:
-            return {}
-        sizes = {d for s in statements if isinstance(s, Within) for d in s.sizes(self.classes_um)}
-        diameters = sorted(sizes | set(self.classes_um))
-        limits = capture_velocity(self.contacts(points, np.array(diameters)))
-        at = dict(zip(diameters, limits.T, strict=True))
+        at = dict(zip(self.classes_um, limits.T, strict=True))
         return {
-            s.statement: s.captured(at)
-            if isinstance(s, NoCapture)
-            else s.value(
-                np.stack([at[d] for d in s.sizes(self.classes_um)], 1), len(self.classes_um)
-            )
-            for s in statements
+            one.statement: one.captured(at)
+            if isinstance(one, NoCapture)
+            else limits
+            if one.diameter_um is None
+            else at[one.diameter_um]
+            for one in statements
         }
 
 
