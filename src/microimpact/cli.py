@@ -13,17 +13,7 @@ import numpy as np
 from microimpact.core.arrays import POSITIVE, checked
 from microimpact.core.materials import declared_file, materials_from_rows
 from microimpact.declared.selection import CONTACT_COLUMNS, MATERIAL_COLUMNS, read_declared
-from microimpact.report.commands import (
-    check_command,
-    claim_command,
-    compare_command,
-    crate_command,
-    deviations_command,
-    pages_command,
-    reference_command,
-    report_command,
-    timings_command,
-)
+from microimpact.report.commands import COMMANDS as RESULTS
 
 if TYPE_CHECKING:
     from microimpact.core.materials import Material
@@ -85,27 +75,28 @@ def commands() -> None:
     """
 
 
+# Options that replace a number of the declared pair.
+_NUMBERS = {
+    "diameter-um": "Diameter, um; default: the pair's.",
+    "work-of-adhesion": "w_A, J/m2.",
+    "ring-force": "f_0, N/m, in place of w_A.",
+    "hertz-damping": "c_H, s/m.",
+    "adhesion-damping": "c_A, s/m.",
+    "adhesion-rate-exponent": "n in c_A (v_N/v_n)^n.",
+    "reference-velocity": "v_N, m/s.",
+    "friction": "Coulomb coefficient f.",
+}
+
+
 def _contact_options(command: Command) -> Command:
     options = (
         click.option("--particle", required=True, help="Material of the sphere."),
         click.option("--surface", required=True, help="Material of the surface."),
-        click.option("--diameter-um", type=float, help="Diameter, um; default: the pair's."),
-        click.option("--work-of-adhesion", type=float, help="w_A, J/m2."),
-        click.option("--ring-force", type=float, help="f_0, N/m, in place of w_A."),
-        click.option("--hertz-damping", type=float, help="c_H, s/m."),
-        click.option("--adhesion-damping", type=float, help="c_A, s/m."),
-        click.option("--adhesion-rate-exponent", type=float, help="n in c_A (v_N/v_n)^n."),
-        click.option("--reference-velocity", type=float, help="v_N, m/s."),
-        click.option("--friction", type=float, help="Coulomb coefficient f."),
+        *(click.option(f"--{name}", type=float, help=text) for name, text in _NUMBERS.items()),
         click.option(
             "--stiffness-model", default="hertz", show_default=True, help="hertz or reduced."
         ),
-        click.option(
-            "--json",
-            "as_json",
-            is_flag=True,
-            help="JSON in SI units; infinity is null.",
-        ),
+        click.option("--json", "as_json", is_flag=True, help="JSON in SI units; infinity is null."),
     )
     for option in reversed(options):
         command = option(command)
@@ -321,52 +312,35 @@ def fit_command(
 def materials_command(as_json: bool) -> None:
     """List the declared materials and pairs."""
     materials, pairs = _declared()
+    properties = ("youngs_modulus", "poissons_ratio", "density")
     if as_json:
         listed = {
-            name: {
-                "youngs_modulus": m.youngs_modulus,
-                "poissons_ratio": m.poissons_ratio,
-                "density": m.density,
-            }
-            for name, m in materials.items()
+            name: {each: getattr(material, each) for each in properties}
+            for name, material in materials.items()
         }
         declared = [{"particle": p, "surface": s} | dict(pairs[p, s]) for p, s in pairs]
         _print_json({"materials": listed, "pairs": declared})
         return
+    factors = dict(zip(properties, (1e-9, 1.0, 1.0), strict=True))
     _print_table(
         "Materials",
         ("material", "Young's modulus (GPa)", "Poisson's ratio", "density (kg/m3)"),
         [
-            (
-                name,
-                _text(m.youngs_modulus, 1e-9),
-                _text(m.poissons_ratio),
-                _text(m.density),
-            )
-            for name, m in materials.items()
+            (name, *(_text(getattr(material, each), factor) for each, factor in factors.items()))
+            for name, material in materials.items()
         ],
     )
     _print_table(
         "Declared pairs (SI units)",
         ("particle", "surface", "properties"),
         [
-            (p, s, ", ".join(f"{name} {value:g}" for name, value in properties.items()))
-            for (p, s), properties in pairs.items()
+            (*pair, ", ".join(f"{name} {value:g}" for name, value in own.items()))
+            for pair, own in pairs.items()
         ],
     )
 
 
-for _command in (
-    check_command,
-    reference_command,
-    compare_command,
-    claim_command,
-    crate_command,
-    report_command,
-    deviations_command,
-    pages_command,
-    timings_command,
-):
+for _command in RESULTS:
     commands.add_command(_command)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
@@ -60,15 +61,11 @@ def _read(text: str) -> object:
 
 
 def _is_shallow(text: str) -> bool:
-    depth = 0
-    for event in yaml.parse(text, _FastLoader):
-        if isinstance(event, yaml.CollectionStartEvent):
-            depth += 1
-        elif isinstance(event, yaml.CollectionEndEvent):
-            depth -= 1
-        if depth > DEEPEST:
-            return False
-    return True
+    depths = accumulate(
+        isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+        for event in yaml.parse(text, _FastLoader)
+    )
+    return all(depth <= DEEPEST for depth in depths)
 
 
 def load(path: Path | str) -> dict[str, Any]:

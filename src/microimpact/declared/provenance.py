@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from microimpact.core.nearest import nearest
@@ -34,45 +34,20 @@ _SYMBOL = r"(?:um|mm|nm|ms|us|ns|px|counts|kHz|deg|rad|GPa|MPa|Pa|kg|mN|uN|uC|[m
 _SUFFIX = re.compile(rf"_({_SYMBOL}(?:_per_{_SYMBOL})*|per_s)$")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Declared:
-    """One declared value as an analysis uses it.
+    """A value with what it rests on: number, choice, name or list of these.
 
     Attributes
     ----------
-    key
-        Dotted key in the configuration: analysis, then parameter.
-    value, unit, evidence, source
+    value, evidence, source
         What it is, and what it rests on.
     place
-        Dotted key under which it is declared, if the analysis names it there.
+        Dotted key under which it stands; of a value in use, if the analysis names it there.
     overrides
         The place whose value it replaces, and that value, if the analysis departs from it.
-    """
-
-    key: str
-    value: object
-    unit: str
-    evidence: str
-    source: str
-    place: str = ""
-    overrides: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Given:
-    """A value as it was given: number, choice, name or list of these, with its provenance.
-
-    Attributes
-    ----------
-    value
-        Scalar or list of scalars.
-    evidence, source
-        What it rests on.
-    place
-        Dotted key under which it stands.
-    overrides
-        As in `Declared`.
+    key
+        Of a value in use: dotted key in the configuration, analysis, then parameter.
     """
 
     value: Any
@@ -80,27 +55,26 @@ class Given:
     source: str
     place: str
     overrides: str = ""
+    key: str = ""
 
     @property
     def is_kept(self) -> bool:
         """Whether it gives other words for a value that is named."""
         return self.value is _KEPT
 
+    @property
+    def unit(self) -> str:
+        """Unit of a number in use, by the name of its key."""
+        number = isinstance(self.value, int | float) and not isinstance(self.value, bool)
+        return unit_of(self.key) if number else ""
+
     def rows(self, key: str) -> Iterator[Declared]:
         """Yield it as used under a key, one row per item of a list."""
-        items = self.value if isinstance(self.value, list) else None
-        for i, value in enumerate([self.value] if items is None else items):
-            item = "" if items is None else f"[{i}]"
-            number = isinstance(value, int | float) and not isinstance(value, bool)
-            yield Declared(
-                key=f"{key}{item}",
-                value=value,
-                unit=unit_of(key) if number else "",
-                evidence=self.evidence,
-                source=self.source,
-                place="" if self.place == key else f"{self.place}{item}",
-                overrides=self.overrides,
-            )
+        several = isinstance(self.value, list)
+        for i, value in enumerate(self.value if several else [self.value]):
+            item = f"[{i}]" if several else ""
+            place = "" if self.place == key else f"{self.place}{item}"
+            yield replace(self, value=value, key=f"{key}{item}", place=place)
 
 
 def is_declaration(node: object) -> bool:
@@ -143,7 +117,7 @@ def problems(node: Mapping[str, object], place: str | None) -> Iterator[str]:
         yield f".source: {source!r} must say where the value comes from"
 
 
-def given(node: Any, base: object, place: str) -> Given:
+def given(node: Any, base: object, place: str) -> Declared:
     """Return a well-formed declaration, or a bare value, with its provenance.
 
     Parameters
@@ -168,7 +142,7 @@ def given(node: Any, base: object, place: str) -> Given:
         words = "chosen", "as shipped"
     else:
         words = "user", "given without a source"
-    return Given(value, *words, place)
+    return Declared(value, *words, place)
 
 
 def _has_number(value: object) -> bool:

@@ -18,7 +18,6 @@ from microimpact.core.nearest import nearest
 from microimpact.declared.parameters import KIND, Shape, shape
 from microimpact.declared.provenance import (
     Declared,
-    Given,
     as_text,
     given,
     is_declaration,
@@ -120,7 +119,7 @@ class Resolver:
         section
             Its name.
         names
-            What it holds: values as `Given`, or mappings of them.
+            What it holds: values as `Declared`, or mappings of them.
         """
         self._nodes[section] = dict(names)
         self._elsewhere.add(section)
@@ -132,7 +131,7 @@ class Resolver:
         return sorted(every - used)
 
     def _node(self, node: Any, base: Any, key: str) -> Any:
-        """Return a node with its values as `Given` and its references as `_Reference`."""
+        """Return a node with its values as `Declared` and its references as `_Reference`."""
         if is_reference(node):
             places = node[FROM] if isinstance(node[FROM], list) else [node[FROM]]
             beside = {name: child for name, child in node.items() if name != FROM}
@@ -155,20 +154,20 @@ class Resolver:
             return [self._node(c, items.get(i), f"{key}[{i}]") for i, c in enumerate(node)]
         return given(node, base, key)
 
-    def _declared(self, node: Any, base: Any, key: str, place: str | None = None) -> Given:
+    def _declared(self, node: Any, base: Any, key: str, place: str | None = None) -> Declared:
         malformed = [f"{key}{line}" for line in problems(node, place)]
         self.problems += malformed
-        return Given(None, "user", "malformed", key) if malformed else given(node, base, key)
+        return Declared(None, "user", "malformed", key) if malformed else given(node, base, key)
 
     def _value(self, kind: Shape, node: Any, key: str) -> Any:
         """Return a node as plain values, and record where each comes from."""
         if isinstance(node, _Reference):
             node = self._named(kind, node, key)
         # From Python, whole items may come in a list, with their names.
-        if kind.keyed and isinstance(node, Given) and node.value and node.source != NOTHING:
+        if kind.keyed and isinstance(node, Declared) and node.value and node.source != NOTHING:
             self.problems.append(f"{key}: must be a mapping: a name, then its fields")
             return None
-        if isinstance(node, Given):
+        if isinstance(node, Declared):
             self.rows += node.rows(key)
             if node.place != key:
                 self.aliases[key] = node.place
@@ -193,12 +192,12 @@ class Resolver:
     def _seed(self, stream: str, key: str) -> Any:
         """Return the seed of an analysis without its own, from the root seed and a name."""
         root = self._nodes.get(SEED)
-        if not isinstance(root, Given) or not isinstance(root.value, int) or root.value < 0:
+        if not isinstance(root, Declared) or not isinstance(root.value, int) or root.value < 0:
             return root or _nothing(f"{key}.{SEED}", 0)
         words = np.random.SeedSequence(root.value, spawn_key=(crc32(stream.encode()),))
         value = int(words.generate_state(1)[0])
         source = f"from the root seed, {root.value}, and the name {stream!r}"
-        return Given(value, "derived", source, f"{key}.{SEED}")
+        return Declared(value, "derived", source, f"{key}.{SEED}")
 
     def _item(self, kind: Shape, number: int, name: str, key: str, node: Any) -> Any:
         """Return a named item of a mapping as an item that holds its name."""
@@ -263,8 +262,8 @@ class Resolver:
         """Return what is named, with what stands beside it laid over."""
         if above is None or below is None:
             return below if above is None else above
-        if isinstance(above, Given):
-            kept = above.is_kept and isinstance(below, Given)
+        if isinstance(above, Declared):
+            kept = above.is_kept and isinstance(below, Declared)
             return replace(above, value=below.value) if kept else self._overriding(above, below)
         if isinstance(above, dict):
             return self._fields_laid(below, above)
@@ -284,9 +283,9 @@ class Resolver:
 
     def _overriding(self, above: Any, below: Any) -> Any:
         """Record in a value of an analysis that it stands for another of the laboratory."""
-        if not isinstance(above, Given) or above.place.partition(".")[0] in self._sections:
+        if not isinstance(above, Declared) or above.place.partition(".")[0] in self._sections:
             return above
-        if isinstance(below, Given):
+        if isinstance(below, Declared):
             told = f"{below.place} = {as_text(below.value)}"
         else:
             told = ", ".join(below.places) if isinstance(below, _Reference) else ""
@@ -294,14 +293,14 @@ class Resolver:
         return replace(above, overrides=told)
 
 
-def _nothing(key: str, value: object = None) -> Given:
+def _nothing(key: str, value: object = None) -> Declared:
     """Return what stands for that which is missing, which is told once."""
-    return Given(value, "user", NOTHING, key)
+    return Declared(value, "user", NOTHING, key)
 
 
 def _places(node: Any) -> Iterator[str]:
     """Yield where every value at or below a node stands."""
-    if isinstance(node, Given):
+    if isinstance(node, Declared):
         yield node.place
     elif isinstance(node, _Reference):
         yield from _places(node.beside)

@@ -10,11 +10,11 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from microimpact.declared.provenance import EVIDENCE, Declared, Given, as_text, finite_number
+from microimpact.declared.provenance import EVIDENCE, Declared, as_text, finite_number
 
 Row = dict[str, str]
 
@@ -139,18 +139,18 @@ class DeclaredTables:
     contacts: DeclaredTable
     printed_values: DeclaredTable
 
-    def printed(self) -> dict[str, Given | dict[str, Given]]:
+    def printed(self) -> dict[str, Declared | dict[str, Declared]]:
         """Return the printed values to be referred to; a range by its ends, or as a list."""
-        found: dict[str, Given | dict[str, Given]] = {}
+        found: dict[str, Declared | dict[str, Declared]] = {}
         for row in self.printed_values.rows:
             columns = ("value", "low", "high")
             numbers: dict[str, Any] = {column: _number(row[column]) for column in columns}
             numbers["range"] = [numbers["low"], numbers["high"]]
-            given = {
-                name: Given(value, "printed", row["where"], f"printed.{row['key']}")
+            parts = {
+                name: Declared(value, "printed", row["where"], f"printed.{row['key']}")
                 for name, value in numbers.items()
             }
-            found[row["key"]] = given["value"] if row["value"] else given
+            found[row["key"]] = parts["value"] if row["value"] else parts
         return found
 
     def names(self) -> dict[str, tuple[str, set[str]]]:
@@ -201,7 +201,7 @@ class DeclaredTables:
 
     def everything(self, declared: Iterable[Declared]) -> dict[str, str]:
         """Return all rows of all tables, and those declared in the configuration, as CSV."""
-        columns = tuple(field.name for field in fields(Declared))
+        columns = ("key", "value", "unit", "evidence", "source", "place", "overrides")
         rows = tuple({name: as_text(getattr(d, name)) for name in columns} for d in declared)
         return {
             "declared": DeclaredTable("", columns, rows).text(),

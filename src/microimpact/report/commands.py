@@ -192,3 +192,9 @@ def timings_command(results: Path) -> None:
     from microimpact.report.timings import as_text
 
     click.echo(as_text(results))
+
+
+COMMANDS = (
+    *(check_command, reference_command, compare_command, claim_command, crate_command),
+    *(report_command, deviations_command, pages_command, timings_command),
+)

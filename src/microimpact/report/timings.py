@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 from microimpact.report.site.record import Rule, read_record
@@ -62,14 +64,13 @@ def _timing(path: Path) -> Timing:
     try:
         (row,) = rows
         wall = float(row["s"])
-        processor, memory = (_number(row[name]) for name in ("cpu_time", "max_rss"))
+        processor, memory = (
+            None if row[name] in {"NA", "-", ""} else float(row[name])
+            for name in ("cpu_time", "max_rss")
+        )
     except (ValueError, KeyError):
         raise ValueError(f"{path}: not a file of measured times") from None
     return Timing(job=path.stem, wall=wall, processor=processor, memory=memory)
-
-
-def _number(text: str) -> float | None:
-    return None if text in {"NA", "-", ""} else float(text)
 
 
 def critical_path(timings: Sequence[Timing], rules: Sequence[Rule]) -> list[Timing]:
@@ -90,26 +91,17 @@ def critical_path(timings: Sequence[Timing], rules: Sequence[Rule]) -> list[Timi
         rule.name: {maker[file] for file in rule.inputs if file in maker} - {rule.name}
         for rule in rules
     }
-    chains: dict[str, list[Timing]] = {}
-    for name in jobs:
-        _chain(name, jobs, before, chains)
-    return max(chains.values(), key=_wall, default=[])
 
-
-def _chain(
-    rule: str,
-    jobs: Mapping[str, list[Timing]],
-    before: Mapping[str, set[str]],
-    chains: dict[str, list[Timing]],
-) -> list[Timing]:
-    """Return the longest chain that ends with a rule, and keep it."""
-    if rule not in chains:
-        earlier = [_chain(name, jobs, before, chains) for name in sorted(before.get(rule, ()))]
+    @cache
+    def chain(rule: str) -> list[Timing]:
+        """Return the longest chain that ends with a rule."""
+        earlier = [chain(name) for name in sorted(before.get(rule, ()))]
         own = jobs.get(rule, [])
         parts = sorted((job for job in own if job.job != rule), key=lambda job: -job.wall)[:1]
         last = [job for job in own if job.job == rule]
-        chains[rule] = [*max(earlier, key=_wall, default=[]), *parts, *last]
-    return chains[rule]
+        return [*max(earlier, key=_wall, default=[]), *parts, *last]
+
+    return max(map(chain, jobs), key=_wall, default=[])
 
 
 def _wall(chain: Sequence[Timing]) -> float:
@@ -127,19 +119,14 @@ def as_text(results: Path) -> str:
     ]
     processor = sum(timing.processor or 0.0 for timing in timings)
     lines.append(f"{f'all {len(timings)} jobs':32}{_wall(timings):10.1f}{processor:10.1f}")
-    if rules := _rules(results):
+    rules: Sequence[Rule] = ()
+    with suppress(OSError, ValueError):  # a run may keep no record of its rules
+        rules = read_record(results).rules
+    if rules:
         path = critical_path(timings, rules)
         names = ", ".join(timing.job for timing in path)
         lines.append(f"\nCritical path, {_wall(path):.1f} s: {names}")
     return "\n".join(lines)
-
-
-def _rules(results: Path) -> Sequence[Rule]:
-    """Return the rules of a run; none where it keeps no record of them."""
-    try:
-        return read_record(results).rules
-    except (OSError, ValueError):
-        return ()
 
 
 def _shown(value: float | None, digits: int = 1) -> str:

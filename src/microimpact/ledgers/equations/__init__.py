@@ -37,25 +37,6 @@ EQUATIONS: tuple[Equation, ...] = (
     *roughness.EQUATIONS,
 )
 
-COLUMNS = (
-    "equation",
-    "section",
-    "printed",
-    "used",
-    "dimension_printed",
-    "dimension_used",
-    "derivation_printed",
-    "derivation_used",
-    "verdict",
-    "kind_of_slip",
-    "reason",
-    "function",
-    "consequence",
-    "consequence_value",
-    "consequence_unit",
-    "evidence",
-)
-
 # A formula and the function that implements it differ by rounding only.
 AGREEMENT = 1e-9
 
@@ -135,7 +116,7 @@ def judge(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
         One row per relation.
     """
     case = reference_case(tables)
-    return pd.DataFrame([row(equation, case) for equation in EQUATIONS], columns=COLUMNS)
+    return pd.DataFrame([row(equation, case) for equation in EQUATIONS])
 
 
 def row(equation: Equation, case: Case) -> dict[str, Any]:

@@ -15,7 +15,6 @@ from microimpact.ledgers.equations.records import (
     Derivation,
     Equation,
     Facts,
-    Values,
     expands,
     follows,
     leading,
@@ -114,11 +113,6 @@ def _exceeds(form: Form, _: Case) -> bool:
     return form.relation == ">" and bool(gap.is_positive)
 
 
-def _measured(x: Values) -> float:
-    mu = (x["Vp_t"] - x["vp_t"]) / (-(1.0 + x["e"]) * x["vp_n"])
-    return float(roughness.measured_restitution(x["alpha"], x["phi"], x["e"], mu))
-
-
 EQUATIONS = (
     Equation(
         "35",
@@ -131,7 +125,9 @@ EQUATIONS = (
         reason="One rotation gives the numerator and Eq. (36); the same rotation gives a plus "
         "sign in the denominator.",
         function="microimpact.model.rigid_body.roughness.measured_restitution",
-        implementation=_measured,
+        implementation=lambda x: roughness.measured_restitution(
+            *(x["alpha"], x["phi"], x["e"], (x["vp_t"] - x["Vp_t"]) / ((1.0 + x["e"]) * x["vp_n"]))
+        ),
         consequence=Consequence(
             "e_m at phi = alpha = 10 degrees, e = 0.70, f = 0.15, in place of 2.21",
             lambda _: float(

@@ -77,11 +77,8 @@ def table_files(root: Path) -> dict[str, Path]:
         for path in sorted((root / folder).glob(pattern))
         if not path.name.startswith(".")
     }
-    return dict(sorted(found.items(), key=lambda item: _order(item[0])))
-
-
-def _order(name: str) -> tuple[bool, bool, str]:
-    return name != INPUTS, not name.startswith("tables/"), name
+    order = sorted(found, key=lambda name: (name != INPUTS, not name.startswith("tables/"), name))
+    return {name: found[name] for name in order}
 
 
 def figure_files(root: Path) -> dict[str, Path]:

@@ -64,16 +64,13 @@ def worst(differences: Sequence[Difference], few: int = WORST) -> list[Differenc
     Most is meant beside the largest number of the column, and how well a number is known comes
     after the numbers themselves.
     """
-    ranked = sorted(differences, key=lambda d: (KINDS.index(d.kind), _uncertain(d), -_rank(d)))
+
+    def order(d: Difference) -> tuple[int, bool, float]:
+        share = -1.0 if math.isnan(d.share) else d.share
+        return KINDS.index(d.kind), _UNCERTAINTY.search(d.column) is not None, -share
+
+    ranked = sorted(differences, key=order)
     return [d for _, group in groupby(ranked, lambda d: d.kind) for d in list(group)[:few]]
-
-
-def _rank(difference: Difference) -> float:
-    return -1.0 if math.isnan(difference.share) else difference.share
-
-
-def _uncertain(difference: Difference) -> bool:
-    return _UNCERTAINTY.search(difference.column) is not None
 
 
 def cells(difference: Difference, width: int = WIDTH) -> tuple[str, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import shutil
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -14,7 +15,7 @@ from microimpact.core.files import write_file
 from microimpact.report.site import PAGES, ledgers
 from microimpact.report.site.figures import Figure, departures, figures, label, studies_behind
 from microimpact.report.site.graph import needs, picture
-from microimpact.report.site.ledgers import Row, read_rows
+from microimpact.report.site.ledgers import read_rows
 from microimpact.report.site.pages import ASSETS, EXPLORER, NAVIGATION, render
 from microimpact.report.site.record import Record, Rule
 
@@ -97,12 +98,8 @@ def write_site(results: Path, record: Record) -> list[Path]:
     return [report / name for name in pages]
 
 
-def _assets() -> list[tuple[Path, str]]:
-    return [(path, f"assets/{path.name}") for path in sorted(ASSETS.iterdir())]
-
-
 def _copies(results: Path) -> list[tuple[Path, str]]:
-    return _assets() + [
+    return [(path, f"assets/{path.name}") for path in sorted(ASSETS.iterdir())] + [
         (path, f"files/{folder}/{path.name}")
         for folder, patterns in COPIED.items()
         for pattern in patterns
@@ -137,6 +134,8 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
     tables = _tables(results, record)
     if not shown and not tables:
         raise ValueError(f"{results}: no figures and no tables to report on")
+    explored = (results / REPORT / f"{EXPLORER}.html").is_file()
+    evidence = Counter(row["evidence"] for row in declared)
     common = {
         "record": record,
         "ledgers": ledgers,
@@ -152,23 +151,18 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
         "shown": shown,
         "names": {figure.name for figure in shown},
         "label": label,
-        "evidence": _evidence(declared),
+        "evidence": sorted(evidence.items(), key=lambda item: (-item[1], item[0])),
         "tables": tables,
-        "navigation": _navigation(results),
+        # No link to an explorer that was not written.
+        "navigation": [e for e in NAVIGATION if explored or e[0] != EXPLORER],
         **_graph(record),
     }
-    pages = {f"{name}.html": render(f"{name}.html", **common, **_layout(name)) for name in PAGES}
+    wide = {"claims", "equations", "tables", "workflow"}
+    pages = {
+        f"{name}.html": render(f"{name}.html", **common, here=name, wide=name in wide)
+        for name in PAGES
+    }
     return pages | _figure_pages(shown, common)
-
-
-def _navigation(results: Path) -> list[tuple[str, str, str]]:
-    """Return the links of all pages: no link to an explorer that was not written."""
-    explored = (results / REPORT / f"{EXPLORER}.html").is_file()
-    return [entry for entry in NAVIGATION if explored or entry[0] != EXPLORER]
-
-
-def _layout(name: str) -> dict[str, Any]:
-    return {"here": name, "wide": name in {"claims", "equations", "tables", "workflow"}}
 
 
 def _figure_pages(shown: Sequence[Figure], common: Mapping[str, Any]) -> dict[str, str]:
@@ -185,11 +179,6 @@ def _figure_pages(shown: Sequence[Figure], common: Mapping[str, Any]) -> dict[st
         )
         for previous, figure, following in zip(before, shown, after, strict=True)
     }
-
-
-def _evidence(declared: Sequence[Row]) -> list[tuple[str, int]]:
-    found = [row["evidence"] for row in declared]
-    return sorted(((name, found.count(name)) for name in set(found)), key=lambda x: (-x[1], x[0]))
 
 
 def _tables(results: Path, record: Record) -> list[Table]:

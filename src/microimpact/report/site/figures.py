@@ -101,21 +101,17 @@ def figures(
         Rows of the table of inputs.
     """
     needed = needs(record.rules)
+    own = [entry["study"] for entry in record.figures.values()]
     rules = {rule.name: rule for rule in record.rules}
     behind = {
         study: _inputs(study, rules, declared, ledgers["equations"])
-        for study in _studies(record, needed)
+        for study in dict.fromkeys(s for name in own for s in (name, *upstream(name, needed)))
     }
     there = [name for name in record.figures if (results / f"figures/{name}.svg").is_file()]
     return [
         _figure(name, record.figures[name], results, ledgers["claims"], behind, needed, declared)
         for name in sorted(there, key=lambda name: (not ARTICLE.fullmatch(name), name))
     ]
-
-
-def _studies(record: Record, needed: Mapping[str, Sequence[str]]) -> list[str]:
-    own = [entry["study"] for entry in record.figures.values()]
-    return list(dict.fromkeys(s for study in own for s in (study, *upstream(study, needed))))
 
 
 def _figure(
