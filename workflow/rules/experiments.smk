@@ -169,6 +169,19 @@ use rule study as pile_up with:
         **of("pile_up"),
 
 
+use rule study as rival_explanations with:
+    """data/rival_restitution.csv; tables: what adhesion, a probe above the surface and v_c give."""
+    input:
+        **needs("rival_explanations"),
+    output:
+        **tables("rival_explanations", "capture_evidence"),
+        **data("rival_restitution"),
+    pathvars:
+        name="rival_explanations",
+    params:
+        **of("rival_explanations"),
+
+
 use rule study as laboratory_sensitivity with:
     """tables/laboratory_sensitivity.csv: means with each declared spread halved and doubled."""
     input:

@@ -31,6 +31,8 @@ CLAIM_COLUMNS = (
 )
 # Of a ledger of claims; those of earlier versions have none of these.
 LATER_COLUMNS = ("margin", "code", "inputs", "reason")
+# Tables that the page of claims shows below them.
+BESIDE = ("rival_explanations", "capture_evidence")
 EQUATION_COLUMNS = (
     *("equation", "section", "printed", "used", "verdict", "kind_of_slip", "reason", "function"),
     *("consequence", "consequence_value", "consequence_unit", "derivation_printed"),
@@ -145,6 +147,7 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
             for row in claims
         },
         "equations": equations,
+        "beside": {name: read_rows(results / f"tables/{name}.csv") for name in BESIDE},
         "errata": read_rows(results / "tables/errata.csv", ERRATA_COLUMNS),
         "claim_counts": ledgers.counts(ledgers.counted(claims), ledgers.CLAIM_VERDICTS),
         "equation_counts": ledgers.counts(equations, ledgers.EQUATION_VERDICTS),

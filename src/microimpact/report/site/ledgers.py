@@ -201,6 +201,13 @@ def formula(text: str) -> Markup | str:
         return text
 
 
+def measure(low: str, unit: str, high: str = "") -> str:
+    """Return a number, or a range of two, in three digits with its unit."""
+    if not high or float(low) == float(high):
+        return readable(float(low), unit)
+    return f"{readable(float(low))} to {readable(float(high), unit)}"
+
+
 def number(text: str) -> str:
     """Return a number to four digits; other text unchanged."""
     try:

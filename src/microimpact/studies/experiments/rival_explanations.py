@@ -1,0 +1,360 @@
+"""What else than adhesion may lower restitution, and how fast steel is captured (2.3.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import Annotated, Any
+
+import numpy as np
+import pandas as pd
+from pydantic import Field
+
+from microimpact.core.arrays import FloatArray, Real
+from microimpact.core.constants import gravity
+from microimpact.core.tables import series_frame
+from microimpact.declared.parameters import (
+    AngleDegrees,
+    CaseName,
+    Fraction,
+    NonNegative,
+    Positive,
+    PrintedName,
+)
+from microimpact.lab.contacts import calibrated_contact
+from microimpact.model.closed_forms import jkr_sticking_velocity
+from microimpact.model.contact import Contact, resized
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import simulate
+
+NEEDS = {"calibration": ("calibration",), "pile_up": ("pile_up", "pile_up_onsets")}
+
+RIVAL = "probe alone"
+_frame = partial(series_frame, panel="restitution", x_unit="m_per_s", y_unit="1")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Oblique:
+    """An oblique impact."""
+
+    angle_deg: AngleDegrees
+    speed_m_per_s: Positive
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params:
+    """The rival: spheres of one restitution without adhesion, seen above the surface.
+
+    Attributes
+    ----------
+    cases
+        Calibrated contacts of steel on silicon: the explanation by adhesion.
+    diameters_um
+        Mean spheres of two classes, the smaller first.
+    probe_height_mm
+        Of the probe; speeds are not corrected for it.
+    restitution
+        Of the rival, and of the plateau.
+    plateau_share, seen_from_m_per_s
+        Share of the plateau to which restitution falls, and the fastest speed of it.
+    speeds_m_per_s, points
+        Of the figure: ends, and points of a curve.
+    oblique
+        Oblique impacts, by the printed value of their restitution: angle and total speed. These are
+        seen by a camera at the surface.
+    pile_radius_mm, pile_slope_deg, slow_speed_m_per_s
+        Target whose piles are compared, and the normal speed at which oblique rebounds are seen.
+    compared_work_of_adhesion_J_per_m2
+        Of the contact of JKR that gives the scale of energy.
+    captured
+        Contacts of other particles, by the printed value of their capture velocity.
+    capture_velocities_m_per_s
+        Of steel on silicon: as printed, and much lower.
+    """
+
+    cases: Annotated[tuple[CaseName, ...], Field(min_length=1)]
+    diameters_um: tuple[Positive, Positive]
+    probe_height_mm: Positive
+    restitution: Annotated[Fraction, Field(gt=0)]
+    plateau_share: Annotated[Fraction, Field(gt=0, lt=1)]
+    seen_from_m_per_s: Positive
+    speeds_m_per_s: tuple[Positive, Positive]
+    points: Annotated[int, Field(ge=10)]
+    oblique: dict[PrintedName, Oblique]
+    pile_radius_mm: Positive
+    pile_slope_deg: NonNegative
+    slow_speed_m_per_s: Positive
+    compared_work_of_adhesion_J_per_m2: Positive  # noqa: N815 (the unit)
+    captured: dict[PrintedName, CaseName]
+    capture_velocities_m_per_s: tuple[Positive, Positive]
+    anchors: tuple[PrintedName, ...]
+
+
+class Printed:
+    """Printed values by key.
+
+    Parameters
+    ----------
+    rows
+        Declared rows.
+    """
+
+    def __init__(self, rows: pd.DataFrame) -> None:
+        table = rows.set_index("key")
+        self._numbers = {
+            column: {str(key): float(number) for key, number in table[column].items()}
+            for column in ("value", "low", "high")
+        }
+
+    def value(self, key: str) -> float:
+        """Return a number."""
+        return self._numbers["value"][key]
+
+    def ends(self, key: str) -> tuple[float, float]:
+        """Return the ends of a range."""
+        return self._numbers["low"][key], self._numbers["high"][key]
+
+
+def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+    """Hold both explanations against the printed facts, and two capture velocities.
+
+    Parameters
+    ----------
+    params
+        Parameters of the study.
+    inputs
+        ``calibration``, ``pile_up``, ``pile_up_onsets``: tables of these studies; ``materials``:
+        declared rows; ``anchors``: printed values.
+
+    Returns
+    -------
+    mapping
+        ``rival_restitution``: data of the figure. ``rival_explanations``: per printed observation
+        what each explanation gives, and whether it tells them apart. ``capture_evidence``: what
+        piles, slow rebounds and energies give for two capture velocities.
+    """
+    contacts = {case: calibrated_contact(inputs, case) for case in params.cases}
+    printed = Printed(inputs["anchors"])
+    return {
+        "rival_restitution": figure_data(params, contacts, printed),
+        "rival_explanations": pd.DataFrame(observations(params, contacts, printed)),
+        "capture_evidence": pd.DataFrame(evidence(params, contacts, inputs, printed)),
+    }
+
+
+def uncorrected(speed: Real, restitution: Real, height: float) -> tuple[FloatArray, FloatArray]:
+    """Return the incident speed and the restitution of uncorrected speeds at a height.
+
+    Parameters
+    ----------
+    speed
+        At the surface, m/s.
+    restitution
+        True.
+    height
+        Of the probe, m.
+
+    Returns
+    -------
+    tuple
+        Incident speed, m/s, and restitution; nan where the sphere does not reach the probe.
+    """
+    fall = 2.0 * gravity * height
+    squares = np.square(speed) - fall, np.square(restitution * np.asarray(speed)) - fall
+    before, after = (np.sqrt(np.where(square > 0.0, square, np.nan)) for square in squares)
+    return before, after / before
+
+
+def figure_data(params: Params, contacts: Mapping[str, Contact], printed: Printed) -> pd.DataFrame:
+    """Return restitution against the incident speed by both explanations, and what is printed."""
+    speed = np.geomspace(*params.speeds_m_per_s, params.points)
+    frames = []
+    for diameter in params.diameters_um:
+        for case, contact in contacts.items():
+            impact = simulate(resized(contact, diameter * 1e-6), speed)
+            e = np.where(impact.captured, 0.0, impact.coefficient_of_restitution)
+            frames.append(
+                _frame(series=f"{case}, {diameter:g} um", evidence="calibrated", x=speed, y=e)
+            )
+    before, e = uncorrected(speed, params.restitution, params.probe_height_mm * 1e-3)
+    seen = np.isfinite(e)
+    frames.append(_frame(series=RIVAL, evidence="computed", x=before[seen], y=e[seen]))
+    plateau, piles = params.anchors
+    ends = [printed.value(plateau), params.seen_from_m_per_s]
+    level = [params.restitution] * 2
+    frames.append(_frame(series="printed plateau", evidence="printed", x=ends, y=level))
+    band = printed.ends(piles)
+    frames.append(_frame(series="printed pile-up", evidence="printed", x=band, y=[0.0] * 2))
+    return pd.concat(frames, ignore_index=True)
+
+
+def observations(
+    params: Params, contacts: Mapping[str, Contact], printed: Printed
+) -> Iterator[dict[str, Any]]:
+    """Yield what each explanation gives for each printed observation.
+
+    An observation tells them apart if what is printed, or its sign, is compatible with one alone.
+    """
+    height, speed = params.probe_height_mm * 1e-3, params.seen_from_m_per_s
+    plateau, piles = params.anchors
+    level = printed.value(plateau)
+    _, seen = uncorrected(np.array([level, speed]), params.restitution, height)
+    small = [resized(contact, params.diameters_um[0] * 1e-6) for contact in contacts.values()]
+    by_adhesion = [simulate(one, np.array([level, speed])) for one in small]
+    falls = [1.0 - float(np.divide(*one.coefficient_of_restitution)) for one in by_adhesion]
+    yield row(
+        "fall of restitution from the fastest to the end of the plateau",
+        "1",
+        float(1.0 - seen[0] / seen[1]),
+        falls,
+        (-0.1, 0.1),
+    )
+    ratios = [
+        fallen_speed(params, resized(contact, params.diameters_um[1] * 1e-6))
+        / fallen_speed(params, resized(contact, params.diameters_um[0] * 1e-6))
+        for contact in contacts.values()
+    ]
+    yield row(
+        "speed at which restitution has fallen, larger over smaller class",
+        "1",
+        1.0,
+        ratios,
+        (0.0, 0.999),
+    )
+    limits = [float(capture_velocity(one)) for one in small]
+    slowest = np.sqrt(2.0 * gravity * height) / params.restitution
+    yield row("speed below which no rebound is seen", "m/s", slowest, limits, printed.ends(piles))
+    for key, impact in params.oblique.items():
+        aim = printed.value(key)
+        e = [
+            float(simulate(one, impact.speed_m_per_s, impact.angle_deg).coefficient_of_restitution)
+            for one in contacts.values()
+        ]
+        yield row(
+            f"restitution at {impact.angle_deg:g} deg and {impact.speed_m_per_s:g} m/s",
+            "1",
+            params.restitution,
+            e,
+            (0.9 * aim, 1.1 * aim),
+        )
+
+
+def row(
+    observation: str, unit: str, rival: float, adhesion: list[float], printed: tuple[float, float]
+) -> dict[str, Any]:
+    """Return what both explanations give for an observation, beside the printed range."""
+    low, high = printed
+    own = low <= rival <= high
+    others = [low <= value <= high for value in adhesion]
+    return {
+        "observation": observation,
+        "unit": unit,
+        "printed_low": low,
+        "printed_high": high,
+        "probe_alone": float(rival),
+        "adhesion_low": min(adhesion),
+        "adhesion_high": max(adhesion),
+        "probe_alone_agrees": own,
+        "adhesion_agrees": any(others),
+        "tells_apart": own != any(others),
+        "evidence": "computed",
+    }
+
+
+def fallen_speed(params: Params, contact: Contact) -> float:
+    """Return the fastest speed of the figure at which restitution is down to its share, m/s."""
+    speed = np.geomspace(*params.speeds_m_per_s, 20 * params.points)
+    e = simulate(contact, speed).coefficient_of_restitution
+    plateau = float(simulate(contact, params.seen_from_m_per_s).coefficient_of_restitution)
+    below = speed[(e < params.plateau_share * plateau) & (speed < params.seen_from_m_per_s)]
+    if below.size == 0:
+        raise ValueError("speeds_m_per_s: restitution does not fall at any of them")
+    return float(below.max())
+
+
+def evidence(
+    params: Params,
+    contacts: Mapping[str, Contact],
+    inputs: Mapping[str, pd.DataFrame],
+    printed: Printed,
+) -> Iterator[dict[str, Any]]:
+    """Yield what piles, slow rebounds and energies give for both capture velocities of steel."""
+    strong, weak = params.capture_velocities_m_per_s
+    _, piles = params.anchors
+    ends = printed.ends(piles)
+    place = {"target_radius_mm": params.pile_radius_mm, "slope_deg": params.pile_slope_deg}
+    onsets = chosen(inputs["pile_up_onsets"], **place)
+    for share in sorted(set(onsets["share"].astype(float))):
+        own = chosen(onsets, share=share).iloc[0]
+        at = [float(own[f"onset_at_{name(v)}_m_per_s"]) for v in (strong, weak)]
+        yield weighed(f"speed below which {100 * share:.0f} % of the spheres stay", "m/s", at, ends)
+    rows = chosen(inputs["pile_up"], **place, speed_m_per_s=params.slow_speed_m_per_s)
+    at = [
+        float(chosen(rows, capture_velocity_m_per_s=v)["share_captured_at_first_impact"].iloc[0])
+        for v in (strong, weak)
+    ]
+    yield weighed(
+        f"share captured at once at {params.slow_speed_m_per_s:g} m/s, where rebounds are seen",
+        "1",
+        at,
+        (0.0, 0.025),
+    )
+    others = [
+        energy_ratio(params, calibrated_contact(inputs, case), printed.value(key))
+        for key, case in params.captured.items()
+    ]
+    steel = resized(next(iter(contacts.values())), params.diameters_um[0] * 1e-6)
+    at = [energy_ratio(params, steel, velocity) for velocity in (strong, weak)]
+    yield weighed(
+        "kinetic energy at capture over the loss of JKR, beside that of other particles",
+        "1",
+        at,
+        (min(others), max(others)),
+    )
+
+
+def energy_ratio(params: Params, contact: Contact, velocity: float) -> float:
+    """Return ``m v_c^2/2`` over the loss of a contact of JKR with the work of adhesion compared."""
+    compared = contact.replace(work_of_adhesion=params.compared_work_of_adhesion_J_per_m2)
+    return float(np.square(velocity / jkr_sticking_velocity(compared)))
+
+
+def name(velocity: float) -> str:
+    """Return a capture velocity as it stands in names of columns."""
+    return f"{velocity:g}".replace(".", "p")
+
+
+def chosen(table: pd.DataFrame, **where: float) -> pd.DataFrame:
+    """Return the rows of a table with these numbers.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
+    for column, value in where.items():
+        known = table
+        table = known[np.isclose(known[column].astype(float), value)]
+        if table.empty:
+            raise ValueError(f"{column}: {value:g} is not among {sorted(set(known[column]))}")
+    return table
+
+
+def weighed(line: str, unit: str, at: list[float], ends: tuple[float, float]) -> dict[str, Any]:
+    """Return a line of evidence: both numbers, the range seen, and which lies nearer to it."""
+    low, high = ends
+    away = [max(low - value, value - high, 0.0) for value in at]
+    if unit == "1" and low > 0.0:
+        away = [max(np.log(low / value), np.log(value / high), 0.0) for value in at]
+    prefers = "neither" if away[0] == away[1] else ("printed" if away[0] < away[1] else "lower")
+    return {
+        "line": line,
+        "unit": unit,
+        "seen_low": low,
+        "seen_high": high,
+        "at_printed_capture_velocity": at[0],
+        "at_lower_capture_velocity": at[1],
+        "prefers": prefers,
+        "evidence": "virtual experiment" if unit == "m/s" else "computed",
+    }

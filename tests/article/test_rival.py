@@ -1,0 +1,80 @@
+"""The probe as a rival of adhesion, and two capture velocities, against what is printed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from microimpact.core.constants import gravity
+from microimpact.studies.experiments.rival_explanations import uncorrected, weighed
+
+HEIGHT = 1e-3
+
+
+@pytest.fixture(scope="module")
+def tables(run_study, calibration):
+    speeds = [0.13, 0.2, 0.3, 0.5, 0.8, 1.2, 2.0]
+    piles = run_study(
+        "pile_up", calibration, spheres=300, radii_mm=[5.0], slopes_deg=[2.0], speeds_m_per_s=speeds
+    )
+    return run_study("rival_explanations", {**calibration, **piles})
+
+
+@pytest.mark.parametrize(
+    ("speed", "restitution"), [(1.66, 0.697), (0.75, 0.687), (0.45, 0.66), (0.30, 0.59)]
+)
+def test_a_probe_without_correction_sees_restitution_fall(speed, restitution):
+    _, seen = uncorrected(speed, 0.70, HEIGHT)
+    assert seen == pytest.approx(restitution, abs=0.005)
+
+
+def test_slower_rebounds_do_not_reach_the_probe():
+    limit = np.sqrt(2.0 * gravity * HEIGHT) / 0.70
+    assert limit == pytest.approx(0.200, abs=5e-4)
+    _, seen = uncorrected(limit * np.array([0.999, 1.001]), 0.70, HEIGHT)
+    assert np.isnan(seen[0])
+    assert seen[1] > 0.0
+
+
+def test_at_the_surface_the_probe_sees_what_is_there():
+    before, seen = uncorrected(np.array([0.2, 1.0]), 0.7, 0.0)
+    assert before == pytest.approx([0.2, 1.0])
+    assert seen == pytest.approx(0.7)
+
+
+def test_size_and_angle_tell_the_explanations_apart(tables):
+    table = tables["rival_explanations"].set_index("observation")
+    telling = table[table["tells_apart"]].index
+    assert any("larger over smaller class" in one for one in telling)
+    assert any("at 10 deg" in one for one in telling)
+    # both give the plateau, the fall below it and speeds without rebounds
+    assert not any("plateau" in one or "no rebound" in one for one in telling)
+    assert (table.loc[telling, "adhesion_agrees"]).all()
+
+
+def test_energies_at_capture_are_those_by_hand(tables):
+    table = tables["capture_evidence"].set_index("line")
+    energy = table[table.index.str.startswith("kinetic energy")].iloc[0]
+    # m v_c^2/2 over the loss of JKR goes with the square of v_c
+    ratio = energy["at_printed_capture_velocity"] / energy["at_lower_capture_velocity"]
+    assert ratio == pytest.approx((0.18 / 0.02) ** 2)
+    assert energy["at_printed_capture_velocity"] > 50 * energy["seen_high"]
+    assert energy["at_lower_capture_velocity"] < energy["seen_high"]
+
+
+def test_all_lines_prefer_the_lower_capture_velocity(tables):
+    assert set(tables["capture_evidence"]["prefers"]) == {"lower"}
+
+
+@pytest.mark.parametrize(
+    ("at", "preferred"),
+    [([0.25, 0.4], "printed"), ([0.4, 0.25], "lower"), ([0.25, 0.28], "neither")],
+)
+def test_the_number_nearer_to_what_is_seen_is_preferred(at, preferred):
+    assert weighed("l", "m/s", at, (0.2, 0.3))["prefers"] == preferred
+
+
+def test_the_figure_is_drawn(tables, draw):
+    figure = draw("rival_restitution", tables)
+    labels = [text.get_text() for ax in figure.axes for text in ax.get_legend().get_texts()]
+    assert any("probe" in label for label in labels)
