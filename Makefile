@@ -113,12 +113,12 @@ test-peers: .venv-benchmark/.benchmark ## compare the physics with other solvers
 	.venv-benchmark/bin/python -m pytest tests/peers $(PYTEST_ARGS)
 
 lock: .venv/bin/uv ## renew requirements/*.txt from pyproject.toml and requirements/*.in
-	$(call compile,pyproject.toml,run)
+	$(call compile,pyproject.toml --extra study,run)
 	$(call compile,requirements/bootstrap.in,bootstrap)
 	$(call compile,requirements/build.in -c requirements/run.txt,build)
-	$(call compile,pyproject.toml requirements/test.in -c requirements/run.txt,test)
-	$(call compile,pyproject.toml requirements/benchmark.in -c requirements/run.txt,benchmark)
-	$(call compile,pyproject.toml requirements/slurm.in -c requirements/run.txt,slurm)
+	$(call compile,pyproject.toml --extra study requirements/test.in -c requirements/run.txt,test)
+	$(call compile,pyproject.toml --extra study requirements/benchmark.in -c requirements/run.txt,benchmark)
+	$(call compile,pyproject.toml --extra study requirements/slurm.in -c requirements/run.txt,slurm)
 
 clean: ## remove results and everything else that was generated
 	[ ! -d results ] || find results -mindepth 1 -maxdepth 1 ! -name README.md -exec rm -rf {} +

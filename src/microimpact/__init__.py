@@ -61,6 +61,10 @@ __all__ = list(_HOME)
 
 
 def __getattr__(name: str) -> object:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("microimpact")
     if name not in _HOME:
         raise AttributeError(f"module 'microimpact' has no attribute {name!r}")
     return getattr(import_module(f"microimpact.{_HOME[name]}"), name)

@@ -56,6 +56,10 @@ def main() -> None:
         sys.exit(error.exit_code)
     except click.Abort:
         sys.exit(130)
+    except ModuleNotFoundError as error:
+        extra = "plot" if error.name == "matplotlib" else "study"
+        click.echo(f"microimpact: needs {error.name}: pip install 'microimpact[{extra}]'", err=True)
+        sys.exit(2)
     except (ValueError, TypeError, OSError) as error:
         click.echo(f"microimpact: {error}", err=True)
         sys.exit(2)

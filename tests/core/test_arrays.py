@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pandas as pd
+import pint
 import pytest
 
 from microimpact.core.arrays import (
@@ -125,3 +126,27 @@ def test_masked_values_are_refused_and_a_mask_that_hides_nothing_is_not():
     with pytest.raises(ValueError, match=r"^speed must have no masked values"):
         checked("speed", measured)
     np.testing.assert_array_equal(checked("speed", measured[:2]), [1.0, 2.0])
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "unit", "expected"),
+    [
+        ("diameter", 62.0, "um", 62e-6),
+        ("speed", 166.0, "cm/s", 1.66),
+        ("angle", np.pi / 2.0, "rad", 90.0),
+        ("youngs_modulus", 193.0, "GPa", 193e9),
+        ("e", 70.0, "percent", 0.7),
+        ("density", [8.0, 2.5], "g/cm**3", [8000.0, 2500.0]),
+    ],
+)
+def test_a_quantity_with_a_unit_is_converted(name, value, unit, expected):
+    quantity = pint.UnitRegistry().Quantity(np.asarray(value), unit)
+    assert np.allclose(checked(name, quantity), expected, rtol=1e-14)
+
+
+def test_a_quantity_of_another_kind_is_refused():
+    length = pint.UnitRegistry().Quantity(1.0, "m")
+    with pytest.raises(TypeError, match=r"speed must be in m/s, got 1\.0 meter"):
+        checked("speed", length)
+    with pytest.raises(TypeError, match="friction must be in plain numbers"):
+        checked("friction", length)

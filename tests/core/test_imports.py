@@ -154,3 +154,66 @@ def test_compiled_code_of_a_module_calls_no_other_modules(tmp_path):
         text = path.read_text()
         others = [name for other, name in names.items() if other != path]
         assert not any(f"from {name} import _" in text for name in others)
+
+
+# The physics alone
+
+ALONE = """
+import sys
+from importlib.metadata import distribution, packages_distributions, requires
+import re
+
+def needed(name, found):
+    for line in requires(name) or ():
+        other = re.match(r"[\\w.-]+", line)[0].lower().replace("_", "-")
+        if "extra ==" not in line and other not in found:
+            found.add(other)
+            try:
+                needed(other, found)
+            except ImportError:
+                found.discard(other)  # of another platform or Python
+    return found
+
+core = needed("microimpact", {"microimpact"})
+others = {
+    module
+    for module, owners in packages_distributions().items()
+    if not core & {owner.lower().replace("_", "-") for owner in owners}
+}
+
+class Absent:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in others:
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+sys.meta_path.insert(0, Absent())
+assert {"pandas", "matplotlib", "snakemake", "pydantic"} <= others
+assert not {"numpy", "scipy", "numba", "click", "rich"} & others
+"""
+
+
+def test_the_physics_needs_none_of_the_studys_packages(tmp_path):
+    data = tmp_path / "mine.csv"
+    rows = ("0.2,0.1", "0.25,0.4", "0.3,0.5", "0.5,0.6", "1,0.7", "2,0.7", "3,0.7")
+    data.write_text("\n".join(["v,e", *rows]), encoding="utf-8")
+    pair = ["--particle", "stainless-steel-316", "--surface", "silicon"]
+    commands = [
+        ["simulate", *pair, "--speed", "1"],
+        ["capture", *pair],
+        ["materials"],
+        ["export", *pair, "-o", str(tmp_path / "law")],
+        ["fit", str(data)],
+    ]
+    code = (
+        f"{ALONE}{IMPACT}\n"
+        "from microimpact import fit_restitution, tabulate, trajectory\n"
+        "from microimpact.cli import main\n"
+        f"for sys.argv[1:] in {commands!r}:\n    main()\n"
+        "sys.argv[1:] = ['check', 'x']\n"
+        "try:\n    main()\nexcept SystemExit as end:\n    print('ended', end.code)\n"
+    )
+    assert run(code).rstrip().endswith("ended 2")
+
+
+def test_the_version_is_told():
+    assert run("import microimpact; print(microimpact.__version__)").strip()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -55,19 +56,23 @@ def checked(name: str, value: object, allowed: Range = FINITE) -> Real:
     name
         Name of the argument, for the error message.
     value
-        A real number or an array of them, any shape.
+        A real number or an array of them, any shape; a quantity with a unit, as of pint, is
+        converted.
     allowed
         The admissible range.
 
     Raises
     ------
     TypeError
-        If ``value`` does not hold real numbers (text, booleans, None, complex).
+        If ``value`` does not hold real numbers (text, booleans, None, complex), or its unit does
+        not measure what the name says.
     ValueError
         If a number is masked, not finite or not in range.
     """
     if type(value) is float and math.isfinite(value) and allowed.contains(value):
         return value  # most often, and unchanged
+    if hasattr(value, "magnitude") and hasattr(value, "to"):
+        value = _plain(name, value)
     if np.ma.is_masked(value):
         raise ValueError(f"{name} must have no masked values; drop them or fill them first")
     try:
@@ -90,6 +95,34 @@ def checked(name: str, value: object, allowed: Range = FINITE) -> Real:
         return float(array)
     array.setflags(write=False)
     return array
+
+
+# Units of arguments that have one; angles are degrees, as everywhere.
+_UNITS = {
+    "m": ("diameter", "radius", "surface_radius", "equivalent_radius"),
+    "m/s": (
+        *("v", "v_n", "v_t", "v_c", "speed", "velocity", "reference_velocity", "slowest"),
+        *("fastest", "high_speed", "capture_speed", "k", "kappa"),
+    ),
+    "rad/s": ("omega", "spin"),
+    "degree": ("angle", "tilt"),
+    "Pa": ("youngs_modulus", "law.yield_pressure"),
+    "kg/m**3": ("density",),
+    "J/m**2": ("work_of_adhesion", "law.unloading_work"),
+    "N/m": ("ring_force",),
+    "s/m": ("hertz_damping", "adhesion_damping"),
+    "s": ("law.viscous_time",),
+}
+_UNIT_OF = {name: unit for unit, names in _UNITS.items() for name in names}
+
+
+def _plain(name: str, quantity: Any) -> Any:
+    """Return the number of a quantity in the unit of the argument."""
+    unit = _UNIT_OF.get(name, "")
+    try:
+        return quantity.to(unit).magnitude
+    except (TypeError, ValueError) as error:  # of whatever package made the quantity
+        raise TypeError(f"{name} must be in {unit or 'plain numbers'}, got {quantity}") from error
 
 
 def _finite(allowed: Range) -> str:

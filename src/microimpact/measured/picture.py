@@ -5,18 +5,20 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
 
-from microimpact.figures.style import MM_PER_INCH, WIDTH_MM, context, plain_numbers
 from microimpact.measured.rebounds import Rebounds
 from microimpact.model.empirical.comparison import LIGHT, Comparison
 
 FORMATS = (".png", ".svg", ".pdf")
 LINES = ("solid", "dashed", "dashdot", "dotted", (0, (1, 3)))
-HEIGHT_MM, POINTS = 105.0, 400
+STYLE_FILE = Path(__file__).parents[1] / "figures" / "microimpact.mplstyle"
+WIDTH_INCH, HEIGHT_INCH, POINTS = 6.9, 4.1, 400
 
 
-@context()
+@rc_context(fname=STYLE_FILE)
 def draw(data: Rebounds, found: Comparison, path: Path | str) -> None:
     """Draw data, models, interval of v_c, and residuals of the best model.
 
@@ -36,7 +38,7 @@ def draw(data: Rebounds, found: Comparison, path: Path | str) -> None:
     """
     if Path(path).suffix not in FORMATS:
         raise ValueError(f"plot must end in {', '.join(FORMATS)}, got {str(path)!r}")
-    figure = Figure(figsize=(WIDTH_MM["double"] / MM_PER_INCH, HEIGHT_MM / MM_PER_INCH))
+    figure = Figure(figsize=(WIDTH_INCH, HEIGHT_INCH))
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
     low, high = found.v_c_interval
     above.axvspan(low, high, color="0.85", label=f"$v_c$, {100 * found.confidence:g} %")
@@ -58,6 +60,7 @@ def draw(data: Rebounds, found: Comparison, path: Path | str) -> None:
     below.axhline(0.0, color="black", linewidth=0.8)
     above.set(ylabel="coefficient of restitution e", ylim=(-0.03, 1.03), xscale="log")
     below.set(xlabel="normal speed before impact v (m/s)", ylabel="e less model")
-    plain_numbers(below.xaxis)
+    for write in (below.xaxis.set_major_formatter, below.xaxis.set_minor_formatter):
+        write(FuncFormatter(lambda x, _: f"{x:g}"))
     above.legend(loc="lower right")
     figure.savefig(path)
