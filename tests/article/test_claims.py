@@ -55,9 +55,8 @@ def branch(settings):
 
 
 @pytest.fixture(scope="module")
-def declared(settings, branch):
-    _, rows = settings.prepared("claim_numbers", **branch)
-    return {key: parse_table(text) for key, text in rows.items()}
+def declared(settings):
+    return {key: parse_table(text) for key, text in settings.rows["claim_numbers"].items()}
 
 
 def kept(folders, name, make):

@@ -256,7 +256,7 @@ def test_no_elasticity_without_capture(contact):
 @pytest.fixture(scope="module")
 def tables():
     shipped = read_configuration(ROOT / "config")
-    _, rows = validate(shipped, shipped).prepared("doe")
+    rows = validate(shipped, shipped).rows["doe"]
     reference = {
         name: pd.read_csv(ROOT / f"tests/reference/tables/{name}.csv")
         for name in ("calibration", "calibration_family")

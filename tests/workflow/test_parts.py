@@ -12,6 +12,7 @@ from workflow.scripts.parts import part_from_text, part_text
 from microimpact import studies
 from microimpact.core.tables import parse_table, read_table
 from microimpact.declared.documents import load
+from microimpact.declared.parameters import build
 from microimpact.declared.references import merged
 from microimpact.run.config import read_configuration, validate
 
@@ -50,8 +51,8 @@ def test_these_are_all_the_studies_in_parts():
 @pytest.mark.parametrize("name", STUDIES)
 def test_the_number_of_parts_changes_no_bit(name, settings):
     study = studies.study(name)
-    params, rows = settings.prepared(name)
-    inputs = {key: parse_table(text) for key, text in rows.items()}
+    params = build(study.Params, settings.branches[name])
+    inputs = {key: parse_table(text) for key, text in settings.rows[name].items()}
     for table in ("calibration", "restitution_fits"):
         inputs[table] = read_table(ROOT / f"tests/reference/tables/{table}.csv")
     # As the workflow does: parts are made by themselves, in any order, and pass through files.

@@ -57,8 +57,6 @@ class Settings:
         General keys.
     tables
         The declared tables it names.
-    bodies
-        Materials of the particle and of the surface of each case.
     branches, rows
         By analysis: its parameters as plain values, with all that it names in place, and the rows
         of the tables that it names, as CSV by table.
@@ -70,28 +68,10 @@ class Settings:
 
     general: General
     tables: DeclaredTables
-    bodies: Mapping[str, tuple[str, str]]
     branches: Mapping[str, Mapping[str, Any]]
     rows: Mapping[str, Mapping[str, str]]
     declared: tuple[Declared, ...]
     unused: tuple[str, ...]
-
-    def prepared(self, name: str, **changes: Any) -> tuple[Any, Mapping[str, str]]:
-        """Return the parameters of an analysis, some changed, and the rows they name, as CSV.
-
-        Raises
-        ------
-        pydantic.ValidationError
-            If a change is not admissible.
-        """
-        known = Known(_names(self.tables, self.bodies))
-        params = build(studies.study(name).Params, {**self.branches[name], **changes}, known)
-        return params, self.tables.named(known.named, self.bodies)
-
-
-def _names(tables: DeclaredTables, cases: Collection[str]) -> dict[str, tuple[str, Any]]:
-    pairs = tables.contacts.known("particle", "surface")
-    return tables.names() | {"cases": ("cases", [*cases, *pairs])}
 
 
 TABLES = ("materials", "contacts", "printed_values")
@@ -149,7 +129,8 @@ def validate(
     if tables is None:  # nothing can be named
         raise ConfigError("\n".join([*resolver.problems, *_others(found, resolver.problems)]))
     resolver.declare("printed", tables.printed())
-    check.known = Known(_names(tables, config.get("cases") or ()))
+    cases = [*(config.get("cases") or ()), *tables.contacts.known("particle", "surface")]
+    check.known = Known({**tables.names(), "cases": ("cases", cases)})
     laboratory = check.sections(Laboratory, SECTIONS)
     stands = {row.key: row.place or row.key for row in resolver.rows}
     resolver.rows = shown
@@ -158,22 +139,21 @@ def validate(
         check.known.named.clear()
         params[name] = check.checked(studies.study(name).Params, name)
         named[name] = list(check.known.named)
-    cases = {name for each in named.values() for sort, name in each if sort == "cases"}
+    wanted = {name for each in named.values() for sort, name in each if sort == "cases"}
     if laboratory and params.get(CALIBRATION):
         calibrated = params[CALIBRATION].calibrated
         found += [
             f"cases.{case}: is named, but {CALIBRATION} does not calibrate it"
-            for case in sorted(cases & set(laboratory.cases) - calibrated)
+            for case in sorted(wanted & set(laboratory.cases) - calibrated)
         ]
     found = [*resolver.problems, *_others(found, resolver.problems)]
     if found:
         raise ConfigError("\n".join(dict.fromkeys(found)))
     bodies = {name: (case.particle, case.surface) for name, case in laboratory.cases.items()}
-    used = {stands[f"cases.{case}.{body}"] for case in cases & set(bodies) for body in _BODIES}
+    used = {stands[f"cases.{case}.{body}"] for case in wanted & set(bodies) for body in _BODIES}
     return Settings(
         general=general,
         tables=tables,
-        bodies=bodies,
         branches={name: json.loads(json.dumps(asdict(each))) for name, each in params.items()},
         rows={name: tables.named(each, bodies) for name, each in named.items()},
         # Where the results go is no input: the same study has the same table anywhere.

@@ -113,13 +113,7 @@ def _read(module: str) -> _Module | None:
 
 def _imports(tree: ast.Module) -> Iterator[tuple[str, str]]:
     for node in ast.walk(tree):
-        if isinstance(node, ast.Import):
-            for alias in node.names:
-                yield (
-                    alias.asname or alias.name.partition(".")[0],
-                    (alias.name if alias.asname else alias.name.partition(".")[0]),
-                )
-        elif isinstance(node, ast.ImportFrom) and node.module:
+        if isinstance(node, ast.ImportFrom) and node.module:  # as the package imports its own
             for alias in node.names:
                 yield alias.asname or alias.name, f"{node.module}.{alias.name}"
 
