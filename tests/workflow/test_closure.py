@@ -22,6 +22,14 @@ def test_a_study_depends_on_its_physics_and_on_no_other():
     assert not any(name.startswith("microimpact.figures") for name in found)
 
 
+def test_tables_are_of_every_study_and_figure():
+    for module in ("studies.models.coulomb_friction", "studies.models.restitution_trends"):
+        assert "microimpact.core.tables" in closure([f"microimpact.{module}"])
+    trends = closure(["microimpact.studies.models.restitution_trends"])
+    assert "microimpact.model.empirical.equations" in trends
+    assert "microimpact.model.rigid_body.algebra" not in trends
+
+
 def test_the_root_drags_nothing_in():
     assert closure(["microimpact"]) == ["microimpact"]
 

@@ -92,32 +92,6 @@ def test_the_run_stamp(project):
             {"coulomb_friction", "coulomb_friction_figures"},
             {"restitution_trends", "restitution_trends_figures", "declared_inputs"},
         ),
-        (
-            "src/microimpact/model/empirical/equations.py",
-            {"restitution_trends", "restitution_trends_figures"},
-            {"coulomb_friction", "coulomb_friction_figures", "declared_inputs"},
-        ),
-        (
-            "src/microimpact/figures/microimpact.mplstyle",
-            {"restitution_trends_figures", "coulomb_friction_figures"},
-            {"restitution_trends", "coulomb_friction", "declared_inputs"},
-        ),
-        (
-            "workflow/scripts/draw_figures.py",
-            {"restitution_trends_figures", "coulomb_friction_figures"},
-            {"restitution_trends", "coulomb_friction", "declared_inputs"},
-        ),
-        (
-            "src/microimpact/core/tables.py",
-            {
-                "restitution_trends",
-                "coulomb_friction",
-                "declared_inputs",
-                "restitution_trends_figures",
-                "coulomb_friction_figures",
-            },
-            set(),
-        ),
     ],
 )
 def test_an_edit_reruns_what_it_can_affect(project, path, reruns, spares):
@@ -212,12 +186,12 @@ def test_one_figure_has_a_target_of_its_own(project):
 def test_the_number_of_parts_changes_no_byte(built, forked, tmp_path):
     project = Project(tmp_path / "copy", forked)
     shutil.copytree(built, project.root)
-    names = ("data/coverage_by_angle.csv", "tables/interval_coverage.csv")
+    names = ("data/capture_recovery.csv", "tables/fit_coverage.csv")
     before = [(project.root / OUT / name).read_bytes() for name in names]
     parts = tmp_path / "parts.yaml"
     parts.write_text("chunks: 3\n")
-    text = project.snakemake("interval_coverage", *SMALL, str(parts), "--verbose").text
-    assert re.search(r"^interval_coverage_part +3$", text, flags=re.MULTILINE)
+    text = project.snakemake("fit_coverage", *SMALL, str(parts), "--verbose").text
+    assert re.search(r"^fit_coverage_part +3$", text, flags=re.MULTILINE)
     assert [(project.root / OUT / name).read_bytes() for name in names] == before
     assert not list((project.root / OUT / "chunks").glob("*"))
 
