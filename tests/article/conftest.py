@@ -74,13 +74,13 @@ def draw(figures, compared, tmp_path):
     def drawn(name, tables):
         spec = figures[name]
         function = getattr(import_module(spec.module), spec.function)
-        for turn in ("two.svg",) if name in compared else ("one.svg", "two.svg"):
+        for turn in ("one.svg",) if name in compared else ("one.svg", "two.svg"):
             figure = function({key: tables[key] for key in spec.data}, spec)
             save(figure, tmp_path / turn)
         if name not in compared:
             assert (tmp_path / "one.svg").read_bytes() == (tmp_path / "two.svg").read_bytes()
             compared.add(name)
-        tree = ET.parse(tmp_path / "two.svg")
+        tree = ET.parse(tmp_path / "one.svg")
         assert not tree.findall(".//{http://purl.org/dc/elements/1.1/}date")
         return figure
 

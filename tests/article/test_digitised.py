@@ -42,7 +42,7 @@ def drawn_over(figures):
     def drawn(name, tables, points):
         spec = figures[name]
         function = getattr(import_module(spec.module), spec.function)
-        return function(overlaid(tables, spec, points), spec)
+        return function(overlaid({key: tables[key] for key in spec.data}, spec, points), spec)
 
     return drawn
 

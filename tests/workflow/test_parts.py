@@ -25,7 +25,7 @@ STUDIES = (
 )
 # Smaller still than the small reproduction: some parts are left with nothing, or nearly so.
 TINY = {
-    "campaign": {"stop": {"events": 4, "fewest_events": 2, "most_dropped": 8000}},
+    "campaign": {"stop": {"events": 4, "fewest_events": 2, "most_dropped": 1000}},
     "fit_coverage": {
         "noise_of_e": [0.01],
         "lowest_speeds_in_v_c": [1.5],
@@ -33,7 +33,16 @@ TINY = {
         "interval_replicates": 2,
         "methods": {"replicates": 2, "resamples": 20},
     },
-    "interval_coverage": {"experiments": 20},
+    "interval_coverage": {
+        "experiments": 20,
+        "events": 4,
+        "cases": {
+            "smooth, normal": {"speeds_m_per_s": [0.75, 1.25], "simulated": 30000},
+            "smooth, oblique": {"simulated": 3000},
+            "rough, oblique": {"simulated": 3000},
+            "slow, oblique": {"simulated": 3000},
+        },
+    },
 }
 
 
