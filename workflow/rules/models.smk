@@ -133,6 +133,19 @@ use rule study as capture_velocities with:
         **of("capture_velocities"),
 
 
+use rule study as contact_laws with:
+    """tables/contact_law_*.csv: fits, facts, claims by law; data/contact_law_curves.csv: e(v)."""
+    input:
+        **needs("contact_laws"),
+    output:
+        **tables("contact_law_fits", "contact_law_facts", "contact_law_claims"),
+        **data("contact_law_curves"),
+    pathvars:
+        name="contact_laws",
+    params:
+        **of("contact_laws"),
+
+
 use rule study as rolling_dissipation with:
     """tables/rolling_dissipation.csv, rolling_ranges.csv: neglected moments; data/rolling.csv."""
     input:

@@ -34,6 +34,24 @@ def draw_signed(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
 
 
 @style.context()
+def draw_laws(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+    """Draw restitution against the logarithm of the speed, a panel per way of fitting.
+
+    The series ``hysteresis`` is named beside its curve: there are more laws than kinds of lines.
+    """
+    (table,) = tables.values()
+    figure, axes = style.line_figure(tables, spec, COLUMNS, style.log_x)
+    style.legend_above(figure, axes.values(), 4)
+    for panel, ax in axes.items():
+        style.plain_numbers(ax.xaxis)
+        rows = table[(table["panel"] == panel) & (table["series"] == "hysteresis")]
+        x, y = (rows.iloc[:, column].to_numpy(float) for column in (3, 4))
+        near = abs(y - 0.9).argmin()
+        ax.text(x[near] * 0.95, y[near], "hysteresis", fontsize="small", ha="right")
+    return figure
+
+
+@style.context()
 def draw_oblique(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     """Draw curves against the angle of incidence, with the range of capture shaded.
 

@@ -1,0 +1,511 @@
+"""Other laws of contact on the same printed facts of steel on silicon.
+
+The ring force is one law of adhesion. Beside it stand JKR with viscous loss, the elastic-plastic
+contact of Thornton and Ning, and rate-independent hysteresis of adhesion. Each has its free
+parameters fitted to the same printed restitutions, with and without the printed capture velocity,
+and is then asked what the claims ask of the ring force.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import Annotated, Any, Literal
+
+import numpy as np
+import pandas as pd
+from pydantic import Field
+
+from microimpact.core.arrays import FloatArray, Real
+from microimpact.core.tables import series_frame
+from microimpact.declared.parameters import CaseName, Count, Keyed, Name, NonNegative, Positive
+from microimpact.lab.contacts import calibrated_contact
+from microimpact.model.contact import Contact, resized
+from microimpact.model.contact_laws import JKR, ContactLaw, Hysteresis, ThorntonNing
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import PULL_OFF, simulate
+from microimpact.model.dynamics.normal import normal_impact
+
+NEEDS = {"calibration": ("calibration",)}
+
+_frame = partial(series_frame, x_unit="m_per_s", y_unit="1")
+
+# Free parameters of a law besides the work of adhesion, and the unit of each in a table.
+FREE = {
+    "ring force": ("hertz_damping_s_per_m", "adhesion_damping_s_per_m"),
+    "jkr": ("viscous_time_ns",),
+    "thornton-ning": ("yield_pressure_GPa",),
+    "hysteresis": ("unloading_over_loading_work",),
+}
+WORK = "work_of_adhesion_J_per_m2"
+UNITS = {
+    WORK: "J/m2",
+    "hertz_damping_s_per_m": "s/m",
+    "adhesion_damping_s_per_m": "s/m",
+    "viscous_time_ns": "ns",
+    "yield_pressure_GPa": "GPa",
+    "unloading_over_loading_work": "-",
+}
+TARGETS = ("with v_c", "without v_c")
+
+# Relative step of elasticities, and steps of a logarithm: of a slope, and to the end of a range.
+STEP, SLOPE_STEP, AT_END = 0.01, 1e-5, 0.01
+# An interval of the angle in which the impulse ratio is looked at, degrees.
+ANGLE_STEP = 0.125
+
+OpenShare = Annotated[float, Field(gt=0, lt=1)]
+Span = Annotated[tuple[Positive, Positive], Field()]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Law:
+    """A law by the name it has here, and the rate exponent of its damping, if it has one."""
+
+    name: Name
+    law: Literal["ring force", "jkr", "thornton-ning", "hysteresis"]
+    rate_exponent: NonNegative = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ranges:
+    """Where each free parameter is sought, from and to."""
+
+    work_of_adhesion_J_per_m2: Span  # noqa: N815
+    hertz_damping_s_per_m: Span
+    adhesion_damping_s_per_m: Span
+    viscous_time_ns: Span
+    yield_pressure_GPa: Span  # noqa: N815
+    unloading_over_loading_work: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Fact:
+    """A printed restitution, at a total speed and an angle of incidence, and its error."""
+
+    name: Name
+    restitution: Positive
+    error: Positive
+    speed_m_per_s: Positive
+    angle_deg: Annotated[float, Field(gt=0, le=90)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OtherPair:
+    """A pair of which the capture velocity is printed: the work that it needs, by each law."""
+
+    case: CaseName
+    capture_velocity_m_per_s: Positive
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Criteria:
+    """What the claims ask of a contact, as numbers."""
+
+    fall_speed_m_per_s: Positive
+    about: OpenShare
+    negligible_share: OpenShare
+    share_speeds_in_v_c: tuple[Positive, ...]
+    diameters_um: Annotated[tuple[Positive, ...], Field(min_length=2)]
+    compared_diameters_um: tuple[Positive, Positive]
+    duration_speeds_m_per_s: tuple[Positive, ...]
+    durations_ns: tuple[Positive, Positive]
+    plateau_angle_deg: Positive
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params:
+    """The contact, its laws, the facts they are fitted to, and how parameters are sought.
+
+    A grid of ``points`` per parameter spans the ranges; least squares begin at its ``starts`` best.
+    """
+
+    case: CaseName
+    laws: Annotated[tuple[Law, ...], Keyed("name")]
+    ranges: Ranges
+    facts: Annotated[tuple[Fact, ...], Keyed("name")]
+    plateau_speed_m_per_s: Positive
+    capture_velocity_m_per_s: Positive
+    capture_velocity_error_m_per_s: Positive
+    criteria: Criteria
+    other_pair: OtherPair
+    points: Annotated[int, Field(ge=3)]
+    starts: Count
+    slowest_drawn_m_per_s: Positive
+    fastest_drawn_m_per_s: Positive
+    drawn_points: Annotated[int, Field(ge=10)]
+
+    def __post_init__(self) -> None:
+        """Refuse empty ranges."""
+        for name in Ranges.__slots__:
+            low, high = getattr(self.ranges, name)
+            if not low < high:
+                raise ValueError(f"ranges.{name}: {low:g} must be below {high:g}")
+        if self.slowest_drawn_m_per_s >= self.fastest_drawn_m_per_s:
+            raise ValueError(
+                f"slowest_drawn_m_per_s {self.slowest_drawn_m_per_s:g} must be below "
+                f"fastest_drawn_m_per_s {self.fastest_drawn_m_per_s:g}"
+            )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Fit:
+    """A law fitted to the facts: its contact, parameters, and root mean square of the misfits."""
+
+    law: Law
+    targets: str
+    contact: Contact
+    parameters: Mapping[str, float]
+    misfit: float
+    at_end: tuple[str, ...]
+
+
+def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+    """Fit every law, and ask it what the claims ask.
+
+    Parameters
+    ----------
+    params
+        Parameters of the study.
+    inputs
+        ``calibration``, table of that study, and ``materials``, declared rows.
+
+    Returns
+    -------
+    mapping
+        ``contact_law_fits``: parameters, misfit and capture velocity of every law, fitted with and
+        without the printed capture velocity; works of adhesion of another pair.
+        ``contact_law_facts``: what each gives for every printed fact and criterion, and whether
+        that meets it. ``contact_law_claims``: by which laws each is met.
+        ``contact_law_curves``: restitution against speed in m/s.
+    """
+    base = calibrated_contact(inputs, params.case)
+    fits = [fitted(params, base, law, targets) for targets in TARGETS for law in params.laws]
+    facts = pd.DataFrame([row for fit in fits for row in fact_rows(params, fit)])
+    return {
+        "contact_law_fits": pd.DataFrame(
+            [row for fit in fits for row in _fit_rows(fit)] + needed_works(params, inputs)
+        ),
+        "contact_law_facts": facts,
+        "contact_law_claims": by_claim(facts),
+        "contact_law_curves": curves(params, fits),
+    }
+
+
+def contact_of(base: Contact, law: Law, parameters: Mapping[str, Real]) -> Contact:
+    """Return the contact of a law with these parameters, numbers or arrays."""
+    work = parameters[WORK]
+    fields: dict[str, Any] = {
+        "particle": base.particle,
+        "surface": base.surface,
+        "diameter": base.diameter,
+        "friction": base.friction,
+        "work_of_adhesion": work,
+    }
+    if law.law == "ring force":
+        fields |= {
+            "hertz_damping": parameters["hertz_damping_s_per_m"],
+            "adhesion_damping": parameters["adhesion_damping_s_per_m"],
+            "adhesion_rate_exponent": law.rate_exponent,
+            "reference_velocity": base.reference_velocity,
+        }
+    else:
+        (value,) = (parameters[name] for name in FREE[law.law])
+        records: dict[str, ContactLaw] = {
+            "jkr": JKR(viscous_time=value * 1e-9),
+            "thornton-ning": ThorntonNing(yield_pressure=value * 1e9),
+            "hysteresis": Hysteresis(unloading_work=work * np.maximum(value, 1.0)),
+        }
+        fields["law"] = records[law.law]
+    return Contact(**fields)
+
+
+def fitted(params: Params, base: Contact, law: Law, targets: str) -> Fit:
+    """Fit the free parameters of a law: least squares from the best places of a grid."""
+    from scipy.optimize import least_squares
+
+    names = (WORK, *FREE[law.law])
+    low, high = np.log([getattr(params.ranges, name) for name in names]).T
+
+    def off(logs: FloatArray) -> FloatArray:
+        values = dict(zip(names, np.exp(np.clip(logs, low, high)).T, strict=True))
+        return misfits(params, contact_of(base, law, values), targets)
+
+    def slopes(logs: FloatArray) -> FloatArray:
+        steps = SLOPE_STEP * np.eye(len(names))
+        ahead, behind = np.split(off(np.concatenate([logs + steps, logs - steps])), 2)
+        return np.asarray((ahead - behind).T / (2.0 * SLOPE_STEP))
+
+    axes = [np.linspace(*ends, params.points) for ends in zip(low, high, strict=True)]
+    grid = np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
+    starts = grid[np.argsort(np.sum(np.square(off(grid)), axis=1))[: params.starts]]
+    inner = 1e-6 * (high - low)
+
+    def alone(logs: FloatArray) -> FloatArray:
+        return np.asarray(off(logs[None])[0])
+
+    found = [
+        least_squares(alone, np.clip(start, low + inner, high - inner), slopes, bounds=(low, high))
+        for start in starts
+    ]
+    best = found[int(np.argmin([each.cost for each in found]))]
+    parameters = dict(zip(names, np.exp(best.x).tolist(), strict=True))
+    near = np.minimum(best.x - low, high - best.x) < AT_END
+    return Fit(
+        law=law,
+        targets=targets,
+        contact=contact_of(base, law, parameters),
+        parameters=parameters,
+        misfit=float(np.sqrt(np.mean(np.square(best.fun)))),
+        at_end=tuple(name for name, reached in zip(names, near, strict=True) if reached),
+    )
+
+
+def misfits(params: Params, contact: Contact, targets: str) -> FloatArray:
+    """Misfits (n, facts) of contacts (n,) in units of the errors."""
+    speed = np.array([_normal_speed(fact) for fact in params.facts])
+    value = np.array([fact.restitution for fact in params.facts])
+    error = np.array([fact.error for fact in params.facts])
+    e = normal_impact(_with_axis(contact), speed).coefficient_of_restitution
+    off = (e - value) / error
+    if targets == TARGETS[0]:
+        limit = np.minimum(np.asarray(capture_velocity(contact)), params.fastest_drawn_m_per_s)
+        missed = (limit - params.capture_velocity_m_per_s) / params.capture_velocity_error_m_per_s
+        off = np.concatenate([off, missed[:, None]], axis=1)
+    return np.asarray(off)
+
+
+def _with_axis(contact: Contact) -> Contact:
+    """Return contacts (n,) with an axis for speeds."""
+    law = contact.law
+    if law is None:
+        wide = ("work_of_adhesion", "hertz_damping", "adhesion_damping")
+        return contact.replace(**{name: getattr(contact, name)[:, None] for name in wide})
+    changed = type(law)(**{name: np.asarray(v)[:, None] for name, v in law.parameters.items()})
+    return contact.replace(work_of_adhesion=contact.work_of_adhesion[:, None], law=changed)  # type: ignore[index]
+
+
+def _normal_speed(fact: Fact) -> float:
+    return fact.speed_m_per_s * math.sin(math.radians(fact.angle_deg))
+
+
+def _fit_rows(fit: Fit) -> list[dict[str, object]]:
+    named: dict[str, object] = {"law": fit.law.name, "targets": fit.targets}
+    rows = [
+        named
+        | {
+            "quantity": name,
+            "value": value,
+            "unit": UNITS[name],
+            "at_end_of_range": "yes" if name in fit.at_end else "no",
+        }
+        for name, value in fit.parameters.items()
+    ]
+    found = {
+        "root_mean_square_misfit": (fit.misfit, "-"),
+        "capture_velocity": (float(capture_velocity(fit.contact)), "m/s"),
+        "exponent_of_the_diameter": (_elasticity(fit.contact, "diameter"), "-"),
+    }
+    for name, (value, unit) in found.items():
+        rows.append(
+            named | {"quantity": name, "value": value, "unit": unit, "at_end_of_range": "no"}
+        )
+    return rows
+
+
+def needed_works(params: Params, inputs: Mapping[str, pd.DataFrame]) -> list[dict[str, object]]:
+    """Return works of adhesion, J/m2, that give another pair its capture velocity by each law.
+
+    By JKR the bulk is elastic; by hysteresis the contact does not pull while it closes. Both
+    capture velocities go with the power 5/6 of the work. Of the ring force it is that of the case.
+    """
+    base = calibrated_contact(inputs, params.other_pair.case)
+    fields: dict[str, Any] = {
+        "particle": base.particle,
+        "surface": base.surface,
+        "diameter": base.diameter,
+    }
+    alone: dict[str, Contact] = {
+        "JKR, elastic": Contact(**fields, work_of_adhesion=1.0, law=JKR()),
+        "hysteresis": Contact(**fields, work_of_adhesion=0.0, law=Hysteresis(unloading_work=1.0)),
+    }
+    wanted = params.other_pair.capture_velocity_m_per_s
+    works = {"ring force": float(base.work_of_adhesion)} | {  # type: ignore[arg-type]
+        name: float(wanted / capture_velocity(contact)) ** 1.2 for name, contact in alone.items()
+    }
+    return [
+        {
+            "law": name,
+            "targets": params.other_pair.case,
+            "quantity": WORK,
+            "value": work,
+            "unit": UNITS[WORK],
+            "at_end_of_range": "no",
+        }
+        for name, work in works.items()
+    ]
+
+
+def fact_rows(params: Params, fit: Fit) -> list[dict[str, object]]:
+    """Return what a fitted law gives for every fact and criterion, and whether it meets it."""
+    contact, asked = fit.contact, params.criteria
+    limit = float(capture_velocity(contact))
+    rows: list[dict[str, object]] = []
+
+    def add(fact: str, claim: str, unit: str, value: float, low: float, high: float) -> None:
+        rows.append(
+            {
+                "law": fit.law.name,
+                "targets": fit.targets,
+                "fact": fact,
+                "claim": claim,
+                "value": value,
+                "unit": unit,
+                "low": low,
+                "high": high,
+                "met": "yes" if low <= value <= high else "no",
+            }
+        )
+
+    def e(speed: float) -> float:
+        return float(normal_impact(contact, speed).coefficient_of_restitution)
+
+    for fact in params.facts:
+        low, high = fact.restitution - fact.error, fact.restitution + fact.error
+        add(f"restitution, {fact.name}", "-", "-", e(_normal_speed(fact)), low, high)
+    fastest = max(_normal_speed(fact) for fact in params.facts)
+    plateau = np.geomspace(params.plateau_speed_m_per_s, fastest, 20)
+    flat = normal_impact(contact, plateau).coefficient_of_restitution
+    add("relative change above the plateau speed", "C05", "-",
+        float(np.max(np.abs(flat / flat[-1] - 1.0))), 0.0, asked.about)  # fmt: skip
+    add("relative fall at a low speed", "C05", "-",
+        1.0 - e(asked.fall_speed_m_per_s) / float(flat[-1]), asked.about, 1.0)  # fmt: skip
+    error, printed = params.capture_velocity_error_m_per_s, params.capture_velocity_m_per_s
+    add("capture velocity", "C36", "m/s", limit, printed - error, printed + error)
+    small, large = (
+        float(capture_velocity(resized(contact, d * 1e-6))) for d in asked.compared_diameters_um
+    )
+    add("capture velocity of large over small", "C07", "-", large / small, 0.0, 0.999)
+    add("elasticity of v_c to work of adhesion", "C57", "-",
+        _elasticity(contact, "work_of_adhesion"), 0.001, math.inf)  # fmt: skip
+    add("elasticity of v_c to diameter", "C57", "-",
+        _elasticity(contact, "diameter"), -math.inf, -0.001)  # fmt: skip
+    for ratio in asked.share_speeds_in_v_c:
+        share = adhesion_share(contact, ratio * limit)
+        add(f"adhesion's share of the loss at {ratio:g} v_c", "C27", "-", share, 0.0,
+            asked.negligible_share)  # fmt: skip
+    share = adhesion_share(contact, fastest)
+    add("adhesion's share of the loss at normal incidence", "C70", "-", share, 0.5, 1.0)
+    times = durations(params, contact)
+    low, high = asked.durations_ns
+    add("shortest contact", "C37", "ns", float(times.min()), low, math.inf)
+    add("longest contact", "C37", "ns", float(times.max()), 0.0, high)
+    bases = ("compressive",) if contact.law is None else ("compressive", PULL_OFF)
+    for basis in bases:
+        add(f"rise of the impulse ratio, {basis} force", "C23", "-",
+            rise(contact, fastest, asked.plateau_angle_deg, basis), 1.001, math.inf)  # fmt: skip
+    return rows
+
+
+def _elasticity(contact: Contact, name: str) -> float:
+    """Logarithmic derivative of the capture velocity; works of adhesion change together."""
+    ends = []
+    for factor in (1.0 - STEP, 1.0 + STEP):
+        if name == "diameter":
+            changed = resized(contact, contact.diameter * factor)
+        else:
+            law = contact.law
+            if isinstance(law, Hysteresis):
+                law = Hysteresis(unloading_work=law.unloading_work * factor)
+            changed = contact.replace(work_of_adhesion=contact.work_of_adhesion * factor, law=law)  # type: ignore[operator]
+        ends.append(float(capture_velocity(changed)))
+    return math.log(ends[1] / ends[0]) / math.log((1.0 + STEP) / (1.0 - STEP))
+
+
+def adhesion_share(contact: Contact, speed: float) -> float:
+    """Share of the energy lost that is lost to adhesion."""
+    impact = normal_impact(contact, speed, ledger=contact.law is None)
+    if impact.ledger is not None:
+        bulk, adhesion = impact.ledger.hertz_work, impact.ledger.adhesion_work
+    else:
+        assert impact.losses is not None
+        bulk, adhesion = impact.losses.bulk, impact.losses.adhesion
+    return float(adhesion / (bulk + adhesion))
+
+
+def durations(params: Params, contact: Contact) -> FloatArray:
+    """Contact times in ns of all rebounds over the sizes and speeds of the criterion."""
+    asked, times = params.criteria, []
+    for diameter in asked.diameters_um:
+        speed = np.array(asked.duration_speeds_m_per_s)
+        times.append(normal_impact(resized(contact, diameter * 1e-6), speed).contact_time)
+    found = np.concatenate(times) * 1e9
+    return np.asarray(found[np.isfinite(found)])
+
+
+def rise(contact: Contact, speed: float, plateau_angle: float, basis: str) -> float:
+    """Impulse ratio at the shallowest angle of a rebound over that at the plateau's end."""
+    angle = np.arange(ANGLE_STEP, plateau_angle + 0.5 * ANGLE_STEP, ANGLE_STEP)
+    impact = simulate(contact, speed, angle, friction_basis=basis)
+    shallowest = int(np.argmin(impact.captured))
+    return float(impact.impulse_ratio[shallowest] / impact.impulse_ratio[-1])
+
+
+def by_claim(facts: pd.DataFrame) -> pd.DataFrame:
+    """Return, per fact and targets, which laws meet it, and whether that hangs on the law."""
+    rows = []
+    for (targets, claim, fact), part in facts.groupby(["targets", "claim", "fact"], sort=False):
+        met = part.loc[part["met"] == "yes", "law"].tolist()
+        rest = part.loc[part["met"] == "no", "law"].tolist()
+        rows.append(
+            {
+                "targets": targets,
+                "claim": claim,
+                "fact": fact,
+                "met_by": "; ".join(met) or "none",
+                "not_met_by": "; ".join(rest) or "none",
+                "hangs_on_the_law": "yes" if met and rest else "no",
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def curves(params: Params, fits: list[Fit]) -> pd.DataFrame:
+    """Return restitution against normal speed of every fit, and the printed facts."""
+    frames = []
+    speed = np.geomspace(
+        params.slowest_drawn_m_per_s, params.fastest_drawn_m_per_s, params.drawn_points
+    )
+    for fit in fits:
+        limit = float(capture_velocity(fit.contact))
+        own = np.union1d(speed, [limit]) if math.isfinite(limit) else speed
+        e = normal_impact(fit.contact, own).coefficient_of_restitution
+        e = np.where(own > limit, e, 0.0)
+        frames.append(
+            _frame(panel=fit.targets, series=fit.law.name, evidence="calibrated", x=own, y=e)
+        )
+    value = np.array([fact.restitution for fact in params.facts])
+    error = np.array([fact.error for fact in params.facts])
+    for targets in TARGETS:
+        frames.append(
+            _frame(
+                panel=targets,
+                series="printed restitution",
+                evidence="printed",
+                x=[_normal_speed(fact) for fact in params.facts],
+                y=value,
+                y_low=value - error,
+                y_high=value + error,
+            )
+        )
+        frames.append(
+            _frame(
+                panel=targets,
+                series="printed capture velocity",
+                evidence="printed",
+                x=[params.capture_velocity_m_per_s],
+                y=[0.0],
+            )
+        )
+    return pd.concat(frames, ignore_index=True)
