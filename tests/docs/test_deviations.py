@@ -11,7 +11,8 @@ from tests.docs.blocks import ROOT
 
 from microimpact.cli import commands
 from microimpact.ledgers.claims.criteria import read_claims
-from microimpact.ledgers.claims.deviations import CLAIM_VERDICTS, deviations, in_words, readable
+from microimpact.ledgers.claims.deviations import CLAIM_VERDICTS, deviations
+from microimpact.ledgers.claims.words import in_words, readable
 
 REFERENCE = ROOT / "tests/reference/full"
 CRITERIA = ROOT / "config/claims.yaml"
