@@ -38,11 +38,6 @@ def losses(*, rotation: bool) -> Facts:
     return {omega: 0, T_L: lost, **{name: value.subs(omega, 0) for name, value in before.items()}}
 
 
-def loss_as_number() -> Facts:
-    """Loss as Eq. (3) defines it."""
-    return {T_L: (v**2 - V**2) / v**2}
-
-
 @cache
 def works() -> Facts:
     """Work of each impulse of rebound, the integral of velocity over impulse.
@@ -67,11 +62,6 @@ def balance() -> Facts:
     """Loss through adhesion: all that is lost less what the body alone would lose (Eq. 17)."""
     kept = works()[e] ** 2
     return {W_A: (R**2 - kept) * m * v_n**2 / 2}
-
-
-def at_capture() -> Facts:
-    """Loss through adhesion where nothing rebounds."""
-    return {W_A: balance()[W_A].subs(rho, 1)}
 
 
 def _power(form: Form, _: Case) -> bool:
@@ -137,7 +127,7 @@ EQUATIONS = (
         "2*T_L/(m*v**2) = (v**2 - V**2)/v**2",
         used=("article", "T_L = (v**2 - V**2)/v**2"),
         means={"T_L": ""},
-        derivation=follows("Eq. (3)", loss_as_number),
+        derivation=follows("Eq. (3)", lambda: {T_L: (v**2 - V**2) / v**2}),
         reason="T_L of Eq. (3) is already dimensionless; it must not be divided by m v^2/2 again.",
         function="microimpact.model.rigid_body.algebra.energy_loss",
     ),
@@ -199,7 +189,9 @@ EQUATIONS = (
         "3.1.3 capture work",
         "W_A = R**2*m*v_n**2/z",
         used=("scan", "W_A = R**2*m*v_n**2/2"),
-        derivation=follows("balance of Eq. (17) at rho = 1", at_capture),
+        derivation=follows(
+            "balance of Eq. (17) at rho = 1", lambda: {W_A: balance()[W_A].subs(rho, 1)}
+        ),
         reason="The letter z is a misread digit 2.",
         function="microimpact.model.rigid_body.algebra.adhesion_work",
         implementation=lambda x: _lost(x, 1.0),

@@ -40,16 +40,6 @@ def free_fall() -> Facts:
     }
 
 
-def from_rest() -> Facts:
-    """Speed after a fall from rest through the height h."""
-    return {v: free_fall()[v].subs(v_probe, 0)}
-
-
-def kinetic() -> Facts:
-    """Loss of translational kinetic energy over that before impact."""
-    return {T_L: (m * v**2 / 2 - m * V**2 / 2) / (m * v**2 / 2)}
-
-
 @cache
 def rolling_loss() -> sympy.Expr:
     """Translational loss of a sphere that arrives at an angle without spin and leaves rolling."""
@@ -63,11 +53,6 @@ def rolling_loss() -> sympy.Expr:
 def normal_incidence() -> Facts:
     """What happens at 90 degrees without spin: no tangential impulse, loss by the limit."""
     return {T_L: rolling_loss().subs(alpha, sympy.pi / 2), omega: 0, Omega: 0, V: e * v}
-
-
-def no_spin() -> Facts:
-    """Ratio of the components of a velocity at the angle alpha."""
-    return {eta: sympy.cos(alpha) / -sympy.sin(alpha)}
 
 
 def _growth(form: Form, _: Case) -> bool:
@@ -96,7 +81,7 @@ EQUATIONS = (
     Equation(
         "2.1 fall",
         "v = sqrt(2*g*h)",
-        derivation=follows("energy of free fall", from_rest),
+        derivation=follows("energy of free fall", lambda: {v: free_fall()[v].subs(v_probe, 0)}),
         reason="Heights of 0.01 to 1.0 m give 0.44 to 4.4 m/s, as the text says.",
         function="microimpact.lab.dispenser.drop_height",
     ),
@@ -145,7 +130,9 @@ EQUATIONS = (
     Equation(
         "3",
         "T_L = (v**2 - V**2)/v**2",
-        derivation=follows("kinetic energies", kinetic),
+        derivation=follows(
+            "kinetic energies", lambda: {T_L: (m * v**2 / 2 - m * V**2 / 2) / (m * v**2 / 2)}
+        ),
         reason="Dimensionless, and translational only; Eqs. (14) and (17) use the symbol for "
         "an energy in joules.",
         function="microimpact.model.rigid_body.algebra.energy_loss",
@@ -193,7 +180,9 @@ EQUATIONS = (
         "2.4.2 eta",
         "eta = atan(alpha)",
         used=("scan or article", "eta = -cot(alpha)"),
-        derivation=follows("components of a velocity", no_spin),
+        derivation=follows(
+            "components of a velocity", lambda: {eta: -sympy.cos(alpha) / sympy.sin(alpha)}
+        ),
         reason="The raised -1 means 1/tan here, and the minus sign follows from v_n < 0.",
         function="microimpact.model.dynamics.impact.velocity_components",
         consequence=Consequence(
