@@ -82,13 +82,14 @@ class Rests(NamedTuple):
 
 # ---- What is known of the project: the declared document, what rests on it, and how to run that.
 
-TABLES = ("materials", "contacts", "printed_values")
+TABLES = ("materials", "contacts", "printed_values", "external")
 NUMBERS = ("value", "low", "high")
 # The columns that name a row of each table.
 NAMES = {
     "materials": ("material", "property"),
     "contacts": ("particle", "surface", "property"),
     "printed_values": ("key",),
+    "external": ("name", "quantity", "reading", "at"),
 }
 # It repeats all values.
 REPEATING = "declared_inputs"

@@ -112,7 +112,7 @@ BODIES = {"steel-formica": ("stainless-steel-316", "formica")}
 @pytest.fixture(scope="module")
 def declared():
     root = Path(__file__).parents[2] / "config"
-    files = ("materials.csv", "contacts.csv", "printed_values.csv")
+    files = ("materials.csv", "contacts.csv", "printed_values.csv", "external.csv")
     return selection.read_all(*(str(root / name) for name in files))
 
 

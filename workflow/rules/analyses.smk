@@ -101,6 +101,31 @@ use rule study as particle_separation with:
         **of("particle_separation"),
 
 
+use rule study as oblique_data with:
+    """tables/oblique_*.csv, tangential_bounds.csv: measured oblique impacts against the laws."""
+    input:
+        **needs("oblique_data"),
+    output:
+        **tables("oblique_comparison", "oblique_residuals", "tangential_bounds"),
+        **data("oblique_velocity", "oblique_spin", "contact_point"),
+    pathvars:
+        name="oblique_data",
+    params:
+        **of("oblique_data"),
+
+
+use rule study as external_evidence with:
+    """tables/external_evidence.csv: facts that others found beside what the model gives."""
+    input:
+        **needs("external_evidence"),
+    output:
+        **tables("external_evidence"),
+    pathvars:
+        name="external_evidence",
+    params:
+        **of("external_evidence"),
+
+
 use rule study as digitised_comparison with:
     """tables/digitised_residuals.csv: digitised points against the series of their panels."""
     input:

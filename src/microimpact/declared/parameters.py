@@ -91,6 +91,7 @@ MaterialName = Annotated[Name, Names("materials")]
 CounterpartName = Annotated[Name, Names("contacts", beside="particle"), Names("materials")]
 CaseName = Annotated[Name, Names("cases")]
 PrintedName = Annotated[Name, Names("printed_values")]
+ExternalName = Annotated[Name, Names("external")]
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,6 +30,12 @@ MATERIAL_COLUMNS = (
 )
 CONTACT_COLUMNS = ("particle", "surface", "property", "value", "unit", "evidence", "source")
 PRINTED_COLUMNS = ("key", "value", "low", "high", "unit", "where", "note")
+EXTERNAL_COLUMNS = (
+    *("name", "quantity", "reading", "at", "at_unit"),
+    *("value", "low", "high", "unit", "reading_error", "evidence", "source"),
+)
+# Columns of numbers that may be empty; so may a value beside both ends.
+_OPTIONAL = {"low", "high", "at", "reading_error"}
 
 
 class SelectionError(ValueError):
@@ -80,7 +86,7 @@ def read_declared(
     columns
         The header it must have, in this order.
     numbers
-        Columns that hold numbers; ``low`` and ``high`` may be empty, and ``value`` beside both.
+        Columns that hold numbers; those of `_OPTIONAL` may be empty, and ``value`` beside a range.
 
     Raises
     ------
@@ -114,7 +120,7 @@ def _problems(row: Mapping[Any, Any], numbers: Sequence[str]) -> Iterator[str]:
         return
     is_range = bool(row.get("low") and row.get("high"))
     for column in numbers:
-        may_be_empty = column in {"low", "high"} or is_range
+        may_be_empty = column in _OPTIONAL or is_range
         if not (may_be_empty and not row[column]) and not finite_number(row[column]):
             yield f"{column} {row[column]!r} must be a finite number"
     if "evidence" in row and row["evidence"] not in EVIDENCE:
@@ -138,6 +144,7 @@ class DeclaredTables:
     materials: DeclaredTable
     contacts: DeclaredTable
     printed_values: DeclaredTable
+    external: DeclaredTable
 
     def printed(self) -> dict[str, Declared | dict[str, Declared]]:
         """Return the printed values to be referred to; a range by its ends, or as a list."""
@@ -159,6 +166,7 @@ class DeclaredTables:
             "materials": (self.materials, ("material",)),
             "contacts": (self.contacts, ("particle", "surface")),
             "printed_values": (self.printed_values, ("key",)),
+            "external": (self.external, ("name",)),
         }
         return {sort: (table.path, table.known(*by)) for sort, (table, by) in sorts.items()}
 
@@ -187,6 +195,7 @@ class DeclaredTables:
             "materials": self.materials.where(wanted.get("materials", ()), "material"),
             "contacts": self.contacts.where(wanted.get("contacts", ()), "particle", "surface"),
             "anchors": self.printed_values.where(wanted.get("printed_values", ()), "key"),
+            "external": self.external.where(wanted.get("external", ()), "name"),
         }
         return {name: text for name, text in tables.items() if text.count("\n") > 1}
 
@@ -207,10 +216,11 @@ class DeclaredTables:
             "declared": DeclaredTable("", columns, rows).text(),
             **self.contact_rows(),
             "printed_values": self.printed_values.text(),
+            "external": self.external.text(),
         }
 
 
-def read_all(materials: str, contacts: str, printed_values: str) -> DeclaredTables:
+def read_all(materials: str, contacts: str, printed_values: str, external: str) -> DeclaredTables:
     """Read the declared tables.
 
     Raises
@@ -223,4 +233,5 @@ def read_all(materials: str, contacts: str, printed_values: str) -> DeclaredTabl
         read_declared(materials, MATERIAL_COLUMNS, bounded),
         read_declared(contacts, CONTACT_COLUMNS),
         read_declared(printed_values, PRINTED_COLUMNS, bounded),
+        read_declared(external, EXTERNAL_COLUMNS, (*bounded, "at", "reading_error")),
     )

@@ -41,6 +41,7 @@ class General:
     materials: Name
     contacts: Name
     printed_values: Name
+    external: Name
     figures: Name
     claims: Name
     digitised: Name
@@ -74,7 +75,7 @@ class Settings:
     unused: tuple[str, ...]
 
 
-TABLES = ("materials", "contacts", "printed_values")
+TABLES = ("materials", "contacts", "printed_values", "external")
 CALIBRATION = "calibration"
 GENERAL = tuple(f.name for f in fields(General))
 _BODIES = ("particle", "surface")

@@ -15,7 +15,7 @@ from microimpact.core.tables import parse_table, read_table
 from microimpact.declared.parameters import build
 from microimpact.declared.references import merged
 from microimpact.declared.selection import NamedTables
-from microimpact.run.config import Settings, read_configuration, validate
+from microimpact.run.config import TABLES, Settings, read_configuration, validate
 from microimpact.run.inputs import study_rows
 
 if TYPE_CHECKING:
@@ -168,5 +168,4 @@ def _settings(name: str, changes: str) -> Settings:
 def _shipped() -> dict[str, Any]:
     """Return the configuration of a project or of an installed package, wherever that is."""
     base = read_configuration(declared_file("config.yaml").parent)
-    tables = ("materials", "contacts", "printed_values")
-    return base | {key: str(declared_file(Path(base[key]).name)) for key in tables}
+    return base | {key: str(declared_file(Path(base[key]).name)) for key in TABLES}

@@ -32,7 +32,7 @@ CLAIM_COLUMNS = (
 # Of a ledger of claims; those of earlier versions have none of these.
 LATER_COLUMNS = ("margin", "code", "inputs", "reason")
 # Tables that the page of claims shows below them.
-BESIDE = ("rival_explanations", "capture_evidence")
+BESIDE = ("rival_explanations", "capture_evidence", "external_evidence")
 EQUATION_COLUMNS = (
     *("equation", "section", "printed", "used", "verdict", "kind_of_slip", "reason", "function"),
     *("consequence", "consequence_value", "consequence_unit", "derivation_printed"),

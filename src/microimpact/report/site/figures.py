@@ -19,7 +19,12 @@ from microimpact.report.site.record import Record, Rule
 ARTICLE = re.compile(r"fig(\d\d)")
 ACRONYMS = {"ptis", "pdpa"}
 # Names of the declared tables in a study, and those of their files.
-TABLES = {"materials": "materials", "contacts": "contacts", "anchors": "printed_values"}
+TABLES = {
+    "materials": "materials",
+    "contacts": "contacts",
+    "anchors": "printed_values",
+    "external": "external",
+}
 _MICROMETRE = re.compile(r"\bum\b")
 _ITEM = re.compile(r"\[\d+\]$")
 
@@ -232,7 +237,9 @@ def studies_behind(claim: Row, record: Record) -> set[str]:
 
 
 def owner(row: Row) -> str:
-    """Return the material, contact or printed value that a row of the inputs belongs to."""
+    """Return the material, contact, printed value or source that a row of the inputs belongs to."""
+    if row["file"] == "external":
+        return row["key"].partition(".")[0]
     return row["key"].rpartition(".")[0] or row["key"]
 
 

@@ -36,6 +36,11 @@ CLAIM_VERDICTS = {
     "not testable": "mute",
     "not computed": "mute",
 }
+EXTERNAL_VERDICTS = {
+    "agrees with independent data": "good",
+    "disagrees with independent data": "bad",
+    "not computed": "mute",
+}
 EQUATION_VERDICTS = {
     "correct": "good",
     "definition": "fitted",

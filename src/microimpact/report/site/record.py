@@ -28,7 +28,7 @@ from microimpact.run.stamp import Change, changes, git_state, package_versions
 RECORD = "report/record.json"
 STAMP = "run.json"
 # Columns that name a row of a declared table.
-_ROW_NAMES = ("material", "particle", "surface", "key")
+_ROW_NAMES = ("material", "particle", "surface", "key", "name")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -120,7 +120,7 @@ def record_of(
 def row_names(rows: Mapping[str, str] | None) -> dict[str, tuple[str, ...]]:
     """Return which rows of each declared table a rule is given, from the tables as CSV.
 
-    A material and a printed value have their name, a contact ``particle on surface``.
+    A material, a printed value and a source have their name, a contact ``particle on surface``.
     """
     names = {}
     for table, text in (rows or {}).items():

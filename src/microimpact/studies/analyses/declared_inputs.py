@@ -27,16 +27,18 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
         Not used.
     inputs
         ``declared``: rows of the merged configuration (key, value, unit, evidence, source);
-        ``materials``, ``contacts``, ``printed_values``: the declared tables in full.
+        ``materials``, ``contacts``, ``printed_values``, ``external``: the declared tables in full.
 
     Returns
     -------
     mapping
         ``inputs``: columns file, key, value, low, high, unit, evidence, source.
     """
-    printed, materials, contacts = (
-        inputs[name].copy() for name in ("printed_values", "materials", "contacts")
+    printed, materials, contacts, external = (
+        inputs[name].copy() for name in ("printed_values", "materials", "contacts", "external")
     )
+    names = external[["name", "quantity", "reading", "at"]].to_numpy()
+    external["key"] = [".".join(_text(v) for v in row if pd.notna(v)) for row in names]
     materials["key"] = materials["material"] + "." + materials["property"]
     contacts["key"] = (
         contacts["particle"] + " on " + contacts["surface"] + "." + contacts["property"]
@@ -48,12 +50,17 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
         "materials": materials,
         "contacts": contacts,
         "printed_values": printed,
+        "external": external,
     }
     rows = [part.assign(file=name).reindex(columns=COLUMNS) for name, part in parts.items()]
     table = pd.concat([row.astype(object) for row in rows], ignore_index=True)
     for column in ("value", "low", "high"):
         table[column] = pd.Series([_whole(v) for v in table[column]], dtype=object)
     return {"inputs": table}
+
+
+def _text(value: object) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def _whole(value: object) -> object:

@@ -1,0 +1,332 @@
+"""What others found, fact by fact, beside what the model gives for the contacts of this study.
+
+Of Wall, Arffman, Brach and Li only the abstracts are known. A fact that comes as words bounds a
+number from one side; what the words leave open is a declared criterion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Annotated, Any
+
+import numpy as np
+import pandas as pd
+from pydantic import Field
+
+from microimpact.core.arrays import FloatArray
+from microimpact.declared.parameters import (
+    AngleDegrees,
+    CaseName,
+    ExternalName,
+    NonNegative,
+    Positive,
+)
+from microimpact.lab.contacts import calibrated_contact
+from microimpact.model.contact import Contact, resized
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import TANGENTIAL_LAWS, simulate
+
+NEEDS = {
+    "calibration": ("calibration",),
+    "doe": ("doe_levels", "doe_effects"),
+    "monte_carlo": ("monte_carlo",),
+    "oblique_data": ("oblique_residuals",),
+}
+
+AGREES, DISAGREES = "agrees with independent data", "disagrees with independent data"
+
+COLUMNS = [
+    *("fact", "source", "quantity", "contact", "unit"),
+    *("measured", "low", "high", "computed", "agreement"),
+]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spin:
+    """A sphere that rolls off the surface, and how much of its speed its rim has before."""
+
+    case: CaseName
+    speed_m_per_s: Positive
+    angle_deg: AngleDegrees
+    ratio: Positive
+    significant: Positive
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params:
+    """The sources, the contacts that are compared with them, and what their words mean.
+
+    Parameters
+    ----------
+    external
+        Sources of the facts.
+    fluorescein, mica, silver
+        Contacts of fluorescein on molybdenum, the one on mica, and those that stand for silver.
+    molybdenum
+        The contact whose rebound is compared with that on mica.
+    rate_exponents
+        n of the adhesion damping; each contact keeps its capture velocity at its own diameter.
+    points
+        Diameters or speeds over a range.
+    same_restitution_within
+        Difference of e that would not be seen.
+    exponent_within
+        Half a unit of the last digit of an exponent; by more than this one power exceeds another.
+    spin
+        An impact with and without spin.
+    """
+
+    external: tuple[ExternalName, ...]
+    fluorescein: Annotated[tuple[CaseName, ...], Field(min_length=1)]
+    molybdenum: CaseName
+    mica: CaseName
+    silver: tuple[CaseName, ...]
+    rate_exponents: tuple[NonNegative, ...]
+    points: Annotated[int, Field(ge=2)]
+    same_restitution_within: Positive
+    exponent_within: Positive
+    spin: Spin
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """Declared rows of external evidence."""
+
+    rows: pd.DataFrame
+
+    def row(self, name: str, quantity: str) -> dict[str, Any]:
+        """Return the row of one fact; its numbers are floats."""
+        rows = self.rows
+        found = rows[(rows["name"] == name) & (rows["quantity"] == quantity)]
+        if len(found) != 1:
+            raise ValueError(f"external evidence {name}.{quantity}: {len(found)} rows, must be 1")
+        return {str(column): value for column, value in found.iloc[0].items()}
+
+
+def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+    """Put every fact beside the number that the model gives.
+
+    Parameters
+    ----------
+    params
+        Parameters of the study.
+    inputs
+        ``external``: the facts; ``materials`` and ``calibration``: the contacts; ``doe_levels``,
+        ``doe_effects``, ``monte_carlo``, ``oblique_residuals``: tables of those studies.
+
+    Returns
+    -------
+    mapping
+        ``external_evidence``: fact, source, quantity, contact, what was measured or its
+        bounds, what the model gives and whether it lies within them.
+    """
+    facts = Facts(inputs["external"])
+    rows = [
+        *_oblique(inputs["oblique_residuals"]),
+        *_fast_rebounds(params, inputs, facts),
+        *_sizes(params, inputs, facts),
+        *_factors(inputs["doe_levels"], inputs["doe_effects"], facts),
+        *_spin_and_roughness(params.spin, inputs, facts),
+    ]
+    table = pd.DataFrame(rows).reindex(columns=COLUMNS)
+    order = {fact: i for i, fact in enumerate(dict.fromkeys(table["fact"]))}
+    table = table.sort_values("fact", key=lambda facts: facts.map(order), kind="stable")
+    table["agreement"] = _agreement(table)
+    return {"external_evidence": table}
+
+
+def _agreement(table: pd.DataFrame) -> Any:
+    value = table["computed"]
+    outside = (value < table["low"]) | (value > table["high"])
+    return np.where(np.isfinite(value), np.where(outside, DISAGREES, AGREES), "not computed")
+
+
+def _oblique(residuals: pd.DataFrame) -> Iterator[dict[str, object]]:
+    """Yield the relative rms of each law, within the error of reading.
+
+    The spin and the velocity that were measured contradict each other by more than that; the spin
+    is taken to be known no better.
+    """
+    table = residuals[residuals["reading"] == "all"]
+    own = table[~table["law"].isin(TANGENTIAL_LAWS)].set_index(["quantity", "branch"])
+    rows: list[dict[Any, Any]] = table[table["law"].isin(TANGENTIAL_LAWS)].to_dict("records")
+    for row in rows:
+        quantity, branch = row["quantity"], row["branch"]
+        if quantity in {"tangential_restitution", "spin"}:
+            known = own["relative_rms"].get((quantity, branch), 0.0)
+            yield {
+                "fact": f"{quantity.replace('_', ' ')} where a rigid sphere would be {branch}",
+                "source": "Kharaz, Gorham and Salman 2001, Powder Technology 120:281",
+                "quantity": "relative rms of all points",
+                "contact": f"aluminium oxide on glass, {row['law']}",
+                "unit": "-",
+                "high": max(row["reading_error"], known),
+                "computed": row["relative_rms"],
+            }
+
+
+def _fast_rebounds(
+    params: Params, inputs: Mapping[str, pd.DataFrame], facts: Facts
+) -> Iterator[dict[str, object]]:
+    """Yield the energy lost at the highest speed, and the difference that the target makes."""
+    lost = facts.row("wall1990", "greatest_energy_loss")
+    for case in params.fluorescein:
+        e = simulate(calibrated_contact(inputs, case), float(lost["at"])).coefficient_of_restitution
+        yield {
+            "fact": "up to half the energy is lost at the highest speeds",
+            "source": lost["source"],
+            "quantity": f"energy lost at {lost['at']:g} m/s",
+            "contact": case,
+            "unit": "-",
+            "high": lost["value"],
+            "computed": float(1.0 - e**2),
+        }
+    free = facts.row("wall1990", "speed_without_influence_of_target")
+    fastest = facts.row("wall1990", "speed")["high"]
+    speed = np.geomspace(free["value"], fastest, params.points)
+    one, other = (
+        simulate(calibrated_contact(inputs, case), speed).coefficient_of_restitution
+        for case in (params.molybdenum, params.mica)
+    )
+    yield {
+        "fact": f"no influence of the target above {free['value']:g} m/s",
+        "source": free["source"],
+        "quantity": "largest difference of e",
+        "contact": f"{params.molybdenum}; {params.mica}",
+        "unit": "-",
+        "high": params.same_restitution_within,
+        "computed": float(np.max(np.abs(one - other))),
+    }
+
+
+def fall(contact: Contact, exponent: float, diameter: FloatArray) -> float:
+    """Return the power with which the capture velocity falls over some diameters (m).
+
+    The damping that a contact has at its own capture velocity is kept. Not a number where no speed
+    rebounds.
+    """
+    own = capture_velocity(contact.replace(adhesion_rate_exponent=0.0, reference_velocity=None))
+    rated = contact.replace(adhesion_rate_exponent=exponent, reference_velocity=float(own))
+    limits = np.log(capture_velocity(resized(rated, diameter)))
+    slope = -np.polyfit(np.log(diameter), limits, 1)[0] if np.isfinite(limits).all() else np.nan
+    return float(slope)
+
+
+def _sizes(
+    params: Params, inputs: Mapping[str, pd.DataFrame], facts: Facts
+) -> Iterator[dict[str, object]]:
+    """Yield the power of the diameter with which the capture velocity falls.
+
+    The damping of silver is not known, and that of a contact of this study would hold every sphere
+    of 20 nm; so it is asked over as wide a range, about the contact's own diameter.
+    """
+    least = facts.row("wall1990", "least_fall_of_capture_velocity")
+    power = facts.row("arffman2015", "fall_of_capture_velocity")
+    span, other = (facts.row(name, "diameter") for name in ("wall1990", "arffman2015"))
+    rows = facts.rows
+    ends = rows[(rows["name"] == "arffman2015") & (rows["quantity"] == "capture_velocity")]
+    change = np.ptp(np.log(ends[["value", "at"]].to_numpy(float)), axis=0)
+    bounds = [
+        *(power["value"] + params.exponent_within * np.array([-1.0, 1.0])),
+        change[0] / change[1],
+    ]
+    microns = 1e-6 * np.geomspace(span["low"], span["high"], params.points)
+    wide = np.geomspace(1.0, other["high"] / other["low"], params.points)
+    wide = wide / np.sqrt(wide[-1])
+    for name in dict.fromkeys((*params.fluorescein, *params.silver)):
+        contact = calibrated_contact(inputs, name)
+        for exponent in params.rate_exponents:
+            words = {"contact": f"{name.partition(', n =')[0]}, n = {exponent:g}", "unit": "-"}
+            if name in params.fluorescein:
+                yield words | {
+                    "fact": "capture velocity falls with size by more than the classical power",
+                    "source": least["source"],
+                    "quantity": f"power from {span['low']:g} to {span['high']:g} um",
+                    "low": least["value"] + params.exponent_within,
+                    "computed": fall(contact, exponent, microns),
+                }
+            if name in params.silver:
+                yield words | {
+                    "fact": "capture velocity of silver falls with size by this power",
+                    "source": power["source"],
+                    "quantity": f"power over a range of 1 to {other['high'] / other['low']:g}",
+                    "measured": power["value"],
+                    "low": min(bounds),
+                    "high": max(bounds),
+                    "computed": fall(contact, exponent, contact.diameter * wide),
+                }
+
+
+def _factors(
+    levels: pd.DataFrame, effects: pd.DataFrame, facts: Facts
+) -> Iterator[dict[str, object]]:
+    """Yield the lead of surface energy and radius, and the rank of one interaction, by design."""
+    lead = facts.row("brach2000", "lead_of_surface_energy_and_radius")
+    rank = facts.row("brach2000", "rank_of_their_interaction")
+    letters = dict(zip(levels["name"], levels["factor"], strict=True))
+    first = {letters["work_of_adhesion"], letters["radius"]}
+    both = "".join(sorted(letters[n] for n in ("work_of_adhesion", "adhesion_dissipation")))
+    full = effects[(effects["design"] == "full") & (effects["response"] == "v_c")]
+    for (case, variation), part in full.groupby(["case", "variation"], sort=False):
+        size = part.set_index("effect")["effect_percent"].abs()
+        others = sorted(set(letters.values()) - first)
+        pairs = ["".join(pair) for pair in combinations(sorted(letters.values()), 2)]
+        # factors without which a contact does without, as c_H = 0, have no effect
+        pairs = [pair for pair in pairs if pair in size]
+        contact = f"{case}; {variation} levels"
+        yield {
+            "fact": "surface energy and radius play by far the greatest part",
+            "source": lead["source"],
+            "quantity": "lesser effect of the two over the greatest other",
+            "contact": contact,
+            "unit": "-",
+            "low": lead["value"],
+            "computed": float(size[sorted(first)].min() / size[others].max()),
+        }
+        yield {
+            "fact": "one interaction plays a small part: surface energy with adhesion damping",
+            "source": rank["source"],
+            "quantity": "its rank among the interactions of two",
+            "contact": contact,
+            "unit": "-",
+            "measured": rank["value"],
+            "high": rank["value"],
+            "computed": float(1 + (size[pairs] > size[both]).sum()),
+        }
+
+
+def _spin_and_roughness(
+    spin: Spin, inputs: Mapping[str, pd.DataFrame], facts: Facts
+) -> Iterable[dict[str, object]]:
+    """Return the change that spin makes, and the apparent restitution of a rough surface."""
+    above = facts.row("li1996", "apparent_restitution")
+    contact = calibrated_contact(inputs, spin.case)
+    omega = spin.ratio * spin.speed_m_per_s / contact.radius
+    still, spun = (
+        simulate(contact, spin.speed_m_per_s, spin.angle_deg, w).impulse_ratio for w in (0.0, omega)
+    )
+    table = inputs["monte_carlo"]
+    shallow = table[table["angle_deg"] == table["angle_deg"].min()]
+    least = shallow.loc[shallow["restitution"].idxmin()]
+    return (
+        {
+            "fact": "spin before impact matters significantly",
+            "source": above["source"].partition(":")[0],
+            "quantity": f"relative change of the impulse ratio at {spin.angle_deg:g} deg",
+            "contact": f"{spin.case}, rim at {spin.ratio:g} of the speed",
+            "unit": "-",
+            "low": spin.significant,
+            "computed": float(np.abs(spun / still - 1.0)),
+        },
+        {
+            "fact": "roughness gives an apparent restitution above one at shallow angles",
+            "source": above["source"],
+            "quantity": f"mean apparent restitution at {least['angle_deg']:g} deg",
+            "contact": f"Monte Carlo, {least['variant']}",
+            "unit": "-",
+            "low": above["value"],
+            "computed": float(least["restitution"]),
+        },
+    )
