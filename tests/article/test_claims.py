@@ -23,7 +23,7 @@ from tests.shared import made_once
 
 from microimpact.core.tables import parse_table
 from microimpact.declared.parameters import build
-from microimpact.lab.contacts import calibrated_contact
+from microimpact.lab.contacts import DRAWN, calibrated_contact
 from microimpact.ledgers.claims import NUMBER_COLUMNS, verdicts
 from microimpact.studies.analyses.doe.factors import elasticities
 from microimpact.studies.claims import claim_numbers
@@ -110,7 +110,7 @@ def smooth_surface(run_study, settings, tables):
 def numbers(branch, declared, tables, tmp_path_factory):
     def make():
         params = build(claim_numbers.Params, branch)
-        return claim_numbers.run(params, {**declared, **tables})
+        return claim_numbers.gather(params, {**declared, **tables}, [])
 
     return texts_filled(kept(tmp_path_factory, "numbers of claims", make)["claim_numbers"])
 
@@ -186,6 +186,30 @@ def test_a_claim_of_another_name_is_refused(branch):
         numbers_of("C90", build(claim_numbers.Params, branch), {})
 
 
+def test_a_draw_that_is_a_calibrated_contact_has_its_numbers(branch, declared, tables, numbers):
+    contact = calibrated_contact(declared | tables, STEEL[1])
+    row = {
+        "case": "steel",
+        "variant": "v",
+        "draw": 3,
+        "particle": contact.particle.name,
+        "surface": contact.surface.name,
+        "friction_basis": "compressive",
+        **{name: float(getattr(contact, field)) for name, field in DRAWN.items()},
+    }
+    row |= {"diameter_um": 1e6 * row["diameter_um"], "friction": branch["steel"]["friction"]}
+    names = ["C05", "C37", "C68"]
+    draws = {"case": "steel", "variants": {"v": 1}, "claims": names}
+    params = build(claim_numbers.Params, branch | {"draws": draws})
+    inputs = {**declared, **tables, "admissible_contacts": pd.DataFrame([row])}
+    found = claim_numbers.part(params, inputs, 0, 1)
+    assert claim_numbers.part(params, inputs, 1, 2) == []
+    table = claim_numbers.gather(params, inputs, [found])["claim_draws"]
+    assert set(table["claim"]) == set(names)
+    own = numbers[numbers["case"].str.startswith(STEEL[1]) & numbers["claim"].isin(names)]
+    assert table["value"].to_numpy() == pytest.approx(own["value"].to_numpy(), rel=1e-6)
+
+
 # Breaks
 
 
@@ -221,7 +245,7 @@ def test_slow_impacts_leave_claims_not_computed_and_the_others_alone(claims, wor
     """At 0.01 m/s steel is captured: there is no plateau and no rebound."""
     slow = {"steel": {"speed_m_per_s": 0.01}}
     params = build(claim_numbers.Params, merged(merged(world.branch, slow), LEAST))
-    found = claim_numbers.run(params, {**world.declared, **world.tables})["claim_numbers"]
+    found = claim_numbers.gather(params, {**world.declared, **world.tables}, [])["claim_numbers"]
     problems = found[found["problem"] != ""].groupby("claim")["problem"].first()
     assert {"C07", "C10", "C59"} <= set(problems.index)
     assert problems["C10"] == ("ValueError: steel.speed_m_per_s: at 0.01 it rebounds at no angle")

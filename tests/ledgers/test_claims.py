@@ -229,7 +229,9 @@ C01:
   break: {change: x, expect: not reproduced}
 """
     )
+    none = pd.DataFrame(columns=["claim", "alternative"])
     tables = {"claim_numbers": numbers(GOOD[0]), "digitised_residuals": residuals()}
+    tables |= {"claim_draws": none, "admissible_contacts": pd.DataFrame()}
     assert list(judge(tables, path)["verdict"]) == ["reproduced"]
     tables["digitised_residuals"] = residuals(BARRED)
     table = judge(tables, path)

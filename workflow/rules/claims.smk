@@ -1,12 +1,22 @@
 """The ledgers: what is asserted about the article, the numbers behind it, and what came of it."""
 
 
+use rule study_part as claim_numbers_part with:
+    input:
+        **tables("calibration", "admissible_contacts"),
+    pathvars:
+        name="claim_numbers",
+    params:
+        **of("claim_numbers"),
+
+
 use rule study as claim_numbers with:
-    """tables/claim_numbers.csv: per claim, case and quantity the number that decides it."""
+    """tables/claim_numbers.csv: the numbers that decide the claims; claim_draws.csv: by contact."""
     input:
         **needs("claim_numbers"),
+        parts=parts("claim_numbers"),
     output:
-        **tables("claim_numbers"),
+        **tables("claim_numbers", "claim_draws"),
     pathvars:
         name="claim_numbers",
     params:
@@ -19,7 +29,7 @@ rule claims:
     Digitised points, if there are any, have rows after the claims.
     """
     input:
-        **tables("claim_numbers", "digitised_residuals"),
+        **tables("claim_numbers", "claim_draws", "admissible_contacts", "digitised_residuals"),
         criteria=SETTINGS.general.claims,
     output:
         claims=report(

@@ -136,6 +136,9 @@ def _body(
     for problem in dict.fromkeys(numbers["problem"].dropna()):
         lines += _wrapped(f"  {problem}") if problem else []
     lines += ["", f"Verdict: {row['verdict']}"]
+    if (share := float(row.get("share", math.nan))) == share:
+        by = f", decided by {row['decided_by']}" if row.get("decided_by") else ""
+        lines.append(f"Share: {100 * share:.0f} % of the admissible contacts{by}")
     if (margin := row.get("margin")) is not None and math.isfinite(float(margin)):
         lines.append(f"Margin: {readable(float(margin))} standard errors from the bound")
     function = CLAIMS[claim.id].of

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -26,6 +27,7 @@ from microimpact.ledgers.claims.judging import (
     least_margin,
     place,
 )
+from microimpact.ledgers.claims.shares import Share, shares
 
 __all__ = [
     "CHANGED",
@@ -69,6 +71,8 @@ COLUMNS = (
     "unit",
     "verdict",
     "margin",
+    "share",
+    "decided_by",
     "evidence",
     "figures",
     "code",
@@ -76,6 +80,9 @@ COLUMNS = (
     "reason",
     "note",
 )
+
+
+NO_SHARES: Mapping[str, Share] = {}
 
 
 class LedgerError(ValueError):
@@ -88,19 +95,24 @@ def judge(tables: Mapping[str, pd.DataFrame], criteria: Path | str) -> pd.DataFr
     Parameters
     ----------
     tables
-        ``claim_numbers``, with `NUMBER_COLUMNS`, and ``digitised_residuals``, whose series of
-        digitised points have rows after the claims.
+        ``claim_numbers``, with `NUMBER_COLUMNS`; ``claim_draws`` and ``admissible_contacts``, for
+        the shares; and ``digitised_residuals``, whose series of digitised points have rows after
+        the claims.
     criteria
         The file of claims, see `criteria.read_claims` and `digitised.read_digitised`.
     """
-    claims = verdicts(read_claims(criteria), tables["claim_numbers"])
+    read = read_claims(criteria)
+    drawn = shares(read, tables["claim_draws"], tables["admissible_contacts"])
+    claims = verdicts(read, tables["claim_numbers"], drawn)
     rows = digitised_rows(read_digitised(criteria), tables["digitised_residuals"])
     if not rows:
         return claims
     return pd.concat([claims, pd.DataFrame(rows, columns=list(COLUMNS))], ignore_index=True)
 
 
-def verdicts(claims: Mapping[str, Claim], numbers: pd.DataFrame) -> pd.DataFrame:
+def verdicts(
+    claims: Mapping[str, Claim], numbers: pd.DataFrame, drawn: Mapping[str, Share] = NO_SHARES
+) -> pd.DataFrame:
     """Return the verdict on every claim.
 
     Parameters
@@ -109,6 +121,9 @@ def verdicts(claims: Mapping[str, Claim], numbers: pd.DataFrame) -> pd.DataFrame
         Claims by id, as from `criteria.read_claims`.
     numbers
         All numbers of all claims, with `NUMBER_COLUMNS`.
+    drawn
+        Shares of the admissible contacts that meet the criteria. Where there is one, it decides,
+        and the calibrated cases are examples.
 
     Returns
     -------
@@ -131,7 +146,8 @@ def verdicts(claims: Mapping[str, Claim], numbers: pd.DataFrame) -> pd.DataFrame
     problems += [f"{name}: no such claim{nearest(name, claims)}" for name in strangers]
     if problems:
         raise LedgerError("\n".join(problems))
-    return pd.DataFrame([_row(claim, numbers) for claim in claims.values()], columns=list(COLUMNS))
+    found = [_row(claim, numbers, drawn.get(name)) for name, claim in claims.items()]
+    return pd.DataFrame(found, columns=list(COLUMNS))
 
 
 def verdict(
@@ -178,7 +194,7 @@ def _problems(claim: Claim, numbers: pd.DataFrame) -> list[str]:
     return lines
 
 
-def _row(claim: Claim, numbers: pd.DataFrame) -> dict[str, object]:
+def _row(claim: Claim, numbers: pd.DataFrame, share: Share | None) -> dict[str, object]:
     own = numbers[numbers["claim"] == claim.id]
     computed = own[own["problem"] == ""]
     values, errors = (
@@ -191,6 +207,8 @@ def _row(claim: Claim, numbers: pd.DataFrame) -> dict[str, object]:
     found: Finding
     if len(computed) == len(own):
         found, failed = verdict(claim, values, errors)
+        if share and claim.positive:
+            found, failed = share.verdict(claim.positive), [share.in_words(), *failed]
     else:
         lacking = own[own["problem"] != ""]
         found = NOT_COMPUTED
@@ -214,6 +232,8 @@ def _row(claim: Claim, numbers: pd.DataFrame) -> dict[str, object]:
         "computed_value": told,
         "unit": claim.unit,
         "verdict": found,
+        "share": share.share if share else math.nan,
+        "decided_by": share.decided_by if share else "",
         "margin": least_margin((*claim.identified_if, *claim.criteria), values, errors),
         "evidence": "; ".join(dict.fromkeys(own["evidence"])),
         "figures": " ".join(claim.figures),

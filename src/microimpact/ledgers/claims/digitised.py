@@ -99,6 +99,8 @@ def _rows(criteria: DigitisedCriteria, residuals: pd.DataFrame) -> Iterator[dict
             "unit": str(own["unit"].iloc[0]).replace("1", "-"),
             "verdict": verdict,
             "margin": math.nan,
+            "share": math.nan,
+            "decided_by": "",
             "evidence": evidence,
             "figures": figure,
             "code": CODE,

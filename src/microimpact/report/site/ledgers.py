@@ -213,6 +213,11 @@ def measure(low: str, unit: str, high: str = "") -> str:
     return f"{readable(float(low))} to {readable(float(high), unit)}"
 
 
+def percent(text: str) -> str:
+    """Return a share in per cent."""
+    return f"{100.0 * float(text):.0f} %"
+
+
 def number(text: str) -> str:
     """Return a number to four digits; other text unchanged."""
     try:

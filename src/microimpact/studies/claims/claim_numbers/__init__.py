@@ -6,7 +6,7 @@ states, and the criteria, are in ``config/claims.yaml``.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import pandas as pd
 
@@ -14,6 +14,7 @@ from microimpact.core.nearest import nearest
 from microimpact.studies.claims.claim_numbers import (
     conclusions,
     designs,
+    draws,
     dynamics,
     empirical,
     experiments,
@@ -29,6 +30,7 @@ from microimpact.studies.claims.claim_numbers.params import Params
 __all__ = ["CLAIMS", "NOT_COMPUTED", "SECTIONS", "Params", "numbers_of", "run"]
 
 NEEDS = {
+    "admissible_contacts": ("admissible_contacts",),
     "calibration": ("calibration", "calibration_family", "molybdenum_capture"),
     "force_history": ("force_ratios",),
     "rolling_dissipation": ("rolling_dissipation",),
@@ -68,6 +70,35 @@ SECTIONS = (
 )
 
 
+Part = list[tuple[int, list[draws.Row]]]
+
+
+def part(params: Params, inputs: Mapping[str, pd.DataFrame], index: int, count: int) -> Part:
+    """Return the numbers of every ``count``-th draw, from ``index`` on, with its place.
+
+    Of the tables, only ``calibration`` and ``admissible_contacts`` are read.
+    """
+    rows = draws.chosen(params, inputs)
+    return [
+        (place, list(draws.rows_of(params, inputs, rows[place])))
+        for place in range(index, len(rows), count)
+    ]
+
+
+def gather(
+    params: Params, inputs: Mapping[str, pd.DataFrame], parts: Iterable[Part]
+) -> Mapping[str, pd.DataFrame]:
+    """Compute the numbers of every claim, and put those of the draws together; see `run`."""
+    context = Context(params=params, inputs=inputs)
+    found = [row for name in _ascending() for row in rows(name, context)]
+    drawn = {place: rows for part in parts for place, rows in part}
+    table = [row for place in sorted(drawn) for row in drawn[place]]
+    return {
+        "claim_numbers": pd.DataFrame(found, columns=list(COLUMNS)),
+        "claim_draws": pd.DataFrame(table, columns=list(draws.COLUMNS)),
+    }
+
+
 def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
     """Compute the numbers of every claim.
 
@@ -85,11 +116,10 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     -------
     mapping
         ``claim_numbers``: per claim, case and quantity its value, unit, evidence and code; in the
-        column ``problem``, why there is none.
+        column ``problem``, why there is none. ``claim_draws``: numbers of some claims for
+        admissible contacts.
     """
-    context = Context(params=params, inputs=inputs)
-    found = [row for name in _ascending() for row in rows(name, context)]
-    return {"claim_numbers": pd.DataFrame(found, columns=list(COLUMNS))}
+    return gather(params, inputs, [part(params, inputs, 0, 1)])
 
 
 def numbers_of(claim: str, params: Params, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:

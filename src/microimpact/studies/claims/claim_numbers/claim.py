@@ -111,7 +111,7 @@ def rows(name: str, context: Context) -> Iterator[dict[str, object]]:
     context = replace(context, inputs=read)
     for each in context.cases() if own.by_case else (context,):
         try:
-            found = list(_flat(own.of(each), each.case))
+            found = list(flat(own.of(each), each.case))
         except UNCOMPUTABLE as error:
             why = " ".join(f"{type(error).__name__}: {error}".split())
             found = [(each.case, NOT_COMPUTED, Estimate(math.nan, math.nan), why)]
@@ -128,11 +128,11 @@ def rows(name: str, context: Context) -> Iterator[dict[str, object]]:
             }
 
 
-def _flat(numbers: Numbers, case: str) -> Iterator[tuple[str, str, Estimate, str]]:
+def flat(numbers: Numbers, case: str) -> Iterator[tuple[str, str, Estimate, str]]:
     """Yield case, quantity, number and problem (none); alternatives are named after the case."""
     for name, number in numbers.items():
         if isinstance(number, Mapping):
-            yield from _flat(number, f"{case}, {name}" if case else name)
+            yield from flat(number, f"{case}, {name}" if case else name)
             continue
         exact = not isinstance(number, Estimate)
         value, error = (number, math.nan) if exact else number

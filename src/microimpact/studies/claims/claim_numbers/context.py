@@ -46,11 +46,14 @@ class Context:
         Declared rows and tables of earlier studies by name.
     case
         Name of the calibrated case; the first of those declared is meant where there is none.
+    drawn
+        One admissible contact of steel on silicon, in place of a calibrated one.
     """
 
     params: Params
     inputs: Mapping[str, pd.DataFrame]
     case: str = ""
+    drawn: Contact | None = None
     # Made once, here for all cases: a table of the impact law serves one and the same contact.
     _seen: dict[tuple[Dropped, float, Sampling], Seen] = field(default_factory=dict)
     _contacts: dict[Dropped, Contact] = field(default_factory=dict)
@@ -65,7 +68,7 @@ class Context:
     def steel(self) -> Contact:
         """Contact of the case, as large and with such friction as is meant."""
         steel = self.params.steel
-        contact = calibrated_contact(self.inputs, self.case or steel.cases[0])
+        contact = self.drawn or calibrated_contact(self.inputs, self.case or steel.cases[0])
         return resized(contact, steel.diameter_um * 1e-6).replace(friction=steel.friction)
 
     @property

@@ -484,6 +484,30 @@ class Capture:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Draws:
+    """Claims that are computed for admissible contacts as well.
+
+    Attributes
+    ----------
+    case
+        Of the admissible contacts.
+    variants
+        How many draws are taken of each; the first decides.
+    claims
+        Those whose numbers follow from the contact alone, by single impacts.
+    """
+
+    case: Name
+    variants: dict[Name, Count]
+    claims: tuple[Name, ...]
+
+    def __post_init__(self) -> None:
+        """Refuse a case without variants."""
+        if not self.variants:
+            raise ValueError("variants: at least one is needed")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
     """All settings, in the order of the article.
 
@@ -522,4 +546,5 @@ class Params:
     slopes: Slopes
     roughness: Roughness
     capture: Capture
+    draws: Draws
     anchors: tuple[PrintedName, ...]
