@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 from dataclasses import replace
 from html.parser import HTMLParser
 from urllib.parse import unquote, urlsplit
@@ -10,8 +11,10 @@ from urllib.parse import unquote, urlsplit
 import pandas as pd
 import pytest
 from click.testing import CliRunner
+from tests.report.conftest import REFERENCE
 
 from microimpact.cli import commands
+from microimpact.ledgers.equations import errata
 from microimpact.report.check.results import ResultsError
 from microimpact.report.site import PAGES
 from microimpact.report.site.build import (
@@ -259,6 +262,18 @@ def test_a_ledger_without_a_column_is_refused(few):
     (root / "tables/claims.csv").write_text("id,statement\nC01,x\n", encoding="utf-8")
     with pytest.raises(ValueError, match=r"claims\.csv: has no column where, kind"):
         site_pages(root, record)
+
+
+def test_slips_of_the_text_stand_below_the_equations(few):
+    root, record = few
+    (root / "tables").mkdir()
+    shutil.copy(REFERENCE / "tables/equations.csv", root / "tables")
+    assert "Other slips" not in site_pages(root, record)["equations.html"]
+    errata().to_csv(root / "tables/errata.csv", index=False)
+    shown = site_pages(root, record)["equations.html"].partition("Other slips")[2]
+    for row in errata().itertuples():
+        assert row.printed in shown
+        assert row.meant in shown
 
 
 def test_a_record_survives_its_file(few):
