@@ -30,10 +30,17 @@ from microimpact import Contact, Material
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.law.table import tabulate
 from microimpact.statistics.distributions import Constant, Normal, TruncatedNormal, Uniform
-from microimpact.studies.analyses.monte_carlo.ensembles import Ensemble, Plan, Process, Rules
-from microimpact.studies.analyses.monte_carlo.events import Estimate, estimate, long_run
+from microimpact.studies.analyses.monte_carlo.ensembles import (
+    Ensemble,
+    Estimate,
+    Plan,
+    Process,
+    Rules,
+    estimate,
+    long_run,
+    progress,
+)
 from microimpact.studies.analyses.monte_carlo.impacts import RigidBody
-from microimpact.studies.analyses.monte_carlo.progress import progress
 
 ANGLE_DEG = 20.0
 SEED = 20011

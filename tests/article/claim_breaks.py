@@ -209,7 +209,7 @@ def pairing(world, *heights):
     for speed, experiments in PAIRING.items():
         changes = {"heights_mm": heights, "speeds_m_per_s": [speed], "experiments": experiments}
         params = world.own("pair_search", pair_search, **changes)
-        setup = pair_search.Setup(
+        setup = pair_search.Apparatus(
             seed=params.seed,
             contact=world.contact(params.case),
             diameter_um=params.diameter_um,

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from microimpact.declared.documents import ConfigError
 from microimpact.declared.parameters import build
 from microimpact.studies.experiments import campaign as study
-from microimpact.studies.experiments.campaign.rows import FATES
+from microimpact.studies.experiments.campaign import FATES
 
 QUANTITIES = ("restitution", "impulse_ratio", "energy_loss")
 

@@ -539,7 +539,7 @@ LABORATORY = (
     ),
     Mutant(
         "Monte Carlo: scatter of the sums for that of their ratio",
-        f"{STUDIES}/analyses/monte_carlo/events.py",
+        f"{STUDIES}/analyses/monte_carlo/ensembles.py",
         "scatter = sums[:, first] - average * sums[:, ACCEPTED]",
         "scatter = sums[:, first] - np.mean(sums[:, first])",
         ("studies/test_monte_carlo",),

@@ -10,24 +10,24 @@ import pytest
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.experiment import SpeedClass
 from microimpact.statistics.distributions import Constant
-from microimpact.studies.experiments.campaign.plan import (
+from microimpact.studies.experiments.campaign import (
     COUNTED,
     Block,
-    Particles,
-    Surface,
+    NamedSurface,
+    SizeRange,
     check_counts,
     counts,
     expand,
 )
 
 PARTICLES = tuple(
-    Particles(
+    SizeRange(
         name=name, particle="steel", diameter_um=Constant(at=d), particle_slope=0.0, spin_sd=0.0
     )
     for name, d in (("small", 20.0), ("large", 70.0))
 )
 SURFACES = tuple(
-    Surface(name=name, surface="silicon", surface_slope=s)
+    NamedSurface(name=name, surface="silicon", surface_slope=s)
     for name, s in (("front", 0.0), ("back", 0.1))
 )
 CLASSES = (

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from microimpact.lab.bounces import resting
-from microimpact.lab.dispenser import Dispenser, Falling, InitialSpin
+from microimpact.lab.dispenser import Dispenser, InitialSpin
+from microimpact.lab.events import Falling
 from microimpact.lab.samples import (
     Dropped,
     Sampling,

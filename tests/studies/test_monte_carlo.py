@@ -39,15 +39,14 @@ from microimpact.statistics.distributions import (
 from microimpact.statistics.sampling import Correlation, joint_shares, unit_points
 from microimpact.studies.analyses.monte_carlo import Params, stream
 from microimpact.studies.analyses.monte_carlo.ensembles import (
+    BLOCK,
     Ensemble,
     Plan,
     Process,
     deterministic,
-)
-from microimpact.studies.analyses.monte_carlo.events import (
-    BLOCK,
     estimate,
     long_run,
+    progress,
     replicate_shares,
     replicate_sums,
     summary,
@@ -58,7 +57,6 @@ from microimpact.studies.analyses.monte_carlo.impacts import (
     Simulation,
     require_meaning,
 )
-from microimpact.studies.analyses.monte_carlo.progress import progress
 from microimpact.studies.analyses.monte_carlo.slope_inference import SlopeInference, infer_slope
 
 N = 2**16

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -41,6 +41,26 @@ class Range:
         left = "[" if self.lower_closed else "("
         right = "]" if self.upper_closed else ")"
         return f"in {left}{self.lower:g}, {self.upper:g}{right}"
+
+
+class Columns:
+    """Base of dataclasses whose fields are arrays alike in their first axis, as of n events."""
+
+    __slots__ = ()
+    __dataclass_fields__: ClassVar[dict[str, Any]]
+
+    def __len__(self) -> int:
+        return len(getattr(self, next(iter(self.__dataclass_fields__))))
+
+    def select(self, which: slice | npt.NDArray[np.integer] | BoolArray) -> Self:
+        """Return some of the events, or all in another order."""
+        return type(self)(**{k: getattr(self, k)[which] for k in self.__dataclass_fields__})
+
+    @classmethod
+    def joined(cls, parts: Sequence[Self]) -> Self:
+        """Return the events of one or more parts in one."""
+        names = cls.__dataclass_fields__
+        return cls(**{k: np.concatenate([getattr(part, k) for part in parts]) for k in names})
 
 
 FINITE = Range()

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,6 +16,9 @@ from microimpact.core.files import write_file
 # Loaded where a table is made or read: the workflow, which asks for names alone, starts sooner.
 if TYPE_CHECKING:
     import pandas as pd
+
+# Tables by their names, as studies take and give them.
+Tables: TypeAlias = "Mapping[str, pd.DataFrame]"
 
 RESULT_EVIDENCE = (
     "computed",
@@ -94,7 +97,8 @@ def series_frame(
     # Adding zero takes the sign off a zero that has one.
     columns = np.broadcast_arrays(*(np.atleast_1d(np.asarray(a, float)) + 0.0 for a in (x, y)))
     n = columns[0].size
-    values = [panel, series, evidence, *columns, y_low, y_high]
+    ends = (np.broadcast_to(np.asarray(end, float), n) for end in (y_low, y_high))
+    values = [panel, series, evidence, *columns, *ends]
     names = figure_columns(x_unit, y_unit)
     return pd.DataFrame(dict(zip(names, values, strict=True)), index=range(n))
 

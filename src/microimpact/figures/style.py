@@ -20,7 +20,7 @@ from matplotlib.ticker import FuncFormatter
 from numpy.typing import NDArray
 
 from microimpact.core.files import write_file
-from microimpact.core.tables import POINTS, points_parts
+from microimpact.core.tables import POINTS, Tables, points_parts
 from microimpact.figures.registry import FigureSpec, PanelSpec, SeriesSpec
 
 STYLE_FILE = Path(__file__).with_name("microimpact.mplstyle")
@@ -266,7 +266,7 @@ def _key_look(evidence: str) -> dict[str, Any]:
 
 
 def line_figure(
-    tables: Mapping[str, pd.DataFrame],
+    tables: Tables,
     spec: FigureSpec,
     columns: int | None = None,
     prepare: Callable[[Axes, str], object] | None = None,

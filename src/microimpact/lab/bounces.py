@@ -9,8 +9,8 @@ import numpy as np
 
 from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.core.constants import gravity
-from microimpact.lab.events import Impacts, IntArray
-from microimpact.lab.experiment import Later
+from microimpact.lab.events import Falling, Impacts, IntArray
+from microimpact.lab.experiment import Later, impacts_of
 
 
 def generations(
@@ -18,16 +18,8 @@ def generations(
 ) -> Iterator[tuple[IntArray, Impacts]]:
     """Yield first, second, ... impacts of spheres on a horizontal target, and whose they are.
 
-    Parameters
-    ----------
-    impacts
-        First impacts, n.
-    later
-        Outcome of later impacts.
-    limit
-        Most later impacts of one sphere.
-    farthest
-        Distance from the middle, m, beyond which a sphere is no longer followed.
+    A sphere is followed for at most ``limit`` impacts after its first, and no further from the
+    middle than ``farthest`` (m).
     """
     sphere = np.arange(len(impacts))
     yield sphere, impacts
@@ -39,20 +31,15 @@ def generations(
         again = ~last.captured & (np.hypot(position[:, 0], position[:, 1]) <= farthest)
         if not np.any(again):
             break
-        sphere, velocity = sphere[again], start[again] * [1.0, 1.0, -1.0]
-        spin = last.rebound_spin[again]
-        rebound = later(velocity, spin, sphere)
-        last = Impacts(
+        sphere = sphere[again]
+        falling = Falling(
             time=last.time[again] + flight[again],
             diameter=last.diameter[again],
             position=position[again],
-            velocity=velocity,
-            spin=spin,
-            rebound_velocity=rebound.velocity,
-            rebound_spin=rebound.spin,
-            captured=rebound.captured,
-            contacts=rebound.contacts,
+            velocity=start[again] * [1.0, 1.0, -1.0],
+            spin=last.rebound_spin[again],
         )
+        last = impacts_of(falling, later(falling.velocity, falling.spin, sphere))
         yield sphere, last
 
 
@@ -86,15 +73,7 @@ class Resting:
 
 
 def resting(impacts: Impacts, later: Later, most_impacts: int, farthest: float) -> Resting:
-    """Follow spheres from their first impact until they rest.
-
-    Parameters
-    ----------
-    impacts, later, farthest
-        As in `generations`.
-    most_impacts
-        Impacts after which a sphere is given up as not captured.
-    """
+    """Follow spheres from their first impact until they rest, or are given up as not captured."""
     n = len(impacts)
     captured, made, reach = np.zeros(n, dtype=bool), np.zeros(n, dtype=np.int64), np.zeros(n)
     for sphere, those in generations(impacts, later, most_impacts - 1, farthest):

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
-
-import pandas as pd
 
 from microimpact.core.materials import Material, materials_from_rows
 from microimpact.core.nearest import nearest
+from microimpact.core.tables import Tables
 from microimpact.model.contact import Contact
 from microimpact.model.pairs import Pairs, pair_contact, pairs_from_rows
 
@@ -24,9 +22,7 @@ DRAWN = {
 }
 
 
-def declared_contact(
-    inputs: Mapping[str, pd.DataFrame], particle: str, surface: str, **changes: Any
-) -> Contact:
+def declared_contact(inputs: Tables, particle: str, surface: str, **changes: Any) -> Contact:
     """Return the contact of a declared pair.
 
     Parameters
@@ -41,7 +37,7 @@ def declared_contact(
     return pair_contact(particle, surface, *declared(inputs), **changes)
 
 
-def calibrated_contact(inputs: Mapping[str, pd.DataFrame], case: str, **changes: Any) -> Contact:
+def calibrated_contact(inputs: Tables, case: str, **changes: Any) -> Contact:
     """Return the contact of a case: a calibrated one, or a declared pair, as ``glass on silicon``.
 
     Parameters
@@ -72,9 +68,7 @@ def calibrated_contact(inputs: Mapping[str, pd.DataFrame], case: str, **changes:
     return contact.replace(**changes)
 
 
-def admissible_contact(
-    inputs: Mapping[str, pd.DataFrame], case: str, variant: str, **changes: Any
-) -> Contact:
+def admissible_contact(inputs: Tables, case: str, variant: str, **changes: Any) -> Contact:
     """Return the admissible contacts of a case as one contact of arrays (draws,).
 
     Their diameter is the size class that the article leaves open; `resized` gives another one.
@@ -106,7 +100,7 @@ def admissible_contact(
     return contact.replace(**changes)
 
 
-def declared(inputs: Mapping[str, pd.DataFrame]) -> tuple[dict[str, Material], Pairs]:
+def declared(inputs: Tables) -> tuple[dict[str, Material], Pairs]:
     """Return the declared materials and pairs of a study's inputs."""
     rows: dict[str, Any] = {
         name: inputs[name].to_dict("records") for name in ("materials", "contacts")

@@ -6,11 +6,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.arrays import FloatArray
 from microimpact.core.constants import gravity
 from microimpact.declared.parameters import Finite, NonNegative, Positive
+from microimpact.lab.events import Falling
 from microimpact.statistics.distributions import Distribution, HalfNormal, mean, sample
 
 
@@ -52,25 +52,6 @@ class InitialSpin:
 
     sd: NonNegative
     mean: Finite
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Falling:
-    """Particles as they arrive at the target, in its frame (see `lab.events.Impacts`)."""
-
-    time: FloatArray
-    diameter: FloatArray
-    position: FloatArray
-    velocity: FloatArray
-    spin: FloatArray
-
-    def within(self, distance: float) -> Falling:
-        """Return those that arrive no further than a distance (m) from the middle."""
-        return self.select(np.hypot(self.position[:, 0], self.position[:, 1]) <= distance)
-
-    def select(self, which: NDArray[np.integer] | BoolArray) -> Falling:
-        """Return some of the particles."""
-        return Falling(**{name: getattr(self, name)[which] for name in self.__dataclass_fields__})
 
 
 def drop_height(speed: float, dispenser: Dispenser) -> float:

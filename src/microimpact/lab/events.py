@@ -2,19 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.arrays import BoolArray, Columns, FloatArray
 
 IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Impacts:
+class Falling(Columns):
+    """Particles as they arrive at the target, in its frame; see `Impacts`."""
+
+    time: FloatArray
+    diameter: FloatArray
+    position: FloatArray
+    velocity: FloatArray
+    spin: FloatArray
+
+    def within(self, distance: float) -> Falling:
+        """Return those that arrive no further than a distance (m) from the middle."""
+        return self.select(np.hypot(self.position[:, 0], self.position[:, 1]) <= distance)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Impacts(Falling):
     """True impacts of n particles, in the frame of the target.
 
     x runs along the nominal surface, down the slope, in the plane in which the particles fall;
@@ -39,28 +53,10 @@ class Impacts:
         Number of contacts with the surface in quick succession (rough surfaces), shape (n,).
     """
 
-    time: FloatArray
-    diameter: FloatArray
-    position: FloatArray
-    velocity: FloatArray
-    spin: FloatArray
     rebound_velocity: FloatArray
     rebound_spin: FloatArray
     captured: BoolArray
     contacts: IntArray
-
-    def __len__(self) -> int:
-        return len(self.time)
-
-    def select(self, which: slice | IntArray | BoolArray) -> Impacts:
-        """Return some of the impacts."""
-        return Impacts(**{name: getattr(self, name)[which] for name in self.__dataclass_fields__})
-
-    @classmethod
-    def joined(cls, parts: Sequence[Impacts]) -> Impacts:
-        """Return the impacts of one or more parts in one."""
-        names = cls.__dataclass_fields__
-        return cls(**{k: np.concatenate([getattr(part, k) for part in parts]) for k in names})
 
     @property
     def in_plane(self) -> Measured:
@@ -76,7 +72,7 @@ class Impacts:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Measured:
+class Measured(Columns):
     """What an instrument reports: k events of which both tracks or both records were found.
 
     Attributes
@@ -94,18 +90,19 @@ class Measured:
     rebound_normal: FloatArray
     rebound_tangential: FloatArray
 
-    def __len__(self) -> int:
-        return len(self.event)
-
-    def select(self, which: slice | IntArray | BoolArray) -> Measured:
-        """Return some of the events."""
-        return Measured(**{name: getattr(self, name)[which] for name in self.__dataclass_fields__})
-
     @classmethod
-    def joined(cls, parts: Sequence[Measured]) -> Measured:
-        """Return the events of one or more parts in one."""
-        names = cls.__dataclass_fields__
-        return cls(**{k: np.concatenate([getattr(part, k) for part in parts]) for k in names})
+    def of(cls, event: IntArray, velocities: FloatArray) -> Measured:
+        """Return events by their numbers and velocities, m/s, shape (..., 2, 2).
+
+        Incident and rebound velocity are rows, their tangential and normal components columns.
+        """
+        return cls(
+            event=event,
+            incident_normal=velocities[..., 0, 1],
+            incident_tangential=velocities[..., 0, 0],
+            rebound_normal=velocities[..., 1, 1],
+            rebound_tangential=velocities[..., 1, 0],
+        )
 
     @property
     def coefficient_of_restitution(self) -> FloatArray:

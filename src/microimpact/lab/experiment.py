@@ -14,8 +14,8 @@ from pydantic import Field
 
 from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.declared.parameters import Count, Positive
-from microimpact.lab.dispenser import Dispenser, Falling, InitialSpin, drop_height, release
-from microimpact.lab.events import Impacts, IntArray, Measured
+from microimpact.lab.dispenser import Dispenser, InitialSpin, drop_height, release
+from microimpact.lab.events import Falling, Impacts, IntArray, Measured
 from microimpact.lab.reduction import Mean
 from microimpact.lab.surface import SMOOTH, Rebound, Surface, collide, drawn_shares, simulated
 from microimpact.model.contact import Contact, resized
@@ -80,11 +80,7 @@ class Target:
         return replace(self, law=_table(self.contact, diameter_um))
 
     def hit(
-        self,
-        diameter: FloatArray,
-        velocity: FloatArray,
-        spin: FloatArray,
-        rng: np.random.Generator,
+        self, diameter: FloatArray, velocity: FloatArray, spin: FloatArray, rng: np.random.Generator
     ) -> Rebound:
         """Let spheres of given diameters (m) hit the target.
 
@@ -110,6 +106,23 @@ def _table(contact: Contact, diameter_um: Distribution) -> NormalLaw | None:
         return partial(law.normal_impact, bounded=False)
     except NoTableError:
         return None
+
+
+def impacts_of(falling: Falling, rebound: Rebound) -> Impacts:
+    """Return the impacts of particles that arrive, given what becomes of them."""
+    return Impacts(
+        **{name: getattr(falling, name) for name in Falling.__dataclass_fields__},
+        rebound_velocity=rebound.velocity,
+        rebound_spin=rebound.spin,
+        captured=rebound.captured,
+        contacts=rebound.contacts,
+    )
+
+
+def in_range(speed: FloatArray, speed_range: tuple[float, float]) -> BoolArray:
+    """Tell which speeds lie in a range, its ends included, all m/s."""
+    inside: BoolArray = (speed >= speed_range[0]) & (speed <= speed_range[1])
+    return inside
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -181,17 +194,7 @@ class Drop:
     def hit(self, falling: Falling, rng: np.random.Generator) -> Impacts:
         """Let particles that arrive at the target hit it."""
         rebound = self.target.hit(falling.diameter, falling.velocity, falling.spin, rng)
-        return Impacts(
-            time=falling.time,
-            diameter=falling.diameter,
-            position=falling.position,
-            velocity=falling.velocity,
-            spin=falling.spin,
-            rebound_velocity=rebound.velocity,
-            rebound_spin=rebound.spin,
-            captured=rebound.captured,
-            contacts=rebound.contacts,
-        )
+        return impacts_of(falling, rebound)
 
     def impacts(self, n: int, rng: np.random.Generator, within: float = np.inf) -> Impacts:
         """Drop n particles and let them hit the target.
@@ -203,9 +206,7 @@ class Drop:
 
     def in_class(self, speed: FloatArray) -> BoolArray:
         """Tell which speeds (m/s) are accepted."""
-        low, high = self.speed_range
-        inside: BoolArray = (speed >= low) & (speed <= high)
-        return inside
+        return in_range(speed, self.speed_range)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

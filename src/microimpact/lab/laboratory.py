@@ -7,13 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated
-
-from pydantic import Field
 
 from microimpact.declared.parameters import (
     AngleDegrees,
-    Count,
     Fraction,
     MaterialName,
     Name,
@@ -21,8 +17,9 @@ from microimpact.declared.parameters import (
     Positive,
 )
 from microimpact.lab.dispenser import Dispenser, InitialSpin
-from microimpact.lab.pdpa import analyser as doppler
-from microimpact.lab.ptis import system as imaging
+from microimpact.lab.experiment import StopRule
+from microimpact.lab.pdpa.analyser import Analyser
+from microimpact.lab.ptis.system import ImagingSystem
 from microimpact.lab.samples import Dropped
 from microimpact.statistics.distributions import Distribution
 
@@ -32,13 +29,19 @@ class Particles:
     """One size class of one material."""
 
     particle: MaterialName
-    mean_diameter_um: Positive | None = None
     diameter_um: Distribution | None = None
     particle_slope: NonNegative | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Surface:
+class DeclaredParticles(Particles):
+    """Particles, and the mean of their diameters as it is printed."""
+
+    mean_diameter_um: Positive | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DeclaredSurface:
     """A target: its material and its slope."""
 
     surface: MaterialName
@@ -46,7 +49,7 @@ class Surface:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SpeedClass:
+class DeclaredSpeed:
     """Speed of an impact, the number the text has for it, and the measured speeds accepted."""
 
     speed_m_per_s: Positive
@@ -55,12 +58,9 @@ class SpeedClass:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Experiment:
-    """What an experiment is: its events, when it is given up, and the angles of the target."""
+class Protocol(StopRule):
+    """What an experiment is: when it ends, and the angles of the target."""
 
-    events: Annotated[int, Field(ge=2)]
-    fewest_events: Annotated[int, Field(ge=2)]
-    most_dropped: Count
     angles_deg: tuple[AngleDegrees, ...]
 
 
@@ -85,14 +85,14 @@ class Case:
 class Laboratory:
     """All that can be named, by section."""
 
-    particles: Mapping[str, Particles]
-    surfaces: Mapping[str, Surface]
-    speeds: Mapping[str, SpeedClass]
+    particles: Mapping[str, DeclaredParticles]
+    surfaces: Mapping[str, DeclaredSurface]
+    speeds: Mapping[str, DeclaredSpeed]
     spins: Mapping[str, InitialSpin]
     frictions: Mapping[str, Fraction]
     dispenser: Dispenser
-    pdpa: doppler.Instrument
-    ptis: imaging.Instrument
-    experiment: Experiment
+    pdpa: Analyser
+    ptis: ImagingSystem
+    experiment: Protocol
     cases: Mapping[str, Case]
     drops: Mapping[str, Dropped]

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from microimpact.core.arrays import FloatArray, checked
+from microimpact.core.arrays import FloatArray, Real, checked
 from microimpact.lab.events import Measured
 from microimpact.statistics.intervals import student_half_width
 
@@ -78,33 +79,44 @@ def quantities(measured: Measured) -> dict[str, FloatArray]:
     }
 
 
-def reduced(
-    measured: Measured,
-    shifted: Callable[[Measured, float], Measured],
-    error: float,
-    names: tuple[str, ...] = QUANTITIES,
-) -> dict[str, Mean]:
-    """Return mean and interval of quantities, with one error that all events share.
+def shared_error(
+    measured: Measured, shifted: Callable[[Measured, Any], Measured], error: Real
+) -> dict[str, FloatArray]:
+    """Return what an error that all events share does to the mean of every quantity.
 
     Parameters
     ----------
     measured
-        At least two events.
+        Events, of several experiments along the first axes.
     shifted
         Gives the events as they would be if the instrument's setting were off by so much.
     error
-        Standard uncertainty of that setting.
-    names
-        Quantities that the instrument measures.
-
-    Raises
-    ------
-    ValueError
-        With fewer than two events.
+        Standard uncertainty of that setting, one for all or one per experiment.
     """
     high, low = (quantities(shifted(measured, sign * error)) for sign in (1.0, -1.0))
-    values = quantities(measured)
-    return {
-        name: mean_interval(values[name], systematic=0.5 * abs(np.mean(high[name] - low[name])))
-        for name in names
-    }
+    return {name: 0.5 * np.abs((high[name] - low[name]).mean(axis=-1)) for name in high}
+
+
+def reduced(
+    measured: Measured,
+    shifted: Callable[[Measured, Any], Measured],
+    error: float,
+    names: tuple[str, ...] = QUANTITIES,
+) -> dict[str, Mean]:
+    """Return mean and interval of the quantities that an instrument measures.
+
+    Arguments as in `shared_error`.
+    """
+    values, systematic = quantities(measured), shared_error(measured, shifted, error)
+    return {name: mean_interval(values[name], systematic[name]) for name in names}
+
+
+def interval_columns(
+    means: Mapping[str, Mean], *names: str, ends: tuple[str, ...] = ("low", "high")
+) -> dict[str, float]:
+    """Return means with their intervals as columns of a table, nan where there is none."""
+    columns = {}
+    for name in names:
+        columns[name] = float(getattr(means.get(name), "value", np.nan))
+        columns |= {f"{name}_{end}": getattr(means.get(name), end, np.nan) for end in ends}
+    return columns

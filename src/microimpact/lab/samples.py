@@ -8,16 +8,16 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from microimpact.core.arrays import BoolArray
+from microimpact.core.tables import Tables
 from microimpact.declared.parameters import CaseName, Count, Fraction, NonNegative, Positive
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.dispenser import Dispenser, InitialSpin
 from microimpact.lab.events import Impacts, Measured
-from microimpact.lab.experiment import Drop, Target
+from microimpact.lab.experiment import Drop, Target, in_range
 from microimpact.lab.ptis.experiment import turned
-from microimpact.lab.reduction import QUANTITIES, quantities
+from microimpact.lab.reduction import QUANTITIES, quantities, shared_error
 from microimpact.lab.surface import LABORATORY, combined_slope
 from microimpact.lab.surface import rough as rough_surface
 from microimpact.model.contact import Contact, resized
@@ -124,7 +124,7 @@ class Seen:
     statistics: Mapping[str, Statistic]
 
 
-def contact_of(dropped: Dropped, inputs: Mapping[str, pd.DataFrame]) -> Contact:
+def contact_of(dropped: Dropped, inputs: Tables) -> Contact:
     """Return the calibrated contact, at the mean diameter."""
     contact = calibrated_contact(inputs, dropped.case).replace(friction=dropped.friction)
     return resized(contact, mean(dropped.diameter_um) * 1e-6)
@@ -143,25 +143,9 @@ def impacts_of(
     return drop.impacts(n or sampling.impacts, generator(sampling.seed, 0))
 
 
-def in_plane(impacts: Impacts, which: BoolArray) -> Measured:
-    """Return some of the true impacts as an ideal instrument reports them."""
-    index = np.flatnonzero(which)
-    before, after = impacts.velocity[index], impacts.rebound_velocity[index]
-    return Measured(
-        event=index,
-        incident_normal=before[:, 2],
-        incident_tangential=before[:, 0],
-        rebound_normal=after[:, 2],
-        rebound_tangential=after[:, 0],
-    )
-
-
 def in_class(dropped: Dropped, impacts: Impacts) -> BoolArray:
     """Tell which particles arrive with a speed of the class."""
-    low, high = dropped.speed_range_m_per_s
-    speed = np.hypot(impacts.velocity[:, 0], impacts.velocity[:, 2])
-    inside: BoolArray = (speed >= low) & (speed <= high)
-    return inside
+    return in_range(impacts.in_plane.speed, dropped.speed_range_m_per_s)
 
 
 def seen(
@@ -171,19 +155,12 @@ def seen(
     sampling: Sampling,
     most_contacts: int = LABORATORY.most_contacts,
 ) -> Seen:
-    """Drop a sample and average its rebounds.
-
-    Parameters
-    ----------
-    dropped, contact, angle, sampling
-        As in `impacts_of`.
-    most_contacts
-        Particles that need more contacts to leave count as captured.
-    """
+    """Drop a sample and average its rebounds; after more contacts than the most it is captured."""
     impacts = impacts_of(dropped, contact, angle, sampling)
     inside = in_class(dropped, impacts)
     free = ~impacts.captured & (impacts.contacts <= most_contacts)
-    return reduce_to(in_plane(impacts, inside & free), int(np.sum(inside)), sampling)
+    measured = impacts.in_plane.select(np.flatnonzero(inside & free))
+    return reduce_to(measured, int(np.sum(inside)), sampling)
 
 
 def reduce_to(measured: Measured, arrived: int, sampling: Sampling) -> Seen:
@@ -199,12 +176,12 @@ def statistics(measured: Measured, angle_error: float) -> dict[str, Statistic]:
     """Return mean, scatter and shared error of every quantity; nan with too few rebounds."""
     if len(measured) < FEWEST_REBOUNDS:
         return {name: Statistic(mean=np.nan, sd=np.nan, systematic=np.nan) for name in QUANTITIES}
-    high, low = (quantities(turned(measured, sign * angle_error)) for sign in (1.0, -1.0))
+    systematic = shared_error(measured, turned, angle_error)
     return {
         name: Statistic(
             mean=float(np.mean(values)),
             sd=float(np.std(values, ddof=1)),
-            systematic=float(0.5 * abs(np.mean(high[name] - low[name]))),
+            systematic=float(systematic[name]),
         )
         for name, values in quantities(measured).items()
     }
@@ -237,9 +214,9 @@ def difference_columns(one: Seen, other: Seen, sampling: Sampling) -> dict[str, 
     columns = {}
     for name in QUANTITIES:
         a, b = one.statistics[name], other.statistics[name]
-        columns[f"{name}_difference"] = a.mean - b.mean
-        width = half_width(a, b, sampling)
-        columns[f"{name}_difference_over_half_width"] = (a.mean - b.mean) / width
+        difference = f"{name}_difference"
+        columns[difference] = a.mean - b.mean
+        columns[f"{difference}_over_half_width"] = (a.mean - b.mean) / half_width(a, b, sampling)
     return columns
 
 

@@ -25,7 +25,7 @@ from microimpact.model.rigid_body.facets import facet_rebound
 BODY = Material(name="any", youngs_modulus=1e11, poissons_ratio=0.3, density=2e3)
 PAIR: Any = {"particle": BODY, "surface": BODY, "diameter": 5e-5}
 CONTACT = Contact(**PAIR, work_of_adhesion=0.1, hertz_damping=0.01, adhesion_damping=1.0)
-ANALYSER = pdpa.Instrument(
+ANALYSER = pdpa.Analyser(
     probe_height_mm=1.0,
     probe_height_error_um=0.0,
     initial_estimate_error=0.0,

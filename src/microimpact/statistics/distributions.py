@@ -270,6 +270,25 @@ def generator(seed: int, *key: int) -> np.random.Generator:
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=key))
 
 
+def child(rng: np.random.Generator, *key: int) -> np.random.Generator:
+    """Return the independent generator of one part of what another generator is for.
+
+    Nothing is drawn from `rng`; its seed alone matters, so that results do not depend on the order
+    or the grouping of the parts.
+
+    Raises
+    ------
+    TypeError
+        If `rng` was not made from a `numpy.random.SeedSequence` (as `default_rng` does).
+    """
+    root = rng.bit_generator.seed_seq
+    if not isinstance(root, np.random.SeedSequence):
+        raise TypeError(f"rng must come from a SeedSequence, not {type(root).__name__}")
+    return np.random.default_rng(
+        np.random.SeedSequence(root.entropy, spawn_key=(*root.spawn_key, *key))
+    )
+
+
 def _ordered(low: float, high: float) -> None:
     if not low < high:
         raise ValueError(f"low must be below high, got {low:g} and {high:g}")

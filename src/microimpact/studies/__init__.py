@@ -3,8 +3,10 @@
 A study bears the name of its branch in ``config/analyses``. It is a module, or a package whose
 parts are its own, that is directly in one of the folders here, and defines a frozen dataclass
 ``Params`` and a pure function ``run(params, inputs)`` that returns its tables by name. If it takes
-tables of earlier studies, ``NEEDS`` names them by the study that makes them. Studies are found by
-name; nothing is registered here.
+tables of earlier studies, ``NEEDS`` names them by the study that makes them. They are among the
+inputs by their names, and so are declared rows: ``materials`` and ``contacts`` of what the
+parameters name, and as ``anchors`` the printed values. Studies are found by name; nothing is
+registered here.
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ from microimpact.lab.events import Impacts
 from microimpact.lab.pdpa.analyser import (
     INCIDENT,
     REBOUND,
-    Instrument,
+    Analyser,
     overlapping,
     passages,
     records,
@@ -22,7 +22,7 @@ from microimpact.lab.pdpa.analyser import (
 from microimpact.lab.surface import Rebound
 
 H = 1e-3
-DEFAULT = Instrument(
+DEFAULT = Analyser(
     probe_height_mm=1.0,
     probe_height_error_um=50.0,
     initial_estimate_error=0.2,

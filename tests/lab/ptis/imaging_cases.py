@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from microimpact.lab.events import Impacts
-from microimpact.lab.ptis.system import Instrument, Setup
+from microimpact.lab.ptis.system import ImagingSystem, Setup
 
 DIAMETER = 62e-6
 
-INSTRUMENT = Instrument(
+INSTRUMENT = ImagingSystem(
     frame_px=(640, 480),
     pixel_um=10.0,
     fields_per_s=60.0,
@@ -38,7 +38,7 @@ STEADY = replace(INSTRUMENT, jitter=0.0)
 NOISELESS = replace(STEADY, read_noise_counts=0.0, electrons_per_count=1e12)
 
 
-def setup_for(speed: float, angle: float, instrument: Instrument = INSTRUMENT) -> Setup:
+def setup_for(speed: float, angle: float, instrument: ImagingSystem = INSTRUMENT) -> Setup:
     return Setup(instrument=instrument, angle=angle, speed=speed, diameter=DIAMETER)
 
 

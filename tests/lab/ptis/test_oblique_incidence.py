@@ -12,7 +12,7 @@ from microimpact.lab.dispenser import Dispenser, InitialSpin
 from microimpact.lab.experiment import Drop, StopRule, Target
 from microimpact.lab.ptis.errors import theory
 from microimpact.lab.ptis.experiment import OUTSIDE_CLASS, collect, turned
-from microimpact.lab.ptis.exposure import MEASURED, OFF_SHEET, expose, exposures
+from microimpact.lab.ptis.exposure import MEASURED, OFF_SHEET, exposures
 from microimpact.lab.ptis.observation import modelled
 from microimpact.lab.ptis.system import Systematics, event_generator
 from microimpact.lab.ptis.tracks import longest_runs
@@ -87,7 +87,7 @@ def test_impacts_lit_together_are_lit_as_each_by_itself():
 
     together = exposures(events, setup, errors, draws())
     for i, rng in enumerate(draws()):
-        own = expose(events, i, setup, errors, rng)
+        own = exposures(events.select(slice(i, i + 1)), setup, errors, [rng])
         picked = together.select(np.array([i]))
         for name in (
             "leg",

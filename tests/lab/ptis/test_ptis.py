@@ -16,7 +16,7 @@ from tests.lab.ptis.imaging_cases import (
     setup_for,
 )
 
-from microimpact.lab.ptis.exposure import INCIDENT, LATER, REBOUND, expose, flight
+from microimpact.lab.ptis.exposure import INCIDENT, LATER, REBOUND, exposures, flights
 from microimpact.lab.ptis.frames import (
     FEWEST_SAMPLES,
     SAMPLES_PER_BLUR,
@@ -24,7 +24,8 @@ from microimpact.lab.ptis.frames import (
     render,
     through_disk,
 )
-from microimpact.lab.ptis.system import Systematics, child, draw_systematics, event_generator
+from microimpact.lab.ptis.system import Systematics, draw_systematics, event_generator
+from microimpact.statistics.distributions import child
 
 EXACT = Systematics()
 
@@ -32,7 +33,7 @@ EXACT = Systematics()
 def lit(speed, angle, instrument=NOISELESS, seed=0, **changes):
     events = impacts(speed, angle, **changes)
     setup = setup_for(speed, angle, instrument)
-    return expose(events, 0, setup, EXACT, generator(seed)), setup
+    return exposures(events.select(slice(1)), setup, EXACT, [generator(seed)]), setup
 
 
 def middle_field(exposure):
@@ -84,7 +85,7 @@ def test_the_chopper_follows_the_speed_up_to_its_limit():
 
 def test_the_path_is_a_fall_before_and_after_impact():
     events, setup = impacts(0.45, 60.0), setup_for(0.45, 60.0)
-    path = flight(events, 0, setup)
+    path = flights(events.select(slice(1)), setup)
     assert path.at(np.array([0]), np.array([0.0]))[0, 2] == pytest.approx(DIAMETER / 2)
     # Energy: v^2 / 2 - g . x is the same all along a leg, and nothing was ever slower than at rest.
     for leg in (INCIDENT, REBOUND):
@@ -188,7 +189,9 @@ def test_grey_levels_are_light_with_shot_and_reading_noise(interlace):
     events, setup = impacts(1.66, 60.0), setup_for(1.66, 60.0, instrument)
     frame = render(events, 0, setup, EXACT, generator(3))
     rng = generator(3)
-    light = light_of(expose(events, 0, setup, EXACT, rng), setup, EXACT).astype(float)
+    light = light_of(exposures(events.select(slice(1)), setup, EXACT, [rng]), setup, EXACT).astype(
+        float
+    )
     if interlace:
         light = 0.5 * (light[::2] + light[1::2])
     draws = rng.integers(0, 2**16, light.shape, dtype=np.uint16)

@@ -136,14 +136,14 @@ def test_noise_free_instrument_leaves_a_fifth_of_the_spread_at_most():
 def test_losses_by_geometry():
     n = 10
     captured = impacts(1.66, 60.0, n, captured=np.ones(n, dtype=bool))
-    assert modelled(captured, setup_for(1.66, 60.0), generator()).counts == {CAPTURED: n}
+    assert modelled(captured, setup_for(1.66, 60.0), generator()).fates == (CAPTURED,) * n
     aside = impacts(1.66, 60.0, n, side=0.8)
-    assert modelled(aside, setup_for(1.66, 60.0), generator()).counts == {OFF_SHEET: n}
+    assert modelled(aside, setup_for(1.66, 60.0), generator()).fates == (OFF_SHEET,) * n
     # Rebounds too slow to keep their dashes apart, and tracks upon each other.
     touching = impacts(1.66, 60.0, n, restitution=0.2, kept=0.3)
-    assert MEASURED not in modelled(touching, setup_for(1.66, 60.0), generator()).counts
+    assert MEASURED not in modelled(touching, setup_for(1.66, 60.0), generator()).fates
     steep = impacts(1.66, 88.5, n)
-    assert MEASURED not in modelled(steep, setup_for(1.66, 88.5), generator()).counts
+    assert MEASURED not in modelled(steep, setup_for(1.66, 88.5), generator()).fates
 
 
 def test_the_model_does_not_depend_on_chunks():

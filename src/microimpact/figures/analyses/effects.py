@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import pandas as pd
@@ -10,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from microimpact.core.tables import POINTS
+from microimpact.core.tables import POINTS, Tables
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec, PanelSpec
 
@@ -23,7 +22,7 @@ LABEL_GAP = 5.0
 
 
 @style.context()
-def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+def draw(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw a normal plot of effects, and a half-normal one with a logarithmic abscissa.
 
     A series is called ``response: effect``, or as one of the margins. Each panel names the

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, NullLocator, ScalarFormatter
 
+from microimpact.core.tables import Tables
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec, PanelSpec
 
@@ -28,7 +29,7 @@ COLUMNS = 3
 
 
 @style.context()
-def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+def draw(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw indices of five factors, of the inputs of a calibration, and their convergence.
 
     The abscissa counts inputs, or samples in the panel ``convergence``.
@@ -73,12 +74,7 @@ def _draw_convergence(ax: Axes, rows: pd.DataFrame, panel: PanelSpec) -> None:
 
 
 def _marks(
-    ax: Axes,
-    rows: pd.DataFrame,
-    panel: PanelSpec,
-    name: str,
-    look: Mapping[str, Any],
-    shift: float,
+    ax: Axes, rows: pd.DataFrame, panel: PanelSpec, name: str, look: Mapping[str, Any], shift: float
 ) -> None:
     x, y = (rows.iloc[:, column].to_numpy(float) for column in (3, 4))
     bounds = rows[["y_low", "y_high"]].to_numpy(float).T

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from microimpact.core.tables import Tables
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec, PanelSpec, SeriesSpec
 
@@ -17,7 +16,7 @@ CURVES = ("computed", "calibrated")
 
 
 @style.context()
-def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+def draw(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw curves in bands of standard error, and a band in which means of a few events lie."""
     table = pd.concat([tables[name] for name in spec.data], ignore_index=True)
     is_curve = table["evidence"].isin(CURVES)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from microimpact.core.tables import Tables
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec, PanelSpec
 
@@ -15,7 +14,7 @@ STATED = "stated"
 
 
 @style.context()
-def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+def draw(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw curves with shaded bands on a logarithmic ordinate, and the statements as marks."""
     (table,) = tables.values()
     ((name, panel),) = spec.panels.items()

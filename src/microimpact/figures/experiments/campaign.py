@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -12,6 +10,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from microimpact.core.tables import Tables
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec
 
@@ -30,7 +29,7 @@ LEVEL = 95.0
 
 
 @style.context()
-def draw_map(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+def draw_map(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw a mark for every experiment: particles on a surface against angle, coloured by speed.
 
     Those with too few events are in panel `FEW` again, and drawn open.
@@ -97,7 +96,7 @@ def _add_scale(figure: Figure, ax: Axes, scale: ScalarMappable, speeds: list[flo
 
 
 @style.context()
-def draw_coverage(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+def draw_coverage(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw how often intervals contain a mean: a panel per table, with their nominal level."""
     figure, axes = style.new_figure(spec)
     for (name, panel), table in zip(spec.panels.items(), tables.values(), strict=True):

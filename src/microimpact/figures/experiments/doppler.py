@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from microimpact.core.tables import Tables
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec
 
@@ -16,7 +15,7 @@ COLUMNS = 3
 
 
 @style.context()
-def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+def draw(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw a stretch of a stream with its pairs, and curves against speed.
 
     In the panel ``stream`` series ``pair ...`` hold both records of a pair and are drawn as lines.

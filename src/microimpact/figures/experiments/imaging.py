@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
+from microimpact.core.tables import Tables
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec
 
@@ -18,7 +17,7 @@ LINEAR_PERCENT = 0.1
 
 
 @style.context()
-def draw_frame(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+def draw_frame(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw a part of a frame with the centroids and paths found in it; rows count downwards.
 
     ``ptis_pixels`` holds grey levels over columns, one series per row of the frame.
@@ -54,7 +53,7 @@ def grey_levels(pixels: pd.DataFrame) -> tuple[np.ndarray, tuple[float, float, f
 
 
 @style.context()
-def draw_accuracy(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+def draw_accuracy(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw bias and scatter of the measured speed against the speed, one panel per leg."""
 
     def prepare(ax: Axes, _: str) -> None:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import pandas as pd
 from matplotlib.figure import Figure
 
+from microimpact.core.tables import Tables
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec
 
@@ -18,7 +17,7 @@ LEVELS = {"spin": 0.0, "slope": 1.0, "spore": 1.0}
 
 
 @style.context()
-def draw_normal(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+def draw_normal(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw a quantity against the normal speed, with the speeds at which particles piled up."""
     (table,) = tables.values()
     is_band = table["series"] == PILE_UP
@@ -30,7 +29,7 @@ def draw_normal(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
 
 
 @style.context()
-def draw_oblique(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+def draw_oblique(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw measured quantities against the angle of incidence.
 
     Means that lie above a panel are written at its upper edge.
@@ -57,7 +56,7 @@ def draw_oblique(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure
 
 
 @style.context()
-def draw_causes(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+def draw_causes(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw one panel per mechanism, each with a legend of its own."""
     figure, axes = style.line_figure(tables, spec, COLUMNS)
     for name, level in LEVELS.items():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -11,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
+from microimpact.core.tables import Tables
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec, PanelSpec
 
@@ -21,7 +21,7 @@ GUIDE: dict[str, Any] = {"linewidth": 0.6, "alpha": 0.7, "zorder": 2}
 
 
 @style.context()
-def draw(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+def draw(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw panels in two columns, one for each true curve, with thin lines to guide the eye.
 
     A panel is called ``quantity, truth``; the series of a ``coverage`` are moved apart.

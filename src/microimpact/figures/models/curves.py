@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
-import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
+from microimpact.core.tables import Tables
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec
 
@@ -15,7 +13,7 @@ COLUMNS = 2
 
 
 @style.context()
-def draw_trends(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+def draw_trends(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw R, rho and e; the series ``capture velocity`` is an upright line, shaded below."""
     figure, axes = style.line_figure(tables, spec)
     (table,) = tables.values()
@@ -25,7 +23,7 @@ def draw_trends(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
 
 
 @style.context()
-def draw_signed(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+def draw_signed(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw curves of either sign, with the axis of zero."""
     figure, axes = style.line_figure(tables, spec)
     for ax in axes.values():
@@ -34,7 +32,7 @@ def draw_signed(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
 
 
 @style.context()
-def draw_laws(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+def draw_laws(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw restitution against the logarithm of the speed, a panel per way of fitting.
 
     The series ``hysteresis`` is named beside its curve: there are more laws than kinds of lines.
@@ -52,7 +50,7 @@ def draw_laws(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
 
 
 @style.context()
-def draw_oblique(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+def draw_oblique(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw curves against the angle of incidence, with the range of capture shaded.
 
     The series ``capture`` marks, in each panel, the angle at and below which the sphere is
@@ -70,7 +68,7 @@ def draw_oblique(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure
 
 
 @style.context()
-def draw_moments(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+def draw_moments(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw ratios of moments of rolling against the angle, a panel per estimate."""
     figure, axes = style.line_figure(tables, spec, COLUMNS, lambda ax, _: ax.set_yscale("log"))
     style.legend_above(figure, axes.values(), 4)
@@ -78,7 +76,7 @@ def draw_moments(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure
 
 
 @style.context()
-def draw_distances(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+def draw_distances(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw distances rolled by captured spheres against the shift, a panel per case."""
     figure, axes = style.line_figure(tables, spec, COLUMNS, lambda ax, _: ax.loglog())
     style.legend_above(figure, axes.values(), 7)

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
+from microimpact.core.tables import Tables
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec, PanelSpec, SeriesSpec
 
@@ -19,7 +20,7 @@ _MEMBER = re.compile(r"(?P<family>n = [\d.]+), w = (?P<work>[\d.]+) J/m2")
 
 
 @style.context()
-def draw_ridge(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+def draw_ridge(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw how flat e is over the family against work of adhesion, and its two extreme members."""
     panels = spec.panels | {"curves": _named_members(spec.panels, tables["ridge_curves"])}
 
@@ -43,7 +44,7 @@ def _named_members(panels: Mapping[str, PanelSpec], curves: pd.DataFrame) -> Pan
 
 
 @style.context()
-def draw_fits(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+def draw_fits(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw simulated restitution with its fits, and the printed capture velocities."""
     figure, axes = style.line_figure(tables, spec, prepare=style.log_x)
     for ax in axes.values():

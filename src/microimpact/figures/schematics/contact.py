@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
-import pandas as pd
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
+from microimpact.core.tables import Tables
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec
 from microimpact.figures.schematics import parts as draw
@@ -24,7 +22,7 @@ DEGREES = np.linspace(0.0, 360.0, 181)
 
 
 @style.context()
-def draw_fig19(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+def draw_fig19(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw a sphere at its greatest compression, and the stresses on its contact.
 
     Ranges are in multiples of the radius of the sphere, and of that of the contact.

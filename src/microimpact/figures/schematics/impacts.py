@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from microimpact.core.tables import Tables
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec
 from microimpact.figures.schematics import parts as draw
@@ -30,7 +29,7 @@ AROUND = 1.3
 
 
 @style.context()
-def draw_fig03(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+def draw_fig03(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw the velocities before and after an impact with their components."""
     places, scale = {"impact": (0.0, 6.0, 86.0, 55.0)}, _fitting(tables["fig03"], spec)
     figure, sheets = draw.sheets(tables, spec, places, scale)
@@ -96,7 +95,7 @@ def _spin(sheet: Sheet, part: str, centre: Points, radius: float, middle: float)
 
 
 @style.context()
-def draw_fig13(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+def draw_fig13(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw momentum before, impulses and momentum after, as a sum."""
     places = {name: (58.0 * i, 6.0, 58.0, 77.0) for i, name in enumerate(spec.panels)}
     scale = _fitting(tables["fig13"], spec)
@@ -156,7 +155,7 @@ def _impulses(sheet: Sheet) -> None:
 
 
 @style.context()
-def draw_fig22(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+def draw_fig22(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw a sphere that strikes a wavy surface, with nominal and local axes and angles.
 
     Ranges are in multiples of half the length of the surface, a wavelength.

@@ -15,6 +15,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyArrowPatch, Polygon
 from numpy.typing import ArrayLike, NDArray
 
+from microimpact.core.tables import Tables
 from microimpact.figures.registry import FigureSpec, PanelSpec
 from microimpact.figures.style import MM_PER_INCH, WIDTH_MM
 
@@ -58,10 +59,7 @@ class Sheet:
 
 
 def sheets(
-    tables: Mapping[str, pd.DataFrame],
-    spec: FigureSpec,
-    places: Mapping[str, Place],
-    scale: float = 1.0,
+    tables: Tables, spec: FigureSpec, places: Mapping[str, Place], scale: float = 1.0
 ) -> tuple[Figure, dict[str, Sheet]]:
     """Return an empty figure and its panels, whose units are equally long along x and y.
 

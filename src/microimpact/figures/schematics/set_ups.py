@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
-import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Ellipse
 
+from microimpact.core.tables import Tables
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec
 from microimpact.figures.schematics import parts as draw
@@ -21,7 +19,7 @@ OPTICAL_AXIS = (0, (6, 2, 1, 2))
 
 
 @style.context()
-def draw_fig01(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+def draw_fig01(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw the particle trajectory imaging system from the side and from above."""
     places = {"side": (0.0, 49.0, 174.0, 76.0), "top": (0.0, 6.0, 174.0, 42.0)}
     figure, sheets = draw.sheets(tables, spec, places)
@@ -136,7 +134,7 @@ def _viewing_angle(sheet: Sheet, corner: Points, end: Points) -> None:
 
 
 @style.context()
-def draw_fig02(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+def draw_fig02(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw the phase Doppler particle analyser from above, and its probe volume from the side."""
     places = {"top": (0.0, 6.0, 128.0, 72.0), "side": (128.0, 6.0, 46.0, 72.0)}
     figure, sheets = draw.sheets(tables, spec, places)

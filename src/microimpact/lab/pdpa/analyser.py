@@ -16,7 +16,7 @@ import numpy as np
 from numpy.random import Generator
 from pydantic import Field
 
-from microimpact.core.arrays import BoolArray, FloatArray, Real
+from microimpact.core.arrays import BoolArray, Columns, FloatArray, Real
 from microimpact.core.compiled import jit
 from microimpact.core.constants import gravity
 from microimpact.declared.parameters import Fraction, NonNegative, Positive
@@ -29,7 +29,7 @@ _jit = jit()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Instrument:
+class Analyser:
     """Settings of the analyser; noise as standard deviations.
 
     Attributes
@@ -138,23 +138,12 @@ class Passages:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Stream:
+class RecordStream(Columns):
     """What the analyser stores: k records by time of acquisition, s, m/s (signed) and m."""
 
     time: FloatArray
     velocity: FloatArray
     diameter: FloatArray
-
-    def __len__(self) -> int:
-        return len(self.time)
-
-    def take(self, chosen: IntArray | BoolArray) -> Stream:
-        """Return some records, or all in another order."""
-        return Stream(
-            time=self.time[chosen],
-            velocity=self.velocity[chosen],
-            diameter=self.diameter[chosen],
-        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -183,15 +172,13 @@ class GroundTruth:
         return found
 
 
-def true_height(instrument: Instrument, rng: Generator) -> float:
+def true_height(instrument: Analyser, rng: Generator) -> float:
     """Draw the height of the probe volume in one experiment, m."""
     error = 1e-6 * instrument.probe_height_error_um
     return 1e-3 * instrument.probe_height_mm + error * float(rng.standard_normal())
 
 
-def passages(
-    impacts: Impacts, height: Real, instrument: Instrument, fall: Real = np.inf
-) -> Passages:
+def passages(impacts: Impacts, height: Real, instrument: Analyser, fall: Real = np.inf) -> Passages:
     """Return the passages of all spheres through the probe volume.
 
     Parameters
@@ -231,25 +218,19 @@ def passages(
     )
 
 
-def half_axes(instrument: Instrument) -> FloatArray:
+def half_axes(instrument: Analyser) -> FloatArray:
     """Return half the axes of the probe volume along x, y and z, m."""
     across, along = instrument.probe_across_um, instrument.probe_along_um
     return 0.5e-6 * np.array([across, along, across])
 
 
 def through_probe(
-    position: FloatArray, velocity: FloatArray, height: float, instrument: Instrument
+    position: FloatArray, velocity: FloatArray, height: float, instrument: Analyser
 ) -> BoolArray:
     """Tell which spheres fall through the level of the probe volume inside its ellipse.
 
-    Parameters
-    ----------
-    position, velocity
-        At the surface, m and m/s, shape (n, 2) and (n, 3).
-    height
-        Of the level, m; spheres that never were so high count where their flight began.
-    instrument
-        Settings.
+    Position and velocity are those at the surface, m and m/s, shape (n, 2) and (n, 3). Spheres that
+    never were so high count where their flight began.
     """
     inside = np.empty(len(position), dtype=np.bool_)
     _fall_through(position, velocity, height, half_axes(instrument), gravity, inside)
@@ -306,8 +287,8 @@ def _cross(  # type: ignore[no-untyped-def]
 
 
 def records(
-    crossing: Passages, duration: float, instrument: Instrument, rng: Generator
-) -> tuple[Stream, GroundTruth]:
+    crossing: Passages, duration: float, instrument: Analyser, rng: Generator
+) -> tuple[RecordStream, GroundTruth]:
     """Record the passages: noise, losses, and records of nothing.
 
     Parameters
@@ -336,18 +317,18 @@ def records(
     overlapped_all, dropped_all = np.zeros((2, *crossing.crossed.shape), dtype=np.bool_)
     overlapped_all[passed], dropped_all[passed] = together, dropped & ~together
 
-    real = _with_noise(crossing, passed, instrument, rng).take(~(together | dropped))
+    kept = ~(together | dropped)
+    real = _with_noise(crossing, passed, instrument, rng).select(kept)
     false = _false_records(duration, instrument, rng)
-    stream = Stream(
-        **{k: np.concatenate([getattr(r, k) for r in (real, false)]) for k in Stream.__slots__}
-    )
+    stream = RecordStream.joined([real, false])
     acquired = np.argsort(stream.time, kind="stable")
     nothing = np.full(len(false), -1)
-    leg, impact = (
-        np.concatenate([index[~(together | dropped)], nothing])[acquired] for index in passed
-    )
+    leg, impact = (np.concatenate([index[kept], nothing])[acquired] for index in passed)
     truth = GroundTruth(leg=leg, impact=impact, overlapped=overlapped_all, dropped=dropped_all)
-    return _stamped(stream.take(acquired), 1e-6 * instrument.time_resolution_us), truth
+    stream = stream.select(acquired)
+    if resolution := 1e-6 * instrument.time_resolution_us:
+        stream = replace(stream, time=np.round(stream.time / resolution) * resolution)
+    return stream, truth
 
 
 def overlapping(time: FloatArray, transit: FloatArray) -> BoolArray:
@@ -362,28 +343,24 @@ def overlapping(time: FloatArray, transit: FloatArray) -> BoolArray:
 
 
 def _with_noise(
-    crossing: Passages, passed: tuple[IntArray, IntArray], instrument: Instrument, rng: Generator
-) -> Stream:
+    crossing: Passages, passed: tuple[IntArray, IntArray], instrument: Analyser, rng: Generator
+) -> RecordStream:
     velocity, diameter = crossing.velocity[passed], crossing.diameter[passed[1]]
     number = len(velocity)
     noise = instrument.velocity_noise(velocity) * rng.standard_normal(number)
     factor = np.exp(instrument.diameter_noise(diameter) * rng.standard_normal(number))
     outlier = rng.random(number) < instrument.outlier_fraction
     factor *= np.where(outlier, rng.uniform(*instrument.outlier_factors, number), 1.0)
-    return Stream(time=crossing.time[passed], velocity=velocity + noise, diameter=diameter * factor)
+    return RecordStream(
+        time=crossing.time[passed], velocity=velocity + noise, diameter=diameter * factor
+    )
 
 
-def _stamped(stream: Stream, resolution: float) -> Stream:
-    if resolution == 0.0:
-        return stream
-    return replace(stream, time=np.round(stream.time / resolution) * resolution)
-
-
-def _false_records(duration: float, instrument: Instrument, rng: Generator) -> Stream:
+def _false_records(duration: float, instrument: Analyser, rng: Generator) -> RecordStream:
     number = int(rng.poisson(instrument.false_records_per_s * duration))
     speed = instrument.false_speed_m_per_s
     low, high = instrument.false_diameters_um
-    return Stream(
+    return RecordStream(
         time=rng.uniform(0.0, duration, number),
         velocity=rng.uniform(-speed, speed, number),
         diameter=1e-6 * rng.uniform(low, high, number),

@@ -12,10 +12,10 @@ from microimpact.core.constants import gravity
 from microimpact.lab.bounces import with_later_impacts
 from microimpact.lab.events import Impacts, Measured
 from microimpact.lab.experiment import Drop, Outcome, StopRule
-from microimpact.lab.pdpa.analyser import Instrument
+from microimpact.lab.pdpa.analyser import Analyser
 from microimpact.lab.pdpa.observation import Observation, observe
-from microimpact.lab.ptis.system import child
 from microimpact.lab.reduction import reduced
+from microimpact.statistics.distributions import child
 
 # Several times the probe volume, m.
 REACH = 1e-3
@@ -30,7 +30,7 @@ class Session(Outcome):
     observation: Observation
 
 
-def collect(drop: Drop, instrument: Instrument, stop: StopRule, rng: Generator) -> Session:
+def collect(drop: Drop, instrument: Analyser, stop: StopRule, rng: Generator) -> Session:
     """Drop particles on a horizontal target until enough events are accepted, or give up.
 
     After every batch all records so far are searched for pairs: which belong together, and how
@@ -69,7 +69,7 @@ def collect(drop: Drop, instrument: Instrument, stop: StopRule, rng: Generator) 
 
 def _observed(
     drop: Drop,
-    instrument: Instrument,
+    instrument: Analyser,
     stop: StopRule,
     impacts: Impacts,
     first: int,

@@ -13,10 +13,10 @@ from microimpact.lab.events import Impacts, IntArray, Measured
 from microimpact.lab.pdpa.analyser import (
     INCIDENT,
     REBOUND,
+    Analyser,
     GroundTruth,
-    Instrument,
     Passages,
-    Stream,
+    RecordStream,
     passages,
     records,
     true_height,
@@ -82,16 +82,6 @@ class Quality:
         """Share found of the impacts of which both records exist; nan without any."""
         return ratio(self.true_pairs, self.recorded_pairs)
 
-    @property
-    def recall_of_rebounds(self) -> float:
-        """Share found of the first impacts with a rebound; nan without any."""
-        return ratio(self.fates["paired"], self.rebounds)
-
-    @property
-    def recall_of_seen_rebounds(self) -> float:
-        """Share found of the first impacts with a rebound and an incident record; nan of none."""
-        return ratio(self.fates["paired"], self.seen_rebounds)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Observation:
@@ -113,7 +103,7 @@ class Observation:
     quality: Quality
     impacts: Impacts
     crossing: Passages
-    stream: Stream
+    stream: RecordStream
     truth: GroundTruth
     pairing: Pairing
 
@@ -122,11 +112,10 @@ def observe(
     impacts: Impacts,
     first: int,
     duration: float,
-    instrument: Instrument,
+    instrument: Analyser,
     rng: Generator,
     *,
     drop_height: float = np.inf,
-    form: Form = "exact",
 ) -> Observation:
     """Observe one experiment of normal impacts on a horizontal target.
 
@@ -145,8 +134,6 @@ def observe(
     drop_height
         Height from which the spheres fall, m; spheres from below the probe volume rise into it
         but do not fall through it.
-    form
-        Correction to the surface.
     """
     height = true_height(instrument, rng)
     fall = np.full(len(impacts), np.inf)
@@ -156,7 +143,7 @@ def observe(
     estimate = 1e-3 * instrument.probe_height_mm * (1.0 + instrument.initial_estimate_error)
     pairing = search(stream, estimate, instrument)
     return Observation(
-        measured=at_surface(stream, pairing, truth, form),
+        measured=at_surface(stream, pairing, truth),
         quality=judge(pairing, stream, truth, crossing, impacts.captured[:first], height),
         impacts=impacts,
         crossing=crossing,
@@ -167,7 +154,7 @@ def observe(
 
 
 def at_surface(
-    stream: Stream, pairing: Pairing, truth: GroundTruth, form: Form = "exact"
+    stream: RecordStream, pairing: Pairing, truth: GroundTruth, form: Form = "exact"
 ) -> Measured:
     """Reduce accepted pairs to normal velocities at the surface, with the height found."""
     velocities = (stream.velocity[index] for index in (pairing.incident, pairing.rebound))
@@ -190,23 +177,13 @@ def pair_events(pairing: Pairing, truth: GroundTruth) -> IntArray:
 
 def judge(
     pairing: Pairing,
-    stream: Stream,
+    stream: RecordStream,
     truth: GroundTruth,
     crossing: Passages,
     captured: BoolArray,
     height: float,
 ) -> Quality:
-    """Compare pairs with the ground truth.
-
-    Parameters
-    ----------
-    pairing, stream, truth, crossing
-        As in `Observation`.
-    captured
-        Of the first impacts, shape (n,).
-    height
-        True height, m.
-    """
+    """Compare pairs with the ground truth; ``captured`` is of the first impacts, height in m."""
     event, first = pair_events(pairing, truth), len(captured)
     return Quality(
         pairs=len(event),

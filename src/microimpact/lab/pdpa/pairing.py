@@ -13,10 +13,10 @@ from typing import Literal
 import numpy as np
 import scipy
 
-from microimpact.core.arrays import BoolArray, FloatArray, Real
+from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.constants import gravity
 from microimpact.lab.events import IntArray
-from microimpact.lab.pdpa.analyser import Instrument, Stream
+from microimpact.lab.pdpa.analyser import Analyser, RecordStream
 
 # With fewer pairs than this, h is left as it is: they may all be accidental.
 FEWEST_PAIRS = 3
@@ -51,17 +51,10 @@ class Pairing:
 
 
 def correct(velocity: Real, height: Real, form: Form = "exact") -> Real:
-    """Return velocities at the surface from those in the probe volume.
+    """Return vertical velocities at the surface from those in the probe volume, m/s.
 
-    Parameters
-    ----------
-    velocity
-        Vertical, m/s; incident negative, rebound positive, any shape.
-    height
-        Of the probe volume, m; broadcasts.
-    form
-        ``exact``: v^2 + 2 g h, the energy of free fall. ``printed``: the article's constant
-        sqrt(2 g h) is added to the speed (Section 2.1).
+    ``exact``: by v^2 + 2 g h, the energy of free fall. ``printed``: the article's constant
+    sqrt(2 g h) is added to the speed (Section 2.1). Incident velocities are negative.
     """
     if form == "printed":
         return np.asarray(velocity + np.sign(velocity) * _surface_speed(0.0, height))
@@ -90,7 +83,7 @@ def height_from_delay(incident: Real, rebound: Real, time: Real) -> Real:
 
 
 def delay_noise(
-    incident: FloatArray, rebound: FloatArray, height: Real, instrument: Instrument
+    incident: FloatArray, rebound: FloatArray, height: Real, instrument: Analyser
 ) -> tuple[FloatArray, FloatArray]:
     """Return the standard deviation of predicted less recorded delays, s, and d delay / d h."""
     stamps = 1e-6 * instrument.time_resolution_us / np.sqrt(6.0)
@@ -104,17 +97,10 @@ def delay_noise(
     return np.sqrt(variance), slope
 
 
-def search(stream: Stream, height: float, instrument: Instrument) -> Pairing:
-    """Find the pairs of a stream and the height of the probe volume.
+def search(stream: RecordStream, height: float, instrument: Analyser) -> Pairing:
+    """Find the pairs of a stream, in any order, and the height of the probe volume.
 
-    Parameters
-    ----------
-    stream
-        The records, in any order.
-    height
-        Initial estimate of the height, m, wrong by about ``initial_estimate_error``.
-    instrument
-        Settings, for the noise to be expected and the width of the windows.
+    The height, m, is an initial estimate, wrong by about ``initial_estimate_error``.
     """
     initial = height, abs(instrument.initial_estimate_error) * height
     found, pairs, converged, rounds = initial, None, False, 0
@@ -137,7 +123,7 @@ def search(stream: Stream, height: float, instrument: Instrument) -> Pairing:
 
 
 def estimate_height(
-    stream: Stream, pairs: tuple[IntArray, IntArray], height: float, instrument: Instrument
+    stream: RecordStream, pairs: tuple[IntArray, IntArray], height: float, instrument: Analyser
 ) -> tuple[float, float]:
     """Return the height that fits the delays of some pairs, and its standard error, m.
 
@@ -149,20 +135,11 @@ def estimate_height(
 
 
 def heights(
-    stream: Stream, pairs: IntArray, height: FloatArray, instrument: Instrument
+    stream: RecordStream, pairs: IntArray, height: FloatArray, instrument: Analyser
 ) -> tuple[FloatArray, FloatArray]:
-    """Return what `estimate_height` does for many sets of pairs at once.
+    """Return what `estimate_height` does for many sets of pairs (2, ..., pairs) at once.
 
-    Parameters
-    ----------
-    stream
-        The records.
-    pairs
-        Of incident and rebound, shape (2, ..., pairs).
-    height
-        Present height of each set, m; broadcasts to shape (...).
-    instrument
-        Settings.
+    The present heights, m, broadcast to shape (...).
     """
     incident, rebound = stream.velocity[pairs]
     recorded = stream.time[pairs[1]] - stream.time[pairs[0]]
@@ -178,17 +155,13 @@ def heights(
 
 
 def assign(
-    stream: Stream, height: float, height_error: float, instrument: Instrument
+    stream: RecordStream, height: float, height_error: float, instrument: Analyser
 ) -> tuple[IntArray, IntArray]:
     """Return the best one-to-one pairs at a height known to a standard error.
 
     A pair costs its squared deviations of size and delay, in units of the noise; as many of the
-    pairs inside the windows as fit together are worth more than none (see `matched`).
-
-    Returns
-    -------
-    incident, rebound
-        Indices into the stream, in order of the incident's time.
+    pairs inside the windows as fit together are worth more than none (see `matched`). Pairs are
+    indices of incident and rebound in the stream, in order of the incident's time.
     """
     incident, rebound = _candidates(stream, height, height_error, instrument)
     falling, rising = stream.velocity[incident], stream.velocity[rebound]
@@ -206,7 +179,7 @@ def assign(
 
 
 def _candidates(
-    stream: Stream, height: float, height_error: float, instrument: Instrument
+    stream: RecordStream, height: float, height_error: float, instrument: Analyser
 ) -> tuple[IntArray, IntArray]:
     """Return all pairs of a falling and a rising record that are not out of the question."""
     down, up = (np.flatnonzero(sign * stream.velocity > 0.0) for sign in (-1.0, 1.0))
@@ -227,23 +200,12 @@ def _candidates(
 
 
 def matched(incident: IntArray, rebound: IntArray, worth: FloatArray) -> IntArray:
-    """Return which of some possible pairs to accept: one-to-one, of the greatest total worth.
+    """Return which of m possible pairs to accept: one-to-one, of the greatest total worth.
 
-    Parameters
-    ----------
-    incident, rebound
-        Whom each possible pair would join, shape (m,).
-    worth
-        Positive; of each possible pair, shape (m,).
-
-    Returns
-    -------
-    ndarray
-        Indices into the possible pairs. Pairs that compete, directly or through others, are
-        settled together and apart from the rest, so that the cost grows with the length of the
-        stream and not with its cube.
+    Pairs that compete, directly or through others, are settled together and apart from the rest,
+    so that the cost grows with the length of the stream and not with its cube.
     """
-    alone = _once(incident) & _once(rebound)
+    alone = np.all([np.bincount(ends)[ends] == 1 for ends in (incident, rebound)], axis=0)
     contested = np.flatnonzero(~alone)
     if not len(contested):
         return np.flatnonzero(alone)
@@ -258,12 +220,6 @@ def matched(incident: IntArray, rebound: IntArray, worth: FloatArray) -> IntArra
     groups = np.split(order, np.flatnonzero(np.diff(cluster[order])) + 1)
     settled = [_settled(group, rows, columns, worth[contested]) for group in groups]
     return np.concatenate([np.flatnonzero(alone), contested[np.concatenate(settled)]])
-
-
-def _once(ends: IntArray) -> BoolArray:
-    """Tell which of some records are in one possible pair only."""
-    once: BoolArray = np.bincount(ends)[ends] == 1
-    return once
 
 
 def _settled(group: IntArray, rows: IntArray, columns: IntArray, worth: FloatArray) -> IntArray:

@@ -18,7 +18,7 @@ import scipy
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.arrays import BoolArray, Columns, FloatArray
 from microimpact.lab.events import Impacts, IntArray
 from microimpact.lab.ptis.exposure import (
     INCIDENT,
@@ -82,19 +82,8 @@ def theory(
 ) -> tuple[NDArray[np.object_], Expected]:
     """Return what becomes of impacts that all rebound: mean and spread of what is measured.
 
-    Parameters
-    ----------
-    impacts
-        The impacts.
-    setup, errors
-        The instrument as set and the errors of the experiment.
-    rngs
-        One per impact; see `system.event_generator`.
-
-    Returns
-    -------
-    fates, found
-        `MEASURED` or why not, one per impact, and those that are measured.
+    The fates are `MEASURED` or why not, one per impact; the rest is of those that are measured.
+    Each impact has a generator of its own, see `system.event_generator`.
     """
     exposure = exposures(impacts, setup, errors, rngs, jitter=False)
     fates = unseen(exposure, setup)
@@ -145,7 +134,7 @@ class Dashes:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Rows:
+class Rows(Columns):
     """The longest row of good dashes of one leg of each of n exposures.
 
     Attributes
@@ -162,10 +151,6 @@ class Rows:
     used: BoolArray
     number: IntArray
     length: FloatArray
-
-    def select(self, which: IntArray | BoolArray) -> Rows:
-        """Return the rows of some exposures."""
-        return Rows(**{name: getattr(self, name)[which] for name in self.__dataclass_fields__})
 
 
 def find_dashes(exposure: Exposure, setup: Setup, errors: Systematics) -> Dashes:
@@ -269,14 +254,7 @@ def outline(setup: Setup) -> float:
 def brightness(length: FloatArray, disk: FloatArray, setup: Setup) -> FloatArray:
     """Return the brightest light per pixel of dashes of unit light, near enough.
 
-    The widths of disk and blur add in squares.
-
-    Parameters
-    ----------
-    length, disk
-        Way of the centre and diameter, px; they broadcast.
-    setup
-        What is known of the instrument.
+    Way of the centre and diameter of the disk, px, broadcast; disk and blur add in squares.
     """
     chord = np.hypot(0.25 * np.pi * disk, np.sqrt(2.0 * np.pi) * setup.instrument.blur_px)
     light: FloatArray = 1.0 / (chord * np.hypot(chord, length))

@@ -16,14 +16,14 @@ from microimpact.lab.events import Impacts, IntArray, Measured
 from microimpact.lab.experiment import Drop, Outcome, StopRule
 from microimpact.lab.ptis.exposure import MEASURED, OFF_SHEET
 from microimpact.lab.ptis.observation import modelled
-from microimpact.lab.ptis.system import Instrument, Setup, child, draw_systematics
+from microimpact.lab.ptis.system import ImagingSystem, Setup, draw_systematics
 from microimpact.lab.reduction import reduced
-from microimpact.statistics.distributions import mean
+from microimpact.statistics.distributions import child, mean
 
 OUTSIDE_CLASS = "outside the class"
 
 
-def collect(drop: Drop, instrument: Instrument, stop: StopRule, rng: Generator) -> Outcome:
+def collect(drop: Drop, instrument: ImagingSystem, stop: StopRule, rng: Generator) -> Outcome:
     """Drop particles on a tilted target until enough events are accepted, or give up.
 
     The experiment ends with its last event, whoever else has been dropped with it. `outside the
@@ -86,7 +86,7 @@ def _accepted(measured: Measured, drop: Drop, wanted: int, looked: int) -> tuple
 
 
 def _shown(
-    drop: Drop, instrument: Instrument, number: int, rng: Generator
+    drop: Drop, instrument: ImagingSystem, number: int, rng: Generator
 ) -> tuple[IntArray, Impacts]:
     """Return which of some particles arrive where they can be seen, and their impacts."""
     falling = drop.release(number, rng)
@@ -94,7 +94,7 @@ def _shown(
     return shown, drop.hit(falling.select(shown), rng)
 
 
-def in_sheet(position: FloatArray, instrument: Instrument) -> BoolArray:
+def in_sheet(position: FloatArray, instrument: ImagingSystem) -> BoolArray:
     """Tell at which places (n, 2) the light sheet and the camera can see an impact at all."""
     half = 0.5e-3 * instrument.sheet_thickness_mm
     field = 1e-6 * instrument.pixel_um * max(instrument.frame_px)

@@ -65,11 +65,6 @@ class Flight:
         return self.origin[leg] + self.velocity[leg] * t + 0.5 * self.gravity * np.square(t)
 
 
-def flight(impacts: Impacts, i: int, setup: Setup) -> Flight:
-    """Return the path of one sphere."""
-    return flights(impacts.select(slice(i, i + 1)), setup)
-
-
 def flights(impacts: Impacts, setup: Setup) -> Flight:
     """Return the paths of all spheres.
 
@@ -153,7 +148,7 @@ class Exposure:
         number = np.full(len(self), -1)
         number[which] = np.arange(len(which))
         kept = number[self.event] >= 0
-        names = ("start", "end", "whole", "in_sheet", "in_view", "in_field")
+        names = "start", "end", "whole", "in_sheet", "in_view", "in_field"
         return replace(
             self,
             **{name: getattr(self, name)[kept] for name in names},
@@ -178,31 +173,6 @@ class Exposure:
         return setup.columns_rows(self.flight.at(self.leg[piece][:, None], time), errors)
 
 
-def expose(
-    impacts: Impacts,
-    i: int,
-    setup: Setup,
-    errors: Systematics,
-    rng: Generator,
-    *,
-    jitter: bool = True,
-) -> Exposure:
-    """Light one event: the impact falls anywhere in a field, and the chopper runs free.
-
-    Parameters
-    ----------
-    impacts, i
-        The impacts and which of them.
-    setup, errors
-        The instrument as set and the errors of the experiment.
-    rng
-        Of the event; see `event_generator`.
-    jitter
-        Whether the pulses come at irregular times.
-    """
-    return exposures(impacts.select(slice(i, i + 1)), setup, errors, [rng], jitter=jitter)
-
-
 def exposures(
     impacts: Impacts,
     setup: Setup,
@@ -211,7 +181,11 @@ def exposures(
     *,
     jitter: bool = True,
 ) -> Exposure:
-    """Light all events, as `expose` does one; each draws from its own generator."""
+    """Light events: each impact falls anywhere in a field, and the chopper runs free.
+
+    Each event draws from its own generator, see `event_generator`. Without jitter the pulses come
+    at regular times.
+    """
     instrument = setup.instrument
     rate, exposure = setup.chop_rate * (1.0 + errors.rate), 1.0 / instrument.fields_per_s
     most = int(np.ceil(exposure * rate)) + 1

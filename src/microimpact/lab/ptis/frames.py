@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from microimpact.core.arrays import FloatArray
 from microimpact.lab.events import Impacts, IntArray
-from microimpact.lab.ptis.exposure import LATER, LEGS, Exposure, expose
-from microimpact.lab.ptis.system import Instrument, Setup, Systematics
+from microimpact.lab.ptis.exposure import LATER, LEGS, Exposure, exposures
+from microimpact.lab.ptis.system import ImagingSystem, Setup, Systematics
 
 BRIGHTEST = 255
 # Samples of the path per blur; within a dash the sum then equals the integral to parts in 10^8.
@@ -35,23 +35,12 @@ QUANTILES = 2**16
 def render(
     impacts: Impacts, i: int, setup: Setup, errors: Systematics, rng: Generator
 ) -> NDArray[np.uint8]:
-    """Return the field of video that holds one impact.
+    """Return the field of video that holds one impact: grey levels, shape (rows, columns).
 
-    Parameters
-    ----------
-    impacts, i
-        The impacts and which of them.
-    setup, errors
-        The instrument as set and the errors of the experiment.
-    rng
-        Of the event; see `system.event_generator`.
-
-    Returns
-    -------
-    array
-        Grey levels, shape (rows, columns); half the rows where the camera interlaces.
+    Half the rows where the camera interlaces. The generator is that of the event.
     """
-    return next(photographs(expose(impacts, i, setup, errors, rng), setup, errors, [rng]))
+    exposure = exposures(impacts.select(slice(i, i + 1)), setup, errors, [rng])
+    return next(photographs(exposure, setup, errors, [rng]))
 
 
 def photographs(
@@ -118,7 +107,7 @@ def through_disk(light: FloatArray, diameter: float) -> FloatArray:
 
 
 def photograph(
-    light: NDArray[np.float32], instrument: Instrument, rng: Generator
+    light: NDArray[np.float32], instrument: ImagingSystem, rng: Generator
 ) -> NDArray[np.uint8]:
     """Return grey levels of light, in counts above the background, with shot and reading noise.
 
@@ -134,7 +123,7 @@ def photograph(
 
 
 def _grey(
-    light: NDArray[np.float32], normal: NDArray[np.float32], instrument: Instrument
+    light: NDArray[np.float32], normal: NDArray[np.float32], instrument: ImagingSystem
 ) -> NDArray[np.uint8]:
     level = light + instrument.background_counts
     variance = level / instrument.electrons_per_count + instrument.read_noise_counts**2
@@ -143,7 +132,7 @@ def _grey(
 
 
 @cache
-def _dark(instrument: Instrument) -> NDArray[np.uint8]:
+def _dark(instrument: ImagingSystem) -> NDArray[np.uint8]:
     """Return grey levels without light, one for each value of the noise."""
     return _grey(np.zeros(QUANTILES, dtype=np.float32), _normal(), instrument)
 

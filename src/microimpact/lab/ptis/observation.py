@@ -6,7 +6,6 @@ the model is held against it.
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -24,7 +23,7 @@ from microimpact.lab.ptis.tracks import Rejection, measure
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Observation:
+class ImagedEvents:
     """What became of n impacts.
 
     Attributes
@@ -38,11 +37,6 @@ class Observation:
     measured: Measured
     fates: tuple[str, ...]
 
-    @property
-    def counts(self) -> dict[str, int]:
-        """Number of impacts by fate."""
-        return dict(Counter(self.fates))
-
 
 def modelled(
     impacts: Impacts,
@@ -51,25 +45,12 @@ def modelled(
     *,
     first: int = 0,
     errors: Systematics | None = None,
-) -> Observation:
+) -> ImagedEvents:
     """Return what is measured of every impact, by the error model.
 
     The same generator gives an event the same field and the same pulses as in `observe`, apart
-    from their jitter.
-
-    Parameters
-    ----------
-    impacts
-        The true impacts.
-    setup
-        The instrument as set.
-    rng
-        Of the experiment, made from a `numpy.random.SeedSequence`; nothing is drawn from it, only
-        from its children, one per event.
-    first
-        Number of the first impact in the experiment, if these are a part of one.
-    errors
-        Of the experiment; drawn if not given.
+    from their jitter: nothing is drawn from it but from its children, one per event, numbered from
+    ``first`` on. Errors of the experiment are drawn if not given.
     """
     errors = errors or draw_systematics(setup.instrument, rng)
     moving = np.flatnonzero(~impacts.captured)
@@ -91,18 +72,11 @@ def observe(
     first: int = 0,
     errors: Systematics | None = None,
     with_gravity: bool = True,
-) -> Observation:
+) -> ImagedEvents:
     """Render and measure the frame of every impact that can be seen.
 
     Of the events that are `unseen` a frame would give 1 in 400 a velocity, from dashes of which a
-    little is missing; they count as lost.
-
-    Parameters
-    ----------
-    impacts, setup, rng, first, errors
-        As in `modelled`.
-    with_gravity
-        As in `tracks.measure`.
+    little is missing; they count as lost. Arguments as in `modelled` and `tracks.measure`.
     """
     errors = errors or draw_systematics(setup.instrument, rng)
     moving = np.flatnonzero(~impacts.captured)
@@ -122,16 +96,8 @@ def observe(
 
 def _observation(
     fates: NDArray[np.object_], velocities: FloatArray | Sequence[FloatArray]
-) -> Observation:
+) -> ImagedEvents:
     """Return the fates of all events with the velocities of those measured, as in `Track`."""
-    found = np.reshape(velocities, (-1, 2, 2))
-    return Observation(
-        measured=Measured(
-            event=np.flatnonzero(fates == MEASURED),
-            incident_tangential=found[:, 0, 0],
-            incident_normal=found[:, 0, 1],
-            rebound_tangential=found[:, 1, 0],
-            rebound_normal=found[:, 1, 1],
-        ),
-        fates=tuple(fates),
-    )
+    events = np.flatnonzero(fates == MEASURED)
+    measured = Measured.of(events, np.reshape(velocities, (-1, 2, 2)))
+    return ImagedEvents(measured=measured, fates=tuple(fates))

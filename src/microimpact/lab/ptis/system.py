@@ -12,12 +12,13 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
-from numpy.random import Generator, SeedSequence
+from numpy.random import Generator
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.constants import gravity
 from microimpact.declared.parameters import Count, NonNegative, Positive
+from microimpact.statistics.distributions import child
 
 # Where in the frame the impacts lie: as a share of its width, and of its height from the bottom
 # for tracks that turn down and for a track straight up.
@@ -25,7 +26,7 @@ AIM_ACROSS, AIM_MIDDLE, AIM_BOTTOM = 0.35, 0.5, 0.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Instrument:
+class ImagingSystem:
     """Settings of chopper, light sheet and camera; noise as standard deviations.
 
     Attributes
@@ -111,7 +112,7 @@ class Setup:
         Nominal diameter, m: the centre of a sphere meets the surface at half of it.
     """
 
-    instrument: Instrument
+    instrument: ImagingSystem
     angle: float
     speed: float
     diameter: float
@@ -198,24 +199,7 @@ class Systematics:
     angle_deg: float = 0.0
 
 
-def child(rng: Generator, *key: int) -> Generator:
-    """Return the independent generator of one part of what another generator is for.
-
-    Nothing is drawn from `rng`; its seed alone matters, so that results do not depend on the order
-    or the grouping of the parts.
-
-    Raises
-    ------
-    TypeError
-        If `rng` was not made from a `numpy.random.SeedSequence` (as `default_rng` does).
-    """
-    root = rng.bit_generator.seed_seq
-    if not isinstance(root, SeedSequence):
-        raise TypeError(f"rng must come from a SeedSequence, not {type(root).__name__}")
-    return np.random.default_rng(SeedSequence(root.entropy, spawn_key=(*root.spawn_key, *key)))
-
-
-def draw_systematics(instrument: Instrument, rng: Generator) -> Systematics:
+def draw_systematics(instrument: ImagingSystem, rng: Generator) -> Systematics:
     """Draw the errors of one experiment."""
     rate, scale, angle = child(rng, 0).standard_normal(3).tolist()
     return Systematics(

@@ -72,17 +72,7 @@ SECOND_BOUNCE = Rejection("second bounce in view")
 def measure(
     frame: NDArray[np.uint8], setup: Setup, *, with_gravity: bool = True
 ) -> Track | Rejection:
-    """Measure one frame.
-
-    Parameters
-    ----------
-    frame
-        Grey levels, as from `frames.render`.
-    setup
-        What is known of the instrument.
-    with_gravity
-        Whether the legs are fitted by paths under gravity or by straight lines at constant speed.
-    """
+    """Measure one frame, by paths under gravity or by straight lines at constant speed."""
     legs = sort_legs(find_spots(frame, setup), setup)
     if isinstance(legs, Rejection):
         return legs
@@ -160,18 +150,8 @@ def patches(
 ) -> tuple[IntArray, IntArray, IntArray, BoolArray]:
     """Return the pixels of patches of light: bright ones that touch, also by corners, with wings.
 
-    Parameters
-    ----------
-    frame, background
-        Grey levels, and that of no light.
-    least
-        What light must exceed, smoothed, beside a share of the brightest.
-
-    Returns
-    -------
-    row, column, patch, core
-        Of m pixels: where; number of the patch, where wings meet that of the later one; and
-        whether the pixel is bright itself.
+    Light must exceed the least, smoothed, and a share of the brightest. Of each pixel: row, column,
+    number of the patch (where wings meet that of the later one), and whether it is bright itself.
     """
     smooth = scipy.ndimage.gaussian_filter(
         frame, SMOOTHING_PX, output=np.float32, truncate=SMOOTHING_REACH / SMOOTHING_PX
@@ -193,12 +173,7 @@ def sort_legs(spots: Spots, setup: Setup) -> tuple[FloatArray, FloatArray] | Rej
     """Sort spots into the incident and the rebound leg, whole dashes alone.
 
     Spheres fall: the incident leg is the longest steep row of spots. The rest is the rebound,
-    whose horizontal velocity is constant and gives its order.
-
-    Returns
-    -------
-    tuple or Rejection
-        Columns and rows of both legs, each (m, 2) in order of time.
+    whose horizontal velocity is constant and gives its order. Legs are columns and rows (m, 2).
     """
     place, light, clear = spots.place, spots.light, spots.clear
     least = setup.instrument.least_dashes
@@ -268,12 +243,7 @@ def is_steep(way: FloatArray) -> BoolArray:
 def told_apart(rebound: FloatArray, used: BoolArray | None = None) -> BoolArray:
     """Tell whether a rebound is no second incident track and its dashes have an order.
 
-    Parameters
-    ----------
-    rebound
-        Columns and rows of two or more dashes, shape (..., m, 2).
-    used
-        Which of them count, shape (..., m): the first ones; all if not given.
+    Of columns and rows (..., m, 2) the first ones count, two or more, as ``used`` (..., m) says.
     """
     used = np.ones(rebound.shape[:-1], dtype=bool) if used is None else used
     last = (np.sum(used, axis=-1) - 1)[..., None, None]
@@ -284,22 +254,10 @@ def told_apart(rebound: FloatArray, used: BoolArray | None = None) -> BoolArray:
 
 
 def longest_runs(good: BoolArray, group: IntArray, groups: int) -> tuple[IntArray, IntArray]:
-    """Return the longest stretch of true values within each group.
+    """Return where the longest stretch of true values within each group begins, and its length.
 
-    Parameters
-    ----------
-    good
-        Shape (m,).
-    group
-        Of each value: numbers below `groups` that ascend, shape (m,).
-    groups
-        Number of groups.
-
-    Returns
-    -------
-    start, number
-        Where the first of the longest stretches begins, and its values, shape (groups,); zero
-        where there is none.
+    The group of each value ascends. Of several longest stretches the first; zeros where there is
+    none.
     """
     follows = np.zeros_like(good)
     follows[1:] = good[:-1] & (group[1:] == group[:-1])
@@ -391,17 +349,7 @@ class Track:
 def reduce_legs(
     incident: FloatArray, rebound: FloatArray, setup: Setup, *, with_gravity: bool = True
 ) -> Track | Rejection:
-    """Return the velocities at the surface from the centroids of both legs.
-
-    Parameters
-    ----------
-    incident, rebound
-        Columns and rows, shape (m, 2), of consecutive dashes in order of time.
-    setup
-        What is known of the instrument.
-    with_gravity
-        As in `measure`.
-    """
+    """Return the velocities at the surface from columns and rows (m, 2) of both legs' dashes."""
     track = fit_track(incident, rebound, setup, with_gravity=with_gravity)
     if with_gravity and not smooth(track.incident, setup):
         return IRREGULAR
@@ -418,14 +366,9 @@ def fit_track(
     used: tuple[BoolArray | None, BoolArray | None] = (None, None),
     with_gravity: bool = True,
 ) -> Track:
-    """Fit both legs and follow them to the surface, whether or not they make a track.
+    """Fit both legs, (..., m, 2), and follow them to the surface, whether they make a track or not.
 
-    Parameters
-    ----------
-    incident, rebound, setup, with_gravity
-        As in `reduce_legs`; any number of tracks, shape (..., m, 2).
-    used
-        Which of the places of each leg count, shape (..., m): the first ones; all if not given.
+    Of each leg the first places count, as ``used`` (..., m) says; all if not given.
     """
     pull = gravity if with_gravity else 0.0
     legs = []

@@ -172,7 +172,7 @@ Profile = Callable[[Data, FloatArray, FloatArray], Held]
 def _empirical(q: float | None, data: Data, v_c: FloatArray, starts: FloatArray) -> Held:
     """Profile of Eq. (34)."""
     whole = in_own_units(data.v[None], data.e[None], data.weight[None], q)
-    sets = whole.take(np.zeros(v_c.size, np.intp))
+    sets = whole.select(np.zeros(v_c.size, np.intp))
     owner, gap = np.arange(v_c.size), 1.0 - v_c
     fresh = [start_points(sets, owner, i, gap)[:, :-1] for i in range(len(STARTS))]
     return Held(*profile(sets, gap, *fresh, *starts))

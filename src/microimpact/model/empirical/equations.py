@@ -80,12 +80,7 @@ def adhesion_coefficient(
 
 
 def restitution(
-    v: ArrayLike,
-    k: ArrayLike,
-    p: ArrayLike,
-    kappa: ArrayLike,
-    q: ArrayLike,
-    v_c: ArrayLike,
+    v: ArrayLike, k: ArrayLike, p: ArrayLike, kappa: ArrayLike, q: ArrayLike, v_c: ArrayLike
 ) -> FloatArray:
     """Return e = R (1 - rho), the overall coefficient of restitution (Eq. 34).
 

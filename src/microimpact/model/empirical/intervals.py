@@ -121,7 +121,7 @@ class _Way:
     def excess(self, gap: FloatArray, rows: Places, *, fresh: bool = False) -> FloatArray:
         """Root of the rise of chi-square, which is nearly linear in v_c, less that of the limit."""
         rows = rows.astype(np.intp)
-        chi_square, logs = profile(self.sets.take(rows), gap, self.logs[rows], fresh=fresh)
+        chi_square, logs = profile(self.sets.select(rows), gap, self.logs[rows], fresh=fresh)
         value = np.sqrt(np.maximum(chi_square - self.minimum[rows], 0.0)) - self.limit[rows]
         within, lower = value <= 0.0, chi_square < self.least[rows]
         self.logs[rows[within]] = logs[within]

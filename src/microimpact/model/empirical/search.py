@@ -13,14 +13,14 @@ gives does not depend on the others.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from numpy.typing import ArrayLike
 
-from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, BoolArray, FloatArray, checked
+from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, BoolArray, Columns, FloatArray, checked
 from microimpact.model.empirical.kernel import V_C, Q, descend_all
 
 Places = npt.NDArray[np.intp]
@@ -146,7 +146,7 @@ class DataSets:
     top: FloatArray
     q: float | None
 
-    def take(self, rows: slice | Places) -> DataSets:
+    def select(self, rows: slice | Places) -> DataSets:
         """Return some of the data sets."""
         return DataSets(**{name: getattr(self, name)[rows] for name in ARRAYS}, q=self.q)
 
@@ -265,7 +265,7 @@ def _bounds(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BatchFit:
+class BatchFit(Columns):
     """Fits of r data sets.
 
     Attributes
@@ -288,10 +288,6 @@ class BatchFit:
     at_bound: BoolArray
     converged: BoolArray
     agreeing: Places
-
-    def take(self, rows: slice | Places) -> BatchFit:
-        """Return some of the fits."""
-        return BatchFit(**{field.name: getattr(self, field.name)[rows] for field in fields(self)})
 
     @property
     def v_c(self) -> FloatArray:
@@ -318,10 +314,7 @@ class BatchFit:
 
 
 def fit_batch(
-    sets: DataSets,
-    starts: int = 2,
-    guess: FloatArray | None = None,
-    tolerance: float = TOLERANCE,
+    sets: DataSets, starts: int = 2, guess: FloatArray | None = None, tolerance: float = TOLERANCE
 ) -> BatchFit:
     """Fit Eq. (34) to every data set by weighted least squares.
 
@@ -404,14 +397,6 @@ def profile(
     points += [start_points(sets, owner, 0, gap)] if fresh else []
     found, _ = lowest(search, points)
     return found.chi_square, found.x[:, :V_C]
-
-
-def stacked_fits(fits: Sequence[BatchFit]) -> BatchFit:
-    """Return the fits of several batches as those of one."""
-    names = [field.name for field in fields(BatchFit)]
-    return BatchFit(
-        **{name: np.concatenate([getattr(fit, name) for fit in fits]) for name in names}
-    )
 
 
 def lowest(search: Search, starts: Sequence[FloatArray]) -> tuple[Found, FloatArray]:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import pandas as pd
+
+from microimpact.core.tables import Tables
 
 COLUMNS = [
     *("file", "key", "value", "low", "high", "unit", "evidence", "source"),
@@ -18,7 +19,7 @@ class Params:
     """No parameter: the table shows those of all other analyses."""
 
 
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Return the table of declared inputs.
 
     Parameters

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from microimpact.core.arrays import FloatArray
-from microimpact.core.tables import points_parts
+from microimpact.core.tables import Tables, points_parts
 
 COMPARED = ("computed", "calibrated", "virtual experiment")
 # Half the length of a bar, an interval of 95 %, in standard uncertainties.
@@ -39,7 +39,7 @@ class Params:
     """No parameter: every digitised series is compared with every series of its panel."""
 
 
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Compare digitised points with what was computed or measured on virtual particles.
 
     Parameters

@@ -16,7 +16,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray, Real
-from microimpact.core.tables import series_frame
+from microimpact.core.tables import Tables, series_frame
 from microimpact.declared.parameters import Fraction, Positive, PrintedName
 from microimpact.model.separation import (
     PLACEMENTS,
@@ -81,12 +81,7 @@ def distance_from_equality(*values: FloatArray) -> FloatArray:
 
 
 def band_row(
-    quantity: str,
-    values: FloatArray,
-    unit: str = "-",
-    *,
-    low: float = np.nan,
-    high: float = np.nan,
+    quantity: str, values: FloatArray, unit: str = "-", *, low: float = np.nan, high: float = np.nan
 ) -> dict[str, object]:
     """Return a row of a table: middle, band, and how often given bounds hold.
 
@@ -178,7 +173,7 @@ class Params:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Case:
+class Combinations:
     """All combinations of the ranges: the particle, its charge, and how the charge lies."""
 
     particle: CoatedParticle
@@ -194,15 +189,8 @@ class Case:
         return self.charge_to_mass * self.particle.density * volume
 
 
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Compute adhesion and both estimates of the electric force against the weight of silica.
-
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        ``anchors``: what the other paper's abstract states.
 
     Returns
     -------
@@ -226,7 +214,7 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     }
 
 
-def combinations(params: Params) -> Case:
+def combinations(params: Params) -> Combinations:
     """Return low, geometric middle and high of every range, each along an axis of its own."""
     spans = {name: getattr(params, name) for name in SCALES}
     mesh = open_mesh(spans, len(SHAPE) + 1)
@@ -241,7 +229,7 @@ def combinations(params: Params) -> Case:
         spherule_radius=0.5 * mesh["silica_diameter_nm"],
         spherule_density=params.silica_density_kg_per_m3,
     )
-    case = Case(
+    case = Combinations(
         particle=particle,
         charge_to_mass=mesh["charge_to_mass_uC_per_g"],
         enhancement=mesh["image_enhancement"],
@@ -258,7 +246,7 @@ def combinations(params: Params) -> Case:
     return case
 
 
-def forces(case: Case, silica: FloatArray) -> dict[str, FloatArray]:
+def forces(case: Combinations, silica: FloatArray) -> dict[str, FloatArray]:
     """Return the three forces in N; their shapes broadcast to `SHAPE` and that of silica.
 
     The charge is lifted by the diameter of a spherule in so far as spherules carry the contact.
@@ -285,7 +273,7 @@ def full(values: Real) -> FloatArray:
 
 
 def curves(
-    params: Params, case: Case, silica: FloatArray, stated: pd.Series[float]
+    params: Params, case: Combinations, silica: FloatArray, stated: pd.Series[float]
 ) -> pd.DataFrame:
     """Return the data of the figure: curves with bands, limits of the adhesion, statements."""
     found = {name: full(force) for name, force in forces(case, silica).items()}
@@ -311,7 +299,7 @@ def curves(
 
 
 def summary(
-    params: Params, case: Case, silica: FloatArray, stated: pd.Series[float]
+    params: Params, case: Combinations, silica: FloatArray, stated: pd.Series[float]
 ) -> pd.DataFrame:
     """Return forces and ratios with bands, and the bounds that the abstract sets to some."""
     x = params.compared_silica_fraction
@@ -346,7 +334,7 @@ def summary(
     return table
 
 
-def _any_silica(case: Case, silica: FloatArray) -> list[dict[str, object]]:
+def _any_silica(case: Combinations, silica: FloatArray) -> list[dict[str, object]]:
     """Return where the forces meet, and what a full layer of silica leaves."""
     found = forces(case, silica)
     rows = []
@@ -376,14 +364,7 @@ def _frame(
     high: Real = np.nan,
     evidence: str = "computed",
 ) -> pd.DataFrame:
+    y, *ends = (1e9 * np.asarray(of) for of in (force, low, high))
     return series_frame(
-        panel="force",
-        series=series,
-        evidence=evidence,
-        x=100.0 * silica,
-        y=1e9 * force,
-        x_unit="percent",
-        y_unit="nN",
-        y_low=1e9 * np.asarray(low),
-        y_high=1e9 * np.asarray(high),
+        "force", series, 100.0 * silica, y, evidence, *ends, x_unit="percent", y_unit="nN"
     )

@@ -6,7 +6,7 @@ as printed and as it should be, is compared with the exact rotation of the rigid
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Annotated
@@ -17,7 +17,7 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.solve import root
-from microimpact.core.tables import series_frame
+from microimpact.core.tables import Tables, series_frame
 from microimpact.declared.parameters import AngleDegrees, Finite, Fraction
 from microimpact.model.rigid_body.roughness import (
     RoughRebound,
@@ -39,7 +39,7 @@ PRINTED, CORRECTED = FORMS = ("printed", "corrected")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Case:
+class SlopedImpacts:
     """Impacts: angle and slope in radians, which broadcast; all else numbers."""
 
     angle: Real
@@ -84,21 +84,21 @@ class Equation:
     quantity: str
     shallow: bool
     spun: bool = False
-    form: Callable[[Case, bool], Real]
+    form: Callable[[SlopedImpacts, bool], Real]
 
-    def exact(self, case: Case) -> FloatArray:
+    def exact(self, case: SlopedImpacts) -> FloatArray:
         """Return the measured coefficient without expansion."""
         rebound = case.rebound
         if self.quantity == RESTITUTION:
             return rebound.measured_restitution
         return rebound.measured_impulse_ratio
 
-    def value(self, case: Case, form: str) -> FloatArray:
+    def value(self, case: SlopedImpacts, form: str) -> FloatArray:
         """Return what the equation gives, in the shape of the exact value."""
         exact = self.exact(case)
         return np.broadcast_to(self.form(case, form == PRINTED), np.shape(exact))
 
-    def error(self, case: Case, form: str) -> FloatArray:
+    def error(self, case: SlopedImpacts, form: str) -> FloatArray:
         """Return the error relative to the exact value."""
         exact = self.exact(case)
         return np.abs(self.value(case, form) - exact) / np.abs(exact)
@@ -196,9 +196,9 @@ class Params:
     drawn_slopes_to_deg: FacingDegrees
     points: Annotated[int, Field(ge=20)]
 
-    def case(self, angle_deg: Real, slope_deg: Real, spin_ratio: float) -> Case:
+    def case(self, angle_deg: Real, slope_deg: Real, spin_ratio: float) -> SlopedImpacts:
         """Return impacts on slopes, both angles in degrees."""
-        return Case(
+        return SlopedImpacts(
             angle=np.radians(angle_deg),
             slope=np.radians(slope_deg),
             e=self.restitution,
@@ -215,15 +215,8 @@ class Params:
         return self.spin_ratios if equation.spun else (0.0,)
 
 
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Compare the printed and the corrected equations with the exact coefficients.
-
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        None.
 
     Returns
     -------
@@ -380,7 +373,7 @@ def curves(params: Params) -> pd.DataFrame:
 
 
 def _panel(
-    params: Params, panel: str, view: str, equation: Equation, x: FloatArray, case: Case
+    params: Params, panel: str, view: str, equation: Equation, x: FloatArray, case: SlopedImpacts
 ) -> list[pd.DataFrame]:
     sign = 1.0 if equation.quantity == RESTITUTION else -1.0
     frames = [_frame(panel, "exact", x, sign * equation.exact(case))]
@@ -398,7 +391,9 @@ def _panel(
     return frames
 
 
-def _others(panel: str, equation: Equation, x: FloatArray, case: Case) -> list[pd.DataFrame]:
+def _others(
+    panel: str, equation: Equation, x: FloatArray, case: SlopedImpacts
+) -> list[pd.DataFrame]:
     """Return the bound of energy, and the equation before the expansion as printed."""
     if not equation.shallow:
         return [_frame(panel, "39 printed", x, EQUATIONS["39"].value(case, PRINTED))]

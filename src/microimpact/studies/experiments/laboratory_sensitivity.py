@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal
 
@@ -11,6 +11,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
+from microimpact.core.tables import Tables
 from microimpact.declared.parameters import Count, Keyed, Name, NonNegative, Positive
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.events import Impacts, Measured
@@ -23,7 +24,6 @@ from microimpact.lab.samples import (
     contact_of,
     impacts_of,
     in_class,
-    in_plane,
 )
 from microimpact.model.contact import Contact
 from microimpact.statistics.distributions import TruncatedNormal, generator
@@ -113,15 +113,8 @@ class Setting:
         return replace(self, dropped=replace(dropped, **changes[spread]))
 
 
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Vary every spread alone, on common random numbers.
-
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        ``calibration``: calibrated contacts; ``materials``: declared rows.
 
     Returns
     -------
@@ -132,7 +125,7 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     return {"laboratory_sensitivity": pd.DataFrame(_rows(params, inputs))}
 
 
-def _rows(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Iterator[dict[str, Any]]:
+def _rows(params: Params, inputs: Tables) -> Iterator[dict[str, Any]]:
     for series in params.series:
         base = Setting(
             dropped=series.dropped,
@@ -184,7 +177,7 @@ def sample(setting: Setting, impacts: Impacts, params: Params) -> dict[str, Floa
     """
     dropped = setting.dropped
     free = ~impacts.captured & in_class(dropped, impacts)
-    true = turned(in_plane(impacts, free), setting.angle_error)
+    true = turned(impacts.in_plane.select(np.flatnonzero(free)), setting.angle_error)
     noise = generator(params.seed, 3).standard_normal((4, len(impacts)))[:, true.event]
     noise *= setting.velocity_noise * true.speed
     components = (

@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Annotated, Any, NamedTuple
+from itertools import product
+from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
-from microimpact.core.tables import series_frame
+from microimpact.core.tables import Tables, series_frame
 from microimpact.declared.parameters import (
     CaseName,
     ExperimentSeed,
@@ -25,9 +26,9 @@ from microimpact.declared.parameters import (
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.dispenser import Dispenser, InitialSpin
 from microimpact.lab.experiment import Drop, StopRule, Target
-from microimpact.lab.pdpa.analyser import Instrument
+from microimpact.lab.pdpa.analyser import Analyser
 from microimpact.lab.pdpa.experiment import QUANTITIES, Session, collect
-from microimpact.lab.reduction import Mean
+from microimpact.lab.reduction import interval_columns
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.statistics.distributions import Distribution, generator, mean
@@ -59,7 +60,7 @@ class Params:
     speed_window: Fraction
     stop: StopRule
     dispenser: Dispenser
-    instrument: Instrument
+    instrument: Analyser
     sizes: Annotated[int, Field(ge=10)]
     points: Annotated[int, Field(ge=10)]
     plateau_share: Fraction
@@ -86,25 +87,8 @@ class Curve:
     captured: FloatArray
 
 
-class Point(NamedTuple):
-    """One plotted point: population, quantity, speed (m/s) and mean."""
-
-    population: str
-    quantity: str
-    speed: float
-    mean: Mean
-
-
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Drop both classes at every speed, observe, reduce.
-
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        ``calibration``: calibrated contacts; ``materials``: declared rows; ``anchors``: printed
-        values.
 
     Returns
     -------
@@ -114,15 +98,10 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
         the spread of sizes does to restitution and capture.
     """
     contacts = {case: calibrated_contact(inputs, case) for case in (params.case, params.other_case)}
-    rows, points = [], []
-    for population in params.populations:
-        for speed in params.speeds_m_per_s:
-            outcome = experiment(params, population, speed, contacts[params.case])
-            rows.append(experiment_row(population, speed, outcome))
-            points += [
-                Point(population.name, name, float(rows[-1]["speed_m_per_s"]), of)
-                for name, of in outcome.means.items()
-            ]
+    table = pd.DataFrame(
+        experiment_row(one, speed, experiment(params, one, speed, contacts[params.case]))
+        for one, speed in product(params.populations, params.speeds_m_per_s)
+    )
     curves = {
         (case, population.name): sieve_curve(params, population, contact)
         for case, contact in contacts.items()
@@ -130,9 +109,9 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     }
     printed = inputs["anchors"].set_index("key")
     return {
-        "fig04": restitution_data(params, points, curves, contacts[params.case], printed),
-        "fig05": loss_data(params, points, curves, printed),
-        "normal_experiments": pd.DataFrame(rows),
+        "fig04": restitution_data(params, table, curves, contacts[params.case], printed),
+        "fig05": loss_data(params, table, curves, printed),
+        "normal_experiments": table,
         "size_effects": size_effects(params, curves, contacts),
     }
 
@@ -157,7 +136,8 @@ def experiment_row(population: Population, speed: float, outcome: Session) -> di
     quality, fates, measured = outcome.observation.quality, outcome.fates, outcome.measured
     first = outcome.first_impacts.in_plane
     truth = first.coefficient_of_restitution
-    row: dict[str, Any] = {
+    rebounds = truth[truth > 0.0]
+    return {
         "population": population.name,
         "nominal_speed_m_per_s": speed,
         "speed_m_per_s": float(np.mean(-measured.incident_normal)) if len(measured) else np.nan,
@@ -171,18 +151,11 @@ def experiment_row(population: Population, speed: float, outcome: Session) -> di
         "recall": quality.recall,
         "probe_height_found_mm": 1e3 * quality.estimated_height,
         "probe_height_true_mm": 1e3 * quality.height,
+        **interval_columns(outcome.means, *QUANTITIES),
+        "true_restitution_of_rebounds": float(np.mean(rebounds)) if rebounds.size else np.nan,
+        "true_restitution_of_all": float(np.mean(truth)),
+        "evidence": "virtual experiment",
     }
-    for name in QUANTITIES:
-        of = outcome.means.get(name)
-        row[name] = of.value if of else np.nan
-        row[f"{name}_low"] = of.low if of else np.nan
-        row[f"{name}_high"] = of.high if of else np.nan
-    row["true_restitution_of_rebounds"] = (
-        float(np.mean(truth[truth > 0.0])) if np.any(truth > 0.0) else np.nan
-    )
-    row["true_restitution_of_all"] = float(np.mean(truth))
-    row["evidence"] = "virtual experiment"
-    return row
 
 
 def sieve_curve(params: Params, population: Population, contact: Contact) -> Curve:
@@ -207,37 +180,29 @@ def size_effects(
         plateau = float(curve.rebounding[-1])
         low = np.flatnonzero(curve.rebounding < params.plateau_share * plateau)
         fallen = float(curve.speed[low[-1]]) if low.size else np.nan
-        half = {
-            share: float(np.interp(-share, -curve.captured, curve.speed))
-            for share in (0.9, 0.5, 0.1)
+        captured = {
+            f"captured_{share}_percent_m_per_s": np.interp(
+                -share / 100.0, -curve.captured, curve.speed
+            )
+            for share in (90, 50, 10)
         }
         rows.append(
-            {
-                "case": case,
-                "population": name,
-                "fallen_speed_m_per_s": fallen,
-                "captured_90_percent_m_per_s": half[0.9],
-                "captured_50_percent_m_per_s": half[0.5],
-                "captured_10_percent_m_per_s": half[0.1],
-                "restitution_at_0.75_m_per_s": float(
-                    np.interp(0.75, curve.speed, curve.rebounding)
-                ),
-                "restitution_at_highest_speed": plateau,
-                "evidence": "computed",
-            }
+            {"case": case, "population": name, "fallen_speed_m_per_s": fallen, **captured}
+            | {"restitution_at_0.75_m_per_s": np.interp(0.75, curve.speed, curve.rebounding)}
+            | {"restitution_at_highest_speed": plateau, "evidence": "computed"}
         )
     return pd.DataFrame(rows)
 
 
 def restitution_data(
     params: Params,
-    points: list[Point],
+    table: pd.DataFrame,
     curves: Mapping[tuple[str, str], Curve],
     contact: Contact,
     printed: pd.DataFrame,
 ) -> pd.DataFrame:
     """Return the data of Fig. 4."""
-    frames = [*_measured("restitution", points)]
+    frames = [*_measured("restitution", table)]
     for (case, name), curve in curves.items():
         end = "" if case == params.case else ", other end"
         shown = curve.captured < params.hidden_share
@@ -255,12 +220,12 @@ def restitution_data(
 
 def loss_data(
     params: Params,
-    points: list[Point],
+    table: pd.DataFrame,
     curves: Mapping[tuple[str, str], Curve],
     printed: pd.DataFrame,
 ) -> pd.DataFrame:
     """Return the data of Fig. 5: 1 - e^2 of every event, and of the simulation at the mean e."""
-    frames = [*_measured("energy_loss", points)]
+    frames = [*_measured("energy_loss", table)]
     for (case, name), curve in curves.items():
         if case == params.case:
             shown = curve.captured < params.hidden_share
@@ -271,17 +236,11 @@ def loss_data(
     return pd.concat([*frames, _pile_up(printed)], ignore_index=True)
 
 
-def _measured(name: str, points: list[Point]) -> Iterator[pd.DataFrame]:
-    for population in dict.fromkeys(point.population for point in points):
-        own = [p for p in points if p.population == population and p.quantity == name]
-        yield _frame(
-            population,
-            [p.speed for p in own],
-            [p.mean.value for p in own],
-            "virtual experiment",
-            [p.mean.low for p in own],
-            [p.mean.high for p in own],
-        )
+def _measured(name: str, table: pd.DataFrame) -> Iterator[pd.DataFrame]:
+    for population, own in table.dropna(subset=name).groupby("population", sort=False):
+        y, low, high = (own[f"{name}{end}"] for end in ("", "_low", "_high"))
+        speed = own["speed_m_per_s"]
+        yield _frame(str(population), speed, y, "virtual experiment", low, high)
 
 
 def _level(params: Params, printed: pd.DataFrame) -> tuple[float, list[float]]:

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
-from microimpact.core.tables import series_frame
+from microimpact.core.tables import Tables, series_frame
 from microimpact.declared.parameters import (
     AngleDegrees,
     Count,
@@ -26,13 +26,13 @@ from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.experiment import Drop, Outcome, StopRule
 from microimpact.lab.ptis.experiment import collect
 from microimpact.lab.ptis.exposure import MEASURED
-from microimpact.lab.ptis.system import Instrument, child
-from microimpact.lab.reduction import QUANTITIES, Mean
-from microimpact.lab.samples import Dropped, contact_of, in_class, in_plane
+from microimpact.lab.ptis.system import ImagingSystem
+from microimpact.lab.reduction import QUANTITIES, interval_columns
+from microimpact.lab.samples import Dropped, contact_of, in_class
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import simulate, velocity_components
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
-from microimpact.statistics.distributions import generator
+from microimpact.statistics.distributions import child, generator
 
 NEEDS = {"calibration": ("calibration",)}
 
@@ -106,7 +106,7 @@ class Params:
     stop: StopRule
     series: Annotated[tuple[Series, ...], Keyed("name")]
     dispenser: Dispenser
-    instrument: Instrument
+    instrument: ImagingSystem
     coulomb_restitution: Fraction
     points: Annotated[int, Field(ge=10)]
     unselected: Count
@@ -132,25 +132,8 @@ class Params:
             )
 
 
-class Point(NamedTuple):
-    """One plotted point: series, quantity, nominal angle (degrees) and mean."""
-
-    series: str
-    quantity: str
-    angle: float
-    mean: Mean
-
-
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Run every series at every angle, observe, reduce.
-
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        ``calibration``: calibrated contacts; ``materials``: declared rows; ``anchors``: printed
-        values.
 
     Returns
     -------
@@ -160,7 +143,7 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
         at a reference angle. ``oblique_experiments``: one row per experiment.
     """
     contacts = {series.name: contact_of(series, inputs) for series in params.series}
-    rows, points = list[dict[str, Any]](), list[Point]()
+    rows = []
     for series in params.series:
         for angle in params.angles_deg:
             drop = series.drop(contacts[series.name], angle, params.dispenser)
@@ -168,12 +151,11 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
             outcome = collect(drop, params.instrument, params.stop, rng)
             truth = restitution_of_rebounds(params, series, drop, child(rng, UNSELECTED))
             rows.append(experiment_row(series, angle, outcome, truth))
-            points += [Point(series.name, name, angle, of) for name, of in outcome.means.items()]
     printed = inputs["anchors"].set_index("key")
     table = pd.DataFrame(rows)
     return {
-        **{of: figure_data(params, of, points, table, contacts, printed) for of in FIGURES},
-        "fig23_points": relative_points(params, points),
+        **{of: figure_data(params, of, table, contacts, printed) for of in FIGURES},
+        "fig23_points": relative_points(params, table),
         "oblique_experiments": table,
     }
 
@@ -186,7 +168,7 @@ def restitution_of_rebounds(
     It is of more impacts than an experiment has, so that it shows what the imaging leaves out.
     """
     impacts = drop.tabulated().impacts(params.unselected, rng)
-    rebounds = in_plane(impacts, in_class(series, impacts) & ~impacts.captured)
+    rebounds = impacts.select(in_class(series, impacts) & ~impacts.captured).in_plane
     if len(rebounds) < params.stop.fewest_events:
         return np.nan
     return float(np.mean(rebounds.coefficient_of_restitution))
@@ -197,38 +179,31 @@ def experiment_row(
 ) -> dict[str, Any]:
     """Return one experiment as a row of the table: what was seen, measured, and true."""
     captured = outcome.impacts.captured
-    row: dict[str, Any] = {
+    true = outcome.true.coefficient_of_restitution
+    return {
         "series": series.name,
         "angle_deg": angle,
         "dropped": outcome.dropped,
         "events": len(outcome.measured),
         "captured_share": float(np.mean(captured)) if captured.size else np.nan,
         "unobserved_share": 1.0 - outcome.fates.get(MEASURED, 0) / max(1, int(np.sum(~captured))),
+        **interval_columns(outcome.means, *QUANTITIES, ends=("low", "high", "sd")),
+        "true_restitution": float(np.mean(true)) if true.size else np.nan,
+        "true_restitution_of_rebounds": of_rebounds,
+        "evidence": "virtual experiment",
     }
-    for name in QUANTITIES:
-        of = outcome.means.get(name)
-        row[name] = of.value if of else np.nan
-        row[f"{name}_low"] = of.low if of else np.nan
-        row[f"{name}_high"] = of.high if of else np.nan
-        row[f"{name}_sd"] = of.sd if of else np.nan
-    true = outcome.true.coefficient_of_restitution
-    row["true_restitution"] = float(np.mean(true)) if true.size else np.nan
-    row["true_restitution_of_rebounds"] = of_rebounds
-    row["evidence"] = "virtual experiment"
-    return row
 
 
 def figure_data(
     params: Params,
     figure: str,
-    points: list[Point],
     table: pd.DataFrame,
     contacts: Mapping[str, Contact],
     printed: pd.DataFrame,
 ) -> pd.DataFrame:
     """Return the data of one figure: points, curves, Coulomb friction, printed marks."""
     frames = [
-        *_points(params, figure, points),
+        *_points(params, figure, table),
         *_rebounds(params, figure, table),
         *_curves(params, figure, contacts),
     ]
@@ -242,45 +217,29 @@ def figure_data(
     return pd.concat(frames, ignore_index=True)
 
 
-def relative_points(params: Params, points: list[Point]) -> pd.DataFrame:
-    """Return restitution less its value at the reference angle, and the impulse ratio."""
-    own = [p for p in points if p.series == params.compared_series]
-    at = [
-        p.mean.value
-        for p in own
-        if p.quantity == "restitution" and p.angle == params.reference_angle_deg
-    ]
-    frames = []
-    # Without enough events at the reference angle there is nothing to compare with.
-    for quantity, zero in (("restitution", at[0] if at else np.nan), ("impulse_ratio", 0.0)):
-        shown = [p for p in own if p.quantity == quantity and np.isfinite(zero)]
-        frames.append(
-            _frame(
-                quantity,
-                params.compared_series,
-                [p.angle for p in shown],
-                [p.mean.value - zero for p in shown],
-                "virtual experiment",
-                [p.mean.low - zero for p in shown],
-                [p.mean.high - zero for p in shown],
-            )
-        )
-    return pd.concat(frames, ignore_index=True)
+def relative_points(params: Params, table: pd.DataFrame) -> pd.DataFrame:
+    """Return restitution less its value at the reference angle, and the impulse ratio.
+
+    Without enough events at the reference angle there is nothing to compare with.
+    """
+    own = table[table["series"] == params.compared_series]
+    zero = own.loc[own["angle_deg"] == params.reference_angle_deg, "restitution"].iloc[0]
+    quantities = (("restitution", zero), ("impulse_ratio", 0.0))
+    return pd.concat([_means(own, name, less) for name, less in quantities], ignore_index=True)
 
 
-def _points(params: Params, figure: str, points: list[Point]) -> Iterator[pd.DataFrame]:
+def _means(rows: pd.DataFrame, quantity: str, less: float = 0.0) -> pd.DataFrame:
+    """Return the means of the experiments of a series that have one, as figure data."""
+    shown = rows[(rows[quantity] - less).notna()]
+    y, low, high = (shown[f"{quantity}{end}"] - less for end in ("", "_low", "_high"))
+    name = str(rows["series"].iloc[0])
+    return _frame(quantity, name, shown["angle_deg"], y, "virtual experiment", low, high)
+
+
+def _points(params: Params, figure: str, table: pd.DataFrame) -> Iterator[pd.DataFrame]:
     for series in params.series:
         for panel in FIGURES[figure] if figure in series.figures else ():
-            own = [p for p in points if p.series == series.name and p.quantity == panel]
-            yield _frame(
-                panel,
-                series.name,
-                [p.angle for p in own],
-                [p.mean.value for p in own],
-                "virtual experiment",
-                [p.mean.low for p in own],
-                [p.mean.high for p in own],
-            )
+            yield _means(table[table["series"] == series.name], panel)
 
 
 def _rebounds(params: Params, figure: str, table: pd.DataFrame) -> Iterator[pd.DataFrame]:

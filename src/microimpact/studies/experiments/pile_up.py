@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
+from itertools import product
 from typing import Annotated, Any
 
 import numpy as np
@@ -11,7 +13,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
-from microimpact.core.tables import series_frame
+from microimpact.core.tables import Tables, series_frame
 from microimpact.declared.parameters import (
     CaseName,
     Count,
@@ -31,6 +33,11 @@ from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.statistics.distributions import Distribution, generator, mean
 
 NEEDS = {"calibration": ("calibration",)}
+
+# Of the spheres dropped, those at rest on the target, and those captured there by one impact.
+SHARES = "share_on_target", "share_captured_at_first_impact"
+
+_frame = partial(series_frame, "all", x_unit="m_per_s", y_unit="1")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,16 +92,8 @@ class Params:
                 )
 
 
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Drop spheres at every speed on every target.
-
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        ``calibration``: calibrated contacts; ``materials``: declared rows; ``anchors``: printed
-        values.
 
     Returns
     -------
@@ -111,7 +110,7 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     }
 
 
-def contacts(params: Params, inputs: Mapping[str, pd.DataFrame]) -> dict[float, Contact]:
+def contacts(params: Params, inputs: Tables) -> dict[float, Contact]:
     """Return both contacts by their capture velocity (m/s) at the diameter of the calibration."""
     strong = calibrated_contact(inputs, params.case).replace(friction=params.friction)
     weak = two_stage(
@@ -126,24 +125,21 @@ def contacts(params: Params, inputs: Mapping[str, pd.DataFrame]) -> dict[float, 
 def _rows(params: Params, known: Mapping[float, Contact]) -> Iterator[dict[str, Any]]:
     for velocity, contact in known.items():
         own = float(capture_velocity(resized(contact, mean(params.diameter_um) * 1e-6)))
-        for slope in params.slopes_deg:
-            for speed in params.speeds_m_per_s:
-                found = rest(params, contact, slope, speed)
-                for radius in params.radii_mm:
-                    stays = found.on_target(radius * 1e-3)
-                    yield {
-                        "capture_velocity_m_per_s": velocity,
-                        "capture_velocity_of_mean_sphere_m_per_s": own,
-                        "target_radius_mm": radius,
-                        "slope_deg": slope,
-                        "speed_m_per_s": speed,
-                        "share_on_target": float(np.sum(stays) / params.spheres),
-                        "share_captured_at_first_impact": float(
-                            np.sum(stays & (found.impacts == 1)) / params.spheres
-                        ),
-                        "mean_impacts": float(np.sum(found.impacts) / params.spheres),
-                        "evidence": "virtual experiment",
-                    }
+        for slope, speed in product(params.slopes_deg, params.speeds_m_per_s):
+            found = rest(params, contact, slope, speed)
+            for radius in params.radii_mm:
+                stays = found.on_target(radius * 1e-3)
+                shares = stays, stays & (found.impacts == 1)
+                yield {
+                    "capture_velocity_m_per_s": velocity,
+                    "capture_velocity_of_mean_sphere_m_per_s": own,
+                    "target_radius_mm": radius,
+                    "slope_deg": slope,
+                    "speed_m_per_s": speed,
+                    **{k: np.sum(v) / params.spheres for k, v in zip(SHARES, shares, strict=True)},
+                    "mean_impacts": float(np.sum(found.impacts) / params.spheres),
+                    "evidence": "virtual experiment",
+                }
 
 
 def rest(params: Params, contact: Contact, slope_deg: float, speed: float) -> Resting:
@@ -171,40 +167,20 @@ def onsets(params: Params, table: pd.DataFrame) -> pd.DataFrame:
     rows: list[dict[str, Any]] = []
     for (radius, slope), part in table.groupby(["target_radius_mm", "slope_deg"], sort=False):
         for share in params.shares:
-            found: dict[str, Any] = {
-                "target_radius_mm": radius,
-                "slope_deg": slope,
-                "share": share,
-            }
-            speeds = []
+            found, speeds = {"target_radius_mm": radius, "slope_deg": slope, "share": share}, []
             for velocity, own in part.groupby("capture_velocity_m_per_s", sort=False):
-                name = f"{velocity:g}".replace(".", "p")
-                for column, label in (
-                    ("share_on_target", "onset"),
-                    ("share_captured_at_first_impact", "first_impact_onset"),
-                ):
-                    speed = onset(own["speed_m_per_s"].to_numpy(), own[column].to_numpy(), share)
-                    found[f"{label}_at_{name}_m_per_s"] = speed
-                    if label == "onset":
-                        speeds.append(speed)
-            found["difference_m_per_s"] = speeds[0] - speeds[1]
-            found["evidence"] = "virtual experiment"
-            rows.append(found)
+                end = f"at_{velocity:g}_m_per_s".replace(".", "p")
+                speed, total, at_once = own[["speed_m_per_s", *SHARES]].to_numpy().T
+                speeds.append(onset(speed, total, share))
+                found[f"onset_{end}"] = speeds[-1]
+                found[f"first_impact_onset_{end}"] = onset(speed, at_once, share)
+            apart = {"difference_m_per_s": speeds[0] - speeds[1]}
+            rows.append(found | apart | {"evidence": "virtual experiment"})
     return pd.DataFrame(rows)
 
 
 def onset(speed: FloatArray, share: FloatArray, wanted: float) -> float:
-    """Return the highest speed at which a share rests; nan if there is none in the range.
-
-    Parameters
-    ----------
-    speed
-        Ascending, m/s, shape (n,).
-    share
-        At each, shape (n,).
-    wanted
-        The share looked for.
-    """
+    """Return the highest of ascending speeds (m/s) at which a share rests; nan without one."""
     above = np.flatnonzero(share >= wanted)
     if above.size == 0 or above[-1] == speed.size - 1:
         return float("nan")
@@ -219,24 +195,12 @@ def figure_data(params: Params, table: pd.DataFrame, printed: pd.DataFrame) -> p
         (table["target_radius_mm"] == params.drawn_radius_mm)
         & (table["slope_deg"] == params.drawn_slope_deg)
     ]
-    common: dict[str, Any] = {"panel": "all", "x_unit": "m_per_s", "y_unit": "1"}
     frames = []
     for velocity, own in shown.groupby("capture_velocity_m_per_s", sort=False):
-        for column, name in (
-            ("share_on_target", "in the end"),
-            ("share_captured_at_first_impact", "first impact"),
-        ):
-            frames.append(
-                series_frame(
-                    series=f"{velocity:g} m/s, {name}",
-                    evidence="virtual experiment" if name == "in the end" else "computed",
-                    x=own["speed_m_per_s"],
-                    y=own[column],
-                    **common,
-                )
-            )
+        name, speed = f"{velocity:g} m/s", own["speed_m_per_s"]
+        total, at_once = (own[share] for share in SHARES)
+        frames.append(_frame(f"{name}, in the end", speed, total, "virtual experiment"))
+        frames.append(_frame(f"{name}, first impact", speed, at_once))
     ends = printed.loc[params.anchors[0], ["low", "high"]].astype(float)
-    frames.append(
-        series_frame(series="printed pile-up", evidence="printed", x=ends, y=0.0, **common)
-    )
+    frames.append(_frame("printed pile-up", ends, 0.0, "printed"))
     return pd.concat(frames, ignore_index=True)

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
+from itertools import product
 from typing import Annotated
 
 import numpy as np
 import pandas as pd
 
-from microimpact.core.tables import series_frame
+from microimpact.core.tables import Tables, series_frame
 from microimpact.declared.parameters import (
     CaseName,
     CounterpartName,
@@ -84,7 +86,7 @@ class TwoStageTargets:
     facts: Facts
 
 
-def bare_contact(targets: TwoStageTargets, inputs: Mapping[str, pd.DataFrame]) -> Contact:
+def bare_contact(targets: TwoStageTargets, inputs: Tables) -> Contact:
     """Return the steel-silicon contact, normalised at the speed of the high target."""
     return declared_contact(
         inputs,
@@ -103,26 +105,25 @@ def solved(contact: Contact, targets: TwoStageTargets, exponent: float, work: fl
     ).contact
 
 
-def family(targets: TwoStageTargets, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+def family(targets: TwoStageTargets, inputs: Tables) -> pd.DataFrame:
     """Return every member looked for: its parameters and facts, or why there is none."""
     contact = bare_contact(targets, inputs)
     rows: list[dict[str, object]] = []
-    for exponent in targets.rate_exponents:
-        for work in targets.works_of_adhesion_J_per_m2:
-            row: dict[str, object] = {"rate_exponent": exponent, "work_of_adhesion_J_per_m2": work}
-            try:
-                member = solved(contact, targets, exponent, work)
-            except NoSolutionError as reason:
-                rows.append(row | {"solved": False, "reason": str(reason)})
-                continue
-            unit = member.damping_unit
-            parameters = {
-                "hertz_damping_s_per_m": float(member.hertz_damping),
-                "adhesion_damping_s_per_m": float(member.adhesion_damping),
-                "zeta_hertz": float(member.hertz_damping / unit),
-                "zeta_adhesion": float(member.adhesion_damping / unit),
-            }
-            rows.append(row | {"solved": True} | parameters | facts(member, targets))
+    for exponent, work in product(targets.rate_exponents, targets.works_of_adhesion_J_per_m2):
+        row: dict[str, object] = {"rate_exponent": exponent, "work_of_adhesion_J_per_m2": work}
+        try:
+            member = solved(contact, targets, exponent, work)
+        except NoSolutionError as reason:
+            rows.append(row | {"solved": False, "reason": str(reason)})
+            continue
+        unit = member.damping_unit
+        parameters = {
+            "hertz_damping_s_per_m": float(member.hertz_damping),
+            "adhesion_damping_s_per_m": float(member.adhesion_damping),
+            "zeta_hertz": float(member.hertz_damping / unit),
+            "zeta_adhesion": float(member.adhesion_damping / unit),
+        }
+        rows.append(row | {"solved": True} | parameters | facts(member, targets))
     return pd.DataFrame(rows)
 
 
@@ -167,49 +168,29 @@ def facts(member: Contact, targets: TwoStageTargets) -> dict[str, object]:
 
 def ridge(members: pd.DataFrame, flat_within: float) -> pd.DataFrame:
     """Return how far e leaves its plateau, against the work of adhesion, per exponent."""
-    frames = []
-    for exponent, rows in members[members["solved"]].groupby("rate_exponent"):
-        frames.append(
-            series_frame(
-                panel="ridge",
-                series=f"n = {exponent:g}",
-                evidence="calibrated",
-                x=rows["work_of_adhesion_J_per_m2"].to_numpy(float),
-                y=rows["deviation_from_plateau"].to_numpy(float),
-                x_unit="J_per_m2",
-                y_unit="1",
-            )
-        )
-    works = members["work_of_adhesion_J_per_m2"].to_numpy(float)
-    frames.append(
-        series_frame(
-            panel="ridge",
-            series="criterion",
-            evidence="computed",
-            x=[works.min(), works.max()],
-            y=flat_within,
-            x_unit="J_per_m2",
-            y_unit="1",
-        )
-    )
+    frame = partial(series_frame, "ridge", x_unit="J_per_m2", y_unit="1")
+    x, y = "work_of_adhesion_J_per_m2", "deviation_from_plateau"
+    frames = [
+        frame(f"n = {exponent:g}", rows[x], rows[y], "calibrated")
+        for exponent, rows in members[members["solved"]].groupby("rate_exponent")
+    ]
+    frames.append(frame("criterion", members[x].agg(["min", "max"]), flat_within))
     return pd.concat(frames, ignore_index=True)
 
 
-def curves(targets: TwoStageTargets, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+def curves(targets: TwoStageTargets, inputs: Tables) -> pd.DataFrame:
     """Return e against speed for the members that others use, with the printed targets."""
     contact, frames = bare_contact(targets, inputs), []
     speed = np.geomspace(targets.capture_velocity_m_per_s, 3.0, 200)
-    common = {"panel": "curves", "x_unit": "m_per_s", "y_unit": "1"}
+    frame = partial(series_frame, "curves", x_unit="m_per_s", y_unit="1")
     for member in targets.members:
         exponent, work = member.rate_exponent, member.work_of_adhesion_J_per_m2
         e = simulate(solved(contact, targets, exponent, work), speed).coefficient_of_restitution
         # At the capture velocity itself rounding decides between none and hardly any.
         e = np.where(speed > targets.capture_velocity_m_per_s, e, 0.0)
-        name = f"n = {exponent:g}, w = {work:g} J/m2"
-        frames.append(series_frame(series=name, evidence="calibrated", x=speed, y=e, **common))
+        frames.append(frame(f"n = {exponent:g}, w = {work:g} J/m2", speed, e, "calibrated"))
     x = [targets.capture_velocity_m_per_s, targets.speed_m_per_s]
-    y = [0.0, targets.restitution]
-    frames.append(series_frame(series="targets", evidence="printed", x=x, y=y, **common))
+    frames.append(frame("targets", x, [0.0, targets.restitution], "printed"))
     return pd.concat(frames, ignore_index=True)
 
 
@@ -285,15 +266,8 @@ class Params:
         return {*CORNERS, *members, *others}
 
 
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Calibrate every case.
-
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        ``materials``, ``contacts``: the declared rows of the pairs.
 
     Returns
     -------
@@ -349,7 +323,7 @@ def capture_intervals(ratios: ForceRatios, corners: Corners) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _corners(ratios: ForceRatios, inputs: Mapping[str, pd.DataFrame]) -> Corners:
+def _corners(ratios: ForceRatios, inputs: Tables) -> Corners:
     """Contacts with the least, the nominal and the greatest capture velocity."""
     contact = declared_contact(
         inputs, ratios.particle, ratios.surface, diameter=ratios.diameter_um * 1e-6
@@ -386,7 +360,7 @@ def _rows(
     return met + found
 
 
-def _members(targets: TwoStageTargets, inputs: Mapping[str, pd.DataFrame]) -> dict[str, Contact]:
+def _members(targets: TwoStageTargets, inputs: Tables) -> dict[str, Contact]:
     contact = bare_contact(targets, inputs)
     return {
         one.case: solved(contact, targets, one.rate_exponent, one.work_of_adhesion_J_per_m2)
@@ -399,22 +373,17 @@ def _member_rows(targets: TwoStageTargets, found: Mapping[str, Contact]) -> list
     for one in targets.members:
         member = found[one.case]
         e = float(simulate(member, targets.speed_m_per_s).coefficient_of_restitution)
+        limit = float(capture_velocity(member))
         met = {
             "coefficient_of_restitution": (e, targets.restitution, "-"),
-            "capture_velocity": (
-                float(capture_velocity(member)),
-                targets.capture_velocity_m_per_s,
-                "m/s",
-            ),
+            "capture_velocity": (limit, targets.capture_velocity_m_per_s, "m/s"),
         }
         rows += _rows(one.case, member, met)
     return rows
 
 
 def _damped_as(
-    target: WorkTarget | RestitutionTarget,
-    found: Mapping[str, Contact],
-    inputs: Mapping[str, pd.DataFrame],
+    target: WorkTarget | RestitutionTarget, found: Mapping[str, Contact], inputs: Tables
 ) -> Contact:
     """Return the declared contact of a pair with the damping of another case."""
     if target.damped_as not in found:
@@ -440,22 +409,17 @@ def _ratio_rows(ratios: ForceRatios, corners: Corners) -> list[dict[str, object]
 
 
 def _work_rows(
-    target: WorkTarget, found: Mapping[str, Contact], inputs: Mapping[str, pd.DataFrame]
+    target: WorkTarget, found: Mapping[str, Contact], inputs: Tables
 ) -> list[dict[str, object]]:
     contact = _damped_as(target, found, inputs).replace(diameter=target.diameter_um * 1e-6)
     solution = work_of_adhesion_for(contact, target.capture_velocity_m_per_s)
-    met = {
-        "capture_velocity": (
-            float(capture_velocity(solution)),
-            target.capture_velocity_m_per_s,
-            "m/s",
-        )
-    }
+    limit = float(capture_velocity(solution))
+    met = {"capture_velocity": (limit, target.capture_velocity_m_per_s, "m/s")}
     return _rows(target.case, solution, met)
 
 
 def _damping_rows(
-    target: RestitutionTarget, found: Mapping[str, Contact], inputs: Mapping[str, pd.DataFrame]
+    target: RestitutionTarget, found: Mapping[str, Contact], inputs: Tables
 ) -> list[dict[str, object]]:
     contact = _damped_as(target, found, inputs)
     solution = damping_factor_for(contact, target.speed_m_per_s, target.restitution)

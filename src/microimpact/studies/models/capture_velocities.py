@@ -17,7 +17,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
-from microimpact.core.tables import result_evidence, series_frame
+from microimpact.core.tables import Tables, result_evidence, series_frame
 from microimpact.declared.parameters import CaseName, Keyed, Name, Positive, PrintedName
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.closed_forms import (
@@ -110,16 +110,8 @@ class Law:
     restitution: Callable[[float], float] | None
 
 
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Compare the laws.
-
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        ``materials``: the declared rows of the pairs; ``calibration``: table of that study;
-        ``anchors``: printed values.
 
     Returns
     -------
@@ -194,7 +186,7 @@ def _dahneke(restitution: float) -> Callable[[Contact], FloatArray]:
     return velocity
 
 
-def _contact(pair: PairCase, inputs: Mapping[str, pd.DataFrame]) -> Contact:
+def _contact(pair: PairCase, inputs: Tables) -> Contact:
     contact = calibrated_contact(inputs, pair.case)
     limit = float(capture_velocity(contact))
     if not 0.0 < limit < np.inf:
@@ -202,7 +194,7 @@ def _contact(pair: PairCase, inputs: Mapping[str, pd.DataFrame]) -> Contact:
     return contact
 
 
-def _printed(pair: PairCase, inputs: Mapping[str, pd.DataFrame]) -> float:
+def _printed(pair: PairCase, inputs: Tables) -> float:
     if not pair.anchors:
         return np.nan
     values = inputs["anchors"].set_index("key")["value"].astype(float)

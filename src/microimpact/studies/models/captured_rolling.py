@@ -6,7 +6,6 @@ fall vertically, so that the target is tilted by 90 degrees less the angle of in
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
@@ -16,7 +15,7 @@ import numpy as np
 import pandas as pd
 from pydantic import Field
 
-from microimpact.core.tables import series_frame
+from microimpact.core.tables import Tables, series_frame
 from microimpact.declared.parameters import AngleDegrees, CaseName, Positive
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact, resized
@@ -52,15 +51,8 @@ class Params:
     points: Annotated[int, Field(ge=5)]
 
 
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Compute the distances rolled.
-
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        ``calibration``, the table of that study; ``materials``, the declared rows of the pair.
 
     Returns
     -------
@@ -121,7 +113,7 @@ def distances(
     }
 
 
-def curves(params: Params, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+def curves(params: Params, inputs: Tables) -> pd.DataFrame:
     """Return the data of the figure; a curve begins where gravity lets the sphere stop."""
     low, high = min(params.rolling_shifts_nm), max(params.rolling_shifts_nm)
     frames = []

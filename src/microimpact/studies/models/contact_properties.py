@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated
 
 import pandas as pd
 from pydantic import Field
 
+from microimpact.core.tables import Tables
 from microimpact.lab.contacts import declared
 from microimpact.model.closed_forms import (
     adhesion_energy,
@@ -29,15 +29,8 @@ class Params:
     plateau_speed_ratio: Annotated[float, Field(gt=1, allow_inf_nan=False)]
 
 
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Return the table of contact properties.
-
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        ``materials``, ``contacts``: all declared rows.
 
     Returns
     -------

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Annotated
@@ -12,7 +11,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from pydantic import Field
 
-from microimpact.core.tables import series_frame
+from microimpact.core.tables import Tables, series_frame
 from microimpact.declared.parameters import Finite, Fraction, NonNegative, Positive, PrintedName
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
 
@@ -35,15 +34,8 @@ class Params:
     anchors: tuple[PrintedName, ...]
 
 
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Return the data of Fig. 17.
-
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        ``anchors``: the printed values named by the parameters, with columns key and value.
 
     Returns
     -------

@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Annotated
 
 import numpy as np
 import pandas as pd
 from pydantic import Field
 
-from microimpact.core.tables import result_evidence, series_frame
-from microimpact.declared.parameters import (
-    AngleDegrees,
-    CaseName,
-    Name,
-    Positive,
-    PrintedName,
-)
+from microimpact.core.tables import Tables, result_evidence, series_frame
+from microimpact.declared.parameters import AngleDegrees, CaseName, Name, Positive, PrintedName
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
@@ -47,16 +41,8 @@ class Params:
     calibration_targets: tuple[Name, ...]
 
 
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Return the data of Fig. 20 and the ratios of its peaks.
-
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        ``calibration``: table of that study; ``materials``: the declared rows of the case;
-        ``anchors``: printed values.
 
     Returns
     -------
@@ -69,17 +55,9 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     # A force that contains a fitted parameter is no prediction.
     case = inputs["calibration"].query("case == @params.case and role == 'target'")
     evidence = "computed" if case.empty else "calibrated"
+    frame = partial(series_frame, "force", evidence=evidence, x_unit="ns", y_unit="uN")
     frames = [
-        series_frame(
-            panel="force",
-            series=series,
-            evidence=evidence,
-            x=path.time * 1e9,
-            y=getattr(path, name) * 1e6,
-            x_unit="ns",
-            y_unit="uN",
-        )
-        for series, name in TERMS.items()
+        frame(series, path.time * 1e9, getattr(path, name) * 1e6) for series, name in TERMS.items()
     ]
     outcome = simulate(contact, params.speed_m_per_s, params.angle_deg)
     numbers = peak_ratios(path) | {
@@ -89,17 +67,14 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     }
     printed = inputs["anchors"].set_index("key")["value"].astype(float)
     table = pd.DataFrame(
-        [
-            (
-                quantity,
-                value,
-                unit,
-                printed.get(quantity, np.nan),
-                result_evidence(quantity, params.calibration_targets),
-            )
-            for (quantity, unit), value in numbers.items()
-        ],
-        columns=["quantity", "value", "unit", "printed", "evidence"],
+        {
+            "quantity": quantity,
+            "value": value,
+            "unit": unit,
+            "printed": printed.get(quantity, np.nan),
+            "evidence": result_evidence(quantity, params.calibration_targets),
+        }
+        for (quantity, unit), value in numbers.items()
     )
     return {"fig20": pd.concat(frames, ignore_index=True), "force_ratios": table}
 
@@ -108,15 +83,13 @@ def peak_ratios(path: Trajectory) -> dict[tuple[str, str], float]:
     """Return ratios of the peaks of the terms, and the dips of the total near both ends in uN."""
     hertz = float(np.max(path.hertz_force))
     adhesion = float(np.max(-path.adhesion_force))
+    damping = path.adhesion_damping_force, path.hertz_damping_force
+    lost = [float(np.max(np.abs(force))) for force in damping]
     turn = int(np.argmax(path.compression))
     return {
         ("peak_adhesion_over_peak_hertz", "-"): adhesion / hertz,
-        ("peak_adhesion_dissipation_over_adhesion", "-"): float(
-            np.max(np.abs(path.adhesion_damping_force)) / adhesion
-        ),
-        ("peak_hertz_dissipation_over_hertz", "-"): float(
-            np.max(np.abs(path.hertz_damping_force)) / hertz
-        ),
+        ("peak_adhesion_dissipation_over_adhesion", "-"): lost[0] / adhesion,
+        ("peak_hertz_dissipation_over_hertz", "-"): lost[1] / hertz,
         ("dip_on_approach", "uN"): float(np.min(path.normal_force[: turn + 1])) * 1e6,
         ("dip_on_rebound", "uN"): float(np.min(path.normal_force[turn:])) * 1e6,
         ("peak_normal_force", "uN"): float(np.max(path.normal_force)) * 1e6,

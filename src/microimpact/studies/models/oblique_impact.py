@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Annotated
@@ -12,14 +11,8 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
-from microimpact.core.tables import series_frame
-from microimpact.declared.parameters import (
-    CaseName,
-    Finite,
-    Fraction,
-    Positive,
-    PrintedName,
-)
+from microimpact.core.tables import Tables, series_frame
+from microimpact.declared.parameters import CaseName, Finite, Fraction, Positive, PrintedName
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
@@ -45,16 +38,8 @@ class Params:
     anchors: tuple[PrintedName, ...]
 
 
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Return the data of Figs. 18 and 21.
-
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        ``calibration``: table of that study; ``materials``: the declared rows of the case;
-        ``anchors``: printed values.
 
     Returns
     -------

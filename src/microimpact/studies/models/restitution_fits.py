@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Annotated, Literal
@@ -11,7 +10,7 @@ import numpy as np
 import pandas as pd
 from pydantic import Field
 
-from microimpact.core.tables import POINTS, points_parts, points_series, series_frame
+from microimpact.core.tables import POINTS, Tables, points_parts, points_series, series_frame
 from microimpact.declared.parameters import CaseName, Fraction, Keyed, Positive
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.dynamics.capture import capture_velocity
@@ -29,7 +28,7 @@ V_C_MARK = 0.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Case:
+class FittedCase:
     """One calibrated contact, where its curve is drawn and up to which speed it is fitted.
 
     ``fitted_to`` is a speed in capture velocities of the simulation. Cases that are not ``fitted``
@@ -51,7 +50,7 @@ class Params:
     ``fitted_from`` is a speed in capture velocities of the simulation.
     """
 
-    cases: Annotated[tuple[Case, ...], Keyed("case")]
+    cases: Annotated[tuple[FittedCase, ...], Keyed("case")]
     points: Annotated[int, Field(ge=20)]
     fitted_from: Annotated[float, Field(gt=1)]
     fitted_points: Annotated[int, Field(ge=8)]
@@ -65,16 +64,8 @@ class Params:
             raise ValueError(f"cases: none is drawn in {', '.join(sorted(missing))}")
 
 
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
-    """Simulate and fit every case.
-
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        ``calibration``: table of that study; ``materials``: declared rows; ``digitised``: points of
-        the figures, if there are any, of which those of a series named as a case are fitted too.
+def run(params: Params, inputs: Tables) -> Tables:
+    """Simulate and fit every case, and fit digitised points of a series that is named as a case.
 
     Returns
     -------
@@ -120,7 +111,7 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
 
 
 def _digitised_fits(
-    case: Case, params: Params, points: pd.DataFrame | None, limit: float
+    case: FittedCase, params: Params, points: pd.DataFrame | None, limit: float
 ) -> tuple[list[dict[str, object]], list[pd.DataFrame]]:
     """Rows of the fits to digitised points of a case, and the curve of that with q free."""
     if points is None:
@@ -145,21 +136,21 @@ def _digitised_fits(
     return rows, curves
 
 
-def _fitted_curve(case: Case, fit: RestitutionFit, points: int) -> pd.DataFrame:
+def _fitted_curve(case: FittedCase, fit: RestitutionFit, points: int) -> pd.DataFrame:
     start = DRAWN_FROM * max(fit.v_c, 0.5 * float(fit.v.min()))
     speed = np.union1d(np.geomspace(start, fit.v.max(), points), [max(start, fit.v_c)])
     series = f"{case.case}, fit of digitised points"
     return _frame(series, speed, fit.curve(speed))
 
 
-def _known(case: Case, limit: float) -> dict[str, object]:
+def _known(case: FittedCase, limit: float) -> dict[str, object]:
     return {
         "simulated_v_c_m_per_s": limit,
         "printed_v_c_m_per_s": case.printed_capture_velocity_m_per_s or np.nan,
     }
 
 
-def _row(case: Case, limit: float, fit: RestitutionFit) -> dict[str, object]:
+def _row(case: FittedCase, limit: float, fit: RestitutionFit) -> dict[str, object]:
     low, high = fit.v_c_interval
     return {
         "case": case.case,

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike
 
-from microimpact.core.tables import series_frame
+from microimpact.core.tables import Tables, series_frame
 from microimpact.declared.parameters import Count, Positive
 from microimpact.model.empirical.equations import (
     adhesion_coefficient,
@@ -39,15 +38,8 @@ class Params:
             )
 
 
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Return the data of Fig. 14.
-
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        Not used.
 
     Returns
     -------
@@ -60,22 +52,11 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     speed = np.union1d(speed, [v_c])
     k, p = params.body_speed_m_per_s, params.body_exponent
     kappa, q = params.adhesion_speed_m_per_s, params.adhesion_exponent
-    curves: list[tuple[str, ArrayLike, ArrayLike]] = [
-        ("body restitution", speed, body_restitution(speed, k, p)),
-        ("adhesion", speed, adhesion_coefficient(speed, kappa, q, v_c)),
-        ("overall restitution", speed, restitution(speed, k, p, kappa, q, v_c)),
-        ("capture velocity", [v_c, v_c], [0.0, 1.0]),
-    ]
+    frame = partial(series_frame, "trends", x_unit="m_per_s", y_unit="1")
     frames = [
-        series_frame(
-            panel="trends",
-            series=name,
-            evidence="computed",
-            x=x,
-            y=y,
-            x_unit="m_per_s",
-            y_unit="1",
-        )
-        for name, x, y in curves
+        frame("body restitution", speed, body_restitution(speed, k, p)),
+        frame("adhesion", speed, adhesion_coefficient(speed, kappa, q, v_c)),
+        frame("overall restitution", speed, restitution(speed, k, p, kappa, q, v_c)),
+        frame("capture velocity", v_c, [0.0, 1.0]),
     ]
     return {"fig14": pd.concat(frames, ignore_index=True)}

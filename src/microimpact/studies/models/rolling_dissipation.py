@@ -19,7 +19,7 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.solve import root
-from microimpact.core.tables import series_frame
+from microimpact.core.tables import Tables, series_frame
 from microimpact.declared.parameters import AngleDegrees, CaseName, Fraction, Positive
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact, resized
@@ -72,15 +72,8 @@ class Params:
             )
 
 
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Compare the neglected moments with that of friction.
-
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        ``calibration``, the table of that study; ``materials``, the declared rows of the pair.
 
     Returns
     -------
@@ -198,7 +191,7 @@ def around_least(
     return end(range(least, -1, -1)), end(range(least, x.size))
 
 
-def curves(params: Params, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+def curves(params: Params, inputs: Tables) -> pd.DataFrame:
     """Return the data of the figure: each grade against the angle, per case and speed."""
     frames = []
     angles = np.linspace(params.angles_deg[0], params.angles_deg[-1], params.points)

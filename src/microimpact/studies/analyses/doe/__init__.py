@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -11,6 +11,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
+from microimpact.core.tables import Tables
 from microimpact.declared.parameters import CaseName, Keyed, Name, Positive, PrintedName
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact
@@ -19,7 +20,6 @@ from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.empirical.search import data_sets, fit_batch
 from microimpact.statistics.designs import fractional_factorial, full_factorial
 from microimpact.statistics.effects import defining_relation
-from microimpact.studies.analyses.doe.experiment import Experiment
 from microimpact.studies.analyses.doe.factors import (
     FACTORS,
     LETTERS,
@@ -31,6 +31,7 @@ from microimpact.studies.analyses.doe.factors import (
     realistic_levels,
 )
 from microimpact.studies.analyses.doe.tables import (
+    DesignedExperiment,
     alias_rows,
     bd_aliasing,
     effect_rows,
@@ -47,7 +48,7 @@ OpenFraction = Annotated[float, Field(gt=0, lt=1)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Case:
+class DesignedCase:
     """A calibrated contact: designs are run with it, or its elasticities are taken alone."""
 
     case: CaseName
@@ -55,7 +56,7 @@ class Case:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Sampling:
+class FitSampling:
     """How restitution is sampled to find the capture velocity by a fit of Eq. (34).
 
     Speeds are multiples of the run's capture velocity, one drawn at random in each of so many equal
@@ -83,13 +84,13 @@ class Params:
     """
 
     seed: Annotated[int, Field(ge=0)]
-    cases: Annotated[tuple[Case, ...], Keyed("case")]
+    cases: Annotated[tuple[DesignedCase, ...], Keyed("case")]
     drawn_case: CaseName
     generator: Name
     confidence: OpenFraction
     diameters_um: tuple[Positive, Positive]
     anchors: tuple[PrintedName]
-    sampling: Sampling
+    sampling: FitSampling
 
     def __post_init__(self) -> None:
         """Refuse a generator that confounds factors, and a drawn case without a design."""
@@ -102,16 +103,8 @@ class Params:
             )
 
 
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Run every design and analyse it.
-
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        ``calibration``, ``calibration_family``: tables of that study; ``materials``: declared rows;
-        ``anchors``: the printed small variation.
 
     Returns
     -------
@@ -145,7 +138,7 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     } | drawn
 
 
-def _experiments(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Iterator[Experiment]:
+def _experiments(params: Params, inputs: Tables) -> Iterator[DesignedExperiment]:
     """Yield each case with each set of levels, its runs made."""
     printed = inputs["anchors"].set_index("key")["value"]
     share = float(printed[params.anchors[0]]) / 100.0
@@ -163,7 +156,7 @@ def _experiments(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Iterator
 
 def _experiment(
     params: Params, case: str, variation: str, contact: Contact, levels: Levels, number: int
-) -> Experiment:
+) -> DesignedExperiment:
     full, fraction = full_factorial(len(LETTERS)), fractional_factorial(params.generator)
     centre = np.zeros((1, len(LETTERS)))
     contacts = at_levels(contact, coded(levels.array, np.concatenate([centre, full])))
@@ -175,7 +168,7 @@ def _experiment(
     ]
     sampled = at_levels(contact, coded(levels.array, full[runs, None, None]))
     fitted = _fitted(sampled, response[1 + runs], params.sampling, seeds)
-    return Experiment(
+    return DesignedExperiment(
         case=case,
         variation=variation,
         contact=contact,
@@ -204,7 +197,7 @@ def _require_finite(case: str, variation: str, response: FloatArray) -> None:
 def _fitted(
     contact: Contact,
     limits: FloatArray,
-    sampling: Sampling,
+    sampling: FitSampling,
     seeds: Sequence[np.random.SeedSequence],
 ) -> FloatArray:
     """Return capture velocities by fits of Eq. (34), shape (replicates, runs), m/s.
@@ -228,7 +221,7 @@ def _fitted(
     return fit_batch(sets).v_c.reshape(len(seeds), -1).T
 
 
-def _level_rows(each: Experiment) -> Iterator[dict[str, object]]:
+def _level_rows(each: DesignedExperiment) -> Iterator[dict[str, object]]:
     nominal = factor_values(each.contact)
     for column, (letter, (name, unit)) in enumerate(FACTORS.items()):
         low, high = each.levels[:, column]
@@ -247,7 +240,7 @@ def _level_rows(each: Experiment) -> Iterator[dict[str, object]]:
         }
 
 
-def _design_table(each: Experiment) -> pd.DataFrame:
+def _design_table(each: DesignedExperiment) -> pd.DataFrame:
     design = np.concatenate([np.zeros((1, len(LETTERS))), each.full]).astype(int)
     fits = np.full((2, len(design)), np.nan)
     fits[:, 1 + each.runs] = each.fitted.mean(axis=0), each.fitted.std(axis=0, ddof=1)
@@ -270,7 +263,7 @@ def _design_table(each: Experiment) -> pd.DataFrame:
     )
 
 
-def _values(each: Experiment) -> dict[str, FloatArray]:
+def _values(each: DesignedExperiment) -> dict[str, FloatArray]:
     return {k: np.asarray(v) for k, v in factor_values(each.contacts).items()}
 
 
@@ -278,9 +271,7 @@ def _column(unit: str) -> str:
     return {"-": "1"}.get(unit, unit.replace("/", "_per_"))
 
 
-def _elasticity_rows(
-    params: Params, inputs: Mapping[str, pd.DataFrame]
-) -> Iterator[dict[str, object]]:
+def _elasticity_rows(params: Params, inputs: Tables) -> Iterator[dict[str, object]]:
     for case in params.cases:
         contact = calibrated_contact(inputs, case.case)
         found = elasticities(contact)

@@ -6,7 +6,7 @@ zeta_H of adhesion and material (Eqs. 23 and 24) at a fixed v_N.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import astuple, dataclass, replace
 from typing import Any
 
@@ -15,6 +15,7 @@ import pandas as pd
 
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.materials import Material, materials_from_rows
+from microimpact.core.tables import Tables
 from microimpact.declared.parameters import Positive
 from microimpact.model.contact import Contact, hertz_stiffness
 from microimpact.model.dynamics.capture import capture_velocity, threshold
@@ -61,9 +62,7 @@ class Levels:
         return np.array(astuple(self), dtype=np.float64).T
 
 
-def realistic_levels(
-    contact: Contact, diameters: tuple[float, float], inputs: Mapping[str, pd.DataFrame]
-) -> Levels:
+def realistic_levels(contact: Contact, diameters: tuple[float, float], inputs: Tables) -> Levels:
     """Return levels half the logarithmic range of each factor to either side of its nominal value.
 
     The stiffness ranges over the declared bounds of the materials, the radius over the sieve, and
@@ -88,7 +87,7 @@ def realistic_levels(
     )
 
 
-def flat_family(contact: Contact, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+def flat_family(contact: Contact, inputs: Tables) -> pd.DataFrame:
     """Return the members of the calibrated family with a level restitution, of a rate exponent.
 
     Raises

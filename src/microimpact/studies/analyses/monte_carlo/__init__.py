@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 from pydantic import Field
 
+from microimpact.core.tables import Tables
 from microimpact.declared.parameters import AngleDegrees, CaseName, Keyed, Name
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.surface import Rules
@@ -18,16 +19,17 @@ from microimpact.statistics.distributions import Distribution, mean
 from microimpact.statistics.sampling import Correlation, require_varying
 from microimpact.studies.analyses.monte_carlo.ensembles import (
     Ensemble,
+    Estimate,
     Impact,
     Inferred,
     Plan,
     Process,
     deterministic,
+    estimate,
+    long_run,
+    progress,
 )
-from microimpact.studies.analyses.monte_carlo.events import Estimate, estimate, long_run
-from microimpact.studies.analyses.monte_carlo.figure import figure_data
 from microimpact.studies.analyses.monte_carlo.impacts import impact_of, require_meaning
-from microimpact.studies.analyses.monte_carlo.progress import progress
 from microimpact.studies.analyses.monte_carlo.slope_inference import (
     SlopeInference,
     infer_slope,
@@ -37,6 +39,7 @@ from microimpact.studies.analyses.monte_carlo.tables import (
     Ablation,
     Comparison,
     ablation_table,
+    figure_data,
     sampling_table,
 )
 
@@ -137,15 +140,8 @@ class Params:
 Numbered = tuple[int, list[float]]
 
 
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Draw impacts on rough surfaces over angles of incidence.
-
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        ``calibration``: table of that study; ``materials``: declared rows.
 
     Returns
     -------
@@ -159,9 +155,7 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     return gather(params, inputs, [part(params, inputs, 0, 1)])
 
 
-def part(
-    params: Params, inputs: Mapping[str, pd.DataFrame], index: int, count: int
-) -> list[Numbered]:
+def part(params: Params, inputs: Tables, index: int, count: int) -> list[Numbered]:
     """Return the estimates of one part: every so many of all pairs of drawn variant and angle."""
     ensembles = _ensembles(params, inputs)
     angles = sorted(params.angles_deg)
@@ -173,9 +167,7 @@ def part(
     ]
 
 
-def gather(
-    params: Params, inputs: Mapping[str, pd.DataFrame], parts: Sequence[Sequence[Numbered]]
-) -> Mapping[str, pd.DataFrame]:
+def gather(params: Params, inputs: Tables, parts: Sequence[Sequence[Numbered]]) -> Tables:
     """Return the tables, from the estimates of all parts."""
     ensembles = _ensembles(params, inputs)
     drawn = {v.name: ensembles[v.name] for v in params.variants if v.drawn}
@@ -206,13 +198,7 @@ def gather(
 
 
 def stream(
-    params: Params,
-    inputs: Mapping[str, pd.DataFrame],
-    *,
-    variant: str,
-    angle_deg: float,
-    events: int,
-    threads: int = 1,
+    params: Params, inputs: Tables, *, variant: str, angle_deg: float, events: int, threads: int = 1
 ) -> Estimate:
     """Estimate the measured coefficients at one angle from any number of events.
 
@@ -250,7 +236,7 @@ def stream(
         return estimate(long, angle_deg, threads=threads, done=done)
 
 
-def _ensembles(params: Params, inputs: Mapping[str, pd.DataFrame]) -> dict[str, Ensemble]:
+def _ensembles(params: Params, inputs: Tables) -> dict[str, Ensemble]:
     contact = calibrated_contact(inputs, params.smooth)
     impact = impact_of(params.model, contact, params.process)
     return {

@@ -1,17 +1,30 @@
-"""Ensembles of impacts whose parameters are drawn from distributions (Section 4.2)."""
+"""Ensembles of impacts whose parameters are drawn from distributions, and estimates (Section 4.2).
+
+Events come in replicates: batches of a fixed size, each with random numbers of its own. A replicate
+is a pure function of the ensemble, the angle and its number, so that neither the order in which
+replicates are computed nor the place matters; small ones are computed several at a time, and each
+thread holds no more events than `BLOCK`, or one replicate, in memory. The scatter of
+their means gives the error of every estimate, whatever the method of sampling. Sums over replicates
+are exact, so an estimate does not depend on the number of threads in its last digit either.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import math
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass, field, fields, replace
-from typing import Annotated, Any, Literal
+from itertools import islice
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.declared.parameters import Count
-from microimpact.lab.surface import Rules, Strike, Surface
+from microimpact.lab.surface import Rules, Strike, Surface, collide
 from microimpact.statistics.distributions import (
     LARGEST_PROBABILITY,
     SMALLEST_PROBABILITY,
@@ -19,12 +32,14 @@ from microimpact.statistics.distributions import (
     Constant,
     Distribution,
     Normal,
+    generator,
     mean,
 )
 from microimpact.statistics.sampling import (
     Correlation,
     Generator,
     Method,
+    joint_shares,
     require_varying,
 )
 
@@ -164,3 +179,199 @@ def deterministic(ensemble: Ensemble) -> Ensemble:
         correlation=Correlation(),
         plan=Plan(replicates=2, events=2),
     )
+
+
+# Events of a replicate of a long run: its arrays fit the processor's second cache.
+BLOCK = 2**14
+# Tasks handed to threads at a time: enough to keep them busy, few enough to wait for.
+BATCH = 64
+
+# Columns of the sums of a replicate.
+FACING_AWAY, CAPTURED, NOT_LEAVING, ACCEPTED, E, E_SQUARED, MU, MU_SQUARED = range(8)
+
+
+class Estimate(NamedTuple):
+    """Means over accepted events, standard errors of these, standard deviations of events.
+
+    The impulse ratio is -mu, as drawn in the article. Shares are of all events.
+    """
+
+    restitution: float
+    restitution_error: float
+    restitution_sd: float
+    impulse_ratio: float
+    impulse_ratio_error: float
+    impulse_ratio_sd: float
+    accepted: float
+    facing_away: float
+    captured: float
+    not_leaving: float
+
+
+def estimate(
+    ensemble: Ensemble,
+    angle_deg: float,
+    key: int = 0,
+    *,
+    threads: int = 1,
+    done: Callable[[int], None] | None = None,
+    shares: Sequence[Draws] | None = None,
+) -> Estimate:
+    """Return measured coefficients at one nominal angle.
+
+    Parameters
+    ----------
+    ensemble
+        The ensemble.
+    angle_deg
+        Nominal angle of incidence from the surface.
+    key
+        Number of the random streams: other keys, independent estimates.
+    threads
+        That share the replicates; results do not depend on it.
+    done
+        Called with the number of events after each task.
+    shares
+        What `replicate_shares` gives for every replicate, if there already; estimates of ensembles
+        that differ in their parameters alone may share them.
+    """
+    plan = ensemble.plan
+
+    def some(numbers: range) -> FloatArray:
+        drawn = (
+            [replicate_shares(ensemble, key, number) for number in numbers]
+            if shares is None
+            else shares[numbers.start : numbers.stop]
+        )
+        return replicate_sums(ensemble, angle_deg, drawn)
+
+    together = max(1, BLOCK // plan.events)
+    tasks = (
+        range(first, min(first + together, plan.replicates))
+        for first in range(0, plan.replicates, together)
+    )
+    sums = []
+    for part in _shared(some, tasks, threads):
+        sums.append(part)
+        if done is not None:
+            done(plan.events * len(part))
+    return summary(np.concatenate(sums), plan.events)
+
+
+def long_run(ensemble: Ensemble, events: int) -> Ensemble:
+    """Return the ensemble with so many plain draws, rounded up to whole replicates of `BLOCK`."""
+    plan = Plan(replicates=max(2, -(-events // BLOCK)), events=BLOCK)
+    return replace(ensemble, plan=plan)
+
+
+def _shared(
+    task: Callable[[range], FloatArray], numbers: Iterable[range], threads: int
+) -> Iterator[FloatArray]:
+    """Yield the results of a task, in the order of its numbers."""
+    if threads == 1:
+        yield from map(task, numbers)
+        return
+    waiting = iter(numbers)
+    with ThreadPoolExecutor(threads) as pool:
+        while batch := list(islice(waiting, BATCH)):
+            yield from pool.map(task, batch)
+
+
+def summary(sums: FloatArray, events: int) -> Estimate:
+    """Return the estimate of replicates, in their order; means are NaN if no event is accepted."""
+    total = np.array([math.fsum(column) for column in sums.T])
+    shares = total / (len(sums) * events)
+    if not total[ACCEPTED]:
+        return Estimate(*[np.nan] * 6, *(float(shares[i]) for i in (3, 0, 1, 2)))
+    numbers: list[float] = []
+    for first, squares in ((E, E_SQUARED), (MU, MU_SQUARED)):
+        average = total[first] / total[ACCEPTED]
+        # Scatter of a ratio of sums, as the number accepted varies between replicates.
+        scatter = sums[:, first] - average * sums[:, ACCEPTED]
+        error = np.sqrt(math.fsum(scatter**2) * len(sums) / (len(sums) - 1)) / total[ACCEPTED]
+        variance = total[squares] / total[ACCEPTED] - average**2
+        numbers += [float(average), float(error), float(np.sqrt(max(variance, 0.0)))]
+    return Estimate(*numbers, *(float(shares[i]) for i in (3, 0, 1, 2)))
+
+
+def replicate_shares(ensemble: Ensemble, key: int, number: int) -> Draws:
+    """Return the shares of one replicate's events of which the quantiles are their parameters."""
+    plan = ensemble.plan
+    return joint_shares(
+        ensemble.process.distributions | _further_slopes(ensemble),
+        plan.events,
+        generator(ensemble.seed[0], *ensemble.seed[1:], key, number),
+        correlation=ensemble.correlation,
+        method=plan.method,
+        generator=plan.generator,
+    )
+
+
+def replicate_sums(ensemble: Ensemble, angle_deg: float, shares: Sequence[Draws]) -> FloatArray:
+    """Return counts of rejections, and sums of e and -mu and of their squares.
+
+    Shape (replicates, 8), of the shares of each replicate.
+    """
+    distributions = ensemble.process.distributions
+    all_shares = {name: np.concatenate([one[name] for one in shares]) for name in shares[0]}
+    draws = {name: d.quantile(all_shares[name]) for name, d in distributions.items()}
+    before, spin = _approach(draws, angle_deg)
+    facets = [
+        (all_shares[_name("slope", contact)], all_shares[_name("cross_slope", contact)])
+        for contact in range(ensemble.rules.most_contacts)
+    ]
+    found = collide(ensemble.surface, before, spin, facets, ensemble.impact(draws))
+    faced, accepted, after = found.contacts > 0, found.observed(ensemble.rules), found.velocity
+    change = after[accepted] - before[accepted]
+    e, mu = np.zeros((2, len(accepted)))
+    e[accepted] = -after[accepted, 2] / before[accepted, 2]
+    mu[accepted] = -change[:, 0] / change[:, 2]
+    counts = (~faced, found.kept, faced & ~found.kept & ~accepted, accepted)
+    sums = [
+        values.reshape(len(shares), -1).sum(axis=1, dtype=float)
+        for values in (*counts, e, e**2, mu, mu**2)
+    ]
+    return np.stack(sums, axis=1)
+
+
+def _approach(draws: Draws, angle_deg: float) -> tuple[FloatArray, FloatArray]:
+    """Velocity and spin before impact, in the frame of the nominal surface, shape (n, 3)."""
+    angle, speed = np.radians(angle_deg + draws["angle_offset_deg"]), draws["speed_m_per_s"]
+    none = np.zeros_like(speed)
+    velocity = np.stack([speed * np.cos(angle), none, -speed * np.sin(angle)], axis=1)
+    turn = draws["spin_ratio"] * speed / (0.5e-6 * draws["diameter_um"])
+    return velocity, np.stack([none, turn, none], axis=1)
+
+
+def _further_slopes(ensemble: Ensemble) -> dict[str, Distribution]:
+    """Slopes of the facets after the first, independent of all else."""
+    return {
+        _name(axis, contact): getattr(ensemble.process, axis)
+        for contact in range(1, ensemble.rules.most_contacts)
+        for axis in ("slope", "cross_slope")
+    }
+
+
+def _name(axis: str, contact: int) -> str:
+    return f"{axis}, contact {contact + 1}" if contact else axis
+
+
+@contextmanager
+def progress(title: str, total: int) -> Iterator[Callable[[int], None]]:
+    """Show how much of ``total`` is done; call what this yields with each further part."""
+    if not sys.stderr.isatty():
+        yield lambda _: None
+        return
+    from rich import progress as bars
+    from rich.console import Console
+
+    columns = (
+        bars.TextColumn("{task.description}"),
+        bars.BarColumn(),
+        bars.TaskProgressColumn(),
+        bars.TimeElapsedColumn(),
+        bars.TimeRemainingColumn(),
+    )
+    with bars.Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(title, total=total)
+        yield lambda part: bar.advance(task, part)

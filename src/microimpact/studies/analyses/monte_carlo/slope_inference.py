@@ -13,8 +13,12 @@ from microimpact.core.arrays import FloatArray
 from microimpact.core.solve import root
 from microimpact.declared.parameters import AngleDegrees, Count, NonNegative, Positive
 from microimpact.statistics.distributions import Constant, Normal
-from microimpact.studies.analyses.monte_carlo.ensembles import Ensemble, Plan
-from microimpact.studies.analyses.monte_carlo.events import estimate, replicate_shares
+from microimpact.studies.analyses.monte_carlo.ensembles import (
+    Ensemble,
+    Plan,
+    estimate,
+    replicate_shares,
+)
 
 # Standard deviation of a quantity that may lie anywhere within one half-width.
 RECTANGULAR = np.sqrt(3.0)

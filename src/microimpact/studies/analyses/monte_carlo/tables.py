@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Annotated
 
+import numpy as np
 import pandas as pd
 import scipy
 from pydantic import Field
 
+from microimpact.core.tables import result_evidence, series_frame
 from microimpact.declared.parameters import AngleDegrees, Keyed, Name
 from microimpact.statistics.distributions import Distribution
+from microimpact.statistics.intervals import student_half_width
 from microimpact.statistics.sampling import Correlation, Generator, Method
-from microimpact.studies.analyses.monte_carlo.ensembles import Ensemble, Plan
-from microimpact.studies.analyses.monte_carlo.events import Estimate, estimate
+from microimpact.studies.analyses.monte_carlo.ensembles import Ensemble, Estimate, Plan, estimate
 
 METHODS: tuple[tuple[Method, Generator], ...] = (
     ("plain", "exact"),
@@ -136,3 +139,46 @@ def _alone(ensemble: Ensemble, source: Source) -> Ensemble:
     if source.distribution is not None:
         process = replace(process, **{source.parameter: source.distribution})
     return replace(ensemble, process=process, correlation=Correlation())
+
+
+# Half-width of the drawn band of standard error.
+BAND = 2.0
+
+
+def figure_data(
+    means: pd.DataFrame,
+    base: Ensemble,
+    *,
+    points: int,
+    events_measured: int,
+    calibration_targets: Sequence[str],
+) -> pd.DataFrame:
+    """Return the data of both panels of Fig. 23, from the table ``monte_carlo``.
+
+    The curve of the smooth surface has so many points; ``calibration_targets`` are columns of the
+    table on which an input was fitted.
+    """
+    reference = float(means["reference_angle_deg"].iloc[0])
+    angles = np.linspace(90.0 / points, 90.0, points)
+    smooth = pd.DataFrame([estimate(base, float(angle)) for angle in angles])
+    bare = estimate(base, reference).restitution
+    free = smooth["accepted"].to_numpy() > 0.0
+    heights = {
+        "restitution": smooth["restitution"].to_numpy() - bare,
+        "impulse_ratio": smooth["impulse_ratio"].to_numpy(),
+    }
+    columns = {"restitution": "relative_restitution", "impulse_ratio": "impulse_ratio"}
+    # A measured mean scatters about the true one by Student's t of so many events.
+    spread = student_half_width(1.0, events_measured)
+    frame = partial(series_frame, x_unit="deg", y_unit="1")
+    frames = [frame(panel, "smooth", angles[free], y[free]) for panel, y in heights.items()]
+    first = means["variant"].iloc[0]
+    for variant, rows in means.groupby("variant", sort=False):
+        for panel, column in columns.items():
+            y = rows[column].to_numpy()
+            bands = {str(variant): BAND * rows[f"{column}_error"].to_numpy()}
+            if variant == first:
+                bands["measured means"] = spread * rows[f"{panel}_sd"].to_numpy()
+            curve = rows["angle_deg"], y, result_evidence(column, calibration_targets)
+            frames += [frame(panel, k, *curve, y - half, y + half) for k, half in bands.items()]
+    return pd.concat(frames, ignore_index=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -11,6 +10,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
+from microimpact.core.tables import Tables
 from microimpact.declared.parameters import CaseName, Count, Positive
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact
@@ -80,16 +80,8 @@ class Params:
             raise ValueError(f"drawn_case: {self.drawn_case!r} must be one of {known}")
 
 
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Compute the indices of every case.
-
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        ``calibration``, ``calibration_family``: tables of that study; ``doe_levels``,
-        ``doe_effects``: of the designed experiments; ``materials``: declared rows.
 
     Returns
     -------
@@ -173,9 +165,7 @@ def printed_targets(calibration: pd.DataFrame, case: str) -> tuple[float, float]
     return float(e), float(limit)
 
 
-def damping_share(
-    contact: Contact, restitution: float, inputs: Mapping[str, pd.DataFrame]
-) -> tuple[float, float]:
+def damping_share(contact: Contact, restitution: float, inputs: Tables) -> tuple[float, float]:
     """Return the ends of c_H over the family with a level restitution.
 
     As shares of the c_H that would give the restitution without adhesion.

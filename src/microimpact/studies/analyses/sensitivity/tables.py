@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from microimpact.core.arrays import FloatArray
-from microimpact.core.tables import series_frame
+from microimpact.core.tables import Tables, series_frame
 from microimpact.model.contact import Contact
 from microimpact.statistics.sobol import Indices, sobol_indices
 from microimpact.studies.analyses.doe.factors import FACTORS, LETTERS, factor_values
@@ -181,7 +181,7 @@ def parameter_rows(case: str, sample: Contact) -> Iterator[dict[str, object]]:
         }
 
 
-def drawn(tables: Mapping[str, pd.DataFrame], case: str) -> pd.DataFrame:
+def drawn(tables: Tables, case: str) -> pd.DataFrame:
     """Return the figure's data: a panel per case and variation, the groups, the convergence."""
     frames = []
     rows = tables["sensitivity_indices"]
@@ -217,17 +217,9 @@ def _frame(
     *,
     bounded: bool = True,
 ) -> pd.DataFrame:
-    ends = {f"y_{e}": rows[f"{column}_{e}"].to_numpy(float) for e in ("low", "high") if bounded}
-    return series_frame(
-        panel=panel,
-        series=series,
-        evidence="computed",
-        x=place,
-        y=rows[column].to_numpy(float),
-        x_unit="1",
-        y_unit="1",
-        **ends,
-    )
+    ends = [rows[f"{column}_{end}"] for end in ("low", "high") if bounded]
+    y = rows[column]
+    return series_frame(panel, series, place, y, "computed", *ends, x_unit="1", y_unit="1")
 
 
 def _indices(values: FloatArray, numbers: np.random.Generator, options: Bootstrap) -> Indices:

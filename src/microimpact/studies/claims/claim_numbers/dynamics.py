@@ -12,10 +12,7 @@ from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.solve import root
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.events import Impacts
-from microimpact.lab.samples import (
-    in_plane,
-    statistics,
-)
+from microimpact.lab.samples import statistics
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import (
@@ -315,7 +312,7 @@ def gap_over_half_width(context: Context, angle: float) -> float:
     free = impacts.select(~impacts.captured)
     if len(free) < params.sampling.events:
         return 0.0
-    measured = in_plane(free, np.ones(len(free), dtype=bool))
+    measured = free.in_plane
     loss = statistics(measured, params.sampling.angle_error_deg)["energy_loss"]
     gap = np.mean(gained_by_rotation(free))
     return float(gap / student_half_width(loss.sd, params.sampling.events, loss.systematic))

@@ -19,9 +19,9 @@ from microimpact.declared.parameters import (
     PrintedName,
 )
 from microimpact.lab.experiment import SpeedClass
-from microimpact.lab.pdpa.analyser import Instrument as Analyser
+from microimpact.lab.pdpa.analyser import Analyser
 from microimpact.lab.pdpa.pairing import Form
-from microimpact.lab.ptis.system import Instrument as Camera
+from microimpact.lab.ptis.system import ImagingSystem
 from microimpact.lab.samples import Dropped, Sampling
 from microimpact.statistics.distributions import Distribution
 
@@ -527,7 +527,7 @@ class Params:
     sampling: Sampling
     series_impacts: Count
     analyser: Analyser
-    camera: Camera
+    camera: ImagingSystem
     fall: Fall
     instruments: Instruments
     sieves: Sieves

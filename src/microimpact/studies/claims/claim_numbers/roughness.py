@@ -21,7 +21,7 @@ from microimpact.model.rigid_body.algebra import (
 )
 from microimpact.model.rigid_body.roughness import measured_impulse_ratio, measured_restitution
 from microimpact.statistics.distributions import Constant, mean
-from microimpact.studies.analyses.roughness_expansions import EQUATIONS, Case
+from microimpact.studies.analyses.roughness_expansions import EQUATIONS, SlopedImpacts
 from microimpact.studies.claims.claim_numbers.claim import CALIBRATED, VIRTUAL, claim
 from microimpact.studies.claims.claim_numbers.context import (
     Context,
@@ -153,10 +153,10 @@ def c50(context: Context) -> dict[str, float]:
     }
 
 
-def shallow(context: Context, slope_deg: float) -> Case:
+def shallow(context: Context, slope_deg: float) -> SlopedImpacts:
     """Return a shallow impact on a slope."""
     steel = context.params.steel
-    return Case(
+    return SlopedImpacts(
         angle=np.radians(context.params.slopes.angle_deg),
         slope=np.radians(slope_deg),
         e=steel.restitution,
@@ -165,9 +165,9 @@ def shallow(context: Context, slope_deg: float) -> Case:
     )
 
 
-def upright(context: Context, slope_deg: float, spin_ratio: float, e: float) -> Case:
+def upright(context: Context, slope_deg: float, spin_ratio: float, e: float) -> SlopedImpacts:
     """Return an impact at normal incidence on a slope."""
-    return Case(
+    return SlopedImpacts(
         angle=np.pi / 2,
         slope=np.radians(slope_deg),
         e=e,
@@ -176,7 +176,7 @@ def upright(context: Context, slope_deg: float, spin_ratio: float, e: float) -> 
     )
 
 
-def exact(case: Case) -> tuple[FloatArray, FloatArray]:
+def exact(case: SlopedImpacts) -> tuple[FloatArray, FloatArray]:
     """Return e_m and the signed mu_m of the exact rotation."""
     return case.rebound.measured_restitution, case.rebound.measured_impulse_ratio
 

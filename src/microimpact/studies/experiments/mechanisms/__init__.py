@@ -11,10 +11,10 @@ import numpy as np
 import pandas as pd
 from pydantic import Field
 
-from microimpact.core.tables import series_frame
+from microimpact.core.tables import Tables, series_frame
 from microimpact.declared.parameters import AngleDegrees, CaseName, Count, Name, PrintedName
 from microimpact.lab.dispenser import Dispenser
-from microimpact.lab.ptis.system import Instrument
+from microimpact.lab.ptis.system import ImagingSystem
 from microimpact.lab.samples import Sampling
 from microimpact.statistics.intervals import student_half_width
 from microimpact.studies.experiments.mechanisms.shallow import (
@@ -42,7 +42,7 @@ class Params:
     impacts: Count
     events: Annotated[int, Field(ge=2)]
     dispenser: Dispenser
-    instrument: Instrument
+    instrument: ImagingSystem
     spin: Spin
     slope: Slope
     spore: Spore
@@ -60,16 +60,8 @@ class Params:
             raise ValueError("anchors and printed_deg must have the same length")
 
 
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Quantify every mechanism.
-
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        ``calibration``: calibrated contacts; ``materials``: declared rows; ``anchors``: printed
-        values.
 
     Returns
     -------
@@ -102,7 +94,7 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
 
 def figure_data(
     params: Params,
-    tables: Mapping[str, pd.DataFrame],
+    tables: Tables,
     curves: Mapping[tuple[str, str], tuple[Curve, Curve]],
     printed: pd.DataFrame,
 ) -> dict[str, pd.DataFrame]:

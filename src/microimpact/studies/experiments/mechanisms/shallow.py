@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from microimpact.core.arrays import FloatArray
+from microimpact.core.tables import Tables
 from microimpact.declared.parameters import (
     AngleDegrees,
     CaseName,
@@ -75,7 +76,7 @@ class Curve:
 
 
 def shallow_curves(
-    params: Shallow, sampling: Sampling, inputs: Mapping[str, pd.DataFrame]
+    params: Shallow, sampling: Sampling, inputs: Tables
 ) -> dict[tuple[str, str], tuple[Curve, Curve]]:
     """Return the curves at both speeds, by case and cause (``adhesion`` or ``slopes``)."""
     curves = {}
@@ -99,18 +100,12 @@ def _both(
     """Curves at the slower and the faster speed, at the same normal speeds where both slide."""
     slow, fast = params.speeds_m_per_s
     shallowest, steepest = np.radians(np.array([4.0, params.steepest_deg]))
-    top = slow * np.sin(steepest)
-    normal = np.unique(
-        np.concatenate(
-            [
-                np.linspace(fast * np.sin(shallowest), top, params.normal_speeds),
-                np.linspace(top, fast * np.sin(steepest), params.normal_speeds),
-            ]
-        )
-    )
-    return _curve(params, dropped, contact, sampling, slow, normal[normal <= top]), _curve(
-        params, dropped, contact, sampling, fast, normal
-    )
+    top, number = slow * np.sin(steepest), params.normal_speeds
+    below = np.linspace(fast * np.sin(shallowest), top, number)
+    normal = np.union1d(below, np.linspace(top, fast * np.sin(steepest), number))
+    both = (slow, normal[normal <= top]), (fast, normal)
+    slower, faster = (_curve(params, dropped, contact, sampling, *one) for one in both)
+    return slower, faster
 
 
 def _curve(
@@ -125,18 +120,14 @@ def _curve(
     own = replace(dropped, speed_m_per_s=speed, speed_range_m_per_s=(speed - width, speed + width))
     angle = np.degrees(np.arcsin(np.minimum(normal_speed / speed, 1.0)))
     samples = [seen(own, contact, float(a), sampling) for a in angle]
-    ratio = [
-        one.statistics["impulse_ratio"].mean
-        if one.captured_share <= params.most_captured
-        else np.nan
-        for one in samples
-    ]
+    free = [one.captured_share <= params.most_captured for one in samples]
+    ratio = np.where(free, [one.statistics["impulse_ratio"].mean for one in samples], np.nan)
     if np.sum(np.isfinite(ratio)) < FEWEST_MEANS:
         raise ValueError(
             f"shallow.speeds_m_per_s: at {speed:g} m/s nearly all spheres are captured below "
             f"{params.steepest_deg:g} deg; there is nothing to compare"
         )
-    return Curve(angle=angle, normal_speed=normal_speed, ratio=np.array(ratio))
+    return Curve(angle=angle, normal_speed=normal_speed, ratio=ratio)
 
 
 def adhesion_or_roughness(
@@ -155,9 +146,8 @@ def adhesion_or_roughness(
         shallowest = int(np.flatnonzero(found)[0])
         steep, flat = sorted(params.trend_deg, reverse=True)
         rebounding = np.isfinite(slow.ratio)
-        trend = np.interp(
-            [flat, steep], slow.angle[rebounding], slow.ratio[rebounding], left=np.nan
-        )
+        known = slow.angle[rebounding], slow.ratio[rebounding]
+        trend = np.interp([flat, steep], *known, left=np.nan)
         rows.append(
             {
                 "case": case,

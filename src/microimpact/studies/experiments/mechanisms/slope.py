@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from microimpact.core.solve import root
+from microimpact.core.tables import Tables
 from microimpact.declared.parameters import (
     AngleDegrees,
     CaseName,
@@ -78,9 +79,7 @@ class Slope:
     needed_restitution: Positive
 
 
-def slope_tables(
-    params: Slope, sampling: Sampling, inputs: Mapping[str, pd.DataFrame]
-) -> dict[str, pd.DataFrame]:
+def slope_tables(params: Slope, sampling: Sampling, inputs: Tables) -> dict[str, pd.DataFrame]:
     """Return the tables of the slope mechanism, by name."""
     return {
         "slope_mechanism": pd.DataFrame(sweep_rows(params, sampling, inputs)),
@@ -90,9 +89,7 @@ def slope_tables(
     }
 
 
-def sweep_rows(
-    params: Slope, sampling: Sampling, inputs: Mapping[str, pd.DataFrame]
-) -> Iterator[dict[str, Any]]:
+def sweep_rows(params: Slope, sampling: Sampling, inputs: Tables) -> Iterator[dict[str, Any]]:
     """Means over slopes and angles, and their differences from the smooth surface."""
     for case in params.cases:
         dropped = replace(params.swept, case=case)
@@ -109,9 +106,7 @@ def sweep_rows(
                 )
 
 
-def pair_rows(
-    params: Slope, sampling: Sampling, inputs: Mapping[str, pd.DataFrame]
-) -> Iterator[dict[str, Any]]:
+def pair_rows(params: Slope, sampling: Sampling, inputs: Tables) -> Iterator[dict[str, Any]]:
     """Rough less smooth surface at every angle, and the loss that squared restitutions predict."""
     for pair in params.pairs:
         contacts = [contact_of(dropped, inputs) for dropped in (pair.smooth, pair.rough)]
@@ -121,38 +116,28 @@ def pair_rows(
         for angle in params.angles_deg:
             smooth = seen(pair.smooth, contacts[0], angle, sampling)
             found = seen(pair.rough, contacts[1], angle, sampling)
-            predicted = (
-                smooth.statistics["restitution"].mean ** 2
-                - found.statistics["restitution"].mean ** 2
+            e, loss = (
+                [one.statistics[name] for one in (smooth, found)]
+                for name in ("restitution", "energy_loss")
             )
+            predicted = e[0].mean ** 2 - e[1].mean ** 2
             columns = difference_columns(found, smooth, sampling)
-            width = half_width(
-                found.statistics["energy_loss"],
-                smooth.statistics["energy_loss"],
-                sampling,
-            )
             error = columns["energy_loss_difference"] - predicted
-            yield (
-                {
-                    "pair": pair.name,
-                    "case": pair.rough.case,
-                    "adhesion_factor": pair.adhesion_factor,
-                    "slope_sd": pair.rough.slope_sd,
-                    "angle_deg": angle,
-                }
-                | mean_columns(found)
-                | columns
-                | {
-                    "difference_of_squared_restitutions": predicted,
-                    "loss_less_squares_over_half_width": error / width,
-                    "evidence": "virtual experiment",
-                }
-            )
+            yield {
+                "pair": pair.name,
+                "case": pair.rough.case,
+                "adhesion_factor": pair.adhesion_factor,
+                "slope_sd": pair.rough.slope_sd,
+                "angle_deg": angle,
+                **mean_columns(found),
+                **columns,
+                "difference_of_squared_restitutions": predicted,
+                "loss_less_squares_over_half_width": error / half_width(loss[1], loss[0], sampling),
+                "evidence": "virtual experiment",
+            }
 
 
-def needed_rows(
-    params: Slope, sampling: Sampling, inputs: Mapping[str, pd.DataFrame]
-) -> Iterator[dict[str, Any]]:
+def needed_rows(params: Slope, sampling: Sampling, inputs: Tables) -> Iterator[dict[str, Any]]:
     """Slope at which the measured restitution is as sought."""
     for dropped in (*(replace(params.swept, case=c) for c in params.cases), params.formica_steel):
         contact = contact_of(dropped, inputs)
@@ -180,18 +165,14 @@ def slope_for(
     return root(excess, *SLOPE_RANGE, absolute=1e-4)
 
 
-def formica_comparison(
-    params: Slope, sampling: Sampling, inputs: Mapping[str, pd.DataFrame]
-) -> pd.DataFrame:
+def formica_comparison(params: Slope, sampling: Sampling, inputs: Tables) -> pd.DataFrame:
     """Return steel and spores on one rough surface: means, differences, captured and biased."""
     rows = []
     steel, spore = params.formica_steel, params.formica_spore
     contacts = contact_of(steel, inputs), contact_of(spore, inputs)
     for angle in params.angles_deg:
-        one, other = (
-            seen(steel, contacts[0], angle, sampling),
-            seen(spore, contacts[1], angle, sampling),
-        )
+        one = seen(steel, contacts[0], angle, sampling)
+        other = seen(spore, contacts[1], angle, sampling)
         free = other.statistics["restitution"].mean
         rows.append(
             {"angle_deg": angle}

@@ -2,29 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, replace
+from itertools import product
 from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
 
-from microimpact.declared.parameters import (
-    AngleDegrees,
-    CaseName,
-    Fraction,
-    Keyed,
-    NonNegative,
-)
+from microimpact.core.tables import Tables
+from microimpact.declared.parameters import AngleDegrees, CaseName, Fraction, Keyed, NonNegative
 from microimpact.lab.experiment import SpeedClass
-from microimpact.lab.samples import (
-    Dropped,
-    Sampling,
-    Statistic,
-    contact_of,
-    half_width,
-    seen,
-)
+from microimpact.lab.samples import Dropped, Sampling, Statistic, contact_of, half_width, seen
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import simulate, velocity_components
 from microimpact.model.rigid_body.algebra import energy_loss, rigid_body_rebound
@@ -74,7 +63,7 @@ class SpeedAndAngle:
 
 
 def speed_tables(
-    params: SpeedAndAngle, sampling: Sampling, inputs: Mapping[str, pd.DataFrame]
+    params: SpeedAndAngle, sampling: Sampling, inputs: Tables
 ) -> dict[str, pd.DataFrame]:
     """Return the tables, by name."""
     rows, found = [], []
@@ -95,9 +84,7 @@ def class_row(
     params: SpeedAndAngle, base: Dropped, contact: Contact, one: SpeedClass, sampling: Sampling
 ) -> dict[str, Any]:
     """Restitution of the mean sphere and of the sieve class, and where the loss departs."""
-    dropped = replace(
-        base, speed_m_per_s=one.speed_m_per_s, speed_range_m_per_s=one.speed_range_m_per_s
-    )
+    dropped = replace(base, **asdict(one))
     steep, shallow = sorted(params.trend_deg, reverse=True)
     sphere = simulate(contact, one.speed_m_per_s, np.array([steep, shallow]))
     e = sphere.coefficient_of_restitution
@@ -108,11 +95,11 @@ def class_row(
     losses = [
         seen(dropped, contact, a, sampling).statistics["energy_loss"] for a in params.angles_deg
     ]
-    departure = np.nan
-    for angle, loss in zip(params.angles_deg[1:], losses[1:], strict=True):
-        if abs(loss.mean - losses[0].mean) > half_width(loss, losses[0], sampling):
-            departure = angle
-            break
+    departed = (
+        angle
+        for angle, loss in zip(params.angles_deg[1:], losses[1:], strict=True)
+        if abs(loss.mean - losses[0].mean) > half_width(loss, losses[0], sampling)
+    )
     return {
         "case": base.case,
         "speed_m_per_s": one.speed_m_per_s,
@@ -124,7 +111,7 @@ def class_row(
         "steep_deg": steep,
         "shallow_deg": shallow,
         "energy_loss_steep": losses[0].mean,
-        "first_departure_of_loss_deg": departure,
+        "first_departure_of_loss_deg": next(departed, np.nan),
         "evidence": "virtual experiment",
     }
 
@@ -134,9 +121,7 @@ def region_rows(
 ) -> list[dict[str, Any]]:
     """Regions of the mean impulse ratio of the fastest class."""
     one = params.classes[0]
-    dropped = replace(
-        base, speed_m_per_s=one.speed_m_per_s, speed_range_m_per_s=one.speed_range_m_per_s
-    )
+    dropped = replace(base, **asdict(one))
     samples = [seen(dropped, contact, a, sampling) for a in params.region_angles_deg]
     means = np.array([s.statistics["impulse_ratio"].mean for s in samples])
     known = np.isfinite(means)
@@ -159,20 +144,17 @@ def region_rows(
 def loss_slopes(params: SpeedAndAngle) -> Iterator[dict[str, Any]]:
     """Share of angles at which the rigid body's energy loss falls as the angle becomes shallow."""
     angle = np.array(params.loss_angles_deg)
-    for e in params.loss_restitutions:
-        for friction in params.loss_frictions:
-            loss = rigid_loss(e, friction, angle)
-            falling = np.diff(loss) / np.diff(angle) > 0.0
-            middle = 0.5 * (angle[1:] + angle[:-1])
-            rising = middle[~falling]
-            yield {
-                "restitution": e,
-                "friction": friction,
-                "share_falling": float(np.mean(falling)),
-                "rising_from_deg": float(rising.max()) if rising.size else np.nan,
-                "rising_to_deg": float(rising.min()) if rising.size else np.nan,
-                "evidence": "computed",
-            }
+    for e, friction in product(params.loss_restitutions, params.loss_frictions):
+        falling = np.diff(rigid_loss(e, friction, angle)) / np.diff(angle) > 0.0
+        rising = (0.5 * (angle[1:] + angle[:-1]))[~falling]
+        yield {
+            "restitution": e,
+            "friction": friction,
+            "share_falling": float(np.mean(falling)),
+            "rising_from_deg": rising.max() if rising.size else np.nan,
+            "rising_to_deg": rising.min() if rising.size else np.nan,
+            "evidence": "computed",
+        }
 
 
 def rigid_loss(e: float, friction: float, angle: np.ndarray) -> np.ndarray:
@@ -182,9 +164,7 @@ def rigid_loss(e: float, friction: float, angle: np.ndarray) -> np.ndarray:
     return np.asarray(energy_loss(v_n, v_t, 0.0, 1.0, e, rebound.mu).translational)
 
 
-def resolution(
-    params: SpeedAndAngle, sampling: Sampling, inputs: Mapping[str, pd.DataFrame]
-) -> dict[str, Any]:
+def resolution(params: SpeedAndAngle, sampling: Sampling, inputs: Tables) -> dict[str, Any]:
     """Differences of printed restitutions and of their losses against what 40 events resolve."""
     angle = params.resolved_deg
     one, other = (
@@ -196,20 +176,17 @@ def resolution(
         float(rigid_loss(value, dropped.friction, np.array(angle)))
         for value, dropped in zip(e, (params.resolved_steel, params.resolved_spore), strict=True)
     ]
-    widths = {
-        name: half_width(one[name], other[name], sampling)
-        for name in ("restitution", "energy_loss")
-    }
+    width, width_of_loss = (
+        half_width(one[name], other[name], sampling) for name in ("restitution", "energy_loss")
+    )
     return {
         "angle_deg": angle,
         "difference_of_restitutions": e[0] - e[1],
-        "half_width_of_restitutions": widths["restitution"],
-        "difference_of_restitutions_over_half_width": (e[0] - e[1]) / widths["restitution"],
+        "half_width_of_restitutions": width,
+        "difference_of_restitutions_over_half_width": (e[0] - e[1]) / width,
         "difference_of_losses": losses[1] - losses[0],
-        "normal_part_of_difference": float(
-            np.sin(np.radians(angle)) ** 2 * (e[0] ** 2 - e[1] ** 2)
-        ),
-        "half_width_of_losses": widths["energy_loss"],
-        "difference_of_losses_over_half_width": (losses[1] - losses[0]) / widths["energy_loss"],
+        "normal_part_of_difference": np.sin(np.radians(angle)) ** 2 * (e[0] ** 2 - e[1] ** 2),
+        "half_width_of_losses": width_of_loss,
+        "difference_of_losses_over_half_width": (losses[1] - losses[0]) / width_of_loss,
         "evidence": "virtual experiment",
     }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import defaultdict
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from microimpact.core.solve import root, threshold
+from microimpact.core.tables import Tables
 from microimpact.declared.parameters import AngleDegrees, CaseName, Finite, NonNegative, Positive
 from microimpact.lab.events import Measured
 from microimpact.lab.ptis.experiment import turned
@@ -73,16 +74,9 @@ class Spin:
     bias_speed_m_per_s: Positive
 
 
-def spin_tables(
-    params: Spin, sampling: Sampling, inputs: Mapping[str, pd.DataFrame]
-) -> dict[str, pd.DataFrame]:
+def spin_tables(params: Spin, sampling: Sampling, inputs: Tables) -> dict[str, pd.DataFrame]:
     """Return the tables of the spin mechanism, by name."""
-    rows: dict[str, list[dict[str, Any]]] = {
-        "spin_mechanism": [],
-        "spin_needed": [],
-        "rolling_limits": [],
-        "spin_or_tilt": [],
-    }
+    rows: defaultdict[str, list[dict[str, Any]]] = defaultdict(list)
     for case in params.cases:
         dropped = replace(params.dropped, case=case)
         contact = contact_of(dropped, inputs)
@@ -152,47 +146,36 @@ def needed_rows(
 def limit_rows(params: Spin, dropped: Dropped, contact: Contact) -> list[dict[str, Any]]:
     """Shallowest angle at which the mean sphere leaves rolling, per speed, and what moves it."""
     rows: list[dict[str, Any]] = []
+    base = rolling_limit(contact, params.limit_speeds_m_per_s[0], 0.0)
+    aim = base + params.limit_shift_deg
     for speed in params.limit_speeds_m_per_s:
+
+        def excess(spin: float, speed: float = speed) -> float:
+            return float(rolling_limit(contact, speed, spin) - aim)
+
         still = rolling_limit(contact, speed, 0.0)
-        spun = rolling_limit(contact, speed, params.back_spin)
+        e = simulate(contact, speed, still).coefficient_of_restitution
         rows.append(
             {
                 "case": dropped.case,
                 "speed_m_per_s": speed,
                 "limit_deg": still,
-                "limit_with_back_spin_deg": spun,
+                "limit_with_back_spin_deg": rolling_limit(contact, speed, params.back_spin),
                 "back_spin": params.back_spin,
-                "restitution_at_limit": float(
-                    simulate(contact, speed, still).coefficient_of_restitution
-                ),
+                "restitution_at_limit": float(e),
                 "evidence": "computed",
+                "shift_deg": still - base,
+                "back_spin_for_shift": root(excess, *SHIFTING_SPINS, absolute=1e-4),
+                "shift_sought_deg": params.limit_shift_deg,
             }
         )
-    base = rows[0]["limit_deg"]
-    aim = base + params.limit_shift_deg
-    for row in rows:
-        speed = row["speed_m_per_s"]
-
-        def excess(spin: float, speed: float = speed) -> float:
-            return float(rolling_limit(contact, speed, spin) - aim)
-
-        row["shift_deg"] = row["limit_deg"] - base
-        row["back_spin_for_shift"] = root(excess, *SHIFTING_SPINS, absolute=1e-4)
-        row["shift_sought_deg"] = params.limit_shift_deg
     return rows
 
 
 def rolling_limit(contact: Contact, speed: float, spin: float) -> float:
     """Return the angle (degrees) below which a sphere still slides as it leaves, within limits.
 
-    Parameters
-    ----------
-    contact
-        Of one sphere.
-    speed
-        m/s.
-    spin
-        r omega/v.
+    Speed is in m/s, spin is r omega/v.
     """
 
     def rolls(angle: float) -> bool:
@@ -237,26 +220,13 @@ def bias_row(
 
 
 def tilted_ratio(contact: Contact, speed: float, tilt: float) -> float:
-    """Return the impulse ratio measured at normal incidence on a target tilted unknown to all.
+    """Return the impulse ratio measured at normal incidence on a target tilted by degrees.
 
     The components are those along and across the nominal surface. The target throws the sphere to
     the side to which it slopes: the ratio counted along that side is negative.
-
-    Parameters
-    ----------
-    contact
-        Of one sphere.
-    speed
-        m/s.
-    tilt
-        Degrees.
     """
-    impact = simulate(contact, speed, 90.0 - tilt)
-    true = Measured(
-        event=np.zeros(1, dtype=np.int64),
-        incident_normal=np.array([-speed * np.cos(np.radians(tilt))]),
-        incident_tangential=np.array([speed * np.sin(np.radians(tilt))]),
-        rebound_normal=np.atleast_1d(impact.normal_velocity),
-        rebound_tangential=np.atleast_1d(impact.tangential_velocity),
-    )
+    impact, turn = simulate(contact, speed, 90.0 - tilt), np.radians(tilt)
+    before = [speed * np.sin(turn), -speed * np.cos(turn)]
+    after = [float(impact.tangential_velocity), float(impact.normal_velocity)]
+    true = Measured.of(np.zeros(1, dtype=np.int64), np.array([[before, after]]))
     return float(quantities(turned(true, tilt))["impulse_ratio"][0])

@@ -11,6 +11,7 @@ import pandas as pd
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.solve import root
+from microimpact.core.tables import Tables
 from microimpact.declared.parameters import (
     AngleDegrees,
     CaseName,
@@ -22,7 +23,7 @@ from microimpact.declared.parameters import (
 from microimpact.lab.events import Measured
 from microimpact.lab.experiment import StopRule
 from microimpact.lab.ptis.experiment import collect
-from microimpact.lab.ptis.system import Instrument
+from microimpact.lab.ptis.system import ImagingSystem
 from microimpact.lab.reduction import QUANTITIES
 from microimpact.lab.samples import (
     Dropped,
@@ -51,18 +52,11 @@ LARGEST_OFFSET = 0.9
 def off_centre(
     dropped: Dropped, contact: Contact, angle: float, offset_sd: float, sampling: Sampling
 ) -> Seen:
-    """Return a sample of bodies that touch a smooth plane off their centre.
+    """Return a sample of bodies that touch a smooth plane off their centre, without spin.
 
-    The offset along the motion is normal. Restitution at the point of contact, and the friction
-    that its compressive impulse can support, are those of the sphere at its normal speed. Bodies
-    that still move towards the plane count as captured.
-
-    Parameters
-    ----------
-    dropped, contact, angle, sampling
-        As in `_dropped.seen`; slopes and spin are not used.
-    offset_sd
-        Standard deviation of the offset over the radius.
+    The offset along the motion, over the radius, is normal. Restitution at the point of contact,
+    and the friction that its compressive impulse can support, are those of the sphere at its normal
+    speed. Bodies that still move towards the plane count as captured.
     """
     impacts = impacts_of(dropped, contact, angle, sampling)
     inside = np.flatnonzero(in_class(dropped, impacts))
@@ -97,21 +91,14 @@ def as_imaged(
     contact: Contact,
     angle: float,
     sampling: Sampling,
-    instrument: Instrument,
+    instrument: ImagingSystem,
     *,
     events: int,
     most_dropped: int,
 ) -> Seen:
     """Return what the camera sees of a sample, without errors that its events share.
 
-    Parameters
-    ----------
-    dropped, contact, angle, sampling
-        As in `_dropped.seen`.
-    instrument
-        The imaging system; its errors of rate, scale and angle are left out.
-    events, most_dropped
-        Events wanted, and particles after which the sample is taken as it is.
+    So many events are wanted; after the most particles dropped the sample is taken as it is.
     """
     exact = replace(instrument, rate_error=0.0, scale_error=0.0, angle_error_deg=0.0)
     drop = dropped.drop(contact, angle, sampling.dispenser)
@@ -179,10 +166,7 @@ class Spore:
 
 
 def spore_tables(
-    params: Spore,
-    sampling: Sampling,
-    instrument: Instrument,
-    inputs: Mapping[str, pd.DataFrame],
+    params: Spore, sampling: Sampling, instrument: ImagingSystem, inputs: Tables
 ) -> dict[str, pd.DataFrame]:
     """Return the tables of the spore mechanisms, by name."""
     contact = contact_of(params.spore, inputs)
@@ -206,11 +190,12 @@ def spore_tables(
         for name, samples in found.items()
         for angle, one in samples.items()
     ]
-    trends = [trend_row(name, samples, sampling) for name, samples in found.items()]
-    trends.append(_second_contacts(found, sampling))
+    rows = [trend_row(name, samples, sampling) for name, samples in found.items()]
+    second = {"mechanism": "second contacts, added to slopes"}
+    rows.append(second | trends(found["slopes"], sampling, found["slopes, first contacts"]))
     return {
         "spore_mechanism": pd.DataFrame(means),
-        "spore_trends": pd.DataFrame(trends),
+        "spore_trends": pd.DataFrame(rows),
         "spore_comparison": comparison(params, sampling, inputs),
         "smooth_spore": smooth_spore(params, contact),
     }
@@ -243,54 +228,35 @@ def trend_row(name: str, samples: Mapping[float, Seen], sampling: Sampling) -> d
     """Return the trends that the article describes, over half-widths, and where e is least."""
     e = {a: one.statistics["restitution"].mean for a, one in samples.items()}
     present = {a: value for a, value in e.items() if np.isfinite(value)}
+    least = min(present, key=lambda a: present[a])
+    return {"mechanism": name, "angle_of_least_restitution_deg": least} | trends(samples, sampling)
+
+
+def trends(
+    samples: Mapping[float, Seen], sampling: Sampling, less: Mapping[float, Seen] | None = None
+) -> dict[str, Any]:
+    """Return the trends of samples, or of what they add to others, as columns of a table."""
 
     def change(quantity: str, start: float, end: float) -> float:
         if start not in samples or end not in samples:
             return np.nan
-        one, other = samples[end].statistics[quantity], samples[start].statistics[quantity]
-        return (one.mean - other.mean) / half_width(one, other, sampling)
+        one, other = (samples[angle].statistics[quantity] for angle in (end, start))
+        base = (less[a].statistics[quantity].mean if less else 0.0 for a in (end, start))
+        first, last = (of.mean - b for of, b in zip((one, other), base, strict=True))
+        return (first - last) / half_width(one, other, sampling)
 
     return {
-        "mechanism": name,
-        "angle_of_least_restitution_deg": min(present, key=lambda a: present[a]),
         "restitution_rise_38_to_15_over_half_width": change("restitution", 38.0, 15.0),
         "impulse_ratio_rise_85_to_20_over_half_width": change("impulse_ratio", 85.0, 20.0),
         "impulse_ratio_rise_45_to_20_over_half_width": change("impulse_ratio", 45.0, 20.0),
         "impulse_ratio_fall_15_to_5_over_half_width": -change("impulse_ratio", 15.0, 5.0),
         "impulse_ratio_fall_15_to_10_over_half_width": -change("impulse_ratio", 15.0, 10.0),
-        "rebounds_at_15_deg": len(samples[15.0].measured),
+        "rebounds_at_15_deg": len((less or samples)[15.0].measured),
         "evidence": "virtual experiment",
     }
 
 
-def _second_contacts(
-    found: Mapping[str, Mapping[float, Seen]], sampling: Sampling
-) -> dict[str, Any]:
-    """Return what second contacts add to the trends of slopes."""
-    every, first = found["slopes"], found["slopes, first contacts"]
-
-    def added(quantity: str, start: float, end: float) -> float:
-        one, other = every[end].statistics[quantity], every[start].statistics[quantity]
-        before = first[end].statistics[quantity], first[start].statistics[quantity]
-        change = (one.mean - before[0].mean) - (other.mean - before[1].mean)
-        return change / half_width(one, other, sampling)
-
-    return {
-        "mechanism": "second contacts, added to slopes",
-        "angle_of_least_restitution_deg": np.nan,
-        "restitution_rise_38_to_15_over_half_width": added("restitution", 38.0, 15.0),
-        "impulse_ratio_rise_85_to_20_over_half_width": added("impulse_ratio", 85.0, 20.0),
-        "impulse_ratio_rise_45_to_20_over_half_width": added("impulse_ratio", 45.0, 20.0),
-        "impulse_ratio_fall_15_to_5_over_half_width": -added("impulse_ratio", 15.0, 5.0),
-        "impulse_ratio_fall_15_to_10_over_half_width": -added("impulse_ratio", 15.0, 10.0),
-        "rebounds_at_15_deg": len(first[15.0].measured),
-        "evidence": "virtual experiment",
-    }
-
-
-def comparison(
-    params: Spore, sampling: Sampling, inputs: Mapping[str, pd.DataFrame]
-) -> pd.DataFrame:
+def comparison(params: Spore, sampling: Sampling, inputs: Tables) -> pd.DataFrame:
     """Return steel less spore, each with its slopes and calibrated at the first angle alone."""
 
     def calibrated(dropped: Dropped) -> Contact:

@@ -2,43 +2,103 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
-from microimpact.core.tables import series_frame
+from microimpact.core.tables import Tables, series_frame
 from microimpact.declared.parameters import Count, Fraction, Keyed, Positive
 from microimpact.lab.ptis.frames import render
-from microimpact.lab.ptis.observation import Observation, modelled, observe
+from microimpact.lab.ptis.observation import ImagedEvents, modelled, observe
 from microimpact.lab.ptis.system import (
-    Instrument,
+    ImagingSystem,
     Setup,
     Systematics,
     draw_systematics,
     event_generator,
 )
-from microimpact.lab.ptis.tracks import Rejection, measure
+from microimpact.lab.ptis.tracks import Rejection, Track, measure
 from microimpact.statistics.distributions import generator
 from microimpact.studies.experiments.track_imaging.agreement import (
+    LEGS,
+    RigidSpheres,
     Tolerances,
     compared,
-    residual_rows,
-    verdicts,
-)
-from microimpact.studies.experiments.track_imaging.frame import drawn_track, pixels
-from microimpact.studies.experiments.track_imaging.impacts import (
-    LEGS,
-    Particles,
     impacts,
+    residual_rows,
     speed_and_angle_errors,
     true_velocities,
     velocities,
+    verdicts,
 )
+
+# Dashes of each leg that are shown, room around them, px, and points of a fitted path.
+SHOWN = 5
+MARGIN_PX = 12
+POINTS = 200
+
+
+def pixels(frame: NDArray[np.uint8], track: Track, setup: Setup) -> pd.DataFrame:
+    """Return the grey levels around a track: one series per row, of the row's number."""
+    lines = setup.instrument.frame_px[1] // frame.shape[0]
+    left, top, right, bottom = window(track, setup)
+    columns = np.arange(left, right)
+    of_row = partial(
+        series_frame, "pixels", evidence="virtual experiment", x_unit="px", y_unit="counts"
+    )
+    frames = [
+        of_row(str(row * lines), columns, frame[row, left:right])
+        for row in range(top // lines, bottom // lines)
+    ]
+    return pd.concat(frames, ignore_index=True)
+
+
+def window(track: Track, setup: Setup) -> tuple[int, int, int, int]:
+    """Return the part of the frame around the impact: left, top, right, bottom."""
+    near = np.concatenate([track.incident.points[-SHOWN:], track.rebound.points[:SHOWN]])
+    contact = track.incident.at(np.array([track.incident.contact]))
+    places = _places(np.concatenate([near, contact]), setup)
+    low = np.maximum(np.floor(places.min(axis=0)) - MARGIN_PX, 0.0)
+    high = np.minimum(np.ceil(places.max(axis=0)) + MARGIN_PX, setup.instrument.frame_px)
+    return int(low[0]), int(low[1]), int(high[0]), int(high[1])
+
+
+def drawn_track(track: Track, setup: Setup) -> pd.DataFrame:
+    """Return centroids and fitted paths of both legs and the line of the surface, px."""
+    *low, right, bottom = window(track, setup)
+
+    def series(name: str, places: FloatArray, evidence: str = "virtual experiment") -> None:
+        shown = places[np.all((places >= low) & (places < (right, bottom)), axis=1)]
+        ends = shown[[0, -1]] if name == "surface" else shown
+        x, y = ends.T
+        frames.append(series_frame("frame", name, x, y, evidence, x_unit="px", y_unit="px"))
+
+    frames: list[pd.DataFrame] = []
+    for name, leg in (("incident", track.incident), ("rebound", track.rebound)):
+        last = (len(leg.points) - 1) / setup.chop_rate
+        contact = float(leg.contact)
+        times = np.linspace(min(0.0, contact), max(last, contact), POINTS)
+        series(f"{name} centroids", _places(leg.points, setup))
+        series(f"{name} path", _places(leg.at(times), setup), "computed")
+    # Points of the surface, along and below the horizontal: it is turned by 90 deg - alpha.
+    alpha = np.radians(setup.angle)
+    along = np.linspace(-1.0, 1.0, 2001) * np.hypot(*setup.instrument.frame_px)
+    line = setup.centre + along[:, None] * [np.sin(alpha), np.cos(alpha)]
+    series("surface", line, "computed")
+    return pd.concat(frames, ignore_index=True)
+
+
+def _places(points: FloatArray, setup: Setup) -> FloatArray:
+    """Columns and rows of points in m from the image of the target's origin."""
+    return setup.centre + points * [1.0, -1.0] / setup.pixel
+
 
 Angle = Annotated[float, Field(gt=0, lt=90)]
 RANGE, ERRORS, FRAME = range(3)
@@ -46,7 +106,7 @@ FRAMES, MODEL = "frames", "model"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Case:
+class Incidence:
     """Speed and angle of incidence."""
 
     speed_m_per_s: Positive
@@ -64,8 +124,8 @@ class Params:
     """
 
     seed: Annotated[int, Field(ge=0)]
-    particles: Particles
-    instrument: Instrument
+    particles: RigidSpheres
+    instrument: ImagingSystem
     speeds_m_per_s: tuple[Positive, ...]
     angles_deg: tuple[Angle, ...]
     pixels_um: tuple[Positive, ...]
@@ -75,11 +135,11 @@ class Params:
     least_observed: Fraction
     largest_bias: Fraction
     drawn_angle_deg: Angle
-    error_cases: Annotated[tuple[Case, ...], Keyed()]
+    error_cases: Annotated[tuple[Incidence, ...], Keyed()]
     experiments: Count
     events: Annotated[int, Field(ge=2)]
     tolerances: Tolerances
-    frame: Case
+    frame: Incidence
     frame_dash_pitch_px: Positive
 
     def __post_init__(self) -> None:
@@ -91,15 +151,8 @@ class Params:
             )
 
 
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Search the range of the instrument, and compare frames, error model and truth.
-
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        Not used.
 
     Returns
     -------
@@ -157,7 +210,7 @@ def _row(
 
 def _observed(
     params: Params, setup: Setup, method: str, events: int, with_gravity: bool = True
-) -> tuple[Observation, FloatArray]:
+) -> tuple[ImagedEvents, FloatArray]:
     """Observe without systematic errors, which would look like a bias of the reduction."""
     speed, angle = setup.speed, setup.angle
     key = [RANGE, params.speeds_m_per_s.index(speed), params.angles_deg.index(angle)]
@@ -170,7 +223,7 @@ def _observed(
 
 
 def _summary(
-    params: Params, setup: Setup, method: str, observation: Observation, true: FloatArray
+    params: Params, setup: Setup, method: str, observation: ImagedEvents, true: FloatArray
 ) -> dict[str, Any]:
     measured = observation.measured
     width, height = setup.instrument.frame_px
@@ -207,12 +260,10 @@ def rendered_range(params: Params, searched: pd.DataFrame) -> tuple[pd.DataFrame
     """
     rows, lost = [], []
     drawn = searched[searched["angle_deg"] == params.drawn_angle_deg]
-    for _, group in drawn.groupby("speed_m_per_s", sort=False):
-        best = group.sort_values("fraction_observed", ascending=False, kind="stable").iloc[0]
-        if best["fraction_observed"] == 0.0:
-            continue
-        names = ["speed_m_per_s", "angle_deg", "pixel_um", "dash_pitch_px"]
-        setup = _setup(params, *(float(best[name]) for name in names))
+    best = drawn.loc[drawn.groupby("speed_m_per_s", sort=False)["fraction_observed"].idxmax()]
+    names = ["speed_m_per_s", "angle_deg", "pixel_um", "dash_pitch_px"]
+    for chosen in best.loc[best["fraction_observed"] > 0.0, names].to_numpy(float).tolist():
+        setup = _setup(params, *chosen)
         seen = _observed(params, setup, FRAMES, params.rendered_events)
         rows.append(_summary(params, setup, FRAMES, *seen))
         lost.append(_fates(setup, FRAMES, seen[0].fates))
@@ -242,22 +293,14 @@ def _fates(setup: Setup, method: str, fates: tuple[str, ...]) -> pd.DataFrame:
 
 def views(params: Params, searched: pd.DataFrame) -> pd.DataFrame:
     """Return which of the speeds each field of view covers, and whether one covers them all."""
-    rows = []
-    for (pixel, angle), group in searched.groupby(["pixel_um", "angle_deg"]):
-        covered = group.loc[group["covered"], "speed_m_per_s"]
-        rows.append(
-            {
-                "pixel_um": pixel,
-                "view_width_mm": group["view_width_mm"].iloc[0],
-                "view_height_mm": group["view_height_mm"].iloc[0],
-                "angle_deg": angle,
-                "speeds_covered": len(covered),
-                "lowest_m_per_s": covered.min(),
-                "highest_m_per_s": covered.max(),
-                "covers_range": len(covered) == len(params.speeds_m_per_s),
-            }
-        )
-    return pd.DataFrame(rows)
+    view = ["pixel_um", "view_width_mm", "view_height_mm", "angle_deg"]
+    covered = searched.assign(speed=searched["speed_m_per_s"].where(searched["covered"]))
+    found = covered.groupby(view, as_index=False).agg(
+        speeds_covered=("speed", "count"),
+        lowest_m_per_s=("speed", "min"),
+        highest_m_per_s=("speed", "max"),
+    )
+    return found.assign(covers_range=found["speeds_covered"] == len(params.speeds_m_per_s))
 
 
 def error_cases(params: Params) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
@@ -331,17 +374,6 @@ def accuracy(params: Params, ranges: pd.DataFrame) -> pd.DataFrame:
         for method, name, evidence in series:
             own = rows[rows["method"] == method].merge(rendered).sort_values("speed_m_per_s")
             mean, sd = (100.0 * own[f"{leg}_speed_error{end}"] for end in ("", "_sd"))
-            frames.append(
-                series_frame(
-                    panel=leg,
-                    series=name,
-                    evidence=evidence,
-                    x=own["speed_m_per_s"],
-                    y=mean,
-                    y_low=(mean - sd).to_numpy(),
-                    y_high=(mean + sd).to_numpy(),
-                    x_unit="m_per_s",
-                    y_unit="percent",
-                )
-            )
+            points = own["speed_m_per_s"], mean, evidence, mean - sd, mean + sd
+            frames.append(series_frame(leg, name, *points, x_unit="m_per_s", y_unit="percent"))
     return pd.concat(frames, ignore_index=True)

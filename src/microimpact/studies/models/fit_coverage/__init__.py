@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import chain
+from functools import partial
+from itertools import chain, product
 from operator import itemgetter
+from typing import Annotated
 
 import numpy as np
 import pandas as pd
 import scipy
+from pydantic import Field
 
 from microimpact.core.arrays import BoolArray, FloatArray
-from microimpact.core.tables import POINTS
+from microimpact.core.tables import POINTS, Tables, series_frame
+from microimpact.declared.parameters import CaseName, Count, Keyed, Positive
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.empirical.intervals import interval_batch, profile_batch
 from microimpact.model.empirical.search import (
@@ -21,20 +25,152 @@ from microimpact.model.empirical.search import (
     DataSets,
     data_sets,
     fit_batch,
-    stacked_fits,
     stacked_sets,
 )
 from microimpact.statistics.intervals import share_error
-from microimpact.studies.models.fit_coverage.design import Cell, Params, cells, method_cells
-from microimpact.studies.models.fit_coverage.intervals import Sample, intervals
-from microimpact.studies.models.fit_coverage.tables import figure_data
+from microimpact.studies.models.fit_coverage.intervals import Methods, Sample, intervals
 from microimpact.studies.models.fit_coverage.truths import (
     MEASUREMENTS,
+    TRUTHS,
+    TruthName,
     Truths,
+    Variant,
     observed,
     standard_deviations,
     standard_noise,
 )
+
+AboveCapture = Annotated[float, Field(gt=1, allow_inf_nan=False)]
+Open = Annotated[float, Field(gt=0, lt=1)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params:
+    """The design: the first variant at all levels, the others at the reference levels.
+
+    Speeds are in capture velocities of the nominal sphere, so none may be 1 or less.
+    """
+
+    seed: Annotated[int, Field(ge=0)]
+    case: CaseName
+    fixed_exponent: Positive
+    lowest_speeds_in_v_c: tuple[AboveCapture, ...]
+    highest_speed_in_v_c: AboveCapture
+    noise_of_e: tuple[Positive, ...]
+    points: tuple[Annotated[int, Field(ge=8)], ...]
+    reference_noise_of_e: Positive
+    reference_points: Annotated[int, Field(ge=8)]
+    variants: Annotated[tuple[Variant, ...], Keyed("variant")]
+    sizes: Annotated[int, Field(ge=3)]
+    replicates: Count
+    interval_replicates: Count
+    starts: Annotated[int, Field(ge=1, le=5)]
+    confidence: Annotated[float, Field(ge=0.5, lt=1)]
+    methods: Methods
+
+    def __post_init__(self) -> None:
+        """Refuse a design without its reference, or with speeds out of order."""
+        for name in ("lowest_speeds_in_v_c", "noise_of_e", "points", "variants"):
+            if not getattr(self, name):
+                raise ValueError(f"{name}: must hold at least one value")
+        lowest = max(*self.lowest_speeds_in_v_c, *self.methods.lowest_speeds_in_v_c, 1.0)
+        if lowest >= self.highest_speed_in_v_c:
+            raise ValueError(
+                f"highest_speed_in_v_c: {self.highest_speed_in_v_c:g} must be above every lowest "
+                f"speed, of which the largest is {lowest:g}"
+            )
+        for name in ("noise_of_e", "points"):
+            reference, levels = getattr(self, f"reference_{name}"), getattr(self, name)
+            if reference not in levels:
+                raise ValueError(f"reference_{name}: {reference:g} must be one of {levels}")
+        for name in ("interval_replicates", "methods"):
+            value = getattr(self, name)
+            fewer = value.replicates if isinstance(value, Methods) else value
+            if fewer > self.replicates:
+                key = "methods.replicates" if isinstance(value, Methods) else name
+                raise ValueError(f"{key}: {fewer} must not exceed replicates, {self.replicates}")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cell:
+    """One combination of the factors; the exponent q is None where it is free."""
+
+    truth: TruthName
+    variant: Variant
+    noise: float
+    points: int
+    lowest: float
+    q: float | None
+
+    @property
+    def factors(self) -> dict[str, object]:
+        """Its columns in a table."""
+        return {
+            "truth": self.truth,
+            "variant": self.variant.variant,
+            "noise_of_e": self.noise,
+            "points": self.points,
+            "lowest_speed_in_v_c": self.lowest,
+            "exponent": "free" if self.q is None else "fixed",
+        }
+
+
+def cells(params: Params) -> Iterator[Cell]:
+    """All cells, in pairs with q free and fixed."""
+    for number, variant in enumerate(params.variants):
+        noise = params.noise_of_e if number == 0 else (params.reference_noise_of_e,)
+        points = params.points if number == 0 else (params.reference_points,)
+        factors = (
+            TRUTHS,
+            noise,
+            points,
+            params.lowest_speeds_in_v_c,
+            (None, params.fixed_exponent),
+        )
+        for truth, sigma, count, lowest, q in product(*factors):
+            yield Cell(truth=truth, variant=variant, noise=sigma, points=count, lowest=lowest, q=q)
+
+
+def method_cells(params: Params) -> Iterator[Cell]:
+    """Cells in which methods of intervals are compared."""
+    lowest = params.methods.lowest_speeds_in_v_c
+    for truth, speed, q in product(TRUTHS, lowest, (None, params.fixed_exponent)):
+        yield Cell(
+            truth=truth,
+            variant=params.variants[0],
+            noise=params.reference_noise_of_e,
+            points=params.reference_points,
+            lowest=speed,
+            q=q,
+        )
+
+
+Reference = tuple[str, float, int]
+QUANTITIES = {"bias": "bias", "rms_error": "rms", "coverage": "coverage"}
+
+
+def figure_data(table: pd.DataFrame, reference: Reference, confidence: float) -> pd.DataFrame:
+    """Bias, rms error and coverage over the lowest speed, by truth, for the first variant."""
+    variant, _, points = reference
+    rows = table[(table["variant"] == variant) & (table["points"] == points)]
+    frame = partial(series_frame, x_unit="1", y_unit="1")
+    frames = []
+    for quantity, short in QUANTITIES.items():
+        for truth in TRUTHS:
+            panel = f"{short}, {truth}"
+            own = rows[rows["truth"] == truth]
+            for (noise, exponent), part in own.groupby(["noise_of_e", "exponent"], sort=True):
+                y = part[quantity].to_numpy(float)
+                error = 1.96 * part["coverage_standard_error"].to_numpy(float)
+                ends = np.maximum(y - error, 0.0), np.minimum(y + error, 1.0)
+                series, x = f"noise {noise:g}, q {exponent}", part["lowest_speed_in_v_c"]
+                bounds = ends if quantity == "coverage" else ()
+                frames.append(frame(panel, series, x, y, "virtual experiment", *bounds))
+            if quantity == "coverage":
+                x = own["lowest_speed_in_v_c"].agg(["min", "max"])
+                frames.append(frame(panel, "nominal", x, confidence))
+    return pd.concat(frames, ignore_index=True)
+
 
 NEEDS = {"calibration": ("calibration",), "restitution_fits": ("restitution_fits",)}
 
@@ -42,7 +178,7 @@ __all__ = ["Params", "gather", "part", "run"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Measured:
+class Measurement:
     """Speeds (n,) in v_c, measured e (r, n), which are there, and the deviations (n,) assumed."""
 
     ratio: FloatArray
@@ -54,16 +190,10 @@ class Measured:
 Numbered = tuple[int, dict[str, object]]
 
 
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Measure bias, error and coverage of v_c in every cell of the design.
 
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        ``calibration``, ``restitution_fits``: tables of those studies; ``materials``: declared
-        rows. The true Eq. (34) is the fit of the case with q fixed.
+    The true Eq. (34) is the fit of the case with q fixed.
 
     Returns
     -------
@@ -81,7 +211,7 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
 
 
 def part(
-    params: Params, inputs: Mapping[str, pd.DataFrame], index: int, count: int
+    params: Params, inputs: Tables, index: int, count: int
 ) -> tuple[list[Numbered], list[Numbered]]:
     """Return rows of every ``count``-th pair of cells, from ``index`` on, with their numbers."""
     truths = _truths(params, inputs)
@@ -100,10 +230,8 @@ def part(
 
 
 def gather(
-    params: Params,
-    inputs: Mapping[str, pd.DataFrame],
-    parts: Sequence[tuple[list[Numbered], list[Numbered]]],
-) -> Mapping[str, pd.DataFrame]:
+    params: Params, inputs: Tables, parts: Sequence[tuple[list[Numbered], list[Numbered]]]
+) -> Tables:
     """Return the tables, from the rows of all parts."""
     table, methods = (
         pd.DataFrame([row for _, row in sorted(chain(*rows), key=itemgetter(0))])
@@ -117,7 +245,7 @@ def gather(
     }
 
 
-def _truths(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Truths:
+def _truths(params: Params, inputs: Tables) -> Truths:
     fits = inputs["restitution_fits"]
     fits = fits[~fits["evidence"].isin(POINTS)]
     fit = fits[(fits["case"] == params.case) & (fits["exponent"] == "fixed")]
@@ -143,25 +271,25 @@ def _coverage(params: Params, truths: Truths, mine: list[tuple[int, Cell]]) -> l
         own = [slice(k * each, (k + 1) * each) for k in range(len(group))]
         some = [slice(of.start, of.start + params.interval_replicates) for of in own]
         ends = interval_batch(
-            stacked_sets([sets.take(of) for of in some]),
-            stacked_fits([fit.take(of) for of in some]),
+            stacked_sets([sets.select(of) for of in some]),
+            BatchFit.joined([fit.select(of) for of in some]),
             limit,
         ).ends
         widths = np.diff(ends).reshape(len(group), -1)
         for (number, cell), of, width in zip(group, own, widths, strict=True):
-            row = _row(params, cell, sets.take(of), fit.take(of), rise[of])
+            row = _row(params, cell, sets.select(of), fit.select(of), rise[of])
             rows.append((number, row | {"median_width": float(np.median(width))}))
     return rows
 
 
-def _measured(params: Params, truths: Truths, cell: Cell, replicates: int) -> Measured:
+def _measured(params: Params, truths: Truths, cell: Cell, replicates: int) -> Measurement:
     ratio = np.geomspace(cell.lowest, params.highest_speed_in_v_c, cell.points)
     curve = truths.mean_restitution(cell.truth, ratio, cell.variant)
     deviation = standard_deviations(cell.noise, ratio, curve, cell.variant)
     noise = standard_noise(params.seed, MEASUREMENTS, cell.points, replicates)
     e, present = observed(curve, deviation * noise, cell.variant.selection)
     assumed = deviation if cell.variant.weights == "true" else np.full(ratio.shape, cell.noise)
-    return Measured(ratio=ratio, e=e, present=present, deviation=assumed)
+    return Measurement(ratio=ratio, e=e, present=present, deviation=assumed)
 
 
 def _sets(params: Params, truths: Truths, cell: Cell, replicates: int) -> DataSets:

@@ -1,0 +1,439 @@
+"""The article's campaign: 187 virtual experiments of about 40 events each (Section 2)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import chain, product
+from operator import itemgetter
+from typing import Annotated, Any, TypeVar
+
+import numpy as np
+import pandas as pd
+from pydantic import Field
+
+from microimpact.core.arrays import FloatArray
+from microimpact.core.materials import find_material, materials_from_rows
+from microimpact.core.nearest import nearest
+from microimpact.core.tables import Tables, series_frame
+from microimpact.declared.parameters import (
+    AngleDegrees,
+    CaseName,
+    ExperimentSeed,
+    Fraction,
+    Keyed,
+    Name,
+    NonNegative,
+    Positive,
+    PrintedName,
+)
+from microimpact.lab.contacts import calibrated_contact
+from microimpact.lab.dispenser import Dispenser, InitialSpin
+from microimpact.lab.experiment import Drop, Outcome, SpeedClass, StopRule, Target
+from microimpact.lab.laboratory import DeclaredSurface, Particles
+from microimpact.lab.pdpa import experiment as doppler
+from microimpact.lab.pdpa.analyser import Analyser
+from microimpact.lab.pdpa.experiment import UNREACHED
+from microimpact.lab.ptis import experiment as imaging
+from microimpact.lab.ptis.exposure import (
+    CAPTURED,
+    MEASURED,
+    OFF_SHEET,
+    OFF_VIEW,
+    SPLIT,
+    TOO_SLOW,
+    UNMEASURABLE,
+)
+from microimpact.lab.ptis.system import ImagingSystem
+from microimpact.lab.reduction import interval_columns, quantities
+from microimpact.lab.surface import combined_slope, rough
+from microimpact.model.contact import Contact, resized
+from microimpact.statistics.distributions import Distribution, generator, mean
+
+# What the article counts (Section 2), and the printed values that say how many.
+COUNTED = {
+    "experiments": "campaign_experiments",
+    "diameter ranges": "campaign_diameter_ranges",
+    "surfaces": "campaign_surfaces",
+    "angles": "campaign_angles",
+    "speed ranges": "campaign_speed_ranges",
+}
+T = TypeVar("T")
+
+ABOUT = "speed ranges"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SizeRange(Particles):
+    """One range of sizes of one material, and its spin."""
+
+    name: Name
+    diameter_um: Distribution
+    particle_slope: NonNegative
+    spin_sd: NonNegative
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NamedSurface(DeclaredSurface):
+    """A target: its material and how rough it is."""
+
+    name: Name
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Block:
+    """All combinations of some particles, surfaces, speeds and angles, with one contact.
+
+    The contact has the work of adhesion and the damping of a calibrated `case`, whatever its
+    materials are.
+    """
+
+    particles: tuple[Name, ...]
+    surfaces: tuple[Name, ...]
+    case: CaseName
+    speeds_m_per_s: tuple[Positive, ...]
+    angles_deg: tuple[AngleDegrees, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Experiment:
+    """One experiment of a campaign."""
+
+    particles: SizeRange
+    surface: NamedSurface
+    case: str
+    speed_class: SpeedClass
+    angle: float
+
+    @property
+    def title(self) -> str:
+        """What it is, in words; no two experiments share it."""
+        speed = self.speed_class.speed_m_per_s
+        return f"{self.particles.name} on {self.surface.name}, {speed:g} m/s, {self.angle:g} deg"
+
+    @property
+    def pair(self) -> tuple[str, str, str]:
+        """What decides its contact."""
+        return self.particles.name, self.surface.name, self.case
+
+    def drop(self, contact: Contact, dispenser: Dispenser) -> Drop:
+        """Return what is dropped, on a contact of its materials."""
+        slope_sd = combined_slope(self.surface.surface_slope, self.particles.particle_slope)
+        return Drop(
+            target=Target(contact=contact, surface=rough(slope_sd)),
+            diameter_um=self.particles.diameter_um,
+            angle=self.angle,
+            speed=self.speed_class.speed_m_per_s,
+            speed_range=self.speed_class.speed_range_m_per_s,
+            dispenser=dispenser,
+            spin=InitialSpin(sd=self.particles.spin_sd, mean=0.0),
+        )
+
+
+def expand(
+    blocks: Iterable[Block],
+    particles: Iterable[SizeRange],
+    surfaces: Iterable[NamedSurface],
+    speed_classes: Iterable[SpeedClass],
+) -> list[Experiment]:
+    """Return the experiments that blocks declare.
+
+    Raises
+    ------
+    ValueError
+        If a block names what is not declared, or an experiment is declared twice.
+    """
+    by_name = {one.name: one for one in particles}
+    targets = {one.name: one for one in surfaces}
+    classes = {f"{one.speed_m_per_s:g}": one for one in speed_classes}
+    found: dict[str, Experiment] = {}
+    for number, block in enumerate(blocks):
+        where = f"blocks[{number}]"
+        chosen = (
+            [_named(name, by_name, f"{where}.particles") for name in block.particles],
+            [_named(name, targets, f"{where}.surfaces") for name in block.surfaces],
+            [_named(f"{v:g}", classes, f"{where}.speeds_m_per_s") for v in block.speeds_m_per_s],
+        )
+        for dropped, target, speed_class, angle in product(*chosen, block.angles_deg):
+            one = Experiment(
+                particles=dropped,
+                surface=target,
+                case=block.case,
+                speed_class=speed_class,
+                angle=angle,
+            )
+            if one.title in found:
+                raise ValueError(f"{where}: {one.title}: declared twice")
+            found[one.title] = one
+    return list(found.values())
+
+
+def _named(name: str, known: Mapping[str, T], where: str) -> T:
+    if name not in known:
+        raise ValueError(f"{where}: {name!r} must be one of those declared{nearest(name, known)}")
+    return known[name]
+
+
+def counts(experiments: Iterable[Experiment]) -> dict[str, int]:
+    """Return how many experiments and different levels there are, as the article counts them."""
+    all_of = list(experiments)
+    return {
+        "experiments": len(all_of),
+        "diameter ranges": len({one.particles.diameter_um for one in all_of}),
+        "surfaces": len({one.surface for one in all_of}),
+        "angles": len({one.angle for one in all_of}),
+        "speed ranges": len({one.speed_class for one in all_of}),
+    }
+
+
+def check_counts(experiments: Iterable[Experiment], printed: pd.Series, about: int) -> None:
+    """Check the declared experiments against the printed counts.
+
+    Parameters
+    ----------
+    experiments
+        As declared.
+    printed
+        Printed values by key.
+    about
+        How far the number of speed ranges, which is printed as approximate, may be off.
+
+    Raises
+    ------
+    ValueError
+        Naming every count that does not agree.
+    """
+    wrong = []
+    for name, number in counts(experiments).items():
+        wanted = int(printed[COUNTED[name]])
+        if abs(number - wanted) > (about if name == ABOUT else 0):
+            wrong.append(f"{number} {name}, not {wanted}")
+    if wrong:
+        raise ValueError(f"blocks: give {'; '.join(wrong)} (Section 2)")
+
+
+# Angle of incidence that the analyser sees; the imaging system sees all others.
+NORMAL = 90.0
+# What became of the particles, in the words of either instrument.
+FATES = {
+    "missed": (OFF_SHEET, OFF_VIEW, UNREACHED, "incident missed probe", "rebound missed probe"),
+    "captured": (CAPTURED,),
+    "too_slow": (TOO_SLOW, "incident below probe", "rebound below probe"),
+    "not_recorded": (SPLIT, "overlap", "drop-out"),
+    "not_measurable": (UNMEASURABLE, "not paired"),
+    "measured": (MEASURED, "paired"),
+}
+
+
+def fates_of(counted: Mapping[str, int]) -> dict[str, int]:
+    """Return the number of particles by `FATES`; they add up to all dropped."""
+    # A reason may say more after a colon.
+    kinds = {word: kind for kind, words in FATES.items() for word in words}
+    fates = dict.fromkeys(FATES, 0)
+    for word, number in counted.items():
+        kind = kinds.get(word.partition(":")[0])
+        if kind:
+            fates[kind] += number
+    return fates
+
+
+def experiment_row(one: Experiment, contact_evidence: str, outcome: Outcome) -> dict[str, Any]:
+    """Return the row of one experiment: what it is, what was lost, measured, and true."""
+    low, high = one.speed_class.speed_range_m_per_s
+    smallest, largest = one.particles.diameter_um.quantile(np.array([0.0, 1.0]))
+    first = outcome.first_impacts
+    row: dict[str, Any] = {
+        "particles": one.particles.name,
+        "material": one.particles.particle,
+        "smallest_um": smallest,
+        "largest_um": largest,
+        "surface": one.surface.name,
+        "surface_material": one.surface.surface,
+        "slope_sd": float(np.hypot(one.surface.surface_slope, one.particles.particle_slope)),
+        "contact_case": one.case,
+        "contact_evidence": contact_evidence,
+        "angle_deg": one.angle,
+        "nominal_speed_m_per_s": one.speed_class.speed_m_per_s,
+        "slowest_m_per_s": low,
+        "fastest_m_per_s": high,
+        "instrument": "PDPA" if one.angle == NORMAL else "PTIS",
+        "dropped": outcome.dropped,
+        **fates_of(outcome.fates),
+        "events": len(outcome.measured),
+        "captured_share": float(np.mean(first.captured)) if len(first) else np.nan,
+    }
+    everything = quantities(first.in_plane)
+    # Friction of a particle that stays is not that of an impact.
+    everything["impulse_ratio"] = everything["impulse_ratio"][~first.captured]
+    for name, truth in quantities(outcome.true).items():
+        row |= interval_columns(outcome.means, name)
+        row |= {f"true_{name}": _mean(truth), f"{name}_of_all": _mean(everything[name])}
+    return {**row, "evidence": "virtual experiment"}
+
+
+def _mean(values: FloatArray) -> float:
+    return float(np.mean(values)) if values.size else np.nan
+
+
+NEEDS = {"calibration": ("calibration",)}
+
+ALL, FEW = "all", "too few events"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params:
+    """What is dropped on what, in blocks, and how it is observed.
+
+    Normal impacts are seen by the analyser, the others by trajectory imaging.
+    """
+
+    seed: ExperimentSeed
+    particles: Annotated[tuple[SizeRange, ...], Keyed("name")]
+    surfaces: Annotated[tuple[NamedSurface, ...], Keyed("name")]
+    speed_classes: Annotated[tuple[SpeedClass, ...], Keyed()]
+    blocks: Annotated[tuple[Block, ...], Keyed()]
+    speed_ranges_within: Annotated[int, Field(ge=0)]
+    friction: Fraction
+    stop: StopRule
+    dispenser: Dispenser
+    pdpa: Analyser
+    ptis: ImagingSystem
+    anchors: tuple[PrintedName, ...]
+
+    @property
+    def experiments(self) -> list[Experiment]:
+        """All experiments that the blocks declare."""
+        return expand(self.blocks, self.particles, self.surfaces, self.speed_classes)
+
+
+def run(params: Params, inputs: Tables) -> Tables:
+    """Run all experiments of the campaign.
+
+    Returns
+    -------
+    mapping
+        ``campaign``: one row per experiment: what, how many dropped, lost and measured, means with
+        intervals, and the ground truth. ``campaign_summary``: counts against the printed ones.
+        ``campaign_map``: angle and speed of all experiments, and of those with too few events.
+
+    Raises
+    ------
+    ValueError
+        If the blocks do not give as many experiments and levels as the article counts.
+    """
+    return gather(params, inputs, [part(params, inputs, 0, 1)])
+
+
+def part(
+    params: Params, inputs: Tables, index: int, count: int
+) -> list[tuple[int, dict[str, Any]]]:
+    """Return the rows of every ``count``-th experiment, from ``index`` on, with their numbers."""
+    experiments = params.experiments
+    check_counts(experiments, _printed(inputs), params.speed_ranges_within)
+    pairs = {one.pair: one for one in experiments}
+    contacts = {pair: contact(params, one, inputs) for pair, one in pairs.items()}
+    return [
+        (number, conducted(params, one, *contacts[one.pair]))
+        for number, one in enumerate(experiments)
+        if number % count == index
+    ]
+
+
+def gather(
+    params: Params, inputs: Tables, parts: Sequence[list[tuple[int, dict[str, Any]]]]
+) -> Tables:
+    """Return the tables, from the rows of all parts."""
+    rows = pd.DataFrame([row for _, row in sorted(chain(*parts), key=itemgetter(0))])
+    return {
+        "campaign": rows,
+        "campaign_summary": summary(params, rows, counts(params.experiments), _printed(inputs)),
+        "campaign_map": mapped(rows, params.stop.fewest_events),
+    }
+
+
+def _printed(inputs: Tables) -> pd.Series:
+    return inputs["anchors"].set_index("key")["value"].astype(float)
+
+
+def conducted(params: Params, one: Experiment, of: Contact, evidence: str) -> dict[str, Any]:
+    """Return one experiment as a row of the table; it does not depend on the others.
+
+    Parameters
+    ----------
+    params, one
+        Settings, and which experiment.
+    of, evidence
+        As from `contact`.
+    """
+    drop = one.drop(of, params.dispenser)
+    rng = generator(params.seed, *drop.key)
+    if one.angle == NORMAL:
+        outcome: Outcome = doppler.collect(drop.tabulated(), params.pdpa, params.stop, rng)
+    else:
+        outcome = imaging.collect(drop, params.ptis, params.stop, rng)
+    return experiment_row(one, evidence, outcome)
+
+
+def contact(params: Params, one: Experiment, inputs: Tables) -> tuple[Contact, str]:
+    """Return the contact of an experiment: adhesion and damping of its case, its own materials.
+
+    And whether it was calibrated for these materials, or is assumed to be as for others.
+    """
+    rows: Any = inputs["materials"].to_dict("records")
+    materials = materials_from_rows(rows)
+    case = calibrated_contact(inputs, one.case)
+    own = case.replace(
+        particle=find_material(one.particles.particle, materials),
+        surface=find_material(one.surface.surface, materials),
+        work_of_adhesion=case.work_of_adhesion,
+        friction=params.friction,
+    )
+    table = inputs["calibration"]
+    calibrated = tuple(table.loc[table["case"] == one.case, ["particle", "surface"]].iloc[0])
+    same = calibrated == (one.particles.particle, one.surface.surface)
+    diameter = mean(one.particles.diameter_um) * 1e-6
+    return resized(own, diameter), "calibrated" if same else "assumed"
+
+
+def summary(
+    params: Params, rows: pd.DataFrame, counted: Mapping[str, int], printed: pd.Series
+) -> pd.DataFrame:
+    """Return the counts of the campaign beside the printed ones, and what came of it."""
+    events = rows["events"]
+    facts: dict[str, float] = {
+        **counted,
+        "events": int(events.sum()),
+        "events per experiment": float(events.mean()),
+        "particles dropped": int(rows["dropped"].sum()),
+        "by PDPA": int((rows["instrument"] == "PDPA").sum()),
+        "with a calibrated contact": int((rows["contact_evidence"] == "calibrated").sum()),
+        f"fewer than {params.stop.fewest_events} events": int(
+            (events < params.stop.fewest_events).sum()
+        ),
+        f"fewer than {params.stop.events} events": int((events < params.stop.events).sum()),
+    }
+    wanted = {name: printed[key] for name, key in COUNTED.items()}
+    wanted["events per experiment"] = printed["campaign_events_per_experiment"]
+    return pd.DataFrame(
+        [
+            {
+                "quantity": name,
+                "value": value,
+                "printed": wanted.get(name, np.nan),
+                "evidence": "chosen" if name in counted else "virtual experiment",
+            }
+            for name, value in facts.items()
+        ]
+    )
+
+
+def mapped(rows: pd.DataFrame, fewest: int) -> pd.DataFrame:
+    """Return where the experiments lie, by particles and surface: angle and nominal speed."""
+    frame = partial(series_frame, evidence="virtual experiment", x_unit="deg", y_unit="m_per_s")
+    frames = [
+        frame(panel, f"{particles} on {surface}", own["angle_deg"], own["nominal_speed_m_per_s"])
+        for panel, shown in ((ALL, rows), (FEW, rows[rows["events"] < fewest]))
+        for (particles, surface), own in shown.groupby(["particles", "surface"], sort=False)
+    ]
+    return pd.concat(frames, ignore_index=True)

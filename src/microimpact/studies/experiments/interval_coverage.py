@@ -1,0 +1,484 @@
+"""How often the 95 % intervals of some 40 events hold the true mean, and which (Section 2.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import chain
+from operator import itemgetter
+from typing import Annotated, Any
+
+import numpy as np
+import pandas as pd
+from numpy.random import Generator
+from pydantic import Field
+
+from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.tables import Tables, series_frame
+from microimpact.declared.parameters import (
+    CaseName,
+    Count,
+    Fraction,
+    Keyed,
+    Name,
+    NonNegative,
+    Positive,
+)
+from microimpact.lab.contacts import calibrated_contact
+from microimpact.lab.dispenser import Dispenser, InitialSpin
+from microimpact.lab.events import Impacts, IntArray, Measured
+from microimpact.lab.experiment import Drop, Target
+from microimpact.lab.pdpa.analyser import Analyser, RecordStream, passages, records
+from microimpact.lab.pdpa.experiment import moved
+from microimpact.lab.pdpa.pairing import correct, heights
+from microimpact.lab.ptis.errors import theory
+from microimpact.lab.ptis.experiment import in_sheet, turned
+from microimpact.lab.ptis.exposure import MEASURED
+from microimpact.lab.ptis.system import ImagingSystem, Setup, Systematics, event_generator
+from microimpact.lab.reduction import QUANTITIES, quantities, shared_error
+from microimpact.lab.surface import rough
+from microimpact.statistics.distributions import Distribution, child, generator, mean
+from microimpact.statistics.intervals import student_half_width, wilson_interval
+
+# Spheres that may be measured in some experiment: they arrive no further from the middle of the
+# probe volume than this, m, cross one that is wider by this factor and so many standard deviations
+# lower, at speeds that a noise of as many may bring into the class.
+NEAR_PROBE = 3e-4
+WIDER = 1.15
+REACH = 4.0
+# Looked at in one experiment: so many standard deviations more than it needs on average.
+SPARE = 6.0
+# Experiments with the analyser, by height of its probe, are repeated in so many groups.
+GROUPS = 50
+# Searches for the height of the probe: each starts from the last.
+ROUNDS = 3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Repeated:
+    """Repetitions of one experiment.
+
+    Attributes
+    ----------
+    measured, true
+        Accepted events as measured and as they were, fields of shape (experiments, events).
+    uncertainty
+        Standard uncertainty of the systematic error, shape (experiments, 1): of the probe's
+        height, m, or of the target's angle, degrees.
+    impacts
+        All simulated impacts, seen or not.
+    observable
+        Share of them that can be measured.
+    """
+
+    measured: Measured
+    true: Measured
+    uncertainty: FloatArray
+    impacts: Impacts
+    observable: float
+
+
+def by_imaging(
+    experiments: int,
+    events: int,
+    number: int,
+    drop: Drop,
+    instrument: ImagingSystem,
+    rng: Generator,
+) -> Repeated:
+    """Repeat an oblique experiment.
+
+    Scale, rate and angle are wrong by other amounts in each experiment; they stretch and turn all
+    its velocities alike. Which events can be measured is taken not to depend on them.
+
+    Parameters
+    ----------
+    experiments, events
+        How many, of how many events.
+    number
+        Impacts to simulate.
+    drop
+        What is dropped on what; its range is of measured speeds.
+    instrument
+        Settings.
+    rng
+        Its children serve the draws.
+    """
+    impacts = drop.impacts(number, child(rng, 0))
+    setup = Setup(
+        instrument=instrument,
+        angle=drop.angle,
+        speed=drop.speed,
+        diameter=1e-6 * mean(drop.diameter_um),
+    )
+    moving = np.flatnonzero(~impacts.captured & in_sheet(impacts.position, instrument))
+    draws = [event_generator(rng, i) for i in moving.tolist()]
+    fates, found = theory(impacts.select(moving), setup, Systematics(), draws)
+    pool = moving[fates == MEASURED]
+    speed = np.linalg.norm(found.velocities[:, 0], axis=1)
+    reach = REACH * np.hypot(instrument.rate_error, instrument.scale_error)
+    share = min(_share(drop.in_class(speed * (1.0 + wrong))) for wrong in (-reach, reach))
+
+    draw = child(rng, 2)
+    chosen = draw.integers(pool.size, size=(experiments, _enough(events, share)))
+    noise = np.linalg.cholesky(found.covariance)[chosen] @ draw.standard_normal(
+        (*chosen.shape, 2, 2, 1)
+    )
+    rate, scale, angle = draw.standard_normal((3, experiments, 1))
+    stretch = 1.0 / (1.0 + instrument.rate_error * rate) / (1.0 + instrument.scale_error * scale)
+    velocity = (found.velocities[chosen] + noise[..., 0]) * stretch[..., None, None]
+    seen = turned(Measured.of(pool[chosen], velocity), instrument.angle_error_deg * angle)
+    measured = _first(seen, drop.in_class(seen.speed), events)
+    return Repeated(
+        measured=measured,
+        true=impacts.in_plane.select(measured.event),
+        uncertainty=np.full((experiments, 1), instrument.angle_error_deg),
+        impacts=impacts,
+        observable=pool.size / number,
+    )
+
+
+def by_doppler(
+    experiments: int,
+    events: int,
+    number: int,
+    drop: Drop,
+    instrument: Analyser,
+    rng: Generator,
+) -> Repeated:
+    """Repeat a normal experiment, with the right pairs: the search for them is not repeated.
+
+    The height of the probe volume is another in each experiment, and decides which spheres cross
+    it; it is found from the delays of the pairs, as in an experiment.
+
+    Parameters
+    ----------
+    experiments, events, number, drop, instrument, rng
+        As in `by_imaging`; only particles that arrive near the probe volume are followed.
+    """
+    impacts = drop.impacts(number, child(rng, 0), within=NEAR_PROBE)
+    pool = impacts.select(_may_be_measured(impacts, instrument, drop.speed_range))
+    draw = child(rng, 2)
+    usual = 1e-3 * instrument.probe_height_mm
+    error = 1e-6 * instrument.probe_height_error_um
+    height = np.sort(usual + error * draw.standard_normal(experiments))
+    parts = [
+        _doppler_experiments(pool, of, events, instrument, drop, draw)
+        for of in np.array_split(height, GROUPS)
+        if of.size
+    ]
+    return Repeated(
+        measured=Measured.joined([part[0] for part in parts]),
+        true=Measured.joined([part[1] for part in parts]),
+        uncertainty=np.concatenate([part[2] for part in parts]),
+        impacts=impacts,
+        observable=float(np.mean(passages(impacts, usual, instrument).crossed.all(axis=0))),
+    )
+
+
+def _doppler_experiments(
+    pool: Impacts,
+    height: FloatArray,
+    events: int,
+    instrument: Analyser,
+    drop: Drop,
+    rng: Generator,
+) -> tuple[Measured, Measured, FloatArray]:
+    """Return events as measured and as they were, and the uncertainty of the height found, m.
+
+    One experiment for each height of the probe volume, in ascending order: at the last one the
+    fewest spheres rise into it.
+    """
+    crossing = passages(pool, height[-1], instrument).crossed.all(axis=0)
+    share = _share(crossing & drop.in_class(np.abs(pool.velocity[:, 2])))
+    number = _enough(events, share * (1.0 - instrument.drop_out) ** 2)
+    chosen = rng.integers(len(pool), size=(height.size, number))
+    stream, pairs = _recorded(pool, chosen, height, instrument, rng)
+    paired = (pairs >= 0).all(axis=0)
+    falling, rising = np.where(paired, stream.velocity[pairs], np.nan)
+    usual = 1e-3 * instrument.probe_height_mm
+    seen = Measured(
+        event=np.arange(paired.size).reshape(paired.shape),
+        incident_normal=falling,
+        incident_tangential=np.zeros(paired.shape),
+        rebound_normal=rising,
+        rebound_tangential=np.zeros(paired.shape),
+    )
+    speed = np.abs(np.asarray(correct(falling, usual)))
+    # A rebound that seems to fall, by its noise, is no candidate in the search for pairs.
+    kept = _first(seen, drop.in_class(speed) & (rising > 0.0), events)
+    estimate = usual * (1.0 + instrument.initial_estimate_error)
+    used = pairs.reshape(2, -1)[:, kept.event]
+    found = np.array([estimate, np.nan])[:, None]
+    for _ in range(ROUNDS):
+        found = np.stack(heights(stream, used, found[0], instrument))
+    measured = replace(
+        kept,
+        incident_normal=np.asarray(correct(kept.incident_normal, found[0, :, None])),
+        rebound_normal=np.asarray(correct(kept.rebound_normal, found[0, :, None])),
+    )
+    return measured, pool.in_plane.select(chosen.ravel()[kept.event]), found[1, :, None]
+
+
+def _may_be_measured(
+    impacts: Impacts, instrument: Analyser, speed_range: tuple[float, float]
+) -> IntArray:
+    """Return which impacts can be events of some experiment."""
+    larger = replace(
+        instrument,
+        probe_across_um=WIDER * instrument.probe_across_um,
+        probe_along_um=WIDER * instrument.probe_along_um,
+    )
+    lowest = 1e-3 * instrument.probe_height_mm
+    lowest -= 1e-6 * REACH * instrument.probe_height_error_um
+    speed = np.abs(impacts.velocity[:, 2])
+    noise = REACH * instrument.velocity_noise(speed)
+    near = passages(impacts, lowest, larger).crossed.all(axis=0) & ~impacts.captured
+    near &= (speed >= speed_range[0] - noise) & (speed <= speed_range[1] + noise)
+    return np.flatnonzero(near)
+
+
+def _recorded(
+    impacts: Impacts,
+    chosen: IntArray,
+    height: FloatArray,
+    instrument: Analyser,
+    rng: Generator,
+) -> tuple[RecordStream, IntArray]:
+    """Record impacts (experiments, k) one by one; where in the stream both records are, or -1."""
+    apart = replace(impacts.select(chosen.ravel()), time=np.arange(chosen.size, dtype=float))
+    levels = np.repeat(height, chosen.shape[1])
+    quiet = replace(instrument, false_records_per_s=0.0)
+    stream, truth = records(passages(apart, levels, quiet), 0.0, quiet, rng)
+    pairs = np.full((2, chosen.size), -1)
+    pairs[truth.leg, truth.impact] = np.arange(len(stream))
+    return stream, pairs.reshape(2, *chosen.shape)
+
+
+def _share(good: BoolArray) -> float:
+    return float(np.mean(good)) if good.size else 0.0
+
+
+def _enough(events: int, share: float) -> int:
+    """Return how many must be looked at to be sure of so many events."""
+    if share <= 0.0:
+        raise ValueError(f"no event in the speed range can be measured: {events} are wanted")
+    # n p - SPARE sqrt(n p (1 - p)) = events
+    spread = 0.5 * SPARE * np.sqrt(1.0 - share)
+    return int(np.ceil((spread + np.sqrt(spread**2 + events)) ** 2 / share))
+
+
+def _first(measured: Measured, good: BoolArray, events: int) -> Measured:
+    """Return the first good events of each experiment, shape (experiments, events)."""
+    if np.any(good.sum(axis=1) < events):
+        raise ValueError(f"too few events in some experiments: {events} are wanted")
+    order = np.argsort(~good, axis=1, kind="stable")[:, :events]
+    names = Measured.__dataclass_fields__
+    return Measured(**{k: np.take_along_axis(getattr(measured, k), order, 1) for k in names})
+
+
+NEEDS = {"calibration": ("calibration",)}
+
+NORMAL = 90.0
+SHIFTED = {"PDPA": moved, "PTIS": turned}
+MEASURED_BY = {"PDPA": ("restitution",), "PTIS": QUANTITIES}
+# The means that are drawn, by the end of their columns.
+DRAWN = {"observable": "events that can be measured", "rebounds": "all rebounds"}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CoverageCase:
+    """Experiments of one surface, over speeds at one angle or over angles at one speed."""
+
+    name: Name
+    speeds_m_per_s: tuple[Positive, ...]
+    angles_deg: tuple[Annotated[float, Field(gt=0, le=90)], ...]
+    diameter_um: Distribution
+    slope: NonNegative
+    speed_window: Annotated[float, Field(gt=0, lt=1)]
+    simulated: Count
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params:
+    """Cases, and how often each is repeated; at 90 deg by the analyser, else by imaging."""
+
+    seed: Annotated[int, Field(ge=0)]
+    case: CaseName
+    friction: Fraction
+    cases: Annotated[tuple[CoverageCase, ...], Keyed("name")]
+    experiments: Annotated[int, Field(ge=2)]
+    events: Annotated[int, Field(ge=2)]
+    level: Annotated[float, Field(gt=0, lt=1)]
+    dispenser: Dispenser
+    pdpa: Analyser
+    ptis: ImagingSystem
+
+    def __post_init__(self) -> None:
+        """Refuse to draw a panel of nothing."""
+        normal = [angle == NORMAL for case in self.cases for angle in case.angles_deg]
+        if not (any(normal) and not all(normal)):
+            raise ValueError("cases: must hold an experiment at 90 deg and one at another angle")
+
+
+def run(params: Params, inputs: Tables) -> Tables:
+    """Repeat every experiment and count the intervals that hold each mean.
+
+    Returns
+    -------
+    mapping
+        ``interval_coverage``: one row per experiment and quantity. ``coverage_by_speed``,
+        ``coverage_by_angle``: coverage of restitution.
+    """
+    return gather(params, inputs, [part(params, inputs, 0, 1)])
+
+
+def part(
+    params: Params, inputs: Tables, index: int, count: int
+) -> list[tuple[int, list[dict[str, Any]]]]:
+    """Return the rows of every ``count``-th experiment, from ``index`` on, with their numbers."""
+    contact = calibrated_contact(inputs, params.case).replace(friction=params.friction)
+    every = [
+        (number, i, k)
+        for number, case in enumerate(params.cases)
+        for i, k in np.ndindex(len(case.angles_deg), len(case.speeds_m_per_s))
+    ]
+    rows = []
+    for place in range(index, len(every), count):
+        number, i, k = every[place]
+        case = params.cases[number]
+        target = Target(contact=contact, surface=rough(case.slope)).tabulated(case.diameter_um)
+        angle, speed = case.angles_deg[i], case.speeds_m_per_s[k]
+        rng = generator(params.seed, number, i, k)
+        try:
+            repeated = _repeated(params, case, target, angle, speed, rng)
+        except ValueError as error:
+            where = f"cases.{case.name}, {speed:g} m/s, {angle:g} deg"
+            raise ValueError(f"{where}: {error}") from None
+        rows.append((place, list(coverage_rows(params, case, angle, speed, repeated))))
+    return rows
+
+
+def gather(
+    params: Params, inputs: Tables, parts: Sequence[list[tuple[int, list[dict[str, Any]]]]]
+) -> Tables:
+    """Return the tables, from the rows of all parts."""
+    every = sorted(chain(*parts), key=itemgetter(0))
+    table = pd.DataFrame([row for _, rows in every for row in rows])
+    return {"interval_coverage": table, **drawn(table)}
+
+
+def _repeated(
+    params: Params,
+    case: CoverageCase,
+    target: Target,
+    angle: float,
+    speed: float,
+    rng: np.random.Generator,
+) -> Repeated:
+    window = case.speed_window
+    drop = Drop(
+        target=target,
+        diameter_um=case.diameter_um,
+        angle=angle,
+        speed=speed,
+        speed_range=(speed * (1.0 - window), speed * (1.0 + window)),
+        dispenser=params.dispenser,
+        spin=InitialSpin(sd=0.0, mean=0.0),
+    )
+    size = params.experiments, params.events, case.simulated
+    if angle == NORMAL:
+        return by_doppler(*size, drop, params.pdpa, rng)
+    return by_imaging(*size, drop, params.ptis, rng)
+
+
+def coverage_rows(
+    params: Params, case: CoverageCase, angle: float, speed: float, repeated: Repeated
+) -> Iterator[dict[str, Any]]:
+    """Yield how often the intervals of each quantity hold each mean, and how wide they are."""
+    instrument = "PDPA" if angle == NORMAL else "PTIS"
+    means = quantities(repeated.measured)
+    accepted, unselected = quantities(repeated.true), _unselected(case, speed, repeated)
+    systematic = shared_error(repeated.measured, SHIFTED[instrument], repeated.uncertainty)
+    for name in MEASURED_BY[instrument]:
+        values = means[name]
+        centre = values.mean(axis=1)
+        sd = values.std(axis=1, ddof=1)
+        half = student_half_width(sd, params.events, systematic[name], params.level)
+        row: dict[str, Any] = {
+            "case": case.name,
+            "instrument": instrument,
+            "angle_deg": angle,
+            "speed_m_per_s": speed,
+            "quantity": name,
+            "experiments": params.experiments,
+            "events": params.events,
+            "captured_share": float(np.mean(repeated.impacts.captured)),
+            "observable_share": repeated.observable,
+        }
+        truths = {"observable": float(accepted[name].mean())} | unselected[name]
+        for which, truth in truths.items():
+            held = np.abs(centre - truth) <= half
+            low, high = wilson_interval(int(held.sum()), held.size)
+            row |= {
+                f"mean_{which}": truth,
+                f"coverage_{which}": float(held.mean()),
+                f"coverage_{which}_low": low,
+                f"coverage_{which}_high": high,
+            }
+        yield row | {
+            "bias_of_the_mean": float(centre.mean() - truths["observable"]),
+            "half_width": float(half.mean()),
+            "systematic_share": float(np.mean(np.square(systematic[name] / (half / 2.0)))),
+            "skewness_of_events": _skewness(values),
+            "evidence": "virtual experiment",
+        }
+
+
+def _skewness(values: FloatArray) -> float:
+    about = values - values.mean()
+    squares = about * about  # a product is far quicker than a power
+    return float(np.mean(squares * about) / np.mean(squares) ** 1.5)
+
+
+def _unselected(
+    case: CoverageCase, speed: float, repeated: Repeated
+) -> dict[str, dict[str, float]]:
+    """Return the means over all rebounds and over all impacts of the class, seen or not.
+
+    Captured impacts count with no restitution and all their energy lost; friction is of rebounds.
+    """
+    exact: Measured = repeated.impacts.in_plane
+    inside = np.abs(exact.speed / speed - 1.0) <= case.speed_window
+    rebounds = inside & ~repeated.impacts.captured
+    return {
+        name: {
+            "rebounds": float(np.mean(of[rebounds])),
+            "all": float(np.mean(of[rebounds if name == "impulse_ratio" else inside])),
+        }
+        for name, of in quantities(exact).items()
+    }
+
+
+def drawn(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """Return the coverage of restitution, by speed at normal and by angle at oblique incidence."""
+    rows = table[table["quantity"] == "restitution"]
+    axes = {"speed": ("PDPA", "speed_m_per_s"), "angle": ("PTIS", "angle_deg")}
+    found = {}
+    for axis, (instrument, column) in axes.items():
+        unit = column.removeprefix("speed_").removeprefix("angle_")
+        frame = partial(series_frame, axis, x_unit=unit, y_unit="percent")
+        frames = [
+            frame(
+                f"{name}: {words}",
+                own[column],
+                100.0 * own[f"coverage_{which}"],
+                "virtual experiment",
+                *(100.0 * own[f"coverage_{which}_{end}"] for end in ("low", "high")),
+            )
+            for name, own in rows[rows["instrument"] == instrument].groupby("case", sort=False)
+            for which, words in DRAWN.items()
+        ]
+        found[f"coverage_by_{axis}"] = pd.concat(frames, ignore_index=True)
+    return found

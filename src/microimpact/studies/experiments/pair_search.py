@@ -1,0 +1,580 @@
+"""Pair search in the records of a phase Doppler particle analyser, and correction to the surface.
+
+Virtual experiments on normal impacts (Section 2.1): does the height of the probe volume matter to
+the identification of pairs, what does the constant correction do to velocities and restitution,
+and what becomes of rebounds too slow to reach the probe volume?
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Annotated
+
+import numpy as np
+import pandas as pd
+from pydantic import Field
+
+from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.constants import gravity
+from microimpact.core.tables import Tables, series_frame
+from microimpact.declared.parameters import CaseName, Count, Positive
+from microimpact.lab.bounces import with_later_impacts
+from microimpact.lab.contacts import calibrated_contact
+from microimpact.lab.dispenser import Dispenser, InitialSpin
+from microimpact.lab.events import Falling, Impacts, IntArray
+from microimpact.lab.experiment import Drop, Target
+from microimpact.lab.pdpa.analyser import (
+    REBOUND,
+    Analyser,
+    GroundTruth,
+    RecordStream,
+    through_probe,
+)
+from microimpact.lab.pdpa.observation import (
+    FATES,
+    Observation,
+    Quality,
+    at_surface,
+    judge,
+    observe,
+    ratio,
+)
+from microimpact.lab.pdpa.pairing import Form, correct, search
+from microimpact.lab.surface import Rebound
+from microimpact.model.contact import Contact
+from microimpact.statistics.distributions import Distribution, generator
+from microimpact.statistics.intervals import mean_and_error, wilson_interval
+
+NORMAL_INCIDENCE = 90.0
+# Particles released at a time for each that is to fall through the probe volume, and how often.
+RELEASED_FOR_ONE, MOST_BATCHES = 40, 500
+NO_SPIN = InitialSpin(sd=0.0, mean=0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Apparatus:
+    """What an experiment is made with; `seed` is the root of its draws."""
+
+    seed: int
+    contact: Contact
+    diameter_um: Distribution
+    dispenser: Dispenser
+    instrument: Analyser
+
+    def drop(self, speed: float) -> Drop:
+        """Return what is dropped at a nominal speed, m/s."""
+        return Drop(
+            target=Target(contact=self.contact),
+            diameter_um=self.diameter_um,
+            angle=NORMAL_INCIDENCE,
+            speed=speed,
+            speed_range=(0.0, np.inf),
+            dispenser=self.dispenser,
+            spin=NO_SPIN,
+        )
+
+    @property
+    def steady(self) -> Apparatus:
+        """The same with impacts at one speed and with the probe volume where it should be."""
+        return replace(
+            self,
+            dispenser=replace(self.dispenser, exit_speed_m_per_s=0.0),
+            instrument=replace(self.instrument, probe_height_error_um=0.0),
+        )
+
+    @property
+    def aligned(self) -> Apparatus:
+        """The same with every sphere falling through the middle of the probe volume."""
+        straight = replace(self.dispenser, lateral_speed_m_per_s=0.0, lateral_position_mm=0.0)
+        return replace(self, dispenser=straight)
+
+
+def dropped(setup: Apparatus, speed: float, particles: int, key: tuple[int, ...]) -> Impacts:
+    """Drop particles at a nominal speed, m/s, until so many fall through the probe volume.
+
+    Only they are followed, and they alone arrive at the dispenser's rate: the stream of records
+    is then as dense as declared, however few of all particles find the probe volume.
+
+    Raises
+    ------
+    ValueError
+        If hardly any particle falls through the probe volume.
+    """
+    rng = generator(setup.seed, *key)
+    batches = [_through_probe(setup, speed, particles, rng)]
+    while sum(len(batch.diameter) for batch in batches) < particles:
+        if len(batches) == MOST_BATCHES:
+            released = MOST_BATCHES * RELEASED_FOR_ONE * particles
+            raise ValueError(
+                f"particles: at {speed:g} m/s fewer than {particles} of {released} fall through the"
+                " probe volume; make"
+                " probe_across_um or probe_along_um larger, or lateral_speed_m_per_s smaller"
+            )
+        batches.append(_through_probe(setup, speed, particles, rng))
+    drop, falling = setup.drop(speed), Falling.joined(batches).select(slice(particles))
+    impacts = drop.hit(falling, rng)
+    return replace(impacts, time=drop.release(particles, rng).time)
+
+
+def _through_probe(
+    setup: Apparatus, speed: float, particles: int, rng: np.random.Generator
+) -> Falling:
+    # One tap frees them all: when those chosen arrive is drawn afterwards.
+    number = RELEASED_FOR_ONE * particles
+    at_once = replace(setup, dispenser=replace(setup.dispenser, particles_per_tap=2.0 * number))
+    falling = at_once.drop(speed).release(number, rng)
+    height = 1e-3 * setup.instrument.probe_height_mm
+    return falling.select(
+        through_probe(falling.position, falling.velocity, height, setup.instrument)
+    )
+
+
+def observed(setup: Apparatus, impacts: Impacts, speed: float, key: tuple[int, ...]) -> Observation:
+    """Observe impacts of particles dropped at a nominal speed, m/s."""
+    rng, drop = generator(setup.seed, *key), setup.drop(speed)
+    later = drop.target.later(impacts.diameter, rng)
+    return observe(
+        with_later_impacts(impacts, later, setup.instrument.later_impacts),
+        len(impacts),
+        float(np.max(impacts.time)) + 1.0 / setup.dispenser.taps_per_s,
+        setup.instrument,
+        rng,
+        drop_height=drop.height,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Control:
+    """Nominal speed of the impacts, and how many times as many arrive in the crowded stream."""
+
+    speed_m_per_s: Positive
+    crowding: Annotated[float, Field(gt=1)]
+
+
+Change = Callable[[Observation, np.random.Generator], tuple[RecordStream, GroundTruth]]
+
+
+def pairing_controls(
+    setup: Apparatus, params: Control, experiments: int, particles: int, key: int
+) -> pd.DataFrame:
+    """Return how the search fares with changed streams of the same experiments.
+
+    ``pairs_per_incident`` is the rate at which a falling record is given a partner; where there
+    are none to be found, it is the rate of false pairs.
+    """
+    often = setup.dispenser.particles_per_tap * params.crowding
+    crowded = replace(setup, dispenser=replace(setup.dispenser, particles_per_tap=often))
+    plain, dense = (
+        _observed(case, params.speed_m_per_s, experiments, particles, key)
+        for case in (setup, crowded)
+    )
+    cases: tuple[tuple[str, list[Observation], Change], ...] = (
+        ("as recorded", plain, _as_recorded),
+        ("times of rebounds permuted", plain, _times_permuted),
+        ("rebounds left out", plain, _without_rebounds),
+        (f"{params.crowding:g} times the arrivals", dense, _as_recorded),
+    )
+    rows = []
+    for name, observations, change in cases:
+        found = list(_judged(setup, observations, change, particles, key))
+        total = {
+            count: sum(getattr(quality, count) for quality in found)
+            for count in ("pairs", "true_pairs", "recorded_pairs", "unpaired_incidents")
+        }
+        rows.append(
+            {
+                "stream": name,
+                "speed_m_per_s": params.speed_m_per_s,
+                "probe_height_mm": setup.instrument.probe_height_mm,
+                "experiments": experiments,
+                **total,
+                "precision": ratio(total["true_pairs"], total["pairs"]),
+                "recall": ratio(total["true_pairs"], total["recorded_pairs"]),
+                "pairs_per_incident": ratio(
+                    total["pairs"], total["pairs"] + total["unpaired_incidents"]
+                ),
+                "converged": sum(quality.converged for quality in found) / experiments,
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _observed(
+    setup: Apparatus, speed: float, experiments: int, particles: int, key: int
+) -> list[Observation]:
+    every = [dropped(setup, speed, particles, (key, i, 0)) for i in range(experiments)]
+    return [observed(setup, one, speed, (key, i, 1)) for i, one in enumerate(every)]
+
+
+def _judged(
+    setup: Apparatus, observations: list[Observation], change: Change, particles: int, key: int
+) -> Iterator[Quality]:
+    instrument = setup.instrument
+    estimate = 1e-3 * instrument.probe_height_mm * (1.0 + instrument.initial_estimate_error)
+    for i, found in enumerate(observations):
+        stream, truth = change(found, generator(setup.seed, key, i, 2))
+        pairing = search(stream, estimate, instrument)
+        captured = found.impacts.captured[:particles]
+        yield judge(pairing, stream, truth, found.crossing, captured, found.quality.height)
+
+
+def _as_recorded(found: Observation, _: np.random.Generator) -> tuple[RecordStream, GroundTruth]:
+    return found.stream, found.truth
+
+
+def _times_permuted(
+    found: Observation, rng: np.random.Generator
+) -> tuple[RecordStream, GroundTruth]:
+    rising = np.flatnonzero(found.stream.velocity > 0.0)
+    time = found.stream.time.copy()
+    time[rising] = time[rng.permutation(rising)]
+    return replace(found.stream, time=time), found.truth
+
+
+def _without_rebounds(
+    found: Observation, _: np.random.Generator
+) -> tuple[RecordStream, GroundTruth]:
+    """Leave out what rose; false records stay, and rise as often as they fall."""
+    stays: BoolArray = (found.truth.impact < 0) | (found.stream.velocity < 0.0)
+    truth = replace(found.truth, leg=found.truth.leg[stays], impact=found.truth.impact[stays])
+    return found.stream.select(stays), truth
+
+
+_frame = partial(series_frame, x_unit="m_per_s", y_unit="1")
+
+FORMS: tuple[Form, ...] = ("printed", "exact")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Correction:
+    """Impacts at exact speeds with given restitution, so many of each."""
+
+    speeds_m_per_s: tuple[Positive, ...]
+    restitutions: tuple[Annotated[float, Field(gt=0, le=1)], ...]
+    particles: Count
+    curve_points: Annotated[int, Field(ge=20)]
+
+
+def surface_correction(setup: Apparatus, params: Correction, key: int) -> pd.DataFrame:
+    """Return the bias of both corrections on the speeds v and V, m/s, and on e.
+
+    ``closed_form`` is that of the printed correction. ``printed`` and ``exact`` come from the
+    analyser's records and the height found from them, each with its standard error. Where the
+    rebound does not reach the probe volume there is none.
+    """
+    rows: list[dict[str, object]] = []
+    for i, speed in enumerate(params.speeds_m_per_s):
+        for j, e in enumerate(params.restitutions):
+            expected = closed_form(speed, e, 1e-3 * setup.instrument.probe_height_mm)
+            found = _measured(setup, params.particles, speed, e, (key, i, j))
+            for quantity, true in {"v": speed, "V": e * speed, "e": e}.items():
+                row = {
+                    "speed_m_per_s": speed,
+                    "restitution": e,
+                    "probe_height_mm": setup.instrument.probe_height_mm,
+                    "quantity": quantity,
+                    "true": true,
+                    "events": len(found["exact"][quantity]),
+                    "closed_form": expected[quantity],
+                }
+                for form in FORMS:
+                    mean, error = mean_and_error(found[form][quantity] - true)
+                    row |= {form: mean, f"{form}_standard_error": error}
+                rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def closed_form(speed: float, e: float, height: float) -> dict[str, float]:
+    """Return the bias of the printed correction on v, V and e; nan where V does not reach h."""
+    gained = 2.0 * gravity * height
+    if (e * speed) ** 2 <= gained:
+        return dict.fromkeys(("v", "V", "e"), float("nan"))
+    at_probe = np.sqrt(np.square([speed, e * speed]) - gained)
+    v, V = (float(x) for x in np.asarray(correct(at_probe, height, "printed")))
+    return {"v": v - speed, "V": V - e * speed, "e": V / v - e}
+
+
+def correction_curves(table: pd.DataFrame, params: Correction) -> pd.DataFrame:
+    """Return the bias of e against speed: closed forms, and what the records give."""
+    (height,) = 1e-3 * table["probe_height_mm"].unique()
+    ends = min(params.speeds_m_per_s), max(params.speeds_m_per_s)
+    frames = []
+    for e in params.restitutions:
+        # From the slowest impact whose rebound reaches the probe volume.
+        slowest = max(ends[0], (1.0 + 1e-9) * float(np.sqrt(2.0 * gravity * height)) / e)
+        if slowest < ends[1]:
+            speed = np.geomspace(slowest, ends[1], params.curve_points)
+            bias = np.array([closed_form(v, e, height)["e"] for v in speed])
+            frames.append(_frame("correction", f"closed form, e = {e:g}", speed, bias))
+        rows = table[(table["quantity"] == "e") & (table["restitution"] == e)]
+        rows = rows[rows["exact_standard_error"].notna()]
+        for form in FORMS:
+            y, half = rows[form], 1.96 * rows[f"{form}_standard_error"]
+            name, x = f"{form}, e = {e:g}", rows["speed_m_per_s"]
+            frames.append(
+                _frame("correction", name, x, y, "virtual experiment", y - half, y + half)
+            )
+    return pd.concat(frames, ignore_index=True)
+
+
+def _measured(
+    setup: Apparatus, particles: int, speed: float, e: float, key: tuple[int, ...]
+) -> dict[Form, dict[str, FloatArray]]:
+    """Return v, V and e of the first impacts that were identified, by correction."""
+
+    def bounce(velocity: FloatArray, spin: FloatArray, sphere: IntArray) -> Rebound:
+        kept = np.zeros(len(sphere), dtype=np.bool_)
+        after = velocity * [1.0, 1.0, -e]
+        return Rebound(velocity=after, spin=spin, kept=kept, contacts=np.ones_like(sphere))
+
+    impacts = dropped(setup, speed, particles, (*key, 0))
+    first = bounce(impacts.velocity, impacts.spin, np.arange(particles))
+    impacts = replace(
+        impacts,
+        rebound_velocity=first.velocity,
+        rebound_spin=first.spin,
+        captured=first.captured,
+    )
+    duration, rng = float(np.max(impacts.time)), generator(setup.seed, *key, 1)
+    followed = with_later_impacts(impacts, bounce, setup.instrument.later_impacts)
+    found = observe(followed, particles, duration, setup.instrument, rng)
+    chosen = (found.measured.event >= 0) & (found.measured.event < particles)
+    reduced: dict[Form, dict[str, FloatArray]] = {}
+    for form in FORMS:
+        events = at_surface(found.stream, found.pairing, found.truth, form)
+        reduced[form] = {
+            "v": -events.incident_normal[chosen],
+            "V": events.rebound_normal[chosen],
+            "e": events.coefficient_of_restitution[chosen],
+        }
+    return reduced
+
+
+DRAWN_SHARES = {"precision": "precision", "recall": "recall", "seen": "recall_of_seen_rebounds"}
+
+
+def stream_shown(found: Observation, window: float) -> pd.DataFrame:
+    """Return the stretch (ms) of a stream with the most records, velocity against time."""
+    stream, pairing = found.stream, found.pairing
+    time = 1e3 * stream.time
+    # A stretch begins a little ahead of a record; those of a stream are in order of time.
+    starts = time - 0.05 * window
+    number = np.searchsorted(time, starts + window) - np.arange(len(time))
+    start = float(starts[np.argmax(number)]) if len(time) else 0.0
+    shown = (time >= start) & (time <= start + window)
+    series = {
+        "falling": np.flatnonzero(shown & (stream.velocity < 0.0)),
+        "rising": np.flatnonzero(shown & (stream.velocity > 0.0)),
+    }
+    pairs = np.column_stack([pairing.incident, pairing.rebound])
+    whole = pairs[np.all(shown[pairs], axis=1)]
+    series |= {f"pair {i}": pair for i, pair in enumerate(whole, start=1)}
+    frame = partial(series_frame, evidence="virtual experiment", x_unit="ms", y_unit="m_per_s")
+    frames = [
+        frame("stream", name, time[records] - start, stream.velocity[records])
+        for name, records in series.items()
+    ]
+    return pd.concat(frames, ignore_index=True)
+
+
+def pairing_curves(quality: pd.DataFrame) -> pd.DataFrame:
+    """Return precision and recall against speed, a series per height of the probe volume."""
+    frames = []
+    for panel, share in DRAWN_SHARES.items():
+        for height, rows in quality[quality[share].notna()].groupby("probe_height_mm"):
+            speed, y = rows["speed_m_per_s"], rows[share]
+            ends = rows[f"{share}_low"], rows[f"{share}_high"]
+            frames.append(
+                _frame(panel, f"h = {height:g} mm", speed, y, "virtual experiment", *ends)
+            )
+    return pd.concat(frames, ignore_index=True)
+
+
+NEEDS = {"calibration": ("calibration",)}
+
+# Places of the parts among the draws of the study.
+PARTICLES, ANALYSER, CONTROLS, CORRECTION, SLOW, SHOWN = range(6)
+COUNTS = ("pairs", "true_pairs", "later_pairs", "recorded_pairs", "rebounds", "seen_rebounds")
+# Shares with their interval: found of what.
+SHARES = {
+    "precision": ("true_pairs", "pairs"),
+    "recall": ("true_pairs", "recorded_pairs"),
+    "recall_of_seen_rebounds": ("paired", "seen_rebounds"),
+    "recall_of_rebounds": ("paired", "rebounds"),
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Slow:
+    """Impacts at exact speeds, so many of each, whose rebounds may not reach the probe volume."""
+
+    speeds_m_per_s: tuple[Positive, ...]
+    particles: Count
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shown:
+    """A stretch of one stream."""
+
+    speed_m_per_s: Positive
+    window_ms: Positive
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params:
+    """Particles, dispenser and analyser; heights and speeds; number and size of experiments."""
+
+    seed: Annotated[int, Field(ge=0)]
+    case: CaseName
+    diameter_um: Distribution
+    dispenser: Dispenser
+    instrument: Analyser
+    heights_mm: tuple[Positive, ...]
+    speeds_m_per_s: tuple[Positive, ...]
+    experiments: Annotated[int, Field(ge=2)]
+    particles: Count
+    correction: Correction
+    slow: Slow
+    controls: Control
+    shown: Shown
+
+
+def run(params: Params, inputs: Tables) -> Tables:
+    """Run the virtual experiments.
+
+    Returns
+    -------
+    mapping
+        ``pairing_quality``: precision, recall and error of h by height and speed, with intervals of
+        95 %; ``pairing_losses``: what became of the impacts; ``pairing_controls``: streams in
+        which pairs must not be found; ``surface_correction``: bias of both corrections;
+        ``slow_rebounds``: what the analyser does not see. ``doppler_stream``, ``pairing_curves``
+        and ``correction_curves``: data of the figure.
+    """
+    setup = Apparatus(
+        seed=params.seed,
+        contact=calibrated_contact(inputs, params.case),
+        diameter_um=params.diameter_um,
+        dispenser=params.dispenser,
+        instrument=params.instrument,
+    )
+    quality, losses = pairing_quality(params, setup)
+    size = params.experiments, params.particles
+    correction = surface_correction(setup.aligned.steady, params.correction, CORRECTION)
+    return {
+        "pairing_quality": quality,
+        "pairing_losses": losses,
+        "pairing_controls": pairing_controls(setup, params.controls, *size, CONTROLS),
+        "surface_correction": correction,
+        "slow_rebounds": slow_rebounds(setup.steady, params.slow),
+        "doppler_stream": stream_shown(_example(params, setup), params.shown.window_ms),
+        "pairing_curves": pairing_curves(quality),
+        "correction_curves": correction_curves(correction, params.correction),
+    }
+
+
+def _example(params: Params, setup: Apparatus) -> Observation:
+    speed = params.shown.speed_m_per_s
+    return observed(setup, dropped(setup, speed, params.particles, (SHOWN, 0)), speed, (SHOWN, 1))
+
+
+def pairing_quality(params: Params, setup: Apparatus) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Return quality and losses by height and speed.
+
+    ``..._change_points`` is the spread of a share over all heights at one speed, in points.
+    """
+    rows, losses = [], []
+    for i, height in enumerate(params.heights_mm):
+        placed = replace(setup, instrument=replace(setup.instrument, probe_height_mm=height))
+        for j, speed in enumerate(params.speeds_m_per_s):
+            found = []
+            for k in range(params.experiments):
+                impacts = dropped(placed, speed, params.particles, (PARTICLES, i, j, k))
+                found.append(observed(placed, impacts, speed, (ANALYSER, i, j, k)))
+            place = {"probe_height_mm": height, "speed_m_per_s": speed}
+            fates = {name: sum(o.quality.fates[name] for o in found) for name in FATES}
+            number = params.experiments * params.particles
+            rows.append({**place, "impacts": number, **_pooled(found, fates)})
+            losses += [{**place, "fate": name, "impacts": n} for name, n in fates.items()]
+    table = pd.DataFrame(rows)
+    for share in ("precision", "recall"):
+        over_heights = table.groupby("speed_m_per_s")[share].transform
+        table[f"{share}_change_points"] = 100.0 * (over_heights("max") - over_heights("min"))
+    return table, pd.DataFrame(losses)
+
+
+def _pooled(found: list[Observation], fates: Mapping[str, int]) -> dict[str, object]:
+    """Pool the experiments of one height and speed."""
+    qualities = [observation.quality for observation in found]
+    total = {name: sum(getattr(quality, name) for quality in qualities) for name in COUNTS}
+    row: dict[str, object] = dict(total)
+    for share, (part, whole) in SHARES.items():
+        row |= _share(share, (total | dict(fates))[part], total[whole])
+    crossing = fates["captured"] + sum(fates[name] for name in FATES[3:])
+    rebounding = crossing - fates["captured"]
+    settled = [quality for quality in qualities if quality.converged]
+    error = np.array([q.estimated_height - q.height for q in settled])
+    stated = np.array([q.estimated_height_error for q in settled])
+    bias, bias_error = mean_and_error(1e6 * error)
+    return row | {
+        "captured_fraction": ratio(fates["captured"], crossing),
+        "censored_fraction": ratio(fates["rebound below probe"], rebounding),
+        "converged": len(settled) / len(qualities),
+        "height_bias_um": bias,
+        "height_bias_standard_error_um": bias_error,
+        "height_error_rms_in_standard_errors": _rms(error / stated),
+    }
+
+
+def _share(name: str, part: int, whole: int) -> dict[str, float]:
+    low, high = np.nan, np.nan
+    if whole:
+        low, high = wilson_interval(part, whole)
+    return {name: ratio(part, whole), f"{name}_low": low, f"{name}_high": high}
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(np.square(values)))) if len(values) else float("nan")
+
+
+def slow_rebounds(setup: Apparatus, params: Slow) -> pd.DataFrame:
+    """Return, by speed, the share of impacts whose rebound can be seen, and the bias of mean e.
+
+    ``observable`` are the rebounds that rise through the height of the probe volume, ``measured``
+    the first impacts that the search found. A mean over too few is empty.
+    """
+    height = 1e-3 * setup.instrument.probe_height_mm
+    rows = []
+    for i, speed in enumerate(params.speeds_m_per_s):
+        impacts = dropped(setup, speed, params.particles, (SLOW, i, 0))
+        found = observed(setup, impacts, speed, (SLOW, i, 1))
+        n, rebounds = len(impacts), ~impacts.captured
+        e = np.abs(impacts.rebound_velocity[:, 2] / impacts.velocity[:, 2])
+        seen = rebounds & found.crossing.reached[REBOUND, :n]
+        event = found.measured.event
+        first = (event >= 0) & (event < n)
+        mean = mean_and_error(e[rebounds])[0]
+        visible = mean_and_error(e[seen])[0]
+        measured, error = mean_and_error(found.measured.coefficient_of_restitution[first])
+        rows.append(
+            {
+                "speed_m_per_s": speed,
+                "probe_height_mm": setup.instrument.probe_height_mm,
+                "impacts": n,
+                "captured_fraction": 1.0 - float(np.mean(rebounds)),
+                "observable_fraction": float(np.mean(seen)),
+                "observable_fraction_of_rebounds": ratio(int(seen.sum()), int(rebounds.sum())),
+                "least_observable_e": float(np.sqrt(2.0 * gravity * height)) / speed,
+                "mean_e_with_captured": float(np.mean(np.where(rebounds, e, 0.0))),
+                "mean_e_rebounds": mean,
+                "mean_e_observable": visible,
+                "bias_observable": visible - mean,
+                "events": int(first.sum()),
+                "mean_e_measured": measured,
+                "mean_e_measured_standard_error": error,
+                "bias_measured": measured - mean,
+            }
+        )
+    return pd.DataFrame(rows)
