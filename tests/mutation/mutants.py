@@ -309,8 +309,8 @@ SLIPS = (
     Mutant(
         "viscous loss of a JKR contact without the factor 3/2",
         f"{MODEL}/dynamics/laws.py",
-        "drag=1.5 * flat(time)",
-        "drag=flat(time)",
+        "drag = 1.5 * flat(time) * unit_speed / length",
+        "drag = flat(time) * unit_speed / length",
         ("model/dynamics/test_laws",),
     ),
     Mutant(

@@ -149,6 +149,28 @@ class TestJKR:
         assert capture_velocity(contact) == math.inf
         assert normal_impact(contact, 2.0).captured
 
+    @pytest.mark.parametrize("viscous_time", [1e-7, 1e-6, 1e-4])
+    def test_overdamped_spheres_creep_or_turn_and_stay(self, build, viscous_time):
+        """Hard ones turn beyond equilibrium, soft ones creep towards it; neither fails."""
+        contact = build(JKR(viscous_time=viscous_time), diameter=1e-6, work=5.0)
+        assert capture_velocity(contact) == math.inf
+        impact = normal_impact(contact, np.array([1e-3, 0.1, 10.0, 1e3]))
+        assert impact.captured.all()
+        book = Textbook(contact)
+        balance = (6 * math.pi * 5.0 * book.radius**2 / contact.hertz_stiffness) ** (1 / 3)
+        least = book.compression(balance)
+        assert np.all(impact.maximum_compression >= least * (1 - 1e-6))
+        assert impact.maximum_compression[0] == pytest.approx(least, rel=1e-6)
+
+    def test_beyond_double_precision_it_says_so(self, build):
+        with pytest.raises(ValueError, match=r"law\.viscous_time must be at most .* got 0\.001"):
+            normal_impact(build(JKR(viscous_time=1e-3), work=0.0), 1.0)
+
+    def test_heavily_damped_restitution_goes_with_the_fifth_power(self, build):
+        times = np.array([1e-6, 2e-6])
+        e = normal_impact(build(JKR(viscous_time=times), work=0.0), 1.0).coefficient_of_restitution
+        assert math.log2(e[1] / e[0]) == pytest.approx(-5.0, abs=1e-4)
+
 
 class TestThorntonNing:
     SPEED = np.geomspace(0.05, 50.0, 40)

@@ -32,6 +32,9 @@ from microimpact.model.dynamics import viscous
 # is the cube of it.
 BACKWARD_START = 1e-6
 
+# Beyond this drag a rebound would keep less than 1e-14 of its speed, and takes too many steps.
+LARGEST_DRAG = 1e3
+
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
 _SINE, _COSINE = np.sin(0.25 * np.pi * (_NODES + 1.0)), np.cos(0.25 * np.pi * (_NODES + 1.0))
 _WEIGHTS = 0.25 * np.pi * _WEIGHTS * _COSINE
@@ -94,7 +97,13 @@ class Outcome:
 
 
 def scaled(contact: Contact, speed: Real) -> tuple[Problem, Units, tuple[int, ...]]:
-    """Write impacts of a contact with a law in scaled form; the shape is that of the results."""
+    """Write impacts of a contact with a law in scaled form; the shape is that of the results.
+
+    Raises
+    ------
+    ValueError
+        If shapes do not broadcast, or an impact is too viscous for double precision.
+    """
     shape = common_shape({"contact": np.empty(contact.shape), "speed": speed})
 
     def flat(value: object) -> FloatArray:
@@ -114,12 +123,20 @@ def scaled(contact: Contact, speed: Real) -> tuple[Problem, Units, tuple[int, ..
     length = unit**2 / radius
     pressure = law.yield_pressure if isinstance(law, ThorntonNing) else np.inf
     time = law.viscous_time if isinstance(law, JKR) else 0.0
+    closed = np.sqrt(cube * closing / unit**3)
+    drag = 1.5 * flat(time) * unit_speed / length
+    stiff = (drag > LARGEST_DRAG) & (drag * np.cbrt(closed) <= viscous.OVERDAMPED)
+    if np.any(stiff):
+        raise ValueError(
+            f"law.viscous_time must be at most {(flat(time) * LARGEST_DRAG / drag)[stiff].min():g} "
+            f"s at these speeds, got {flat(time)[stiff].max():g}"
+        )
     problem = Problem(
         speed=v / unit_speed,
-        closing=np.sqrt(cube * closing / unit**3),
+        closing=closed,
         opening=np.sqrt(cube * opening / unit**3),
         pressure=np.pi * flat(pressure) * radius / (stiffness * unit),
-        drag=1.5 * flat(time) * unit_speed / length,
+        drag=drag,
     )
     return problem, Units(length=length, speed=unit_speed, mass=mass), shape
 

@@ -93,9 +93,10 @@ class NormalImpact:
 
 @dataclass(frozen=True, slots=True)
 class Losses:
-    """Energy lost in the bulk, viscous or plastic, and to adhesion, J; the latter all of the rest.
+    """Energy lost in the bulk, viscous or plastic, and to adhesion, J: all that was lost.
 
-    Of a captured sphere adhesion has all that the bulk has not taken in the first compression.
+    Of a captured sphere the bulk has what it took in the first compression, adhesion all else of
+    the energy before impact: less than nothing where the pull has added to that.
     """
 
     bulk: FloatArray

@@ -28,6 +28,10 @@ RESULT_COLUMNS = 8
 
 REBOUND, CAPTURED, ESCAPED, FAILED = 0.0, 1.0, 2.0, 3.0
 
+# Drag, in units with beta = 1, that is overdamped: above 0.650 no speed rebounds. It is followed to
+# its turning point only, or to where it creeps and will not turn.
+OVERDAMPED = 10.0
+
 _jit = jit()
 
 
@@ -96,6 +100,7 @@ def integrate(problems: FloatArray, results: FloatArray) -> None:
         time = work = impulse = turning_time = turning_s = 0.0
         mark = lowest = v[0]
         approaching, status = True, FAILED
+        overdamped = drag * beta ** (1.0 / 3.0) > OVERDAMPED
         force = s[0] ** 6 - 6.0 * beta * s[0] ** 3 + drag * s[0] ** 2 * v[0]
         pushing = force > 0.0
         last = _well(end_s, beta)
@@ -141,6 +146,9 @@ def integrate(problems: FloatArray, results: FloatArray) -> None:
             if turned:
                 approaching, turning_time, turning_s = False, time, new_s
                 v[0] = 0.0
+                if overdamped:
+                    status = CAPTURED
+                    break
             elif ended:
                 status = REBOUND
                 break
@@ -150,9 +158,10 @@ def integrate(problems: FloatArray, results: FloatArray) -> None:
                 if drag < 0.0 and pace > 2.0 * new_s**4 and drag * drag * new_s**2 > 8.0:
                     status = ESCAPED
                     break
-                rest = abs(new_s**3 - 6.0 * beta) < 1e-9 * beta
-                if rest and new_v < 1e-9 * new_s**4:  # it creeps there, and never turns
-                    status, turning_time, turning_s = CAPTURED, np.inf, new_s
+                pull = new_s**3 * (6.0 * beta - new_s**3)
+                rest = abs(new_s**3 - 6.0 * beta) < 1e-9 * beta and new_v < 1e-9 * new_s**4
+                if rest or (overdamped and drag * new_s**2 * new_v < 2.0 * pull):
+                    status, turning_time, turning_s = CAPTURED, np.inf, (6.0 * beta) ** (1.0 / 3.0)
                     break
             elif drag >= 0.0:
                 left = 0.5 * new_v * new_v + _well(new_s, beta) - last
