@@ -12,6 +12,7 @@ LABORATORY, MODELS, EXPERIMENTS = (
     f"{name}.yaml" for name in ("laboratory", "analyses/models", "analyses/experiments")
 )
 PRINTED, FIGURES, POINTS = "printed_values.csv", "figures.yaml", "digitised/fig16.csv"
+EXTERNAL, ANALYSES = "external.csv", "analyses/analyses.yaml"
 
 RESTITUTION = "restitution: {value: 0.80, evidence: derived,"
 STEEL = "stainless-steel-316,youngs_modulus,193,GPa,,,found,maker's data sheets of AISI 316"
@@ -107,6 +108,9 @@ CASES = [
     (CONTACTS, DIAMETER, DIAMETER.replace("62", "0"), ["config/contacts.csv: stainless-steel-316 on silicon: diameter must be"]),
     (PRINTED, ANCHOR, ANCHOR.replace("0.967", ""), ["printed_values.csv, line 2: value '' must be a finite number"]),
     (PRINTED, ANCHOR, ANCHOR.replace("m/s", ""), ["printed_values.csv, line 2: unit is empty"]),
+    (EXTERNAL, "A,1.84,", "A,steep,", ["external.csv, line 2: at 'steep' must be a finite number"]),
+    (EXTERNAL, ",0.79344,", ",,", ["external.csv, line 2: value '' must be a finite number"]),
+    (ANALYSES, "external: kharaz2001", "external: kharas2001", ["oblique_data.external: 'kharas2001' is not declared in config/external.csv (did you mean 'kharaz2001'?)"]),
     (PRINTED, "key,value", "name,value", ["printed_values.csv: the header is name, value"]),
     # figure registry
     (FIGURES, "\nfig14:", "\nfigure14:", ["figure14"]),

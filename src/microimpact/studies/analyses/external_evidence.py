@@ -184,7 +184,7 @@ def _fast_rebounds(
             "computed": float(1.0 - e**2),
         }
     free = facts.row("wall1990", "speed_without_influence_of_target")
-    fastest = facts.row("wall1990", "speed")["high"]
+    fastest = facts.row("wall1990", "greatest_speed")["value"]
     speed = np.geomspace(free["value"], fastest, params.points)
     one, other = (
         simulate(calibrated_contact(inputs, case), speed).coefficient_of_restitution

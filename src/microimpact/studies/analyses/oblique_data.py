@@ -1,8 +1,9 @@
 """Oblique impacts measured by others, against a rigid and a compliant contact.
 
 Kharaz, Gorham and Salman (2001) dropped spheres of 5 mm onto glass and measured velocity and spin
-after impact. Nothing is fitted: friction and restitution are those that others use with the data.
-Their angle is counted from the normal; here it is turned into the article's, from the surface.
+after impact. Nothing is fitted here: friction and restitution are those that others use with the
+data, and may rest on the part where the sphere slides. Their angle is counted from the normal; here
+it is turned into the article's, from the surface.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import numpy as np
 import pandas as pd
 from pydantic import Field
 
-from microimpact.core.arrays import FloatArray, Real
+from microimpact.core.arrays import FloatArray, Real, choice
 from microimpact.core.materials import materials_from_rows
 from microimpact.core.tables import points_series, series_frame
 from microimpact.declared.parameters import (
@@ -142,7 +143,16 @@ def values(impact: Impact, speed: float, angle: FloatArray) -> dict[str, FloatAr
 
 
 def comparison(points: pd.DataFrame, contact: Contact, speed: float) -> pd.DataFrame:
-    """Return every measured point beside what each law gives there."""
+    """Return every measured point beside what each law gives there.
+
+    Raises
+    ------
+    ValueError
+        If a quantity is none that was measured, or an angle is not counted from the normal.
+    """
+    for column, known in (("quantity", tuple(QUANTITIES)), ("at_unit", ("deg from normal",))):
+        for text in points[column].unique():
+            choice(f"external evidence, {column}", text, known)
     table = points[["quantity", "reading", "unit", "value", "reading_error"]].copy()
     angle = 90.0 - points["at"].to_numpy(float)
     table.insert(2, "angle_deg", angle)
