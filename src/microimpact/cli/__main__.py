@@ -1,0 +1,5 @@
+"""``python -m microimpact.cli``."""
+
+from microimpact.cli import main
+
+main()

@@ -1,0 +1,214 @@
+"""Commands about measurements: the capture velocity in them, the contacts that they admit."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+import numpy as np
+
+from microimpact.cli.contacts import contact_of, contact_options
+from microimpact.cli.output import number, print_json, print_table, warn
+
+if TYPE_CHECKING:
+    from microimpact.core.arrays import FloatArray
+    from microimpact.measured.rebounds import Rebounds
+    from microimpact.model.posterior import Calibration
+
+_unit_option = click.option(
+    "--unit", help="Unit of the speeds where the header says none; default m/s."
+)
+_sigma_option = click.option(
+    "--sigma", type=float, help="Standard deviation of e where no column has it."
+)
+_SHORT = {"w_A": "work_of_adhesion", "c_H": "hertz_damping", "c_A": "adhesion_damping"}
+_SHORT |= {"n": "adhesion_rate_exponent"}
+
+
+@click.command("fit")
+@click.argument("data")
+@_unit_option
+@_sigma_option
+@click.option("--confidence", type=float, default=0.95, show_default=True, help="Of intervals.")
+@click.option("--plot", help="Draw data, models and interval: a .png, .svg or .pdf file.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON in SI units.")
+def fit_command(
+    data: str,
+    unit: str | None,
+    sigma: float | None,
+    confidence: float,
+    plot: str | None,
+    as_json: bool,
+) -> None:
+    """Find the capture velocity from measured restitutions, by several models.
+
+    DATA is a CSV file with the columns v, and e or V (normal speeds before and after impact), and
+    optionally sigma (of e) and captured (yes or no).
+    """
+    from microimpact.model.empirical.comparison import compare_models
+
+    measured, spread = _measured(data, unit, sigma)
+    found = compare_models(measured.v, measured.e, spread, confidence=confidence)
+    if plot:
+        from microimpact.measured.picture import draw
+
+        draw(measured, found, plot)
+    if as_json:
+        numbers = ("free", "v_c", "interval", "chi_square", "criterion", "weight")
+        print_json(
+            {
+                "v_c": found.v_c,
+                "v_c_interval": list(found.v_c_interval),
+                "confidence": found.confidence,
+                "sigma": found.sigma,
+                "scatter_over_sigma": found.scatter,
+                "warnings": list(found.warnings),
+                "models": {
+                    model.name: {name: getattr(model, name) for name in numbers}
+                    for model in found.models
+                },
+            }
+        )
+        return
+    captured = int((measured.e == 0.0).sum())
+    title = f"{data}: {measured.v.size - captured} rebounds, {captured} captured"
+    header = ("model", "v_c (m/s)", "from", "to", "free", "chi2", "AICc", "weight")
+    rows = [
+        (
+            model.name,
+            f"{model.v_c:.4g}",
+            *(f"{end:.4g}" for end in model.interval),
+            str(model.free),
+            "" if model.chi_square is None else f"{model.chi_square:.1f}",
+            f"{model.criterion:.1f}",
+            f"{model.weight:.2f}",
+        )
+        for model in found.models
+    ]
+    print_table(title, header, rows)
+    low, high = found.v_c_interval
+    click.echo(
+        f"v_c = {found.v_c:.4g} m/s, {100 * confidence:g} %: {low:.4g} to {high:.4g} m/s, averaged "
+        "over the models by weight.\nOn condition that one of them has the shape of the true curve."
+    )
+    warn(found.warnings)
+
+
+@click.command("calibrate")
+@click.argument("data", required=False)
+@contact_options
+@_unit_option
+@_sigma_option
+@click.option(
+    "--free",
+    default="w_A,c_H,c_A",
+    show_default=True,
+    help="What the data are to tell, of w_A, c_H, c_A and n.",
+)
+@click.option("--draws", type=int, default=400, show_default=True, help="Contacts to be drawn.")
+@click.option("--seed", type=int, default=0, show_default=True)
+@click.option("--restitution", type=float, help="Without DATA: e at --at-speed.")
+@click.option("--at-speed", type=float, help="m/s.")
+@click.option("--capture-velocity", type=float, help="Without DATA: v_c, m/s.")
+@click.option("-o", "--output", help="File of the contacts, for --contact of other commands.")
+def calibrate_command(
+    data: str | None,
+    unit: str | None,
+    sigma: float | None,
+    free: str,
+    draws: int,
+    seed: int,
+    restitution: float | None,
+    at_speed: float | None,
+    capture_velocity: float | None,
+    output: str | None,
+    as_json: bool,
+    **pair: Any,
+) -> None:
+    """Find contacts from measured restitutions, or c_H and c_A from two numbers.
+
+    DATA is a CSV file as of 'microimpact fit'. The answer are many contacts, all of which the data
+    admit; predictions from them ('microimpact simulate --contact FILE') have a range.
+    """
+    from microimpact.measured.contacts import write_contacts
+    from microimpact.model.dynamics.capture import capture_velocity as captured_below
+
+    numbers = {"--restitution": restitution, "--at-speed": at_speed}
+    numbers["--capture-velocity"] = capture_velocity
+    given = [name for name, value in numbers.items() if value is not None]
+    if (data is None) != (len(given) == len(numbers)) or (data and given):
+        raise ValueError(f"give either DATA, or {', '.join(numbers)}")
+    wanted = _wanted(free) if data else ["hertz_damping", "adhesion_damping"]
+    for name in wanted:  # what is to be found need not be given
+        if pair[name] is None and not (name == "work_of_adhesion" and pair["ring_force"]):
+            pair[name] = 0.1
+    start, found = contact_of(**pair).best, None
+    if data is None:
+        from microimpact.model.calibration import two_stage
+
+        targets: Any = (at_speed, restitution, capture_velocity)
+        contact = best = two_stage(start, *targets).contact
+    else:
+        found = _drawn(data, unit, sigma, start, wanted, draws, seed)
+        contact, best = found.contact, found.best
+    if output:
+        write_contacts(output, contact, best)
+    limit = np.atleast_1d(captured_below(contact))
+    rows = [(name, *_range(getattr(contact, of), getattr(best, of))) for name, of in _SHORT.items()]
+    rows.append(("v_c (m/s)", *_range(limit, captured_below(best))))
+    if as_json:
+        ends = ("best", "median", "low", "high")
+        numbers_of = {name: dict(zip(ends, map(float, of), strict=True)) for name, *of in rows}
+        print_json({"contacts": numbers_of, "draws": limit.size, "file": output})
+        return
+    title = f"{best.particle.name} on {best.surface.name}, {best.diameter * 1e6:g} um"
+    print_table(title, ("", "best", "median", "5 %", "95 %"), rows)
+    if found is not None:
+        click.echo(str(found))
+    if output:
+        click.echo(f"Written: {output}")
+
+
+def _measured(
+    data: str, unit: str | None, sigma: float | None
+) -> tuple[Rebounds, FloatArray | float | None]:
+    """Return measurements and their standard deviations, if known."""
+    from microimpact.measured.rebounds import read_rebounds
+
+    measured = read_rebounds(data, unit)
+    if sigma is not None and measured.sigma is not None:
+        raise ValueError("sigma stands in the file; leave out --sigma")
+    return measured, measured.sigma if sigma is None else sigma
+
+
+def _drawn(
+    data: str,
+    unit: str | None,
+    sigma: float | None,
+    contact: Any,
+    wanted: list[str],
+    draws: int,
+    seed: int,
+) -> Calibration:
+    from microimpact.model.posterior import calibrate
+
+    measured, spread = _measured(data, unit, sigma)
+    if spread is None:
+        raise ValueError("sigma is needed, as a column or as --sigma: without it all contacts fit")
+    return calibrate(contact, measured.v, measured.e, spread, wanted, draws=draws, seed=seed)
+
+
+def _wanted(free: str) -> list[str]:
+    """Return the fields of a contact that short names mean."""
+    from microimpact.core.nearest import nearest
+
+    names = [name.strip() for name in free.split(",")]
+    for name in names:
+        if name not in _SHORT:
+            raise ValueError(f"--free: {name!r} is none of w_A, c_H, c_A, n{nearest(name, _SHORT)}")
+    return [_SHORT[name] for name in names]
+
+
+def _range(values: Any, best: Any) -> tuple[str, str, str, str]:
+    low, middle, high = np.quantile(values, [0.05, 0.5, 0.95], method="nearest")
+    return number(float(best)), number(middle), number(low), number(high)

@@ -1,0 +1,84 @@
+"""What the commands print: tables for people, JSON for programs, warnings aside."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import click
+import numpy as np
+
+
+def number(value: Any, factor: float = 1.0) -> str:
+    """Return a number in six digits, or yes or no."""
+    if isinstance(value, bool | np.bool_):
+        return "yes" if value else "no"
+    return f"{value * factor:.6g}"
+
+
+def print_json(values: Mapping[str, Any]) -> None:
+    """Print JSON; infinite numbers, which JSON does not have, are null and named ``infinite``."""
+    infinite: list[str] = []
+
+    def plain(node: Any, name: str = "") -> Any:
+        if isinstance(node, np.ndarray | np.generic):
+            node = node.tolist()
+        if isinstance(node, float) and not np.isfinite(node):
+            infinite.append(name)
+            return None
+        if isinstance(node, Mapping):
+            return {key: plain(child, str(key)) for key, child in node.items()}
+        return [plain(child, name) for child in node] if isinstance(node, list | tuple) else node
+
+    found = plain(values)
+    if infinite:
+        found["infinite"] = sorted(set(infinite))
+    click.echo(json.dumps(found, indent=2, allow_nan=False))
+
+
+def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    """Print a table below its title."""
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(*columns)
+    table.columns[0].no_wrap = True
+    for row in rows:
+        table.add_row(*row)
+    click.echo(title)
+    Console().print(table)
+
+
+def warn(sentences: Iterable[str]) -> None:
+    """Print warnings to standard error."""
+    for sentence in sentences:
+        click.echo(f"Warning: {sentence}.", err=True)
+
+
+class Sweep(click.ParamType):  # type: ignore[type-arg]
+    """One number, or ``first:last:count`` in equal steps."""
+
+    name = "number or first:last:count"
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> Any:
+        """Return an array of the numbers."""
+        if not isinstance(value, str):
+            return np.atleast_1d(np.asarray(value, dtype=float))
+        try:
+            if ":" in value:
+                first, last, count = value.split(":")
+                return np.linspace(float(first), float(last), _count(count))
+            return np.array([float(value)])
+        except ValueError:
+            self.fail(f"{value!r} is neither a number nor first:last:count", param, ctx)
+
+
+def _count(text: str) -> int:
+    count = int(text)
+    if not 1 <= count <= MOST:
+        raise ValueError(text)
+    return count
+
+
+MOST = 1_000_000

@@ -1,0 +1,91 @@
+"""Calibrated contacts in a file: what one command finds, others take."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from microimpact.core.files import write_file
+from microimpact.core.materials import Material
+from microimpact.core.nearest import nearest
+from microimpact.model.contact import Contact
+
+NUMBERS = (
+    "diameter",
+    "work_of_adhesion",
+    "hertz_damping",
+    "adhesion_damping",
+    "adhesion_rate_exponent",
+    "reference_velocity",
+    "friction",
+)
+TEXTS = ("stiffness_model",)
+BODY = tuple(field.name for field in fields(Material))
+
+
+def write_contacts(path: Path | str, contact: Contact, best: Contact) -> None:
+    """Write a contact, or an array of them (draws,), and the best one as JSON in SI units.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
+    record: dict[str, Any] = {
+        role: {name: getattr(getattr(contact, role), name) for name in BODY}
+        for role in ("particle", "surface")
+    }
+    for name in NUMBERS:
+        value = getattr(contact, name)
+        record[name] = value if value is None else np.asarray(value).tolist()
+    record |= {name: getattr(contact, name) for name in TEXTS}
+    record["best"] = {name: _number(getattr(best, name)) for name in NUMBERS}
+    write_file(path, json.dumps(record, indent=1, allow_nan=False) + "\n")
+
+
+def _number(value: Any) -> float | None:
+    return None if value is None else float(value)
+
+
+def read_contacts(path: Path | str) -> tuple[Contact, Contact]:
+    """Read what `write_contacts` wrote.
+
+    Returns
+    -------
+    tuple
+        The contact, its arrays of shape (draws, 1), to broadcast with speeds; and the best one.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    ValueError
+        If it is no such file, or a number is out of range.
+    """
+    name = Path(path).name
+    try:
+        record = json.loads(Path(path).read_text(encoding="utf-8"))
+        bodies: dict[str, Any] = {
+            role: Material(**record.pop(role)) for role in ("particle", "surface")
+        }
+        best = record.pop("best")
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise ValueError(
+            f"{name} must be a file that 'microimpact calibrate -o' wrote: {error}"
+        ) from None
+    for key in (*record, *best):
+        if key not in NUMBERS + TEXTS:
+            raise ValueError(f"{name}: {key!r} unknown{nearest(key, NUMBERS)}")
+    texts = {key: record[key] for key in TEXTS if key in record}
+    drawn: dict[str, Any] = {
+        key: np.reshape(value, (-1, 1)) if isinstance(value, list) else value
+        for key, value in record.items()
+    }
+    try:
+        return Contact(**bodies, **drawn), Contact(**bodies, **best, **texts)
+    except (ValueError, TypeError) as error:
+        raise ValueError(f"{name}: {error}") from None

@@ -1,0 +1,59 @@
+"""Doubts about a contact and an impact: numbers that are allowed but hardly meant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from microimpact.core.arrays import Real
+from microimpact.model.contact import Contact
+from microimpact.model.dynamics.capture import capture_velocity
+
+SOFTEST = 1e6  # Pa
+LIGHTEST, HEAVIEST = 10.0, 30e3  # kg/m3
+SMALLEST, LARGEST = 1e-9, 5e-3  # m
+# Of the radius: beyond it the contact is no small circle on a sphere.
+DEEPEST = 0.1
+# Of the softer body's modulus: hardly anything stays elastic beyond it.
+HIGHEST = 0.05
+
+
+def doubts(contact: Contact, compression: Real | None = None) -> Iterator[str]:
+    """Tell what about a contact is hardly meant, each in a sentence that names the number.
+
+    Parameters
+    ----------
+    contact
+        The contact, its fields of any shape.
+    compression
+        Greatest compression of impacts, m.
+    """
+    for role in ("particle", "surface"):
+        body = getattr(contact, role)
+        softest = float(np.min(body.youngs_modulus))
+        if softest < SOFTEST:
+            yield f"Young's modulus of the {role}, {softest:.3g} Pa, is below 1 MPa"
+        density = np.asarray(body.density)
+        if np.any((density < LIGHTEST) | (density > HEAVIEST)):
+            yield f"the density of the {role}, {density.min():.3g} kg/m3, is that of no solid"
+    sizes = np.asarray(contact.diameter)
+    if np.any(sizes > LARGEST):
+        yield f"the diameter, {sizes.max():.3g} m, is above 5 mm"
+    if np.any(sizes < SMALLEST):
+        yield f"the diameter, {sizes.min():.3g} m, is below 1 nm"
+    if np.all(np.isinf(capture_velocity(contact))):
+        yield "no sphere leaves this contact at any speed: it is overdamped"
+    if compression is None:
+        return
+    depth = float(np.max(np.asarray(compression) / contact.hertz_radius))
+    if depth > DEEPEST:
+        yield f"the greatest compression is {depth:.2g} of the radius: Hertz's contact is small"
+    pressure = 1.5 / np.pi * contact.hertz_stiffness * np.sqrt(depth)
+    softer = np.minimum(contact.particle.youngs_modulus, contact.surface.youngs_modulus)
+    share = float(np.max(pressure / softer))
+    if share > HIGHEST:
+        yield (
+            f"the greatest pressure, {float(np.max(pressure)):.3g} Pa, is {share:.2g} of Young's "
+            "modulus: most materials yield"
+        )
