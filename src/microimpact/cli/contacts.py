@@ -197,7 +197,7 @@ def simulate_command(
         f"{friction_basis} force"
         f"{'' if tangential == 'rigid' else f', tangential compliance {tangential}'}"
     )
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for name, (label, unit, factor) in _IMPACT.items():
         of = {end: number(value[0], factor) for end, value in found[name].items()}
         if asked.draws:
