@@ -232,6 +232,7 @@ C01:
     none = pd.DataFrame(columns=["claim", "alternative"])
     tables = {"claim_numbers": numbers(GOOD[0]), "digitised_residuals": residuals()}
     tables |= {"claim_draws": none, "admissible_contacts": pd.DataFrame()}
+    tables["external_evidence"] = pd.DataFrame(columns=["fact", "contact", "agreement"])
     assert list(judge(tables, path)["verdict"]) == ["reproduced"]
     tables["digitised_residuals"] = residuals(BARRED)
     table = judge(tables, path)

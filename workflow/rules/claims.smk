@@ -29,7 +29,8 @@ rule claims:
     Digitised points, if there are any, have rows after the claims.
     """
     input:
-        **tables("claim_numbers", "claim_draws", "admissible_contacts", "digitised_residuals"),
+        **tables("claim_numbers", "claim_draws", "admissible_contacts"),
+        **tables("external_evidence", "digitised_residuals"),
         criteria=SETTINGS.general.claims,
     output:
         claims=report(

@@ -141,6 +141,8 @@ def _body(
         lines.append(f"Share: {100 * share:.0f} % of the admissible contacts{by}")
     if (margin := row.get("margin")) is not None and math.isfinite(float(margin)):
         lines.append(f"Margin: {readable(float(margin))} standard errors from the bound")
+    for part in str(row.get("independent") or "").split(" | ") if row.get("independent") else ():
+        lines += _wrapped(f"Independent data: {part}")
     function = CLAIMS[claim.id].of
     source, line = inspect.getsourcefile(function), inspect.getsourcelines(function)[1]
     lines.append(f"Code: {function.__module__}.{function.__qualname__}, {source}:{line}")

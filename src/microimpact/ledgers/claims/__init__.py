@@ -18,6 +18,7 @@ from microimpact.ledgers.claims.criteria import (
     read_claims,
 )
 from microimpact.ledgers.claims.digitised import digitised_rows, read_digitised
+from microimpact.ledgers.claims.independent import independent
 from microimpact.ledgers.claims.judging import (
     NO_ERRORS,
     Numbers,
@@ -73,6 +74,7 @@ COLUMNS = (
     "margin",
     "share",
     "decided_by",
+    "independent",
     "evidence",
     "figures",
     "code",
@@ -96,14 +98,16 @@ def judge(tables: Mapping[str, pd.DataFrame], criteria: Path | str) -> pd.DataFr
     ----------
     tables
         ``claim_numbers``, with `NUMBER_COLUMNS`; ``claim_draws`` and ``admissible_contacts``, for
-        the shares; and ``digitised_residuals``, whose series of digitised points have rows after
-        the claims.
+        the shares; ``external_evidence``; and ``digitised_residuals``, whose series of digitised
+        points have rows after the claims.
     criteria
         The file of claims, see `criteria.read_claims` and `digitised.read_digitised`.
     """
     read = read_claims(criteria)
     drawn = shares(read, tables["claim_draws"], tables["admissible_contacts"])
     claims = verdicts(read, tables["claim_numbers"], drawn)
+    told = independent(read, tables["external_evidence"])
+    claims["independent"] = [told.get(name, "") for name in claims["id"]]
     rows = digitised_rows(read_digitised(criteria), tables["digitised_residuals"])
     if not rows:
         return claims
@@ -234,6 +238,7 @@ def _row(claim: Claim, numbers: pd.DataFrame, share: Share | None) -> dict[str, 
         "verdict": found,
         "share": share.share if share else math.nan,
         "decided_by": share.decided_by if share else "",
+        "independent": "",
         "margin": least_margin((*claim.identified_if, *claim.criteria), values, errors),
         "evidence": "; ".join(dict.fromkeys(own["evidence"])),
         "figures": " ".join(claim.figures),

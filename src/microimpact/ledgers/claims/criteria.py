@@ -172,6 +172,8 @@ class Claim:
         claim is `not identified`.
     figures, equations
         What it concerns.
+    external
+        Facts found by others that speak about it, by their words in the table of these.
     break_
         The control of the test; ``break`` in the file.
     amendments
@@ -192,6 +194,7 @@ class Claim:
     identified_if: tuple[Criterion, ...] = ()
     figures: tuple[Figure, ...] = ()
     equations: tuple[Equation, ...] = ()
+    external: tuple[Name, ...] = ()
     break_: Annotated[Break | None, Field(alias="break")] = None
     amendments: tuple[Amendment, ...] = ()
 

@@ -22,7 +22,8 @@ TEMPLATE = Path(__file__).with_suffix(".md.jinja")
 
 # Verdicts on claims that the page explains, in its order, and what each means.
 CLAIM_VERDICTS: Mapping[str, str] = {
-    "not reproduced": "A criterion fails in every case that the published facts leave open.",
+    "not reproduced": "A criterion fails in every case that the published facts leave open, or for"
+    " 95 % or more of the contacts that they admit.",
     "not identified": "The published facts do not decide: some of the contacts that fit them meet"
     " the criteria and others do not, or the interval they leave is too wide.",
     "reproduced with a correction": "All criteria hold once an equation or relation is corrected.",

@@ -101,6 +101,7 @@ def _rows(criteria: DigitisedCriteria, residuals: pd.DataFrame) -> Iterator[dict
             "margin": math.nan,
             "share": math.nan,
             "decided_by": "",
+            "independent": "",
             "evidence": evidence,
             "figures": figure,
             "code": CODE,

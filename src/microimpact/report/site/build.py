@@ -30,7 +30,7 @@ CLAIM_COLUMNS = (
     *("unit", "verdict", "figures", "note"),
 )
 # Of a ledger of claims; those of earlier versions have none of these.
-LATER_COLUMNS = ("margin", "share", "decided_by", "code", "inputs", "reason")
+LATER_COLUMNS = ("margin", "share", "decided_by", "independent", "code", "inputs", "reason")
 # Tables that the page of claims shows below them.
 BESIDE = ("rival_explanations", "capture_evidence", "external_evidence")
 EQUATION_COLUMNS = (
