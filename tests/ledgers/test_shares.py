@@ -56,7 +56,7 @@ def test_the_first_variant_decides_and_the_other_is_told():
     both = pd.concat([with_share(20), drawn([0.9] * 20, variant="without")])
     found = shares({"C01": claim(**CASES)}, both, contacts())["C01"]
     assert found.variants == {"with": 1.0, "without": 0.0}
-    assert found.in_words().startswith("Met by 100 % with; 0 % without, of the admissible contacts")
+    assert found.in_words().startswith("Met by 100 % with, 0 % without, of the admissible contacts")
 
 
 def test_each_alternative_of_a_claim_counts_for_each_draw():

@@ -151,7 +151,7 @@ def test_numbers_of_a_claim_are_written_as_a_person_would():
     """Those with a criterion first, three digits, failures told apart, no rounding noise."""
     first, second, third = computed(ROW)
     assert (first.words, first.criterion) == ("speed at 0.45 m/s", "at most 1")
-    assert first.cells == (("a", "2380 MPa", True), ("b", "0.0993 MPa", False))
+    assert first.cells == (("a", "2378 MPa", True), ("b", "0.0993 MPa", False))
     assert second.cells == (("", "1.23 × 10⁵", False),)
     assert (third.words, third.criterion, third.cells) == ("other", "", (("", "0", False),))
 

@@ -57,7 +57,7 @@ class Share:
 
     def in_words(self) -> str:
         """Return both shares, and what decides, in a sentence."""
-        shares = "; ".join(f"{100 * share:.0f} % {name}" for name, share in self.variants.items())
+        shares = ", ".join(f"{100 * share:.0f} % {name}" for name, share in self.variants.items())
         by = f", decided by {self.decided_by}" if self.decided_by else ""
         return f"Met by {shares}, of the admissible contacts ({self.draws} draws){by}"
 

@@ -13,6 +13,7 @@ from microimpact.ledgers.claims.judging import described
 
 # Smaller than this, in the units of the claims, a difference of numbers is rounding.
 ROUNDING = 1e-9
+# Of a number; one more where it fails a criterion, which may lie near it.
 DIGITS = 3
 
 _NUMBER = re.compile(
@@ -38,20 +39,20 @@ class Quantity:
     cells: Mapping[str, Cell]
 
 
-def readable(value: float, unit: str = "-", rounding: float = 0.0) -> str:
-    """Return a number in three digits with its unit; what is below rounding is zero."""
+def readable(value: float, unit: str = "-", rounding: float = 0.0, *, digits: int = DIGITS) -> str:
+    """Return a number in three digits, or more, with its unit; what is below rounding is zero."""
     if abs(value) <= rounding:
-        digits = "0"
+        text = "0"
     elif 1e-3 <= abs(value) < 1e5:
-        rounded = float(f"{value:.{DIGITS}g}")
-        digits = np.format_float_positional(rounded, trim="-").replace("-", "−")
+        rounded = float(f"{value:.{digits}g}")
+        text = np.format_float_positional(rounded, trim="-").replace("-", "−")
     else:
-        mantissa, _, exponent = f"{value:.{DIGITS - 1}e}".partition("e")
+        mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
         power = str(int(exponent)).translate(_SUPERSCRIPTS)
-        digits = f"{mantissa.replace('-', '−')} × 10{power}"
+        text = f"{mantissa.replace('-', '−')} × 10{power}"
     if unit in {"-", "1", ""}:
-        return digits
-    return f"{digits}°" if unit == "deg" else f"{digits} {unit.replace('**', '^')}"
+        return text
+    return f"{text}°" if unit == "deg" else f"{text} {unit.replace('**', '^')}"
 
 
 def in_words(quantity: str) -> str:
@@ -93,7 +94,9 @@ def by_quantity(computed: str, claim: Claim) -> list[Quantity]:
     found: dict[str, dict[str, Cell]] = {}
     for quantity, case, value, unit in computed_numbers(computed):
         met = all(holds(criterion, value) for criterion in about(quantity, claim))
-        found.setdefault(quantity, {})[case] = Cell(text=readable(value, unit, ROUNDING), holds=met)
+        found.setdefault(quantity, {})[case] = Cell(
+            text=readable(value, unit, ROUNDING, digits=DIGITS + (not met)), holds=met
+        )
     return [
         Quantity(
             words=in_words(name),

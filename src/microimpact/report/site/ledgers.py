@@ -15,6 +15,7 @@ from microimpact.ledgers.claims import CHANGED
 from microimpact.ledgers.claims.criteria import UNCOUNTED
 from microimpact.ledgers.claims.judging import REQUIRED
 from microimpact.ledgers.claims.words import (
+    DIGITS,
     ROUNDING,
     computed_numbers,
     in_words,
@@ -50,7 +51,8 @@ EQUATION_VERDICTS = {
 }
 CONTRADICTION = "contradiction"
 
-_KEY = re.compile(r"\b[A-Za-z]\w*_\w+\b")
+# Names of quantities; symbols such as v_c are none.
+_KEY = re.compile(r"\b[A-Za-z]\w+_\w+\b")
 _POINT = re.compile(r"(?<=\d)p(?=\d)")
 
 
@@ -141,7 +143,7 @@ def computed(claim: Row) -> list[Computed]:
         return [Computed(words=part, criterion="", cells=()) for part in parts(text)]
     for quantity, case, value, unit in numbers:
         failed = f"{f'{case}: ' if case else ''}{quantity} = " in claim["note"]
-        cell = (case, readable(value, unit, ROUNDING), failed)
+        cell = (case, readable(value, unit, ROUNDING, digits=DIGITS + failed), failed)
         found.setdefault(quantity, []).append(cell)
     return [
         Computed(words=in_words(name), criterion=criteria.get(name, ""), cells=tuple(found[name]))
