@@ -23,6 +23,12 @@ use rule study as admissible_contacts with:
             "admissible_summary",
             "admissible_statements",
         ),
+        **data(
+            "admissible_limits",
+            "admissible_shares",
+            "admissible_works",
+            "admissible_bands",
+        ),
     pathvars:
         name="admissible_contacts",
     params:

@@ -18,6 +18,7 @@ from typing import Annotated
 
 import numpy as np
 import pandas as pd
+from pydantic import Field
 
 from microimpact.core import ensemble
 from microimpact.core.arrays import BoolArray, FloatArray
@@ -39,6 +40,7 @@ from microimpact.studies.models.admissible_contacts.case import (
     posterior,
     values,
 )
+from microimpact.studies.models.admissible_contacts.shown import bands, marginals
 from microimpact.studies.models.admissible_contacts.statements import Within
 
 NEEDS = {"calibration": ("calibration",)}
@@ -52,13 +54,17 @@ TOLD = (*FIELDS, "restitution", "adhesion_share", "contact_time_ns", "pull_off_u
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """What is calibrated, and how it is drawn."""
+    """What is calibrated, how it is drawn, and points of the curves shown.
+
+    Marginals and pairs are shown of the first case.
+    """
 
     seed: Seed
     sampler: Sampler
     draws: Count
     cases: Annotated[tuple[Case, ...], Keyed("case")]
     variants: Annotated[tuple[Variant, ...], Keyed("variant")]
+    points: Annotated[int, Field(ge=10)]
 
 
 def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
@@ -78,18 +84,26 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
         ``admissible_contacts``: the draws, their parameters and derived numbers, by case and
         variant. ``admissible_diagnostics``: how well they were drawn. ``admissible_summary``:
         medians and intervals, and the two-stage estimates. ``admissible_statements``: what each
-        statement says, and what the draws have.
+        statement says, and what the draws have. ``admissible_limits``, ``admissible_shares``,
+        ``admissible_works``: marginals and pairs of the first case. ``admissible_bands``: e
+        against the speed.
     """
     found = [posterior(case, inputs, params.sampler, params.seed) for case in params.cases]
     pairs = [(p, v, p.chosen(v, params.draws)) for p in found for v in params.variants]
     draws = [table(p, v, chosen, inputs) for p, v, chosen in pairs]
     rows = [row for one, drawn in zip(pairs, draws, strict=True) for row in summary(*one, drawn)]
     rows += [row for case in params.cases for row in two_stage(case, inputs)]
+    summaries = pd.DataFrame(rows)[["case", "estimate", "quantity", *COLUMNS]]
+    contacts_drawn = pd.concat(draws, ignore_index=True)
+    known = {**inputs, "admissible_contacts": contacts_drawn}
+    curves = [bands(case, params.variants, known, params.points) for case in params.cases]
     return {
-        "admissible_contacts": pd.concat(draws, ignore_index=True),
+        "admissible_contacts": contacts_drawn,
         "admissible_diagnostics": pd.DataFrame([diagnostics(*one) for one in pairs]),
-        "admissible_summary": pd.DataFrame(rows)[["case", "estimate", "quantity", *COLUMNS]],
+        "admissible_summary": summaries,
         "admissible_statements": pd.DataFrame([row for one in pairs for row in told(*one)]),
+        "admissible_bands": pd.concat(curves, ignore_index=True),
+        **marginals(params.cases[0], params.variants, contacts_drawn, summaries, params.points),
     }
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
@@ -32,6 +32,7 @@ from microimpact.studies.models.admissible_contacts.statements import (
     Statement,
     Within,
     dissipation_ratio,
+    impacts_of,
 )
 
 # Parameters that can be open, and the field of a contact that each is.
@@ -88,6 +89,8 @@ class Case:
         Diameters where a statement gives none.
     friction_bases
         Forces that may support friction.
+    shown_m_per_s
+        Normal speeds of the figures.
     compared
         Cases of the two-stage calibration to be compared with.
     statements, no_capture
@@ -102,6 +105,7 @@ class Case:
     ranges: Ranges
     classes_um: Annotated[tuple[Positive, ...], Field(min_length=2)]
     friction_bases: Annotated[tuple[Basis, ...], Field(min_length=1)]
+    shown_m_per_s: tuple[Positive, Positive]
     compared: tuple[CaseName, ...]
     statements: Annotated[tuple[Within, ...], Keyed("statement")]
     no_capture: Annotated[tuple[NoCapture, ...], Keyed("statement")] = ()
@@ -110,6 +114,19 @@ class Case:
     def all_statements(self) -> tuple[Statement, ...]:
         """Statements of both sorts."""
         return (*self.statements, *self.no_capture)
+
+    def printed_limits(self) -> list[float]:
+        """Middles of what is stated of capture velocities of an open size, m/s."""
+        return [
+            0.5 * sum(s.interval) for s in self.statements if s.of_capture and not s.diameter_um
+        ]
+
+    def printed_restitutions(self) -> Iterator[tuple[float, float, tuple[float, float]]]:
+        """Diameter (um), normal speed (m/s) and interval of each restitution that is stated."""
+        for statement in self.statements:
+            if statement.quantity == "restitution":
+                for size, speed, _ in impacts_of(statement, self.classes_um):
+                    yield size, speed, statement.interval
 
     def __post_init__(self) -> None:
         """Refuse diameters at which no capture velocity is computed."""

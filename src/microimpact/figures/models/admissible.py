@@ -1,0 +1,149 @@
+"""Figures of the contacts that the printed statements admit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from microimpact.figures import style
+from microimpact.figures.registry import FigureSpec, PanelSpec
+
+COLUMNS = 2
+# Panels whose abscissa or ordinate is logarithmic.
+LOG_X, LOG_Y = ("limit", "work"), ("work",)
+# Densities are lines, pairs are points; a single number among them is a mark.
+PAIRS = ("rate", "work")
+CLOUD: dict[str, Any] = {
+    "linestyle": "none",
+    "markersize": 1.8,
+    "markeredgewidth": 0.4,
+    "zorder": 2,
+}
+# Clouds are told apart by form and not by colour alone.
+CLOUD_MARKS = ("o", "^")
+STAR: dict[str, Any] = {"linestyle": "none", "marker": "*", "markersize": 8.0, "zorder": 5}
+BAND_ALPHA = 0.25
+# Factor between the abscissae of printed marks of neighbouring sizes.
+APART = 1.08
+
+
+@style.context()
+def draw_pairs(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+    """Draw marginals and pairs of the draws, beside the two-stage estimates.
+
+    Parameters
+    ----------
+    tables
+        Panels ``limit``, ``share`` (densities), ``work``, ``rate`` (pairs), a series per variant;
+        those named two-stage are single contacts.
+    spec
+        Registry entry.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Four panels in two columns, one legend above.
+    """
+    figure, axes = style.new_figure(spec, COLUMNS)
+    for name, panel in spec.panels.items():
+        ax = axes[name]
+        table = next(t for t in tables.values() if name in set(t["panel"]))
+        rows = table[table["panel"] == name]
+        if name in LOG_X:
+            ax.set_xscale("log")
+            _plain(ax.xaxis)
+        if name in LOG_Y:
+            ax.set_yscale("log")
+            _plain(ax.yaxis)
+        _draw_pairs(ax, rows, panel, name)
+    entries = {
+        label: handle
+        for ax in (axes["share"], axes["limit"])
+        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)
+    }
+    figure.legend(entries.values(), entries, loc="outside upper center", ncols=len(entries))
+    return figure
+
+
+def _draw_pairs(ax: Axes, rows: pd.DataFrame, panel: PanelSpec, name: str) -> None:
+    x, y = rows.columns[3], rows.columns[4]
+    marks = iter(CLOUD_MARKS)
+    for series, own in panel.series.items():
+        part = rows[rows["series"] == series]
+        if part.empty:
+            continue
+        ends = part[x].to_numpy(float), part[y].to_numpy(float)
+        look: dict[str, Any] = {"color": f"C{own.colour or 0}", "label": own.label}
+        if own.open:
+            look["markerfacecolor"] = "white"
+        if part["evidence"].iloc[0] == "printed":
+            ax.axvline(ends[0][0], color="0.4", linewidth=0.8, linestyle="dotted", zorder=1)
+            ax.plot(*ends, linestyle="none", marker="D", clip_on=False, zorder=6, **look)
+        elif len(part) == 1:
+            ax.plot(*ends, clip_on=False, **STAR, **look)
+        elif name in PAIRS:
+            ax.plot(*ends, marker=next(marks), **CLOUD, **look)
+        else:
+            ax.plot(*ends, linestyle=own.line, **look)
+            ax.fill_between(*ends, color=look["color"], alpha=BAND_ALPHA / 2, linewidth=0)
+
+
+@style.context()
+def draw_bands(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
+    """Draw e against the speed: bands of the draws, single contacts, printed facts.
+
+    Parameters
+    ----------
+    tables
+        One table, a panel per pair; series with bounds at many speeds are bands.
+    spec
+        Registry entry.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        A panel per pair, abscissas logarithmic, each with a legend.
+    """
+    (table,) = tables.values()
+    figure, axes = style.new_figure(spec)
+    for name, panel in spec.panels.items():
+        ax, rows = axes[name], table[table["panel"] == name]
+        ax.set_xscale("log")
+        _plain(ax.xaxis)
+        banded = rows[(rows["evidence"] != "printed") & rows["y_low"].notna()]
+        for series, part in banded.groupby("series", sort=False):
+            own = panel.series[str(series)]
+            low, high = (part[column].to_numpy(float) for column in ("y_low", "y_high"))
+            look: dict[str, Any] = {"color": f"C{own.colour or 0}", "zorder": 1}
+            ax.fill_between(part.iloc[:, 3], low, high, alpha=BAND_ALPHA, linewidth=0, **look)
+            for end in (low, high):
+                ax.plot(part.iloc[:, 3], end, linewidth=0.5, linestyle=own.line, **look)
+        lines = rows.assign(
+            y_low=rows["y_low"].where(rows["evidence"] == "printed"),
+            y_high=rows["y_high"].where(rows["evidence"] == "printed"),
+        )
+        style.draw_panel(ax, _apart(lines, panel), panel, name)
+    style.evidence_key(figure, table["evidence"])
+    return figure
+
+
+def _apart(rows: pd.DataFrame, panel: PanelSpec) -> pd.DataFrame:
+    """Move printed marks of several sizes sideways, that none hides another."""
+    sized = [name for name in panel.series if name.startswith("printed, ")]
+    places = {name: i - (len(sized) - 1) / 2 for i, name in enumerate(sized)}
+    x = rows.columns[3]
+    factor = APART ** rows["series"].map(places).fillna(0.0).to_numpy(float)
+    return rows.assign(**{x: rows[x] * factor})
+
+
+def _plain(axis: Any) -> None:
+    """Mark a logarithmic axis in plain numbers."""
+    axis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{np.round(value, 6):g}"))
+    axis.set_minor_formatter(NullFormatter())
