@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from microimpact.model.empirical.fit import fit_restitution as fit_restitution
     from microimpact.model.law.table import Law as Law
     from microimpact.model.law.table import tabulate as tabulate
+    from microimpact.model.posterior import calibrate as calibrate
     from microimpact.model.rigid_body.algebra import rigid_body_rebound as rigid_body_rebound
     from microimpact.run.study import run_study as run_study
 
@@ -44,6 +45,7 @@ _HOME = {
     "SpatialImpact": "model.dynamics.impact",
     "Trajectory": "model.dynamics.trajectory",
     "bootstrap_v_c": "model.empirical.bootstrap",
+    "calibrate": "model.posterior",
     "capture_velocity": "model.dynamics.capture",
     "compare_models": "model.empirical.comparison",
     "fit_restitution": "model.empirical.fit",

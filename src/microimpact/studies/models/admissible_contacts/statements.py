@@ -32,7 +32,7 @@ NODES = 40
 # Below this share captured none is, for the formula that divides by it.
 SMALLEST_SHARE = 1e-9
 # Logarithm of the likelihood below which the rest is not looked at.
-HOPELESS = -50.0
+UNLIKELY = -50.0
 # Per axis, for the ratio of dissipation and adhesion over both coefficients of damping.
 RATIO_NODES = 7
 RATIO_POINTS = 200
@@ -220,7 +220,7 @@ class Evaluation:
     ) -> dict[str, FloatArray]:
         """Quantities by statement: (n,), (n, classes) or (n, bases).
 
-        Those with friction are nan where the others leave no hope; those of capture are left out
+        Those with friction are nan where the others are too unlikely; those of capture are left out
         where no capture velocities (n, classes) are given.
         """
         within = [s for s in statements if isinstance(s, Within) and not s.of_capture]
@@ -228,10 +228,10 @@ class Evaluation:
         normal = [s for s in within if not s.frictional]
         found = self._normal(points, normal)
         if frictional:
-            hopeful = self.likelihood(normal, found).total > HOPELESS
-            for name, value in self._frictional(points[hopeful], frictional).items():
+            likely = self.likelihood(normal, found).total > UNLIKELY
+            for name, value in self._frictional(points[likely], frictional).items():
                 found[name] = np.full((len(points), len(self.bases)), np.nan)
-                found[name][hopeful] = value
+                found[name][likely] = value
         if limits is not None:
             found |= self._captures(limits, [s for s in statements if s.of_capture])
         return found
