@@ -19,7 +19,7 @@ _UNITS = {"youngs_modulus": PRESSURE, "poissons_ratio": NUMBER, "density": DENSI
 _RANGES = {"youngs_modulus": POSITIVE, "poissons_ratio": POISSON_RANGE, "density": POSITIVE}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Material:
     """An isotropic elastic material.
 

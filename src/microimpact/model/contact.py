@@ -59,7 +59,7 @@ def require_contact(value: object, *, any_law: bool = False) -> None:
         raise ValueError(f"contact must have the law {RING_FORCE!r} here, got {value.law.name!r}")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Contact:
     """A sphere on a surface, with adhesion, damping and friction.
 
