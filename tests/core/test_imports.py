@@ -75,6 +75,19 @@ def test_the_study_of_declared_inputs_does_not_load_the_compiler():
     )
 
 
+def test_the_parameters_of_all_studies_load_nothing_heavy():
+    # All that the workflow reads when it starts.
+    code = (
+        "from microimpact import studies\n"
+        "from microimpact.report.site import record\n"
+        "from microimpact.run import inputs\n"
+        "for name in studies.homes():\n    studies.study(name)"
+    )
+    parts = ("special", "optimize", "stats", "interpolate", "linalg", "ndimage")
+    heavy = ("numba", "matplotlib", "sympy", "pint", "emcee", *(f"scipy.{part}" for part in parts))
+    assert loaded_after(code, *heavy) == set()
+
+
 # Compiled code
 
 TINY = """

@@ -18,8 +18,8 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.special import chdtrc, ndtr, stdtr
 
 from microimpact.core.arrays import POSITIVE, FloatArray, Range, checked
 from microimpact.core.solve import root
@@ -463,7 +463,11 @@ class _Tail:
 
     def __call__(self, v_c: float) -> float:
         root_here = float(np.interp(v_c, self.values, self.roots))
-        return float(ndtr(root_here) if self.freedom is None else stdtr(self.freedom, root_here))
+        return float(
+            scipy.special.ndtr(root_here)
+            if self.freedom is None
+            else scipy.special.stdtr(self.freedom, root_here)
+        )
 
 
 def _quantile(share: Callable[[float], float], level: float) -> float:
@@ -533,7 +537,7 @@ def _about_the_fit(data: Data, best: Model) -> Iterator[str]:
     _, missed = _missed(data, best)
     if best.chi_square is None:
         yield "sigma is not given, so that no misfit can be told from noise"
-    elif chdtrc(freedom := missed.size - best.free, best.chi_square) < REJECTED:
+    elif scipy.special.chdtrc(freedom := missed.size - best.free, best.chi_square) < REJECTED:
         yield (
             f"the scatter about the best model is {np.sqrt(best.chi_square / freedom):.2g} times "
             "the sigma given: the intervals are widened by that"
@@ -552,4 +556,4 @@ def _runs(missed: FloatArray) -> float:
     runs = 1 + int(np.sum(above[1:] != above[:-1]))
     mean = 1.0 + 2.0 * more * less / total
     variance = (mean - 1.0) * (mean - 2.0) / (total - 1.0)
-    return float(ndtr((runs + 0.5 - mean) / np.sqrt(variance)))
+    return float(scipy.special.ndtr((runs + 0.5 - mean) / np.sqrt(variance)))

@@ -13,8 +13,8 @@ from functools import cache
 from typing import Annotated, Literal
 
 import numpy as np
+import scipy
 from pydantic import Field
-from scipy.interpolate import RectBivariateSpline
 
 from microimpact.core.arrays import FloatArray
 from microimpact.declared.parameters import AngleDegrees, Count, Finite, Name, Positive
@@ -210,7 +210,7 @@ class Evaluation:
     contacts: Contacts
     classes_um: tuple[float, ...]
     bases: tuple[str, ...]
-    ratio: RectBivariateSpline | None = None
+    ratio: scipy.interpolate.RectBivariateSpline | None = None
 
     def quantities(
         self,
@@ -318,7 +318,7 @@ class Evaluation:
 
 def dissipation_ratio(
     contact: Contact, speed: float, hertz: tuple[float, float], adhesion: tuple[float, float]
-) -> RectBivariateSpline:
+) -> scipy.interpolate.RectBivariateSpline:
     """Ratio of the peaks of dissipation and adhesion over ranges of c_H and c_A (s/m)."""
     c_h, c_a = np.linspace(*hertz, RATIO_NODES), np.geomspace(*adhesion, RATIO_NODES)
     bare = contact.replace(adhesion_rate_exponent=0.0)
@@ -331,4 +331,4 @@ def dissipation_ratio(
         ]
         for h in c_h
     ]
-    return RectBivariateSpline(c_h, np.log(c_a), np.array(ratios))
+    return scipy.interpolate.RectBivariateSpline(c_h, np.log(c_a), np.array(ratios))
