@@ -49,18 +49,21 @@ def closure(modules: Iterable[str]) -> list[str]:
     ModuleNotFoundError
         If a module is not part of the package.
     """
-    graph, found, waiting = _graph(), set[str](), list(modules)
+    found, waiting = set[str](), list(modules)
     while waiting:
         module = waiting.pop()
-        if module in found:
-            continue
-        if module not in graph.modules:
-            raise ModuleNotFoundError(f"no module named {module!r} in {_root()}")
-        found.add(module)
-        waiting += graph.find_modules_directly_imported_by(module)
-        if "." in module:
-            waiting.append(module.rpartition(".")[0])
+        if module not in found:
+            found.add(module)
+            waiting += _needed_by(module)
     return sorted(found)
+
+
+@cache
+def _needed_by(module: str) -> list[str]:
+    if module not in _graph().modules:
+        raise ModuleNotFoundError(f"no module named {module!r} in {_root()}")
+    package = [module.rpartition(".")[0]] if "." in module else []
+    return [*_graph().find_modules_directly_imported_by(module), *package]
 
 
 def source_files(*modules: str, scripts: Iterable[Path | str] = ()) -> list[str]:
@@ -83,13 +86,18 @@ def source_files(*modules: str, scripts: Iterable[Path | str] = ()) -> list[str]
     files = {str(Path(script).resolve()) for script in scripts}
     folders = set[Path]()
     for module in closure([*modules, *imported]):
-        stem = _root().joinpath(*module.split(".")[1:])
-        package = stem / "__init__.py"
-        file = package if package.exists() else stem.with_suffix(".py")
+        file = _file(module)
         files.add(str(file))
         folders.add(file.parent)
     files.update(data for folder in folders for data in _data_files(folder))
     return sorted(files)
+
+
+@cache
+def _file(module: str) -> Path:
+    stem = _root().joinpath(*module.split(".")[1:])
+    package = stem / "__init__.py"
+    return package if package.exists() else stem.with_suffix(".py")
 
 
 def digest(files: Iterable[Path | str], root: Path) -> str:

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields, make_dataclass
+from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, get_type_hints
 
@@ -136,9 +137,10 @@ def validate(
     stands = {row.key: row.place or row.key for row in resolver.rows}
     resolver.rows = shown
     params, named = {}, {}
+    branches = _branches(tuple(only or studies.homes()))
     for name in only or studies.homes():
         check.known.named.clear()
-        params[name] = check.checked(studies.study(name).Params, name)
+        params[name] = check.branch(branches, name)
         named[name] = list(check.known.named)
     wanted = {name for each in named.values() for sort, name in each if sort == "cases"}
     if laboratory and params.get(CALIBRATION):
@@ -172,11 +174,11 @@ class _Check:
     found: list[str]
     known: Known = field(default_factory=lambda: Known({}))
 
-    def checked(self, kind: type[Any], key: str) -> Any:
-        """Return an instance of a dataclass, or None, with what is wrong added to the lines."""
-        values = self.resolver.resolved(kind, key)
+    def branch(self, kind: type[Any], key: str) -> Any:
+        """Return one branch of `_branches`, or None, with what is wrong added to the lines."""
+        values = self.resolver.resolved(get_type_hints(kind)[key], key)
         if isinstance(values, Mapping):
-            return self._built(kind, key, values)
+            return getattr(self._built(kind, {key: values}), key, None)
         given = f"{self.config[key]!r} must be a mapping" if key in self.config else "missing"
         self.found.append(f"{key}: {given}")
         return None
@@ -185,14 +187,21 @@ class _Check:
         """Return an instance of a dataclass whose fields are top-level keys, or None."""
         hints = get_type_hints(kind, include_extras=True)
         given = [key for key in keys if key in self.config]
-        return self._built(kind, "", {k: self.resolver.resolved(hints[k], k) for k in given})
+        return self._built(kind, {k: self.resolver.resolved(hints[k], k) for k in given})
 
-    def _built(self, kind: type[Any], key: str, values: Mapping[str, Any]) -> Any:
+    def _built(self, kind: type[Any], values: Mapping[str, Any]) -> Any:
         try:
             return build(kind, values, self.known if self.known.names else None)
         except ValidationError as error:
-            self.found += explain(error, kind, key, self.resolver.aliases)
+            self.found += explain(error, kind, "", self.resolver.aliases)
             return None
+
+
+@cache
+def _branches(names: tuple[str, ...]) -> type[Any]:
+    """Return a dataclass of branches: one validator for what they share takes half the time."""
+    own = [(name, studies.study(name).Params, field(default=None)) for name in names]
+    return make_dataclass("Branches", own, frozen=True)
 
 
 def _tables(resolver: Resolver, found: list[str]) -> DeclaredTables | None:

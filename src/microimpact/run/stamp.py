@@ -47,6 +47,8 @@ def changes(config: Mapping[str, Any], shipped: Mapping[str, Any]) -> tuple[Chan
 
     Evidence and source are not compared, and neither is the place of the results.
     """
+    if config == shipped:
+        return ()
     before, after = (dict(_leaves(plain(node))) for node in (shipped, config))
     return tuple(
         Change(key=key, shipped=before.get(key), used=after.get(key))
