@@ -14,17 +14,25 @@ from microimpact.core.tables import parse_table, read_table
 from microimpact.declared.documents import load
 from microimpact.declared.parameters import build
 from microimpact.declared.references import merged
+from microimpact.lab.contacts import DRAWN, calibrated_contact
 from microimpact.run.config import read_configuration, validate
 
 ROOT = Path(__file__).parents[2]
 STUDIES = (
     "campaign",
+    "claim_numbers",
     "fit_coverage",
     "interval_coverage",
     "monte_carlo",
 )
 # Smaller still than the small reproduction: some parts are left with nothing, or nearly so.
 TINY = {
+    "claim_numbers": {
+        "draws": {
+            "variants": {"with the printed v_c": 4, "without the printed v_c": 2},
+            "claims": ["C05", "C12", "C68"],
+        }
+    },
     "campaign": {"stop": {"events": 4, "fewest_events": 2, "most_dropped": 1000}},
     "fit_coverage": {
         "noise_of_e": [0.01],
@@ -58,12 +66,17 @@ def test_these_are_all_the_studies_in_parts():
 
 
 @pytest.mark.parametrize("name", STUDIES)
-def test_the_number_of_parts_changes_no_bit(name, settings):
+def test_the_number_of_parts_changes_no_bit(name, settings, monkeypatch):
     study = studies.study(name)
+    if name == "claim_numbers":
+        # its parts are draws; the rest, which is not in parts, rests on tables of many studies
+        monkeypatch.setattr(study, "_ascending", lambda: ["C01"])
     params = build(study.Params, settings.branches[name])
     inputs = {key: parse_table(text) for key, text in settings.rows[name].items()}
     for table in ("calibration", "restitution_fits"):
         inputs[table] = read_table(ROOT / f"tests/reference/tables/{table}.csv")
+    if name == "claim_numbers":
+        inputs["admissible_contacts"] = draws_of(params, inputs)
     # As the workflow does: parts are made by themselves, in any order, and pass through files.
     parts = [part_text(study.part(params, inputs, i, 3)) for i in (2, 0, 1)]
     gathered = study.gather(params, inputs, [part_from_text(part) for part in parts])
@@ -71,6 +84,24 @@ def test_the_number_of_parts_changes_no_bit(name, settings):
     assert list(gathered) == list(whole)
     for key, table in whole.items():
         pd.testing.assert_frame_equal(gathered[key], table, check_exact=True)
+
+
+def draws_of(params, inputs):
+    """Return calibrated contacts in the form of admissible ones."""
+    wanted, rows = params.draws, []
+    for number, case in enumerate(2 * params.steel.cases):
+        contact = calibrated_contact(inputs, case)
+        row = {name: float(getattr(contact, field)) for name, field in DRAWN.items()}
+        row |= {
+            "case": wanted.case,
+            "draw": number,
+            "particle": contact.particle.name,
+            "surface": contact.surface.name,
+            "friction_basis": "compressive",
+            "diameter_um": 1e6 * row["diameter_um"],
+        }
+        rows += [row | {"variant": variant} for variant in wanted.variants]
+    return pd.DataFrame(rows)
 
 
 def test_values_come_back_to_the_last_bit():
