@@ -228,7 +228,8 @@ def coverage(world, **pdpa):
     """One speed or angle on the smooth surface, repeated as often as in the full study."""
     branch = world.settings.branches["interval_coverage"]
     normal, oblique_case, *_ = branch["cases"]
-    cases = [normal | {"speeds_m_per_s": [0.3]}, oblique_case | {"angles_deg": [30.0]}]
+    normal = normal | {"speeds_m_per_s": [0.3], "simulated": 100000}
+    cases = [normal, oblique_case | {"angles_deg": [30.0]}]
     changes = {"cases": cases, "pdpa": branch["pdpa"] | pdpa, "experiments": 2000}
     return dict(world.run_study("interval_coverage", world.tables, **changes))
 

@@ -27,7 +27,8 @@ def rows(campaign):
 
 @pytest.fixture(scope="module")
 def coverage(run_study, calibration):
-    return run_study("interval_coverage", calibration)
+    fewer = {"cases": {"smooth, normal": {"simulated": 100000}}}
+    return run_study("interval_coverage", calibration, **fewer)
 
 
 @pytest.fixture(scope="module")

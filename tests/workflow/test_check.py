@@ -10,7 +10,7 @@ import pytest
 from tests.workflow.conftest import ROOT, SMALL, Project
 
 OUT = "build/ci"
-# What changes are tried on: they end quickly, but for Fig. 23, which has draws of its own.
+# What changes are tried on: they end quickly.
 LIGHT = ("fig14", "fig17", "fig20", "declared_inputs")
 
 pytestmark = [pytest.mark.workflow, pytest.mark.slow]
@@ -112,13 +112,13 @@ def test_one_sign_of_one_equation_is_seen_in_its_figure_alone(checked):
 
 
 def test_one_seed(checked):
-    heading = "\nmonte_carlo:\n"
+    heading = "\npair_search:\n"
     with checked.edited(
-        "config/analyses/analyses.yaml", swap(heading, f"{heading}  seed: 20012\n")
+        "config/analyses/experiments.yaml", swap(heading, f"{heading}  seed: 20012\n")
     ):
-        figures, tables = named(checked, ("fig23", "declared_inputs"))
-    assert figures == ["fig23"]
-    assert {"inputs", "monte_carlo"} <= set(tables)
+        figures, tables = named(checked, ("doppler_pairs", "declared_inputs"))
+    assert figures == ["doppler_pairs"]
+    assert {"inputs", "pairing_quality"} <= set(tables)
     assert not {"calibration", "force_ratios", "molybdenum_capture"} & set(tables)
 
 
