@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
+from pydantic import Field
 
 from microimpact.core.tables import Tables
 from microimpact.declared.parameters import AngleDegrees, CaseName, Fraction, Keyed, NonNegative
@@ -35,8 +36,10 @@ class SpeedAndAngle:
         In descending order from the one with which the loss is compared.
     trend_deg
         Angles between which restitution falls.
-    loss_restitutions, loss_frictions, loss_angles_deg
+    loss_restitutions, loss_frictions
         Grid on which the slope of the energy loss is looked at.
+    loss_angles_deg, loss_angles
+        Ends of its angles, and their number.
     resolved_deg, resolved_restitutions
         Angle and restitutions of steel and spores there.
     resolved_steel, resolved_spore
@@ -53,7 +56,8 @@ class SpeedAndAngle:
     trend_deg: tuple[AngleDegrees, AngleDegrees]
     loss_restitutions: tuple[Fraction, ...]
     loss_frictions: tuple[NonNegative, ...]
-    loss_angles_deg: tuple[AngleDegrees, ...]
+    loss_angles_deg: tuple[AngleDegrees, AngleDegrees]
+    loss_angles: Annotated[int, Field(ge=3)]
     resolved_deg: AngleDegrees
     resolved_restitutions: tuple[Fraction, Fraction]
     resolved_steel: Dropped
@@ -143,7 +147,7 @@ def region_rows(
 
 def loss_slopes(params: SpeedAndAngle) -> Iterator[dict[str, Any]]:
     """Share of angles at which the rigid body's energy loss falls as the angle becomes shallow."""
-    angle = np.array(params.loss_angles_deg)
+    angle = np.linspace(*params.loss_angles_deg, params.loss_angles)
     for e, friction in product(params.loss_restitutions, params.loss_frictions):
         falling = np.diff(rigid_loss(e, friction, angle)) / np.diff(angle) > 0.0
         rising = (0.5 * (angle[1:] + angle[:-1]))[~falling]
