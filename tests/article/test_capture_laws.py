@@ -281,6 +281,8 @@ def test_a_case_without_a_printed_velocity(study, draw, legend_texts):
 def test_wrong_parameters_are_refused(study):
     with pytest.raises(ValueError, match="must be above smallest_diameter_um"):
         study(largest_diameter_um=0.5)
+    with pytest.raises(ValueError, match=f"pairs: '{MICA}' is listed twice"):
+        study(pairs=[{"case": MICA}, {"case": MICA}])
     with pytest.raises(ValueError, match="'nothing' is not declared in cases"):
         study(pairs=[{"case": "nothing"}])
 

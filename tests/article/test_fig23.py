@@ -114,16 +114,42 @@ def test_quasi_random_draws_are_worth_many_plain_ones(tables):
     table = tables["monte_carlo_sampling"].set_index(["method", "generator", "quantity"])
     table = table.sort_index()
     assert table.loc[("quasi_random", "exact"), "variance_ratio_high"].max() < 0.02
-    # Antithetic draws are worth as much as plain ones, no more: where a rule drops events, the
-    # halves of a pair no longer make up for each other.
-    antithetic = table.loc[("antithetic", "exact")]
-    assert (antithetic["variance_ratio_low"] < 1.0).all()
-    assert (antithetic["variance_ratio_high"] > 1.0).all()
     plain = table.loc[("plain", "exact", "restitution")]
     for key in (("quasi_random", "exact"), ("plain", "central_limit")):
         other = table.loc[(*key, "restitution")]
         error = np.hypot(plain["standard_error"], other["standard_error"])
         assert abs(plain["estimate"] - other["estimate"]) < 4 * error
+
+
+@pytest.fixture(scope="module", params=[20.0, 80.0])
+def antithetic(request, run_study, calibration, settings):
+    """Angle, and variance ratios of antithetic draws by quantity, within a factor of 1.3."""
+    branch = settings.branches["monte_carlo"]
+    few = {**branch["plan"], "replicates": 2, "events": 64}
+    table = run_study(
+        "monte_carlo",
+        calibration,
+        plan=few,
+        variants=branch["variants"][:1],
+        points=10,
+        comparison={"angle_deg": request.param, "replicates": 256, "events": 256},
+        slope_inference={**branch["slope_inference"], "plan": {**few, "events": 256}},
+    )["monte_carlo_sampling"]
+    return request.param, table[table["method"] == "antithetic"].set_index("quantity")
+
+
+def test_antithetic_draws_help_what_is_odd_in_the_slope(antithetic):
+    """Nearly upright, -mu is odd in the slope: the halves of a pair make up for each other.
+
+    Restitution is even in it, and gains nothing; nor does either where a rule drops events.
+    """
+    angle, ratio = antithetic
+    low, high = ratio["variance_ratio_low"], ratio["variance_ratio_high"]
+    assert low["restitution"] < 1.0 < high["restitution"]
+    if angle == 80.0:
+        assert high["impulse_ratio"] < 0.01
+    else:
+        assert low["impulse_ratio"] < 1.0 < high["impulse_ratio"] < 1.3
 
 
 def test_the_whole_study_runs_on_the_simulation(run_study, calibration, settings):

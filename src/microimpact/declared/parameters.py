@@ -103,6 +103,18 @@ class Keyed:
 
     field: str = ""
 
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        """Refuse two items of one name."""
+        return core_schema.no_info_after_validator_function(self._distinct, handler(source))
+
+    def _distinct(self, items: tuple[Any, ...]) -> tuple[Any, ...]:
+        names = [getattr(item, self.field) for item in items] if self.field else []
+        if twice := [name for name in dict.fromkeys(names) if names.count(name) > 1]:
+            raise ValueError(f"{twice[0]!r} is listed twice")
+        return items
+
     def __get_pydantic_json_schema__(
         self, core: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
