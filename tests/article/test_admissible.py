@@ -112,6 +112,17 @@ def test_statements_that_a_printed_capture_velocity_contradicts(tables):
     assert (rows["log_likelihood"] > -1.0).all()
 
 
+def test_what_a_statement_decides_is_told(tables):
+    table = tables["admissible_statements"].set_index(["case", "variant", "statement"])
+    steel = table.loc[STEEL]
+    middle = steel["v_c_left_out_median_m_per_s"]
+    # one that is left out already changes nothing, the printed one leads to the other variant
+    same = middle.loc[(WITHOUT, "printed capture velocity")]
+    assert middle.loc[(WITH, "printed capture velocity")] == pytest.approx(same)
+    assert middle.loc[(WITHOUT, "no capture seen")] > same
+    assert (steel["effective_size_left_out"] > 10).all()
+
+
 def test_two_stage_estimates_stand_beside_the_draws(summary, calibration):
     rows = summary.xs("two-stage, steel-silicon, n = 1", level="estimate").loc[STEEL, "median"]
     assert rows["v_c_at_62_um_m_per_s"] == pytest.approx(0.18, rel=1e-6)

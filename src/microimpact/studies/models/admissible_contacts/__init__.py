@@ -13,7 +13,7 @@ proportion to its likelihood.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
@@ -84,9 +84,9 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
         ``admissible_contacts``: the draws, their parameters and derived numbers, by case and
         variant. ``admissible_diagnostics``: how well they were drawn. ``admissible_summary``:
         medians and intervals, and the two-stage estimates. ``admissible_statements``: what each
-        statement says, and what the draws have. ``admissible_limits``, ``admissible_shares``,
-        ``admissible_works``: marginals and pairs of the first case. ``admissible_bands``: e
-        against the speed.
+        statement says, what the draws have, and what it decides. ``admissible_limits``,
+        ``admissible_shares``, ``admissible_works``: marginals and pairs of the first case.
+        ``admissible_bands``: e against the speed.
     """
     found = [posterior(case, inputs, params.sampler, params.seed) for case in params.cases]
     pairs = [(p, v, p.chosen(v, params.draws)) for p in found for v in params.variants]
@@ -241,5 +241,21 @@ def told(found: Posterior, variant: Variant, chosen: Chosen) -> list[dict[str, o
             row |= {"quantity": one.quantity, "interval_low": low, "interval_high": high}
             row |= {"tail": one.tail, "share_inside": np.mean((low <= value) & (value <= high))}
         row |= dict(zip(COLUMNS, np.quantile(value, QUANTILES), strict=True))
-        rows.append(row | {"log_likelihood": np.median(one.log_likelihood(value))})
+        row["log_likelihood"] = np.median(one.log_likelihood(value))
+        rows.append(row | left_out(found, variant, one.statement))
     return rows
+
+
+def left_out(found: Posterior, variant: Variant, statement: str) -> dict[str, float]:
+    """Return the capture velocity that is left if one more statement is left out.
+
+    The pool was drawn with all statements on impacts: where the draws that then count are few, the
+    effective size says so.
+    """
+    weights = found.weights(replace(variant, without=(*variant.without, statement)))
+    limits = found.limits[:, found.case.classes_um.index(found.case.diameter_um)]
+    order = np.argsort(limits)
+    share = np.cumsum(weights[order]) / np.sum(weights)
+    ends = np.interp(QUANTILES, share, limits[order])
+    told_of = {f"v_c_left_out_{n}_m_per_s": v for n, v in zip(COLUMNS, ends, strict=True)}
+    return told_of | {"effective_size_left_out": ensemble.effective_number(weights)}
