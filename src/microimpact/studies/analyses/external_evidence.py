@@ -314,11 +314,11 @@ def _spin_and_roughness(
         {
             "fact": "spin before impact matters significantly",
             "source": above["source"].partition(":")[0],
-            "quantity": f"relative change of the impulse ratio at {spin.angle_deg:g} deg",
+            "quantity": f"change of the impulse ratio at {spin.angle_deg:g} deg, over friction",
             "contact": f"{spin.case}, rim at {spin.ratio:g} of the speed",
             "unit": "-",
             "low": spin.significant,
-            "computed": float(np.abs(spun / still - 1.0)),
+            "computed": float(np.abs(spun - still) / contact.friction),
         },
         {
             "fact": "roughness gives an apparent restitution above one at shallow angles",
