@@ -313,7 +313,7 @@ def _spin_and_roughness(
     return (
         {
             "fact": "spin before impact matters significantly",
-            "source": above["source"].partition(":")[0],
+            "source": above["source"].rpartition(": ")[0],
             "quantity": f"change of the impulse ratio at {spin.angle_deg:g} deg, over friction",
             "contact": f"{spin.case}, rim at {spin.ratio:g} of the speed",
             "unit": "-",
