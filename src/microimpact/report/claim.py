@@ -6,6 +6,7 @@ import inspect
 import math
 import textwrap
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,12 +20,14 @@ from microimpact.core.tables import parse_table, read_table
 from microimpact.declared.parameters import build
 from microimpact.ledgers.claims import NUMBER_COLUMNS, in_words, verdicts
 from microimpact.ledgers.claims.criteria import Claim, read_claims
+from microimpact.ledgers.claims.shares import Share, shares
 from microimpact.ledgers.claims.words import article_value, by_quantity, readable
 from microimpact.report.check.results import ResultsError
 from microimpact.report.site.record import read_record
 from microimpact.run.inputs import study_rows
 from microimpact.run.study import Made
-from microimpact.studies.claims.claim_numbers import CLAIMS, Params, numbers_of
+from microimpact.studies.claims.claim_numbers import CLAIMS, Params, numbers_of, part
+from microimpact.studies.claims.claim_numbers.draws import COLUMNS as DRAW_COLUMNS
 
 STUDY = "claim_numbers"
 WIDTH = 96
@@ -55,11 +58,14 @@ def tell(name: str, changes: Mapping[str, Any], results: Path) -> str:
     if claim.positive is None:
         return "\n".join([*_head(claim), f"Verdict: {claim.verdicts[0]}"])
     folder = results if _shipped(results) else None
-    numbers = _numbers(name, changes, folder)
-    row = {str(key): value for key, value in verdicts({name: claim}, numbers).iloc[0].items()}
     if folder and not changes:
-        known = read_table(folder / "tables/claims.csv").set_index("id").loc[name].dropna()
-        row |= {str(key): value for key, value in known.items()}
+        table = read_table(folder / f"tables/{STUDY}.csv", NUMBER_COLUMNS)
+        numbers = table[table["claim"] == name]
+        ledger = read_table(folder / "tables/claims.csv").set_index("id").loc[name].dropna()
+    else:
+        numbers, drawn = _computed(claim, changes, folder)
+        ledger = verdicts({name: claim}, numbers, drawn).iloc[0]
+    row = {str(key): value for key, value in ledger.items()}
     return "\n".join([*_head(claim), *_body(claim, row, numbers, changes, folder)])
 
 
@@ -78,8 +84,8 @@ def changed(settings: Sequence[str]) -> dict[str, Any]:
             raise ValueError(f"--set: {text!r} must be of the form key=value")
         *above, last = key.split(".")
         place = found
-        for part in above:
-            place = place.setdefault(part, {})
+        for step in above:
+            place = place.setdefault(step, {})
         try:
             place[last] = yaml.safe_load(value)
         except yaml.YAMLError:
@@ -96,14 +102,22 @@ def _shipped(results: Path) -> bool:
         return False
 
 
-def _numbers(name: str, changes: Mapping[str, Any], results: Path | None) -> pd.DataFrame:
-    if results and not changes:
-        table = read_table(results / f"tables/{STUDY}.csv", NUMBER_COLUMNS)
-        return table[table["claim"] == name]
+def _computed(
+    claim: Claim, changes: Mapping[str, Any], results: Path | None
+) -> tuple[pd.DataFrame, dict[str, Share]]:
+    """Return the numbers of a claim, and its share of the admissible contacts if it has one."""
     made = Made(STUDY, changes, results)
     rows = study_rows(STUDY, made.settings, {})
     made.update({key: parse_table(text) for key, text in rows.items()})
-    return numbers_of(name, build(Params, made.settings.branches[STUDY]), made)
+    params = build(Params, made.settings.branches[STUDY])
+    numbers = numbers_of(claim.id, params, made)
+    if claim.id not in params.draws.claims:
+        return numbers, {}
+    alone = replace(params, draws=replace(params.draws, claims=(claim.id,)))
+    table = pd.DataFrame(
+        [row for _, own in part(alone, made, 0, 1) for row in own], columns=list(DRAW_COLUMNS)
+    )
+    return numbers, shares({claim.id: claim}, table, made["admissible_contacts"])
 
 
 def _head(claim: Claim) -> list[str]:
@@ -141,8 +155,8 @@ def _body(
         lines.append(f"Share: {100 * share:.0f} % of the admissible contacts{by}")
     if (margin := row.get("margin")) is not None and math.isfinite(float(margin)):
         lines.append(f"Margin: {readable(float(margin))} standard errors from the bound")
-    for part in str(row.get("independent") or "").split(" | ") if row.get("independent") else ():
-        lines += _wrapped(f"Independent data: {part}")
+    for told in str(row.get("independent") or "").split(" | ") if row.get("independent") else ():
+        lines += _wrapped(f"Independent data: {told}")
     function = CLAIMS[claim.id].of
     source, line = inspect.getsourcefile(function), inspect.getsourcelines(function)[1]
     lines.append(f"Code: {function.__module__}.{function.__qualname__}, {source}:{line}")
