@@ -662,7 +662,7 @@ DESIGNS = {
 
 CONCLUSIONS = {
     "C40": partial(changed, steel={"diameter_um": 620.0}),
-    "C58": partial(changed, steel={"speed_m_per_s": 0.01}),
+    "C58": partial(changed, steel={"speed_m_per_s": 0.001}),
     "C59": partial(changed, steel={"friction": 0.0}),
     "C97": partial(changed, capture={"kept_share": 0.01 * 5 / 7}),
     "C98": partial(changed, capture={"slope_sd": 0.0}),

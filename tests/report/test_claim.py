@@ -18,7 +18,7 @@ def test_a_claim_is_told_with_all_that_decides_it(nowhere):
         "The impacts hardly deform the materials plastically.",
         "Reason of the criterion: Minimal means",
         "plastic loss over measured loss [at most 0.1]",
-        "1.76 (annealed)",
+        "1.832 (annealed)",
         "Verdict: not identified",
         "conclusions.c58, ",
         "conclusions.py:",
