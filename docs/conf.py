@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from importlib.metadata import version as version_of
 
+from docutils.nodes import SkipNode
+from docutils.utils.math.latex2mathml import tex2mathml
+
 project = "microimpact"
 author = "microimpact contributors"
 version = release = version_of("microimpact")
@@ -15,7 +18,9 @@ extensions = [
     "sphinx.ext.napoleon",
 ]
 exclude_patterns = ["images"]
+myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
+html_math_renderer = "mathml"
 
 html_theme = "furo"
 html_title = "microimpact"
@@ -35,3 +40,17 @@ autodoc_type_aliases = {
     name: name
     for name in ("ArrayLike", "BoolArray", "Distribution", "FloatArray", "IntArray", "Real")
 }
+
+
+def _formula(writer, node) -> None:
+    """Write a formula as MathML, which browsers draw without a script from the network."""
+    block = node.tagname == "math_block"
+    formula = tex2mathml(node.astext(), as_block=block)
+    # Room above and below, so that the theme's frame does not scroll.
+    writer.body.append(f'<div style="padding: 0.5em 0">{formula}</div>' if block else formula)
+    raise SkipNode
+
+
+def setup(app) -> None:
+    """Make formulas independent of the network."""
+    app.add_html_math_renderer("mathml", (_formula, None), (_formula, None))

@@ -1,4 +1,4 @@
-"""Pictures of README.md, small, from a finished run: ``python docs/gallery.py results``."""
+"""Pictures of the pages, small, from a finished run: ``python docs/gallery.py results``."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ WIDTH = 900
 COLOURS = 64
 
 
-def shown(readme: str) -> list[str]:
+def shown(text: str) -> list[str]:
     """Return the names of the figures that a text shows from ``docs/images``."""
-    return re.findall(r"docs/images/(\w+)\.png", readme)
+    return re.findall(r"images/(\w+)\.png", text)
 
 
 def shrink(source: Path, target: Path) -> None:
@@ -28,8 +28,10 @@ def shrink(source: Path, target: Path) -> None:
 
 
 def main(results: Path, docs: Path = DOCS) -> int:
-    """Renew all pictures of the README from a results folder."""
-    for name in shown((docs.parent / "README.md").read_text(encoding="utf-8")):
+    """Renew all pictures of the pages from a results folder, but those of the benchmarks."""
+    pages = [docs.parent / "README.md", *sorted(docs.glob("*.md")), *sorted(docs.glob("*.rst"))]
+    texts = (page.read_text(encoding="utf-8") for page in pages if page.name != "performance.md")
+    for name in dict.fromkeys(name for text in texts for name in shown(text)):
         shrink(results / f"figures/{name}.png", docs / f"images/{name}.png")
     return 0
 

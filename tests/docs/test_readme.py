@@ -67,9 +67,10 @@ def test_pictures_are_there_and_small():
 
 
 def test_pictures_are_copied_and_shrunk(tmp_path):
-    names = GALLERY["shown"](README)
+    names = [*GALLERY["shown"](README), "fig25"]
     (tmp_path / "docs").mkdir()
     (tmp_path / "README.md").write_text(README)
+    (tmp_path / "docs/page.md").write_text("![Of a page](images/fig25.png)")
     (tmp_path / "figures").mkdir()
     for name in names:
         Image.effect_noise((2000, 1000), 50).save(tmp_path / f"figures/{name}.png")

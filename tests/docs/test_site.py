@@ -36,6 +36,13 @@ def site(tmp_path_factory):
     return target / "html"
 
 
+def test_every_page_is_in_the_navigation_once():
+    index = (ROOT / "docs/index.rst").read_text(encoding="utf-8")
+    entries = re.findall(r"^ {3}([\w/-]+)$", index, flags=re.MULTILINE)
+    pages = [page.stem for page in (ROOT / "docs").glob("*.md")]
+    assert sorted(entries) == sorted([*pages, "api/index"])
+
+
 @pytest.mark.slow
 def test_every_page_and_every_exported_name_is_there(site):
     for page in PAGES:
