@@ -32,6 +32,18 @@ def test_verdicts_are_counted_right():
     assert table("equations and relations") == EQUATIONS["verdict"].value_counts().to_dict()
 
 
+def test_the_three_answers_have_the_numbers_of_their_pages():
+    answers = README.partition("in three answers:\n")[2].partition("\n\nIn the table")[0]
+    pages = "".join(
+        (ROOT / f"docs/{name}.md").read_text() for name in ("findings", "stick-criterion")
+    )
+    numbers = re.findall(r"\d+(?:\.\d+)?", answers)
+    assert len(numbers) >= 8
+    assert [
+        number for number in numbers if not re.search(rf"(?<![\d.]){number}(?![\d])", pages)
+    ] == []
+
+
 def test_there_are_some_findings():
     assert len(FINDINGS) >= 6
     assert {CLAIMS.loc[name, "verdict"] for name, _, _ in FINDINGS} >= {

@@ -156,7 +156,7 @@ def test_figures_of_the_article_and_no_others_tell_what_it_shows(registry):
 
 def test_the_front_page_counts_what_the_ledgers_say(pages, results):
     claims = pd.read_csv(results / "tables/claims.csv", dtype=str)
-    counted = claims[claims["kind"] != "arithmetic"]["verdict"].value_counts()
+    counted = claims[~claims["kind"].isin(["arithmetic", "finding"])]["verdict"].value_counts()
     (told,) = [
         given["aria-label"]
         for tag, given in pages["index.html"].tags
@@ -169,7 +169,7 @@ def test_the_front_page_counts_what_the_ledgers_say(pages, results):
     assert found == counted.to_dict()
     links = pages["index.html"].links
     failed = claims[(claims["verdict"] == "not reproduced") & (claims["kind"] != "arithmetic")]
-    assert len(failed) > 20
+    assert len(failed) > 10
     assert {f"claims.html#{i}" for i in failed["id"]} <= set(links)
 
 

@@ -15,6 +15,7 @@ from microimpact.ledgers.claims.judging import described
 ROUNDING = 1e-9
 # Of a number; one more where it fails a criterion, which may lie near it.
 DIGITS = 3
+MOST_DIGITS = 6
 
 _NUMBER = re.compile(
     r"^(?P<quantity>\w+)(?: \((?P<case>[^)]*)\))? = (?P<value>\S+)(?: (?P<unit>.+))?$"
@@ -40,7 +41,14 @@ class Quantity:
 
 
 def readable(value: float, unit: str = "-", rounding: float = 0.0, *, digits: int = DIGITS) -> str:
-    """Return a number in three digits, or more, with its unit; what is below rounding is zero."""
+    """Return a number in three digits, or more, with its unit; what is below rounding is zero.
+
+    A share that is nearly one keeps the digits that tell it from one.
+    """
+    while (
+        0.9 < abs(value) < 1.0 and digits < MOST_DIGITS and float(f"{value:.{digits}g}") in {-1, 1}
+    ):
+        digits += 1
     if abs(value) <= rounding:
         text = "0"
     elif 1e-3 <= abs(value) < 1e5:
