@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
+from microimpact.core.files import write_file
 from microimpact.measured.rebounds import Rebounds
 from microimpact.model.empirical.comparison import LIGHT, Comparison
 
@@ -63,4 +65,6 @@ def draw(data: Rebounds, found: Comparison, path: Path | str) -> None:
     for write in (below.xaxis.set_major_formatter, below.xaxis.set_minor_formatter):
         write(FuncFormatter(lambda x, _: f"{x:g}"))
     above.legend(loc="lower right")
-    figure.savefig(path)
+    target = io.BytesIO()
+    figure.savefig(target, format=Path(path).suffix[1:])
+    write_file(path, target.getvalue())

@@ -121,7 +121,10 @@ def _declarable(node: Schema, objects: Schema, leaves: dict[str, Schema]) -> Sch
     declared = {"$ref": "#/$defs/declaration", "properties": {part: node}}
     if "#/$defs/" in json.dumps(node):
         declared = {"type": "object", "required": [FROM]}
-    leaves[name] = {"anyOf": [node, declared]}
+    forms = [node, declared]
+    if part == "values" and declared.get("$ref"):  # each item with a provenance of its own
+        forms.append({"type": "array", "items": {"$ref": "#/$defs/declaration"}})
+    leaves[name] = {"anyOf": forms}
     return {"$ref": f"#/$defs/{name}"}
 
 
