@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -55,7 +55,12 @@ _NUMBERS = {
     "reference-velocity": "v_N, m/s.",
     "friction": "Coulomb coefficient f.",
 }
-_ELASTIC = {"youngs-modulus-gpa": "E, GPa", "poissons-ratio": "nu", "density": "kg/m3"}
+# Options of a material: its field, the factor to SI, and words.
+_ELASTIC = {
+    "youngs-modulus-gpa": ("youngs_modulus", 1e9, "E, GPa"),
+    "poissons-ratio": ("poissons_ratio", 1.0, "nu"),
+    "density": ("density", 1.0, "kg/m3"),
+}
 BASES = ("compressive", "hertz", "net")
 _basis_option = click.option(
     "--friction-basis",
@@ -132,7 +137,7 @@ def contact_options(command: Command) -> Command:
         *(
             click.option(f"--{role}-{name}", type=float, help=f"Of the {role}: {text}.")
             for role in ("particle", "surface")
-            for name, text in _ELASTIC.items()
+            for name, (_, _, text) in _ELASTIC.items()
         ),
         click.option("--materials", help="CSV of own materials, as config/materials.csv."),
         click.option(
@@ -385,8 +390,8 @@ def contact_of(
     from microimpact.model.pairs import IncompletePairError, pair_contact
 
     diameter = None if diameter_um is None else diameter_um * 1e-6
-    changes = {name: options[name.replace("-", "_")] for name in _NUMBERS if name != "diameter-um"}
-    changes = {name.replace("-", "_"): value for name, value in changes.items()}
+    fields = (name.replace("-", "_") for name in _NUMBERS if name != "diameter-um")
+    changes = {name: options[name] for name in fields}
     if file is not None:
         given = [name for name, value in (changes | {"particle": particle}).items() if value]
         if given or surface:
@@ -430,27 +435,19 @@ def _own_material(
     role: str, name: str, known: Mapping[str, Material], options: Mapping[str, Any]
 ) -> dict[str, Material]:
     """Return the material with what options say of it, if anything."""
-    fields = ("youngs_modulus", "poissons_ratio", "density")
-    given: dict[str, Any] = dict(_elastic(role, options))
+    said = {option: options[f"{role}_{option.replace('-', '_')}"] for option in _ELASTIC}
+    given: dict[str, Any] = {
+        field: factor * said[option]
+        for option, (field, factor, _) in _ELASTIC.items()
+        if said[option] is not None
+    }
     if not given:
         return {}
     if name in known:
         return {name: replace(known[name], **given)}
-    if missing := [
-        f"--{role}-{option}"
-        for option, field in zip(_ELASTIC, fields, strict=True)
-        if field not in given
-    ]:
+    if missing := [f"--{role}-{option}" for option, value in said.items() if value is None]:
         raise ValueError(f"the material {name!r} is not declared; give {', '.join(missing)}, too")
     return {name: Material(name=name, **given)}
-
-
-def _elastic(role: str, options: Mapping[str, Any]) -> Iterator[tuple[str, float]]:
-    fields = {"youngs_modulus": 1e9, "poissons_ratio": 1.0, "density": 1.0}
-    for option, (field, factor) in zip(_ELASTIC, fields.items(), strict=True):
-        value = options[f"{role}_{option.replace('-', '_')}"]
-        if value is not None:
-            yield field, factor * value
 
 
 def _from_file(file: str, diameter: float | None) -> Asked:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
+
+import pandas as pd
 
 from microimpact.core.materials import Material, materials_from_rows
 from microimpact.core.nearest import nearest
@@ -62,10 +65,7 @@ def calibrated_contact(inputs: Tables, case: str, **changes: Any) -> Contact:
     if rows.empty:
         raise ValueError(f"no calibrated case {case!r}{nearest(case, set(table['case']))}")
     fields = dict(zip(rows["quantity"], rows["value"].astype(float), strict=True))
-    materials: Any = inputs["materials"].to_dict("records")
-    particle, surface = rows["particle"].iloc[0], rows["surface"].iloc[0]
-    contact = pair_contact(particle, surface, materials_from_rows(materials), {}, **fields)
-    return contact.replace(**changes)
+    return _of_rows(inputs, rows, fields).replace(**changes)
 
 
 def admissible_contact(inputs: Tables, case: str, variant: str, **changes: Any) -> Contact:
@@ -92,12 +92,16 @@ def admissible_contact(inputs: Tables, case: str, variant: str, **changes: Any) 
         if name not in set(table[column]):
             raise ValueError(f"no admissible {column} {name!r}{nearest(name, set(table[column]))}")
         table = table[table[column] == name]
-    materials: Any = inputs["materials"].to_dict("records")
     fields: dict[str, Any] = {field: table[name].to_numpy(float) for name, field in DRAWN.items()}
     fields["diameter"] = fields["diameter"] * 1e-6
-    particle, surface = table["particle"].iloc[0], table["surface"].iloc[0]
-    contact = pair_contact(particle, surface, materials_from_rows(materials), {}, **fields)
-    return contact.replace(**changes)
+    return _of_rows(inputs, table, fields).replace(**changes)
+
+
+def _of_rows(inputs: Tables, rows: pd.DataFrame, fields: Mapping[str, Any]) -> Contact:
+    """Return the contact of the pair that the rows are about, from fields that say all of it."""
+    materials: Any = inputs["materials"].to_dict("records")
+    particle, surface = rows["particle"].iloc[0], rows["surface"].iloc[0]
+    return pair_contact(particle, surface, materials_from_rows(materials), {}, **fields)
 
 
 def declared(inputs: Tables) -> tuple[dict[str, Material], Pairs]:

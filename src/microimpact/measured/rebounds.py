@@ -11,8 +11,9 @@ import numpy as np
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.nearest import nearest
+from microimpact.core.units import SPEED
 
-SPEED_UNITS = {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3, "um/s": 1e-6, "km/h": 1.0 / 3.6}
+SPEED_UNITS = {**SPEED, "cm/s": 1e-2, "um/s": 1e-6, "km/h": 1.0 / 3.6}
 COLUMNS = {
     "v": "normal speed before impact",
     "e": "coefficient of restitution",

@@ -29,6 +29,7 @@ from microimpact.ledgers.claims.judging import (
     place,
 )
 from microimpact.ledgers.claims.shares import Share, shares
+from microimpact.studies.claims import NUMBER_COLUMNS
 
 __all__ = [
     "CHANGED",
@@ -40,23 +41,6 @@ __all__ = [
     "verdict",
     "verdicts",
 ]
-
-# Numbers of a claim; the case is empty where nothing is left open. A row with a problem stands for
-# numbers that could not be computed.
-NUMBER_COLUMNS = (
-    *(
-        "claim",
-        "case",
-        "quantity",
-        "value",
-        "error",
-        "unit",
-        "evidence",
-        "code",
-        "inputs",
-        "problem",
-    ),
-)
 
 # Begins what a note tells of a part that was changed.
 CHANGED = "Changed after first judging"
@@ -82,7 +66,6 @@ COLUMNS = (
     "reason",
     "note",
 )
-
 
 NO_SHARES: Mapping[str, Share] = {}
 

@@ -73,9 +73,10 @@ class Rebounds:
         return 1.0 if self.capture_velocity else 0.0
 
     @property
-    def octaves(self) -> int:
-        """Octaves of the table."""
-        return self.table.pieces // self.table.split
+    def coefficients(self) -> FloatArray:
+        """Polynomials of `RESTITUTION` and `IMPULSE` as they are written, (pieces, powers, 2)."""
+        both = self.table.coefficients[0, :, 0, :, [RESTITUTION, IMPULSE]]
+        return np.moveaxis(both, 0, -1)
 
     def __call__(self, speed: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return e and the impulse per mass and normal speed at normal speeds (n,), m/s."""
@@ -188,10 +189,9 @@ WORKED = {
 def _filled(name: str, law: Rebounds) -> str:
     """Return a template with the numbers of the law."""
     text = (files(__package__) / "templates" / name).read_text(encoding="utf-8")
-    coefficients = law.table.coefficients[0, :, 0, :, [RESTITUTION, IMPULSE]]
     rows = (
         "{" + ", ".join("{" + f"{e!r}, {i!r}" + "}" for e, i in piece) + "}"
-        for piece in np.moveaxis(coefficients, 0, -1).tolist()
+        for piece in law.coefficients.tolist()
     )
     contact = law.contact
     return Template(text).substitute(
@@ -213,7 +213,7 @@ def _filled(name: str, law: Rebounds) -> str:
         lowest=law.table.lowest,
         split=law.table.split,
         pieces=law.table.pieces,
-        terms=law.table.coefficients.shape[3],
+        terms=law.coefficients.shape[1],
         inertia=repr(INERTIA),
         slip_per_impulse=repr(SLIP_PER_IMPULSE),
         coefficients=",\n    ".join(rows),
@@ -276,12 +276,11 @@ def _commented(law: Rebounds) -> str:
 def _archive(law: Rebounds) -> bytes:
     """Return columns and polynomials as an archive of NumPy."""
     target = io.BytesIO()
-    coefficients = law.table.coefficients[0, :, 0, :, [RESTITUTION, IMPULSE]]
     np.savez(
         target,
         **_sampled(law),  # type: ignore[arg-type]
         described=np.array(_commented(law)),
-        coefficients=np.moveaxis(coefficients, 0, -1),
+        coefficients=law.coefficients,
         lowest=law.table.lowest,
         split=law.table.split,
         unit=law.unit,

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping
 import pandas as pd
 
 from microimpact.core.nearest import nearest
+from microimpact.studies.claims import NUMBER_COLUMNS
 from microimpact.studies.claims.claim_numbers import (
     conclusions,
     designs,
@@ -23,7 +24,7 @@ from microimpact.studies.claims.claim_numbers import (
     roughness,
     spores,
 )
-from microimpact.studies.claims.claim_numbers.claim import CLAIMS, COLUMNS, NOT_COMPUTED, rows
+from microimpact.studies.claims.claim_numbers.claim import CLAIMS, NOT_COMPUTED, rows
 from microimpact.studies.claims.claim_numbers.context import Context
 from microimpact.studies.claims.claim_numbers.params import Params
 
@@ -94,7 +95,7 @@ def gather(
     drawn = {place: rows for part in parts for place, rows in part}
     table = [row for place in sorted(drawn) for row in drawn[place]]
     return {
-        "claim_numbers": pd.DataFrame(found, columns=list(COLUMNS)),
+        "claim_numbers": pd.DataFrame(found, columns=list(NUMBER_COLUMNS)),
         "claim_draws": pd.DataFrame(table, columns=list(draws.COLUMNS)),
     }
 
@@ -140,7 +141,7 @@ def numbers_of(claim: str, params: Params, inputs: Mapping[str, pd.DataFrame]) -
     if claim not in CLAIMS:
         raise ValueError(f"no function computes a claim {claim!r}{nearest(claim, CLAIMS)}")
     context = Context(params=params, inputs=inputs)
-    return pd.DataFrame(list(rows(claim, context)), columns=list(COLUMNS))
+    return pd.DataFrame(list(rows(claim, context)), columns=list(NUMBER_COLUMNS))
 
 
 def _ascending() -> list[str]:

@@ -9,21 +9,6 @@ from typing import Any
 
 from microimpact.studies.claims.claim_numbers.context import Context, Estimate
 
-COLUMNS = (
-    *(
-        "claim",
-        "case",
-        "quantity",
-        "value",
-        "error",
-        "unit",
-        "evidence",
-        "code",
-        "inputs",
-        "problem",
-    ),
-)
-
 VIRTUAL, CALIBRATED = "virtual experiment", "calibrated"
 
 # The quantity of the row that stands for numbers that cannot be computed.
