@@ -54,7 +54,7 @@ from microimpact.declared.selection import DeclaredTable, NamedTables, read_all
 from microimpact.ledgers import claims, equations
 from microimpact.run.config import read_configuration, validate
 from microimpact.run.inputs import read_inputs
-from microimpact.studies import homes, study
+from microimpact.studies import homes, needs, study
 from microimpact.studies.claims import claim_numbers
 
 ROOT = Path(__file__).parents[1]
@@ -83,7 +83,7 @@ class Rests(NamedTuple):
 # ---- What is known of the project: the declared document, what rests on it, and how to run that.
 
 TABLES = ("materials", "contacts", "printed_values", "external")
-NUMBERS = ("value", "low", "high")
+NUMBERS = ("value", "low", "high", "at", "reading_error")
 # The columns that name a row of each table.
 NAMES = {
     "materials": ("material", "property"),
@@ -182,11 +182,16 @@ def _row(row: Mapping[str, Any]) -> dict[str, str]:
 
 
 class Inputs(NamedTables):
-    """Tables that a study is given: declared rows, and tables of a run when it asks for them."""
+    """Tables that a study is given: declared rows, and those of a run that it needs.
 
-    def __init__(self, rows: Mapping[str, str], results: Path) -> None:
+    A ledger, which needs whatever it asks for, is given that when it asks.
+    """
+
+    def __init__(self, name: str, rows: Mapping[str, str], results: Path) -> None:
         super().__init__({name: parse_table(text) for name, text in rows.items()})
         self.results = results
+        if name in homes():
+            self.update((table, self[table]) for table in needs(name))
 
     def __missing__(self, name: str) -> Any:
         path = self.results / f"tables/{name}.csv"
@@ -197,7 +202,7 @@ def made(name: str, rests: Rests, results: Path) -> Tables:
     """Return the tables of a study that comes in one piece, or of a ledger."""
     if name == WORDS:
         return {name: pd.DataFrame(map(json.dumps, rests.branch.items()))}
-    inputs = Inputs(rests.rows, results)
+    inputs = Inputs(name, rests.rows, results)
     if name == "equations":
         return {name: equations.judge(inputs)}
     if name.startswith("claims."):
@@ -405,7 +410,7 @@ def _claims_by_cost(rests: Rests, world: World) -> list[tuple[str, str]]:
 
 def _given(name: str, rests: Rests, world: World) -> tuple[Any, Inputs]:
     """Return what a study is run with."""
-    return build(study(name).Params, rests.branch), Inputs(rests.rows, world.results)
+    return build(study(name).Params, rests.branch), Inputs(name, rests.rows, world.results)
 
 
 def _in_parts(name: str) -> bool:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import get_args, get_type_hints
+
 import numpy as np
 import pytest
 
 from microimpact import Contact, Material, ThorntonNing, simulate
+from microimpact.model.contact_laws import NAMES
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.studies.models import contact_laws
 
@@ -121,6 +124,10 @@ def test_ranges_must_not_be_empty(run_study, shipped_calibration):
 def test_figure(tables, draw):
     figure = draw("rival_laws", tables)
     assert {t.get_text() for ax in figure.axes for t in ax.texts} >= {"hysteresis"}
+
+
+def test_every_law_of_the_model_can_be_declared():
+    assert get_args(get_type_hints(contact_laws.Law)["law"]) == NAMES
 
 
 def test_a_contact_of_every_law_is_made_from_arrays(steel, silicon):

@@ -337,6 +337,8 @@ def test_calibrated_contacts_go_from_command_to_command(microimpact, tmp_path):
     )
     limits = found["contacts"]["v_c (m/s)"]
     assert limits["low"] < 0.18 < limits["high"]
+    best = json.loads(file.read_text(encoding="utf-8"))["best"]
+    assert found["contacts"]["c_H"]["best"] == best["hertz_damping"]  # every digit
     answer = json.loads(
         microimpact("simulate", "--contact", str(file), "--speed", "1:1.5:2", "--json").stdout
     )

@@ -15,6 +15,12 @@ from microimpact.cli.output import Sweep, number, print_json, print_table, warn
 from microimpact.core.arrays import POSITIVE, checked
 from microimpact.core.materials import Material, declared_file, materials_from_rows
 from microimpact.declared.selection import CONTACT_COLUMNS, MATERIAL_COLUMNS, read_declared
+from microimpact.model.choices import (
+    FORMATS,
+    FRICTION_BASES,
+    STIFFNESS_MODELS,
+    TANGENTIAL_LAWS,
+)
 
 if TYPE_CHECKING:
     from microimpact.core.arrays import FloatArray
@@ -61,11 +67,10 @@ _ELASTIC = {
     "poissons-ratio": ("poissons_ratio", 1.0, "nu"),
     "density": ("density", 1.0, "kg/m3"),
 }
-BASES = ("compressive", "hertz", "net")
 _basis_option = click.option(
     "--friction-basis",
-    type=click.Choice(BASES),
-    default=BASES[0],
+    type=click.Choice(FRICTION_BASES),
+    default=FRICTION_BASES[0],
     show_default=True,
     help="Force that supports friction.",
 )
@@ -142,8 +147,8 @@ def contact_options(command: Command) -> Command:
         click.option("--materials", help="CSV of own materials, as config/materials.csv."),
         click.option(
             "--stiffness-model",
-            type=click.Choice(("hertz", "reduced")),
-            default="hertz",
+            type=click.Choice(STIFFNESS_MODELS),
+            default=STIFFNESS_MODELS[0],
             show_default=True,
         ),
         click.option("--json", "as_json", is_flag=True, help="JSON in SI units; infinity is null."),
@@ -161,8 +166,8 @@ def contact_options(command: Command) -> Command:
 @_basis_option
 @click.option(
     "--tangential",
-    type=click.Choice(("rigid", "mindlin", "spring")),
-    default="rigid",
+    type=click.Choice(TANGENTIAL_LAWS),
+    default=TANGENTIAL_LAWS[0],
     show_default=True,
     help="Compliance along the surface.",
 )
@@ -286,8 +291,8 @@ def capture_command(as_json: bool, **pair: Any) -> None:
 @click.option(
     "--format",
     "form",
-    type=click.Choice(("c", "csv", "npz", "fluent", "openfoam", "lammps")),
-    default="c",
+    type=click.Choice(FORMATS),
+    default=FORMATS[0],
     show_default=True,
 )
 @click.option("-o", "--output", default=".", show_default=True, help="Folder of the files.")

@@ -154,14 +154,13 @@ def calibrate_command(
     if output:
         write_contacts(output, contact, best)
     limit = np.atleast_1d(captured_below(contact))
-    rows = [(name, *_range(getattr(contact, of), getattr(best, of))) for name, of in _SHORT.items()]
-    rows.append(("v_c (m/s)", *_range(limit, captured_below(best))))
+    ranges = {n: _range(getattr(contact, of), getattr(best, of)) for n, of in _SHORT.items()}
+    ranges["v_c (m/s)"] = _range(limit, captured_below(best))
     if as_json:
-        ends = ("best", "median", "low", "high")
-        numbers_of = {name: dict(zip(ends, map(float, of), strict=True)) for name, *of in rows}
-        print_json({"contacts": numbers_of, "draws": limit.size, "file": output})
+        print_json({"contacts": ranges, "draws": limit.size, "file": output})
         return
     title = f"{best.particle.name} on {best.surface.name}, {best.diameter * 1e6:g} um"
+    rows = [(name, *map(number, of.values())) for name, of in ranges.items()]
     print_table(title, ("", "best", "median", "5 %", "95 %"), rows)
     if found is not None:
         click.echo(str(found))
@@ -209,6 +208,6 @@ def _wanted(free: str) -> list[str]:
     return [_SHORT[name] for name in names]
 
 
-def _range(values: Any, best: Any) -> tuple[str, str, str, str]:
+def _range(values: Any, best: Any) -> dict[str, float]:
     low, middle, high = np.quantile(values, [0.05, 0.5, 0.95], method="nearest")
-    return number(float(best)), number(middle), number(low), number(high)
+    return {"best": float(best), "median": middle, "low": low, "high": high}

@@ -10,9 +10,8 @@ import numpy as np
 
 from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, Real, checked, choice, common_shape
 from microimpact.core.materials import Material
+from microimpact.model.choices import STIFFNESS_MODELS
 from microimpact.model.contact_laws import RING_FORCE, ContactLaw, Hysteresis, contact_law
-
-STIFFNESS_MODELS = ("hertz", "reduced")
 
 # Eq. (31) with the static equilibrium radius a_c^3 = 6 pi w_A r^2 / K is a constant share of K.
 REDUCED_STIFFNESS_SHARE = 1.0 - 2.5 * (5.0 / 9.0) ** 1.5 / 6.0

@@ -9,8 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import cumulative_simpson
 
+from microimpact.model.choices import FRICTION_BASES
 from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.model.dynamics.impact import FRICTION_BASES, planar, simulate, spatial
+from microimpact.model.dynamics.impact import planar, simulate, spatial
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.dynamics.trajectory import trajectory
 from microimpact.model.rigid_body.algebra import energy_loss, rigid_body_rebound

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import simpson
 
+from microimpact.model.choices import FRICTION_BASES
 from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.model.dynamics.impact import FRICTION_BASES, simulate
+from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.dynamics.trajectory import CAPTURED_PERIODS, trajectory
 

@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from microimpact.model.choices import FORMATS, FRICTION_BASES
 from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.model.dynamics.impact import FRICTION_BASES, planar
-from microimpact.model.law.export import FORMATS
+from microimpact.model.dynamics.impact import planar
 from microimpact.model.law.table import tabulate
 
 STRICT = ("gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O2")

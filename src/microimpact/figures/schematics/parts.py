@@ -36,7 +36,6 @@ KEY = {
 THIN, MEDIUM, THICK = 0.5, 0.8, 1.3
 LIGHT = "C2"
 STEEL, PALE = "0.8", "0.94"
-KEY_MM = 6.0
 
 
 @dataclass(frozen=True, slots=True)

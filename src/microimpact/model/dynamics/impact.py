@@ -24,14 +24,13 @@ from microimpact.core.arrays import (
     choice,
     common_shape,
 )
+from microimpact.model.choices import FRICTION_BASES, TANGENTIAL_LAWS
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.contact_laws import RING_FORCE
 from microimpact.model.dynamics.normal import NormalImpact, normal_impact
 from microimpact.model.dynamics.tangential import compliant_impulse
 from microimpact.model.rigid_body.algebra import APPROACHING, INERTIA, SLIP_PER_IMPULSE
 
-FRICTION_BASES = ("compressive", "hertz", "net")
-TANGENTIAL_LAWS = ("rigid", "mindlin", "spring")
 # Of other laws than the ring force: that has a Hertz term, and if damped pulls harder than this.
 PULL_OFF = "pull-off"
 # Squares of faster spheres' energies would leave double precision long after physics is left.

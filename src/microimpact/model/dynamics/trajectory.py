@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from microimpact.core.arrays import FINITE, FloatArray, Real, checked, choice
 from microimpact.core.solve import roots
+from microimpact.model.choices import FRICTION_BASES
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.dynamics import kernel
 from microimpact.model.dynamics.impact import (
     ANGLE,
-    FRICTION_BASES,
     SPEED,
     velocity_components,
 )

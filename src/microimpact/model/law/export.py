@@ -19,15 +19,13 @@ import numpy as np
 
 from microimpact.core.arrays import POSITIVE, FloatArray, checked, choice
 from microimpact.core.files import write_file
+from microimpact.model.choices import FORMATS, FRICTION_BASES
 from microimpact.model.contact import Contact
-from microimpact.model.dynamics.impact import FRICTION_BASES
 from microimpact.model.dynamics.normal import integrate
 from microimpact.model.law.families import COMPRESSIVE, HERTZ, PEAK, RESTITUTION, Family, quantities
 from microimpact.model.law.pieces import WIDTH, Table, piecewise
 from microimpact.model.law.table import SPLITS, Law
 from microimpact.model.rigid_body.algebra import INERTIA, SLIP_PER_IMPULSE
-
-FORMATS = ("c", "csv", "npz", "fluent", "openfoam", "lammps")
 
 # Binary exponent of the lowest octave of v/v_c - 1: there e ~ sqrt(v/v_c - 1) to some parts in a
 # million of itself, and e is 1e-4. Without capture, of c_H v: there e is 1 to double precision.

@@ -252,17 +252,6 @@ def greatest_restitution(angle: object, e: object) -> Real:
     return 0.5 * ((1.0 + e) / np.sin(angle) - (1.0 - e))
 
 
-def kept_energy(angle: object, measured_e: object, measured_mu: object) -> Real:
-    """Translational energy after impact over that before, from measured coefficients.
-
-    ``(e_m sin alpha)^2 + (cos alpha + mu_m (1 + e_m) sin alpha)^2``; without spin at most 1.
-    """
-    angle, e_m = checked("angle", angle, ANGLE), checked("measured_e", measured_e, FINITE)
-    mu_m = checked("measured_mu", measured_mu, FINITE)
-    along = np.cos(angle) + mu_m * (1.0 + e_m) * np.sin(angle)
-    return np.square(e_m * np.sin(angle)) + np.square(along)
-
-
 def _facing(angle: object, slope: object) -> tuple[Real, Real]:
     angle, slope = checked("angle", angle, ANGLE), checked("slope", slope, SLOPE)
     common_shape({"angle": angle, "slope": slope})

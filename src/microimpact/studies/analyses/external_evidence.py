@@ -24,9 +24,10 @@ from microimpact.declared.parameters import (
     Positive,
 )
 from microimpact.lab.contacts import calibrated_contact
+from microimpact.model.choices import TANGENTIAL_LAWS
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.model.dynamics.impact import TANGENTIAL_LAWS, simulate
+from microimpact.model.dynamics.impact import simulate
 
 NEEDS = {
     "calibration": ("calibration",),

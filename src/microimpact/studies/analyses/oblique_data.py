@@ -30,8 +30,9 @@ from microimpact.declared.parameters import (
 )
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.calibration import hertz_damping_for
+from microimpact.model.choices import TANGENTIAL_LAWS
 from microimpact.model.contact import Contact
-from microimpact.model.dynamics.impact import TANGENTIAL_LAWS, Impact, simulate
+from microimpact.model.dynamics.impact import Impact, simulate
 from microimpact.model.rigid_body.algebra import INERTIA, SLIP_PER_IMPULSE
 
 NEEDS = {"calibration": ("calibration",)}

@@ -14,9 +14,10 @@ from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import Tables, series_frame
 from microimpact.declared.parameters import CaseName, Finite, Fraction, Positive, PrintedName
 from microimpact.lab.contacts import calibrated_contact
+from microimpact.model.choices import FRICTION_BASES
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.model.dynamics.impact import FRICTION_BASES, simulate, velocity_components
+from microimpact.model.dynamics.impact import simulate, velocity_components
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
 
 NEEDS = {"calibration": ("calibration",)}

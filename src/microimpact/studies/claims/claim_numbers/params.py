@@ -23,6 +23,7 @@ from microimpact.lab.pdpa.analyser import Analyser
 from microimpact.lab.pdpa.pairing import Form
 from microimpact.lab.ptis.system import ImagingSystem
 from microimpact.lab.samples import Dropped, Sampling
+from microimpact.model.choices import FrictionBasis
 from microimpact.statistics.distributions import Distribution
 
 FacingDegrees = Annotated[float, Field(gt=-90, lt=90)]
@@ -57,7 +58,7 @@ class Steel:
     restitution: Fraction
     friction: Fraction
     spin_ratio: Finite
-    friction_basis: Literal["compressive", "hertz", "net"]
+    friction_basis: FrictionBasis
     angles_deg: Angles
     angle_step_deg: Positive
 

@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from microimpact.core.arrays import FloatArray, Real
+from microimpact.model.choices import FRICTION_BASES
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import (
-    FRICTION_BASES,
     simulate,
 )
 from microimpact.model.dynamics.normal import normal_impact

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
@@ -23,6 +23,7 @@ from microimpact.declared.parameters import (
     Positive,
 )
 from microimpact.lab.contacts import declared_contact
+from microimpact.model.choices import FrictionBasis
 from microimpact.model.contact import Contact
 from microimpact.statistics.distributions import generator
 from microimpact.studies.models.admissible_contacts.statements import (
@@ -45,7 +46,6 @@ FIELDS = {
 }
 # Those whose logarithm is uniform before the statements.
 LOGARITHMIC = ("work_of_adhesion_J_per_m2", "adhesion_damping_s_per_m")
-Basis = Literal["compressive", "hertz", "net"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -104,7 +104,7 @@ class Case:
     speed_m_per_s: Positive
     ranges: Ranges
     classes_um: Annotated[tuple[Positive, ...], Field(min_length=2)]
-    friction_bases: Annotated[tuple[Basis, ...], Field(min_length=1)]
+    friction_bases: Annotated[tuple[FrictionBasis, ...], Field(min_length=1)]
     shown_m_per_s: tuple[Positive, Positive]
     compared: tuple[CaseName, ...]
     statements: Annotated[tuple[Within, ...], Keyed("statement")]

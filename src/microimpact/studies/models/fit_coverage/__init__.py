@@ -41,7 +41,6 @@ from microimpact.studies.models.fit_coverage.truths import (
 )
 
 AboveCapture = Annotated[float, Field(gt=1, allow_inf_nan=False)]
-Open = Annotated[float, Field(gt=0, lt=1)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
