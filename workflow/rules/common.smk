@@ -42,6 +42,7 @@ import closure
 from microimpact import studies
 from microimpact.core.files import of_other_inputs, recorded_since, write_checksums
 from microimpact.core.tables import write_table
+from microimpact.figures.registry import FORMATS
 from microimpact.report import explorer, site
 from microimpact.report.site import record as site_record
 from microimpact.declared.documents import load
@@ -169,7 +170,7 @@ def result_rules():
         site_record.Rule(
             name=figure,
             inputs=tuple(f"data/{table}.csv" for table in spec.data),
-            outputs=(f"figures/{figure}.svg", f"figures/{figure}.png"),
+            outputs=tuple(f"figures/{figure}.{kind}" for kind in FORMATS),
         )
         for figure, spec in FIGURES.items()
     ]

@@ -24,7 +24,7 @@ for job, drawn in FIGURE_JOBS.items():
                 )
                 for figure in drawn
             ],
-            [f"<results>/figures/{figure}.png" for figure in drawn],
+            [f"<results>/figures/{figure}.{kind}" for figure in drawn for kind in ("png", "pdf")],
         log:
             f"<results>/logs/{job}.log",
         benchmark:
@@ -47,5 +47,4 @@ for figure in FIGURES:
         name:
             figure
         input:
-            f"<results>/figures/{figure}.svg",
-            f"<results>/figures/{figure}.png",
+            [f"<results>/figures/{figure}.{kind}" for kind in FORMATS],

@@ -1,4 +1,4 @@
-"""Draw the figures of one study from its tables, each as SVG and PNG."""
+"""Draw the figures of one study from its tables, each as SVG, PNG and PDF."""
 
 from importlib import import_module
 from pathlib import Path
@@ -7,7 +7,7 @@ from typing import Any
 from job import run
 
 from microimpact.core.tables import read_figure_data
-from microimpact.figures.registry import figure_spec
+from microimpact.figures.registry import FORMATS, figure_spec
 from microimpact.figures.style import save
 from microimpact.run.digitised import overlaid, read_points
 
@@ -31,7 +31,7 @@ def main(job: Any) -> str:
             tables = overlaid(tables, spec, points)
             origin = f", digitised points from {points.source}"
         draw = getattr(import_module(spec.module), spec.function)
-        save(draw(tables, spec), folder / f"{figure}.svg", folder / f"{figure}.png")
+        save(draw(tables, spec), *(folder / f"{figure}.{kind}" for kind in FORMATS))
         account.append(f"{figure}: drawn from {', '.join(tables)}{origin}\n")
     return "".join(account)
 

@@ -27,6 +27,8 @@ Place = Literal[
     "lower right",
 ]
 
+# Every figure is written in each of these.
+FORMATS = ("svg", "png", "pdf")
 # A figure of the article by its number, or one of our own.
 FIGURE_NAME = r"^(fig\d\d|[a-z]+(_[a-z]+)*)$"
 

@@ -29,6 +29,12 @@ WIDTH_MM = {"single": 86.0, "double": 174.0}
 MM_PER_INCH = 25.4
 # Room that an entry of the key takes: its mark, and a letter of its label.
 KEY_MARK_MM, KEY_LETTER_MM = 11.0, 1.0
+# What each format would say of date and program: left out, as keys with the value None are.
+UNDATED = {
+    "svg": ("Date", "Creator"),
+    "png": ("Software",),
+    "pdf": ("CreationDate", "Creator", "Producer"),
+}
 
 # How a mark shows its evidence; lines are computed, marks come from elsewhere. A calibrated line
 # has ticks, which nobody takes for measured points.
@@ -350,7 +356,7 @@ def save(figure: Figure, *paths: Path | str) -> None:
     """Save a figure in the format of each suffix; equal figures give equal bytes.
 
     Each file is written in one step; neither dates nor program versions go into it. The layout is
-    made once, with the text as wide as in an SVG, so that both files agree.
+    made once, with the text as wide as in an SVG, so that all files agree.
     """
     with context():
         if engine := figure.get_layout_engine():
@@ -365,7 +371,5 @@ def save(figure: Figure, *paths: Path | str) -> None:
 def _save(figure: Figure, path: Path) -> None:
     buffer = io.BytesIO()
     kind = path.suffix.removeprefix(".")
-    # A key with the value None is left out of the file.
-    metadata = {"svg": {"Date": None, "Creator": None}, "png": {"Software": None}}.get(kind)
-    figure.savefig(buffer, format=kind, metadata=metadata)
+    figure.savefig(buffer, format=kind, metadata=dict.fromkeys(UNDATED[kind]))
     write_file(path, buffer.getvalue())

@@ -64,6 +64,7 @@ FORMATS = {
     ".json": "application/json",
     ".log": "text/plain",
     ".md": "text/markdown",
+    ".pdf": "application/pdf",
     ".png": "image/png",
     ".py": "text/x-python",
     ".rst": "text/x-rst",

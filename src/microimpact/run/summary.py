@@ -42,7 +42,7 @@ def summary(results: Path, made: Sequence[str], outdated: Sequence[str] = ()) ->
 
 
 def _told(made: Sequence[str]) -> str:
-    shown = [name for name in made if not name.endswith(".png")]
+    shown = [name for name in made if not name.endswith((".png", ".pdf"))]
     if len(shown) <= FEW:
         return ", ".join(shown)
     counts = Counter(name.partition("/")[0] for name in shown)

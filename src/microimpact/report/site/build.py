@@ -23,7 +23,7 @@ REPORT = "report"
 # Folders of the report that belong to the site alone: made anew each time.
 FOLDERS = ("figures", "files")
 # What is copied into the report, so that it can be moved and sent alone.
-COPIED = {"figures": ("*.svg", "*.png"), "tables": ("*.csv",), "data": ("*.csv",)}
+COPIED = {"figures": ("*.svg", "*.png", "*.pdf"), "tables": ("*.csv",), "data": ("*.csv",)}
 
 CLAIM_COLUMNS = (
     *("id", "where", "statement", "kind", "criterion", "article_value", "computed_value"),
