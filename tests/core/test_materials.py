@@ -6,12 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from microimpact.core.materials import (
-    Material,
-    declared_file,
-    find_material,
-    materials_from_rows,
-)
+from microimpact.core.materials import Material, declared_file, find_material, materials_from_rows
 
 GOOD = {"name": "steel", "youngs_modulus": 193e9, "poissons_ratio": 0.28, "density": 8000.0}
 

@@ -10,12 +10,7 @@ import numpy as np
 import pytest
 from workflow.scripts.job import logged
 
-from microimpact.core.files import (
-    AlteredError,
-    of_other_inputs,
-    require_unaltered,
-    write_checksums,
-)
+from microimpact.core.files import AlteredError, of_other_inputs, require_unaltered, write_checksums
 from microimpact.core.tables import (
     TableError,
     read_figure_data,

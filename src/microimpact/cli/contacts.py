@@ -15,12 +15,7 @@ from microimpact.cli.output import Sweep, number, print_json, print_table, warn
 from microimpact.core.arrays import POSITIVE, checked
 from microimpact.core.materials import Material, declared_file, materials_from_rows
 from microimpact.declared.selection import CONTACT_COLUMNS, MATERIAL_COLUMNS, read_declared
-from microimpact.model.choices import (
-    FORMATS,
-    FRICTION_BASES,
-    STIFFNESS_MODELS,
-    TANGENTIAL_LAWS,
-)
+from microimpact.model.choices import FORMATS, FRICTION_BASES, STIFFNESS_MODELS, TANGENTIAL_LAWS
 
 if TYPE_CHECKING:
     from microimpact.core.arrays import FloatArray

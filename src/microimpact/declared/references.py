@@ -16,13 +16,7 @@ import numpy as np
 
 from microimpact.core.nearest import nearest
 from microimpact.declared.parameters import KIND, Shape, shape
-from microimpact.declared.provenance import (
-    Declared,
-    as_text,
-    given,
-    is_declaration,
-    problems,
-)
+from microimpact.declared.provenance import Declared, as_text, given, is_declaration, problems
 
 FROM, SEED = "from", "seed"
 NOTHING = "names nothing"

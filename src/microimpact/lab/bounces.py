@@ -50,21 +50,13 @@ def with_later_impacts(impacts: Impacts, later: Later, limit: int) -> Impacts:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Resting:
-    """What becomes of n spheres on a target without edge.
+    """What becomes of n spheres on a target without edge."""
 
-    Attributes
-    ----------
-    captured
-        True where the sphere came to rest within the bounces followed, shape (n,).
-    impacts
-        Impacts made, shape (n,).
-    reach
-        Greatest distance from the middle at which it touched the surface, m, shape (n,): on a
-        target of a larger radius it rests, past the edge of a smaller one it falls.
-    """
-
+    # True where the sphere came to rest within the bounces followed, shape (n,).
     captured: BoolArray
-    impacts: IntArray
+    impacts: IntArray  # Impacts made, shape (n,)
+    # Greatest distance from the middle at which it touched the surface, m, shape (n,): on a target
+    # of a larger radius it rests, past the edge of a smaller one it falls.
     reach: FloatArray
 
     def on_target(self, radius: float) -> BoolArray:

@@ -69,30 +69,16 @@ class Dropped:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sampling:
-    """How samples are drawn and what an experiment is.
+    """How samples are drawn and what an experiment is."""
 
-    Attributes
-    ----------
-    seed
-        Root of all draws; all samples share them (common random numbers).
-    impacts
-        Particles dropped per sample.
-    events
-        Events behind a mean of the article's experiments, for the half-widths.
-    angle_error_deg
-        Standard uncertainty of a target's angle, shared by the events of an experiment.
-    dispenser
-        Spreads of release.
-    tabulated
-        Whether normal impacts come from a table per contact, which pays where many samples have
-        the same.
-    """
-
-    seed: int
-    impacts: Count
-    events: Count
+    seed: int  # Root of all draws; all samples share them (common random numbers)
+    impacts: Count  # Particles dropped per sample
+    events: Count  # Events behind a mean of the article's experiments, for the half-widths
+    # Standard uncertainty of a target's angle, shared by the events of an experiment.
     angle_error_deg: NonNegative
-    dispenser: Dispenser
+    dispenser: Dispenser  # Spreads of release
+    # Whether normal impacts come from a table per contact, which pays where many samples have the
+    # same.
     tabulated: bool = True
 
 
@@ -107,21 +93,12 @@ class Statistic:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Seen:
-    """Rebounds of one sample in the plane of measurement, within the speed class.
+    """Rebounds of one sample in the plane of measurement, within the speed class."""
 
-    Attributes
-    ----------
-    measured
-        The rebounds.
-    captured_share
-        Share of those that arrived that is not among them: captured, or unseen by an instrument.
-    statistics
-        Of every quantity.
-    """
-
-    measured: Measured
+    measured: Measured  # The rebounds
+    # Share of those that arrived that is not among them: captured, or unseen by an instrument.
     captured_share: float
-    statistics: Mapping[str, Statistic]
+    statistics: Mapping[str, Statistic]  # Of every quantity
 
 
 def contact_of(dropped: Dropped, inputs: Tables) -> Contact:

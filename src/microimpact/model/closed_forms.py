@@ -50,14 +50,8 @@ def brach_dunn_velocity(contact: Contact) -> Real:
 def dahneke_velocity(adhesion_energy: Real, mass: Real, restitution: Real) -> Real:
     """Capture velocity of Dahneke 1971, m/s: ``e^2 = (1 - e^2) E / (m v^2 / 2)`` at capture.
 
-    Parameters
-    ----------
-    adhesion_energy
-        Energy E of the adhering sphere, J.
-    mass
-        kg.
-    restitution
-        Coefficient of restitution far above capture.
+    `adhesion_energy`: energy E of the adhering sphere, J; `mass`: kg; `restitution`: coefficient of
+    restitution far above capture.
     """
     lost = (1.0 - np.square(restitution)) / np.square(restitution)
     return np.sqrt(2.0 * adhesion_energy / mass * lost)
@@ -71,14 +65,8 @@ def sticking_restitution(
     ``e = R sqrt(1 - (V_s/V)^2)``, zero up to V_s: with R = 1 that of JKR's quasi-static loss
     (Thornton and Ning 1998), with R that of the bare impact Dahneke's of 1971.
 
-    Parameters
-    ----------
-    speed
-        Normal impact speed V, m/s.
-    sticking_velocity
-        V_s, m/s.
-    restitution
-        R far above V_s.
+    `speed`: normal impact speed V, m/s; `sticking_velocity`: v_s, m/s; `restitution`: R far above
+    V_s.
     """
     share = np.square(np.asarray(sticking_velocity) / np.asarray(speed))
     return np.asarray(restitution * np.sqrt(np.maximum(1.0 - share, 0.0)))
@@ -90,12 +78,7 @@ def yield_velocity(contact: Contact, yield_strength: Real) -> Real:
     ``V_y = (pi / 2E*)^2 (8 pi r^3 p_y^5 / (15 m))^(1/2)``, which is ``1.56 (p_y^5 / (E*^4
     rho))^(1/2)`` on a plane, with ``p_y = 1.6`` times the yield strength.
 
-    Parameters
-    ----------
-    contact
-        The contact.
-    yield_strength
-        Of the softer body, Pa.
+    `contact`: the contact; `yield_strength`: of the softer body, Pa.
     """
     pressure = YIELD_PRESSURE_RATIO * np.asarray(yield_strength)
     size = 8.0 * np.pi * np.power(contact.hertz_radius, 3) / (15.0 * contact.mass)
@@ -111,12 +94,7 @@ def plastic_restitution(speed: Real, yield_velocity: Real) -> FloatArray:
     ``e = (6 sqrt(3)/5)^(1/2) (1 - x^2/6)^(1/2) (x / (x + 2 (6/5 - x^2/5)^(1/2)))^(1/4)``; one up
     to V_y.
 
-    Parameters
-    ----------
-    speed
-        Normal impact speed V, m/s.
-    yield_velocity
-        V_y, m/s.
+    `speed`: normal impact speed V, m/s; `yield_velocity`: v_y, m/s.
     """
     x = np.minimum(np.asarray(yield_velocity) / np.asarray(speed), 1.0)
     unloading = x / (x + 2.0 * np.sqrt(1.2 - np.square(x) / 5.0))

@@ -22,12 +22,8 @@ HIGHEST = 0.05
 def doubts(contact: Contact, compression: Real | None = None) -> Iterator[str]:
     """Tell what about a contact is hardly meant, each in a sentence that names the number.
 
-    Parameters
-    ----------
-    contact
-        The contact, its fields of any shape.
-    compression
-        Greatest compression of impacts, m.
+    `contact`: the contact, its fields of any shape; `compression`: greatest compression of impacts,
+    m.
     """
     for role in ("particle", "surface"):
         body = getattr(contact, role)

@@ -36,20 +36,10 @@ WIDTH = 96
 def tell(name: str, changes: Mapping[str, Any], results: Path) -> str:
     """Return a claim in words, its numbers from a run or computed anew.
 
-    Parameters
-    ----------
-    name
-        Such as ``C58``.
-    changes
-        Declared values to be changed, at every depth; the claim alone is then computed anew, with
-        the studies that it needs, and nothing is written.
-    results
-        Results folder. Tables are taken from it if it holds a run of the shipped configuration.
-
-    Raises
-    ------
-    ValueError
-        If there is no such claim or key, or a value is not allowed.
+    `name`: such as ``C58``; `changes`: declared values to be changed, at every depth; the claim
+    alone is then computed anew, with the studies that it needs, and nothing is written; `results`:
+    results folder. Tables are taken from it if it holds a run of the shipped configuration. Raises
+    ValueError if there is no such claim or key, or a value is not allowed.
     """
     claims = read_claims(declared_file("claims.yaml"))
     if name not in claims:
@@ -72,10 +62,7 @@ def tell(name: str, changes: Mapping[str, Any], results: Path) -> str:
 def changed(settings: Sequence[str]) -> dict[str, Any]:
     """Return the changes that texts like ``claim_numbers.steel.friction=0.3`` mean.
 
-    Raises
-    ------
-    ValueError
-        If a text is none of that form.
+    Raises ValueError if a text is none of that form.
     """
     found: dict[str, Any] = {}
     for text in settings:

@@ -32,12 +32,7 @@ class PageError(ValueError):
 class Numbers:
     """One table as a template reads it: `table(column, **where)` is the only such number.
 
-    Parameters
-    ----------
-    name
-        Of the table, for messages.
-    rows
-        Its rows.
+    `name`: of the table, for messages; `rows`: its rows.
     """
 
     def __init__(self, name: str, rows: pd.DataFrame) -> None:
@@ -46,10 +41,7 @@ class Numbers:
     def __call__(self, column: str, **where: Any) -> float:
         """Return the number of a column in the one row that meets all conditions.
 
-        Raises
-        ------
-        PageError
-            If there is no such column, or not exactly one such row with a number.
+        Raises PageError if there is no such column, or not exactly one such row with a number.
         """
         found = self.all(column, **where)
         if len(found) != 1:
@@ -61,10 +53,7 @@ class Numbers:
 
         A condition is a value, or the pair of ends between which a number must lie.
 
-        Raises
-        ------
-        PageError
-            If there is no such column or no such number.
+        Raises PageError if there is no such column or no such number.
         """
         chosen = np.ones(len(self.rows), bool)
         for key, value in where.items():
@@ -89,19 +78,8 @@ class Numbers:
 def pages(results: Path, docs: Path, criteria: Path) -> tuple[dict[str, str], tuple[str, ...]]:
     """Return the text of each page by its name, and the names of the tables read.
 
-    Parameters
-    ----------
-    results
-        Folder with ``tables`` of a full run.
-    docs
-        Folder of the templates.
-    criteria
-        The file of claims.
-
-    Raises
-    ------
-    PageError
-        If a table, column or row is missing.
+    `results`: folder with ``tables`` of a full run; `docs`: folder of the templates; `criteria`:
+    the file of claims. Raises PageError if a table, column or row is missing.
     """
     read: dict[str, Numbers] = {}
 
@@ -143,10 +121,7 @@ def _percent(value: float, digits: int = 0) -> str:
 def renew(results: Path, docs: Path, criteria: Path, kept: Path) -> list[Path]:
     """Write the pages, and keep the tables that they read; return the files that changed.
 
-    Raises
-    ------
-    PageError
-        If the run is not one of the shipped configuration, or lacks a number.
+    Raises PageError if the run is not one of the shipped configuration, or lacks a number.
     """
     _require_full(results, kept)
     texts, names = pages(results, docs, criteria)

@@ -19,24 +19,12 @@ _PART = re.compile(r"-\d+-of-\d+$")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Timing:
-    """Cost of one job.
+    """Cost of one job."""
 
-    Attributes
-    ----------
-    job
-        Name of its rule, with the part where the rule comes in parts.
-    wall
-        Time from beginning to end, s.
-    processor
-        Time of processors, s; None where the job was too short to be sampled.
-    memory
-        Largest resident memory, MB; None likewise.
-    """
-
-    job: str
-    wall: float
-    processor: float | None
-    memory: float | None
+    job: str  # Name of its rule, with the part where the rule comes in parts
+    wall: float  # Time from beginning to end, s
+    processor: float | None  # Time of processors, s; None where the job was too short to be sampled
+    memory: float | None  # Largest resident memory, MB; None likewise
 
     @property
     def rule(self) -> str:
@@ -47,10 +35,7 @@ class Timing:
 def read_timings(results: Path) -> list[Timing]:
     """Return the cost of all jobs of a run, the longest first.
 
-    Raises
-    ------
-    ValueError
-        If nothing was measured there, or a file is not as the workflow writes it.
+    Raises ValueError if nothing was measured there, or a file is not as the workflow writes it.
     """
     found = [_timing(path) for path in sorted((results / BENCHMARKS).glob("*.tsv"))]
     if not found:
@@ -76,12 +61,8 @@ def _timing(path: Path) -> Timing:
 def critical_path(timings: Sequence[Timing], rules: Sequence[Rule]) -> list[Timing]:
     """Return the chain of jobs that no number of processors can shorten, in order.
 
-    Parameters
-    ----------
-    timings
-        Of the jobs; of a rule in parts the longest part precedes the rule's own job.
-    rules
-        What each rule reads and makes.
+    `timings`: of the jobs; of a rule in parts the longest part precedes the rule's own job;
+    `rules`: what each rule reads and makes.
     """
     jobs: dict[str, list[Timing]] = {}
     for timing in timings:

@@ -16,33 +16,21 @@ from microimpact.run.digitised import Digitised, as_rows, read_folder
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Inputs:
-    """What a run is made from besides its configuration.
+    """What a run is made from besides its configuration."""
 
-    Attributes
-    ----------
-    rows
-        Rows of the declared tables that each study is given, as CSV by table.
-    figure_entries, figures
-        The figure registry with values filled in, plain and checked.
-    digitised
-        Digitised points by figure.
-    """
-
+    # Rows of the declared tables that each study is given, as CSV by table.
     rows: Mapping[str, Mapping[str, str]]
+    # The figure registry with values filled in, plain and checked.
     figure_entries: Mapping[str, Any]
     figures: Mapping[str, FigureSpec]
-    digitised: Mapping[str, Digitised]
+    digitised: Mapping[str, Digitised]  # Digitised points by figure
 
 
 def read_inputs(settings: Settings) -> Inputs:
     """Read and check every file that a checked configuration names.
 
-    Raises
-    ------
-    ValueError
-        With one line per problem that names the key, or the file and its line or column.
-    OSError
-        If a file cannot be read.
+    Raises ValueError: with one line per problem that names the key, or the file and its line or
+    column. Raises OSError if a file cannot be read.
     """
     general = settings.general
     tables = settings.tables

@@ -75,15 +75,8 @@ def _leaves(node: Any, key: str = "") -> Iterator[tuple[str, Any]]:
 def require_own_root(config: Mapping[str, Any], base: Mapping[str, Any]) -> None:
     """Refuse an overlay that changes inputs, but not the place of the results.
 
-    Parameters
-    ----------
-    config, base
-        The configuration with the overlay merged into it, and that without.
-
-    Raises
-    ------
-    ValueError
-        Naming what is changed, and what to add.
+    `config`, `base`: the configuration with the overlay merged into it, and that without. Raises
+    ValueError, naming what is changed, and what to add.
     """
     changed = [change.key for change in changes(config, base) if change.key != "chunks"]
     if changed and results_root(config) == results_root(base):
@@ -112,22 +105,11 @@ def write_stamp(
 ) -> None:
     """Write the stamp of a run, as JSON: when it begins, and again when it ends.
 
-    Parameters
-    ----------
-    path
-        The file to write.
-    config
-        The merged configuration of the run.
-    project
-        Root of the project, whose commit is recorded.
-    started
-        When the run began, see `run_date`.
-    ended
-        When it ended well; None for a run that still goes on, failed, or was killed.
-    outdated
-        Results that were made earlier, from other inputs than those of this run.
-    declared
-        Every value as it was used; told are those in place of a value of the laboratory.
+    `path`: the file to write; `config`: the merged configuration of the run; `project`: root of the
+    project, whose commit is recorded; `started`: when the run began, see `run_date`; `ended`: when
+    it ended well; None for a run that still goes on, failed, or was killed; `outdated`: results
+    that were made earlier, from other inputs than those of this run; `declared`: every value as it
+    was used; told are those in place of a value of the laboratory.
     """
     stamp = {
         "started": started.isoformat(),

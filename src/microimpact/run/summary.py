@@ -14,14 +14,8 @@ FEW = 6
 def summary(results: Path, made: Sequence[str], outdated: Sequence[str] = ()) -> str:
     """Return a few lines on a run.
 
-    Parameters
-    ----------
-    results
-        Results root.
-    made
-        Results that the run has made, by their names below the root.
-    outdated
-        Results that stand there from an earlier run with other inputs.
+    `results`: results root; `made`: results that the run has made, by their names below the root;
+    `outdated`: results that stand there from an earlier run with other inputs.
     """
     lines = [f"In {results}: {_told(made)}."] if made else [f"In {results} nothing was made anew."]
     if "report/index.html" in made:

@@ -17,22 +17,10 @@ from microimpact.core.arrays import FloatArray
 def fractional_factorial(generator: str) -> FloatArray:
     """Return a two-level fractional factorial design.
 
-    Parameters
-    ----------
-    generator
-        One word per factor, as ``"a b c d abcd"``: single letters are varied freely, words are
-        products of letters, with a minus sign for the negative fraction.
-
-    Returns
-    -------
-    ndarray
-        Levels -1 and +1, shape (runs, factors), in standard (Yates) order: the first factor
-        changes with every run.
-
-    Raises
-    ------
-    ValueError
-        If the generator is empty or uses a letter that is no factor of its own.
+    Levels -1 and +1, shape (runs, factors), in standard (Yates) order: the first factor changes
+    with every run. `generator`: one word per factor, as ``"a b c d abcd"``: single letters are
+    varied freely, words are products of letters, with a minus sign for the negative fraction.
+    Raises ValueError if the generator is empty or uses a letter that is no factor of its own.
     """
     # Imported here: the library brings much along that only a design needs.
     if sys.version_info >= (3, 12):

@@ -34,18 +34,9 @@ def product(first: str, second: str) -> str:
 def defining_relation(generator: str, letters: str) -> dict[str, int]:
     """Words that are constant over a fraction, each with its sign.
 
-    Parameters
-    ----------
-    generator
-        One word per factor: ``"a b c d abcd"``.
-    letters
-        Letters of the factors, in the generator's order.
-
-    Raises
-    ------
-    ValueError
-        If the number of words is not that of the factors, a word repeats or misses a letter, or
-        two factors could not be told apart (resolution below III).
+    `generator`: one word per factor: ``"a b c d abcd"``; `letters`: letters of the factors, in the
+    generator's order. Raises ValueError if the number of words is not that of the factors, a word
+    repeats or misses a letter, or two factors could not be told apart (resolution below III).
     """
     given = generator.split()
     if len(given) != len(letters):
@@ -122,21 +113,8 @@ def effects(
 ) -> FloatArray:
     """Effects: the mean response where the word's product is +1 less that where it is -1.
 
-    Parameters
-    ----------
-    design
-        Coded levels -1 and +1, shape (runs, factors).
-    letters
-        Letters of the factors.
-    chosen
-        Words of the effects.
-    response
-        Shape (..., runs).
-
-    Returns
-    -------
-    ndarray
-        Shape (..., effects).
+    Shape (..., effects). `design`: coded levels -1 and +1, shape (runs, factors); `letters`:
+    letters of the factors; `chosen`: words of the effects; `response`: shape (..., runs).
     """
     columns = [design[:, [letters.index(c) for c in word]].prod(axis=1) for word in chosen]
     contrasts = np.stack(columns, axis=1)

@@ -38,16 +38,8 @@ def require_power_of_two(name: str, samples: int) -> None:
 def saltelli_sample(inputs: int, samples: int, draw: np.random.Generator) -> FloatArray:
     """Points of the unit cube in which to evaluate a function for its indices.
 
-    Returns
-    -------
-    ndarray
-        Shape (samples, inputs + 2, inputs): per base sample the points A, A with one input each
-        from B, and B.
-
-    Raises
-    ------
-    ValueError
-        If the number of samples is not a power of two.
+    Shape (samples, inputs + 2, inputs): per base sample the points A, A with one input each from B,
+    and B. Raises ValueError if the number of samples is not a power of two.
     """
     # Imported where it is used: whoever only checks a configuration need not wait for it.
     from SALib.sample import sobol as sampling
@@ -65,21 +57,9 @@ def sobol_indices(
 
     Estimators of Saltelli et al., Computer Physics Communications 181 (2010) 259.
 
-    Parameters
-    ----------
-    response
-        Shape (samples, inputs + 2), finite.
-    draw
-        Source of the bootstrap's random numbers.
-    resamples
-        Number of bootstrap samples.
-    confidence
-        Of the percentile intervals.
-
-    Raises
-    ------
-    ValueError
-        If a response is not finite, or all are the same.
+    `response`: shape (samples, inputs + 2), finite; `draw`: source of the bootstrap's random
+    numbers; `resamples`: number of bootstrap samples; `confidence`: of the percentile intervals.
+    Raises ValueError if a response is not finite, or all are the same.
     """
     if not np.all(np.isfinite(response)):
         raise ValueError("Sobol' indices need finite responses")

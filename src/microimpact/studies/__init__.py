@@ -32,10 +32,7 @@ def homes() -> MappingProxyType[str, str]:
 def study(name: str) -> ModuleType:
     """Return the module of a study, given its name.
 
-    Raises
-    ------
-    KeyError
-        If there is no such study.
+    Raises KeyError if there is no such study.
     """
     return import_module(homes()[name])
 
@@ -43,10 +40,7 @@ def study(name: str) -> ModuleType:
 def needs(name: str) -> dict[str, str]:
     """Return the tables of earlier studies that a study takes: the maker of each by its name.
 
-    Raises
-    ------
-    KeyError
-        If there is no such study.
+    Raises KeyError if there is no such study.
     """
     needed = getattr(study(name), "NEEDS", {})
     return {table: maker for maker, tables in needed.items() for table in tables}

@@ -39,38 +39,23 @@ FATES = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Quality:
-    """How well the pairs of a stream agree with the ground truth.
+    """How well the pairs of a stream agree with the ground truth."""
 
-    Attributes
-    ----------
-    pairs, true_pairs, later_pairs
-        Accepted pairs, those of them whose records are of one impact, and those of a later one.
-    recorded_pairs
-        Impacts of which both records exist.
-    unpaired_incidents
-        Falling records without a rebound: captured, or lost.
-    height, estimated_height, estimated_height_error
-        Of the probe volume: true, found from the pairs, its standard error, m.
-    converged
-        Whether the search came to rest.
-    rebounds, seen_rebounds
-        First impacts with a rebound, and those of them with an incident record.
-    fates
-        Number of first impacts by `FATES`; they add up to all of them.
-    """
-
+    # Accepted pairs, those of them whose records are of one impact, and those of a later one.
     pairs: int
     true_pairs: int
     later_pairs: int
-    recorded_pairs: int
-    unpaired_incidents: int
+    recorded_pairs: int  # Impacts of which both records exist
+    unpaired_incidents: int  # Falling records without a rebound: captured, or lost
+    # Of the probe volume: true, found from the pairs, its standard error, m.
     height: float
     estimated_height: float
     estimated_height_error: float
-    converged: bool
+    converged: bool  # Whether the search came to rest
+    # First impacts with a rebound, and those of them with an incident record.
     rebounds: int
     seen_rebounds: int
-    fates: Mapping[str, int]
+    fates: Mapping[str, int]  # Number of first impacts by `FATES`; they add up to all of them
 
     @property
     def precision(self) -> float:
@@ -85,23 +70,12 @@ class Quality:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Observation:
-    """All that one experiment leaves.
+    """All that one experiment leaves."""
 
-    Attributes
-    ----------
-    measured
-        Events, at the surface; `event` counts in `impacts`.
-    quality
-        Against the ground truth.
-    impacts
-        First and later impacts.
-    crossing, stream, truth, pairing
-        Passages through the probe volume, the records, what they are of, and the pairs found.
-    """
-
-    measured: Measured
-    quality: Quality
-    impacts: Impacts
+    measured: Measured  # Events, at the surface; `event` counts in `impacts`
+    quality: Quality  # Against the ground truth
+    impacts: Impacts  # First and later impacts
+    # Passages through the probe volume, the records, what they are of, and the pairs found.
     crossing: Passages
     stream: RecordStream
     truth: GroundTruth
@@ -119,21 +93,11 @@ def observe(
 ) -> Observation:
     """Observe one experiment of normal impacts on a horizontal target.
 
-    Parameters
-    ----------
-    impacts
-        First impacts, and after them those of spheres that fall back, see `lab.bounces`.
-    first
-        Number of first impacts.
-    duration
-        Of the experiment, s.
-    instrument
-        Settings; the height of the probe volume is drawn once.
-    rng
-        Source of all draws of the instrument.
-    drop_height
-        Height from which the spheres fall, m; spheres from below the probe volume rise into it
-        but do not fall through it.
+    `impacts`: first impacts, and after them those of spheres that fall back, see `lab.bounces`;
+    `first`: number of first impacts; `duration`: of the experiment, s; `instrument`: settings; the
+    height of the probe volume is drawn once; `rng`: source of all draws of the instrument;
+    `drop_height`: height from which the spheres fall, m; spheres from below the probe volume rise
+    into it but do not fall through it.
     """
     height = true_height(instrument, rng)
     fall = np.full(len(impacts), np.inf)

@@ -35,23 +35,16 @@ class Flight:
     """Paths of the centres of n spheres: falling, rebounding, and after a second bounce.
 
     Leg 3 i + `INCIDENT`, `REBOUND` or `LATER` is of sphere i.
-
-    Attributes
-    ----------
-    begin, end
-        Of each leg, s after impact, shape (3 n,); an empty leg ends where it begins.
-    start, origin, velocity
-        Each leg passes `origin` (3 n, 3), m, with `velocity` (3 n, 3), m/s, at the time `start`.
-    gravity
-        m/s2, shape (3,).
     """
 
+    # Of each leg, s after impact, shape (3 n,); an empty leg ends where it begins.
     begin: FloatArray
     end: FloatArray
+    # Each leg passes `origin` (3 n, 3), m, with `velocity` (3 n, 3), m/s, at the time `start`.
     start: FloatArray
     origin: FloatArray
     velocity: FloatArray
-    gravity: FloatArray
+    gravity: FloatArray  # m/s2, shape (3,)
 
     def select(self, which: IntArray) -> Flight:
         """Return the paths of some spheres."""
@@ -97,43 +90,21 @@ def flights(impacts: Impacts, setup: Setup) -> Flight:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Exposure:
-    """What each pulse lights of the paths of n spheres: m pieces, by sphere and in order of time.
+    """What each pulse lights of the paths of n spheres: m pieces, by sphere, in order of time."""
 
-    Attributes
-    ----------
-    leg
-        Of the `flight`, shape (m,).
-    start, end
-        s after impact; of the part in the sheet (none if not `start` < `end`), in whatever field.
-    whole
-        True where the pulse falls on this leg alone, not cut by the impact.
-    in_sheet
-        True where all of it lies in the sheet.
-    in_view
-        True where the image lies inside the frame.
-    in_field
-        True where the pulse lies in the field that holds the impact.
-    field
-        Beginning and end of that field, s after impact, each of shape (n,).
-    peak
-        Grey level of the brightest dash above the background, shape (n,).
-    diameter
-        Of the spheres, m, shape (n,).
-    flight
-        The paths.
-    """
-
-    leg: IntArray
+    leg: IntArray  # Of the `flight`, shape (m,)
+    # s after impact; of the part in the sheet (none if not `start` < `end`), in whatever field.
     start: FloatArray
     end: FloatArray
-    whole: BoolArray
-    in_sheet: BoolArray
-    in_view: BoolArray
-    in_field: BoolArray
+    whole: BoolArray  # True where the pulse falls on this leg alone, not cut by the impact
+    in_sheet: BoolArray  # True where all of it lies in the sheet
+    in_view: BoolArray  # True where the image lies inside the frame
+    in_field: BoolArray  # True where the pulse lies in the field that holds the impact
+    # Beginning and end of that field, s after impact, each of shape (n,).
     field: tuple[FloatArray, FloatArray]
-    peak: FloatArray
-    diameter: FloatArray
-    flight: Flight
+    peak: FloatArray  # Grey level of the brightest dash above the background, shape (n,)
+    diameter: FloatArray  # Of the spheres, m, shape (n,)
+    flight: Flight  # The paths
 
     def __len__(self) -> int:
         return len(self.peak)

@@ -24,18 +24,10 @@ from microimpact.lab.ptis.tracks import Rejection, measure
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ImagedEvents:
-    """What became of n impacts.
+    """What became of n impacts."""
 
-    Attributes
-    ----------
-    measured
-        The events of which both legs were measured.
-    fates
-        One word per impact: `MEASURED` or why not, n.
-    """
-
-    measured: Measured
-    fates: tuple[str, ...]
+    measured: Measured  # The events of which both legs were measured
+    fates: tuple[str, ...]  # One word per impact: `MEASURED` or why not, n
 
 
 def modelled(

@@ -10,13 +10,7 @@ import numpy as np
 import pandas as pd
 
 from microimpact.core.nearest import nearest
-from microimpact.ledgers.claims.criteria import (
-    NOT_COMPUTED,
-    Amendment,
-    Claim,
-    Finding,
-    read_claims,
-)
+from microimpact.ledgers.claims.criteria import NOT_COMPUTED, Amendment, Claim, Finding, read_claims
 from microimpact.ledgers.claims.digitised import digitised_rows, read_digitised
 from microimpact.ledgers.claims.independent import independent
 from microimpact.ledgers.claims.judging import (

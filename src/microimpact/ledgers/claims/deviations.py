@@ -11,11 +11,7 @@ from pathlib import Path
 import jinja2
 import pandas as pd
 
-from microimpact.ledgers.claims.criteria import (
-    CLAIM_NAME,
-    UNCOUNTED,
-    read_claims,
-)
+from microimpact.ledgers.claims.criteria import CLAIM_NAME, UNCOUNTED, read_claims
 from microimpact.ledgers.claims.words import article_value, by_quantity, readable
 
 TEMPLATE = Path(__file__).with_suffix(".md.jinja")

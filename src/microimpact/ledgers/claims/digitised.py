@@ -22,30 +22,19 @@ COMPARED = ("rms_difference", "normalised_rms", "bias")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DigitisedCriteria:
-    """When digitised points agree with a computed curve; the key `DIGITISED` of the file.
+    """When digitised points agree with a computed curve; the key `DIGITISED` of the file."""
 
-    Attributes
-    ----------
-    normalised_rms
-        Greatest rms of the differences over their standard uncertainties, if all points have bars.
-    rms_difference
-        Else the greatest rms of the differences, by figure, in the unit of its ordinate.
-    reason
-        Why these bounds decide.
-    """
-
+    # Greatest rms of the differences over their standard uncertainties, if all points have bars.
     normalised_rms: Positive
+    # Else the greatest rms of the differences, by figure, in the unit of its ordinate.
     rms_difference: dict[Figure, Positive]
-    reason: Name
+    reason: Name  # Why these bounds decide
 
 
 def read_digitised(path: Path | str) -> DigitisedCriteria:
     """Read the criteria of digitised points from a file of claims.
 
-    Raises
-    ------
-    ClaimsError
-        Naming the dotted key of every problem, one line each.
+    Raises ClaimsError, naming the dotted key of every problem, one line each.
     """
     try:
         return build(DigitisedCriteria, load(path).get(DIGITISED, {}))
@@ -59,17 +48,9 @@ def digitised_rows(criteria: DigitisedCriteria, residuals: pd.DataFrame) -> list
     It is judged against the computed series of its panel that bears its name, alone or before a
     comma; if none does, all are cases: points that some meet and others do not identify none.
 
-    Parameters
-    ----------
-    criteria
-        What counts as agreement.
-    residuals
-        Table of that name, a row per series of points and computed series; may be empty.
-
-    Returns
-    -------
-    list
-        A row per series of points, with the columns of the ledger.
+    A row per series of points, with the columns of the ledger. `criteria`: what counts as
+    agreement; `residuals`: table of that name, a row per series of points and computed series; may
+    be empty.
     """
     return list(_rows(criteria, residuals))
 

@@ -16,22 +16,9 @@ SPLIT = "agrees in part with independent data"
 def independent(claims: Mapping[str, Claim], table: pd.DataFrame) -> dict[str, str]:
     """Return what independent data say of the claims that name some, by id.
 
-    Parameters
-    ----------
-    claims
-        By id.
-    table
-        ``external_evidence``: a row per fact and contact, with ``agreement``.
-
-    Returns
-    -------
-    dict
-        The class of agreement, and for each fact the contacts that agree and those that do not.
-
-    Raises
-    ------
-    ClaimsError
-        If a claim names a fact that the table lacks.
+    The class of agreement, and for each fact the contacts that agree and those that do not.
+    `claims`: by id; `table`: ``external_evidence``: a row per fact and contact, with ``agreement``.
+    Raises ClaimsError if a claim names a fact that the table lacks.
     """
     known = list(dict.fromkeys(table["fact"]))
     wrong = [

@@ -23,15 +23,10 @@ def judged(
 ) -> tuple[Finding, list[str]]:
     """Return the verdict, and which criteria failed, in words.
 
-    Parameters
-    ----------
-    positive
-        The verdict if all criteria hold in every case.
-    criteria
-        Must all hold. If they do in some cases and not in others, it is `not identified`.
-    values, errors
-        The numbers, and the standard errors of those that have one. Where the 95 % interval of a
-        number covers the bound that would decide, it is `undecided`.
+    `positive`: the verdict if all criteria hold in every case; `criteria`: must all hold. If they
+    do in some cases and not in others, it is `not identified`; `values`, `errors`: the numbers, and
+    the standard errors of those that have one. Where the 95 % interval of a number covers the bound
+    that would decide, it is `undecided`.
     """
     of = tuple(criteria)
     words = failures(of, values)

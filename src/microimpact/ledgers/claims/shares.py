@@ -25,23 +25,14 @@ WORDS = ("friction_basis", "alternative")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Share:
-    """A claim over the admissible contacts.
+    """A claim over the admissible contacts."""
 
-    Attributes
-    ----------
-    variants
-        Share of the draws that meet its criteria, by variant; the first decides. A claim with
-        alternatives of its own counts each of them for each draw.
-    draws
-        Draws of the first variant with numbers.
-    decided_by
-        Parameter whose distribution differs most between draws of the first variant that meet the
-        criteria and those that do not, and by how much, from 0 to 1; empty if the share is not
-        split.
-    """
-
+    # Share of the draws that meet its criteria, by variant; the first decides. A claim with
+    # alternatives of its own counts each of them for each draw.
     variants: Mapping[str, float]
-    draws: int
+    draws: int  # Draws of the first variant with numbers
+    # Parameter whose distribution differs most between draws of the first variant that meet the
+    # criteria and those that do not, and by how much, from 0 to 1; empty if the share is not split.
     decided_by: str
 
     @property
@@ -67,14 +58,8 @@ def shares(
 ) -> dict[str, Share]:
     """Return the shares of all claims that have numbers for admissible contacts.
 
-    Parameters
-    ----------
-    claims
-        By id.
-    draws
-        Table ``claim_draws``.
-    contacts
-        Table ``admissible_contacts``, with `NUMBERS`.
+    `claims`: by id; `draws`: table ``claim_draws``; `contacts`: table ``admissible_contacts``, with
+    `NUMBERS`.
     """
     draws = draws.assign(alternative=draws["alternative"].astype(object).fillna(""))
     return {

@@ -47,10 +47,7 @@ CHOSEN: Numbers = {
 def reference_case(tables: Mapping[str, pd.DataFrame]) -> Case:
     """Return the impact, of the declared contact.
 
-    Parameters
-    ----------
-    tables
-        ``materials`` and ``contacts``, declared rows of one pair, steel on silicon.
+    `tables`: ``materials`` and ``contacts``, declared rows of one pair, steel on silicon.
     """
     rows: dict[str, Any] = {
         name: tables[name].to_dict("records") for name in ("materials", "contacts")

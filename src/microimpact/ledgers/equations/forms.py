@@ -122,10 +122,7 @@ def units_of(section: str) -> dict[str, str]:
 def parse(text: str) -> Form:
     """Read a formula.
 
-    Raises
-    ------
-    ValueError
-        If the text does not hold exactly one relation.
+    Raises ValueError if the text does not hold exactly one relation.
     """
     found = [relation for relation in RELATIONS if relation in text]
     if len(found) != 1 or text.count(found[0]) != 1:
@@ -142,17 +139,8 @@ def _expression(text: str) -> Any:
 def check_dimensions(text: str, units: Mapping[str, str]) -> None:
     """Check that all parts of a formula agree in dimension.
 
-    Parameters
-    ----------
-    text
-        The formula.
-    units
-        Unit of every symbol.
-
-    Raises
-    ------
-    DimensionError
-        Saying what does not agree.
+    `text`: the formula; `units`: unit of every symbol. Raises DimensionError, saying what does not
+    agree.
     """
     exponents = {
         symbol(name): sympy.Rational(*value)

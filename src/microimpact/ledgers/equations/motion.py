@@ -65,11 +65,8 @@ def equilibrium() -> Facts:
 def attachment() -> tuple[sympy.Expr, sympy.Symbol, sympy.Expr]:
     """Reduced stiffness: energy of a contact as of Hertz with another stiffness.
 
-    Returns
-    -------
-    reduced, share, own
-        K_H for the radius of a share of the squared equilibrium radius, that share, and its value
-        for a sphere that attaches from rest in the potential of Eq. (19).
+    K_H for the radius of a share of the squared equilibrium radius, that share, and its value for a
+    sphere that attaches from rest in the potential of Eq. (19).
     """
     b, d, share = sympy.symbols("b d s_e", positive=True)
     hertz = sympy.Rational(2, 5) * b**5 / R**2

@@ -34,17 +34,10 @@ SECTIONS = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
-    """The impact at which formulas are compared and consequences computed, in SI units.
+    """The impact at which formulas are compared and consequences computed, in SI units."""
 
-    Attributes
-    ----------
-    contact
-        Steel sphere on silicon, as declared.
-    numbers
-        Value of each symbol; of a symbol with two meanings under ``(name, unit)``.
-    """
-
-    contact: Contact
+    contact: Contact  # Steel sphere on silicon, as declared
+    # Value of each symbol; of a symbol with two meanings under ``(name, unit)``.
     numbers: Mapping[str | tuple[str, str], float]
 
     def values(self, units: Mapping[str, str]) -> dict[str, Any]:
@@ -79,41 +72,22 @@ class Consequence:
 
 @dataclass(frozen=True, slots=True)
 class Equation:
-    """One relation of the article.
+    """One relation of the article."""
 
-    Attributes
-    ----------
-    id
-        Number of the equation, or section and name of a relation within the text.
-    printed
-        As printed in the article; what follows a slash is its denominator.
-    used
-        Where the form used here is another: where the difference comes from, which is the scan or
-        typesetting, the article itself, or one of them; and that form.
-    means
-        Units of symbols that have another meaning here than in `forms.units_of`.
-    derivation
-        Proof; none for a definition.
-    reason
-        Why the verdict, in one sentence.
-    function
-        Dotted path of what implements the relation; empty where nothing needs to.
-    implementation
-        The same, called with the values of a case: must agree with the used form.
-    consequence
-        Of using the printed form.
-    """
-
-    id: str
-    printed: str
+    id: str  # Number of the equation, or section and name of a relation within the text
+    printed: str  # As printed in the article; what follows a slash is its denominator
     _: KW_ONLY
+    # Where the form used here is another: where the difference comes from, which is the scan or
+    # typesetting, the article itself, or one of them; and that form.
     used: tuple[Slip, str] | None = None
+    # Units of symbols that have another meaning here than in `forms.units_of`.
     means: Mapping[str, str] = field(default_factory=dict)
-    derivation: Derivation | None = None
-    reason: str
-    function: str = ""
+    derivation: Derivation | None = None  # Proof; none for a definition
+    reason: str  # Why the verdict, in one sentence
+    function: str = ""  # Dotted path of what implements the relation; empty where nothing needs to
+    # The same, called with the values of a case: must agree with the used form.
     implementation: Callable[[Values], Any] | None = None
-    consequence: Consequence | None = None
+    consequence: Consequence | None = None  # Of using the printed form
 
     @property
     def slip(self) -> Slip | Literal["none"]:

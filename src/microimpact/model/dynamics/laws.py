@@ -56,25 +56,14 @@ class Units:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Problem:
-    """Impacts in scaled form, every field (n,).
+    """Impacts in scaled form, every field (n,)."""
 
-    Attributes
-    ----------
-    speed
-        Of approach, 1 or less.
-    closing, opening
-        Strength b of adhesion while the contact grows, and while it shrinks.
-    pressure
-        Yield pressure; infinite where nothing yields.
-    drag
-        Viscous loss in the bulk.
-    """
-
-    speed: FloatArray
+    speed: FloatArray  # Of approach, 1 or less
+    # Strength b of adhesion while the contact grows, and while it shrinks.
     closing: FloatArray
     opening: FloatArray
-    pressure: FloatArray
-    drag: FloatArray
+    pressure: FloatArray  # Yield pressure; infinite where nothing yields
+    drag: FloatArray  # Viscous loss in the bulk
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -99,10 +88,7 @@ class Outcome:
 def scaled(contact: Contact, speed: Real) -> tuple[Problem, Units, tuple[int, ...]]:
     """Write impacts of a contact with a law in scaled form; the shape is that of the results.
 
-    Raises
-    ------
-    ValueError
-        If shapes do not broadcast, or an impact is too viscous for double precision.
+    Raises ValueError if shapes do not broadcast, or an impact is too viscous for double precision.
     """
     shape = common_shape({"contact": np.empty(contact.shape), "speed": speed})
 

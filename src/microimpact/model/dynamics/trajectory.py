@@ -12,11 +12,7 @@ from microimpact.core.solve import roots
 from microimpact.model.choices import FRICTION_BASES
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.dynamics import kernel
-from microimpact.model.dynamics.impact import (
-    ANGLE,
-    SPEED,
-    velocity_components,
-)
+from microimpact.model.dynamics.impact import ANGLE, SPEED, velocity_components
 from microimpact.model.dynamics.normal import Scales, integrate, is_shallow, scaled_problems
 from microimpact.model.rigid_body.algebra import INERTIA, SLIP_PER_IMPULSE
 

@@ -100,18 +100,10 @@ def compare_tables(
     which they occur. If equally many rows of either table remain, a key was changed, and they
     are matched in order; otherwise, and if `renamed` is false, they are missing or extra.
 
-    Parameters
-    ----------
-    file
-        Name of the table in the differences.
-    reference, found
-        Tables of text, shapes (n, m) and (k, l).
-    keys
-        Columns that name a row. Without any, all columns that hold words do.
-    tolerance
-        Gives the tolerance of a column by its name.
-    renamed
-        Whether rows whose keys differ may be the same.
+    `file`: name of the table in the differences; `reference`, `found`: tables of text, shapes (n,
+    m) and (k, l); `keys`: columns that name a row. Without any, all columns that hold words do;
+    `tolerance`: gives the tolerance of a column by its name; `renamed`: whether rows whose keys
+    differ may be the same.
     """
     columns = [c for c in reference.columns if c in found.columns]
     by = [c for c in keys if c in columns] or [

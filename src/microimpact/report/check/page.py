@@ -17,12 +17,8 @@ WIDTH = 120
 def page(changes: Changes, few: int = 20) -> str:
     """Return the page.
 
-    Parameters
-    ----------
-    changes
-        What `compare` found.
-    few
-        How many differences of each kind are shown per table of numbers.
+    `changes`: what `compare` found; `few`: how many differences of each kind are shown per table of
+    numbers.
     """
     return render(
         "compare.html",

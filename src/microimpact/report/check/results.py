@@ -36,10 +36,7 @@ class ResultsError(ValueError):
 def require_results(root: Path, *needed: str) -> None:
     """Refuse a folder that is missing, that no run has written, or that lacks needed files.
 
-    Raises
-    ------
-    ResultsError
-        Naming the folder.
+    Raises ResultsError, naming the folder.
     """
     if not root.is_dir():
         raise ResultsError(f"{root}: no such folder")
@@ -53,10 +50,7 @@ def require_results(root: Path, *needed: str) -> None:
 def require_current(path: Path, stamp: Mapping[str, Any]) -> None:
     """Refuse a run stamp that tells of results made earlier, from other inputs.
 
-    Raises
-    ------
-    ResultsError
-        Naming some of these results.
+    Raises ResultsError, naming some of these results.
     """
     if outdated := stamp.get("outdated"):
         some = ", ".join(outdated[:3]) + (", ..." if len(outdated) > 3 else "")
@@ -95,10 +89,7 @@ def key_columns(name: str) -> tuple[str, ...]:
 def read_cells(path: Path) -> pd.DataFrame:
     """Read a CSV table as text, every cell as in the file.
 
-    Raises
-    ------
-    ResultsError
-        Naming the file and the line that is malformed.
+    Raises ResultsError, naming the file and the line that is malformed.
     """
     reader = csv.reader(io.StringIO(read_text(path), newline=""), strict=True)
     rows: list[list[str]] = []
@@ -120,10 +111,7 @@ def read_cells(path: Path) -> pd.DataFrame:
 def read_text(path: Path) -> str:
     """Read a text file, compressed or not.
 
-    Raises
-    ------
-    ResultsError
-        If it is missing, broken or no text.
+    Raises ResultsError if it is missing, broken or no text.
     """
     try:
         raw = path.read_bytes()
@@ -135,10 +123,7 @@ def read_text(path: Path) -> str:
 def read_json(path: Path) -> dict[str, Any]:
     """Read a JSON object.
 
-    Raises
-    ------
-    ResultsError
-        Naming the file, and the line that is malformed.
+    Raises ResultsError, naming the file, and the line that is malformed.
     """
     try:
         content = json.loads(read_text(path))
@@ -152,10 +137,7 @@ def read_json(path: Path) -> dict[str, Any]:
 def built(kind: type[T], content: Mapping[str, Any], where: str) -> T:
     """Return a dataclass from plain values.
 
-    Raises
-    ------
-    ResultsError
-        One line per problem, with the place and the dotted key.
+    Raises ResultsError: one line per problem, with the place and the dotted key.
     """
     try:
         return build(kind, content)

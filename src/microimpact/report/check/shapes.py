@@ -48,10 +48,7 @@ class Shape:
 def read_shape(svg: Path) -> Shape:
     """Return the shape of a figure from its SVG and the PNG beside it.
 
-    Raises
-    ------
-    ResultsError
-        If a file is missing or malformed.
+    Raises ResultsError if a file is missing or malformed.
     """
     return Shape(structure(read_text(svg), str(svg)), thumbnail(svg.with_suffix(".png")))
 
@@ -62,17 +59,8 @@ def structure(svg: str, name: str = "figure") -> Structure:
     Per axes, and for the figure outside them: the texts, the labels of the ticks, and one entry
     per artist with the number of points of its paths and of its marks.
 
-    Parameters
-    ----------
-    svg
-        The file's text.
-    name
-        Name of the file in errors.
-
-    Raises
-    ------
-    ResultsError
-        If it is not well-formed.
+    `svg`: the file's text; `name`: name of the file in errors. Raises ResultsError if it is not
+    well-formed.
     """
     builder = ET.TreeBuilder(insert_comments=True)
     try:
@@ -117,10 +105,7 @@ def _artist(kind: str, node: ET.Element) -> str:
 def thumbnail(png: Path) -> NDArray[np.uint8]:
     """Return a picture reduced to 64 columns of mean grey levels, shape (rows, 64).
 
-    Raises
-    ------
-    ResultsError
-        If the file is missing or no picture.
+    Raises ResultsError if the file is missing or no picture.
     """
     from matplotlib.image import imread
 
@@ -153,10 +138,7 @@ def as_json(shape: Shape) -> str:
 def from_json(content: Mapping[str, Any], name: str) -> Shape:
     """Return the shape that `as_json` has written.
 
-    Raises
-    ------
-    ResultsError
-        Naming the file, if it holds anything else.
+    Raises ResultsError, naming the file, if it holds anything else.
     """
     try:
         rows = [list(bytes.fromhex(row)) for row in content["thumbnail"]]

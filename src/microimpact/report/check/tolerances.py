@@ -50,17 +50,8 @@ class Tolerances:
     def require_use(self, columns: Mapping[str, Iterable[str]], name: str) -> None:
         """Refuse a tolerance that fits no column of any table: it has outlived its reason.
 
-        Parameters
-        ----------
-        columns
-            Columns of all tables, those of the references and those found.
-        name
-            Name of the file of tolerances.
-
-        Raises
-        ------
-        ResultsError
-            Naming the tolerance.
+        `columns`: columns of all tables, those of the references and those found; `name`: name of
+        the file of tolerances. Raises ResultsError, naming the tolerance.
         """
         for i, rule in enumerate(self.columns):
             tables = [c for file, c in columns.items() if fnmatchcase(file, rule.file)]
@@ -73,9 +64,6 @@ class Tolerances:
 def read_tolerances(path: Path) -> Tolerances:
     """Read the file of tolerances; without one, the default counts everywhere.
 
-    Raises
-    ------
-    ResultsError
-        One line per problem, with the dotted key.
+    Raises ResultsError: one line per problem, with the dotted key.
     """
     return built(Tolerances, load(path), str(path)) if path.exists() else Tolerances()

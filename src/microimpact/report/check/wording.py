@@ -89,14 +89,8 @@ def markdown(
 ) -> str:
     """Return the differences as Markdown: a heading per file, and a table of the worst.
 
-    Parameters
-    ----------
-    differences
-        Of one file or of many.
-    few
-        How many of each kind are shown per file.
-    names
-        What the two sides are called.
+    `differences`: of one file or of many; `few`: how many of each kind are shown per file; `names`:
+    what the two sides are called.
     """
     sections = []
     for file, found in by_file(differences).items():

@@ -31,10 +31,8 @@ CONTACT = (
 def page_files(inputs: Mapping[str, pd.DataFrame]) -> dict[str, str]:
     """Return the page and its scripts by their place in the report.
 
-    Parameters
-    ----------
-    inputs
-        ``materials``, ``contacts``: all declared rows; ``calibration``: the table of that study.
+    `inputs`: ``materials``, ``contacts``: all declared rows; ``calibration``: the table of that
+    study.
     """
     page = render(
         "explorer.html",
@@ -53,16 +51,9 @@ def page_files(inputs: Mapping[str, pd.DataFrame]) -> dict[str, str]:
 def numbers(inputs: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
     """Return what the page's scripts start from, ready for JSON, in SI units.
 
-    Parameters
-    ----------
-    inputs
-        As of `page_files`.
-
-    Returns
-    -------
-    dict
-        ``constants`` of the model, ``materials`` as declared, ``contacts``: the calibrated cases,
-        then the declared pairs of other materials; a field that nobody declared is None.
+    ``constants`` of the model, ``materials`` as declared, ``contacts``: the calibrated cases, then
+    the declared pairs of other materials; a field that nobody declared is None. `inputs`: as of
+    `page_files`.
     """
     materials, pairs = declared(inputs)
     cases = dict.fromkeys(inputs["calibration"]["case"])

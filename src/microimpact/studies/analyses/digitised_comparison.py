@@ -42,25 +42,16 @@ class Params:
 def run(params: Params, inputs: Tables) -> Tables:
     """Compare digitised points with what was computed or measured on virtual particles.
 
-    Parameters
-    ----------
-    params
-        Not used.
-    inputs
-        ``digitised``: points with their figure; absent if there are none. The figure data of these
-        figures, whose names begin with that of the figure, as ``fig23`` and ``fig23_points``.
-
-    Returns
-    -------
-    mapping
-        ``digitised_residuals``: a row per digitised series and series of its panel that is a
-        function of x; ``named`` says whether the latter has the name of the points, alone or
-        before a comma. ``n`` points lie in its range, ``beyond`` outside: it is not continued.
-        Their ``bias`` (mean of point less curve) and ``rms_difference`` are in ``unit``, empty if n
-        is 0; ``within_bars`` is the fraction of those ``bars`` points that have a bar whose bar
-        contains the curve, empty if none has, and ``normalised_rms`` the rms of their differences
-        over the standard uncertainties, infinite where a bar without length misses the curve. A
-        bar is taken for an interval of 95 %. No rows if there are no points.
+    ``digitised_residuals``: a row per digitised series and series of its panel that is a function
+    of x; ``named`` says whether the latter has the name of the points, alone or before a comma.
+    ``n`` points lie in its range, ``beyond`` outside: it is not continued. Their ``bias`` (mean of
+    point less curve) and ``rms_difference`` are in ``unit``, empty if n is 0; ``within_bars`` is
+    the fraction of those ``bars`` points that have a bar whose bar contains the curve, empty if
+    none has, and ``normalised_rms`` the rms of their differences over the standard uncertainties,
+    infinite where a bar without length misses the curve. A bar is taken for an interval of 95 %. No
+    rows if there are no points. `params`: not used; `inputs`: ``digitised``: points with their
+    figure; absent if there are none. The figure data of these figures, whose names begin with that
+    of the figure, as ``fig23`` and ``fig23_points``.
     """
     points = inputs.get("digitised", pd.DataFrame())
     rows: list[dict[str, Any]] = []

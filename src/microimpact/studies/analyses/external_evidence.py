@@ -59,24 +59,13 @@ class Spin:
 class Params:
     """The sources, the contacts that are compared with them, and what their words mean.
 
-    Parameters
-    ----------
-    external
-        Sources of the facts.
-    fluorescein, mica, silver
-        Contacts of fluorescein on molybdenum, the one on mica, and those that stand for silver.
-    molybdenum
-        The contact whose rebound is compared with that on mica.
-    rate_exponents
-        n of the adhesion damping; each contact keeps its capture velocity at its own diameter.
-    points
-        Diameters or speeds over a range.
-    same_restitution_within
-        Difference of e that would not be seen.
-    exponent_within
-        Half a unit of the last digit of an exponent; by more than this one power exceeds another.
-    spin
-        An impact with and without spin.
+    `external`: sources of the facts; `fluorescein`, `mica`, `silver`: contacts of fluorescein on
+    molybdenum, the one on mica, and those that stand for silver; `molybdenum`: the contact whose
+    rebound is compared with that on mica; `rate_exponents`: n of the adhesion damping; each contact
+    keeps its capture velocity at its own diameter; `points`: diameters or speeds over a range;
+    `same_restitution_within`: difference of e that would not be seen; `exponent_within`: half a
+    unit of the last digit of an exponent; by more than this one power exceeds another; `spin`: an
+    impact with and without spin.
     """
 
     external: tuple[ExternalName, ...]
@@ -109,19 +98,10 @@ class Facts:
 def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
     """Put every fact beside the number that the model gives.
 
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        ``external``: the facts; ``materials`` and ``calibration``: the contacts; ``doe_levels``,
-        ``doe_effects``, ``monte_carlo``, ``oblique_residuals``: tables of those studies.
-
-    Returns
-    -------
-    mapping
-        ``external_evidence``: fact, source, quantity, contact, what was measured or its
-        bounds, what the model gives and whether it lies within them.
+    ``external_evidence``: fact, source, quantity, contact, what was measured or its bounds, what
+    the model gives and whether it lies within them. `inputs`: ``external``: the facts;
+    ``materials`` and ``calibration``: the contacts; ``doe_levels``, ``doe_effects``,
+    ``monte_carlo``, ``oblique_residuals``: tables of those studies.
     """
     facts = Facts(inputs["external"])
     rows = [

@@ -47,12 +47,9 @@ FROM_VELOCITY = "spin of the measured velocity"
 class Microspheres:
     """The article's spheres, and the angle at which they cease to slide throughout.
 
-    Parameters
-    ----------
-    case, friction, restitution, speed_m_per_s
-        The contact, and the numbers that the article goes with it.
-    transition_deg, transition_within_deg
-        Angle from the surface, and what "about" may mean.
+    `case`, `friction`, `restitution`, `speed_m_per_s`: the contact, and the numbers that the
+    article goes with it; `transition_deg`, `transition_within_deg`: angle from the surface, and
+    what "about" may mean.
     """
 
     case: CaseName
@@ -82,22 +79,12 @@ class Params:
 def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
     """Compare measured oblique impacts with every law along the surface.
 
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        ``external``: the measured points; ``materials``, and ``calibration`` for the microspheres.
-
-    Returns
-    -------
-    mapping
-        ``oblique_velocity``, ``oblique_spin``, ``contact_point``: data of the figure.
-        ``oblique_comparison``: every measured point beside the laws.
-        ``oblique_residuals``: rms by quantity, branch, reading and law. A point is of the branch
-        in which a rigid sphere would be.
-        ``tangential_bounds``: restitution of the contact point along the surface where sliding
-        throughout begins, by the article's angle, the data and the laws.
+    ``oblique_velocity``, ``oblique_spin``, ``contact_point``: data of the figure.
+    ``oblique_comparison``: every measured point beside the laws. ``oblique_residuals``: rms by
+    quantity, branch, reading and law. A point is of the branch in which a rigid sphere would be.
+    ``tangential_bounds``: restitution of the contact point along the surface where sliding
+    throughout begins, by the article's angle, the data and the laws. `inputs`: ``external``: the
+    measured points; ``materials``, and ``calibration`` for the microspheres.
     """
     rows: Any = inputs["materials"].to_dict("records")
     bodies = materials_from_rows(rows)
@@ -146,10 +133,8 @@ def values(impact: Impact, speed: float, angle: FloatArray) -> dict[str, FloatAr
 def comparison(points: pd.DataFrame, contact: Contact, speed: float) -> pd.DataFrame:
     """Return every measured point beside what each law gives there.
 
-    Raises
-    ------
-    ValueError
-        If a quantity is none that was measured, or an angle is not counted from the normal.
+    Raises ValueError if a quantity is none that was measured, or an angle is not counted from the
+    normal.
     """
     for column, known in (("quantity", tuple(QUANTITIES)), ("at_unit", ("deg from normal",))):
         for text in points[column].unique():

@@ -43,12 +43,7 @@ def check_spans(spans: Mapping[str, Span]) -> None:
 def open_mesh(spans: Mapping[str, Span], axes: int) -> dict[str, FloatArray]:
     """Return low, geometric middle and high of each range along an axis of its own.
 
-    Parameters
-    ----------
-    spans
-        Ranges by name; their axes are the first, in this order.
-    axes
-        Number of all axes.
+    `spans`: ranges by name; their axes are the first, in this order; `axes`: number of all axes.
     """
     mesh = {}
     for axis, (name, (low, high)) in enumerate(spans.items()):
@@ -85,20 +80,10 @@ def band_row(
 ) -> dict[str, object]:
     """Return a row of a table: middle, band, and how often given bounds hold.
 
-    Parameters
-    ----------
-    quantity, unit
-        What it is.
-    values
-        At every combination, shape (3, ..., 3); NaN where it does not exist.
-    low, high
-        Bounds of a statement; one that is not given excludes nothing.
-
-    Returns
-    -------
-    dict
-        ``holds`` is for the middle, ``share`` for all combinations, alike in weight. Without
-        bounds the share is that of the combinations in which the quantity exists.
+    ``holds`` is for the middle, ``share`` for all combinations, alike in weight. Without bounds the
+    share is that of the combinations in which the quantity exists. `quantity`, `unit`: what it is;
+    `values`: at every combination, shape (3, ..., 3); NaN where it does not exist; `low`, `high`:
+    bounds of a statement; one that is not given excludes nothing.
     """
     bounded = np.isfinite(low) or np.isfinite(high)
     exists = np.isfinite(values)
@@ -192,18 +177,11 @@ class Combinations:
 def run(params: Params, inputs: Tables) -> Tables:
     """Compute adhesion and both estimates of the electric force against the weight of silica.
 
-    Returns
-    -------
-    mapping
-        ``separation``: force in nN against silica in per cent of weight, with bands.
-        ``particle_separation``: forces and ratios without and with silica, each with its band;
-        the abstract's statements, whether they hold at the middles of the ranges and in what share
-        of their combinations (not a probability: the combinations are not weighted).
-
-    Raises
-    ------
-    ValueError
-        If the charge does not fit on the particle at the density that breakdown allows.
+    ``separation``: force in nN against silica in per cent of weight, with bands.
+    ``particle_separation``: forces and ratios without and with silica, each with its band; the
+    abstract's statements, whether they hold at the middles of the ranges and in what share of their
+    combinations (not a probability: the combinations are not weighted). Raises ValueError if the
+    charge does not fit on the particle at the density that breakdown allows.
     """
     case = combinations(params)
     stated = inputs["anchors"].set_index("key")["value"].astype(float)

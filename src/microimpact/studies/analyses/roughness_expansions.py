@@ -68,16 +68,9 @@ class SlopedImpacts:
 class Equation:
     """One equation of the article for a measured coefficient.
 
-    Parameters
-    ----------
-    name, quantity
-        Its number, and which coefficient it gives.
-    shallow
-        Whether it is for shallow incidence; else for normal incidence.
-    spun
-        Whether it contains spin.
-    form
-        Its value for a case, as printed (True) or as it should be.
+    `name`, `quantity`: its number, and which coefficient it gives; `shallow`: whether it is for
+    shallow incidence; else for normal incidence; `spun`: whether it contains spin; `form`: its
+    value for a case, as printed (True) or as it should be.
     """
 
     name: str
@@ -218,18 +211,13 @@ class Params:
 def run(params: Params, inputs: Tables) -> Tables:
     """Compare the printed and the corrected equations with the exact coefficients.
 
-    Returns
-    -------
-    mapping
-        ``roughness_expansions``: per equation, angle, slope and spin the exact value, both forms,
-        their relative errors, and for e_m the bounds. Slopes that face away from the sphere have
-        no row.
-        ``roughness_ranges``: per equation and form the ranges of slope and angle, around no slope
-        or from the incidence it is for, within which it is as exact as the tolerance asks
-        (``accuracy``) or its e_m within the bound of energy (``energy``). Ends are empty where it
-        is so nowhere; an end may be the limit of the search: largest slope, grazing or normal
-        incidence.
-        ``roughness``: data of the figure, the impulse ratio as -mu_m.
+    ``roughness_expansions``: per equation, angle, slope and spin the exact value, both forms, their
+    relative errors, and for e_m the bounds. Slopes that face away from the sphere have no row.
+    ``roughness_ranges``: per equation and form the ranges of slope and angle, around no slope or
+    from the incidence it is for, within which it is as exact as the tolerance asks (``accuracy``)
+    or its e_m within the bound of energy (``energy``). Ends are empty where it is so nowhere; an
+    end may be the limit of the search: largest slope, grazing or normal incidence. ``roughness``:
+    data of the figure, the impulse ratio as -mu_m.
     """
     return {
         "roughness_expansions": expansions(params),

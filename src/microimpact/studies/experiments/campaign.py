@@ -139,10 +139,7 @@ def expand(
 ) -> list[Experiment]:
     """Return the experiments that blocks declare.
 
-    Raises
-    ------
-    ValueError
-        If a block names what is not declared, or an experiment is declared twice.
+    Raises ValueError if a block names what is not declared, or an experiment is declared twice.
     """
     by_name = {one.name: one for one in particles}
     targets = {one.name: one for one in surfaces}
@@ -190,19 +187,8 @@ def counts(experiments: Iterable[Experiment]) -> dict[str, int]:
 def check_counts(experiments: Iterable[Experiment], printed: pd.Series, about: int) -> None:
     """Check the declared experiments against the printed counts.
 
-    Parameters
-    ----------
-    experiments
-        As declared.
-    printed
-        Printed values by key.
-    about
-        How far the number of speed ranges, which is printed as approximate, may be off.
-
-    Raises
-    ------
-    ValueError
-        Naming every count that does not agree.
+    `printed`: printed values by key; `about`: how far the number of speed ranges, which is printed
+    as approximate, may be off. Raises ValueError, naming every count that does not agree.
     """
     wrong = []
     for name, number in counts(experiments).items():
@@ -310,17 +296,10 @@ class Params:
 def run(params: Params, inputs: Tables) -> Tables:
     """Run all experiments of the campaign.
 
-    Returns
-    -------
-    mapping
-        ``campaign``: one row per experiment: what, how many dropped, lost and measured, means with
-        intervals, and the ground truth. ``campaign_summary``: counts against the printed ones.
-        ``campaign_map``: angle and speed of all experiments, and of those with too few events.
-
-    Raises
-    ------
-    ValueError
-        If the blocks do not give as many experiments and levels as the article counts.
+    ``campaign``: one row per experiment: what, how many dropped, lost and measured, means with
+    intervals, and the ground truth. ``campaign_summary``: counts against the printed ones.
+    ``campaign_map``: angle and speed of all experiments, and of those with too few events. Raises
+    ValueError if the blocks do not give as many experiments and levels as the article counts.
     """
     return gather(params, inputs, [part(params, inputs, 0, 1)])
 
@@ -359,12 +338,7 @@ def _printed(inputs: Tables) -> pd.Series:
 def conducted(params: Params, one: Experiment, of: Contact, evidence: str) -> dict[str, Any]:
     """Return one experiment as a row of the table; it does not depend on the others.
 
-    Parameters
-    ----------
-    params, one
-        Settings, and which experiment.
-    of, evidence
-        As from `contact`.
+    `params`, `one`: settings, and which experiment; `of`, `evidence`: as from `contact`.
     """
     drop = one.drop(of, params.dispenser)
     rng = generator(params.seed, *drop.key)

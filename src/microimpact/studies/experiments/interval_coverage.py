@@ -57,26 +57,16 @@ ROUNDS = 3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Repeated:
-    """Repetitions of one experiment.
+    """Repetitions of one experiment."""
 
-    Attributes
-    ----------
-    measured, true
-        Accepted events as measured and as they were, fields of shape (experiments, events).
-    uncertainty
-        Standard uncertainty of the systematic error, shape (experiments, 1): of the probe's
-        height, m, or of the target's angle, degrees.
-    impacts
-        All simulated impacts, seen or not.
-    observable
-        Share of them that can be measured.
-    """
-
+    # Accepted events as measured and as they were, fields of shape (experiments, events).
     measured: Measured
     true: Measured
+    # Standard uncertainty of the systematic error, shape (experiments, 1): of the probe's height,
+    # m, or of the target's angle, degrees.
     uncertainty: FloatArray
-    impacts: Impacts
-    observable: float
+    impacts: Impacts  # All simulated impacts, seen or not
+    observable: float  # Share of them that can be measured
 
 
 def by_imaging(
@@ -92,18 +82,8 @@ def by_imaging(
     Scale, rate and angle are wrong by other amounts in each experiment; they stretch and turn all
     its velocities alike. Which events can be measured is taken not to depend on them.
 
-    Parameters
-    ----------
-    experiments, events
-        How many, of how many events.
-    number
-        Impacts to simulate.
-    drop
-        What is dropped on what; its range is of measured speeds.
-    instrument
-        Settings.
-    rng
-        Its children serve the draws.
+    `experiments`, `events`: how many, of how many events; `number`: impacts to simulate; `drop`:
+    what is dropped on what; its range is of measured speeds.
     """
     impacts = drop.impacts(number, child(rng, 0))
     setup = Setup(
@@ -152,10 +132,8 @@ def by_doppler(
     The height of the probe volume is another in each experiment, and decides which spheres cross
     it; it is found from the delays of the pairs, as in an experiment.
 
-    Parameters
-    ----------
-    experiments, events, number, drop, instrument, rng
-        As in `by_imaging`; only particles that arrive near the probe volume are followed.
+    `experiments`, `events`, `number`, `drop`, `instrument`, `rng`: as in `by_imaging`; only
+    particles that arrive near the probe volume are followed.
     """
     impacts = drop.impacts(number, child(rng, 0), within=NEAR_PROBE)
     pool = impacts.select(_may_be_measured(impacts, instrument, drop.speed_range))
@@ -325,11 +303,8 @@ class Params:
 def run(params: Params, inputs: Tables) -> Tables:
     """Repeat every experiment and count the intervals that hold each mean.
 
-    Returns
-    -------
-    mapping
-        ``interval_coverage``: one row per experiment and quantity. ``coverage_by_speed``,
-        ``coverage_by_angle``: coverage of restitution.
+    ``interval_coverage``: one row per experiment and quantity. ``coverage_by_speed``,
+    ``coverage_by_angle``: coverage of restitution.
     """
     return gather(params, inputs, [part(params, inputs, 0, 1)])
 

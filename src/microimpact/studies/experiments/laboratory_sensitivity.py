@@ -61,15 +61,7 @@ class BaseSeries:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """Series, factors and the errors of measurement.
-
-    Attributes
-    ----------
-    velocity_noise_relative
-        Standard deviation of a measured velocity component over the speed.
-    angle_error_deg
-        Unknown tilt of the target; the means are compared with it and with a multiple.
-    """
+    """Series, factors and the errors of measurement."""
 
     seed: Annotated[int, Field(ge=0)]
     impacts: Count
@@ -77,7 +69,9 @@ class Params:
     angles_deg: tuple[Annotated[float, Field(gt=0, lt=90)], ...]
     factors: tuple[Positive, ...]
     dispenser: Dispenser
+    # Standard deviation of a measured velocity component over the speed.
     velocity_noise_relative: NonNegative
+    # Unknown tilt of the target; the means are compared with it and with a multiple.
     angle_error_deg: NonNegative
 
 
@@ -116,11 +110,8 @@ class Setting:
 def run(params: Params, inputs: Tables) -> Tables:
     """Vary every spread alone, on common random numbers.
 
-    Returns
-    -------
-    mapping
-        ``laboratory_sensitivity``: base mean, change and its standard error, per series, angle,
-        spread, factor and quantity.
+    ``laboratory_sensitivity``: base mean, change and its standard error, per series, angle, spread,
+    factor and quantity.
     """
     return {"laboratory_sensitivity": pd.DataFrame(_rows(params, inputs))}
 
@@ -202,10 +193,7 @@ def change(reference: FloatArray, other: FloatArray) -> dict[str, float]:
     present; the error of their difference follows from what each particle contributes to it, so
     that common random numbers count.
 
-    Parameters
-    ----------
-    reference, other
-        Of the same n particles, nan where one is absent, shape (n,).
+    `reference`, `other`: of the same n particles, nan where one is absent, shape (n,).
     """
     means, parts = [], []
     for values in (reference, other):

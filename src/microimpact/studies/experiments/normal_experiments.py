@@ -70,32 +70,20 @@ class Params:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Curve:
-    """What a sieve class does at given speeds, without instrument.
+    """What a sieve class does at given speeds, without instrument."""
 
-    Attributes
-    ----------
-    speed
-        m/s, shape (n,).
-    rebounding
-        Mean restitution of the particles that rebound, shape (n,); nan where none does.
-    captured
-        Share captured, shape (n,).
-    """
-
-    speed: FloatArray
+    speed: FloatArray  # m/s, shape (n,)
+    # Mean restitution of the particles that rebound, shape (n,); nan where none does.
     rebounding: FloatArray
-    captured: FloatArray
+    captured: FloatArray  # Share captured, shape (n,)
 
 
 def run(params: Params, inputs: Tables) -> Tables:
     """Drop both classes at every speed, observe, reduce.
 
-    Returns
-    -------
-    mapping
-        ``fig04``: restitution against the normal speed. ``fig05``: energy loss.
-        ``normal_experiments``: one row per experiment, measured and true. ``size_effects``: what
-        the spread of sizes does to restitution and capture.
+    ``fig04``: restitution against the normal speed. ``fig05``: energy loss. ``normal_experiments``:
+    one row per experiment, measured and true. ``size_effects``: what the spread of sizes does to
+    restitution and capture.
     """
     contacts = {case: calibrated_contact(inputs, case) for case in (params.case, params.other_case)}
     table = pd.DataFrame(

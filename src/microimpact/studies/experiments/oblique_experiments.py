@@ -135,12 +135,9 @@ class Params:
 def run(params: Params, inputs: Tables) -> Tables:
     """Run every series at every angle, observe, reduce.
 
-    Returns
-    -------
-    mapping
-        ``fig06`` to ``fig12``: restitution, impulse ratio and translational energy loss against
-        the angle of incidence in degrees. ``fig23_points``: one series relative to its restitution
-        at a reference angle. ``oblique_experiments``: one row per experiment.
+    ``fig06`` to ``fig12``: restitution, impulse ratio and translational energy loss against the
+    angle of incidence in degrees. ``fig23_points``: one series relative to its restitution at a
+    reference angle. ``oblique_experiments``: one row per experiment.
     """
     contacts = {series.name: contact_of(series, inputs) for series in params.series}
     rows = []

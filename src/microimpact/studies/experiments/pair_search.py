@@ -97,10 +97,7 @@ def dropped(setup: Apparatus, speed: float, particles: int, key: tuple[int, ...]
     Only they are followed, and they alone arrive at the dispenser's rate: the stream of records
     is then as dense as declared, however few of all particles find the probe volume.
 
-    Raises
-    ------
-    ValueError
-        If hardly any particle falls through the probe volume.
+    Raises ValueError if hardly any particle falls through the probe volume.
     """
     rng = generator(setup.seed, *key)
     batches = [_through_probe(setup, speed, particles, rng)]
@@ -444,14 +441,11 @@ class Params:
 def run(params: Params, inputs: Tables) -> Tables:
     """Run the virtual experiments.
 
-    Returns
-    -------
-    mapping
-        ``pairing_quality``: precision, recall and error of h by height and speed, with intervals of
-        95 %; ``pairing_losses``: what became of the impacts; ``pairing_controls``: streams in
-        which pairs must not be found; ``surface_correction``: bias of both corrections;
-        ``slow_rebounds``: what the analyser does not see. ``doppler_stream``, ``pairing_curves``
-        and ``correction_curves``: data of the figure.
+    ``pairing_quality``: precision, recall and error of h by height and speed, with intervals of 95
+    %; ``pairing_losses``: what became of the impacts; ``pairing_controls``: streams in which pairs
+    must not be found; ``surface_correction``: bias of both corrections; ``slow_rebounds``: what the
+    analyser does not see. ``doppler_stream``, ``pairing_curves`` and ``correction_curves``: data of
+    the figure.
     """
     setup = Apparatus(
         seed=params.seed,

@@ -42,25 +42,10 @@ _frame = partial(series_frame, "all", x_unit="m_per_s", y_unit="1")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """Spheres dropped on a flat target, for two capture velocities.
-
-    Attributes
-    ----------
-    case
-        Calibrated contact, whose capture velocity holds for the diameter of its calibration.
-    other_work_of_adhesion_J_per_m2, other_capture_velocity_m_per_s
-        Of a contact with less adhesion, calibrated anew to the same restitution at high speed.
-    high_speed_m_per_s, restitution
-        That restitution.
-    radii_mm, slopes_deg
-        Of targets, and spread of their slopes per axis.
-    drawn_radius_mm, drawn_slope_deg
-        Of the figure.
-    shares
-        Shares of spheres on the target at which it begins to pile up.
-    """
+    """Spheres dropped on a flat target, for two capture velocities."""
 
     seed: Annotated[int, Field(ge=0)]
+    # Calibrated contact, whose capture velocity holds for the diameter of its calibration.
     case: CaseName
     friction: Fraction
     diameter_um: Distribution
@@ -68,16 +53,20 @@ class Params:
     dispenser: Dispenser
     spheres: Count
     most_impacts: Count
+    # That restitution.
     high_speed_m_per_s: Positive
     restitution: Fraction
+    # Of a contact with less adhesion, calibrated anew to the same restitution at high speed.
     other_work_of_adhesion_J_per_m2: Positive  # noqa: N815 (the unit)
     other_capture_velocity_m_per_s: Positive
+    # Of targets, and spread of their slopes per axis.
     radii_mm: tuple[Positive, ...]
     slopes_deg: tuple[NonNegative, ...]
+    # Of the figure.
     drawn_radius_mm: Positive
     drawn_slope_deg: NonNegative
     speeds_m_per_s: tuple[Positive, ...]
-    shares: tuple[Fraction, ...]
+    shares: tuple[Fraction, ...]  # Shares of spheres on the target at which it begins to pile up
     anchors: tuple[PrintedName, ...]
 
     def __post_init__(self) -> None:
@@ -95,11 +84,8 @@ class Params:
 def run(params: Params, inputs: Tables) -> Tables:
     """Drop spheres at every speed on every target.
 
-    Returns
-    -------
-    mapping
-        ``pile_up``: share of spheres that rest on the target, per contact, target and speed.
-        ``pile_up_onsets``: speeds below which it piles up. ``pile_up_onset``: data of the figure.
+    ``pile_up``: share of spheres that rest on the target, per contact, target and speed.
+    ``pile_up_onsets``: speeds below which it piles up. ``pile_up_onset``: data of the figure.
     """
     table = pd.DataFrame(_rows(params, contacts(params, inputs)))
     printed = inputs["anchors"].set_index("key")

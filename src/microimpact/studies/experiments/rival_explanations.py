@@ -44,49 +44,31 @@ class Oblique:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """The rival: spheres of one restitution without adhesion, seen above the surface.
+    """The rival: spheres of one restitution without adhesion, seen above the surface."""
 
-    Attributes
-    ----------
-    cases
-        Calibrated contacts of steel on silicon: the explanation by adhesion.
-    diameters_um
-        Mean spheres of two classes, the smaller first.
-    probe_height_mm
-        Of the probe; speeds are not corrected for it.
-    restitution
-        Of the rival, and of the plateau.
-    plateau_share, seen_from_m_per_s
-        Share of the plateau to which restitution falls, and the fastest speed of it.
-    speeds_m_per_s, points
-        Of the figure: ends, and points of a curve.
-    oblique
-        Oblique impacts, by the printed value of their restitution: angle and total speed. These are
-        seen by a camera at the surface.
-    pile_radius_mm, pile_slope_deg, slow_speed_m_per_s
-        Target whose piles are compared, and the normal speed at which oblique rebounds are seen.
-    compared_work_of_adhesion_J_per_m2
-        Of the contact of JKR that gives the scale of energy.
-    captured
-        Contacts of other particles, by the printed value of their capture velocity.
-    capture_velocities_m_per_s
-        Of steel on silicon: as printed, and much lower.
-    """
-
+    # Calibrated contacts of steel on silicon: the explanation by adhesion.
     cases: Annotated[tuple[CaseName, ...], Field(min_length=1)]
-    diameters_um: tuple[Positive, Positive]
-    probe_height_mm: Positive
-    restitution: Annotated[Fraction, Field(gt=0)]
+    diameters_um: tuple[Positive, Positive]  # Mean spheres of two classes, the smaller first
+    probe_height_mm: Positive  # Of the probe; speeds are not corrected for it
+    restitution: Annotated[Fraction, Field(gt=0)]  # Of the rival, and of the plateau
+    # Share of the plateau to which restitution falls, and the fastest speed of it.
     plateau_share: Annotated[Fraction, Field(gt=0, lt=1)]
     seen_from_m_per_s: Positive
+    # Of the figure: ends, and points of a curve.
     speeds_m_per_s: tuple[Positive, Positive]
     points: Annotated[int, Field(ge=10)]
+    # Oblique impacts, by the printed value of their restitution: angle and total speed. These are
+    # seen by a camera at the surface.
     oblique: dict[PrintedName, Oblique]
+    # Target whose piles are compared, and the normal speed at which oblique rebounds are seen.
     pile_radius_mm: Positive
     pile_slope_deg: NonNegative
     slow_speed_m_per_s: Positive
+    # Of the contact of JKR that gives the scale of energy.
     compared_work_of_adhesion_J_per_m2: Positive  # noqa: N815 (the unit)
+    # Contacts of other particles, by the printed value of their capture velocity.
     captured: dict[PrintedName, CaseName]
+    # Of steel on silicon: as printed, and much lower.
     capture_velocities_m_per_s: tuple[Positive, Positive]
     anchors: tuple[PrintedName, ...]
 
@@ -94,10 +76,7 @@ class Params:
 class Printed:
     """Printed values by key.
 
-    Parameters
-    ----------
-    rows
-        Declared rows.
+    `rows`: declared rows.
     """
 
     def __init__(self, rows: pd.DataFrame) -> None:
@@ -119,20 +98,11 @@ class Printed:
 def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
     """Hold both explanations against the printed facts, and two capture velocities.
 
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        ``calibration``, ``pile_up``, ``pile_up_onsets``: tables of these studies; ``materials``:
-        declared rows; ``anchors``: printed values.
-
-    Returns
-    -------
-    mapping
-        ``rival_restitution``: data of the figure. ``rival_explanations``: per printed observation
-        what each explanation gives, and whether it tells them apart. ``capture_evidence``: what
-        piles, slow rebounds and energies give for two capture velocities.
+    ``rival_restitution``: data of the figure. ``rival_explanations``: per printed observation what
+    each explanation gives, and whether it tells them apart. ``capture_evidence``: what piles, slow
+    rebounds and energies give for two capture velocities. `inputs`: ``calibration``, ``pile_up``,
+    ``pile_up_onsets``: tables of these studies; ``materials``: declared rows; ``anchors``: printed
+    values.
     """
     contacts = {case: calibrated_contact(inputs, case) for case in params.cases}
     printed = Printed(inputs["anchors"])
@@ -146,19 +116,8 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
 def uncorrected(speed: Real, restitution: Real, height: float) -> tuple[FloatArray, FloatArray]:
     """Return the incident speed and the restitution of uncorrected speeds at a height.
 
-    Parameters
-    ----------
-    speed
-        At the surface, m/s.
-    restitution
-        True.
-    height
-        Of the probe, m.
-
-    Returns
-    -------
-    tuple
-        Incident speed, m/s, and restitution; nan where the sphere does not reach the probe.
+    Incident speed, m/s, and restitution; nan where the sphere does not reach the probe. `speed`: at
+    the surface, m/s; `restitution`: true; `height`: of the probe, m.
     """
     fall = 2.0 * gravity * height
     squares = np.square(speed) - fall, np.square(restitution * np.asarray(speed)) - fall
@@ -328,10 +287,7 @@ def name(velocity: float) -> str:
 def chosen(table: pd.DataFrame, **where: float) -> pd.DataFrame:
     """Return the rows of a table with these numbers.
 
-    Raises
-    ------
-    ValueError
-        If there is none.
+    Raises ValueError if there is none.
     """
     for column, value in where.items():
         known = table

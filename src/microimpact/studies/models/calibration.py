@@ -269,13 +269,10 @@ class Params:
 def run(params: Params, inputs: Tables) -> Tables:
     """Calibrate every case.
 
-    Returns
-    -------
-    mapping
-        ``calibration``: per case its targets, as met, and the parameters found.
-        ``calibration_family``: steel on silicon over works of adhesion and exponents, each member
-        judged by printed facts. ``molybdenum_capture``: capture velocities in m/s as intervals.
-        ``ridge`` and ``ridge_curves``: the family drawn.
+    ``calibration``: per case its targets, as met, and the parameters found. ``calibration_family``:
+    steel on silicon over works of adhesion and exponents, each member judged by printed facts.
+    ``molybdenum_capture``: capture velocities in m/s as intervals. ``ridge`` and ``ridge_curves``:
+    the family drawn.
     """
     targets, ratios = params.two_stage, params.force_ratios
     corners = _corners(ratios, inputs)

@@ -56,16 +56,9 @@ NOTES = {
 class PairCase:
     """One pair, calibrated.
 
-    Parameters
-    ----------
-    case
-        A case of the table ``calibration``.
-    anchors
-        Key of the printed capture velocity, if there is one.
-    calibration_targets
-        Holds ``capture_velocity`` if the printed one fixed a parameter of the contact.
-    yield_strength_MPa
-        Of the softer body, for the onset of yield.
+    `case`: a case of the table ``calibration``; `anchors`: key of the printed capture velocity, if
+    there is one; `calibration_targets`: holds ``capture_velocity`` if the printed one fixed a
+    parameter of the contact; `yield_strength_MPa`: of the softer body, for the onset of yield.
     """
 
     case: CaseName
@@ -113,13 +106,9 @@ class Law:
 def run(params: Params, inputs: Tables) -> Tables:
     """Compare the laws.
 
-    Returns
-    -------
-    mapping
-        ``capture_laws``: per pair and law the capture velocity at the pair's diameter, its ratios
-        to the printed one and to this model, the exponent of the diameter, and e at a compared
-        speed.
-        ``capture_law_curves``: capture velocity in m/s against diameter in um, one panel per pair.
+    ``capture_laws``: per pair and law the capture velocity at the pair's diameter, its ratios to
+    the printed one and to this model, the exponent of the diameter, and e at a compared speed.
+    ``capture_law_curves``: capture velocity in m/s against diameter in um, one panel per pair.
     """
     rows, frames = [], []
     for pair in params.pairs:

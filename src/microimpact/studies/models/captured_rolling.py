@@ -54,14 +54,11 @@ class Params:
 def run(params: Params, inputs: Tables) -> Tables:
     """Compute the distances rolled.
 
-    Returns
-    -------
-    mapping
-        ``roll_away``: per case, diameter, angle and shift the speed of the fastest captured sphere,
-        the distance it rolls without and with gravity (infinite: it does not stop), whether it
-        leaves the spot it hit and the target, and the moment of its weight over that of adhesion,
-        above 1 where gravity alone rolls it.
-        ``roll_away_curves``: data of the figure, the distance in mm against the shift in nm.
+    ``roll_away``: per case, diameter, angle and shift the speed of the fastest captured sphere, the
+    distance it rolls without and with gravity (infinite: it does not stop), whether it leaves the
+    spot it hit and the target, and the moment of its weight over that of adhesion, above 1 where
+    gravity alone rolls it. ``roll_away_curves``: data of the figure, the distance in mm against the
+    shift in nm.
     """
     rows = []
     for case, diameter in product(params.cases, params.diameters_um):
@@ -79,14 +76,7 @@ def run(params: Params, inputs: Tables) -> Tables:
 def fastest_captured(params: Params, limit: float, angle: float) -> float:
     """Return the greatest speed in m/s at which a sphere is captured, as far as looked at.
 
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    limit
-        The capture velocity, m/s.
-    angle
-        Of incidence, degrees.
+    `limit`: the capture velocity, m/s; `angle`: of incidence, degrees.
     """
     return float(min(limit / np.sin(np.radians(angle)), params.largest_speed_m_per_s))
 

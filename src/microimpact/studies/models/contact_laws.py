@@ -164,21 +164,11 @@ class Fit:
 def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
     """Fit every law, and ask it what the claims ask.
 
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        ``calibration``, table of that study, and ``materials``, declared rows.
-
-    Returns
-    -------
-    mapping
-        ``contact_law_fits``: parameters, misfit and capture velocity of every law, fitted with and
-        without the printed capture velocity; works of adhesion of another pair.
-        ``contact_law_facts``: what each gives for every printed fact and criterion, and whether
-        that meets it. ``contact_law_claims``: by which laws each is met.
-        ``contact_law_curves``: restitution against speed in m/s.
+    ``contact_law_fits``: parameters, misfit and capture velocity of every law, fitted with and
+    without the printed capture velocity; works of adhesion of another pair. ``contact_law_facts``:
+    what each gives for every printed fact and criterion, and whether that meets it.
+    ``contact_law_claims``: by which laws each is met. ``contact_law_curves``: restitution against
+    speed in m/s. `inputs`: ``calibration``, table of that study, and ``materials``, declared rows.
     """
     base = calibrated_contact(inputs, params.case)
     fits = [fitted(params, base, law, targets) for targets in TARGETS for law in params.laws]

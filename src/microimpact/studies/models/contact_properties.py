@@ -32,10 +32,7 @@ class Params:
 def run(params: Params, inputs: Tables) -> Tables:
     """Return the table of contact properties.
 
-    Returns
-    -------
-    mapping
-        ``contact_properties``: one row per declared pair, at the pair's diameter.
+    ``contact_properties``: one row per declared pair, at the pair's diameter.
     """
     materials, pairs = declared(inputs)
     rows = []

@@ -37,12 +37,8 @@ class Params:
 def run(params: Params, inputs: Tables) -> Tables:
     """Return the data of Fig. 17.
 
-    Returns
-    -------
-    mapping
-        ``fig17``: impulse ratio (-mu of Eq. 2) against the angle in degrees. Panel
-        ``friction``: one series per friction coefficient, no spin. Panel ``spin``: one
-        series per spin ratio.
+    ``fig17``: impulse ratio (-mu of Eq. 2) against the angle in degrees. Panel ``friction``: one
+    series per friction coefficient, no spin. Panel ``spin``: one series per spin ratio.
     """
     angle = np.linspace(0.0, 90.0, params.points + 1)[1:]
     frames = []
@@ -63,21 +59,9 @@ def impulse_ratio(
 ) -> NDArray[np.float64]:
     """Return the impulse ratio -mu of the rigid body model, which depends on no scale.
 
-    Parameters
-    ----------
-    angle
-        Angle of incidence from the surface in degrees, in (0, 90].
-    restitution
-        Coefficient of restitution e.
-    friction
-        Friction coefficient f.
-    spin_ratio
-        Initial r omega / v.
-
-    Returns
-    -------
-    ndarray
-        Shape of `angle`; positive when friction opposes the tangential velocity.
+    Shape of `angle`; positive when friction opposes the tangential velocity. `angle`: angle of
+    incidence from the surface in degrees, in (0, 90]; `restitution`: coefficient of restitution e;
+    `friction`: friction coefficient f; `spin_ratio`: initial r omega / v.
     """
     alpha = np.radians(angle)
     # cos(90 deg) is not exactly 0 in floating point, but the tangential velocity there is.

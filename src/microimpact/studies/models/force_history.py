@@ -44,11 +44,8 @@ class Params:
 def run(params: Params, inputs: Tables) -> Tables:
     """Return the data of Fig. 20 and the ratios of its peaks.
 
-    Returns
-    -------
-    mapping
-        ``fig20``: the normal force and its terms in uN against time in ns.
-        ``force_ratios``: peak ratios, dips, contact time and restitution beside printed values.
+    ``fig20``: the normal force and its terms in uN against time in ns. ``force_ratios``: peak
+    ratios, dips, contact time and restitution beside printed values.
     """
     contact = calibrated_contact(inputs, params.case, diameter=params.diameter_um * 1e-6)
     path = trajectory(contact, params.speed_m_per_s, params.angle_deg, points=params.points)

@@ -42,12 +42,9 @@ class Params:
 def run(params: Params, inputs: Tables) -> Tables:
     """Return the data of Figs. 18 and 21.
 
-    Returns
-    -------
-    mapping
-        ``fig18``: impulse ratio against the angle in degrees; panel ``adhesion`` compares the
-        rigid body with the simulation, panel ``basis`` the forces that may support friction.
-        ``fig21``: energy loss, total and translational. Captured impacts are left out.
+    ``fig18``: impulse ratio against the angle in degrees; panel ``adhesion`` compares the rigid
+    body with the simulation, panel ``basis`` the forces that may support friction. ``fig21``:
+    energy loss, total and translational. Captured impacts are left out.
     """
     changes = {"diameter": params.diameter_um * 1e-6, "friction": params.friction}
     contact = calibrated_contact(inputs, params.case, **changes)

@@ -67,12 +67,9 @@ class Params:
 def run(params: Params, inputs: Tables) -> Tables:
     """Simulate and fit every case, and fit digitised points of a series that is named as a case.
 
-    Returns
-    -------
-    mapping
-        ``fig15``, ``fig16``: e against speed in m/s, the simulation, its fit with q free, and the
-        printed capture velocity. ``restitution_fits``: per case the fits with q free and fixed,
-        those of digitised points last; where these cannot be fitted, ``note`` says why.
+    ``fig15``, ``fig16``: e against speed in m/s, the simulation, its fit with q free, and the
+    printed capture velocity. ``restitution_fits``: per case the fits with q free and fixed, those
+    of digitised points last; where these cannot be fitted, ``note`` says why.
     """
     frames: dict[str, list[pd.DataFrame]] = {"fig15": [], "fig16": []}
     rows: list[dict[str, object]] = []

@@ -41,11 +41,8 @@ class Params:
 def run(params: Params, inputs: Tables) -> Tables:
     """Return the data of Fig. 14.
 
-    Returns
-    -------
-    mapping
-        ``fig14``: the three coefficients against speed in m/s, on a grid that contains the
-        capture velocity, and an upright line at that velocity.
+    ``fig14``: the three coefficients against speed in m/s, on a grid that contains the capture
+    velocity, and an upright line at that velocity.
     """
     v_c = params.capture_speed_m_per_s
     speed = np.linspace(0.0, params.largest_speed_m_per_s, params.points)

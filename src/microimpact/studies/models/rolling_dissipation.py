@@ -75,16 +75,12 @@ class Params:
 def run(params: Params, inputs: Tables) -> Tables:
     """Compare the neglected moments with that of friction.
 
-    Returns
-    -------
-    mapping
-        ``rolling_dissipation``: per case, diameter, speed and angle the impulse of each moment over
-        that of friction, and their sums by grade; empty where the sphere is captured.
-        ``rolling_ranges``: per case, diameter, speed and grade the least and greatest ratio at the
-        angles given, and the angles around the least one between which it is negligible (empty:
-        none); an end may be the limit, the outermost of those angles. Diameters and speeds with
-        no rebound at two of the angles have no row.
-        ``rolling``: data of the figure.
+    ``rolling_dissipation``: per case, diameter, speed and angle the impulse of each moment over
+    that of friction, and their sums by grade; empty where the sphere is captured.
+    ``rolling_ranges``: per case, diameter, speed and grade the least and greatest ratio at the
+    angles given, and the angles around the least one between which it is negligible (empty: none);
+    an end may be the limit, the outermost of those angles. Diameters and speeds with no rebound at
+    two of the angles have no row. ``rolling``: data of the figure.
     """
     rows: list[dict[str, object]] = []
     summary: list[dict[str, object]] = []

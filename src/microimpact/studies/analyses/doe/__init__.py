@@ -106,19 +106,11 @@ class Params:
 def run(params: Params, inputs: Tables) -> Tables:
     """Run every design and analyse it.
 
-    Returns
-    -------
-    mapping
-        ``doe_levels``, ``doe_design``: levels and runs of the full design with their capture
-        velocities in m/s, run 0 at the nominal values. ``doe_aliases``: what the fraction cannot
-        tell apart. ``doe_effects``: effects in % of the mean, or of 0.01 in ln v_c.
-        ``doe_bd_aliasing``: BD in every quarter fraction. ``doe_elasticities``: exact slopes.
-        ``fig24``, ``fig25``: effects drawn.
-
-    Raises
-    ------
-    ValueError
-        Naming the first run without a finite capture velocity.
+    ``doe_levels``, ``doe_design``: levels and runs of the full design with their capture velocities
+    in m/s, run 0 at the nominal values. ``doe_aliases``: what the fraction cannot tell apart.
+    ``doe_effects``: effects in % of the mean, or of 0.01 in ln v_c. ``doe_bd_aliasing``: BD in
+    every quarter fraction. ``doe_elasticities``: exact slopes. ``fig24``, ``fig25``: effects drawn.
+    Raises ValueError, naming the first run without a finite capture velocity.
     """
     experiments = list(_experiments(params, inputs))
     effects = pd.DataFrame([row for each in experiments for row in effect_rows(each)])
@@ -202,14 +194,8 @@ def _fitted(
 ) -> FloatArray:
     """Return capture velocities by fits of Eq. (34), shape (replicates, runs), m/s.
 
-    Parameters
-    ----------
-    contact
-        The runs' contacts, shape (runs, 1, 1).
-    limits, seeds
-        Capture velocity of each run, m/s, and seed of its speeds.
-    sampling
-        How many speeds, and where.
+    `contact`: the runs' contacts, shape (runs, 1, 1); `limits`, `seeds`: capture velocity of each
+    run, m/s, and seed of its speeds; `sampling`: how many speeds, and where.
     """
     shape = sampling.replicates, sampling.points
     draws = [np.random.Generator(np.random.PCG64(seed)).random(shape) for seed in seeds]

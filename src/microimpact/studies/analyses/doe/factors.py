@@ -68,14 +68,9 @@ def realistic_levels(contact: Contact, diameters: tuple[float, float], inputs: T
     The stiffness ranges over the declared bounds of the materials, the radius over the sieve, and
     adhesion and damping over the calibrated contacts that keep the restitution level.
 
-    Parameters
-    ----------
-    contact
-        The nominal contact; its rate exponent says which end of the family is meant.
-    diameters
-        Ends of the sieve.
-    inputs
-        ``materials``: declared rows; ``calibration_family``: table of the calibration.
+    `contact`: the nominal contact; its rate exponent says which end of the family is meant;
+    `diameters`: ends of the sieve; `inputs`: ``materials``: declared rows; ``calibration_family``:
+    table of the calibration.
     """
     flat = flat_family(contact, inputs)
     return Levels(
@@ -90,10 +85,7 @@ def realistic_levels(contact: Contact, diameters: tuple[float, float], inputs: T
 def flat_family(contact: Contact, inputs: Tables) -> pd.DataFrame:
     """Return the members of the calibrated family with a level restitution, of a rate exponent.
 
-    Raises
-    ------
-    ValueError
-        If there are fewer than two, between which nothing varies.
+    Raises ValueError if there are fewer than two, between which nothing varies.
     """
     family = inputs["calibration_family"]
     exponent = float(contact.adhesion_rate_exponent)
@@ -131,12 +123,7 @@ def _stiffness_ends(contact: Contact, materials: pd.DataFrame) -> tuple[float, f
 def coded(levels: FloatArray, design: FloatArray) -> FloatArray:
     """Return multiples of the nominal values for coded levels -1 and +1; 0 is nominal.
 
-    Parameters
-    ----------
-    levels
-        Shape (2, 5).
-    design
-        Shape (..., 5).
+    `levels`: shape (2, 5); `design`: shape (..., 5).
     """
     return np.where(design == 0.0, 1.0, np.where(design < 0.0, levels[0], levels[1]))
 
@@ -181,17 +168,10 @@ def factor_values(contact: Contact) -> dict[str, Real]:
 
 @dataclass(frozen=True, slots=True)
 class Elasticities:
-    """Elasticities d ln v_c / d ln x of the five factors, each of shape (5,).
+    """Elasticities d ln v_c / d ln x of the five factors, each of shape (5,)."""
 
-    Attributes
-    ----------
-    at_fixed_zeta
-        Damping coefficients follow Eqs. (23) and (24).
-    at_fixed_damping
-        Damping coefficients are held; the last two are those to c_A and c_H.
-    """
-
-    at_fixed_zeta: FloatArray
+    at_fixed_zeta: FloatArray  # Damping coefficients follow Eqs. (23) and (24).
+    # Damping coefficients are held; the last two are those to c_A and c_H.
     at_fixed_damping: FloatArray
 
 
@@ -202,10 +182,7 @@ def elasticities(contact: Contact) -> Elasticities:
     and a of ln T by its logarithmic groups, ``(1 + n a) d ln v_c = (1 + h + a) d ln V + h d ln c_H
     + a d ln c_A``. At fixed zeta both c go as ``K^(-2/5)``; neither depends on r.
 
-    Raises
-    ------
-    ValueError
-        If the contact has no finite, positive capture velocity.
+    Raises ValueError if the contact has no finite, positive capture velocity.
     """
     limit = float(capture_velocity(contact))
     if not 0.0 < limit < np.inf:

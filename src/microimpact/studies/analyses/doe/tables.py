@@ -29,42 +29,24 @@ from microimpact.studies.analyses.doe.factors import LETTERS, coded, elasticitie
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DesignedExperiment:
-    """One case with one set of levels.
+    """One case with one set of levels."""
 
-    Attributes
-    ----------
-    case, variation
-        Which contact, and which set of levels.
-    contact, contacts
-        The nominal contact, and those of all runs: the nominal one first, then the full design.
-    levels
-        Multiples of the nominal values, shape (2, 5).
-    relation
-        Defining relation of the fraction.
-    full
-        Coded levels of the full design, shape (32, 5).
-    runs
-        Which of its runs are in the fraction.
-    centre, response
-        Capture velocity of the nominal contact, and of all runs of the full design, m/s.
-    fitted
-        That of the runs in the fraction by fits of Eq. (34), shape (replicates, runs), m/s.
-    confidence
-        Of the margins.
-    """
-
+    # Which contact, and which set of levels.
     case: str
     variation: str
+    # The nominal contact, and those of all runs: the nominal one first, then the full design.
     contact: Contact
     contacts: Contact
-    levels: FloatArray
-    relation: dict[str, int]
-    full: FloatArray
-    runs: NDArray[np.integer[Any]]
+    levels: FloatArray  # Multiples of the nominal values, shape (2, 5)
+    relation: dict[str, int]  # Defining relation of the fraction
+    full: FloatArray  # Coded levels of the full design, shape (32, 5)
+    runs: NDArray[np.integer[Any]]  # Which of its runs are in the fraction
+    # Capture velocity of the nominal contact, and of all runs of the full design, m/s.
     centre: float
     response: FloatArray
+    # That of the runs in the fraction by fits of Eq. (34), shape (replicates, runs), m/s.
     fitted: FloatArray
-    confidence: float
+    confidence: float  # Of the margins
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -83,14 +83,11 @@ class Params:
 def run(params: Params, inputs: Tables) -> Tables:
     """Compute the indices of every case.
 
-    Returns
-    -------
-    mapping
-        ``sensitivity_indices``: indices of the five factors, varied independently, beside their
-        effects. ``sensitivity_convergence``: the same by number of samples.
-        ``sensitivity_groups``: variability of the radius apart from the uncertainty of all that is
-        calibrated. ``sensitivity_parameters``: what is calibrated, and how it goes with w_A.
-        ``sobol``: indices drawn.
+    ``sensitivity_indices``: indices of the five factors, varied independently, beside their
+    effects. ``sensitivity_convergence``: the same by number of samples. ``sensitivity_groups``:
+    variability of the radius apart from the uncertainty of all that is calibrated.
+    ``sensitivity_parameters``: what is calibrated, and how it goes with w_A. ``sobol``: indices
+    drawn.
     """
     tables: dict[str, list[dict[str, object]]] = {
         name: [] for name in ("indices", "convergence", "groups", "parameters")
@@ -148,10 +145,7 @@ def independent(
 def printed_targets(calibration: pd.DataFrame, case: str) -> tuple[float, float]:
     """Return the restitution and the capture velocity in m/s that a case was calibrated to.
 
-    Raises
-    ------
-    ValueError
-        If the case was calibrated to something else.
+    Raises ValueError if the case was calibrated to something else.
     """
     rows = calibration[(calibration["case"] == case) & (calibration["role"] == "target")]
     targets = rows.set_index("quantity")["target"].astype(float)
@@ -242,17 +236,10 @@ def multiples_of(
 ) -> FloatArray:
     """Return multiples of nominal values for points of the unit cube, by a set of levels.
 
-    Parameters
-    ----------
-    cube
-        Shape (..., inputs), one column per row of ``levels``.
-    levels
-        Columns ``low_multiple`` and ``high_multiple``.
-    variation
-        ``realistic``: lognormal, the levels at the quantile and its complement. Otherwise uniform
-        between the levels.
-    quantile
-        Of the high level.
+    `cube`: shape (..., inputs), one column per row of ``levels``; `levels`: columns
+    ``low_multiple`` and ``high_multiple``; `variation`: ``realistic``: lognormal, the levels at the
+    quantile and its complement. Otherwise uniform between the levels; `quantile`: of the high
+    level.
     """
     from scipy.special import ndtri
 

@@ -31,32 +31,22 @@ class Bootstrap:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Draw:
-    """One contact at the points of a Saltelli sample.
+    """One contact at the points of a Saltelli sample."""
 
-    Attributes
-    ----------
-    case, variation
-        Which contact, and how it was varied.
-    response
-        Capture velocities in m/s, shape (samples, inputs + 2); NaN where there is no calibration.
-    truncated, uncalibrated
-        Points whose capture velocity was above the largest one that counts, infinite ones among
-        them, and points whose calibration has no solution.
-    """
-
+    # Which contact, and how it was varied.
     case: str
     variation: str
+    # Capture velocities in m/s, shape (samples, inputs + 2); NaN where there is no calibration.
     response: FloatArray
+    # Points whose capture velocity was above the largest one that counts, infinite ones among them,
+    # and points whose calibration has no solution.
     truncated: int
     uncalibrated: int
 
     def kept(self, samples: int | None = None) -> FloatArray:
         """Return the first base samples, without those that lack a response.
 
-        Raises
-        ------
-        ValueError
-            If fewer than two are left.
+        Raises ValueError if fewer than two are left.
         """
         first = self.response[:samples]
         kept: FloatArray = first[np.isfinite(first).all(axis=1)]

@@ -106,19 +106,10 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     A claim that cannot be computed with the settings has a row that says why, and leaves the others
     alone.
 
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        ``materials``, ``contacts``, ``anchors``: declared rows; tables of earlier studies by name.
-
-    Returns
-    -------
-    mapping
-        ``claim_numbers``: per claim, case and quantity its value, unit, evidence and code; in the
-        column ``problem``, why there is none. ``claim_draws``: numbers of some claims for
-        admissible contacts.
+    ``claim_numbers``: per claim, case and quantity its value, unit, evidence and code; in the
+    column ``problem``, why there is none. ``claim_draws``: numbers of some claims for admissible
+    contacts. `inputs`: ``materials``, ``contacts``, ``anchors``: declared rows; tables of earlier
+    studies by name.
     """
     return gather(params, inputs, [part(params, inputs, 0, 1)])
 
@@ -126,17 +117,8 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
 def numbers_of(claim: str, params: Params, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
     """Return the numbers of one claim, as rows of the table of all.
 
-    Parameters
-    ----------
-    claim
-        Such as ``C58``.
-    params, inputs
-        As in `run`; of the tables those that the claim reads.
-
-    Raises
-    ------
-    ValueError
-        If no function computes such a claim.
+    `claim`: such as ``C58``; `params`, `inputs`: as in `run`; of the tables those that the claim
+    reads. Raises ValueError if no function computes such a claim.
     """
     if claim not in CLAIMS:
         raise ValueError(f"no function computes a claim {claim!r}{nearest(claim, CLAIMS)}")

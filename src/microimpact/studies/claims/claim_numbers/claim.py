@@ -23,24 +23,12 @@ Numbers = Mapping[str, Any]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Claim:
-    """How the numbers of one claim come about.
+    """How the numbers of one claim come about."""
 
-    Attributes
-    ----------
-    of
-        Numbers from the context.
-    by_case
-        Whether there are numbers for every case of steel on silicon.
-    evidence
-        Their evidence.
-    units
-        Unit of all quantities, or of those that have one.
-    """
-
-    of: Callable[[Context], Numbers]
-    by_case: bool
-    evidence: str
-    units: str | Mapping[str, str]
+    of: Callable[[Context], Numbers]  # Numbers from the context
+    by_case: bool  # Whether there are numbers for every case of steel on silicon
+    evidence: str  # Their evidence
+    units: str | Mapping[str, str]  # Unit of all quantities, or of those that have one
 
     def unit(self, quantity: str) -> str:
         """Return the unit of a quantity, ``-`` for none."""
@@ -72,10 +60,7 @@ def claim(
 ) -> Callable[[Callable[[Context], Numbers]], Callable[[Context], Numbers]]:
     """Register the function that computes the numbers of a claim; fields as in `Claim`.
 
-    Raises
-    ------
-    ValueError
-        If the claim has a function already.
+    Raises ValueError if the claim has a function already.
     """
 
     def register(of: Callable[[Context], Numbers]) -> Callable[[Context], Numbers]:

@@ -8,25 +8,14 @@ from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.core.solve import threshold
 from microimpact.lab.experiment import Target
 from microimpact.lab.surface import Rebound, rough
-from microimpact.model.closed_forms import (
-    YIELD_PRESSURE_RATIO,
-    plastic_restitution,
-    yield_velocity,
-)
+from microimpact.model.closed_forms import YIELD_PRESSURE_RATIO, plastic_restitution, yield_velocity
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.model.dynamics.impact import (
-    planar,
-    simulate,
-    velocity_components,
-)
+from microimpact.model.dynamics.impact import planar, simulate, velocity_components
 from microimpact.model.dynamics.rolling import gravity_ratio, rolling_distance
 from microimpact.statistics.distributions import generator
 from microimpact.studies.claims.claim_numbers.claim import VIRTUAL, claim
-from microimpact.studies.claims.claim_numbers.context import (
-    Context,
-    without_adhesion,
-)
+from microimpact.studies.claims.claim_numbers.context import Context, without_adhesion
 
 ANALYSIS = 98
 # Where normal speeds of capture are looked for, relative to the one known.

@@ -36,23 +36,13 @@ class Estimate(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Context:
-    """One case of steel on silicon, or none (""), with all settings and tables.
+    """One case of steel on silicon, or none (""), with all settings and tables."""
 
-    Attributes
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        Declared rows and tables of earlier studies by name.
-    case
-        Name of the calibrated case; the first of those declared is meant where there is none.
-    drawn
-        One admissible contact of steel on silicon, in place of a calibrated one.
-    """
-
-    params: Params
-    inputs: Mapping[str, pd.DataFrame]
+    params: Params  # Parameters of the study
+    inputs: Mapping[str, pd.DataFrame]  # Declared rows and tables of earlier studies by name
+    # Name of the calibrated case; the first of those declared is meant where there is none.
     case: str = ""
+    # One admissible contact of steel on silicon, in place of a calibrated one.
     drawn: Contact | None = None
     # Made once, here for all cases: a table of the impact law serves one and the same contact.
     _seen: dict[tuple[Dropped, float, Sampling], Seen] = field(default_factory=dict)
@@ -106,10 +96,7 @@ class Context:
     ) -> tuple[FloatArray, Impact]:
         """Return the angles (all steps, if none given) at which it rebounds, and the impacts.
 
-        Raises
-        ------
-        ValueError
-            If it rebounds at none.
+        Raises ValueError if it rebounds at none.
         """
         wanted = self.all_angles() if angles is None else angles
         free = wanted[~self.hit(contact, self.speed, wanted).captured]
@@ -150,14 +137,8 @@ class Context:
     ) -> Estimate:
         """Return a difference of means, one less other, over the half-width of its interval.
 
-        Parameters
-        ----------
-        quantity
-            ``restitution``, ``impulse_ratio`` or ``energy_loss``.
-        one, other
-            What is dropped, and the angle in degrees.
-        sampling
-            How the samples are drawn.
+        `quantity`: ``restitution``, ``impulse_ratio`` or ``energy_loss``; `one`, `other`: what is
+        dropped, and the angle in degrees; `sampling`: how the samples are drawn.
         """
         samples = [self.seen(*sample, sampling) for sample in (one, other)]
         a, b = (sample.statistics[quantity] for sample in samples)
@@ -178,10 +159,7 @@ class Context:
     def table(self, name: str, **where: object) -> pd.DataFrame:
         """Return the rows of a table with these values, of the case if it has a column of cases.
 
-        Raises
-        ------
-        ValueError
-            If there is none.
+        Raises ValueError if there is none.
         """
         rows = self.inputs[name]
         if self.case and "case" in rows:
@@ -198,10 +176,7 @@ class Context:
     ) -> pd.Series:
         """Return a column of a table by angle (degrees), at some angles or at all.
 
-        Raises
-        ------
-        ValueError
-            If the table has no such row, or not all the angles.
+        Raises ValueError if the table has no such row, or not all the angles.
         """
         rows = self.table(name, **where)
         found = pd.Series(rows[column].to_numpy(float), index=rows["angle_deg"].to_numpy(float))

@@ -7,9 +7,7 @@ import pandas as pd
 
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.studies.claims.claim_numbers.claim import claim
-from microimpact.studies.claims.claim_numbers.context import (
-    Context,
-)
+from microimpact.studies.claims.claim_numbers.context import Context
 from microimpact.studies.claims.claim_numbers.experiments import local_exponents
 
 REALISTIC, SMALL = "realistic", "uniform"
@@ -115,10 +113,7 @@ def fraction(context: Context, variation: str, response: str = DIRECT) -> pd.Dat
 def effect(effects: pd.DataFrame, word: str) -> float:
     """Return what the design takes for the effect of a word: that of its whole alias class.
 
-    Raises
-    ------
-    ValueError
-        If the word is constant over the runs.
+    Raises ValueError if the word is constant over the runs.
     """
     for name, row in effects.iterrows():
         aliases = str(row["aliases"]).split()

@@ -15,21 +15,12 @@ from microimpact.lab.events import Impacts
 from microimpact.lab.samples import statistics
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.model.dynamics.impact import (
-    Impact,
-    simulate,
-)
+from microimpact.model.dynamics.impact import Impact, simulate
 from microimpact.model.dynamics.normal import normal_impact
-from microimpact.model.rigid_body.algebra import (
-    INERTIA,
-)
+from microimpact.model.rigid_body.algebra import INERTIA
 from microimpact.statistics.intervals import student_half_width
 from microimpact.studies.claims.claim_numbers.claim import CALIBRATED, VIRTUAL, claim
-from microimpact.studies.claims.claim_numbers.context import (
-    Context,
-    between,
-    without_adhesion,
-)
+from microimpact.studies.claims.claim_numbers.context import Context, between, without_adhesion
 from microimpact.studies.claims.claim_numbers.oblique import sampled
 from microimpact.studies.claims.claim_numbers.rigid_body import farthest, works
 
@@ -391,10 +382,7 @@ def c99(context: Context) -> dict[str, float]:
 def flat_members(context: Context, contact: Contact) -> list[Contact]:
     """Return the members of the family that keep e flat enough, of all rate exponents.
 
-    Raises
-    ------
-    ValueError
-        If there is none.
+    Raises ValueError if there is none.
     """
     table = context.table("calibration_family")
     flat = table[table["deviation_from_plateau"] <= context.params.losses.flat_within]

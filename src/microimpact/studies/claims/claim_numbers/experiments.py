@@ -13,21 +13,12 @@ from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.pdpa.pairing import correct
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.model.dynamics.impact import (
-    simulate,
-)
+from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.normal import normal_impact
-from microimpact.model.rigid_body.algebra import (
-    energy_loss,
-)
+from microimpact.model.rigid_body.algebra import energy_loss
 from microimpact.statistics.distributions import Distribution, generator
 from microimpact.studies.claims.claim_numbers.claim import CALIBRATED, VIRTUAL, claim
-from microimpact.studies.claims.claim_numbers.context import (
-    Context,
-    Estimate,
-    between,
-    of_share,
-)
+from microimpact.studies.claims.claim_numbers.context import Context, Estimate, between, of_share
 from microimpact.studies.experiments.pile_up import onset
 
 # Ends of an interval of 95 %, of which the lower decides.
@@ -288,19 +279,8 @@ def c64(context: Context) -> dict[str, float]:
 def fallen_speed(speed: FloatArray, restitution: FloatArray, share: float) -> FloatArray:
     """Return the highest speed at which restitution is a share of its value at the last speed.
 
-    Parameters
-    ----------
-    speed
-        Ascending, m/s, shape (n,).
-    restitution
-        Of m experiments, shape (n, m).
-    share
-        Of the plateau.
-
-    Raises
-    ------
-    ValueError
-        If it is above that share at all speeds.
+    `speed`: ascending, m/s, shape (n,); `restitution`: of m experiments, shape (n, m); `share`: of
+    the plateau. Raises ValueError if it is above that share at all speeds.
     """
     aim = share * restitution[-1]
     below = restitution < aim

@@ -13,29 +13,14 @@ from microimpact.lab.dispenser import InitialSpin
 from microimpact.lab.events import Impacts
 from microimpact.lab.experiment import StopRule
 from microimpact.lab.ptis.experiment import collect
-from microimpact.lab.samples import (
-    Dropped,
-    Statistic,
-    half_width,
-    impacts_of,
-    in_class,
-    with_spin,
-)
+from microimpact.lab.samples import Dropped, Statistic, half_width, impacts_of, in_class, with_spin
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.model.dynamics.impact import (
-    Impact,
-    simulate,
-    velocity_components,
-)
+from microimpact.model.dynamics.impact import Impact, simulate, velocity_components
 from microimpact.model.rigid_body.roughness import measured_restitution
 from microimpact.statistics.distributions import generator
 from microimpact.studies.claims.claim_numbers.claim import VIRTUAL, claim
-from microimpact.studies.claims.claim_numbers.context import (
-    Context,
-    Estimate,
-    of_share,
-)
+from microimpact.studies.claims.claim_numbers.context import Context, Estimate, of_share
 from microimpact.studies.experiments.mechanisms.impulse_regions import regions
 from microimpact.studies.experiments.mechanisms.spin import rolling_limit
 
@@ -377,10 +362,7 @@ def c75(context: Context) -> dict[str, float | Estimate]:
 def class_mean(context: Context, name: str, angle: float) -> Estimate:
     """Return the mean restitution of the rebounds of a speed class at one angle.
 
-    Raises
-    ------
-    ValueError
-        If too few rebound.
+    Raises ValueError if too few rebound.
     """
     one = context.params.slow.classes[name]
     dropped = replace(

@@ -9,9 +9,7 @@ import numpy as np
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.model.choices import FRICTION_BASES
 from microimpact.model.contact import Contact
-from microimpact.model.dynamics.impact import (
-    simulate,
-)
+from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.dynamics.trajectory import trajectory
 from microimpact.model.rigid_body.algebra import (
@@ -21,10 +19,7 @@ from microimpact.model.rigid_body.algebra import (
     restitution_with_adhesion,
 )
 from microimpact.studies.claims.claim_numbers.claim import VIRTUAL, claim
-from microimpact.studies.claims.claim_numbers.context import (
-    Context,
-    without_adhesion,
-)
+from microimpact.studies.claims.claim_numbers.context import Context, without_adhesion
 from microimpact.studies.claims.claim_numbers.experiments import rebounding_speeds
 
 # Entries of the energy ledger that are lost.

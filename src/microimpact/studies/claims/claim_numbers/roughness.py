@@ -8,25 +8,15 @@ import numpy as np
 
 from microimpact.core.arrays import FloatArray
 from microimpact.lab.contacts import calibrated_contact
-from microimpact.lab.samples import (
-    Dropped,
-    Sampling,
-    rough,
-    with_spin,
-)
+from microimpact.lab.samples import Dropped, Sampling, rough, with_spin
 from microimpact.model.calibration import damping_factor_for
 from microimpact.model.contact import Contact
-from microimpact.model.rigid_body.algebra import (
-    rigid_body_rebound,
-)
+from microimpact.model.rigid_body.algebra import rigid_body_rebound
 from microimpact.model.rigid_body.roughness import measured_impulse_ratio, measured_restitution
 from microimpact.statistics.distributions import Constant, mean
 from microimpact.studies.analyses.roughness_expansions import EQUATIONS, SlopedImpacts
 from microimpact.studies.claims.claim_numbers.claim import CALIBRATED, VIRTUAL, claim
-from microimpact.studies.claims.claim_numbers.context import (
-    Context,
-    Estimate,
-)
+from microimpact.studies.claims.claim_numbers.context import Context, Estimate
 from microimpact.studies.claims.claim_numbers.oblique import at_angles
 
 SOURCES = ("slope", "diameter", "speed", "spin")
@@ -216,10 +206,7 @@ def rise(context: Context, quantity: str) -> Estimate:
 def smooth(context: Context, quantity: str, angle: float) -> float:
     """Return a number of the smooth surface from the table of the Monte Carlo analysis.
 
-    Raises
-    ------
-    ValueError
-        If the analysis has no such angle.
+    Raises ValueError if the analysis has no such angle.
     """
     return float(context.column("monte_carlo", quantity, angle).iloc[0])
 

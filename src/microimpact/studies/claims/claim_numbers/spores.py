@@ -10,10 +10,7 @@ from numpy.typing import ArrayLike
 
 from microimpact.lab.samples import Dropped, Seen
 from microimpact.studies.claims.claim_numbers.claim import CALIBRATED, VIRTUAL, claim
-from microimpact.studies.claims.claim_numbers.context import (
-    Context,
-    Estimate,
-)
+from microimpact.studies.claims.claim_numbers.context import Context, Estimate
 from microimpact.studies.experiments.mechanisms.spore import as_imaged
 
 # Half-width of a 95 % interval over its standard error.
@@ -80,10 +77,7 @@ def trend(context: Context, mechanism: str, column: str) -> Estimate:
 
     The sample is large: its error is about that of means of as many events as rebound at 15 deg.
 
-    Raises
-    ------
-    ValueError
-        If so few rebound at one of the angles that there is no trend to see.
+    Raises ValueError if so few rebound at one of the angles that there is no trend to see.
     """
     row = context.table("spore_trends", mechanism=mechanism).iloc[0]
     found, rebounds = row[f"{column}_over_half_width"], row["rebounds_at_15_deg"]

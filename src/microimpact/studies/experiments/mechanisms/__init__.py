@@ -63,15 +63,12 @@ class Params:
 def run(params: Params, inputs: Tables) -> Tables:
     """Quantify every mechanism.
 
-    Returns
-    -------
-    mapping
-        Spin: ``spin_mechanism``, ``spin_needed``, ``rolling_limits``, ``spin_or_tilt``. Slopes:
-        ``slope_mechanism``, ``surface_pairs``, ``slope_needed``, ``formica_mechanism``. Spores:
-        ``spore_mechanism``, ``spore_trends``, ``spore_comparison``, ``smooth_spore``. Shallow
-        angles: ``adhesion_or_roughness``. Speed and angle: ``speed_and_angle``,
-        ``impulse_regions``, ``loss_slopes``, ``loss_resolution``. ``causes``, ``causes_slope``,
-        ``causes_shallow``: data of the figure.
+    Spin: ``spin_mechanism``, ``spin_needed``, ``rolling_limits``, ``spin_or_tilt``. Slopes:
+    ``slope_mechanism``, ``surface_pairs``, ``slope_needed``, ``formica_mechanism``. Spores:
+    ``spore_mechanism``, ``spore_trends``, ``spore_comparison``, ``smooth_spore``. Shallow angles:
+    ``adhesion_or_roughness``. Speed and angle: ``speed_and_angle``, ``impulse_regions``,
+    ``loss_slopes``, ``loss_resolution``. ``causes``, ``causes_slope``, ``causes_shallow``: data of
+    the figure.
     """
     sampling = Sampling(
         seed=params.seed,

@@ -27,42 +27,21 @@ FEWEST_MEANS = 2
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Shallow:
-    """Adhesion and slopes, each alone, at two speeds.
+    """Adhesion and slopes, each alone, at two speeds."""
 
-    Attributes
-    ----------
-    dropped
-        Spheres and smooth surface; speed and class are those of the list.
-    cases
-        Calibrated contacts.
-    speeds_m_per_s
-        Two, the slower first.
-    half_width_m_per_s
-        Of their classes.
-    slope_sd
-        Of the surface without adhesion; its material damping gives ``restitution`` at the faster
-        speed.
-    restitution
-        At normal incidence.
-    normal_speeds
-        Number of normal speeds from the slowest that rebounds to where sliding ends.
-    steepest_deg
-        Steepest angle that counts as sliding, at both speeds.
-    most_captured
-        Largest share captured in a mean that counts.
-    trend_deg
-        Angles between which the change at the slower speed is taken.
-    """
-
-    dropped: Dropped
-    cases: tuple[CaseName, ...]
-    speeds_m_per_s: tuple[Positive, Positive]
-    half_width_m_per_s: Positive
+    dropped: Dropped  # Spheres and smooth surface; speed and class are those of the list
+    cases: tuple[CaseName, ...]  # Calibrated contacts
+    speeds_m_per_s: tuple[Positive, Positive]  # Two, the slower first
+    half_width_m_per_s: Positive  # Of their classes
+    # Of the surface without adhesion; its material damping gives ``restitution`` at the faster
+    # speed.
     slope_sd: NonNegative
-    restitution: Fraction
+    restitution: Fraction  # At normal incidence
+    # Number of normal speeds from the slowest that rebounds to where sliding ends.
     normal_speeds: Count
-    steepest_deg: AngleDegrees
-    most_captured: Fraction
+    steepest_deg: AngleDegrees  # Steepest angle that counts as sliding, at both speeds
+    most_captured: Fraction  # Largest share captured in a mean that counts
+    # Angles between which the change at the slower speed is taken.
     trend_deg: tuple[AngleDegrees, AngleDegrees]
 
 

@@ -48,33 +48,18 @@ class Pair:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Slope:
-    """Surfaces compared, and slopes swept.
+    """Surfaces compared, and slopes swept."""
 
-    Attributes
-    ----------
-    pairs
-        Of surfaces; the work of adhesion of the rough one is multiplied by ``adhesion_factor``.
-    angles_deg
-        Of incidence.
-    swept
-        Spheres and smooth surface whose slope is swept.
-    cases
-        Calibrated contacts of these.
-    slope_sds
-        Swept.
-    formica_steel, formica_spore
-        Steel and spores on one rough surface.
-    needed_angles_deg, needed_restitution
-        Measured restitution at these angles for which the slope is sought.
-    """
-
+    # Of surfaces; the work of adhesion of the rough one is multiplied by ``adhesion_factor``.
     pairs: Annotated[tuple[Pair, ...], Keyed("name")]
-    angles_deg: tuple[AngleDegrees, ...]
-    swept: Dropped
-    cases: tuple[CaseName, ...]
-    slope_sds: tuple[NonNegative, ...]
+    angles_deg: tuple[AngleDegrees, ...]  # Of incidence
+    swept: Dropped  # Spheres and smooth surface whose slope is swept
+    cases: tuple[CaseName, ...]  # Calibrated contacts of these
+    slope_sds: tuple[NonNegative, ...]  # Swept
+    # Steel and spores on one rough surface.
     formica_steel: Dropped
     formica_spore: Dropped
+    # Measured restitution at these angles for which the slope is sought.
     needed_angles_deg: tuple[AngleDegrees, ...]
     needed_restitution: Positive
 

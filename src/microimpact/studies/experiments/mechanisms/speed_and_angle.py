@@ -26,42 +26,29 @@ ERROR_BAR = 1.96
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SpeedAndAngle:
-    """Speed classes of one kind of spheres, and the energy loss of the rigid body.
+    """Speed classes of one kind of spheres, and the energy loss of the rigid body."""
 
-    Attributes
-    ----------
-    dropped, cases, classes
-        Spheres, calibrated contacts, speed classes from the fastest.
-    angles_deg
-        In descending order from the one with which the loss is compared.
-    trend_deg
-        Angles between which restitution falls.
-    loss_restitutions, loss_frictions
-        Grid on which the slope of the energy loss is looked at.
-    loss_angles_deg, loss_angles
-        Ends of its angles, and their number.
-    resolved_deg, resolved_restitutions
-        Angle and restitutions of steel and spores there.
-    resolved_steel, resolved_spore
-        Samples that give the scatter.
-    region_angles_deg, constant_within
-        Angles at which the regions of the impulse ratio are looked for, descending, and the
-        relative change up to which it is constant.
-    """
-
+    # Spheres, calibrated contacts, speed classes from the fastest.
     dropped: Dropped
     cases: tuple[CaseName, ...]
     classes: Annotated[tuple[SpeedClass, ...], Keyed()]
+    # In descending order from the one with which the loss is compared.
     angles_deg: tuple[AngleDegrees, ...]
-    trend_deg: tuple[AngleDegrees, AngleDegrees]
+    trend_deg: tuple[AngleDegrees, AngleDegrees]  # Angles between which restitution falls
+    # Grid on which the slope of the energy loss is looked at.
     loss_restitutions: tuple[Fraction, ...]
     loss_frictions: tuple[NonNegative, ...]
+    # Ends of its angles, and their number.
     loss_angles_deg: tuple[AngleDegrees, AngleDegrees]
     loss_angles: Annotated[int, Field(ge=3)]
+    # Angle and restitutions of steel and spores there.
     resolved_deg: AngleDegrees
     resolved_restitutions: tuple[Fraction, Fraction]
+    # Samples that give the scatter.
     resolved_steel: Dropped
     resolved_spore: Dropped
+    # Angles at which the regions of the impulse ratio are looked for, descending, and the relative
+    # change up to which it is constant.
     region_angles_deg: tuple[AngleDegrees, ...]
     constant_within: Fraction
 

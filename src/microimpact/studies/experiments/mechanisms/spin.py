@@ -37,41 +37,21 @@ SHIFTING_SPINS = (-1.0, 0.5)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Spin:
-    """Spins tried at one speed.
+    """Spins tried at one speed."""
 
-    Attributes
-    ----------
-    dropped
-        Spheres and surface; its own spin is not used.
-    cases
-        Calibrated contacts.
-    angles_deg
-        Of incidence, from the steepest.
-    spreads
-        Standard deviations of spins without a mean, r omega/v.
-    means, spread_about_mean
-        Spins with a mean, and their spread.
-    limit_speeds_m_per_s, back_spin
-        Speeds at which the limit of rolling is sought, without spin and with this one.
-    limit_shift_deg
-        Shift for which the spin is sought.
-    bias
-        Impulse ratio at 90 deg for which spin and tilt are sought.
-    bias_speed_m_per_s
-        At which.
-    """
-
-    dropped: Dropped
-    cases: tuple[CaseName, ...]
-    angles_deg: tuple[AngleDegrees, ...]
-    spreads: tuple[NonNegative, ...]
+    dropped: Dropped  # Spheres and surface; its own spin is not used
+    cases: tuple[CaseName, ...]  # Calibrated contacts
+    angles_deg: tuple[AngleDegrees, ...]  # Of incidence, from the steepest
+    spreads: tuple[NonNegative, ...]  # Standard deviations of spins without a mean, r omega/v
+    # Spins with a mean, and their spread.
     means: tuple[Finite, ...]
     spread_about_mean: NonNegative
+    # Speeds at which the limit of rolling is sought, without spin and with this one.
     limit_speeds_m_per_s: tuple[Positive, ...]
     back_spin: Finite
-    limit_shift_deg: Positive
-    bias: Positive
-    bias_speed_m_per_s: Positive
+    limit_shift_deg: Positive  # Shift for which the spin is sought
+    bias: Positive  # Impulse ratio at 90 deg for which spin and tilt are sought
+    bias_speed_m_per_s: Positive  # At which
 
 
 def spin_tables(params: Spin, sampling: Sampling, inputs: Tables) -> dict[str, pd.DataFrame]:

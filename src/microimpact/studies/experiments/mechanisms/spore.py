@@ -117,46 +117,26 @@ CAMERA = "slopes, seen by the camera"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Spore:
-    """Spores on a smooth surface, and the causes tried.
+    """Spores on a smooth surface, and the causes tried."""
 
-    Attributes
-    ----------
-    spore
-        Spores; each cause alone takes their slope or none.
-    steel, steel_cases
-        Spheres they are compared with.
-    angles_deg
-        Of incidence, in descending order.
-    compared_deg, calibrated_restitution
-        Angles of the comparison with steel, and the measured restitution of both at the first.
-    slope_sds
-        Other slopes tried.
-    offset_sds
-        Standard deviations of the offset of the point of contact over the radius.
-    mean_spin
-        r omega/v, tried as a cause.
-    seen_deg, seen_events, seen_dropped
-        Angles, events and particles of the sample seen by the imaging system.
-    quoted_capture_velocity_m_per_s
-        Of Paw U.
-    smooth_deg
-        Angles at which the smooth spore is computed.
-    """
-
-    spore: Dropped
+    spore: Dropped  # Spores; each cause alone takes their slope or none
+    # Spheres they are compared with.
     steel: Dropped
     steel_cases: tuple[CaseName, ...]
-    angles_deg: tuple[AngleDegrees, ...]
+    angles_deg: tuple[AngleDegrees, ...]  # Of incidence, in descending order
+    # Angles of the comparison with steel, and the measured restitution of both at the first.
     compared_deg: tuple[AngleDegrees, ...]
     calibrated_restitution: Fraction
-    slope_sds: tuple[NonNegative, ...]
+    slope_sds: tuple[NonNegative, ...]  # Other slopes tried
+    # Standard deviations of the offset of the point of contact over the radius.
     offset_sds: tuple[NonNegative, ...]
-    mean_spin: Fraction
+    mean_spin: Fraction  # r omega/v, tried as a cause
+    # Angles, events and particles of the sample seen by the imaging system.
     seen_deg: tuple[AngleDegrees, ...]
     seen_events: Count
     seen_dropped: Count
-    quoted_capture_velocity_m_per_s: Positive
-    smooth_deg: tuple[AngleDegrees, ...]
+    quoted_capture_velocity_m_per_s: Positive  # Of Paw U
+    smooth_deg: tuple[AngleDegrees, ...]  # Angles at which the smooth spore is computed
 
     def __post_init__(self) -> None:
         """Refuse angles without those between which the article states trends."""

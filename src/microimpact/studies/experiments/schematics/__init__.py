@@ -127,10 +127,8 @@ def wavy_surface(params: WavySurface) -> tuple[Numbers, pd.DataFrame]:
     A slope that faces the sphere, which moves towards +t, has phi > 0: the local angle of
     incidence is alpha + phi (Eqs. 35, 36).
 
-    Raises
-    ------
-    ValueError
-        If the surface does not face the sphere there, or the sphere would touch it elsewhere too.
+    Raises ValueError if the surface does not face the sphere there, or the sphere would touch it
+    elsewhere too.
     """
     k = 2.0 * np.pi / params.wavelength_um
     crest = params.amplitude_um * np.cos(k * params.place_um)
@@ -253,19 +251,12 @@ class Params:
 def run(params: Params, inputs: Tables) -> Tables:
     """Return the geometry of every schematic.
 
-    Returns
-    -------
-    mapping
-        ``fig01``, ``fig02``: parts of the set-ups, mm on the drawing. ``fig03``, ``fig13``:
-        velocities, and impulses over the mass, m/s; a spin is the speed of the rim. ``fig19``:
-        section of the sphere, um; ``fig19_pressure``: Hertz pressure, GPa, over the radius;
-        ``fig19_ring``: force per length of the edge, N/m. ``fig22``: surface and axes, um.
-        ``schematic_values``: the numbers behind Figs. 3, 13, 19 and 22.
-
-    Raises
-    ------
-    ValueError
-        If the sphere of Fig. 22 cannot touch the surface at its place.
+    ``fig01``, ``fig02``: parts of the set-ups, mm on the drawing. ``fig03``, ``fig13``: velocities,
+    and impulses over the mass, m/s; a spin is the speed of the rim. ``fig19``: section of the
+    sphere, um; ``fig19_pressure``: Hertz pressure, GPa, over the radius; ``fig19_ring``: force per
+    length of the edge, N/m. ``fig22``: surface and axes, um. ``schematic_values``: the numbers
+    behind Figs. 3, 13, 19 and 22. Raises ValueError if the sphere of Fig. 22 cannot touch the
+    surface at its place.
     """
     motion = velocities(params.rebound, params.rebound.angle_deg, params.rebound.spin_ratio)
     contact, contact_tables = contact_state(params.contact, inputs)

@@ -70,12 +70,8 @@ def _along_the_beam(beam: float, disk: float, half_lens: float) -> Parts:
 def imaging_side(slots: int, angle: float) -> Parts:
     """Return the parts of the imaging system (Fig. 1) seen along the camera's axis.
 
-    Parameters
-    ----------
-    slots
-        Slots of the chopper disk.
-    angle
-        Angle of incidence from the target's surface, degrees; the spheres fall straight down.
+    `slots`: slots of the chopper disk; `angle`: angle of incidence from the target's surface,
+    degrees; the spheres fall straight down.
     """
     x, y = IMPACT
     spread = HALF_BEAM * (SHEET_END - FOCUS) / (FOCUS - LENS)
@@ -104,10 +100,7 @@ def imaging_side(slots: int, angle: float) -> Parts:
 def imaging_top(camera_angle: float) -> Parts:
     """Return the parts of the imaging system seen from above.
 
-    Parameters
-    ----------
-    camera_angle
-        Angle between the camera's axis and the light sheet, degrees.
+    `camera_angle`: angle between the camera's axis and the light sheet, degrees.
     """
     x = IMPACT[0]
     centre, turn = np.array([x, BEAM_TOP]), camera_angle - 90.0
@@ -127,17 +120,9 @@ def imaging_top(camera_angle: float) -> Parts:
 def analyser_top(receiver_angle: float, detectors: int) -> tuple[Parts, Parts]:
     """Return the parts of the phase Doppler analyser (Fig. 2) seen from above.
 
-    Parameters
-    ----------
-    receiver_angle
-        Angle between the beams' axis and that of the receiver, degrees.
-    detectors
-        Number of detectors.
-
-    Returns
-    -------
-    tuple
-        Parts that the article names or implies, and usual parts that it leaves out.
+    Parts that the article names or implies, and usual parts that it leaves out. `receiver_angle`:
+    angle between the beams' axis and that of the receiver, degrees; `detectors`: number of
+    detectors.
     """
     x, y = PROBE
     turn = receiver_angle - 90.0

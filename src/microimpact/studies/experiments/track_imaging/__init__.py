@@ -154,20 +154,12 @@ class Params:
 def run(params: Params, inputs: Tables) -> Tables:
     """Search the range of the instrument, and compare frames, error model and truth.
 
-    Returns
-    -------
-    mapping
-        ``ptis_range``: per speed, angle and field of view, the chopper's setting, share observed,
-        bias and scatter. ``ptis_views``: which speeds each field of view covers. ``ptis_errors``:
-        residuals of frames in units of the error model. ``ptis_agreement``: whether the error model
-        agrees with the frames. ``ptis_losses``: fates of events.
-        ``ptis_frame``, ``ptis_pixels``: one frame with its track. ``ptis_accuracy``: errors of the
-        speed against the speed.
-
-    Raises
-    ------
-    ValueError
-        If nothing can be measured at the angle drawn, or in the frame.
+    ``ptis_range``: per speed, angle and field of view, the chopper's setting, share observed, bias
+    and scatter. ``ptis_views``: which speeds each field of view covers. ``ptis_errors``: residuals
+    of frames in units of the error model. ``ptis_agreement``: whether the error model agrees with
+    the frames. ``ptis_losses``: fates of events. ``ptis_frame``, ``ptis_pixels``: one frame with
+    its track. ``ptis_accuracy``: errors of the speed against the speed. Raises ValueError if
+    nothing can be measured at the angle drawn, or in the frame.
     """
     searched = pd.DataFrame(search(params))
     rendered, lost = rendered_range(params, searched)
@@ -306,10 +298,7 @@ def views(params: Params, searched: pd.DataFrame) -> pd.DataFrame:
 def error_cases(params: Params) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
     """Compare frames with the error model, event by event, over whole experiments.
 
-    Returns
-    -------
-    tuple
-        Residuals per case, verdicts over all, and fates of the events.
+    Residuals per case, verdicts over all, and fates of the events.
     """
     cases, lost = [], []
     for number, case in enumerate(params.error_cases):
@@ -339,10 +328,7 @@ def error_cases(params: Params) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFram
 def one_frame(params: Params) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Return the pixels and the track of the first frame that is measured.
 
-    Raises
-    ------
-    ValueError
-        If none of an experiment is.
+    Raises ValueError if none of an experiment is.
     """
     case, pixel = params.frame, params.instrument.pixel_um
     pitch = params.frame_dash_pitch_px

@@ -25,21 +25,13 @@ LEGS = ("incident", "rebound")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RigidSpheres:
-    """Spheres of one size that rebound by the rigid body rule, so that the truth is simple.
+    """Spheres of one size that rebound by the rigid body rule, so that the truth is simple."""
 
-    Attributes
-    ----------
-    diameter_um
-        Of all of them.
-    restitution, friction
-        Of the rigid body rule.
-    lateral_speed_m_per_s, lateral_position_mm
-        Standard deviations per horizontal axis.
-    """
-
-    diameter_um: Positive
+    diameter_um: Positive  # Of all of them
+    # Of the rigid body rule.
     restitution: Fraction
     friction: NonNegative
+    # Standard deviations per horizontal axis.
     lateral_speed_m_per_s: NonNegative
     lateral_position_mm: NonNegative
 
@@ -108,68 +100,38 @@ DECIDED = 2.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tolerances:
-    """How far frames and error model may differ and still agree.
+    """How far frames and error model may differ and still agree."""
 
-    Attributes
-    ----------
-    speed
-        Mean deviation of the speed of a leg, relative.
-    direction_deg
-        Mean deviation of the direction of a leg.
-    scatter
-        Scatter of frames about the model over that which the model gives, or its inverse.
-    share_measured
-        Difference of the shares of the events that are measured.
-    other_outcome
-        Share of the events of which one is measured and the other is not.
-    means
-        Difference of the means of restitution, impulse ratio and energy loss of an experiment.
-    """
-
-    speed: Positive
-    direction_deg: Positive
+    speed: Positive  # Mean deviation of the speed of a leg, relative
+    direction_deg: Positive  # Mean deviation of the direction of a leg
+    # Scatter of frames about the model over that which the model gives, or its inverse.
     scatter: Positive
-    share_measured: Fraction
-    other_outcome: Fraction
+    share_measured: Fraction  # Difference of the shares of the events that are measured
+    other_outcome: Fraction  # Share of the events of which one is measured and the other is not
+    # Difference of the means of restitution, impulse ratio and energy loss of an experiment.
     means: Positive
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Compared:
-    """One experiment of n events as frames and as the error model have it.
+    """One experiment of n events as frames and as the error model have it."""
 
-    Attributes
-    ----------
-    frames, model
-        What is measured.
-    residual, spread
-        Frame minus mean of the model, and its standard deviation by the model, of the k events
-        that both measure: legs, along and across the track, m/s, shape (k, 2, 2).
-    error
-        Deviation of the frames from the truth, relative to the speed, shape (k, 2, 2).
-    speed
-        True speed of the legs, m/s, shape (k, 2).
-    """
-
+    # What is measured.
     frames: ImagedEvents
     model: ImagedEvents
+    # Frame minus mean of the model, and its standard deviation by the model, of the k events that
+    # both measure: legs, along and across the track, m/s, shape (k, 2, 2).
     residual: FloatArray
     spread: FloatArray
+    # Deviation of the frames from the truth, relative to the speed, shape (k, 2, 2).
     error: FloatArray
-    speed: FloatArray
+    speed: FloatArray  # True speed of the legs, m/s, shape (k, 2)
 
 
 def compared(impacts: Impacts, setup: Setup, rng: Generator) -> Compared:
     """Observe one experiment both ways, with the same errors of the experiment.
 
-    Parameters
-    ----------
-    impacts
-        Which all rebound.
-    setup
-        The instrument as set.
-    rng
-        Of the experiment.
+    `impacts`: which all rebound; `setup`: the instrument as set; `rng`: of the experiment.
     """
     frames, model = observe(impacts, setup, rng), modelled(impacts, setup, rng)
     errors = draw_systematics(setup.instrument, rng)

@@ -70,23 +70,13 @@ class Params:
 def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
     """Draw the admissible contacts of every case.
 
-    Parameters
-    ----------
-    params
-        Parameters of the study.
-    inputs
-        ``materials``, ``contacts``: the declared rows of the pairs; ``calibration``: the two-stage
-        estimates.
-
-    Returns
-    -------
-    mapping
-        ``admissible_contacts``: the draws, their parameters and derived numbers, by case and
-        variant. ``admissible_diagnostics``: how well they were drawn. ``admissible_summary``:
-        medians and intervals, and the two-stage estimates. ``admissible_statements``: what each
-        statement says, what the draws have, and what it decides. ``admissible_limits``,
-        ``admissible_shares``, ``admissible_works``: marginals and pairs of the first case.
-        ``admissible_bands``: e against the speed.
+    ``admissible_contacts``: the draws, their parameters and derived numbers, by case and variant.
+    ``admissible_diagnostics``: how well they were drawn. ``admissible_summary``: medians and
+    intervals, and the two-stage estimates. ``admissible_statements``: what each statement says,
+    what the draws have, and what it decides. ``admissible_limits``, ``admissible_shares``,
+    ``admissible_works``: marginals and pairs of the first case. ``admissible_bands``: e against the
+    speed. `inputs`: ``materials``, ``contacts``: the declared rows of the pairs; ``calibration``:
+    the two-stage estimates.
     """
     found = [posterior(case, inputs, params.sampler, params.seed) for case in params.cases]
     pairs = [(p, v, p.chosen(v, params.draws)) for p in found for v in params.variants]

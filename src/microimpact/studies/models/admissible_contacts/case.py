@@ -75,38 +75,23 @@ class Ranges:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
-    """A pair, what is open of it, and what is printed on it.
-
-    Attributes
-    ----------
-    particle, surface
-        The materials; what is not open is as declared of the pair.
-    diameter_um, speed_m_per_s
-        Where derived numbers are told; the speed is the reference velocity of the rate exponent.
-    ranges
-        Of the open parameters.
-    classes_um
-        Diameters where a statement gives none.
-    friction_bases
-        Forces that may support friction.
-    shown_m_per_s
-        Normal speeds of the figures.
-    compared
-        Cases of the two-stage calibration to be compared with.
-    statements, no_capture
-        What is printed.
-    """
+    """A pair, what is open of it, and what is printed on it."""
 
     case: Name
+    # The materials; what is not open is as declared of the pair.
     particle: MaterialName
     surface: CounterpartName
+    # Where derived numbers are told; the speed is the reference velocity of the rate exponent.
     diameter_um: Positive
     speed_m_per_s: Positive
-    ranges: Ranges
+    ranges: Ranges  # Of the open parameters
+    # Diameters where a statement gives none.
     classes_um: Annotated[tuple[Positive, ...], Field(min_length=2)]
+    # Forces that may support friction.
     friction_bases: Annotated[tuple[FrictionBasis, ...], Field(min_length=1)]
-    shown_m_per_s: tuple[Positive, Positive]
-    compared: tuple[CaseName, ...]
+    shown_m_per_s: tuple[Positive, Positive]  # Normal speeds of the figures
+    compared: tuple[CaseName, ...]  # Cases of the two-stage calibration to be compared with
+    # What is printed.
     statements: Annotated[tuple[Within, ...], Keyed("statement")]
     no_capture: Annotated[tuple[NoCapture, ...], Keyed("statement")] = ()
 
@@ -146,50 +131,26 @@ class Variant:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sampler:
-    """How the ensemble draws.
+    """How the ensemble draws."""
 
-    Attributes
-    ----------
-    spread
-        Binary logarithm of the number of points among which walkers find their starts.
-    walkers, steps
-        Of each of its ensembles.
-    pool
-        Draws whose capture velocities are computed.
-    """
-
+    # Binary logarithm of the number of points among which walkers find their starts.
     spread: Annotated[int, Field(ge=8, le=20)]
+    # Of each of its ensembles.
     walkers: Annotated[int, Field(ge=12)]
     steps: Annotated[int, Field(ge=30)]
-    pool: Count
+    pool: Count  # Draws whose capture velocities are computed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Posterior:
-    """A pool of draws by the statements on impacts, and what all statements say of them.
+    """A pool of draws by the statements on impacts, and what all statements say of them."""
 
-    Attributes
-    ----------
-    case
-        The pair.
-    evaluation
-        How statements are evaluated.
-    pool
-        The draws.
-    quantities
-        By statement.
-    limits
-        Capture velocities (n, classes), m/s.
-    seed
-        Of what is drawn from the pool.
-    """
-
-    case: Case
-    evaluation: Evaluation
-    pool: ensemble.Draws
-    quantities: Mapping[str, FloatArray]
-    limits: FloatArray
-    seed: int
+    case: Case  # The pair
+    evaluation: Evaluation  # How statements are evaluated
+    pool: ensemble.Draws  # The draws
+    quantities: Mapping[str, FloatArray]  # By statement
+    limits: FloatArray  # Capture velocities (n, classes), m/s
+    seed: int  # Of what is drawn from the pool
 
     def likelihood(self, statements: Sequence[Statement]) -> Likelihood:
         """Return what some statements say of the pool."""
@@ -225,25 +186,14 @@ class Posterior:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Chosen:
-    """Draws of one variant (n,).
+    """Draws of one variant (n,)."""
 
-    Attributes
-    ----------
-    taken
-        Their numbers in the pool.
-    points
-        As sampled (n, axes).
-    classes, bases
-        Numbers of size class and basis of friction.
-    log_likelihood
-        Of all statements of the variant, class and basis being these.
-    """
-
-    taken: FloatArray
-    points: FloatArray
+    taken: FloatArray  # Their numbers in the pool
+    points: FloatArray  # As sampled (n, axes)
+    # Numbers of size class and basis of friction.
     classes: FloatArray
     bases: FloatArray
-    log_likelihood: FloatArray
+    log_likelihood: FloatArray  # Of all statements of the variant, class and basis being these
 
 
 def _one_each(logs: FloatArray, rng: np.random.Generator) -> Any:

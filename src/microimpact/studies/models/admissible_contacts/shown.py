@@ -76,12 +76,8 @@ def bands(
 ) -> pd.DataFrame:
     """Return e against the normal speed: bands of the draws, single contacts, printed facts.
 
-    Parameters
-    ----------
-    case
-        The pair; bands are of its diameter.
-    inputs
-        ``admissible_contacts``, ``calibration``, ``materials``.
+    `case`: the pair; bands are of its diameter; `inputs`: ``admissible_contacts``, ``calibration``,
+    ``materials``.
     """
     frame = partial(series_frame, case.case, x_unit="m_per_s", y_unit="1")
     speeds = np.geomspace(*case.shown_m_per_s, points)

@@ -51,30 +51,19 @@ Quantity = Literal[
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Within:
-    """A quantity that a statement puts into an interval.
-
-    Attributes
-    ----------
-    quantity
-        The mean over the impacts; of a spread the largest less the smallest, of a change the first
-        over the last.
-    diameter_um
-        None where the article leaves it open.
-    speeds_m_per_s, angles_deg
-        Of the impacts; one of both may stand for all.
-    interval
-        Where the likelihood is one, in the unit that the quantity names.
-    tail
-        Standard deviation of the normal tails beyond.
-    """
+    """A quantity that a statement puts into an interval."""
 
     statement: Name
+    # The mean over the impacts; of a spread the largest less the smallest, of a change the first
+    # over the last.
     quantity: Quantity
-    diameter_um: Positive | None = None
+    diameter_um: Positive | None = None  # None where the article leaves it open
+    # Of the impacts; one of both may stand for all.
     speeds_m_per_s: Annotated[tuple[Positive, ...], Field(min_length=1)] = (1.0,)
     angles_deg: Annotated[tuple[AngleDegrees, ...], Field(min_length=1)] = (90.0,)
+    # Where the likelihood is one, in the unit that the quantity names.
     interval: tuple[Finite, Finite]
-    tail: Positive
+    tail: Positive  # Standard deviation of the normal tails beyond
 
     def __post_init__(self) -> None:
         """Refuse an empty interval, and impacts that cannot be paired."""
@@ -168,15 +157,10 @@ Contacts = Callable[[FloatArray, FloatArray], Contact]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Likelihood:
-    """Log likelihoods of contacts (n,).
+    """Log likelihoods of contacts (n,)."""
 
-    Attributes
-    ----------
-    plain, by_class, by_basis
-        Of statements without an open axis (n,), and of the others, summed, per size class
-        (n, classes) and per basis of friction (n, bases).
-    """
-
+    # Of statements without an open axis (n,), and of the others, summed, per size class (n,
+    # classes) and per basis of friction (n, bases).
     plain: FloatArray
     by_class: FloatArray
     by_basis: FloatArray
@@ -195,21 +179,13 @@ def mean_over(logs: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Evaluation:
-    """How statements are evaluated.
+    """How statements are evaluated."""
 
-    Attributes
-    ----------
-    contacts
-        From points to contacts.
-    classes_um, bases
-        Size classes and bases of friction that the article leaves open.
-    ratio
-        Ratio of the peaks of dissipation and adhesion by c_H and ln c_A; None if none is stated.
-    """
-
-    contacts: Contacts
+    contacts: Contacts  # From points to contacts
+    # Size classes and bases of friction that the article leaves open.
     classes_um: tuple[float, ...]
     bases: tuple[str, ...]
+    # Ratio of the peaks of dissipation and adhesion by c_H and ln c_A; None if none is stated.
     ratio: scipy.interpolate.RectBivariateSpline | None = None
 
     def quantities(

@@ -194,17 +194,9 @@ def run(params: Params, inputs: Tables) -> Tables:
 
     The true Eq. (34) is the fit of the case with q fixed.
 
-    Returns
-    -------
-    mapping
-        ``fit_coverage``: errors of v_c and coverage of its profile interval, per cell.
-        ``fit_intervals``: coverage by method of interval.
-        ``capture_recovery``: data of the figure.
-
-    Raises
-    ------
-    ValueError
-        If noise hides so many rebounds that too few are left to fit.
+    ``fit_coverage``: errors of v_c and coverage of its profile interval, per cell.
+    ``fit_intervals``: coverage by method of interval. ``capture_recovery``: data of the figure.
+    Raises ValueError if noise hides so many rebounds that too few are left to fit.
     """
     return gather(params, inputs, [part(params, inputs, 0, 1)])
 

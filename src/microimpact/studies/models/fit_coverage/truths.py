@@ -26,46 +26,28 @@ TRUTHS: tuple[TruthName, ...] = ("Eq. 34", "simulation")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Variant:
-    """How e is measured and fitted.
-
-    Attributes
-    ----------
-    noise
-        ``uniform``: one standard deviation of e for all speeds; ``velocimeter``: that of
-        e = V/v with one error of both speeds, (sigma_v/v) sqrt(1 + e^2), of the same mean square.
-    weights
-        ``equal``, or by the ``true`` standard deviations.
-    largest_size_ratio
-        Openings of the coarser sieve over those of the finer; 1 for one size. Logarithms of the
-        diameters are evenly spread, and the nominal sphere, whose v_c is sought, is in the middle.
-    selection
-        ``rebounds``: only spheres seen to rebound count. ``all``: captured ones count as e = 0.
-    """
+    """How e is measured and fitted."""
 
     variant: Name
+    # ``uniform``: one standard deviation of e for all speeds; ``velocimeter``: that of e = V/v with
+    # one error of both speeds, (sigma_v/v) sqrt(1 + e^2), of the same mean square.
     noise: Literal["uniform", "velocimeter"]
-    weights: Literal["equal", "true"]
+    weights: Literal["equal", "true"]  # ``equal``, or by the ``true`` standard deviations
+    # Openings of the coarser sieve over those of the finer; 1 for one size. Logarithms of the
+    # diameters are evenly spread, and the nominal sphere, whose v_c is sought, is in the middle.
     largest_size_ratio: Annotated[float, Field(ge=1, le=100)]
+    # ``rebounds``: only spheres seen to rebound count. ``all``: captured ones count as e = 0.
     selection: Literal["rebounds", "all"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Truths:
-    """The two true curves, of speed in units of the capture velocity of the nominal sphere.
+    """The two true curves, of speed in units of the capture velocity of the nominal sphere."""
 
-    Attributes
-    ----------
-    contact
-        The contact that is simulated, of one diameter.
-    constants
-        k, p, kappa, q, v_c of the true Eq. (34), m/s.
-    sizes
-        Number of diameters that represent a sieve cut.
-    """
-
-    contact: Contact
+    contact: Contact  # The contact that is simulated, of one diameter
+    # k, p, kappa, q, v_c of the true Eq. (34), m/s.
     constants: tuple[float, float, float, float, float]
-    sizes: int
+    sizes: int  # Number of diameters that represent a sieve cut
 
     def mean_restitution(self, truth: TruthName, ratio: FloatArray, variant: Variant) -> FloatArray:
         """Mean e (n,) of the spheres that count, at speeds ratio (n,) times v_c.
