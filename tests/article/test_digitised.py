@@ -76,7 +76,7 @@ def test_points_lie_over_the_panel_they_name(coulomb, figures, points, draw, leg
     heights = [segment[:, 1] for segment in segments if len(segment) and np.isfinite(segment).all()]
     np.testing.assert_allclose(heights, [[0.12, 0.17]])
     texts = legend_texts(figure)
-    new = ["digitised from the article", "digitised: 0.15", "digitised: other"]
+    new = ["digitised: 0.15", "digitised: other"]
     assert [text for text in texts if text.startswith("digitised")] == new
 
 

@@ -82,3 +82,8 @@ def test_drawn(draw, tables, legend_texts):
     figure = draw("fig20", tables)
     assert "computed, calibrated" in legend_texts(figure)
     assert figure.axes[0].get_xlabel().endswith("(ns)")
+    # The Hertz force is not damped here, and the figure says so; where it is, it does not.
+    assert "damping of Hertz force (zero)" in legend_texts(figure)
+    forces = tables["fig20"]
+    damped = forces.assign(y_uN=forces["y_uN"].where(forces["series"] != "hertz damping", 1.0))
+    assert "damping of Hertz force" in legend_texts(draw("fig20", {"fig20": damped}))

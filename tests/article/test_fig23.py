@@ -199,8 +199,10 @@ def test_drawn(draw, tables, points, legend_texts):
         "smooth surface",
         "computed, calibrated",
         "95 % of means of 40 events",
-        "virtual experiments",
+        "steel on Formica",
     } <= set(texts)
+    # The point far above the others does not squeeze the rest.
+    assert figure.axes[0].get_ylim()[1] < 2.0
     # Two bands of error, one of measured means and the bars of the points per panel.
     assert [len(ax.collections) for ax in figure.axes] == [4, 4]
     for ax in figure.axes:

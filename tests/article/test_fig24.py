@@ -137,6 +137,10 @@ def test_drawn(draw, tables, legend_texts, name, labelled):
     assert {"$v_c$, exact", "Lenth's margin", "simultaneous margin"} <= set(legend_texts(figure))
     words = [text.get_text() for text in normal.texts]
     assert set(labelled) <= set(words)
+    # An interaction is named where it is as large as one of the four factors that matter.
+    assert ("CD" in words) == (name == "fig24")
+    (title,) = (legend.get_title().get_text() for legend in figure.legends)
+    assert all(f"{factor} " in title for factor in "ABCDE")
     assert {"BC", "BD", "CD"} <= {text.get_text() for text in half.texts}
     figure.draw_without_rendering()
     boxes = [text.get_window_extent() for ax in figure.axes for text in ax.texts]

@@ -80,3 +80,10 @@ def test_drawn(draw, tables, legend_texts):
     figure = draw("ridge", tables)
     assert [ax.get_xscale() for ax in figure.axes] == ["log", "linear"]
     assert {"computed, calibrated", "printed in the article"} <= set(legend_texts(figure))
+    # A family has one colour in both panels.
+    families, members = (
+        {bars.get_label().partition(",")[0]: bars.lines[0].get_color() for bars in ax.containers}
+        for ax in figure.axes
+    )
+    for name in ("$n$ = 0", "$n$ = 1"):
+        assert members[name] == families[name]

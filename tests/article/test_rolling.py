@@ -113,7 +113,7 @@ def test_drawn(draw, tables, legend_texts):
     figure = draw("rolling", tables)
     assert len(figure.axes) == 4
     assert {ax.get_yscale() for ax in figure.axes} == {"log"}
-    assert {"criterion", "computed"} <= set(legend_texts(figure))
+    assert {"negligible below", "computed"} <= set(legend_texts(figure))
 
 
 def test_wrong_parameters_are_refused(run_study, calibration):

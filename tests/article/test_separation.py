@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from matplotlib.collections import FillBetweenPolyCollection
 from tests.article.conftest import ROOT
 
 from microimpact.declared.provenance import unit_of
@@ -148,10 +149,11 @@ def test_units_of_the_charge_are_listed():
 
 def test_drawn(draw, tables, legend_texts):
     figure = draw("separation", tables)
-    (ax,) = figure.axes
-    assert ax.get_yscale() == "log"
-    assert ax.get_ylabel().endswith("(nN)")
-    assert len(ax.collections) >= len(FORCES)  # a band each
+    for ax, bands in zip(figure.axes, (1, 2), strict=True):  # adhesion, and two of charge
+        assert ax.get_yscale() == "log"
+        assert ax.get_ylabel().endswith("(nN)")
+        filled = [band for band in ax.collections if isinstance(band, FillBetweenPolyCollection)]
+        assert len(filled) == bands
     texts = legend_texts(figure)
     assert len(texts) == len(set(texts)) == 8
     # the statements are not the article's

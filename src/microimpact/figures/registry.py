@@ -39,12 +39,19 @@ class RegistryError(ValueError):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SeriesSpec:
-    """How one series is called in the legend and drawn; marks are solid unless `open`."""
+    """How one series is called in the legend and drawn; marks are solid unless `open`.
+
+    Marks of virtual experiments have the shape `mark`. A curve that has a place `beside` it, an
+    abscissa, is named there and not in the legend.
+    """
 
     label: Name
-    line: Literal["solid", "dashed", "dotted", "dashdot"] = "solid"
+    line: Literal["solid", "dashed", "dotted", "dashdot", "long dashed", "dashdotdot"] = "solid"
     colour: Annotated[int, Field(ge=0, le=6)] | None = None
     open: bool = False
+    beside: Finite | None = None
+    mark: Literal["circle", "square", "triangle"] = "circle"
+    side: Literal["above", "below", "left", "right"] = "above"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -16,12 +16,31 @@ from matplotlib.axis import Axis
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patheffects import Normal, Stroke
 from matplotlib.ticker import FuncFormatter
 from numpy.typing import NDArray
 
 from microimpact.core.files import write_file
 from microimpact.core.tables import POINTS, Tables, points_parts
 from microimpact.figures.registry import FigureSpec, PanelSpec, SeriesSpec
+
+# Kinds of lines by their names in the registry: as many as a panel has curves.
+LINES: dict[str, str | tuple[int, tuple[float, ...]]] = {
+    "solid": "solid",
+    "dashed": "dashed",
+    "dotted": "dotted",
+    "dashdot": "dashdot",
+    "long dashed": (0, (8.0, 2.0)),
+    "dashdotdot": (0, (6.0, 1.5, 1.0, 1.5, 1.0, 1.5)),
+}
+MARKS = {"circle": "o", "square": "s", "triangle": "^"}
+# Where the name of a curve stands beside it: shift in points, and which part of it is there.
+SIDES: dict[str, tuple[tuple[float, float], str, str]] = {
+    "above": ((0.0, 2.5), "center", "bottom"),
+    "below": ((0.0, -2.5), "center", "top"),
+    "left": ((-3.0, 0.0), "right", "center"),
+    "right": ((3.0, 0.0), "left", "center"),
+}
 
 STYLE_FILE = Path(__file__).with_name("microimpact.mplstyle")
 
@@ -36,11 +55,12 @@ UNDATED = {
     "pdf": ("CreationDate", "Creator", "Producer"),
 }
 
+HOLLOW = [Normal(), Stroke(linewidth=0.5, foreground="white")]
 # How a mark shows its evidence; lines are computed, marks come from elsewhere. A calibrated line
-# has ticks, which nobody takes for measured points.
+# is hollow: no marks, which might be taken for measured points.
 EVIDENCE: dict[str, dict[str, Any]] = {
     "computed": {"linestyle": "solid"},
-    "calibrated": {"linestyle": "solid", "marker": "|", "markevery": 0.05},
+    "calibrated": {"linestyle": "solid", "linewidth": 1.6, "path_effects": HOLLOW},
     "printed": {"linestyle": "none", "marker": "D", "markerfacecolor": "white"},
     "virtual experiment": {"linestyle": "none", "marker": "o"},
     "digitised": {"linestyle": "none", "marker": "x", "zorder": 4},
@@ -52,8 +72,6 @@ EVIDENCE_LABEL = {
     "calibrated": "computed, calibrated",
     "printed": "printed in the article",
     "virtual experiment": "virtual experiment",
-    "digitised": "digitised from the article",
-    "measured": "measured, own points",
     "assumed": "assumed",
 }
 
@@ -132,15 +150,27 @@ def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> li
     for number, series in enumerate(names):
         own = panel.series.get(series, SeriesSpec(label=series))
         colour = f"C{number if own.colour is None else own.colour}"
-        label: str | None = own.label
+        label: str | None = own.label if own.beside is None else f"_{own.label}"
         for evidence, part in rows[rows["series"] == series].groupby("evidence", sort=False):
             _draw_series(ax, part, (x, y), str(evidence), own, colour, label)
             label = None  # one entry per series; the key below the figure names the evidence
+        if own.beside is not None:
+            _name_beside(ax, rows[rows["series"] == series], own, colour)
     place = panel.legend_place
     if place == "above" or place == "none":  # noqa: PLR1714 (a set would not narrow the type)
         return entries
     ax.legend(title=panel.legend, loc=place)
     return entries
+
+
+def _name_beside(ax: Axes, rows: pd.DataFrame, spec: SeriesSpec, colour: str) -> None:
+    """Write the name of a curve beside it, at the declared abscissa or the end next to it."""
+    x, y = rows.iloc[:, 3:5].dropna().sort_values(rows.columns[3]).to_numpy(float).T
+    at = float(np.clip(spec.beside or 0.0, x[0], x[-1]))
+    shift, ha, va = SIDES[spec.side]
+    look: dict[str, Any] = {"fontsize": "small", "color": colour, "ha": ha, "va": va}
+    place = at, float(np.interp(at, x, y))
+    ax.annotate(spec.label, place, shift, textcoords="offset points", **look)
 
 
 def overlay(ax: Axes, points: pd.DataFrame, panel: PanelSpec) -> list[Line2D]:
@@ -173,7 +203,7 @@ def overlay(ax: Axes, points: pd.DataFrame, panel: PanelSpec) -> list[Line2D]:
         colour = _points_colour(name, panel, number)
         _draw_series(ax, rows, (x, y), evidence, SeriesSpec(label=name), colour, None)
         label = str(series).replace("$", r"\$")
-        entries.append(Line2D([], [], color=colour, label=label, **_key_look(evidence)))
+        entries.append(Line2D([], [], color=colour, label=label, **EVIDENCE[evidence]))
     return entries
 
 
@@ -213,9 +243,11 @@ def _draw_series(
     look = {"zorder": 3, **EVIDENCE[evidence], "color": colour}
     is_line = look["linestyle"] != "none"
     if is_line:
-        look["linestyle"] = spec.line
+        look["linestyle"] = LINES[spec.line]
     elif spec.open:
         look["markerfacecolor"] = "white"
+    if look.get("marker") == MARKS["circle"]:
+        look["marker"] = MARKS[spec.mark]
     bounds = rows[["y_low", "y_high"]].to_numpy(float).T
     error = None if np.isnan(bounds).all() else np.abs(bounds - y)
     # A mark that lies on the frame is shown whole; one beyond it, and the bars, end at the frame.
@@ -231,6 +263,22 @@ def without_bounds(table: pd.DataFrame, which: pd.Series) -> pd.DataFrame:
     bare = table.copy()
     bare.loc[which, ["y_low", "y_high"]] = np.nan
     return bare
+
+
+def written_above(ax: Axes, rows: pd.DataFrame) -> None:
+    """Write values that lie above a panel at its upper edge, at their abscissae."""
+    x, y = rows.columns[3:5]
+    for at, points in rows[rows[y] > ax.get_ylim()[1]].groupby(x):
+        words = ", ".join(f"{value:.1f}" for value in sorted(points[y]))
+        ax.annotate(
+            f"{words} ↑",
+            (float(str(at)), 0.97),
+            xycoords=ax.get_xaxis_transform(),
+            rotation=90,
+            ha="center",
+            va="top",
+            fontsize="small",
+        )
 
 
 def shade_capture(ax: Axes, limit: float) -> None:
@@ -249,26 +297,23 @@ def evidence_key(
 ) -> None:
     """Say below the figure which marks are computed, printed or virtual experiments.
 
-    Entries of series of points follow, each name and colour once. ``loc`` may be another place,
-    and ``labels`` replace words, as of what was printed elsewhere than in the article.
+    Entries of series of points follow, each name and colour once; they name their evidence
+    themselves. ``loc`` may be another place, and ``labels`` replace words, as of what was printed
+    elsewhere than in the article.
     """
-    present = [name for name in EVIDENCE if name in set(evidence)]
     words = {**EVIDENCE_LABEL, **(labels or {})}
+    present = [name for name in words if name in set(evidence)]
     handles = [
-        Line2D([], [], color="black", label=words[name], **_key_look(name)) for name in present
+        Line2D([], [], color="black", label=words[name], **EVIDENCE[name]) for name in present
     ]
     handles += {(str(e.get_label()), str(e.get_color())): e for e in entries}.values()
     width = figure.get_figwidth() * MM_PER_INCH
     columns = 5 if width > WIDTH_MM["single"] + 1 else 3
-    if set(POINTS) & set(present):
+    if entries:
         longest = max(len(str(handle.get_label())) for handle in handles)
         columns = max(1, min(columns, int(width / (KEY_MARK_MM + KEY_LETTER_MM * longest))))
     columns = min(len(handles), columns)
     figure.legend(handles=handles, loc=loc, ncols=columns)
-
-
-def _key_look(evidence: str) -> dict[str, Any]:
-    return {key: value for key, value in EVIDENCE[evidence].items() if key != "markevery"}
 
 
 def line_figure(

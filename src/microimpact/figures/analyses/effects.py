@@ -17,8 +17,12 @@ from microimpact.figures.registry import FigureSpec, PanelSpec
 MARKS = {"v_c": ("full", "o"), "v_c by Eq. 34": ("none", "^"), "ln v_c": ("none", "s")}
 MARGINS = {"margin": "dashed", "simultaneous margin": "dotted"}
 MARGIN_COLOUR = "0.45"
+# Effects that are labelled however small: the factors, and in one panel three pairs to compare;
+# and those as large as any of the factors that matter.
+FACTORS, MATTERING = tuple("ABCDE"), tuple("ABCD")
+NAMED = (*FACTORS, "BC", "BD", "CD")
 LABEL_SIZE = 7.5
-LABEL_GAP = 5.0
+LABEL_GAP = 4.5
 
 
 @style.context()
@@ -37,7 +41,8 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
         if rows.empty:
             raise ValueError(f"figure data: no rows for panel {name!r}")
         _draw_panel(axes[name], rows, panel, half=name == "half_normal")
-    style.legend_above(figure, axes.values(), title="all computed", loc="outside lower center")
+    title = next(panel.legend for panel in spec.panels.values())
+    style.legend_above(figure, axes.values(), title=title, loc="outside lower center")
     entries: list[Line2D] = []
     for name, panel in spec.panels.items():
         points = table[(table["panel"] == name) & table["evidence"].isin(POINTS)]
@@ -76,14 +81,10 @@ def _draw_panel(ax: Axes, rows: pd.DataFrame, panel: PanelSpec, *, half: bool) -
         ax.plot(points[x], points[y], label=spec.label, linestyle="none", zorder=3, **look)
         first = response == responses[0]
         if half or first:
-            named = points[points["word"].isin(_named(points, x, limit, half=half))]
-            _label(ax, named, (x, y), colour, outward=not half, leftward=not first)
-
-
-def _named(points: pd.DataFrame, x: str, limit: float, *, half: bool) -> set[str]:
-    """Effects worth a label: factors, what is beyond the margin, and three pairs to compare."""
-    beyond = points.loc[points[x].abs() > limit, "word"]
-    return {*"ABCDE", *beyond, *(("BC", "BD", "CD") if half else ())}
+            size = points[x].abs()
+            least = size[points["word"].isin(MATTERING)].min()
+            worth = points["word"].isin(NAMED if half else FACTORS) | (size >= min(limit, least))
+            _label(ax, points[worth], (x, y), colour, outward=not half, leftward=not first)
 
 
 def _label(

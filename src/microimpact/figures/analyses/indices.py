@@ -23,6 +23,9 @@ LOOKS: dict[str, dict[str, Any]] = {
     "first-order index": {"marker": "o", "fillstyle": "none"},
     "share of squared effects": {"marker": "D", "fillstyle": "none"},
 }
+# Of the inputs of a calibration, and of the factors whose convergence is shown.
+CASES: tuple[dict[str, Any], ...] = ({}, {"fillstyle": "none"})
+SHAPES = ("o", "s", "^", "D", "v")
 # Distance of marks of the same input.
 APART = 0.2
 COLUMNS = 3
@@ -44,8 +47,7 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
             _draw_convergence(axes[name], rows, panel)
         else:
             _draw_inputs(axes[name], rows, panel, INPUTS if name == "calibrated" else FACTORS)
-    style.legend_above(figure, [next(iter(axes.values()))])
-    style.evidence_key(figure, table["evidence"])
+    style.legend_above(figure, [next(iter(axes.values()))], title="all computed")
     return figure
 
 
@@ -53,7 +55,8 @@ def _draw_inputs(ax: Axes, rows: pd.DataFrame, panel: PanelSpec, names: tuple[st
     series = [name for name in panel.series if name in set(rows["series"])]
     for number, name in enumerate(series):
         shift = APART * (number - 0.5 * (len(series) - 1))
-        _marks(ax, rows[rows["series"] == name], panel, name, LOOKS.get(name, TOTAL), shift)
+        look = LOOKS.get(name) or TOTAL | CASES[number % len(CASES)]
+        _marks(ax, rows[rows["series"] == name], panel, name, look, shift)
     ax.set_xticks(np.arange(len(names)), names)
     ax.xaxis.set_minor_locator(NullLocator())
     ax.tick_params(axis="x", length=0)
@@ -63,8 +66,8 @@ def _draw_inputs(ax: Axes, rows: pd.DataFrame, panel: PanelSpec, names: tuple[st
 
 def _draw_convergence(ax: Axes, rows: pd.DataFrame, panel: PanelSpec) -> None:
     ax.set_xscale("log", base=2)
-    for name in panel.series:
-        look = {**TOTAL, "linestyle": "solid", "markersize": 3.0, "linewidth": 0.9}
+    for name, shape in zip(panel.series, SHAPES, strict=False):
+        look = {"marker": shape, "linestyle": "solid", "markersize": 3.0, "linewidth": 0.9}
         _marks(ax, rows[rows["series"] == name], panel, name, look, 0.0)
     ax.xaxis.set_major_locator(LogLocator(base=2, subs=(1.0,)))
     ax.xaxis.set_major_formatter(ScalarFormatter())

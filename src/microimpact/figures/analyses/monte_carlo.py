@@ -27,7 +27,12 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
     # Bounds of curves would be drawn as error bars.
     bare = style.without_bounds(table, is_curve)
     bare = bare[bare["series"] != MEASURED]
-    return style.line_figure({spec.name: bare}, spec, prepare=prepare)[0]
+    figure, axes = style.line_figure({spec.name: bare}, spec, prepare=prepare)
+    style.legend_above(figure, axes.values(), 3)
+    points = bare[bare["evidence"] == "virtual experiment"]
+    for name, ax in axes.items():
+        style.written_above(ax, points[points["panel"] == name])
+    return figure
 
 
 def _draw_bands(ax: Axes, table: pd.DataFrame, panel: PanelSpec) -> None:

@@ -13,6 +13,7 @@ from microimpact.figures.registry import FigureSpec, PanelSpec
 COLUMNS = 3
 RANGE = "range "
 # Heights of the bars, as a share of the panel.
+WORDS = {"printed": "as printed", "corrected": "corrected"}
 LEVELS = {"printed": 0.03, "corrected": 0.07}
 
 
@@ -43,4 +44,5 @@ def _draw_ranges(ax: Axes, rows: pd.DataFrame, panel: PanelSpec) -> None:
             marker="|",
             linestyle="solid",
             clip_on=False,
+            label=f"holds to the tolerance, {WORDS[of]}",
         )

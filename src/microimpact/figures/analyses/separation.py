@@ -15,17 +15,21 @@ STATED = "stated"
 
 @style.context()
 def draw(tables: Tables, spec: FigureSpec) -> Figure:
-    """Draw curves with shaded bands on a logarithmic ordinate, and the statements as marks."""
+    """Draw curves with shaded bands on a logarithmic ordinate, and the statements as marks.
+
+    Each panel shows the series that it names.
+    """
     (table,) = tables.values()
-    ((name, panel),) = spec.panels.items()
     figure, axes = style.new_figure(spec)
-    ax = axes[name]
-    ax.set_yscale("log")
-    is_curve = table["series"] != STATED
-    _draw_bands(ax, table[is_curve], panel)
-    style.draw_panel(ax, style.without_bounds(table, is_curve), panel, name)
-    _label_marks(ax, table[~is_curve])
-    style.legend_above(figure, [ax], 2)
+    for name, panel in spec.panels.items():
+        ax, rows = axes[name], table[table["series"].isin(panel.series)]
+        ax.set_yscale("log")
+        is_curve = rows["series"] != STATED
+        _draw_bands(ax, rows[is_curve], panel)
+        style.draw_panel(ax, style.without_bounds(rows, is_curve), panel, name)
+        if not is_curve.all():
+            _label_marks(ax, rows[~is_curve])
+    style.legend_above(figure, axes.values(), 3)
     style.evidence_key(figure, table["evidence"], labels=spec.evidence_labels)
     return figure
 

@@ -36,22 +36,10 @@ def draw_oblique(tables: Tables, spec: FigureSpec) -> Figure:
     """
     figure, axes = style.line_figure(tables, spec)
     table = pd.concat([tables[name] for name in spec.data])
-    x, y = table.columns[3:5]
     measured = table[table["evidence"] == "virtual experiment"]
     for name, ax in axes.items():
         panel = spec.panels[name]
-        rows = measured[measured["panel"] == (panel.shows or name)]
-        for at, points in rows[rows[y] > ax.get_ylim()[1]].groupby(x):
-            words = ", ".join(f"{value:.1f}" for value in sorted(points[y]))
-            ax.annotate(
-                f"{words} ↑",
-                (float(str(at)), 0.97),
-                xycoords=ax.get_xaxis_transform(),
-                rotation=90,
-                ha="center",
-                va="top",
-                fontsize="small",
-            )
+        style.written_above(ax, measured[measured["panel"] == (panel.shows or name)])
     return figure
 
 

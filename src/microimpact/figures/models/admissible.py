@@ -29,6 +29,7 @@ CLOUD: dict[str, Any] = {
 CLOUD_MARKS = ("o", "^")
 STAR: dict[str, Any] = {"linestyle": "none", "marker": "*", "markersize": 8.0, "zorder": 5}
 BAND_ALPHA = 0.25
+HATCHED: dict[str, Any] = {"facecolor": "none", "hatch": "//////", "alpha": 0.45}
 # Factor between the abscissae of printed marks of neighbouring sizes.
 APART = 1.08
 
@@ -90,7 +91,7 @@ def _draw_pairs(ax: Axes, rows: pd.DataFrame, panel: PanelSpec, name: str) -> No
         elif name in PAIRS:
             ax.plot(*ends, marker=next(marks), **CLOUD, **look)
         else:
-            ax.plot(*ends, linestyle=own.line, **look)
+            ax.plot(*ends, linestyle=style.LINES[own.line], **look)
             ax.fill_between(*ends, color=look["color"], alpha=BAND_ALPHA / 2, linewidth=0)
 
 
@@ -121,9 +122,12 @@ def draw_bands(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
             own = panel.series[str(series)]
             low, high = (part[column].to_numpy(float) for column in ("y_low", "y_high"))
             look: dict[str, Any] = {"color": f"C{own.colour or 0}", "zorder": 1}
-            ax.fill_between(part.iloc[:, 3], low, high, alpha=BAND_ALPHA, linewidth=0, **look)
+            # A band within another is hatched, for two tints would mix to a third.
+            fill = {"alpha": BAND_ALPHA} if own.line == "solid" else HATCHED
+            ax.fill_between(part.iloc[:, 3], low, high, linewidth=0, **look, **fill)
+            look["linestyle"] = style.LINES[own.line]
             for end in (low, high):
-                ax.plot(part.iloc[:, 3], end, linewidth=0.5, linestyle=own.line, **look)
+                ax.plot(part.iloc[:, 3], end, linewidth=0.6, **look)
         lines = rows.assign(
             y_low=rows["y_low"].where(rows["evidence"] == "printed"),
             y_high=rows["y_high"].where(rows["evidence"] == "printed"),

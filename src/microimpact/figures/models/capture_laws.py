@@ -19,14 +19,13 @@ COLUMNS = 3
 def draw(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw one panel per pair of the data, logarithmic, with the printed values labelled.
 
-    The one panel of the entry describes how every pair is drawn, so that a pair added to the study
-    needs no entry of its own; its height is that of two rows of panels.
+    The panel ``pair`` of the entry describes how a pair is drawn that has no panel of its own, as
+    one added to the study; the height of the entry is that of two rows of panels.
     """
     (table,) = tables.values()
-    (pattern,) = spec.panels.values()
     pairs = list(dict.fromkeys(table["panel"]))
-    titles = {pair: pair.replace("-", " ").replace("n =", "$n$ =") for pair in pairs}
-    panels = {pair: replace(pattern, title=title) for pair, title in titles.items()}
+    pattern = spec.panels["pair"]
+    panels = {pair: spec.panels.get(pair, replace(pattern, title=pair)) for pair in pairs}
     rows = -(-len(pairs) // COLUMNS)
     spec = replace(spec, panels=panels, height_mm=spec.height_mm * rows / 2)
     figure, axes = style.line_figure(tables, spec, COLUMNS, lambda ax, _: ax.loglog())

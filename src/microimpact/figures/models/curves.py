@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
@@ -32,20 +35,30 @@ def draw_signed(tables: Tables, spec: FigureSpec) -> Figure:
 
 
 @style.context()
-def draw_laws(tables: Tables, spec: FigureSpec) -> Figure:
-    """Draw restitution against the logarithm of the speed, a panel per way of fitting.
-
-    The series ``hysteresis`` is named beside its curve: there are more laws than kinds of lines.
-    """
+def draw_forces(tables: Tables, spec: FigureSpec) -> Figure:
+    """Draw forces against time; a term that is zero throughout says so in the legend."""
     (table,) = tables.values()
+    largest = table.iloc[:, 4].abs().groupby(table["series"]).max()
+    panels = {
+        name: replace(
+            panel,
+            series={
+                term: replace(own, label=f"{own.label} (zero)") if largest.get(term) == 0.0 else own
+                for term, own in panel.series.items()
+            },
+        )
+        for name, panel in spec.panels.items()
+    }
+    return draw_signed(tables, replace(spec, panels=panels))
+
+
+@style.context()
+def draw_laws(tables: Tables, spec: FigureSpec) -> Figure:
+    """Draw restitution against the logarithm of the speed, a panel per way of fitting."""
     figure, axes = style.line_figure(tables, spec, COLUMNS, style.log_x)
     style.legend_above(figure, axes.values(), 4)
-    for panel, ax in axes.items():
+    for ax in axes.values():
         style.plain_numbers(ax.xaxis)
-        rows = table[(table["panel"] == panel) & (table["series"] == "hysteresis")]
-        x, y = (rows.iloc[:, column].to_numpy(float) for column in (3, 4))
-        near = abs(y - 0.9).argmin()
-        ax.text(x[near] * 0.95, y[near], "hysteresis", fontsize="small", ha="right")
     return figure
 
 
@@ -64,6 +77,21 @@ def draw_oblique(tables: Tables, spec: FigureSpec) -> Figure:
         angle = limits[limits["panel"] == panel].iloc[:, 3].to_numpy(float)[0]
         if angle > 0.0:
             style.shade_capture(ax, angle)
+    return figure
+
+
+@style.context()
+def draw_losses(tables: Tables, spec: FigureSpec) -> Figure:
+    """Draw losses of energy against the angle; between the two, shaded, is the energy of spin."""
+    figure = draw_oblique(tables, spec)
+    (table,) = tables.values()
+    for name, ax in zip(spec.panels, figure.axes, strict=True):
+        rows = table[table["panel"] == name]
+        total, moved = (rows[rows["series"] == s] for s in ("total", "translational"))
+        ends = total.iloc[:, 4].to_numpy(), moved.iloc[:, 4].to_numpy()
+        look: dict[str, Any] = {"color": "0.85", "linewidth": 0, "zorder": 0}
+        ax.fill_between(total.iloc[:, 3], *ends, label="energy of the final spin", **look)
+        ax.legend(loc="lower right")
     return figure
 
 

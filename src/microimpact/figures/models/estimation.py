@@ -27,19 +27,21 @@ def draw_ridge(tables: Tables, spec: FigureSpec) -> Figure:
     def prepare(ax: Axes, name: str) -> None:
         if name == "ridge":
             ax.set_xscale("log")
+            style.plain_numbers(ax.xaxis)
 
     return style.line_figure(tables, replace(spec, panels=panels), prepare=prepare)[0]
 
 
 def _named_members(panels: Mapping[str, PanelSpec], curves: pd.DataFrame) -> PanelSpec:
-    """Return the panel of the curves with each member in the colour of its family."""
-    colours = {name: i for i, name in enumerate(panels["ridge"].series)}
+    """Return the panel of the curves with each member in the colour and line of its family."""
+    families = panels["ridge"].series
     members = {}
     for name in curves["series"].unique():
         found = _MEMBER.fullmatch(str(name))
         if found:
             label = f"$n$ = {found['family'][4:]}, $w_A$ = {found['work']} J/m$^2$"
-            members[str(name)] = SeriesSpec(label=label, colour=colours.get(found["family"]))
+            family = families.get(found["family"], SeriesSpec(label=label))
+            members[str(name)] = replace(family, label=label)
     return replace(panels["curves"], series=members | panels["curves"].series)
 
 

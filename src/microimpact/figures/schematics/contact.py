@@ -18,6 +18,8 @@ DEPTH = 0.3
 # Lengths of the greatest pressure and of the ring tension on the drawing, in contact radii.
 PEAK, PULL = 1.0, 0.5
 ARROWS, RINGS = 13, 24
+# Farther to the side an arrow behind would lie on the one in front of it.
+SIDE = 0.75
 DEGREES = np.linspace(0.0, 360.0, 181)
 
 
@@ -85,9 +87,10 @@ def _stresses(sheet: Sheet, pressure: Points) -> None:
     for x in np.linspace(-1.0, 1.0, ARROWS + 2)[1:-1]:
         draw.arrow(ax, (x, -np.interp(x, rho, height)), (x, 0.0), 0.7, color=HERTZ)
     for turn in 360.0 * (np.arange(RINGS) + 0.5) / RINGS:
-        foot = _around(1.0, 0.0, turn)
-        behind = 1 if turn < 180.0 else 7
-        draw.arrow(ax, foot, foot - np.array([0.0, PULL]), 0.8, color=RING, zorder=behind)
+        foot, behind = _around(1.0, 0.0, turn), turn < 180.0
+        if not (behind and abs(foot[0]) > SIDE):
+            layer = 1 if behind else 7
+            draw.arrow(ax, foot, foot - np.array([0.0, PULL]), 0.8, color=RING, zorder=layer)
 
 
 def _seen(x: ArrayLike, y: ArrayLike, z: ArrayLike) -> Points:
@@ -127,4 +130,4 @@ def _values(sheet: Sheet, peak: float, tension: float) -> None:
     draw.dimension(
         ax, ((0.0, level), (1.0, level)), sheet.word("contact radius"), (0.5, level + 0.12)
     )
-    draw.axis(ax, (0.0, 0.0), (0.0, 1.05), "$n$", gap=0.1)
+    draw.axis(ax, (0.0, 0.0), (0.0, 0.66), "$n$", gap=0.07)

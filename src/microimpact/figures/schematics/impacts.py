@@ -10,7 +10,7 @@ from microimpact.core.tables import Tables
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec
 from microimpact.figures.schematics import parts as draw
-from microimpact.figures.schematics.parts import MEDIUM, PALE, STEEL, THIN, Points, Sheet
+from microimpact.figures.schematics.parts import PALE, STEEL, THICK, THIN, Points, Sheet
 
 COMPUTED = "C0"
 CENTRE_LINE, DASHED, DOTTED = (0, (6, 2, 1, 2)), (0, (4, 2)), (0, (2, 2))
@@ -167,7 +167,7 @@ def draw_fig22(tables: Tables, spec: FigureSpec) -> Figure:
     ax, points = sheet.ax, sheet.points
     x, z = points["surface"].T
     ax.fill_between(x, sheet.panel.y_range[0] + 0.06, z, color=STEEL, linewidth=0.0, zorder=1)
-    draw.line(sheet, "surface", MEDIUM, linestyle="solid", zorder=2)
+    draw.line(sheet, "surface", THICK, zorder=2)
     draw.line(sheet, "mean plane", THIN, zorder=2)
     draw.shape(sheet, "sphere", points["sphere"], PALE, color="black", zorder=3)
     for kind, colour in (("nominal", "black"), ("local", COMPUTED)):
