@@ -11,6 +11,7 @@ ALIKE = "tbody tr:nth-child(n+13)"
 PHONE, DESK = (360, 740), (1280, 900)
 REPRESENTATIVE = (
     *("index.html", "claims.html", "equations.html", "tables.html", "workflow.html", "run.html"),
+    *("search.html", "code/microimpact.model.contact.html"),
     *("figures/fig01.html", "figures/fig06.html", "figures/ridge.html"),
 )
 pytestmark = pytest.mark.slow
@@ -32,7 +33,8 @@ def show(chromium, site):
         resize(chromium, size)
         scheme = [{"name": "prefers-color-scheme", "value": scheme}]
         chromium.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": scheme})
-        chromium.get((site / page).as_uri())
+        path, _, place = page.partition("#") if isinstance(page, str) else (page, "", "")
+        chromium.get((site / path).as_uri() + (f"#{place}" if place else ""))
         return chromium
 
     return opened
@@ -135,7 +137,7 @@ def test_claims_are_filtered_by_verdict_and_text(show):
     for box in chromium.find_elements("css selector", ".filter input[type=checkbox]"):
         if box.get_attribute("value") != "not reproduced":
             box.click()
-    verdicts = [text.splitlines()[0].strip() for text in column(chromium, 5)]
+    verdicts = [text.splitlines()[0].strip() for text in column(chromium, 4)]
     assert set(verdicts) == {"not reproduced"}
     assert 0 < len(verdicts) < len(every)
     status = chromium.find_element("css selector", ".filter [role=status]")
@@ -147,6 +149,42 @@ def test_claims_are_filtered_by_verdict_and_text(show):
     )
     assert 0 < len(left) < len(verdicts)
     assert all("friction" in text for text in left)
+
+
+def test_search_finds_figures_claims_equations_and_tables(show):
+    chromium = show("search.html")
+    assert chromium.switch_to.active_element.get_attribute("type") == "search"
+    chromium.find_element("css selector", ".filter input[type=search]").send_keys("of RESTITUTION")
+    assert set(column(chromium, 0)) == {"figure", "claim", "equation", "table"}
+    for box in chromium.find_elements("css selector", ".filter input[type=checkbox]"):
+        if box.get_attribute("value") != "table":
+            box.click()
+    assert set(column(chromium, 0)) == {"table"}
+
+
+def test_indices_of_formulas_are_below_the_line(show):
+    """The font that comes with the pages places them, whatever the computer has."""
+    chromium = show("equations.html")
+    low, high, base = chromium.execute_async_script(
+        "const done = arguments[0]; document.fonts.load('16px Formula').then(() => {"
+        "const of = tag => document.querySelector(tag);"
+        "const middle = e => {"
+        " const r = e.getBoundingClientRect(); return (r.top + r.bottom) / 2; };"
+        "const shift = e => (middle(e.children[1]) - middle(e.children[0]))"
+        " / e.children[0].getBoundingClientRect().height;"
+        "done([shift(of('msub')), shift(of('msup')), document.fonts.check('16px Formula')]); });"
+    )
+    assert low > 0.1
+    assert high < -0.1
+    assert base
+
+
+def test_code_of_a_claim_is_one_click_away_and_marked(show, chromium):
+    show("claims.html#C09")
+    chromium.find_element("css selector", "#C09 td a").click()
+    marked = chromium.find_element("css selector", ".source :target")
+    assert 'claim("C09")' in marked.text
+    assert 0 <= marked.rect["y"] - chromium.execute_script("return scrollY") < DESK[1]
 
 
 def test_a_link_to_a_filtered_row_shows_it(show, chromium):

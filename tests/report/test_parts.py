@@ -8,8 +8,10 @@ from html import unescape
 import pandas as pd
 import pytest
 
+from microimpact.report.site import font
+from microimpact.report.site.code import modules, place
 from microimpact.report.site.figures import joined
-from microimpact.report.site.formula import mathml
+from microimpact.report.site.formula import mathml, prose
 from microimpact.report.site.graph import needs, picture, upstream
 from microimpact.report.site.ledgers import (
     changed_later,
@@ -17,7 +19,6 @@ from microimpact.report.site.ledgers import (
     counts,
     failures,
     parts,
-    source_of,
 )
 from microimpact.report.site.reached import reached
 from microimpact.report.site.record import Rule
@@ -165,7 +166,43 @@ def test_reasons_failures_and_changes_are_told_apart():
     assert failures(ROW) == ["a: speed at 0.45 m/s = 2378 (required: at most 1)"]
     assert failures(ROW | {"note": "because"}) == []
     assert changed_later([ROW, ROW | {"note": "because"}]) == 1
-    assert source_of("a.b.c") == "files/code/a.b.txt"
+
+
+@pytest.mark.parametrize(
+    ("sentence", "shown"),
+    [
+        ("at $\\alpha$ < 15", "at <i>α</i> &lt; 15"),
+        ("v_c falls as v^-n", "<i>v</i><sub>c</sub> falls as <i>v</i><sup>−n</sup>"),
+        ("a spin r omega", "a spin r <i>ω</i>"),
+        (r"$-(V_t - r\Omega)$", "−(<i>V</i><sub>t</sub> − <i>r</i><i>Ω</i>)"),
+        # Names of columns and words that begin like a letter stay.
+        ("speed_m_per_s, mu-th, <b>", "speed_m_per_s, mu-th, &lt;b&gt;"),
+    ],
+)
+def test_symbols_in_a_sentence(sentence, shown):
+    assert prose(sentence) == shown
+
+
+def test_code_has_a_page_with_a_place_for_every_function():
+    stiffness = "microimpact.model.contact.Contact.stiffness"
+    assert place(stiffness) == "code/microimpact.model.contact.html#Contact.stiffness"
+    assert place("microimpact.model.contact.nothing") == place("os.remove") == place("") == ""
+    (module,) = modules([stiffness, "os.remove", "microimpact.model.contact.hertz_stiffness"])
+    assert module.file == "src/microimpact/model/contact.py"
+    begins = {name: i for i, line in enumerate(module.lines) for name in line.begins}
+    # A property begins with its decorator, within its class.
+    at = begins["Contact.stiffness"]
+    assert "@" in module.lines[at].text
+    assert "def stiffness" in module.lines[at + 1].text
+    assert begins["Contact"] < at
+    assert sum(line.ends for line in module.lines) == sum(len(x.begins) for x in module.lines)
+
+
+def test_the_font_is_small_and_always_the_same():
+    sheet = font.style_sheet()
+    font.style_sheet.cache_clear()
+    assert font.style_sheet() == sheet
+    assert len(sheet) < 60_000
 
 
 def test_names_of_quantities_as_words():

@@ -7,6 +7,7 @@ import shutil
 from dataclasses import replace
 from html.parser import HTMLParser
 from urllib.parse import unquote, urlsplit
+from zipfile import ZipFile
 
 import pandas as pd
 import pytest
@@ -14,6 +15,7 @@ from click.testing import CliRunner
 from tests.report.conftest import REFERENCE
 
 from microimpact.cli import commands
+from microimpact.figures.registry import FORMATS
 from microimpact.ledgers.equations import errata
 from microimpact.report.check.results import ResultsError
 from microimpact.report.site import PAGES
@@ -114,6 +116,47 @@ def test_every_page_has_landmarks_policy_and_a_skip_link(pages):
         # The policy would block these.
         assert not [given for _, given in page.tags if "style" in given], name
         assert not [t for t, given in page.tags if t == "script" and "src" not in given], name
+
+
+def test_a_claim_and_an_equation_lead_to_their_code(pages, results):
+    for ledger, page, column in (
+        ("claims", "claims.html", "code"),
+        ("equations", "equations.html", "function"),
+    ):
+        rows = pd.read_csv(results / f"tables/{ledger}.csv", dtype=str, keep_default_na=False)
+        names = {name.rpartition(".")[2] for name in rows[column] if name}
+        linked = {
+            link.rpartition("#")[2].rpartition(".")[2]
+            for link in pages[page].links
+            if link.startswith("code/")
+        }
+        assert linked == names
+        assert len(names) > 20
+
+
+def test_series_are_told_in_words(pages):
+    text = " ".join(" ".join(pages["figures/fig18.html"].text).split())
+    assert "compressive part of the normal force; Hertz force alone" in text
+    assert "rows of data" not in text
+
+
+def test_the_page_of_search_lists_everything(pages, results, registry):
+    links = set(pages["search.html"].links)
+    assert {f"figures/{name}.html" for name in registry} <= links
+    for ledger in ("claims", "equations"):
+        rows = pd.read_csv(results / f"tables/{ledger}.csv", dtype=str)
+        assert sum(link.startswith(f"{ledger}.html#") for link in links) == len(rows)
+    tables = [link for link in pages["tables.html"].links if link.startswith("files/")]
+    assert sum(link.startswith("tables.html#") for link in links) == len(tables)
+
+
+def test_all_figures_come_in_one_archive(site, registry):
+    with ZipFile(site / "files/figures.zip") as archive:
+        assert archive.testzip() is None
+        assert {f"figures/{name}.{kind}" for name in registry for kind in FORMATS} == set(
+            archive.namelist()
+        )
+        assert {entry.date_time for entry in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
 
 
 def test_figures_have_words_for_those_who_do_not_see_them(pages, registry):

@@ -187,8 +187,8 @@ def is_shown(file):
 
 
 def registry_words():
-    """Return of each figure what the report tells: not how its panels are drawn."""
-    told = ("title", "caption", "article", "study", "data", "tables")
+    """Return of each figure what the report tells."""
+    told = ("title", "caption", "article", "study", "data", "tables", "panels")
     return {
         name: {key: entry[key] for key in told if key in entry}
         for name, entry in FIGURE_ENTRIES.items()

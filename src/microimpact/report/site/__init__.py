@@ -3,11 +3,12 @@
 import shutil
 from pathlib import Path
 
-PAGES = ("index", "claims", "equations", "tables", "workflow", "run")
+PAGES = ("index", "claims", "equations", "tables", "search", "workflow", "run")
 
 
 def remove(report: Path) -> None:
     """Remove the pages of a report that shows results of other inputs; the explorer stays."""
     for name in (*(f"{page}.html" for page in PAGES), "record.json"):
         (report / name).unlink(missing_ok=True)
-    shutil.rmtree(report / "figures", ignore_errors=True)
+    for folder in ("code", "figures"):
+        shutil.rmtree(report / folder, ignore_errors=True)

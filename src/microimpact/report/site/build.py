@@ -3,17 +3,27 @@
 from __future__ import annotations
 
 import csv
+import re
 import shutil
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from importlib.util import find_spec
+from io import BytesIO
 from pathlib import Path
 from typing import Any
+from zipfile import ZipFile, ZipInfo
 
 from microimpact.core.files import write_file
-from microimpact.report.site import PAGES, ledgers
-from microimpact.report.site.figures import Figure, departures, figures, label, studies_behind
+from microimpact.figures.registry import FORMATS
+from microimpact.report.site import PAGES, code, font, ledgers
+from microimpact.report.site.figures import (
+    Figure,
+    departures,
+    figures,
+    label,
+    studies_behind,
+)
+from microimpact.report.site.formula import prose
 from microimpact.report.site.graph import needs, picture
 from microimpact.report.site.ledgers import read_rows
 from microimpact.report.site.pages import ASSETS, EXPLORER, NAVIGATION, render
@@ -21,9 +31,16 @@ from microimpact.report.site.record import Record, Rule
 
 REPORT = "report"
 # Folders of the report that belong to the site alone: made anew each time.
-FOLDERS = ("figures", "files")
+FOLDERS = ("code", "figures", "files")
 # What is copied into the report, so that it can be moved and sent alone.
-COPIED = {"figures": ("*.svg", "*.png", "*.pdf"), "tables": ("*.csv",), "data": ("*.csv",)}
+COPIED = {
+    "figures": tuple(f"*.{kind}" for kind in FORMATS),
+    "tables": ("*.csv",),
+    "data": ("*.csv",),
+}
+ARCHIVE = "files/figures.zip"
+# Shown at the head of the front page: the impact, capture, friction and rough surfaces.
+FIRST = ("fig20", "fig15", "fig18", "fig23")
 
 CLAIM_COLUMNS = (
     *("id", "where", "statement", "kind", "criterion", "article_value", "computed_value"),
@@ -39,6 +56,8 @@ EQUATION_COLUMNS = (
     *("derivation_used", "dimension_printed", "dimension_used", "evidence"),
 )
 ERRATA_COLUMNS = ("where", "printed", "meant", "reason")
+# In the words of a rule: a table, then what it holds.
+_TOLD = re.compile(r"((?:tables|data)/\w+\.csv): ([^;]+?)(?:[;.] |\.?$)")
 # Characters of a figure's title in the picture of the rules.
 WORDS = 64
 INPUT_COLUMNS = (
@@ -49,9 +68,10 @@ INPUT_COLUMNS = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Table:
-    """One table of the results as the page of tables shows it."""
+    """One table of the results as the page of tables shows it, with a sentence on it."""
 
     file: str
+    words: str
     columns: tuple[str, ...]
     rows: int
     maker: Rule | None
@@ -93,8 +113,10 @@ def write_site(results: Path, record: Record) -> list[Path]:
     report = results / REPORT
     for folder in FOLDERS:
         shutil.rmtree(report / folder, ignore_errors=True)
-    for source, target in [*_copies(results), *_sources(results)]:
+    for source, target in _copies(results):
         write_file(report / target, source.read_bytes())
+    write_file(report / "assets/formula.css", font.style_sheet())
+    write_file(report / ARCHIVE, _archive(results))
     for name, text in pages.items():
         write_file(report / name, text)
     return [report / name for name in pages]
@@ -109,17 +131,14 @@ def _copies(results: Path) -> list[tuple[Path, str]]:
     ]
 
 
-def _sources(results: Path) -> list[tuple[Path, str]]:
-    """Return the modules that compute the numbers of the claims, as texts."""
-    rows = read_rows(results / "tables/claims.csv")
-    codes = sorted({code for row in rows for code in row.get("code", "").split()})
-    modules = dict.fromkeys(code.rpartition(".")[0] for code in codes)
-    specs = {name: find_spec(name) for name in modules}
-    return [
-        (Path(spec.origin), ledgers.source_of(f"{name}."))
-        for name, spec in specs.items()
-        if spec and spec.origin
-    ]
+def _archive(results: Path) -> bytes:
+    """Return all figures in one archive: not compressed, so that its bytes hang on them alone."""
+    stream = BytesIO()
+    with ZipFile(stream, "w") as archive:
+        for pattern in COPIED["figures"]:
+            for path in _visible(results / "figures", pattern):
+                archive.writestr(ZipInfo(f"figures/{path.name}"), path.read_bytes())
+    return stream.getvalue()
 
 
 def _visible(folder: Path, pattern: str) -> list[Path]:
@@ -133,7 +152,7 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
     equations = read_rows(results / "tables/equations.csv", EQUATION_COLUMNS)
     declared = read_rows(results / "tables/inputs.csv", INPUT_COLUMNS)
     shown = figures(results, record, {"claims": claims, "equations": equations}, declared)
-    tables = _tables(results, record)
+    tables = _tables(results, record, shown)
     if not shown and not tables:
         raise ValueError(f"{results}: no figures and no tables to report on")
     explored = (results / REPORT / f"{EXPLORER}.html").is_file()
@@ -152,6 +171,9 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
         "claim_counts": ledgers.counts(ledgers.counted(claims), ledgers.CLAIM_VERDICTS),
         "equation_counts": ledgers.counts(equations, ledgers.EQUATION_VERDICTS),
         "shown": shown,
+        "first": [figure for figure in shown if figure.name in FIRST] or shown[: len(FIRST)],
+        "place": code.place,
+        "prose": prose,
         "names": {figure.name for figure in shown},
         "label": label,
         "evidence": sorted(evidence.items(), key=lambda item: (-item[1], item[0])),
@@ -160,12 +182,23 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
         "navigation": [e for e in NAVIGATION if explored or e[0] != EXPLORER],
         **_graph(record),
     }
-    wide = {"claims", "equations", "tables", "workflow"}
+    wide = {"claims", "equations", "search", "tables", "workflow"}
     pages = {
         f"{name}.html": render(f"{name}.html", **common, here=name, wide=name in wide)
         for name in PAGES
     }
-    return pages | _figure_pages(shown, common)
+    named = [name for row in claims for name in row["code"].split()]
+    named += [row["function"] for row in equations]
+    return (
+        pages
+        | _figure_pages(shown, common)
+        | {
+            f"{code.FOLDER}/{module.name}.html": render(
+                "code.html", **common, module=module, root="../"
+            )
+            for module in code.modules(named)
+        }
+    )
 
 
 def _figure_pages(shown: Sequence[Figure], common: Mapping[str, Any]) -> dict[str, str]:
@@ -184,8 +217,9 @@ def _figure_pages(shown: Sequence[Figure], common: Mapping[str, Any]) -> dict[st
     }
 
 
-def _tables(results: Path, record: Record) -> list[Table]:
+def _tables(results: Path, record: Record, shown: Sequence[Figure]) -> list[Table]:
     makers = {file: rule for rule in record.rules for file in rule.outputs}
+    words = _words(record, shown)
     found = []
     for folder in ("tables", "data"):
         for path in _visible(results / folder, "*.csv"):
@@ -194,8 +228,29 @@ def _tables(results: Path, record: Record) -> list[Table]:
                 lines = csv.reader(stream)
                 columns = tuple(next(lines, ()))
                 rows = sum(1 for _ in lines)
-            found.append(Table(file=file, columns=columns, rows=rows, maker=makers.get(file)))
+            found.append(
+                Table(
+                    file=file,
+                    words=words.get(file, ""),
+                    columns=columns,
+                    rows=rows,
+                    maker=makers.get(file),
+                )
+            )
     return found
+
+
+def _words(record: Record, shown: Sequence[Figure]) -> dict[str, str]:
+    """Return a sentence on each table: of the rule that makes it, or of its figure."""
+    told = {
+        file: f"{words[:1].upper()}{words[1:]}."
+        for rule in record.rules
+        for file, words in _TOLD.findall(rule.purpose)
+    }
+    drawn = {
+        file: f"Data of {figure.label}: {figure.title}." for figure in shown for file in figure.data
+    }
+    return told | drawn | {file: words for f in shown for file, words in f.tables.items()}
 
 
 def shortened(text: str, most: int) -> str:

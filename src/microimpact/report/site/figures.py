@@ -11,6 +11,7 @@ from typing import Any
 import pandas as pd
 
 from microimpact import studies
+from microimpact.ledgers.claims.words import in_words
 from microimpact.report.site.graph import needs, upstream
 from microimpact.report.site.ledgers import Row, read_rows
 from microimpact.report.site.reached import reached
@@ -31,11 +32,10 @@ _ITEM = re.compile(r"\[\d+\]$")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Marks:
-    """One evidence class in a figure and the series that have it, by panel."""
+    """One evidence class in a figure and the series that have it, in words, by panel."""
 
     evidence: str
     series: Mapping[str, tuple[str, ...]]
-    points: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -143,7 +143,7 @@ def _figure(
             for table, words in entry.get("tables", {}).items()
             if (results / f"tables/{table}.csv").is_file()
         },
-        marks=_marks([results / file for file in data]),
+        marks=_marks([results / file for file in data], entry.get("panels", {})),
         inputs=tuple(behind[s] for s in (study, *upstream(study, needed))),
         departures=departures(declared, [study], needed),
         contacts=contacts(study, declared, read_rows(results / "tables/calibration.csv")),
@@ -151,7 +151,7 @@ def _figure(
     )
 
 
-def _marks(paths: Iterable[Path]) -> tuple[Marks, ...]:
+def _marks(paths: Iterable[Path], panels: Mapping[str, Mapping[str, Any]]) -> tuple[Marks, ...]:
     columns = ["panel", "series", "evidence"]
     tables = [
         pd.read_csv(path, dtype=str, keep_default_na=False, usecols=columns)
@@ -163,9 +163,27 @@ def _marks(paths: Iterable[Path]) -> tuple[Marks, ...]:
     marks = []
     for evidence, rows in pd.concat(tables).groupby("evidence", sort=False):
         by_panel = rows.groupby("panel", sort=False)["series"]
-        series = {str(panel): tuple(dict.fromkeys(found)) for panel, found in by_panel}
-        marks.append(Marks(evidence=str(evidence), series=series, points=len(rows)))
+        series = {
+            _panel_words(str(panel), panels): tuple(
+                dict.fromkeys(_series_words(str(name), panels) for name in found)
+            )
+            for panel, found in by_panel
+        }
+        marks.append(Marks(evidence=str(evidence), series=series))
     return tuple(marks)
+
+
+def _panel_words(panel: str, panels: Mapping[str, Mapping[str, Any]]) -> str:
+    """Return the title of a panel, or what its upright axis shows."""
+    spec = panels.get(panel, {})
+    return " ".join((spec.get("title") or spec.get("y_label") or in_words(panel)).split())
+
+
+def _series_words(name: str, panels: Mapping[str, Mapping[str, Any]]) -> str:
+    """Return what a legend of the figure calls a series, or its name in words."""
+    labels = (spec.get("series", {}).get(name, {}).get("label", "_") for spec in panels.values())
+    shown = (label for label in labels if not label.startswith("_"))
+    return " ".join(next(shown, in_words(name)).split())
 
 
 def _inputs(
@@ -214,7 +232,7 @@ def contacts(study: str, declared: Sequence[Row], calibration: Sequence[Row]) ->
         if row["role"] == "parameter" and row["case"] in named:
             found.setdefault(row["case"], {})[row["quantity"]] = float(row["value"])
     symbols = {
-        "w_A": ("work_of_adhesion", "J/m2"),
+        "w_A": ("work_of_adhesion", "J/m²"),
         "c_H": ("hertz_damping", "s/m"),
         "c_A": ("adhesion_damping", "s/m"),
         "n": ("adhesion_rate_exponent", ""),

@@ -1,4 +1,4 @@
-"""Formulas of the equations ledger as MathML, which browsers set without any help.
+"""Formulas of the equations ledger as MathML, and symbols within sentences.
 
 A formula is a line of Python's arithmetic with ``=``, ``>`` or ``!=`` between its sides. It is
 shown as printed; nothing is simplified, so a misprint stays one.
@@ -7,9 +7,10 @@ shown as printed; nothing is simplified, so a misprint stays one.
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Callable
 
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 RELATIONS = {" = ": "=", " > ": ">", " != ": "≠"}
 GREEK = {
@@ -23,11 +24,22 @@ GREEK = {
     "pi": "π",
     "rho": "ρ",
     "phi": "φ",
+    "sigma": "σ",
+    "xi": "ξ",
     "omega": "ω",
     "Omega": "Ω",
 }
 SPACE = Markup('<mspace width="0.13em"></mspace>')
 ACCENTS = {"dot": "˙", "ddot": "¨"}
+# In a sentence: a formula between dollar signs, a letter with an index or exponent, a Greek one.
+_SYMBOL = re.compile(
+    r"\$([^$]+)\$|(?<![\w.])([A-Za-z][_^][A-Za-z]|[A-Za-z]\^-?\w)(?!\w)"
+    rf"|(?<![\w-])({'|'.join(GREEK)})(?![\w-])"
+)
+_PIECE = re.compile(
+    r"\\(?P<command>[A-Za-z]+|,) ?|(?P<place>[_^])(?:\{(?P<group>[^}]*)\}|(?P<one>-?.))"
+    r"|(?P<letter>[A-Za-z])|(?P<other>.)"
+)
 # How strongly an operator binds; the fraction bar needs no parentheses.
 _SUM, _PRODUCT, _SIGN, _POWER, _ATOM = range(5)
 
@@ -50,6 +62,46 @@ def mathml(text: str) -> Markup:
             sides = [_side(side, text) for side in text.split(relation)]
             return _tag("math", _operator(sign).join(sides))
     raise ValueError(f"formula {text!r}: it contains no relation")
+
+
+def prose(text: str) -> Markup:
+    """Return a sentence with its symbols set, as ``v_c``, ``alpha`` and what is between dollars."""
+    pieces, end = [], 0
+    for found in _SYMBOL.finditer(text):
+        pieces += [
+            escape(text[end : found.start()]),
+            _inline(found[1] or found[2] or f"\\{found[3]}"),
+        ]
+        end = found.end()
+    return Markup().join([*pieces, escape(text[end:])])
+
+
+def _inline(formula: str) -> Markup:
+    return Markup().join(_piece(found) for found in _PIECE.finditer(formula))
+
+
+def _piece(found: re.Match[str]) -> Markup:
+    if found["command"]:
+        name = found["command"]
+        return (
+            _italic(GREEK[name])
+            if name in GREEK
+            else escape("\u2009" if name == "," else f"{name} ")
+        )
+    if found["place"]:
+        return _tag(
+            {"_": "sub", "^": "sup"}[found["place"]], _index(found["group"] or found["one"])
+        )
+    return _italic(found["letter"]) if found["letter"] else escape(found["other"].replace("-", "−"))
+
+
+def _index(text: str) -> Markup:
+    name = text.removeprefix("\\")
+    return _italic(GREEK[name]) if name in GREEK else escape(text.replace("-", "−"))
+
+
+def _italic(letter: str) -> Markup:
+    return Markup("<i>{}</i>").format(letter)
 
 
 def _side(side: str, whole: str) -> Markup:

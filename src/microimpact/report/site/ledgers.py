@@ -172,11 +172,6 @@ def failures(claim: Row) -> list[str]:
     return [] if first in {claim["reason"], ""} else parts(first)
 
 
-def source_of(code: str) -> str:
-    """Return the file of the report that holds the function of a claim, by its full name."""
-    return f"files/code/{code.rpartition('.')[0]}.txt"
-
-
 def corrected(equations: Sequence[Row]) -> list[Row]:
     """Return the equations that had to be corrected: errors of the article first."""
     wrong = [row for row in equations if row["verdict"] == "corrected"]

@@ -50,7 +50,7 @@ def reached(*starts: str) -> frozenset[str]:
         if name in found or definition is None:
             continue
         found.add(name)
-        module = _module_of(name)
+        module = module_of(name)
         attributes |= definition.attributes
         possible |= {f"{name}.{method}" for method in definition.methods}
         waiting += [n for chain in definition.chains if (n := _target(module, chain))]
@@ -79,16 +79,28 @@ def _target(module: str, chain: tuple[str, ...]) -> str | None:
 
 
 @cache
-def _module_of(name: str) -> str:
+def module_of(name: str) -> str:
+    """Return the module of the package in which a full name is defined."""
     while _read(name) is None:
         name = name.rpartition(".")[0]
     return name
 
 
+def is_defined(name: str) -> bool:
+    """Tell whether a full name is that of a function or class of the package."""
+    return _definition(name) is not None
+
+
+def source_file(module: str) -> Path:
+    """Return the file of a module of the package."""
+    stem = _ROOT.joinpath(*module.split(".")[1:])
+    return stem / "__init__.py" if (stem / "__init__.py").is_file() else stem.with_suffix(".py")
+
+
 def _definition(name: str) -> _Definition | None:
     if not name.startswith(f"{PACKAGE}."):
         return None
-    module = _module_of(name)
+    module = module_of(name)
     known = _read(module)
     return known.definitions.get(name.removeprefix(f"{module}.")) if known else None
 
@@ -97,8 +109,7 @@ def _definition(name: str) -> _Definition | None:
 def _read(module: str) -> _Module | None:
     if module.partition(".")[0] != PACKAGE:
         return None
-    stem = _ROOT.joinpath(*module.split(".")[1:])
-    path = stem / "__init__.py" if (stem / "__init__.py").is_file() else stem.with_suffix(".py")
+    path = source_file(module)
     if not path.is_file():
         return None
     tree = ast.parse(path.read_text(encoding="utf-8"))

@@ -65,6 +65,7 @@
     form.addEventListener("input", update);
     form.addEventListener("submit", (event) => event.preventDefault());
     form.hidden = false;
+    form.querySelector("[autofocus]")?.focus();
     update();
     // A link to a row shows it, whatever is filtered.
     const reveal = () => {
