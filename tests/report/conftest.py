@@ -121,6 +121,7 @@ def results(tmp_path_factory, registry):
     for name in registry:
         (root / f"figures/{name}.svg").write_text(SVG, encoding="utf-8")
         (root / f"figures/{name}.png").write_bytes(PNG)
+        (root / f"figures/{name}.pdf").write_bytes(b"%PDF-1.4\n")
     return root
 
 
