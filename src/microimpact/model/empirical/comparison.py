@@ -5,8 +5,7 @@ criterion, corrected for few data (AICc; Burnham and Anderson 2002), and the int
 averaged tail areas (Fletcher and Turek 2012): what the models' signed roots of chi-square leave
 beyond an end, averaged with these weights, is half of what the confidence leaves.
 
-The ring force needs no material here: speeds count in units of v_c, and two damping groups are
-left, that of the material and that of adhesion at v_c. Their threshold is one integration.
+The laws of contact need no material here: see `microimpact.model.empirical.shapes`.
 """
 
 from __future__ import annotations
@@ -23,14 +22,10 @@ from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import POSITIVE, FloatArray, Range, checked
 from microimpact.core.solve import root
-from microimpact.model.dynamics import kernel
-from microimpact.model.dynamics.capture import threshold
-from microimpact.model.dynamics.normal import integrate
+from microimpact.model.empirical import shapes
 from microimpact.model.empirical.equations import restitution
+from microimpact.model.empirical.shapes import Held
 from microimpact.model.empirical.search import STARTS, in_own_units, profile, start_points
-
-# e (m, n) of m sets of parameters (m, k) at speeds (n,), all speeds in units of v_c.
-Curve = Callable[[FloatArray, FloatArray], FloatArray]
 
 CONFIDENCE = Range(lower=0.0, upper=1.0)
 FRACTION = Range(lower=0.0, upper=1.0, lower_closed=True, upper_closed=True)
@@ -47,64 +42,10 @@ LEAST, GREATEST = 1e-3, 1.0 - 1e-6
 VALUES, ROUNDS = 24, 2
 # Rise of chi-square, in units of what one parameter adds, at which nothing of v_c is left.
 NEGLIGIBLE = 30.0
-# A shape that two parameters give is fitted from several places, in steps that start this short.
-STEPS, DAMPED, OVERDAMPED, SHORTEST, LONGEST, DIFFERENCE = 40, 1e-2, 1e8, 1e-6, 1.5, 1e-5
 # Models lighter than this are left out of words.
 LIGHT = 0.05
 # Shares by which tests reject: misfit, residuals in runs.
 REJECTED = 0.01
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Shape:
-    """A model of e(v) whose parameters are v_c and logarithms within bounds.
-
-    Attributes
-    ----------
-    curve
-        e over v/v_c > 1.
-    bounds, starts
-        Of the logarithms: (k, 2) and (s, k).
-    """
-
-    curve: Curve
-    bounds: FloatArray
-    starts: FloatArray
-
-
-def ring_force(exponent: float) -> Shape:
-    """Return e of Eq. (25) with adhesion damped as (v_c/v)^n; the groups are C_H and C_A at v_c."""
-
-    def curve(logs: FloatArray, ratio: FloatArray) -> FloatArray:
-        hertz, adhesion = np.exp(logs).T
-        limit = threshold(hertz, adhesion, damped_attachment=False)
-        known = np.isfinite(limit)
-        e = np.full(ratio.shape, np.nan)
-        faster = (ratio > 1.0) & known[:, None]
-        w = (ratio * np.where(known, limit, 1.0)[:, None])[faster]
-        problems = np.zeros((w.size, kernel.PROBLEM_COLUMNS))
-        problems[:, kernel.START_U] = w
-        problems[:, kernel.ADHESION] = 1.0
-        problems[:, kernel.HERTZ_DAMPING] = np.broadcast_to(hertz[:, None], e.shape)[faster]
-        rate = adhesion[:, None] * ratio**-exponent
-        problems[:, kernel.DAMPING_2] = rate[faster]
-        results = integrate(problems, ledger=False)
-        rebound = results[:, kernel.STATUS] == kernel.REBOUND
-        e[faster] = np.where(rebound, -results[:, kernel.END_U] / w, 0.0)
-        return e
-
-    bounds = np.log([[1e-6, 0.4], [1e-4, 1.1]])
-    return Shape(
-        curve=curve, bounds=bounds, starts=np.log([[0.05, 0.3], [1e-3, 0.05], [0.02, 1e-3]])
-    )
-
-
-def _fixed_loss(logs: FloatArray, ratio: FloatArray) -> FloatArray:
-    """Return e_0 sqrt(1 - (v_c/v)^2): adhesion takes one energy, whatever the speed."""
-    return np.asarray(np.exp(logs) * np.sqrt(np.maximum(1.0 - ratio**-2, 0.0)))
-
-
-FIXED_LOSS = Shape(curve=_fixed_loss, bounds=np.log([[0.01, 1.0]]), starts=np.log([[0.7]]))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -158,14 +99,7 @@ class Model:
     law: Callable[[FloatArray], FloatArray]
 
 
-class Held(NamedTuple):
-    """Searches with v_c held: chi-square (m,) and logarithms of the other parameters (m, k)."""
-
-    chi_square: FloatArray
-    logs: FloatArray
-
-
-# Of the data, v_c (m,) in their unit, and logarithms (s, m, k) to start from, if any.
+# Of the data, v_c (m,) in their unit, and other parameters (s, m, k) to start from, if any.
 Profile = Callable[[Data, FloatArray, FloatArray], Held]
 
 
@@ -178,65 +112,9 @@ def _empirical(q: float | None, data: Data, v_c: FloatArray, starts: FloatArray)
     return Held(*profile(sets, gap, *fresh, *starts))
 
 
-def _shaped(shape: Shape, data: Data, v_c: FloatArray, starts: FloatArray) -> Held:
-    """Profile of a shape, by damped Gauss-Newton steps of all values of v_c side by side."""
-    if not len(starts):
-        starts = np.repeat(shape.starts[:, None], v_c.size, axis=1)
-    ratio = np.tile(data.v / v_c[:, None], (len(starts), 1))
-    logs = np.concatenate(starts)
-
-    def missed(at: FloatArray, rows: FloatArray) -> FloatArray:
-        e = np.where(rows > 1.0, shape.curve(at, rows), 0.0)
-        return (e - data.e) * data.weight
-
-    miss = missed(logs, ratio)
-    chi_square = np.sum(miss**2, axis=1)
-    damping = np.full(len(logs), DAMPED)
-    active = np.arange(len(logs))
-    for _ in range(STEPS):
-        at, rows = logs[active], ratio[active]
-        new = _stepped(shape.bounds, partial(missed, rows=rows), at, miss[active], damping[active])
-        found_miss = missed(new, rows)
-        found = np.sum(found_miss**2, axis=1)
-        better = found < chi_square[active]
-        slight = better & (chi_square[active] - found < SHORTEST * (1.0 + found))
-        at_better = active[better]
-        logs[at_better], miss[at_better] = new[better], found_miss[better]
-        chi_square[at_better] = found[better]
-        damping[active] *= np.where(better, 0.2, 8.0)
-        active = active[~slight & (damping[active] < OVERDAMPED)]
-        if not active.size:
-            break
-    chi_square = np.where(np.isfinite(chi_square), chi_square, np.inf)
-    best = np.argmin(chi_square.reshape(len(starts), -1), axis=0) * v_c.size + np.arange(v_c.size)
-    return Held(chi_square[best], logs[best])
-
-
-def _stepped(
-    bounds: FloatArray,
-    missed: Callable[[FloatArray], FloatArray],
-    at: FloatArray,
-    miss: FloatArray,
-    damping: FloatArray,
-) -> FloatArray:
-    """Return where damped Gauss-Newton steps (Marquardt 1963) within the bounds lead, (m, k)."""
-    slopes = []
-    for i in range(at.shape[1]):
-        step = np.where(at[:, i] + DIFFERENCE > bounds[i, 1], -DIFFERENCE, DIFFERENCE)
-        moved = at.copy()
-        moved[:, i] += step
-        slopes.append((missed(moved) - miss) / step[:, None])
-    slope = np.nan_to_num(np.stack(slopes, axis=-1))
-    normal = np.einsum("mni,mnj->mij", slope, slope)
-    gradient = np.einsum("mni,mn->mi", slope, miss)
-    # A variable at its bound that wants beyond it is held there.
-    stuck = (at <= bounds[:, 0]) & (gradient > 0.0) | (at >= bounds[:, 1]) & (gradient < 0.0)
-    places = np.arange(at.shape[1])
-    diagonal = normal[:, places, places] * (1.0 + damping[:, None])
-    normal = np.where(stuck[:, :, None] | stuck[:, None, :], 0.0, normal)
-    normal[:, places, places] = np.where(stuck | (diagonal == 0.0), 1.0, diagonal)
-    change = np.linalg.solve(normal, np.where(stuck, 0.0, -gradient)[..., None])[..., 0]
-    return np.asarray(np.clip(at + np.clip(change, -LONGEST, LONGEST), *bounds.T))
+def _of_law(name: str, data: Data, v_c: FloatArray, starts: FloatArray) -> Held:
+    """Profile of a law of contact."""
+    return shapes.profile(name, data.v, data.e, data.weight, v_c, *starts)
 
 
 def _eq_34(logs: FloatArray, v_c: float, v: FloatArray) -> FloatArray:
@@ -245,33 +123,26 @@ def _eq_34(logs: FloatArray, v_c: float, v: FloatArray) -> FloatArray:
     return restitution(v, k, p, kappa, q, v_c)
 
 
-def _of_shape(shape: Shape, logs: FloatArray, v_c: float, v: FloatArray) -> FloatArray:
-    """Return a shape at speeds (n,)."""
-    ratio = v[None] / v_c
-    return np.asarray(np.where(ratio > 1.0, shape.curve(logs[None], ratio), 0.0)[0])
+def _by_law(name: str, places: FloatArray, v_c: float, v: FloatArray) -> FloatArray:
+    """Return e of a law of contact at speeds (n,)."""
+    return shapes.restitution(name, places, v / v_c)
 
 
 class Candidate(NamedTuple):
-    """A model to be tried: free parameters with v_c, profile, e of logarithms, v_c and v."""
+    """A model to be tried: free parameters with v_c, profile, e of the others, v_c and v."""
 
-    name: str
     free: int
     profile: Profile
     restitution: Callable[[FloatArray, float, FloatArray], FloatArray]
 
-    @classmethod
-    def of(cls, name: str, shape: Shape) -> Candidate:
-        """Return that of a shape."""
-        return cls(name, len(shape.bounds) + 1, partial(_shaped, shape), partial(_of_shape, shape))
 
-
-CANDIDATES = (
-    Candidate("Eq. 34, q free", 5, partial(_empirical, None), _eq_34),
-    Candidate("Eq. 34, q = 1/2", 4, partial(_empirical, 0.5), _eq_34),
-    Candidate.of("ring force, n = 0", ring_force(0.0)),
-    Candidate.of("ring force, n = 1", ring_force(1.0)),
-    Candidate.of("fixed loss", FIXED_LOSS),
-)
+CANDIDATES = {
+    "Eq. 34, q free": Candidate(5, partial(_empirical, None), _eq_34),
+    "Eq. 34, q = 1/2": Candidate(4, partial(_empirical, 0.5), _eq_34),
+} | {
+    name: Candidate(law.free + 1, partial(_of_law, name), partial(_by_law, name))
+    for name, law in shapes.LAWS.items()
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -330,9 +201,9 @@ def compare_models(
     level = float(checked("confidence", confidence, CONFIDENCE))
     data, given = _data(v, e, sigma)
     count = int(np.sum(data.v >= 1.0))
-    tried = [candidate for candidate in CANDIDATES if count > candidate.free + 2]
-    free = np.array([candidate.free for candidate in tried])
-    drawn = [_drawn(partial(of.profile, data), count - of.free, given) for of in tried]
+    tried = {name: of for name, of in CANDIDATES.items() if count > of.free + 2}
+    free = np.array([of.free for of in tried.values()])
+    drawn = [_drawn(partial(of.profile, data), count - of.free, given) for of in tried.values()]
     least = np.array([found.chi_square.min() for found in drawn])
     leftover = least / (count - free)  # variance of e in units of sigma squared
     criterion = _criterion(least, free, count, given)
@@ -357,7 +228,7 @@ def compare_models(
 
     models = [
         Model(
-            name=of.name,
+            name=name,
             free=of.free,
             v_c=unit * found.v_c,
             interval=ends(tails[k]),
@@ -366,7 +237,7 @@ def compare_models(
             weight=float(weights[k]),
             law=partial(_in_metres, of, found, unit),
         )
-        for k, (of, found) in enumerate(zip(tried, drawn, strict=True))
+        for k, ((name, of), found) in enumerate(zip(tried.items(), drawn, strict=True))
     ]
     models.sort(key=lambda model: model.criterion)
     _require_a_curve(data, models[0])
@@ -383,7 +254,7 @@ def compare_models(
 
 
 def _in_metres(of: Candidate, found: _Drawn, unit: float, v: FloatArray) -> FloatArray:
-    return of.restitution(found.logs, found.v_c, np.asarray(v) / unit)
+    return of.restitution(found.others, found.v_c, np.asarray(v) / unit)
 
 
 def _data(v: ArrayLike, e: ArrayLike, sigma: ArrayLike | None) -> tuple[Data, bool]:
@@ -417,12 +288,12 @@ def _data(v: ArrayLike, e: ArrayLike, sigma: ArrayLike | None) -> tuple[Data, bo
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Drawn:
-    """A profile: v_c in the data's unit and chi-square (g,); the best v_c and logarithms (k,)."""
+    """A profile: v_c in the data's unit and chi-square (g,); the best v_c and the other parameters (k,)."""
 
     values: FloatArray
     chi_square: FloatArray
     v_c: float
-    logs: FloatArray
+    others: FloatArray
 
 
 def _drawn(of: Callable[[FloatArray, FloatArray], Held], freedom: int, given: bool) -> _Drawn:
@@ -439,13 +310,13 @@ def _drawn(of: Callable[[FloatArray, FloatArray], Held], freedom: int, given: bo
         fresh = np.setdiff1d(np.linspace(*ends, VALUES), values)
         # Neighbours on both sides are close starts.
         after = np.clip(np.searchsorted(values, fresh), 1, values.size - 1)
-        found = of(fresh, np.stack([held.logs[after - 1], held.logs[after]]))
+        found = of(fresh, np.stack([held.others[after - 1], held.others[after]]))
         order = np.argsort(values := np.append(values, fresh))
         values = values[order]
         held = Held(*(np.concatenate(pair)[order] for pair in zip(held, found, strict=True)))
     at = int(np.argmin(held.chi_square))
     return _Drawn(
-        values=values, chi_square=held.chi_square, v_c=float(values[at]), logs=held.logs[at]
+        values=values, chi_square=held.chi_square, v_c=float(values[at]), others=held.others[at]
     )
 
 
