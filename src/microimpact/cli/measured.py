@@ -30,6 +30,7 @@ _SHORT |= {"n": "adhesion_rate_exponent"}
 @_unit_option
 @_sigma_option
 @click.option("--confidence", type=float, default=0.95, show_default=True, help="Of intervals.")
+@click.option("--model", "models", multiple=True, help="Try this one, not all; may be repeated.")
 @click.option("--plot", help="Draw data, models and interval: a .png, .svg or .pdf file.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON in SI units.")
 def fit_command(
@@ -37,6 +38,7 @@ def fit_command(
     unit: str | None,
     sigma: float | None,
     confidence: float,
+    models: tuple[str, ...],
     plot: str | None,
     as_json: bool,
 ) -> None:
@@ -48,7 +50,9 @@ def fit_command(
     from microimpact.model.empirical.comparison import compare_models
 
     measured, spread = _measured(data, unit, sigma)
-    found = compare_models(measured.v, measured.e, spread, confidence=confidence)
+    found = compare_models(
+        measured.v, measured.e, spread, confidence=confidence, models=models or None
+    )
     if plot:
         from microimpact.measured.picture import draw
 
@@ -72,7 +76,8 @@ def fit_command(
         return
     captured = int((measured.e == 0.0).sum())
     title = f"{data}: {measured.v.size - captured} rebounds, {captured} captured"
-    header = ("model", "v_c (m/s)", "from", "to", "free", "chi2", "AICc", "weight")
+    criterion = "AICc" if spread is None else "AIC"
+    header = ("model", "v_c (m/s)", "from", "to", "free", "chi2", criterion, "weight")
     rows = [
         (
             model.name,

@@ -142,3 +142,15 @@ def test_what_is_no_curve_is_refused():
 def test_too_little_or_wrong_is_refused(v, e, message):
     with pytest.raises(ValueError, match=message):
         compare_models(v, e, NOISE)
+
+
+def test_models_may_be_chosen_by_name(compared):
+    _, v, e, found = compared
+    own = compare_models(v, e, NOISE, models=["Eq. 34, q free"])
+    (only,) = own.models
+    assert own.v_c_interval == pytest.approx(only.interval)
+    assert only.interval == next(m.interval for m in found.models if m.name == only.name)
+    with pytest.raises(ValueError, match=r"'viscous' is none of Eq. 34, q free; .*viscous JKR"):
+        compare_models(v, e, NOISE, models=["viscous"])
+    with pytest.raises(ValueError, match=r"at least 6 points .* for these models, got 5"):
+        compare_models(v[-5:], e[-5:], NOISE, models=["Eq. 34, q free"])

@@ -1,16 +1,17 @@
 """Capture velocity from restitutions by several models, and an interval that rests on no one.
 
 Each model of e(v) has its own profile of chi-square over v_c. Models are weighted by Akaike's
-criterion, corrected for few data (AICc; Burnham and Anderson 2002), and the interval is that of
-averaged tail areas (Fletcher and Turek 2012): what the models' signed roots of chi-square leave
-beyond an end, averaged with these weights, is half of what the confidence leaves.
+criterion, corrected for few data where sigma is estimated (AICc; Burnham and Anderson 2002). The
+interval is that of averaged tail areas (Fletcher and Turek 2012): what the models' signed roots of
+chi-square leave beyond an end, averaged with these weights, is half of what the confidence leaves.
+The study `fit_coverage` tells how often it holds the true v_c.
 
 The laws of contact need no material here: see `microimpact.model.empirical.shapes`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import combinations
@@ -21,11 +22,12 @@ import scipy
 from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import POSITIVE, FloatArray, Range, checked
+from microimpact.core.nearest import nearest
 from microimpact.core.solve import root
 from microimpact.model.empirical import shapes
 from microimpact.model.empirical.equations import restitution
-from microimpact.model.empirical.shapes import Held
 from microimpact.model.empirical.search import STARTS, in_own_units, profile, start_points
+from microimpact.model.empirical.shapes import Held
 
 CONFIDENCE = Range(lower=0.0, upper=1.0)
 FRACTION = Range(lower=0.0, upper=1.0, lower_closed=True, upper_closed=True)
@@ -82,7 +84,7 @@ class Model:
     chi_square
         Least sum of squares over sigma, or None where sigma is not given.
     criterion
-        AICc, less that of the best model.
+        AIC, or AICc where sigma is not given, less that of the best model.
     weight
         Akaike's weight; all sum to 1.
     law
@@ -175,7 +177,12 @@ class Comparison:
 
 
 def compare_models(
-    v: ArrayLike, e: ArrayLike, sigma: ArrayLike | None = None, *, confidence: float = 0.95
+    v: ArrayLike,
+    e: ArrayLike,
+    sigma: ArrayLike | None = None,
+    *,
+    confidence: float = 0.95,
+    models: Sequence[str] | None = None,
 ) -> Comparison:
     """Find the capture velocity from restitutions by all models, and an interval of their average.
 
@@ -191,17 +198,32 @@ def compare_models(
         Standard deviation of e, one number or (n,); None: one for all, estimated.
     confidence
         Coverage of the intervals, in (0, 1).
+    models
+        Names of the models to be tried, of `CANDIDATES`; None: all.
 
     Raises
     ------
     TypeError, ValueError
-        If numbers are out of range or too few, no sphere rebounds, or e hardly depends on v in the
-        way that a rebound does.
+        If a model is unknown, numbers are out of range or too few, no sphere rebounds, or e hardly
+        depends on v in the way that a rebound does.
     """
     level = float(checked("confidence", confidence, CONFIDENCE))
     data, given = _data(v, e, sigma)
     count = int(np.sum(data.v >= 1.0))
-    tried = {name: of for name, of in CANDIDATES.items() if count > of.free + 2}
+    for name in models or ():
+        if name not in CANDIDATES:
+            raise ValueError(
+                f"models: {name!r} is none of {'; '.join(CANDIDATES)}{nearest(name, CANDIDATES)}"
+            )
+    asked = {name: CANDIDATES[name] for name in models or CANDIDATES}
+    spare = 0 if given else 2  # AICc divides by what is left
+    tried = {name: of for name, of in asked.items() if count > of.free + spare}
+    if not tried:
+        fewest = 1 + spare + min(of.free for of in asked.values())
+        raise ValueError(
+            f"v must hold at least {fewest} points from the smallest rebounding speed upwards for "
+            f"these models, got {count}"
+        )
     free = np.array([of.free for of in tried.values()])
     drawn = [_drawn(partial(of.profile, data), count - of.free, given) for of in tried.values()]
     least = np.array([found.chi_square.min() for found in drawn])
@@ -226,7 +248,7 @@ def compare_models(
     def ends(share: Callable[[float], float]) -> tuple[float, float]:
         return unit * _quantile(share, half), unit * _quantile(share, 1.0 - half)
 
-    models = [
+    fitted = [
         Model(
             name=name,
             free=of.free,
@@ -239,17 +261,17 @@ def compare_models(
         )
         for k, ((name, of), found) in enumerate(zip(tried.items(), drawn, strict=True))
     ]
-    models.sort(key=lambda model: model.criterion)
-    _require_a_curve(data, models[0])
+    fitted.sort(key=lambda model: model.criterion)
+    _require_a_curve(data, fitted[0])
     v_c, interval = unit * _quantile(averaged, 0.5), ends(averaged)
     return Comparison(
-        models=tuple(models),
+        models=tuple(fitted),
         v_c=v_c,
         v_c_interval=interval,
         confidence=level,
         sigma=float(np.sqrt(leftover[best])) if not given else None,
         scatter=float(np.sqrt(leftover[best])) if given else 1.0,
-        warnings=tuple(_warnings(data, models, v_c, interval)),
+        warnings=tuple(_warnings(data, fitted, v_c, interval)),
     )
 
 
@@ -288,7 +310,7 @@ def _data(v: ArrayLike, e: ArrayLike, sigma: ArrayLike | None) -> tuple[Data, bo
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Drawn:
-    """A profile: v_c in the data's unit and chi-square (g,); the best v_c and the other parameters (k,)."""
+    """A profile: v_c in the data's unit and chi-square (g,); at the best v_c, the others (k,)."""
 
     values: FloatArray
     chi_square: FloatArray
@@ -351,11 +373,14 @@ def _quantile(share: Callable[[float], float], level: float) -> float:
 
 
 def _criterion(least: FloatArray, free: FloatArray, count: int, given: bool) -> FloatArray:
-    """AICc; with sigma too small for every model, chi-square in units of what the best leaves."""
-    numbers = free if given else free + 1
-    loss = least / max(1.0, float(np.min(least / (count - free))))
-    if not given:
-        loss = count * np.log(np.maximum(least, TINY) / count)
+    """Akaike's criterion; that for few data where sigma is estimated, too.
+
+    With sigma too small for every model, chi-square counts in units of what the best leaves.
+    """
+    if given:
+        return np.asarray(least / max(1.0, float(np.min(least / (count - free)))) + 2.0 * free)
+    numbers = free + 1
+    loss = count * np.log(np.maximum(least, TINY) / count)
     return np.asarray(loss + 2.0 * numbers * count / (count - numbers - 1.0))
 
 

@@ -14,7 +14,6 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.compiled import jit
@@ -26,7 +25,7 @@ from microimpact.model.dynamics.normal import normal_impact
 
 # Places over v/v_c, up to a ratio of 10,000, and over each parameter of a law with two, or one; a
 # law that begins to yield has a kink.
-RATIOS, LARGEST_RATIO, TWO, ONE, KINKED = 56, 1e4, 24, 48, 100
+RATIOS, LARGEST_RATIO, TWO, ONE, KINKED = 56, 1e4, 28, 48, 100
 # Four equal places stand for a parameter that a law has not.
 NONE = (1.0, 1.0, 4)
 # A search begins with this damping of its steps and ends at the next, at a step that lowers
@@ -79,11 +78,12 @@ def _ring(hertz: Real, adhesion: Real) -> Contact:
     return _ANY.replace(hertz_damping=hertz / _SPEED, adhesion_damping=group / _SPEED)
 
 
-_GROUPS = ((1e-4, 0.4, TWO), (1e-3, 30.0, TWO))
+_GROUPS = ((1e-5, 0.4, TWO), (1e-3, 30.0, TWO))
 _MOST = ((0.8, 0.8), (0.5, 0.5), (0.6, 0.05), (0.05, 0.7))
 LAWS = {
-    "ring force, n = 0": Law(axes=_GROUPS, contact=_ring, starts=_MOST),
-    "ring force, n = 1": Law(axes=_GROUPS, contact=_ring, exponent=1.0, starts=_MOST),
+    f"ring force, n = {n}": Law(axes=_GROUPS, contact=_ring, exponent=n, starts=_MOST)
+    for n in range(3)
+} | {
     "viscous JKR": Law(
         axes=((1e-11, 2e-8, ONE), NONE),
         contact=lambda time, _: _ANY.replace(law=JKR(viscous_time=time)),
@@ -147,7 +147,12 @@ def restitution(name: str, at: FloatArray, ratio: FloatArray) -> FloatArray:
 
 
 def profile(
-    name: str, v: FloatArray, e: FloatArray, weight: FloatArray, v_c: FloatArray, *starts: FloatArray
+    name: str,
+    v: FloatArray,
+    e: FloatArray,
+    weight: FloatArray,
+    v_c: FloatArray,
+    *starts: FloatArray,
 ) -> Held:
     """Search for a law's parameters by damped Gauss-Newton steps (Marquardt 1963).
 
@@ -165,7 +170,9 @@ def profile(
     grid = table(name)
     if not starts:
         ends = np.array(grid.shape[:2]) - 1.0
-        starts = tuple(np.tile(share * ends, (v_c.size, 1)) for share in np.array(LAWS[name].starts))
+        starts = tuple(
+            np.tile(share * ends, (v_c.size, 1)) for share in np.array(LAWS[name].starts)
+        )
     chi_square, at = np.full(v_c.size, np.inf), np.zeros((v_c.size, 2))
     _search(grid, places(v / v_c[:, None]), e, weight, np.stack(starts), chi_square, at)
     return Held(chi_square, at)
@@ -237,6 +244,22 @@ def _sums(grid, places, e, weight, at, work, sums) -> None:  # type: ignore[no-u
 
 
 @_jit
+def _step(at, high, sums, damping, new) -> None:  # type: ignore[no-untyped-def]
+    """Put the place to which a damped step leads into ``new``."""
+    # A parameter at its bound that wants beyond it is held there.
+    first = at[0] > 0.0 if sums[1] > 0.0 else at[0] < high[0]
+    second = at[1] > 0.0 if sums[2] > 0.0 else at[1] < high[1]
+    a, b = sums[3] * (1.0 + damping) + 1e-300, sums[4] * (1.0 + damping) + 1e-300
+    c = sums[5] if first and second else 0.0
+    d = a * b - c * c
+    new[0] = (c * sums[2] - b * sums[1]) / d if first else 0.0
+    new[1] = (c * sums[1] - a * sums[2]) / d if second else 0.0
+    for axis in range(2):
+        step = min(max(new[axis], -LONGEST * high[axis]), LONGEST * high[axis])
+        new[axis] = min(max(at[axis] + step, 0.0), high[axis])
+
+
+@_jit
 def _search(grid, places, e, weight, starts, chi_square, found) -> None:  # type: ignore[no-untyped-def]
     """Search from all starts (s, m, 2) of each row of places (m, n); the lowest counts."""
     work, sums, trial = np.empty((3, 2, 4)), np.empty(6), np.empty(6)
@@ -249,20 +272,7 @@ def _search(grid, places, e, weight, starts, chi_square, found) -> None:  # type
             _sums(grid, places[row], e, weight, at, work, sums)
             damping = DAMPED
             for _ in range(STEPS):
-                # A parameter at its bound that wants beyond it is held there.
-                first = not (at[0] <= 0.0 < sums[1] or at[0] >= high[0] and sums[1] < 0.0)
-                second = not (at[1] <= 0.0 < sums[2] or at[1] >= high[1] and sums[2] < 0.0)
-                a, b = sums[3] * (1.0 + damping) + 1e-300, sums[4] * (1.0 + damping) + 1e-300
-                c = sums[5] if first and second else 0.0
-                d = a * b - c * c
-                new[0] = -(b * sums[1] - c * sums[2]) / d if first else 0.0
-                new[1] = -(a * sums[2] - c * sums[1]) / d if second else 0.0
-                if not (first and second):
-                    new[0] = -sums[1] / a if first else 0.0
-                    new[1] = -sums[2] / b if second else 0.0
-                for axis in range(2):
-                    step = min(max(new[axis], -LONGEST * high[axis]), LONGEST * high[axis])
-                    new[axis] = min(max(at[axis] + step, 0.0), high[axis])
+                _step(at, high, sums, damping, new)
                 _sums(grid, places[row], e, weight, new, work, trial)
                 gain = sums[0] - trial[0]
                 damping *= 0.2 if gain > 0.0 else 8.0

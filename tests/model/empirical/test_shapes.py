@@ -1,0 +1,73 @@
+"""Tables of e over v/v_c: what they hold, and what searches in them find."""
+
+import numpy as np
+import pytest
+
+from microimpact.model.contact_laws import JKR, Hysteresis, ThorntonNing
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import simulate
+from microimpact.model.empirical import shapes
+from microimpact.model.empirical.comparison import compare_models
+
+RATIO = np.geomspace(1.001, 300.0, 40)
+OTHERS = {
+    "viscous JKR": JKR(viscous_time=10.5e-9),
+    "Thornton-Ning": ThorntonNing(yield_pressure=1e9),
+    "hysteresis": Hysteresis(unloading_work=5.0),
+}
+
+
+@pytest.mark.parametrize("name", [name for name, law in shapes.LAWS.items() if law.contact])
+def test_between_its_places_a_table_is_the_integration(name):
+    law, grid = shapes.LAWS[name], shapes.table(name)
+    for shares in ((0.43, 0.61), (0.72, 0.27), (0.91, 0.14)):
+        at = np.array(shares) * (np.array(grid.shape[:2]) - 1.0)
+        numbers = [
+            np.array([first * (last / first) ** (place / (count - 1))])
+            for place, (first, last, count) in zip(at, law.axes, strict=True)
+        ]
+        contact = law.contact(*numbers)
+        limit = capture_velocity(contact)
+        if law.exponent:
+            contact = contact.replace(adhesion_rate_exponent=law.exponent, reference_velocity=limit)
+        exact = simulate(contact, limit * RATIO).coefficient_of_restitution
+        assert np.allclose(shapes.restitution(name, at, RATIO), exact, atol=2e-3)
+
+
+def test_a_fixed_loss_is_its_closed_form_and_nothing_leaves_below_v_c():
+    ratio = np.array([0.5, 1.0, 1.5, 30.0])
+    at = np.array([0.73 * (shapes.ONE - 1), 0.0])
+    e = shapes.restitution("fixed loss", at, ratio)
+    kept = 0.01 ** (1.0 - 0.73)
+    assert np.allclose(e, kept * np.sqrt(1.0 - np.maximum(ratio, 1.0) ** -2), atol=1e-5)
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_materials_and_size_do_not_matter(contact, name):
+    """A law found again from impacts of quite another sphere, without noise."""
+    other = contact.replace(hertz_damping=0.0, adhesion_damping=0.0, law=OTHERS[name])
+    limit = float(capture_velocity(other))
+    ratio = np.geomspace(1.05, 15.0, 20)
+    e = simulate(other, limit * ratio).coefficient_of_restitution
+    found = shapes.profile(name, ratio, e, np.full(20, 1e2), np.array([0.98, 1.0, 1.02]))
+    assert found.chi_square.argmin() == 1
+    assert found.chi_square[1] < 0.1
+    compared = compare_models(limit * ratio, e, 0.01)
+    assert compared.v_c_interval[0] < limit < compared.v_c_interval[1]
+    assert next(m.v_c for m in compared.models if m.name == name) == pytest.approx(limit, rel=0.01)
+
+
+def test_a_search_ends_where_no_place_nearby_is_better(contact):
+    name = "ring force, n = 1"
+    ratio = np.geomspace(1.1, 12.0, 15)
+    e = np.clip(0.8 * np.sqrt(1.0 - ratio**-2) + 0.02 * np.cos(5.0 * ratio), 0.0, 1.0)
+    found = shapes.profile(name, ratio, e, np.full(15, 50.0), np.array([0.99]))
+
+    def chi_square(at):
+        return np.sum(np.square((shapes.restitution(name, at, ratio / 0.99) - e) * 50.0))
+
+    best = chi_square(found.others[0])
+    assert best == pytest.approx(found.chi_square[0])
+    ends = np.array(shapes.table(name).shape[:2]) - 1.0
+    for step in ((0.05, 0.0), (-0.05, 0.0), (0.0, 0.05), (0.0, -0.05)):
+        assert chi_square(np.clip(found.others[0] + step, 0.0, ends)) >= best * (1.0 - 1e-6)
