@@ -94,7 +94,7 @@ NAMES = {
 # It repeats all values.
 REPEATING = "declared_inputs"
 WORDS = "words of figures"
-NUMBERS_OF_CLAIMS, RESIDUALS, DIGITISED = "claim_numbers", "digitised_residuals", "digitised"
+NUMBERS_OF_CLAIMS, DIGITISED = "claim_numbers", "digitised"
 # The column of the ledger that repeats the criteria.
 CRITERION = "criterion"
 
@@ -214,11 +214,11 @@ def made(name: str, rests: Rests, results: Path) -> Tables:
 
 def _verdict(name: str, criteria: Document, inputs: Inputs) -> pd.DataFrame:
     numbers = inputs[NUMBERS_OF_CLAIMS]
-    own = {NUMBERS_OF_CLAIMS: numbers[numbers["claim"] == name], RESIDUALS: inputs[RESIDUALS]}
+    inputs[NUMBERS_OF_CLAIMS] = numbers[numbers["claim"] == name]
     with tempfile.NamedTemporaryFile("w", suffix=".yaml", encoding="utf-8") as file:
         yaml.safe_dump({DIGITISED: load(ROOT / "config/claims.yaml")[DIGITISED], **criteria}, file)
         file.flush()
-        judged = claims.judge(own, file.name)
+        judged = claims.judge(inputs, file.name)
     return judged.drop(columns=CRITERION)
 
 
@@ -311,6 +311,9 @@ def _texts(each: Value, document: Document, refused: Sequence[str]) -> Iterator[
     if dot and "from" in each.place:
         names = document["printed_values"] if section == "printed" else document["config"][section]
         yield from (f"{section}.{name}" for name in names if f"{section}.{name}" not in told)
+    for names in document["config"].values():  # of what a name is declared among
+        if isinstance(names, Mapping) and each.value in names:
+            yield from (name for name in names if name not in told)
     yield f"{each.value} changed"
     for name in _allowed(refused, "(?<=')[^',]+(?=')"):
         if name not in told:

@@ -123,6 +123,15 @@ def _problems(row: Mapping[Any, Any], numbers: Sequence[str]) -> Iterator[str]:
         may_be_empty = column in _OPTIONAL or is_range
         if not (may_be_empty and not row[column]) and not finite_number(row[column]):
             yield f"{column} {row[column]!r} must be a finite number"
+            return
+    if is_range:
+        low, high = float(row["low"]), float(row["high"])
+        if low >= high:
+            yield f"low {low:g} must be below high, {high:g}"
+        elif row["value"] and not low <= float(row["value"]) <= high:
+            yield f"value {row['value']} must be from low to high, {low:g} to {high:g}"
+    if row.get("reading_error") and float(row["reading_error"]) < 0.0:
+        yield f"reading_error {row['reading_error']} must not be negative"
     if "evidence" in row and row["evidence"] not in EVIDENCE:
         yield f"evidence {row['evidence']!r} must be one of {', '.join(EVIDENCE)}"
     for column in ("source", "unit"):

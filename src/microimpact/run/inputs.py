@@ -8,6 +8,7 @@ from typing import Any
 
 from microimpact.core.materials import Material, materials_from_rows
 from microimpact.declared.documents import load
+from microimpact.declared.selection import DeclaredTable
 from microimpact.figures.registry import FigureSpec, filled, registry
 from microimpact.model.pairs import Pair, Pairs, pair_contact, pairs_from_rows
 from microimpact.run.config import Settings
@@ -34,7 +35,7 @@ def read_inputs(settings: Settings) -> Inputs:
     """
     general = settings.general
     tables = settings.tables
-    materials = materials_from_rows(tables.materials.rows)
+    materials = _materials(tables.materials)
     pairs = pairs_from_rows(tables.contacts.rows)
     wrong = [line for pair in pairs for line in _out_of_range(pair, materials, pairs)]
     if wrong:
@@ -48,6 +49,16 @@ def read_inputs(settings: Settings) -> Inputs:
         figures=figures,
         digitised=digitised,
     )
+
+
+def _materials(table: DeclaredTable) -> dict[str, Material]:
+    """Return the materials; those of the ends of what is uncertain must be possible, too."""
+    try:
+        for end in ("low", "high"):
+            materials_from_rows({**row, "value": row[end] or row["value"]} for row in table.rows)
+        return materials_from_rows(table.rows)
+    except ValueError as error:
+        raise ValueError(f"{table.path}: {error}") from None
 
 
 def study_rows(name: str, settings: Settings, digitised: Mapping[str, Digitised]) -> dict[str, str]:
