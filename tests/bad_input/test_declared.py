@@ -81,6 +81,7 @@ CASES = [
     (LABORATORY, "surface_slope: {value: 0.16,", "surface_slope: {value: -0.16,", ["surfaces.Formica.surface_slope: -0.16 must be greater than or equal to 0"]),
     (LABORATORY, "    case: steel-formica", "    case: steel-formic", ["drops.steel on Formica.case: 'steel-formic' is not declared in cases (did you mean 'steel-formica'?)"]),
     (EXPERIMENTS, "populations:\n    SST65: {from: particles.SST65}\n    SST125: {from: particles.SST125}", "populations: [SST65, SST125]", ["normal_experiments.populations: must be a mapping: a name, then its fields"]),
+    (LABORATORY, "target_radius_mm: {value: 5.0", "target_radius_mm: {value: 5.5", ["pile_up: drawn_radius_mm: 5.5 must be one of radii_mm"]),
     # declared tables
     (MATERIALS, "material,property", "material;property", ["materials.csv: the header is"]),
     (MATERIALS, STEEL, STEEL + ",more", ["materials.csv, line 2: must have 8 fields"]),

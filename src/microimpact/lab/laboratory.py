@@ -65,6 +65,15 @@ class Protocol(StopRule):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Pile:
+    """A target on which spheres pile up, and a capture velocity far below the printed one."""
+
+    target_radius_mm: Positive
+    slope_deg: NonNegative
+    weak_capture_m_per_s: Positive
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
     """A contact: its materials, what it is calibrated to, and what the article leaves open."""
 
@@ -94,5 +103,6 @@ class Laboratory:
     pdpa: Analyser
     ptis: ImagingSystem
     experiment: Protocol
+    pile: Pile
     cases: Mapping[str, Case]
     drops: Mapping[str, Dropped]
