@@ -11,9 +11,9 @@ flag turned; another name that stands under the same key. A change that is refus
 nothing; a value all of whose changes are refused is told as not tested. One whose changes stop the
 study is needed.
 
-Left out are evidence and sources, paths, and the figure registry, which holds words and axes alone;
-words that show a parameter count as an output of it. The table of declared inputs, which repeats
-every value, does not.
+Left out are evidence and sources, paths, and words of figures that pages show as they stand. A
+figure is drawn anew where its entry changed; words that show a parameter count as an output of it.
+The table of declared inputs, which repeats every value, does not.
 
 Tables of earlier studies come from RESULTS, a small run of the same state, which is checked first.
 ``dead_inputs.yaml`` names the dead values that are meant to be, with the reason. Ends with 1 if
@@ -37,6 +37,7 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -45,12 +46,14 @@ import yaml
 from rich.console import Console
 from rich.progress import MofNCompleteColumn, Progress, TimeElapsedColumn, TimeRemainingColumn
 
-from microimpact.core.tables import parse_table, read_table
+from microimpact.core.tables import parse_table, read_figure_data, read_table
 from microimpact.declared.documents import load
 from microimpact.declared.parameters import build
 from microimpact.declared.provenance import as_text, is_declaration
 from microimpact.declared.references import is_reference, merged
 from microimpact.declared.selection import DeclaredTable, NamedTables, read_all
+from microimpact.figures.registry import FigureSpec, figure_spec
+from microimpact.figures.style import save
 from microimpact.ledgers import claims, equations
 from microimpact.run.config import read_configuration, validate
 from microimpact.run.inputs import read_inputs
@@ -93,7 +96,9 @@ NAMES = {
 }
 # It repeats all values.
 REPEATING = "declared_inputs"
-WORDS = "words of figures"
+# What of a figure is drawn; the other words stand beside it.
+DRAWN = ("width", "height_mm", "evidence_labels", "panels")
+FIGURES = "figures."
 NUMBERS_OF_CLAIMS, DIGITISED = "claim_numbers", "digitised"
 # The column of the ledger that repeats the criteria.
 CRITERION = "criterion"
@@ -102,7 +107,8 @@ CRITERION = "criterion"
 def declared() -> Document:
     """Return everything that is declared: the merged configuration, tables and claims."""
     config = merged(read_configuration(ROOT / "config"), load(ROOT / "config/ci.yaml"))
-    document: Document = {"config": config, "claims": load(ROOT / config["claims"])}
+    document: Document = {"config": config}
+    document |= {name: load(ROOT / config[name]) for name in ("claims", "figures")}
     found = read_all(*(str(ROOT / config[name]) for name in TABLES))
     for name in TABLES:
         rows = document[name] = {}
@@ -126,6 +132,14 @@ def values(document: Document) -> Iterator[Value]:
     for each in _values(document["claims"], "claims", ("claims",), with_provenance=False):
         if isinstance(each.value, int | float):
             yield each
+    for figure, entry in document["figures"].items():
+        yield from _drawn(figure, entry)
+
+
+def _drawn(figure: str, entry: Mapping[str, Any]) -> Iterator[Value]:
+    for part in sorted({*DRAWN} & {*entry}):
+        key, place = f"{FIGURES}{figure}.{part}", ("figures", figure, part)
+        yield from _values(entry[part], key, place, with_provenance=False)
 
 
 def _values(node: Any, key: str, place: Key, *, with_provenance: bool = True) -> Iterator[Value]:
@@ -146,7 +160,7 @@ def _values(node: Any, key: str, place: Key, *, with_provenance: bool = True) ->
 
 
 def resolved(document: Document) -> dict[str, Rests]:
-    """Return what each study and ledger, and the words of the figures, rest on.
+    """Return what each study, ledger and figure rests on.
 
     Raises
     ------
@@ -157,7 +171,9 @@ def resolved(document: Document) -> dict[str, Rests]:
         config = document["config"] | {
             name: _written(document[name], Path(folder) / f"{name}.csv") for name in TABLES
         }
-        config |= {name: str(ROOT / config[name]) for name in ("figures", DIGITISED)}
+        entries = Path(folder) / "figures.yaml"
+        entries.write_text(json.dumps(document["figures"]), encoding="utf-8")
+        config |= {"figures": str(entries), DIGITISED: str(ROOT / config[DIGITISED])}
         settings = validate(config, config)
         inputs = read_inputs(settings)
     rests = {name: Rests(branch, inputs.rows[name]) for name, branch in settings.branches.items()}
@@ -166,7 +182,8 @@ def resolved(document: Document) -> dict[str, Rests]:
     rests["equations"] = Rests(None, steel)
     for name, claim in document["claims"].items():
         rests[f"claims.{name}"] = Rests({name: claim}, {})
-    rests[WORDS] = Rests(inputs.figure_entries, {})
+    for name, entry in inputs.figure_entries.items():
+        rests[f"{FIGURES}{name}"] = Rests(entry, {})
     return rests
 
 
@@ -199,9 +216,9 @@ class Inputs(NamedTables):
 
 
 def made(name: str, rests: Rests, results: Path) -> Tables:
-    """Return the tables of a study that comes in one piece, or of a ledger."""
-    if name == WORDS:
-        return {name: pd.DataFrame(map(json.dumps, rests.branch.items()))}
+    """Return the tables of a study that comes in one piece, or of a ledger; or a drawn figure."""
+    if name.startswith(FIGURES):
+        return {name: _picture(figure_spec(name.removeprefix(FIGURES), rests.branch), results)}
     inputs = Inputs(name, rests.rows, results)
     if name == "equations":
         return {name: equations.judge(inputs)}
@@ -210,6 +227,18 @@ def made(name: str, rests: Rests, results: Path) -> Tables:
     of = study(name)
     tables: Tables = of.run(build(of.Params, rests.branch), inputs)
     return tables
+
+
+def _picture(spec: FigureSpec, results: Path) -> pd.DataFrame:
+    tables = {
+        name: read_figure_data(results / f"data/{name}.csv", unit.x, unit.y)
+        for name, unit in spec.data.items()
+    }
+    with tempfile.TemporaryDirectory() as folder:
+        picture = Path(folder) / "figure.svg"
+        save(getattr(import_module(spec.module), spec.function)(tables, spec), picture)
+        words = spec.title, spec.caption, spec.article, *spec.tables.values()
+        return pd.DataFrame([picture.read_text(encoding="utf-8"), *words])
 
 
 def _verdict(name: str, criteria: Document, inputs: Inputs) -> pd.DataFrame:
@@ -507,7 +536,7 @@ def _mover(others: Mapping[str, Rests], world: World) -> str:
 
     Last come the words of figures: a value that moves nothing else is told.
     """
-    for name in sorted(others, key=lambda name: (name == WORDS, world.before[name].seconds)):
+    for name in sorted(others, key=lambda n: (n.startswith(FIGURES), world.before[n].seconds)):
         if moved(name, others[name], world):
             return name
     return ""
@@ -559,7 +588,9 @@ def report(found: Sequence[Found], seconds: float) -> str:
                for verdict in VERDICTS]  # fmt: skip
         lines.append(f"{name:14}{sum(own):>8}" + "".join(f"{n:>12}" for n in own))
     lines.append(f"{seconds:.0f} s")
-    words = [one.key for one in found if one.by == WORDS]
+    words = [
+        one.key for one in found if one.by.startswith(FIGURES) and not one.key.startswith(FIGURES)
+    ]
     lines += ["", f"Moved, but words of figures alone: {len(words)}", *words]
     for verdict in VERDICTS[1:]:
         unmoved = [one for one in found if one.verdict == verdict]
