@@ -110,7 +110,7 @@ bench: .venv-benchmark/.benchmark ## compare speed and error with other solvers
 	.venv-benchmark/bin/python -m benchmarks.compare $(BENCH_ARGS)
 
 test-peers: .venv-benchmark/.benchmark ## compare the physics with other solvers
-	.venv-benchmark/bin/python -m pytest tests/peers $(PYTEST_ARGS)
+	.venv-benchmark/bin/python -m pytest tests/peers --confcutdir tests/peers $(PYTEST_ARGS)
 
 lock: .venv/bin/uv ## renew requirements/*.txt from pyproject.toml and requirements/*.in
 	$(call compile,pyproject.toml --extra study,run)
