@@ -119,24 +119,28 @@ def _problems(row: Mapping[Any, Any], numbers: Sequence[str]) -> Iterator[str]:
         yield f"must have {len([key for key in row if key is not None])} fields"
         return
     is_range = bool(row.get("low") and row.get("high"))
-    for column in numbers:
-        may_be_empty = column in _OPTIONAL or is_range
-        if not (may_be_empty and not row[column]) and not finite_number(row[column]):
-            yield f"{column} {row[column]!r} must be a finite number"
-            return
+    wrong = [
+        f"{column} {row[column]!r} must be a finite number"
+        for column in numbers
+        if not finite_number(row[column]) and (row[column] or not (is_range or column in _OPTIONAL))
+    ]
+    yield from wrong or _out_of_order(row, is_range=is_range)
+    if "evidence" in row and row["evidence"] not in EVIDENCE:
+        yield f"evidence {row['evidence']!r} must be one of {', '.join(EVIDENCE)}"
+    for column in ("source", "unit"):
+        if column in row and not row[column].strip():
+            yield f"{column} is empty"
+
+
+def _out_of_order(row: Mapping[Any, Any], *, is_range: bool) -> Iterator[str]:
     if is_range:
         low, high = float(row["low"]), float(row["high"])
         if low >= high:
             yield f"low {low:g} must be below high, {high:g}"
         elif row["value"] and not low <= float(row["value"]) <= high:
             yield f"value {row['value']} must be from low to high, {low:g} to {high:g}"
-    if row.get("reading_error") and float(row["reading_error"]) < 0.0:
+    if float(row.get("reading_error") or 0.0) < 0.0:
         yield f"reading_error {row['reading_error']} must not be negative"
-    if "evidence" in row and row["evidence"] not in EVIDENCE:
-        yield f"evidence {row['evidence']!r} must be one of {', '.join(EVIDENCE)}"
-    for column in ("source", "unit"):
-        if column in row and not row[column].strip():
-            yield f"{column} is empty"
 
 
 def _number(text: str) -> int | float | None:
