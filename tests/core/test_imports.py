@@ -45,7 +45,7 @@ def test_the_watch_sees_what_is_loaded():
 
 
 @pytest.mark.parametrize(
-    "module", ["dynamics.kernel", "law.pieces", "rigid_body.facets", "dynamics.impact"]
+    "module", ["dynamics.kernel", "passes", "rigid_body.facets", "dynamics.impact"]
 )
 def test_the_compiler_waits_for_the_first_call(module):
     assert loaded_after(f"import microimpact.model.{module}", "numba", "llvmlite") == set()
@@ -141,7 +141,7 @@ def test_nowhere_to_keep_compiled_code_is_no_error(call, tmp_path):
     assert call(**environment) == ["4.0", "None", "0"]
 
 
-@pytest.mark.parametrize("name", ["dynamics.kernel", "law.pieces", "rigid_body.facets"])
+@pytest.mark.parametrize("name", ["dynamics.kernel", "passes", "rigid_body.facets"])
 def test_functions_of_the_model_are_kept(name):
     code = (
         f"import microimpact.model.{name} as m\n"
@@ -161,7 +161,7 @@ def test_compiled_code_of_a_module_calls_no_other_modules(tmp_path):
     # Numba's cache would keep stale code of the other module.
     root = Path(__file__).parents[2] / "src/microimpact"
     users = [path for path in root.rglob("*.py") if "import jit\n" in path.read_text()]
-    assert {path.stem for path in users} >= {"kernel", "pieces", "facets"}
+    assert {path.stem for path in users} >= {"kernel", "passes", "facets"}
     names = {path: ".".join(path.relative_to(root.parent).with_suffix("").parts) for path in users}
     for path in users:
         text = path.read_text()

@@ -87,9 +87,9 @@ MISPRINTS = (
     ),
     Mutant(
         "Eq. 29: moment +R F_t",
-        f"{MODEL}/dynamics/impact.py",
-        "after_spin = omega + change / (INERTIA * radius)",
-        "after_spin = omega - change / (INERTIA * radius)",
+        f"{MODEL}/passes.py",
+        "spin + change / (INERTIA * radius)",
+        "spin - change / (INERTIA * radius)",
         ("model/dynamics/test_impact",),
     ),
     Mutant(
@@ -259,9 +259,9 @@ SLIPS = (
     ),
     Mutant(
         "tables: places within a piece mirrored",
-        f"{MODEL}/law/pieces.py",
-        "return band, piece, 2.0 * (place - part) - 1.0, 2.0 * (across - band) - 1.0",
-        "return band, piece, 1.0 - 2.0 * (place - part), 2.0 * (across - band) - 1.0",
+        f"{MODEL}/passes.py",
+        "(row, 2.0 * (along - part) - 1.0, ",
+        "(row, 1.0 - 2.0 * (along - part), ",
         ("model/law/test_table",),
     ),
     Mutant(
@@ -322,8 +322,8 @@ SLIPS = (
     ),
     Mutant(
         "energy of the spin before impact left out",
-        f"{MODEL}/dynamics/impact.py",
-        "rotational = -change * radius * (omega + after_spin)",
+        f"{MODEL}/passes.py",
+        "rotational = -change * radius * (spin + after_spin)",
         "rotational = -change * radius * after_spin",
         ("model/dynamics/test_impact",),
     ),

@@ -105,8 +105,10 @@ def checked(name: str, value: object, allowed: Range = FINITE) -> Real:
         raise TypeError(f"{name} must be a real number or an array of them, got {value!r}")
     with np.errstate(over="ignore"):
         array = array.astype(np.float64)
-    good = np.isfinite(array) & allowed.contains(array)
-    if not np.all(good):
+    # NaN is least and greatest wherever it stands.
+    ends = np.array([array.min(), array.max()]) if array.size else array
+    if not np.all(np.isfinite(ends) & allowed.contains(ends)):
+        good = np.isfinite(array) & allowed.contains(array)
         first = np.argwhere(~good)[0]
         where = f" at index {', '.join(map(str, first))}" if array.ndim else ""
         shortest = repr(float(array[tuple(first)])).removesuffix(".0")

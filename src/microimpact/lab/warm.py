@@ -16,6 +16,7 @@ from microimpact.lab.pdpa import analyser as pdpa
 from microimpact.lab.surface import rough
 from microimpact.model.contact import Contact
 from microimpact.model.contact_laws import JKR
+from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.dynamics.trajectory import trajectory
 from microimpact.model.empirical.search import data_sets, fit_batch
@@ -63,6 +64,8 @@ def _use_model() -> None:
     law = tabulate(CONTACT, *speed)
     law.normal_impact(CONTACT, speed)
     law.restitution(speed, np.zeros(1))
+    law.simulate(speed)
+    simulate(CONTACT, speed)
     down = np.array([[0.5, 0.0, -1.0]])
     up = np.array([[0.0, 0.0, 1.0]])
     facet_rebound(down, np.zeros((1, 3)), up, np.full(1, 0.7), np.full(1, 0.15))

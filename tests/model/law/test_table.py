@@ -253,6 +253,36 @@ def test_oblique_impacts_agree_to_the_stated_error(contact, basis):
             assert one == pytest.approx(other, rel=1e3 * error)
 
 
+@pytest.mark.parametrize("kind", ["several sizes", "no adhesion", "undamped", "beyond the table"])
+def test_a_pass_is_simulation_whatever_the_contacts_and_shapes(contact, kind):
+    spheres = contact.replace(diameter=np.array([50e-6, 60e-6, 75e-6]), friction=[0.1, 0.2, 0.3])
+    if kind == "no adhesion":
+        spheres = spheres.replace(work_of_adhesion=0.0)
+    if kind == "undamped":
+        spheres = spheres.replace(work_of_adhesion=0.0, hertz_damping=0.0)
+    arguments = np.geomspace(0.05, 5.0, 40)[:, None, None], np.array([[7.0], [90.0]]), -1e3
+    law = tabulate(spheres, 0.5 if kind == "beyond the table" else 0.001, 2.0)
+    found, expected = law.simulate(*arguments), simulate(spheres, *arguments)
+    assert np.max(found.interpolation_error) < 1e-8
+    for field in fields(expected):
+        one, other = getattr(found, field.name), getattr(expected, field.name)
+        assert one.shape == (40, 2, 3) or field.name == "interpolation_error"
+        if one.dtype == bool:
+            assert np.array_equal(one, other)
+        elif field.name != "interpolation_error":
+            assert one == pytest.approx(
+                other, rel=1e-7, abs=1e-9 * np.nanmax(np.abs(other[other < np.inf]))
+            )
+
+
+def test_threads_change_no_outcome(contact):
+    speed = np.geomspace(0.05, 5.0, 100_000)
+    law = tabulate(contact, 0.02, 5.0)
+    one, three = (law.simulate(speed, 30.0, threads=n) for n in (1, 3))
+    for field in fields(one):
+        assert np.array_equal(getattr(one, field.name), getattr(three, field.name))
+
+
 def test_impacts_in_space_agree_too(contact):
     velocity = np.stack(np.broadcast_arrays(0.3, -0.2, -np.geomspace(0.05, 5.0, 200)), axis=-1)
     law = tabulate(contact, 0.05, 5.0)

@@ -24,6 +24,7 @@ from microimpact.core.arrays import (
     choice,
     common_shape,
 )
+from microimpact.model import passes
 from microimpact.model.choices import FRICTION_BASES, TANGENTIAL_LAWS
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.contact_laws import RING_FORCE
@@ -37,6 +38,17 @@ PULL_OFF = "pull-off"
 SPEED_OF_LIGHT = 299_792_458.0
 SPEED = Range(lower=0.0, upper=SPEED_OF_LIGHT)
 ANGLE = Range(lower=0.0, upper=90.0, upper_closed=True)
+
+# Fields of an `Impact` by the rows of a compiled pass.
+PLANAR = {
+    "coefficient_of_restitution": passes.OUT_RESTITUTION,
+    "impulse_ratio": passes.OUT_IMPULSE_RATIO,
+    "normal_velocity": passes.OUT_NORMAL,
+    "tangential_velocity": passes.OUT_TANGENTIAL,
+    "spin": passes.OUT_SPIN,
+    "energy_loss": passes.OUT_LOSS,
+    "translational_energy_loss": passes.OUT_LINEAR_LOSS,
+}
 
 # Normal impacts of contacts (first) at normal speeds in m/s (second).
 NormalLaw = Callable[[Contact, Real], NormalImpact]
@@ -198,32 +210,22 @@ def planar(
     normal = _normal(contact, speed, basis, law)
     slip = np.asarray(v_t - radius * omega)
     size, rolling = friction_impulse(contact, normal, np.abs(slip), basis, speed, tangential)
-    change = np.sign(slip) * size
-    e = normal.coefficient_of_restitution
-    after_t = v_t - change
-    after_spin = omega + change / (INERTIA * radius)
-    energy = np.square(v_n) + np.square(v_t)
-    linear = energy - np.square(e * v_n) - np.square(after_t)
-    # Rotational energy lost, from the change itself: exact where the spin hardly changes.
-    rotational = -change * radius * (omega + after_spin)
-
-    def shaped(values: Real) -> FloatArray:
-        return _shaped(values, shape)
-
+    out, _ = passes.outcomes(shape)
+    given = speed, v_t, omega, radius, normal.coefficient_of_restitution, np.sign(slip) * size
+    passes.planar(*(passes.flat(values, shape) for values in given), out)
     return Impact(
-        coefficient_of_restitution=shaped(e),
-        impulse_ratio=shaped(change / ((1.0 + e) * speed)),
+        **planar_fields(out, shape),
         captured=np.broadcast_to(normal.captured, shape)[()],
-        contact_time=shaped(normal.contact_time),
-        normal_velocity=shaped(e * speed),
-        tangential_velocity=shaped(after_t),
-        spin=shaped(after_spin),
         rolling=np.broadcast_to(rolling, shape)[()],
-        energy_loss=shaped((linear + rotational) / energy),
-        translational_energy_loss=shaped(linear / energy),
-        maximum_compression=shaped(normal.maximum_compression),
+        contact_time=_shaped(normal.contact_time, shape),
+        maximum_compression=_shaped(normal.maximum_compression, shape),
         interpolation_error=normal.interpolation_error,
     )
+
+
+def planar_fields(out: FloatArray, shape: tuple[int, ...]) -> dict[str, FloatArray]:
+    """Return the fields of an `Impact` that a compiled pass has written."""
+    return {name: out[row].reshape(shape)[()] for name, row in PLANAR.items()}
 
 
 def simulate(
@@ -265,7 +267,9 @@ def simulate(
     RuntimeError
         If an integration failed.
     """
-    return incident(contact, speed, angle, spin, friction_basis, tangential=tangential)
+    given, _ = incident(contact, speed, angle, spin, friction_basis, tangential)
+    v_n, v_t = velocity_components(given["speed"], given["angle"])
+    return planar(contact, v_n, v_t, given["spin"], friction_basis, tangential=tangential)
 
 
 def incident(
@@ -274,18 +278,17 @@ def incident(
     angle: object,
     spin: object,
     friction_basis: str,
-    law: NormalLaw | None = None,
     tangential: str = "rigid",
-) -> Impact:
-    """Return planar impacts by any law of normal impacts; as `simulate` and `planar`."""
+) -> tuple[dict[str, Real], tuple[int, ...]]:
+    """Return speed, angle and spin checked, and their shape with the contact; as `simulate`."""
     require_contact(contact, any_law=tangential == "rigid")
     _basis(contact, friction_basis, tangential)
-    speed = checked("speed", speed, SPEED)
-    angle = checked("angle", angle, ANGLE)
-    spin = checked("spin", spin, FINITE)
-    common_shape({"contact": np.empty(contact.shape), "speed": speed, "angle": angle, "spin": spin})
-    v_n, v_t = velocity_components(speed, angle)
-    return planar(contact, v_n, v_t, spin, friction_basis, law, tangential)
+    given = {
+        "speed": checked("speed", speed, SPEED),
+        "angle": checked("angle", angle, ANGLE),
+        "spin": checked("spin", spin, FINITE),
+    }
+    return given, common_shape({"contact": np.empty(contact.shape), **given})
 
 
 def _basis(contact: Contact, friction_basis: object, tangential: object) -> str:

@@ -22,9 +22,10 @@ from microimpact.core.files import write_file
 from microimpact.model.choices import FORMATS, FRICTION_BASES
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.normal import integrate
-from microimpact.model.law.families import COMPRESSIVE, HERTZ, PEAK, RESTITUTION, Family, quantities
-from microimpact.model.law.pieces import WIDTH, Table, piecewise
+from microimpact.model.law.families import Family, quantities
+from microimpact.model.law.pieces import Table, piecewise
 from microimpact.model.law.table import SPLITS, Law
+from microimpact.model.passes import RESTITUTION, SUPPORT, WIDTH
 from microimpact.model.rigid_body.algebra import INERTIA, SLIP_PER_IMPULSE
 
 # Binary exponent of the lowest octave of v/v_c - 1: there e ~ sqrt(v/v_c - 1) to some parts in a
@@ -33,7 +34,6 @@ LOWEST, LOWEST_BARE = -24, -52
 # Points an octave, off the nodes, at which the error is measured; the error stated is twice that.
 HELD_OUT, SAFETY = 37, 2.0
 ROWS = 200  # of the tables for people
-SUPPORT = {"compressive": COMPRESSIVE, "hertz": HERTZ, "net": PEAK}
 IMPULSE = 1  # row of the impulse in the table, beside RESTITUTION
 
 
@@ -73,7 +73,7 @@ class Rebounds:
     @property
     def coefficients(self) -> FloatArray:
         """Polynomials of `RESTITUTION` and `IMPULSE` as they are written, (pieces, powers, 2)."""
-        both = self.table.coefficients[0, :, 0, :, [RESTITUTION, IMPULSE]]
+        both = self.table.coefficients[0, :, 0, [RESTITUTION, IMPULSE]]
         return np.moveaxis(both, 0, -1)
 
     def __call__(self, speed: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from microimpact.core.arrays import FloatArray, Real
+from microimpact.model import passes
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics import kernel
 from microimpact.model.dynamics.capture import scaled_capture_velocity
@@ -21,10 +22,16 @@ from microimpact.model.dynamics.normal import (
     ALWAYS_CAPTURED_ADHESION_GROUP,
     ALWAYS_CAPTURED_HERTZ_GROUP,
 )
-from microimpact.model.law.pieces import WIDTH
-
-# Quantities of an impact in its scales, the rows of what a table gives.
-RESTITUTION, CONTACT_TIME, COMPRESSION_TIME, COMPRESSION, COMPRESSIVE, PEAK, HERTZ = range(7)
+from microimpact.model.passes import (
+    COMPRESSION,
+    COMPRESSION_TIME,
+    COMPRESSIVE,
+    CONTACT_TIME,
+    HERTZ,
+    PEAK,
+    RESTITUTION,
+    WIDTH,
+)
 
 # Numbers that differ by no more are the same, computed in another order.
 SAME = 1e-14
@@ -189,6 +196,28 @@ class Family:
             return contact.equilibrium_compression, contact.velocity_scale, contact.mass
         hertz = np.sqrt(contact.hertz_radius) * contact.stiffness
         return (contact.mass * speed**2 / hertz) ** 0.4, speed, contact.mass
+
+    def columns(self, contact: Contact, shape: tuple[int, ...]) -> FloatArray:
+        """Return what contacts give to a compiled pass of impacts of a shape, see `model.passes`.
+
+        Of shape (n, columns), or (1, columns) where it is one contact.
+        """
+        found: dict[int, Real] = {passes.RADIUS: contact.radius, passes.FRICTION: contact.friction}
+        found[passes.UNIT] = 1.0 / contact.hertz_damping if self.hertz else 1.0
+        if self.adhesive:
+            scale = np.asarray(contact.velocity_scale)
+            length, velocity, _ = self.scales(contact, scale)
+            found |= {passes.UNIT: scale, passes.VELOCITY: velocity}
+            found |= {passes.LENGTH: length, passes.TIME: length / velocity}
+            if not self.alike:
+                found[passes.PLACE] = np.log(scale / self.velocity_scale) / self.half_width
+        else:
+            found[passes.LENGTH] = self.scales(contact, np.ones(()))[0]
+        shape = shape if contact.shape else (1,)
+        columns = np.zeros((*shape, len(passes.CONTACT_COLUMNS)))
+        for column, values in found.items():
+            columns[..., column] = values
+        return columns.reshape(-1, columns.shape[-1])
 
     def groups(self, w: FloatArray, place: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return C_H and, at the scaled speed w, C_A."""

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -29,11 +30,31 @@ from microimpact.core.arrays import (
     checked,
     common_shape,
 )
+from microimpact.core.solve import IntArray
+from microimpact.model import passes
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.dynamics import kernel
-from microimpact.model.dynamics.impact import SPEED, Impact, incident
+from microimpact.model.dynamics.impact import (
+    SPEED,
+    Impact,
+    incident,
+    planar_fields,
+    velocity_components,
+)
 from microimpact.model.dynamics.normal import NormalImpact, integrate
-from microimpact.model.law.families import (
+from microimpact.model.law.families import Family, NoTableError, quantities
+from microimpact.model.law.pieces import (
+    NOTHING,
+    Compiled,
+    Sampled,
+    Table,
+    between,
+    compiled,
+    in_blocks,
+    nodes,
+    piecewise,
+)
+from microimpact.model.passes import (
     COMPRESSION,
     COMPRESSION_TIME,
     COMPRESSIVE,
@@ -41,19 +62,9 @@ from microimpact.model.law.families import (
     HERTZ,
     PEAK,
     RESTITUTION,
-    Family,
-    NoTableError,
-    quantities,
-)
-from microimpact.model.law.pieces import (
-    NOTHING,
-    Sampled,
-    Table,
-    between,
-    both_sides,
-    first_above,
-    nodes,
-    piecewise,
+    ROUNDING,
+    WIDTH,
+    flat,
 )
 
 TOLERANCE = 1e-9
@@ -72,14 +83,11 @@ WIDTHS = 6
 CAPTURE_WIDTHS = (8, 11, 15, 20, 30, 45, 60)
 CAPTURE_TOLERANCE = 1e-13
 
-# Relative error of e that rounding of the speed makes, times the relative distance from capture.
-ROUNDING = 2e-14
-
 # The error stated is so many times the error measured between the nodes.
 SAFETY = 2.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Law:
     """The law of normal impacts of some contacts as a table; made by `tabulate`.
 
@@ -115,6 +123,8 @@ class Law:
         angle: object = 90.0,
         spin: object = 0.0,
         friction_basis: str = "compressive",
+        *,
+        threads: int = 1,
     ) -> Impact:
         """Simulate impacts as `model.dynamics.impact.simulate` does, from the table.
 
@@ -127,6 +137,8 @@ class Law:
         ----------
         speed, angle, spin, friction_basis
             As of `model.dynamics.impact.simulate`; they broadcast with the contacts.
+        threads
+            Among which the work is shared; results do not depend on it.
 
         Raises
         ------
@@ -135,7 +147,41 @@ class Law:
         RuntimeError
             If an integration failed.
         """
-        return incident(self.contact, speed, angle, spin, friction_basis, self.normal_impact)
+        given, shape = incident(self.contact, speed, angle, spin, friction_basis)
+        speed, angle, spin = states = [flat(values, shape) for values in given.values()]
+        contacts = self.family.columns(self.contact, shape)
+        out, told = passes.outcomes(shape)
+        support = passes.SUPPORT[friction_basis]
+
+        def run(which: IntArray, integrated: FloatArray) -> None:
+            passes.tabulated(
+                which, integrated, self.compiled, *states, contacts, support, out, told
+            )
+
+        def block(part: slice) -> None:
+            run(np.arange(part.start, part.stop), np.empty((WIDTH, 0)))
+
+        in_blocks(block, math.prod(shape), threads)
+        rest = np.flatnonzero(np.isnan(out[passes.OUT_RESTITUTION]))
+        if rest.size:
+            own, toward, tilt = (a[rest % len(a)] for a in (contacts, speed, angle))
+            w = -velocity_components(toward, tilt)[0] / own[:, passes.UNIT]
+            place = own[:, passes.PLACE]
+            run(rest, self._integrated(w, place)[0])
+            out[passes.OUT_ERROR, rest] = self._error(w, place)
+        fields = {"contact_time": passes.OUT_CONTACT_TIME, "interpolation_error": passes.OUT_ERROR}
+        fields |= {"maximum_compression": passes.OUT_COMPRESSION}
+        return Impact(
+            **planar_fields(out, shape),
+            **{name: out[row].reshape(shape)[()] for name, row in fields.items()},
+            captured=told[passes.OUT_CAPTURED].reshape(shape)[()],
+            rolling=told[passes.OUT_ROLLING].reshape(shape)[()],
+        )
+
+    @cached_property
+    def compiled(self) -> Compiled:
+        """What compiled passes are handed of it."""
+        return compiled(self.slowness, self.captures, self.rebounds, THRESHOLD, self.error)
 
     def export(
         self,
@@ -196,30 +242,36 @@ class Law:
         threads
             Among which the work is shared; results do not depend on it.
         """
-        tables = self.captures, self.rebounds
-        found = both_sides(w, place, self.slowness, *tables, THRESHOLD, threads=threads)
-        _leave_out(found[RESTITUTION], place)
-        captured = found[RESTITUTION] == 0.0
+        found = np.empty((WIDTH, w.size))
+
+        def block(part: slice) -> None:
+            places = place if place.size == 1 else place[part]
+            passes.look_up(w[part], places, self.compiled, found, part.start)
+
+        in_blocks(block, w.size, threads)
         rest = np.flatnonzero(np.isnan(found[RESTITUTION]))
+        captured = found[CONTACT_TIME] == np.inf
         if rest.size:
-            places = np.broadcast_to(place, w.shape)[rest]
-            problems = self.family.problems(w[rest], places)
-            results = integrate(problems, ledger=True)
-            captured[rest] = results[:, kernel.STATUS] == kernel.CAPTURED
-            found[:, rest] = quantities(problems, results)
-        found[CONTACT_TIME, captured] = np.inf
+            found[:, rest], captured[rest] = self._integrated(
+                w[rest], np.broadcast_to(place, w.shape)[rest]
+            )
         return found, captured
+
+    def _integrated(self, w: FloatArray, place: FloatArray) -> tuple[FloatArray, BoolArray]:
+        """Return the quantities of impacts that are integrated, and which are captured."""
+        problems = self.family.problems(w, place)
+        results = integrate(problems, ledger=True)
+        return quantities(problems, results), results[:, kernel.STATUS] == kernel.CAPTURED
 
     def restitution(self, w: FloatArray, place: FloatArray) -> FloatArray:
         """Return e alone, shape (n,), of impacts given as in `quantities`; 0 where captured."""
-        found = first_above(w, place, self.slowness, self.rebounds, THRESHOLD)
-        _leave_out(found, place)
+        found = np.empty(w.size)
+        passes.restitution(w, place, self.compiled, found)
         rest = np.flatnonzero(np.isnan(found))
         if rest.size:
-            problems = self.family.problems(w[rest], np.broadcast_to(place, w.shape)[rest])
-            results = integrate(problems, ledger=False)
-            captured = results[:, kernel.STATUS] == kernel.CAPTURED
-            found[rest] = np.where(captured, 0.0, -results[:, kernel.END_U] / w[rest])
+            found[rest] = self._integrated(w[rest], np.broadcast_to(place, w.shape)[rest])[0][
+                RESTITUTION
+            ]
         return found
 
     def normal_impact(
@@ -341,12 +393,6 @@ def tabulate(contact: Contact, slowest: float, fastest: float, tolerance: float 
         captures=captures,
         error=SAFETY * max(rebounds.error, captures.error),
     )
-
-
-def _leave_out(restitution: FloatArray, place: FloatArray) -> None:
-    """Mark impacts whose velocity scale is not in the family: there a table means nothing."""
-    if np.max(np.abs(place), initial=0.0) > 1.0:
-        restitution[np.broadcast_to(np.abs(place) > 1.0, restitution.shape)] = np.nan
 
 
 def _span(lowest: float, highest: float) -> tuple[int, int]:

@@ -1,0 +1,264 @@
+"""Compiled passes over ensembles: an impact is read once, and its outcome is written once.
+
+The law of normal impacts is looked up in tables of polynomials, see `law.pieces`; friction and spin
+are algebra. All compiled functions are in this one module, see `core.compiled`.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from microimpact.core.arrays import BoolArray, FloatArray, Real
+from microimpact.core.compiled import jit
+from microimpact.model.rigid_body.algebra import INERTIA, SLIP_PER_IMPULSE
+
+DEGREE = 12
+# Quantities of a normal impact in its scales, the rows of what a table gives.
+WIDTH = 7
+RESTITUTION, CONTACT_TIME, COMPRESSION_TIME, COMPRESSION, COMPRESSIVE, PEAK, HERTZ = range(WIDTH)
+
+# Relative error of e that rounding of the speed makes, times the relative distance from capture.
+ROUNDING = 2e-14
+
+# Columns of what contacts give to a pass: radius and friction; the unit of the variable of the
+# tables, and the place in their family; units of velocity, length and time. Without adhesion the
+# speed itself is the unit of velocity, which is then 0 here, and that of length goes with its 0.8th
+# power.
+CONTACT_COLUMNS = RADIUS, FRICTION, UNIT, PLACE, VELOCITY, LENGTH, TIME = range(7)
+# Rows of outcomes: those that are numbers, and those that are true or false.
+(
+    OUT_RESTITUTION,
+    OUT_IMPULSE_RATIO,
+    OUT_CONTACT_TIME,
+    OUT_NORMAL,
+    OUT_TANGENTIAL,
+    OUT_SPIN,
+    OUT_LOSS,
+    OUT_LINEAR_LOSS,
+    OUT_COMPRESSION,
+    OUT_ERROR,
+) = range(10)
+OUT_CAPTURED, OUT_ROLLING = range(2)
+# Rows of outcomes begin this many numbers further apart than they are long: in the same place of
+# every page of memory they would push each other out of the processor's first cache.
+APART = 24
+# Quantities that friction may rest on, by the names of the forces.
+SUPPORT = {"compressive": COMPRESSIVE, "hertz": HERTZ, "net": PEAK}
+
+
+def flat(values: Real, shape: tuple[int, ...]) -> FloatArray:
+    """Return values that broadcast to a shape as a pass takes them: (n,), or (1,) if all are one.
+
+    They cannot be written to, be they written elsewhere or not: a pass is compiled for one kind.
+    """
+    array = np.asarray(values, dtype=np.float64)
+    if array.size != 1:
+        array = np.broadcast_to(array, shape)
+    array = array.reshape(-1)
+    array.setflags(write=False)
+    return array
+
+
+def outcomes(shape: tuple[int, ...]) -> tuple[FloatArray, BoolArray]:
+    """Return rows for the outcomes of impacts, numbers and truths."""
+    size = math.prod(shape)
+    numbers = np.empty((OUT_ERROR + 1, size + APART))[:, :size]
+    return numbers, np.empty((OUT_ROLLING + 1, size + APART), dtype=np.bool_)[:, :size]
+
+
+_jit_inline = jit(inline="always")
+_jit = jit(fastmath={"contract"})
+
+
+@_jit_inline
+def _ratio(w, place, slowness):  # type: ignore[no-untyped-def]
+    """Return w over the threshold, by Clenshaw's sum of its reciprocal."""
+    one, two = 0.0, 0.0
+    for k in range(slowness.size - 1, 0, -1):
+        one, two = 2.0 * place * one - two + slowness[k], one
+    return w * (place * one - two + slowness[0])
+
+
+@_jit_inline
+def _find(w, place, law):  # type: ignore[no-untyped-def]
+    """Return w over the threshold, whether the impact is captured, and where its polynomials are.
+
+    That is their row (-1: there are none), and the places along and across its piece.
+    """
+    slowness, _, captures, rebounds, gap, _ = law
+    ratio = _ratio(w, place, slowness) if slowness.size else math.inf
+    captured = ratio <= 1.0 - gap
+    x = ratio if captured else ratio - 1.0 if slowness.size else w
+    first, bands, pieces, lowest, split = captures if captured else rebounds
+    mantissa, exponent = math.frexp(x)
+    along = (2.0 * mantissa - 1.0) * split
+    part = int(along)
+    piece = (exponent - lowest) * split + part
+    across = 0.5 * (place + 1.0) * bands
+    band = min(max(int(across), 0), bands - 1)
+    row = first + band * pieces + piece
+    # Beyond the family a table means nothing.
+    if not (0.0 < x < math.inf and 0 <= piece < pieces and abs(place) <= 1.0):
+        row = -1
+    return ratio, captured, (row, 2.0 * (along - part) - 1.0, 2.0 * (across - band) - 1.0)
+
+
+@_jit_inline
+def _value(quantity, coefficients, where):  # type: ignore[no-untyped-def]
+    """Return a quantity: a polynomial in ``across`` whose coefficients are polynomials in t."""
+    row, t, across = where
+    if row < 0:
+        return math.nan
+    found = 0.0
+    for j in range(coefficients.shape[1] - 1, -1, -1):
+        value = coefficients[row, j, quantity, DEGREE]
+        for k in range(DEGREE):
+            value = value * t + coefficients[row, j, quantity, DEGREE - 1 - k]
+        found = found * across + value
+    return found
+
+
+@_jit_inline
+def _fits(coefficients):  # type: ignore[no-untyped-def]
+    """Tell whether a table has the shape of all: gives the compiler the distance of rows."""
+    return coefficients.shape[2] == WIDTH and coefficients.shape[3] == DEGREE + 1
+
+
+@_jit
+def look_up(w, place, law, out, start):  # type: ignore[no-untyped-def]
+    """Write the quantities at w (n,) and place (n,) or (1,) into ``out`` from a column on."""
+    if not _fits(law[1]):
+        return  # never
+    for i in range(w.size):
+        _, captured, where = _find(w[i], _of(place, i), law)
+        for quantity in range(WIDTH):
+            out[quantity, start + i] = _value(quantity, law[1], where)
+        if captured:
+            out[CONTACT_TIME, start + i] = math.inf
+
+
+@_jit
+def restitution(w, place, law, out):  # type: ignore[no-untyped-def]
+    """Write e at w (n,) and place (n,) or (1,)."""
+    if not _fits(law[1]):
+        return  # never
+    for i in range(w.size):
+        _, captured, where = _find(w[i], _of(place, i), law)
+        of_family = abs(_of(place, i)) <= 1.0
+        out[i] = 0.0 if captured and of_family else _value(RESTITUTION, law[1], where)
+
+
+@_jit_inline
+def _of(values, i):  # type: ignore[no-untyped-def]
+    """Return the value of one impact; a single one is that of all."""
+    return values[i] if values.size > 1 else values[0]
+
+
+@_jit_inline
+def _components(degrees):  # type: ignore[no-untyped-def]
+    """Return sine and cosine of an angle in [0, 90] degrees; at both ends they are exact."""
+    nearer = math.radians(min(degrees, 90.0 - degrees))
+    small, large = math.sin(nearer), math.cos(nearer)
+    return (small, large) if degrees < 45.0 else (large, small)
+
+
+@_jit_inline
+def _friction(slip, friction, sliding, available, captured):  # type: ignore[no-untyped-def]
+    """Return the impulse of friction per mass, and whether slip ends: `impact.friction_impulse`."""
+    size = abs(slip)
+    if SLIP_PER_IMPULSE * friction * available >= size or (captured and friction > 0.0):
+        return slip * (1.0 / SLIP_PER_IMPULSE), True
+    return math.copysign(friction * sliding, slip), False
+
+
+@_jit_inline
+def _planar(i, v_n, v_t, spin, radius, e, change, out):  # type: ignore[no-untyped-def]
+    """Write what an impulse of friction makes of a planar impact into column ``i``."""
+    after_n, after_t, after_spin = e * v_n, v_t - change, spin + change / (INERTIA * radius)
+    energy = v_n * v_n + v_t * v_t
+    linear = energy - after_n * after_n - after_t * after_t
+    share = 1.0 / energy
+    # Rotational energy lost, from the change itself: exact where the spin hardly changes.
+    rotational = -change * radius * (spin + after_spin)
+    out[OUT_RESTITUTION, i] = e
+    out[OUT_IMPULSE_RATIO, i] = change / (v_n + after_n)
+    out[OUT_NORMAL, i] = after_n
+    out[OUT_TANGENTIAL, i] = after_t
+    out[OUT_SPIN, i] = after_spin
+    out[OUT_LOSS, i] = (linear + rotational) * share
+    out[OUT_LINEAR_LOSS, i] = linear * share
+
+
+@_jit
+def planar(v_n, v_t, spin, radius, e, change, out):  # type: ignore[no-untyped-def]
+    """Write what impulses of friction ``change`` make of planar impacts at normal speeds v_n."""
+    for i in range(out.shape[1]):
+        slow, along, turn = _of(v_n, i), _of(v_t, i), _of(spin, i)
+        _planar(i, slow, along, turn, _of(radius, i), _of(e, i), _of(change, i), out)
+
+
+@_jit
+def tabulated(  # type: ignore[no-untyped-def]
+    which, given, law, speed, angle, spin, contacts, support, out, told
+):
+    """Write the outcome of planar impacts by a law of normal impacts.
+
+    Parameters
+    ----------
+    which
+        Numbers of the impacts (m,), as integers.
+    given
+        Quantities (WIDTH, m) of theirs that were integrated; if there are none, the law is asked.
+    law
+        Tables and thresholds, see `law.table.Law.compiled`.
+    speed, angle, spin
+        m/s, degrees, rad/s; of all impacts, (n,), or one for all, (1,).
+    contacts
+        (n, columns) or (1, columns).
+    support
+        Quantity that friction rests on.
+    out, told
+        Outcomes of all impacts, (rows, n), numbers and truths; NaN for e where the law has none.
+    """
+    if not _fits(law[1]):
+        return  # never
+    error = law[-1]
+    sine = cosine = math.nan
+    for j in range(which.size):
+        i = which[j]
+        if j == 0 or angle.size > 1:
+            sine, cosine = _components(_of(angle, i))
+        v_n, v_t, omega = sine * _of(speed, i), cosine * _of(speed, i), _of(spin, i)
+        own = i if contacts.shape[0] > 1 else 0
+        radius, friction = contacts[own, RADIUS], contacts[own, FRICTION]
+        ratio, captured, where = _find(v_n / contacts[own, UNIT], contacts[own, PLACE], law)
+        if given.size:
+            e, captured = given[RESTITUTION, j], given[CONTACT_TIME, j] == math.inf
+            duration, depth, impulse = (
+                given[CONTACT_TIME, j],
+                given[COMPRESSION, j],
+                given[support, j],
+            )
+        else:
+            e, duration = _value(RESTITUTION, law[1], where), _value(CONTACT_TIME, law[1], where)
+            depth, impulse = _value(COMPRESSION, law[1], where), _value(support, law[1], where)
+        velocity, length, time = (
+            contacts[own, VELOCITY],
+            contacts[own, LENGTH],
+            contacts[own, TIME],
+        )
+        if velocity == 0.0:
+            velocity, length = v_n, length * v_n**0.8
+            time = length / v_n
+        available = sliding = impulse * velocity
+        if support == PEAK:
+            sliding = (1.0 + e) * v_n
+        slip = v_t - radius * omega
+        change, rolling = _friction(slip, friction, sliding, available, captured)
+        _planar(i, v_n, v_t, omega, radius, e, change, out)
+        out[OUT_CONTACT_TIME, i] = math.inf if captured else duration * time
+        out[OUT_COMPRESSION, i] = depth * length
+        out[OUT_ERROR, i] = error + ROUNDING / (abs(ratio - 1.0) if ratio < math.inf else 1.0)
+        told[OUT_CAPTURED, i], told[OUT_ROLLING, i] = captured, rolling
