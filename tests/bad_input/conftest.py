@@ -5,10 +5,12 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
 
+from microimpact.declared import documents
 from microimpact.run.config import read_configuration, validate
 from microimpact.run.inputs import read_inputs
 
@@ -24,6 +26,8 @@ another,2.0,0.5,,
 
 
 SHIPPED = read_configuration(ROOT / "config")
+# All files but one are as shipped: their text is parsed once. What cannot be read is not kept.
+PARSED = cache(documents._read)
 
 
 class Declared:
@@ -56,7 +60,8 @@ class Declared:
 
 
 @pytest.fixture
-def declared(tmp_path: Path) -> Iterator[Declared]:
+def declared(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Declared]:
+    monkeypatch.setattr(documents, "_read", PARSED)
     shutil.copytree(ROOT / "config", tmp_path / "config")
     (tmp_path / "config/digitised/fig16.csv").write_text(DIGITISED, encoding="utf-8")
     return Declared(tmp_path)

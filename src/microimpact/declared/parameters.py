@@ -200,6 +200,7 @@ def _fields(kind: type) -> dict[str, Shape]:
     return {name: shape(hint) for name, hint in hints.items()}
 
 
+@cache
 def shape(hint: Any) -> Shape:
     """Return what a type is for the files."""
     marks: tuple[Any, ...] = ()
