@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -14,8 +16,37 @@ F = 0.15  # Section 2.4.1: plateau of the impulse ratio
 
 
 @pytest.fixture(scope="module")
-def tables(run_study, calibration):
-    return run_study("oblique_impact", calibration)
+def admitted(calibration, settings):
+    """Made up: the calibrated contact with three coefficients of friction."""
+    branch = settings.branches["oblique_impact"]
+    table = calibration["calibration"]
+    rows = table[(table["case"] == branch["case"]) & (table["role"] == "parameter")]
+    pair = dict(rows[["particle", "surface"]].iloc[0])
+    numbers = dict(zip(rows["quantity"], rows["value"].astype(float), strict=True))
+    row = {
+        **branch["admissible"],
+        **pair,
+        "diameter_um": 75.0,
+        "work_of_adhesion_J_per_m2": numbers["work_of_adhesion"],
+        "hertz_damping_s_per_m": numbers["hertz_damping"],
+        "adhesion_damping_s_per_m": numbers["adhesion_damping"],
+        "rate_exponent": numbers["adhesion_rate_exponent"],
+        "reference_velocity_m_per_s": numbers["reference_velocity"],
+    }
+    bases = {0.12: "net", 0.15: "compressive", 0.18: "compressive"}
+    return pd.DataFrame([row | {"friction": f, "friction_basis": b} for f, b in bases.items()])
+
+
+@pytest.fixture(scope="module")
+def study(run_study, calibration, admitted):
+    """The function that runs the study with some parameters of its own."""
+    inputs = {**calibration, "admissible_contacts": admitted}
+    return partial(run_study, "oblique_impact", inputs)
+
+
+@pytest.fixture(scope="module")
+def tables(study):
+    return study()
 
 
 @pytest.fixture(scope="module")
@@ -117,9 +148,52 @@ def test_losses(curve):
     assert difference == pytest.approx(rotation, rel=1e-4)
 
 
-def test_always_captured_leaves_empty_curves(run_study):
+def test_always_captured_leaves_empty_curves(study):
     with pytest.raises(ValueError, match="captured at every angle"):
-        run_study("oblique_impact", speed_m_per_s=0.1)
+        study(speed_m_per_s=0.1)
+
+
+def test_band_of_admissible_contacts(tables, curve):
+    """Where spheres slide the band has their friction, where they roll none; sizes are as drawn."""
+    band = tables["fig18"].query("series == 'admissible'").set_index("x_deg")
+    assert set(band["evidence"]) == {"calibrated"}
+    simulation = curve("fig18", "adhesion", "simulation")
+    for angle in (10.0, 30.0):
+        row = band.loc[angle]
+        assert row["y_1"] == pytest.approx(at(simulation, angle), rel=1e-9)
+        # Of three values the quantiles lie a tenth of the way from the outer to the middle one.
+        outer = 0.12 + 0.1 * (row["y_1"] - 0.12), 1.18 * row["y_1"]
+        assert (row["y_low"], row["y_high"]) == pytest.approx(outer, rel=1e-9)
+    rolling = band.loc[60.0]
+    assert rolling["y_low"] == pytest.approx(rolling["y_high"], rel=1e-3)
+    loss = tables["fig21"].query("series == 'admissible'").set_index("x_deg")
+    assert loss.loc[30.0, "y_1"] == pytest.approx(at(curve("fig21", "loss", "translational"), 30.0))
+
+
+def drawn_beside_the_curves(tables):
+    series = set(tables["fig18"]["series"]) | set(tables["fig21"]["series"])
+    return {"printed plateau", "admissible"} & series
+
+
+def test_of_another_impact_nothing_is_printed(study, tables):
+    assert drawn_beside_the_curves(tables) == {"printed plateau", "admissible"}
+    for other in ({"speed_m_per_s": 1.7}, {"diameter_um": 63.0}):
+        assert drawn_beside_the_curves(study(points=40, **other)) == {"admissible"}
+
+
+def test_of_another_pair_there_is_no_band_either(study):
+    case = "fluorescein-molybdenum, nominal"
+    assert not drawn_beside_the_curves(
+        study(points=40, case=case, diameter_um=4.9, speed_m_per_s=5.2)
+    )
+
+
+def test_the_rigid_body_has_the_restitution_of_the_pair(study):
+    """At 60 deg both roll: 2 cot/(7 (1 + e)), with e of the contact, not that of steel."""
+    case = "fluorescein-molybdenum, nominal"
+    drawn = study(points=90, case=case, diameter_um=4.9, speed_m_per_s=5.2)["fig18"]
+    drawn = drawn[drawn["panel"] == "adhesion"].set_index(["series", "x_deg"])["y_1"]
+    assert drawn["rigid body", 75.0] == pytest.approx(drawn["simulation", 75.0], rel=0.02)
 
 
 def test_drawn(draw, tables, legend_texts):

@@ -78,6 +78,12 @@ def test_a_captured_sphere_is_drawn_too(run_study, draw):
     draw("fig20", tables)
 
 
+def test_another_impact_has_no_printed_ratios(run_study, numbers):
+    assert numbers["printed"].notna().sum() == 2
+    slower = run_study("force_history", speed_m_per_s=5.0)["force_ratios"]
+    assert slower["printed"].isna().all()
+
+
 def test_drawn(draw, tables, legend_texts):
     figure = draw("fig20", tables)
     assert "computed, calibrated" in legend_texts(figure)

@@ -33,6 +33,8 @@ LINES: dict[str, str | tuple[int, tuple[float, ...]]] = {
     "long dashed": (0, (8.0, 2.0)),
     "dashdotdot": (0, (6.0, 1.5, 1.0, 1.5, 1.0, 1.5)),
 }
+TINT: dict[str, Any] = {"alpha": 0.25}
+HATCH: dict[str, Any] = {"facecolor": "none", "hatch": "//////", "alpha": 0.45}
 MARKS = {"circle": "o", "square": "s", "triangle": "^"}
 # Where the name of a curve stands beside it: shift in points, and which part of it is there.
 SIDES: dict[str, tuple[tuple[float, float], str, str]] = {
@@ -256,6 +258,19 @@ def _draw_series(
     drawn = ax.errorbar(x, marks, yerr=error, label=label, clip_on=is_line, **look)
     for bar in (*drawn.lines[1], *drawn.lines[2]):
         bar.set_clip_on(True)
+
+
+def draw_band(ax: Axes, rows: pd.DataFrame, spec: SeriesSpec, label: str | None = None) -> None:
+    """Draw the bounds of a series as a band, tinted if its line is solid and else hatched.
+
+    Two tints would mix to a third where bands overlap; a hatched one lets the other be seen.
+    """
+    look: dict[str, Any] = {"color": f"C{spec.colour or 0}", "zorder": 1}
+    fill = TINT if spec.line == "solid" else HATCH
+    x, low, high = rows.iloc[:, 3], rows["y_low"], rows["y_high"]
+    ax.fill_between(x, low, high, linewidth=0, label=label, **look, **fill)
+    for end in (low, high):
+        ax.plot(x, end, linewidth=0.6, linestyle=LINES[spec.line], **look)
 
 
 def without_bounds(table: pd.DataFrame, which: pd.Series) -> pd.DataFrame:

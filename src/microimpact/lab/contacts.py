@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import pandas as pd
@@ -10,6 +11,7 @@ import pandas as pd
 from microimpact.core.materials import Material, materials_from_rows
 from microimpact.core.nearest import nearest
 from microimpact.core.tables import Tables
+from microimpact.declared.parameters import MaterialName, Positive
 from microimpact.model.contact import Contact
 from microimpact.model.pairs import Pairs, pair_contact, pairs_from_rows
 
@@ -23,6 +25,46 @@ DRAWN = {
     "reference_velocity_m_per_s": "reference_velocity",
     "friction": "friction",
 }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PrintedImpact:
+    """The impact that printed values are of."""
+
+    particle: MaterialName
+    surface: MaterialName
+    diameter_um: Positive
+    speed_m_per_s: Positive
+
+
+def printed_values(
+    inputs: Tables, of: PrintedImpact, case: str, diameter_um: float, speed_m_per_s: float
+) -> pd.Series:
+    """Return the printed values by key; none for another pair, diameter or speed than theirs.
+
+    Parameters
+    ----------
+    inputs
+        ``anchors``, declared rows, and what `calibrated_contact` takes.
+    of
+        What the values are of.
+    case, diameter_um, speed_m_per_s
+        What is computed.
+    """
+    values = inputs["anchors"].set_index("key")["value"].astype(float)
+    own = *pair_of(inputs, case), diameter_um, speed_m_per_s
+    theirs = of.particle, of.surface, of.diameter_um, of.speed_m_per_s
+    return values if own == theirs else values.iloc[:0]
+
+
+def pair_of(inputs: Tables, case: str) -> tuple[str, str]:
+    """Return the particle and the surface of a case, as `calibrated_contact` takes it."""
+    table = inputs["calibration"]
+    rows = table[table["case"] == case]
+    if rows.empty:
+        particle, _, surface = case.partition(" on ")
+        return particle, surface
+    return str(rows["particle"].iloc[0]), str(rows["surface"].iloc[0])
 
 
 def declared_contact(inputs: Tables, particle: str, surface: str, **changes: Any) -> Contact:

@@ -29,7 +29,6 @@ CLOUD: dict[str, Any] = {
 CLOUD_MARKS = ("o", "^")
 STAR: dict[str, Any] = {"linestyle": "none", "marker": "*", "markersize": 8.0, "zorder": 5}
 BAND_ALPHA = 0.25
-HATCHED: dict[str, Any] = {"facecolor": "none", "hatch": "//////", "alpha": 0.45}
 # Factor between the abscissae of printed marks of neighbouring sizes.
 APART = 1.08
 
@@ -119,15 +118,7 @@ def draw_bands(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
         _plain(ax.xaxis)
         banded = rows[(rows["evidence"] != "printed") & rows["y_low"].notna()]
         for series, part in banded.groupby("series", sort=False):
-            own = panel.series[str(series)]
-            low, high = (part[column].to_numpy(float) for column in ("y_low", "y_high"))
-            look: dict[str, Any] = {"color": f"C{own.colour or 0}", "zorder": 1}
-            # A band within another is hatched, for two tints would mix to a third.
-            fill = {"alpha": BAND_ALPHA} if own.line == "solid" else HATCHED
-            ax.fill_between(part.iloc[:, 3], low, high, linewidth=0, **look, **fill)
-            look["linestyle"] = style.LINES[own.line]
-            for end in (low, high):
-                ax.plot(part.iloc[:, 3], end, linewidth=0.6, **look)
+            style.draw_band(ax, part, panel.series[str(series)])
         lines = rows.assign(
             y_low=rows["y_low"].where(rows["evidence"] == "printed"),
             y_high=rows["y_high"].where(rows["evidence"] == "printed"),

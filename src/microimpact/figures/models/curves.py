@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
@@ -67,12 +68,19 @@ def draw_oblique(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw curves against the angle of incidence, with the range of capture shaded.
 
     The series ``capture`` marks, in each panel, the angle at and below which the sphere is
-    captured.
+    captured; ``admissible`` is a band.
     """
     (table,) = tables.values()
     limits = table[table["series"] == "capture"]
-    curves = dict.fromkeys(tables, table[table["series"] != "capture"])
-    figure, axes = style.line_figure(curves, spec)
+    curves = dict.fromkeys(tables, table[~table["series"].isin(("capture", "admissible"))])
+
+    def prepare(ax: Axes, name: str) -> None:
+        rows = table[(table["panel"] == name) & (table["series"] == "admissible")]
+        if not rows.empty:
+            own = spec.panels[name].series["admissible"]
+            style.draw_band(ax, rows, own, own.label)
+
+    figure, axes = style.line_figure(curves, spec, prepare=prepare)
     for panel, ax in axes.items():
         angle = limits[limits["panel"] == panel].iloc[:, 3].to_numpy(float)[0]
         if angle > 0.0:

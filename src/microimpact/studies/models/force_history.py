@@ -12,7 +12,7 @@ from pydantic import Field
 
 from microimpact.core.tables import Tables, result_evidence, series_frame
 from microimpact.declared.parameters import AngleDegrees, CaseName, Name, Positive, PrintedName
-from microimpact.lab.contacts import calibrated_contact
+from microimpact.lab.contacts import PrintedImpact, calibrated_contact, printed_values
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.trajectory import Trajectory, trajectory
@@ -38,6 +38,7 @@ class Params:
     angle_deg: AngleDegrees
     points: Annotated[int, Field(ge=20)]
     anchors: tuple[PrintedName, ...]
+    printed_for: PrintedImpact  # Another impact has no printed values
     calibration_targets: tuple[Name, ...]
 
 
@@ -62,7 +63,8 @@ def run(params: Params, inputs: Tables) -> Tables:
         ("coefficient_of_restitution", "-"): float(outcome.coefficient_of_restitution),
         ("capture_velocity", "m/s"): float(capture_velocity(contact)),
     }
-    printed = inputs["anchors"].set_index("key")["value"].astype(float)
+    drawn = params.case, params.diameter_um, params.speed_m_per_s
+    printed = printed_values(inputs, params.printed_for, *drawn)
     table = pd.DataFrame(
         {
             "quantity": quantity,

@@ -12,17 +12,45 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import Tables, series_frame
-from microimpact.declared.parameters import CaseName, Finite, Fraction, Positive, PrintedName
-from microimpact.lab.contacts import calibrated_contact
+from microimpact.declared.parameters import (
+    CaseName,
+    Finite,
+    Fraction,
+    Name,
+    Positive,
+    PrintedName,
+)
+from microimpact.lab.contacts import (
+    PrintedImpact,
+    admissible_contact,
+    calibrated_contact,
+    pair_of,
+    printed_values,
+)
 from microimpact.model.choices import FRICTION_BASES
-from microimpact.model.contact import Contact
+from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate, velocity_components
+from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
 
-NEEDS = {"calibration": ("calibration",)}
+NEEDS = {
+    "calibration": ("calibration",),
+    "admissible_contacts": ("admissible_contacts",),
+}
+# What lies between the ends of a band, the share that must rebound where it is drawn, and the
+# step in which it takes the angles.
+BAND, REBOUNDING, STEP = (0.05, 0.5, 0.95), 0.5, 4
 
 _frame = partial(series_frame, x_unit="deg", y_unit="1")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Admissible:
+    """Which of the contacts that printed statements admit give the band."""
+
+    case: Name
+    variant: Name
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,9 +62,10 @@ class Params:
     friction: Fraction
     speed_m_per_s: Positive
     spin_rad_per_s: Finite
-    rigid_body_restitution: Fraction
     points: Annotated[int, Field(ge=20)]
+    admissible: Admissible
     anchors: tuple[PrintedName, ...]
+    printed_for: PrintedImpact  # Another impact has no printed values
 
 
 def run(params: Params, inputs: Tables) -> Tables:
@@ -44,7 +73,8 @@ def run(params: Params, inputs: Tables) -> Tables:
 
     ``fig18``: impulse ratio against the angle in degrees; panel ``adhesion`` compares the rigid
     body with the simulation, panel ``basis`` the forces that may support friction. ``fig21``:
-    energy loss, total and translational. Captured impacts are left out.
+    energy loss, total and translational. Captured impacts are left out. The series ``admissible``
+    is the band of the contacts that printed statements admit, if they are of the pair.
     """
     changes = {"diameter": params.diameter_um * 1e-6, "friction": params.friction}
     contact = calibrated_contact(inputs, params.case, **changes)
@@ -54,26 +84,24 @@ def run(params: Params, inputs: Tables) -> Tables:
             f" (capture velocity {float(capture_velocity(contact)):.4g} m/s)"
         )
     angle = np.linspace(0.0, 90.0, params.points + 1)[1:]
-    printed = inputs["anchors"].set_index("key")
-    return {
-        "fig18": impulse_ratios(params, contact, angle, printed),
+    figures = {
+        "fig18": impulse_ratios(params, contact, angle, inputs),
         "fig21": energy_losses(params, contact, angle),
+    }
+    bands = admissible_bands(params, inputs, angle[STEP - 1 :: STEP])
+    return {
+        name: pd.concat([table, bands[bands["panel"].isin(table["panel"])]], ignore_index=True)
+        for name, table in figures.items()
     }
 
 
 def impulse_ratios(
-    params: Params, contact: Contact, angle: FloatArray, printed: pd.DataFrame
+    params: Params, contact: Contact, angle: FloatArray, inputs: Tables
 ) -> pd.DataFrame:
-    """Return the data of Fig. 18."""
+    """Return the data of Fig. 18; the rigid body has the restitution of a normal impact."""
     v_n, v_t = velocity_components(params.speed_m_per_s, angle)
-    rigid = rigid_body_rebound(
-        v_n,
-        v_t,
-        params.spin_rad_per_s,
-        contact.radius,
-        params.rigid_body_restitution,
-        contact.friction,
-    )
+    e = normal_impact(contact, params.speed_m_per_s).coefficient_of_restitution
+    rigid = rigid_body_rebound(v_n, v_t, params.spin_rad_per_s, contact.radius, e, contact.friction)
     frames = [_frame("adhesion", "rigid body", angle, 0.0 - rigid.mu)]
     for basis in FRICTION_BASES:
         outcome = simulate(contact, params.speed_m_per_s, angle, params.spin_rad_per_s, basis)
@@ -82,9 +110,12 @@ def impulse_ratios(
         frames.append(_frame("basis", basis, angle[rebound], ratio))
         if basis == "compressive":
             frames.append(_frame("adhesion", "simulation", angle[rebound], ratio))
-    ends = printed.loc[["plateau_end_angle", "rolling_to_sliding_angle"], "value"].astype(float)
-    plateau = printed["value"].astype(float)["impulse_ratio_plateau"]
-    frames.append(_frame("adhesion", "printed plateau", ends, plateau, "printed"))
+    drawn = params.case, params.diameter_um, params.speed_m_per_s
+    printed = printed_values(inputs, params.printed_for, *drawn)
+    if not printed.empty:
+        ends = printed[["plateau_end_angle", "rolling_to_sliding_angle"]]
+        plateau = printed["impulse_ratio_plateau"]
+        frames.append(_frame("adhesion", "printed plateau", ends, plateau, "printed"))
     frames.append(_capture_line("adhesion", params, contact))
     frames.append(_capture_line("basis", params, contact))
     return pd.concat(frames, ignore_index=True)
@@ -102,6 +133,34 @@ def energy_losses(params: Params, contact: Contact, angle: FloatArray) -> pd.Dat
         )
     ]
     frames.append(_capture_line("loss", params, contact))
+    return pd.concat(frames, ignore_index=True)
+
+
+def admissible_bands(params: Params, inputs: Tables, angle: FloatArray) -> pd.DataFrame:
+    """Return the bands of impulse ratio and translational loss over the admissible contacts.
+
+    Each contact has the force in Coulomb's law that it was drawn with. Only those that rebound
+    count, at angles where at least half do. Empty if the contacts are of another pair.
+    """
+    table = inputs["admissible_contacts"]
+    chosen = params.admissible.case, params.admissible.variant
+    wanted = table[(table["case"] == chosen[0]) & (table["variant"] == chosen[1])]
+    if pair_of({"calibration": wanted}, chosen[0]) != pair_of(inputs, params.case):
+        return pd.DataFrame({"panel": []})
+    outcomes = []
+    for basis, rows in wanted.groupby("friction_basis"):
+        contact = admissible_contact({**inputs, "admissible_contacts": rows}, *chosen)
+        contact = resized(contact, params.diameter_um * 1e-6)
+        at = params.speed_m_per_s, angle[:, None], params.spin_rad_per_s
+        outcomes.append(simulate(contact, *at, str(basis)))
+    captured = np.hstack([outcome.captured for outcome in outcomes])
+    rebound = np.mean(~captured, axis=1) >= REBOUNDING
+    frames = []
+    for panel, quantity in (("adhesion", "impulse_ratio"), ("loss", "translational_energy_loss")):
+        values = np.hstack([getattr(outcome, quantity) for outcome in outcomes])
+        values = np.where(captured, np.nan, values)[rebound]
+        low, middle, high = np.nanquantile(values, BAND, axis=1)
+        frames.append(_frame(panel, "admissible", angle[rebound], middle, "calibrated", low, high))
     return pd.concat(frames, ignore_index=True)
 
 
