@@ -69,8 +69,8 @@ def draw(figures, tmp_path):
         spec = figures[name]
         function = getattr(import_module(spec.module), spec.function)
         figure = function({key: tables[key] for key in spec.data}, spec)
-        save(figure, tmp_path / "drawn.svg")
-        tree = ET.parse(tmp_path / "drawn.svg")
+        save(figure, tmp_path / "one.svg")
+        tree = ET.parse(tmp_path / "one.svg")
         assert not tree.findall(".//{http://purl.org/dc/elements/1.1/}date")
         return figure
 
