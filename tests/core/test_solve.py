@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.optimize.elementwise import find_root
 
-from microimpact.core.solve import NoRootError, root, roots, threshold
+from microimpact.core.solve import ROUNDING, NoRootError, root, roots, threshold
 
 
 @pytest.mark.parametrize("ends", [(0.0, 2.0), (2.0, 0.0)])
@@ -21,6 +22,18 @@ def test_roots_of_many_functions_are_those_of_each():
     np.testing.assert_allclose(found, wanted ** (1.0 / power), rtol=1e-13, atol=1e-30)
     one = [[root(lambda x, n=n, c=c: x**n - c, 0.0, 4.0) for c in wanted] for n in power.ravel()]
     np.testing.assert_allclose(found, one, rtol=1e-13, atol=1e-30)
+
+
+def test_roots_are_those_of_scipy():
+    def cubic(x, c):
+        return x**3 + x - c
+
+    c = np.geomspace(1e-3, 1e3, 50)
+    ends = np.zeros(c.shape), np.full(c.shape, 20.0)
+    precise = {"xatol": 0.0, "xrtol": ROUNDING, "fatol": 0.0, "frtol": 0.0}
+    witness = find_root(cubic, ends, args=(c,), tolerances=precise)
+    assert np.all(witness.success)
+    np.testing.assert_array_equal(roots(cubic, *ends, c), witness.x)
 
 
 def test_roots_that_are_found_are_left_alone():

@@ -68,7 +68,8 @@ def roots(
 ) -> FloatArray:
     """Return where each of many functions is zero, by Chandrupatla's method.
 
-    SciPy has it too, but spends some milliseconds on each call, and a third of a second on import.
+    SciPy's `find_root` gives the same roots, but spends two milliseconds more on each of some
+    thousand calls, and a third of a second on import in jobs that need nothing else of it.
 
     Parameters
     ----------
