@@ -69,6 +69,7 @@ CASES = [
     (LABORATORY, "    case: steel-formica", "    case: stainless-steel-316 on formcia", ["drops.steel on Formica.case: 'stainless-steel-316 on formcia' is not declared in cases (did you mean 'stainless-steel-316 on formica'?)"]),
     (MODELS, "    steel-formica: {from: cases.steel-formica}\n", "", ["cases.steel-formica: is named, but calibration does not calibrate it"]),
     (CONTACTS, "stainless-steel-316,formica,work_of_adhesion", "stainless-steel-316,formcia,work_of_adhesion", ["contacts.csv: stainless-steel-316 on formica: the pair", "is incomplete; give work_of_adhesion", "unknown material 'formcia' (did you mean 'formica'?)"]),
+    (EXPERIMENTS, "speeds: [fast, middle, slow]", "speeds: [fats, middle, slow]", ["campaign: blocks[3].speeds: 'fats' must be one of those declared (did you mean 'fast'?)"]),
     # references
     (MODELS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speeds.nominl}", ["oblique_impact.speed_m_per_s.from: 'speeds.nominl' is not declared (did you mean 'nominal'?)"]),
     (MODELS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speds.nominal}", ["'speds.nominal' is not declared (did you mean 'speeds'?)"]),

@@ -8,11 +8,11 @@ import pandas as pd
 import pytest
 
 from microimpact.lab.dispenser import Dispenser
-from microimpact.lab.experiment import SpeedClass
 from microimpact.statistics.distributions import Constant
 from microimpact.studies.experiments.campaign import (
     COUNTED,
     Block,
+    NamedSpeed,
     NamedSurface,
     SizeRange,
     check_counts,
@@ -31,9 +31,10 @@ SURFACES = tuple(
     for name, s in (("front", 0.0), ("back", 0.1))
 )
 CLASSES = (
-    SpeedClass(speed_m_per_s=1.0, speed_range_m_per_s=(0.9, 1.1)),
-    SpeedClass(speed_m_per_s=1.66, speed_range_m_per_s=(1.6, 1.72)),
+    NamedSpeed(name="middle", speed_m_per_s=1.0, speed_range_m_per_s=(0.9, 1.1)),
+    NamedSpeed(name="fast", speed_m_per_s=1.66, speed_range_m_per_s=(1.6, 1.72)),
 )
+ANGLES = 90.0, 45.0, 10.0
 DISPENSER = Dispenser(
     exit_speed_m_per_s=0.15,
     lateral_speed_m_per_s=0.01,
@@ -46,14 +47,13 @@ BLOCK = Block(
     particles=("small", "large"),
     surfaces=("front", "back"),
     case="any",
-    speeds_m_per_s=(1.0, 1.66),
-    angles_deg=(90.0, 45.0, 10.0),
+    speeds=("middle", "fast"),
 )
 PRINTED = pd.Series(dict(zip(COUNTED.values(), (24, 2, 2, 3, 2), strict=True)), dtype=float)
 
 
 def plan(*blocks):
-    return expand(blocks, PARTICLES, SURFACES, CLASSES)
+    return expand(blocks, PARTICLES, SURFACES, CLASSES, ANGLES)
 
 
 def test_a_block_is_all_its_combinations():
@@ -64,7 +64,7 @@ def test_a_block_is_all_its_combinations():
 
 
 def test_what_is_declared_but_not_used_does_not_count():
-    found = plan(replace(BLOCK, particles=("small",), speeds_m_per_s=(1.66,)))
+    found = plan(replace(BLOCK, particles=("small",), speeds=("fast",)))
     assert counts(found)["diameter ranges"] == counts(found)["speed ranges"] == 1
 
 
@@ -100,7 +100,7 @@ def test_speed_ranges_alone_are_printed_as_about():
     [
         ({"particles": ("smal",)}, r"blocks\[1\]\.particles: 'smal' must be .* 'small'"),
         ({"surfaces": ("side",)}, r"blocks\[1\]\.surfaces: 'side' must be one of those declared"),
-        ({"speeds_m_per_s": (1.7,)}, r"blocks\[1\]\.speeds_m_per_s: '1.7' must be"),
+        ({"speeds": ("fats",)}, r"blocks\[1\]\.speeds: 'fats' must be .* 'fast'"),
         ({}, r"blocks\[1\]: small on front, 1 m/s, 90 deg: declared twice"),
     ],
 )
@@ -111,4 +111,4 @@ def test_bad_blocks_are_refused(change, message):
 
 def test_a_class_holds_its_nominal_speed():
     with pytest.raises(ValueError, match=r"\[1\.1, 1\.2\] must ascend and hold 1"):
-        SpeedClass(speed_m_per_s=1.0, speed_range_m_per_s=(1.1, 1.2))
+        NamedSpeed(name="slow", speed_m_per_s=1.0, speed_range_m_per_s=(1.1, 1.2))

@@ -25,7 +25,6 @@ from microimpact.declared.parameters import (
     Keyed,
     Name,
     NonNegative,
-    Positive,
     PrintedName,
 )
 from microimpact.lab.contacts import calibrated_contact
@@ -82,18 +81,25 @@ class NamedSurface(DeclaredSurface):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class NamedSpeed(SpeedClass):
+    """A class of speeds."""
+
+    name: Name
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Block:
     """All combinations of some particles, surfaces, speeds and angles, with one contact.
 
     The contact has the work of adhesion and the damping of a calibrated `case`, whatever its
-    materials are.
+    materials are. Without angles of its own it has those of the campaign.
     """
 
     particles: tuple[Name, ...]
     surfaces: tuple[Name, ...]
     case: CaseName
-    speeds_m_per_s: tuple[Positive, ...]
-    angles_deg: tuple[AngleDegrees, ...]
+    speeds: tuple[Name, ...]
+    angles_deg: tuple[AngleDegrees, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -135,7 +141,8 @@ def expand(
     blocks: Iterable[Block],
     particles: Iterable[SizeRange],
     surfaces: Iterable[NamedSurface],
-    speed_classes: Iterable[SpeedClass],
+    speed_classes: Iterable[NamedSpeed],
+    angles_deg: tuple[float, ...],
 ) -> list[Experiment]:
     """Return the experiments that blocks declare.
 
@@ -143,16 +150,16 @@ def expand(
     """
     by_name = {one.name: one for one in particles}
     targets = {one.name: one for one in surfaces}
-    classes = {f"{one.speed_m_per_s:g}": one for one in speed_classes}
+    classes = {one.name: one for one in speed_classes}
     found: dict[str, Experiment] = {}
     for number, block in enumerate(blocks):
         where = f"blocks[{number}]"
         chosen = (
             [_named(name, by_name, f"{where}.particles") for name in block.particles],
             [_named(name, targets, f"{where}.surfaces") for name in block.surfaces],
-            [_named(f"{v:g}", classes, f"{where}.speeds_m_per_s") for v in block.speeds_m_per_s],
+            [_named(name, classes, f"{where}.speeds") for name in block.speeds],
         )
-        for dropped, target, speed_class, angle in product(*chosen, block.angles_deg):
+        for dropped, target, speed_class, angle in product(*chosen, block.angles_deg or angles_deg):
             one = Experiment(
                 particles=dropped,
                 surface=target,
@@ -277,7 +284,8 @@ class Params:
     seed: ExperimentSeed
     particles: Annotated[tuple[SizeRange, ...], Keyed("name")]
     surfaces: Annotated[tuple[NamedSurface, ...], Keyed("name")]
-    speed_classes: Annotated[tuple[SpeedClass, ...], Keyed()]
+    speed_classes: Annotated[tuple[NamedSpeed, ...], Keyed("name")]
+    angles_deg: tuple[AngleDegrees, ...]
     blocks: Annotated[tuple[Block, ...], Keyed()]
     speed_ranges_within: Annotated[int, Field(ge=0)]
     friction: Fraction
@@ -287,10 +295,15 @@ class Params:
     ptis: ImagingSystem
     anchors: tuple[PrintedName, ...]
 
+    def __post_init__(self) -> None:
+        """Refuse blocks that name what is not declared."""
+        _ = self.experiments
+
     @property
     def experiments(self) -> list[Experiment]:
         """All experiments that the blocks declare."""
-        return expand(self.blocks, self.particles, self.surfaces, self.speed_classes)
+        levels = self.particles, self.surfaces, self.speed_classes, self.angles_deg
+        return expand(self.blocks, *levels)
 
 
 def run(params: Params, inputs: Tables) -> Tables:
