@@ -11,7 +11,6 @@ from typing import Annotated, Any, TypeVar
 
 import numpy as np
 import pandas as pd
-from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.materials import find_material, materials_from_rows
@@ -59,8 +58,6 @@ COUNTED = {
     "speed ranges": "campaign_speed_ranges",
 }
 T = TypeVar("T")
-
-ABOUT = "speed ranges"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -191,17 +188,16 @@ def counts(experiments: Iterable[Experiment]) -> dict[str, int]:
     }
 
 
-def check_counts(experiments: Iterable[Experiment], printed: pd.Series, about: int) -> None:
+def check_counts(experiments: Iterable[Experiment], printed: pd.Series) -> None:
     """Check the declared experiments against the printed counts.
 
-    `printed`: printed values by key; `about`: how far the number of speed ranges, which is printed
-    as approximate, may be off. Raises ValueError, naming every count that does not agree.
+    `printed`: printed values by key. Raises ValueError, naming every count that does not agree.
     """
-    wrong = []
-    for name, number in counts(experiments).items():
-        wanted = int(printed[COUNTED[name]])
-        if abs(number - wanted) > (about if name == ABOUT else 0):
-            wrong.append(f"{number} {name}, not {wanted}")
+    wrong = [
+        f"{number} {name}, not {wanted}"
+        for name, number in counts(experiments).items()
+        if number != (wanted := int(printed[COUNTED[name]]))
+    ]
     if wrong:
         raise ValueError(f"blocks: give {'; '.join(wrong)} (Section 2)")
 
@@ -287,7 +283,6 @@ class Params:
     speed_classes: Annotated[tuple[NamedSpeed, ...], Keyed("name")]
     angles_deg: tuple[AngleDegrees, ...]
     blocks: Annotated[tuple[Block, ...], Keyed()]
-    speed_ranges_within: Annotated[int, Field(ge=0)]
     friction: Fraction
     stop: StopRule
     dispenser: Dispenser
@@ -322,7 +317,7 @@ def part(
 ) -> list[tuple[int, dict[str, Any]]]:
     """Return the rows of every ``count``-th experiment, from ``index`` on, with their numbers."""
     experiments = params.experiments
-    check_counts(experiments, _printed(inputs), params.speed_ranges_within)
+    check_counts(experiments, _printed(inputs))
     pairs = {one.pair: one for one in experiments}
     contacts = {pair: contact(params, one, inputs) for pair, one in pairs.items()}
     return [
