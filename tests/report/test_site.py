@@ -192,6 +192,20 @@ def test_a_figure_page_tells_inputs_claims_and_command(pages):
     assert "claims.html#C03" in " ".join(pages["figures/fig04.html"].links)
 
 
+def test_captions_name_the_contacts(site):
+    """Where a study names a case by a value, and where cases are its branches."""
+    for name, cases in {
+        "fig18": ["steel-silicon, n = 1"],
+        "fig15": ["polystyrene-latex-fused-silica", "ammonium-fluorescein-mica"],
+        "fig17": [],
+    }.items():
+        text = (site / f"figures/{name}.html").read_text(encoding="utf-8")
+        caption = text.partition("<figcaption>")[2].partition("</figcaption>")[0]
+        words = " ".join(Page(caption).text)
+        assert ("Contacts, as calibrated" in words) == bool(cases)
+        assert all(case.partition(" ")[0] in words for case in cases)
+
+
 def test_figures_of_the_article_and_no_others_tell_what_it_shows(registry):
     for name, entry in registry.items():
         assert bool(entry.get("article")) == bool(re.fullmatch(r"fig\d\d", name)), name

@@ -225,12 +225,17 @@ def departures(
 
 
 def contacts(study: str, declared: Sequence[Row], calibration: Sequence[Row]) -> tuple[str, ...]:
-    """Return the calibrated contacts that a study names, each in words with its parameters."""
-    named = {row["value"] for row in declared if row["key"].startswith(f"{study}.")}
+    """Return the calibrated contacts that a study names, each in words with its parameters.
+
+    A case is named by a value, as ``case``, or it is the name of a branch of the study.
+    """
+    own = [row for row in declared if row["key"].startswith(f"{study}.")]
+    values, keys = {row["value"] for row in own}, "\n".join(f"{row['key']}." for row in own)
     found: dict[str, dict[str, float]] = {}
     for row in calibration:
-        if row["role"] == "parameter" and row["case"] in named:
-            found.setdefault(row["case"], {})[row["quantity"]] = float(row["value"])
+        case = row["case"]
+        if row["role"] == "parameter" and (case in values or f".{case}." in keys):
+            found.setdefault(case, {})[row["quantity"]] = float(row["value"])
     symbols = {
         "w_A": ("work_of_adhesion", "J/m²"),
         "c_H": ("hertz_damping", "s/m"),
