@@ -76,6 +76,19 @@ def test_molybdenum_interval(tables):
     assert table["printed_inside"].tolist() == [False, False, True, False]
 
 
+def test_a_target_that_is_not_printed_is_marked_as_assumed(run_study, tables):
+    def evidence(made):
+        marks = made["ridge_curves"].query("series == 'targets'")
+        return dict(zip(marks["x_m_per_s"], marks["evidence"], strict=True))
+
+    assert evidence(tables) == {0.18: "printed", 1.66: "printed"}
+    few = {"rate_exponents": [1.0], "works_of_adhesion_J_per_m2": [0.7]}
+    case = "steel-silicon, n = 1"
+    changed = {**few, "capture_velocity_m_per_s": 0.15, "members": {case: {}}}
+    found = evidence(run_study("calibration", two_stage=changed))
+    assert found == {0.15: "assumed", 1.66: "printed"}
+
+
 def test_drawn(draw, tables, legend_texts):
     figure = draw("ridge", tables)
     assert [ax.get_xscale() for ax in figure.axes] == ["log", "linear"]

@@ -98,12 +98,13 @@ def _label(
 ) -> None:
     """Write the effects beside their points: away from zero, or all to one side."""
     x, y = columns
+    gap = LABEL_GAP if outward else LABEL_GAP + 1.5
     for word, place, height in zip(points["word"], points[x], points[y], strict=True):
         left = place < 0.0 if outward else leftward
         ax.annotate(
             word,
             (place, height),
-            xytext=(-LABEL_GAP if left else LABEL_GAP, 0.0),
+            xytext=(-gap if left else gap, 0.0),
             textcoords="offset points",
             ha="right" if left else "left",
             va="center",

@@ -26,6 +26,7 @@ from microimpact.declared.parameters import (
     MaterialName,
     NonNegative,
     Positive,
+    PrintedName,
 )
 from microimpact.lab.contacts import declared_contact
 from microimpact.model.calibration import (
@@ -84,6 +85,8 @@ class TwoStageTargets:
     works_of_adhesion_J_per_m2: tuple[Positive, ...]  # noqa: N815
     members: Annotated[tuple[Member, ...], Keyed("case")]
     facts: Facts
+    # Where capture velocity and restitution are printed; other values are marked as assumed.
+    anchors: tuple[PrintedName, PrintedName]
 
 
 def bare_contact(targets: TwoStageTargets, inputs: Tables) -> Contact:
@@ -179,7 +182,7 @@ def ridge(members: pd.DataFrame, flat_within: float) -> pd.DataFrame:
 
 
 def curves(targets: TwoStageTargets, inputs: Tables) -> pd.DataFrame:
-    """Return e against speed for the members that others use, with the printed targets."""
+    """Return e against speed for the members that others use, with the targets."""
     contact, frames = bare_contact(targets, inputs), []
     speed = np.geomspace(targets.capture_velocity_m_per_s, 3.0, 200)
     frame = partial(series_frame, "curves", x_unit="m_per_s", y_unit="1")
@@ -189,8 +192,11 @@ def curves(targets: TwoStageTargets, inputs: Tables) -> pd.DataFrame:
         # At the capture velocity itself rounding decides between none and hardly any.
         e = np.where(speed > targets.capture_velocity_m_per_s, e, 0.0)
         frames.append(frame(f"n = {exponent:g}, w = {work:g} J/m2", speed, e, "calibrated"))
-    x = [targets.capture_velocity_m_per_s, targets.speed_m_per_s]
-    frames.append(frame("targets", x, [0.0, targets.restitution], "printed"))
+    printed = inputs["anchors"].set_index("key")["value"].astype(float)
+    v_c, speed, e = targets.capture_velocity_m_per_s, targets.speed_m_per_s, targets.restitution
+    marks = (v_c, 0.0, v_c), (speed, e, e)
+    for (x, y, target), anchor in zip(marks, targets.anchors, strict=True):
+        frames.append(frame("targets", x, y, "printed" if target == printed[anchor] else "assumed"))
     return pd.concat(frames, ignore_index=True)
 
 
