@@ -193,10 +193,11 @@ def curves(targets: TwoStageTargets, inputs: Tables) -> pd.DataFrame:
         e = np.where(speed > targets.capture_velocity_m_per_s, e, 0.0)
         frames.append(frame(f"n = {exponent:g}, w = {work:g} J/m2", speed, e, "calibrated"))
     printed = inputs["anchors"].set_index("key")["value"].astype(float)
-    v_c, speed, e = targets.capture_velocity_m_per_s, targets.speed_m_per_s, targets.restitution
-    marks = (v_c, 0.0, v_c), (speed, e, e)
-    for (x, y, target), anchor in zip(marks, targets.anchors, strict=True):
-        frames.append(frame("targets", x, y, "printed" if target == printed[anchor] else "assumed"))
+    wanted = targets.capture_velocity_m_per_s, targets.restitution
+    marks = (wanted[0], 0.0), (targets.speed_m_per_s, wanted[1])
+    for (x, y), target, anchor in zip(marks, wanted, targets.anchors, strict=True):
+        evidence = "printed" if target == printed[anchor] else "assumed"
+        frames.append(frame("targets", x, y, evidence))
     return pd.concat(frames, ignore_index=True)
 
 
