@@ -245,15 +245,12 @@ def compare_models(
     def averaged(v_c: float) -> float:
         return float(sum(w * tail(v_c) for w, tail in zip(weights, tails, strict=True)))
 
-    def ends(share: Callable[[float], float]) -> tuple[float, float]:
-        return unit * _quantile(share, half), unit * _quantile(share, 1.0 - half)
-
     fitted = [
         Model(
             name=name,
             free=of.free,
             v_c=unit * found.v_c,
-            interval=ends(tails[k]),
+            interval=(unit * tails[k].quantile(half), unit * tails[k].quantile(1.0 - half)),
             chi_square=float(least[k]) if given else None,
             criterion=float(criterion[k] - criterion[best]),
             weight=float(weights[k]),
@@ -263,7 +260,8 @@ def compare_models(
     ]
     fitted.sort(key=lambda model: model.criterion)
     _require_a_curve(data, fitted[0])
-    v_c, interval = unit * _quantile(averaged, 0.5), ends(averaged)
+    low, v_c, high = (unit * _quantile(averaged, level) for level in (half, 0.5, 1.0 - half))
+    interval = low, high
     return Comparison(
         models=tuple(fitted),
         v_c=v_c,
@@ -361,6 +359,16 @@ class _Tail:
             if self.freedom is None
             else scipy.special.stdtr(self.freedom, root_here)
         )
+
+    def quantile(self, level: float) -> float:
+        """Return the v_c below which so large a share lies; 0 or 1 where the range sets it."""
+        if self.freedom is None:
+            here = scipy.special.ndtri(level)
+        else:
+            here = scipy.special.stdtrit(self.freedom, level)
+        if not self.roots[0] < here < self.roots[-1]:
+            return float(here >= self.roots[-1])
+        return float(np.interp(here, self.roots, self.values))
 
 
 def _quantile(share: Callable[[float], float], level: float) -> float:

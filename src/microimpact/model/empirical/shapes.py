@@ -30,7 +30,7 @@ RATIOS, LARGEST_RATIO, TWO, ONE, KINKED = 56, 1e4, 28, 48, 100
 NONE = (1.0, 1.0, 4)
 # A search begins with this damping of its steps and ends at the next, at a step that lowers
 # chi-square by less than this share, or after so many steps; none is longer than this share.
-DAMPED, OVERDAMPED, SHORTEST, STEPS, LONGEST = 1e-2, 1e8, 1e-7, 60, 0.3
+DAMPED, OVERDAMPED, SHORTEST, STEPS, LONGEST = 1e-2, 1e6, 1e-6, 60, 0.3
 
 # Contacts (m, 1) of two parameters (m, 1). Materials and size set units alone.
 _BODY = Material(name="any", youngs_modulus=1e11, poissons_ratio=0.25, density=2500.0)
