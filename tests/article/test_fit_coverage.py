@@ -24,7 +24,9 @@ def earlier(run_study, calibration):
 def few(settings):
     methods = settings.branches["fit_coverage"]["methods"]
     smaller = {"replicates": 10, "resamples": 20, "lowest_speeds_in_v_c": [1.05]}
-    return {**FEW, "methods": {**methods, **smaller}}
+    averaged = settings.branches["fit_coverage"]["averaged"]
+    designs = {"sets": 12, "lowest_speeds_in_v_c": [1.05, 3.0], "noise_of_e": [0.01]}
+    return {**FEW, "methods": {**methods, **smaller}, "averaged": {**averaged, **designs}}
 
 
 @pytest.fixture(scope="module")
@@ -105,6 +107,20 @@ def test_every_method_is_compared_in_every_cell(tables):
     assert (width["profile, boundary mixture"] < width["profile, chi-square"]).all()
 
 
+def test_the_averaged_interval_holds_v_c_of_every_shape_that_a_model_has(tables):
+    table = tables["averaged_intervals"].set_index(["truth", "lowest_speed_in_v_c"])
+    held = table["held"].groupby("truth").sum()
+    assert held.drop("ring force, another n").min() >= 22, "of 24; 19 of 24 are 1 % at 95 %"
+    near, far = (table.xs(lowest, level=1) for lowest in (1.05, 3.0))
+    assert (near["median_width"] < 0.1).all()
+    assert (far["median_width"] > 1.5).all()
+    assert (far["warned"] == 1.0).all(), "no speed is near capture"
+    foreign = near.loc["ring force, another n"]
+    assert foreign["coverage_high"] < 0.95, "no model has this shape"
+    assert foreign["missed_without_warning"] == 0
+    assert ((table["coverage_low"] < table["coverage"]) | (table["coverage"] == 0.0)).all()
+
+
 def test_other_cells_do_not_change_a_cell(run_study, earlier, few, tables):
     alone = {**few, "lowest_speeds_in_v_c": [1.5], "noise_of_e": [0.01]}
     variants = run_study("fit_coverage", earlier, **alone)["fit_coverage"]
@@ -126,6 +142,8 @@ def test_a_case_without_a_fit_is_refused(run_study, earlier, few):
 
 
 def test_drawn(draw, tables, legend_texts):
+    averaged = draw("averaged_coverage", tables)
+    assert "ring force, $n$ = 1.5" in legend_texts(averaged)
     figure = draw("capture_recovery", tables)
     assert len(figure.axes) == 6
     texts = legend_texts(figure)

@@ -41,6 +41,7 @@ TINY = {
         "replicates": 6,
         "interval_replicates": 2,
         "methods": {"replicates": 2, "resamples": 20},
+        "averaged": {"sets": 1},
     },
     "interval_coverage": {
         "experiments": 20,

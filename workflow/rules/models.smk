@@ -113,13 +113,13 @@ use rule study_part as fit_coverage_part with:
 
 
 use rule study as fit_coverage with:
-    """tables/fit_*.csv: how well Eq. 34 finds the capture velocity; data of capture_recovery."""
+    """tables/fit_*.csv, averaged_intervals.csv: how well the capture velocity is found."""
     input:
         **needs("fit_coverage"),
         parts=parts("fit_coverage"),
     output:
-        **tables("fit_coverage", "fit_intervals"),
-        **data("capture_recovery"),
+        **tables("fit_coverage", "fit_intervals", "averaged_intervals"),
+        **data("capture_recovery", "averaged_coverage"),
     pathvars:
         name="fit_coverage",
     params:

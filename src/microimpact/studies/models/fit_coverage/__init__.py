@@ -1,4 +1,4 @@
-"""How well Eq. (34) finds the capture velocity from data that never reach capture (Section 3.3)."""
+"""How well Eq. (34), and an average of models, find the capture velocity (Section 3.3)."""
 
 from __future__ import annotations
 
@@ -28,6 +28,8 @@ from microimpact.model.empirical.search import (
     stacked_sets,
 )
 from microimpact.statistics.intervals import share_error
+from microimpact.studies.models.fit_coverage import averaged
+from microimpact.studies.models.fit_coverage.averaged import Averaged
 from microimpact.studies.models.fit_coverage.intervals import Methods, Sample, intervals
 from microimpact.studies.models.fit_coverage.truths import (
     MEASUREMENTS,
@@ -66,13 +68,15 @@ class Params:
     starts: Annotated[int, Field(ge=1, le=5)]
     confidence: Annotated[float, Field(ge=0.5, lt=1)]
     methods: Methods
+    averaged: Averaged
 
     def __post_init__(self) -> None:
         """Refuse a design without its reference, or with speeds out of order."""
         for name in ("lowest_speeds_in_v_c", "noise_of_e", "points", "variants"):
             if not getattr(self, name):
                 raise ValueError(f"{name}: must hold at least one value")
-        lowest = max(*self.lowest_speeds_in_v_c, *self.methods.lowest_speeds_in_v_c, 1.0)
+        parts = (self, self.methods, self.averaged)
+        lowest = max(1.0, *(v for part in parts for v in part.lowest_speeds_in_v_c))
         if lowest >= self.highest_speed_in_v_c:
             raise ValueError(
                 f"highest_speed_in_v_c: {self.highest_speed_in_v_c:g} must be above every lowest "
@@ -187,6 +191,7 @@ class Measurement:
 
 
 Numbered = tuple[int, dict[str, object]]
+Part = tuple[list[Numbered], list[Numbered], list[Numbered]]
 
 
 def run(params: Params, inputs: Tables) -> Tables:
@@ -201,9 +206,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     return gather(params, inputs, [part(params, inputs, 0, 1)])
 
 
-def part(
-    params: Params, inputs: Tables, index: int, count: int
-) -> tuple[list[Numbered], list[Numbered]]:
+def part(params: Params, inputs: Tables, index: int, count: int) -> Part:
     """Return rows of every ``count``-th pair of cells, from ``index`` on, with their numbers."""
     truths = _truths(params, inputs)
 
@@ -217,14 +220,18 @@ def part(
         for number, cell in mine(method_cells(params))
         for row in _method_rows(params, truths, cell)
     ]
-    return coverage, methods
+    shared = (truths.constants, params.highest_speed_in_v_c, params.seed, params.confidence)
+    average = [
+        (number, averaged.row(params.averaged, inputs, *shared, design))
+        for number, design in enumerate(averaged.designs(params.averaged))
+        if number % count == index
+    ]
+    return coverage, methods, average
 
 
-def gather(
-    params: Params, inputs: Tables, parts: Sequence[tuple[list[Numbered], list[Numbered]]]
-) -> Tables:
+def gather(params: Params, inputs: Tables, parts: Sequence[Part]) -> Tables:
     """Return the tables, from the rows of all parts."""
-    table, methods = (
+    table, methods, average = (
         pd.DataFrame([row for _, row in sorted(chain(*rows), key=itemgetter(0))])
         for rows in zip(*parts, strict=True)
     )
@@ -232,6 +239,8 @@ def gather(
     return {
         "fit_coverage": table,
         "fit_intervals": methods,
+        "averaged_intervals": average,
+        "averaged_coverage": averaged.figure_data(average, params.confidence),
         "capture_recovery": figure_data(table, reference, params.confidence),
     }
 

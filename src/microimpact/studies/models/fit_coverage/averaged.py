@@ -1,0 +1,155 @@
+"""How often the interval that `microimpact fit` recommends holds the true capture velocity."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
+from itertools import product
+from typing import Annotated
+
+import numpy as np
+import pandas as pd
+from pydantic import Field
+
+from microimpact.core.tables import Tables, series_frame
+from microimpact.declared.parameters import CaseName, Count, NonNegative, Positive
+from microimpact.lab.contacts import calibrated_contact
+from microimpact.model.contact import Contact
+from microimpact.model.contact_laws import JKR
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import simulate
+from microimpact.model.empirical.comparison import compare_models
+from microimpact.model.empirical.equations import restitution
+from microimpact.statistics.intervals import wilson_interval
+from microimpact.studies.models.fit_coverage.truths import MEASUREMENTS, observed, standard_noise
+
+FOREIGN = "ring force, another n"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Averaged:
+    """Data sets of several true curves, each fitted by all models.
+
+    Attributes
+    ----------
+    cases
+        Contacts with a ring force; a last one has the damping of the last at v_c, but falling with
+        the rate exponent ``foreign_rate_exponent``, which no model has.
+    viscous_work_of_adhesion_J_per_m2, viscous_time_ns
+        Of the JKR contact with a viscous bulk; materials and size as of the first case.
+    sets
+        Data sets per truth and design.
+    """
+
+    cases: Annotated[tuple[CaseName, ...], Field(min_length=1)]
+    foreign_rate_exponent: NonNegative
+    viscous_work_of_adhesion_J_per_m2: Positive  # noqa: N815
+    viscous_time_ns: NonNegative
+    lowest_speeds_in_v_c: Annotated[
+        tuple[Annotated[float, Field(gt=1, allow_inf_nan=False)], ...], Field(min_length=1)
+    ]
+    noise_of_e: Annotated[tuple[Positive, ...], Field(min_length=1)]
+    points: Annotated[tuple[Annotated[int, Field(ge=8)], ...], Field(min_length=1)]
+    sets: Count
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Design:
+    """A true curve and the design of its data."""
+
+    truth: str
+    noise: float
+    points: int
+    lowest: float
+
+
+def designs(params: Averaged) -> Iterator[Design]:
+    """All designs."""
+    names = ("Eq. 34", *params.cases, "viscous JKR", FOREIGN)
+    levels = (names, params.noise_of_e, params.points, params.lowest_speeds_in_v_c)
+    for truth, noise, points, lowest in product(*levels):
+        yield Design(truth=truth, noise=noise, points=points, lowest=lowest)
+
+
+def _contact(params: Averaged, inputs: Tables, truth: str) -> Contact:
+    if truth in params.cases:
+        return calibrated_contact(inputs, truth)
+    if truth == "viscous JKR":
+        return calibrated_contact(inputs, params.cases[0]).replace(
+            work_of_adhesion=params.viscous_work_of_adhesion_J_per_m2,
+            hertz_damping=0.0,
+            adhesion_damping=0.0,
+            adhesion_rate_exponent=0.0,
+            reference_velocity=None,
+            law=JKR(viscous_time=1e-9 * params.viscous_time_ns),
+        )
+    contact = calibrated_contact(inputs, params.cases[-1])
+    limit = float(capture_velocity(contact))
+    return contact.replace(
+        adhesion_damping=contact.adhesion_damping_at(limit),
+        adhesion_rate_exponent=params.foreign_rate_exponent,
+        reference_velocity=limit,
+    )
+
+
+def row(
+    params: Averaged,
+    inputs: Tables,
+    constants: tuple[float, ...],
+    highest: float,
+    seed: int,
+    confidence: float,
+    design: Design,
+) -> dict[str, object]:
+    """Fit the data sets of a design; v_c in units of the true one.
+
+    `constants`: k, p, kappa, q, v_c of Eq. (34), m/s; `highest`: speed in v_c.
+    """
+    ratio = np.geomspace(design.lowest, highest, design.points)
+    if design.truth == "Eq. 34":
+        curve = restitution(ratio * constants[-1], *constants)
+    else:
+        contact = _contact(params, inputs, design.truth)
+        curve = simulate(contact, ratio * capture_velocity(contact)).coefficient_of_restitution
+    noise = design.noise * standard_noise(seed, MEASUREMENTS, design.points, params.sets)
+    e, seen = observed(curve, noise, "rebounds")
+    # Nobody reports more than all.
+    found = [
+        compare_models(ratio[of], np.minimum(own[of], 1.0), design.noise, confidence=confidence)
+        for own, of in zip(e, seen, strict=True)
+    ]
+    ends = np.array([of.v_c_interval for of in found])
+    holds = (ends[:, 0] <= 1.0) & (ends[:, 1] >= 1.0)
+    warned = np.array([bool(of.warnings) for of in found])
+    low, high = wilson_interval(int(holds.sum()), params.sets)
+    return {
+        "truth": design.truth,
+        "noise_of_e": design.noise,
+        "points": design.points,
+        "lowest_speed_in_v_c": design.lowest,
+        "sets": params.sets,
+        "held": int(holds.sum()),
+        "coverage": float(holds.mean()),
+        "coverage_low": low,
+        "coverage_high": high,
+        "median_width": float(np.median(np.diff(ends))),
+        "warned": float(warned.mean()),
+        "missed_without_warning": int(np.sum(~holds & ~warned)),
+        "evidence": "virtual experiment",
+    }
+
+
+def figure_data(table: pd.DataFrame, confidence: float) -> pd.DataFrame:
+    """Coverage and median width over the lowest speed, by truth, of all noises and points."""
+    frame, frames = partial(series_frame, x_unit="1", y_unit="1"), []
+    for truth, own in table.groupby("truth", sort=False):
+        parts = own.groupby("lowest_speed_in_v_c")
+        x = np.array(list(parts.groups), dtype=float)
+        held, sets = parts["held"].sum(), parts["sets"].sum()
+        ends = np.array([wilson_interval(*pair) for pair in zip(held, sets, strict=True)]).T
+        name, kind = str(truth), "virtual experiment"
+        frames.append(frame("coverage", name, x, held / sets, kind, *ends))
+        frames.append(frame("width", name, x, parts["median_width"].median(), kind))
+    x = table["lowest_speed_in_v_c"].agg(["min", "max"]).to_numpy(float)
+    return pd.concat([*frames, frame("coverage", "nominal", x, confidence)], ignore_index=True)
