@@ -362,10 +362,11 @@ class _Tail:
 
     def quantile(self, level: float) -> float:
         """Return the v_c below which so large a share lies; 0 or 1 where the range sets it."""
-        if self.freedom is None:
-            here = scipy.special.ndtri(level)
-        else:
-            here = scipy.special.stdtrit(self.freedom, level)
+        here = float(
+            scipy.special.ndtri(level)
+            if self.freedom is None
+            else scipy.special.stdtrit(self.freedom, level)
+        )
         if not self.roots[0] < here < self.roots[-1]:
             return float(here >= self.roots[-1])
         return float(np.interp(here, self.roots, self.values))
