@@ -83,6 +83,7 @@ CASES = [
     (LABORATORY, "    case: steel-formica", "    case: steel-formic", ["drops.steel on Formica.case: 'steel-formic' is not declared in cases (did you mean 'steel-formica'?)"]),
     (EXPERIMENTS, "populations:\n    SST65: {from: particles.SST65}\n    SST125: {from: particles.SST125}", "populations: [SST65, SST125]", ["normal_experiments.populations: must be a mapping: a name, then its fields"]),
     (LABORATORY, "target_radius_mm: {value: 5.0", "target_radius_mm: {value: 5.5", ["pile_up: drawn_radius_mm: 5.5 must be one of radii_mm"]),
+    ("analyses/claims.yaml", "falling_loss_deg: {values: [50, 10]", "falling_loss_deg: {values: [5, 10]", ["claim_numbers.oblique: falling_loss_deg: [5, 10] must descend"]),
     # declared tables
     (MATERIALS, "material,property", "material;property", ["materials.csv: the header is"]),
     (MATERIALS, STEEL, STEEL + ",more", ["materials.csv, line 2: must have 8 fields"]),

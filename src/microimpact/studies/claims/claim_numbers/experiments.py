@@ -206,6 +206,8 @@ def c62(context: Context) -> dict[str, Estimate]:
     """
     table, events = context.table("pairing_quality"), context.params.sampling.events
     speeds = context.params.instruments.pair_speeds_m_per_s
+    if missing := sorted({*speeds} - {*table["speed_m_per_s"]}):
+        raise ValueError(f"instruments.pair_speeds_m_per_s: no pairs were sought at {missing}")
     chosen = table[table["speed_m_per_s"].isin(speeds)]
     found = {}
     for name, counted in (("precision", "pairs"), ("recall", "recorded_pairs")):

@@ -156,6 +156,13 @@ class Oblique:
     rise_share: Positive
     from_angle_deg: AngleDegrees
 
+    def __post_init__(self) -> None:
+        """Refuse losses that are not followed from a steep angle to a shallow one."""
+        for name in ("level_loss_deg", "falling_loss_deg"):
+            steep, shallow = getattr(self, name)
+            if steep <= shallow:
+                raise ValueError(f"{name}: [{steep:g}, {shallow:g}] must descend")
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Slow:
