@@ -54,6 +54,9 @@ class InitialSpin:
     mean: Finite
 
 
+NO_SPIN = InitialSpin(sd=0.0, mean=0.0)
+
+
 def drop_height(speed: float, dispenser: Dispenser) -> float:
     """Return the height in m from which particles arrive at a nominal speed (m/s), free of drag.
 

@@ -14,7 +14,7 @@ from pydantic import Field
 
 from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.declared.parameters import Count, Positive
-from microimpact.lab.dispenser import Dispenser, InitialSpin, drop_height, release
+from microimpact.lab.dispenser import NO_SPIN, Dispenser, InitialSpin, drop_height, release
 from microimpact.lab.events import Falling, Impacts, IntArray, Measured
 from microimpact.lab.reduction import Mean
 from microimpact.lab.surface import SMOOTH, Rebound, Surface, collide, drawn_shares, simulated
@@ -151,7 +151,7 @@ class Drop:
     speed: float
     speed_range: tuple[float, float]
     dispenser: Dispenser
-    spin: InitialSpin
+    spin: InitialSpin = NO_SPIN
 
     @property
     def height(self) -> float:

@@ -5,6 +5,7 @@ Jobs that start side by side on a new machine would each compile the same functi
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -26,26 +27,8 @@ from microimpact.model.rigid_body.facets import facet_rebound
 BODY = Material(name="any", youngs_modulus=1e11, poissons_ratio=0.3, density=2e3)
 PAIR: Any = {"particle": BODY, "surface": BODY, "diameter": 5e-5}
 CONTACT = Contact(**PAIR, work_of_adhesion=0.1, hertz_damping=0.01, adhesion_damping=1.0)
-ANALYSER = pdpa.Analyser(
-    probe_height_mm=1.0,
-    probe_height_error_um=0.0,
-    initial_estimate_error=0.0,
-    probe_across_um=100.0,
-    probe_along_um=100.0,
-    velocity_noise_relative=0.0,
-    velocity_noise_floor_m_per_s=0.0,
-    diameter_noise_relative=0.0,
-    diameter_noise_um=0.0,
-    outlier_fraction=0.0,
-    outlier_factors=(0.5, 2.0),
-    time_resolution_us=0.0,
-    drop_out=0.0,
-    false_records_per_s=0.0,
-    false_speed_m_per_s=1.0,
-    false_diameters_um=(10.0, 100.0),
-    later_impacts=0,
-    gate=4.0,
-)
+# All that passages through the probe volume take of an analyser.
+ANALYSER: Any = SimpleNamespace(probe_across_um=100.0, probe_along_um=100.0)
 
 
 def main() -> None:

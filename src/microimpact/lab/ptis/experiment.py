@@ -40,12 +40,7 @@ def collect(drop: Drop, instrument: ImagingSystem, stop: StopRule, rng: Generato
     rng
         Of the experiment; its children serve the parts.
     """
-    setup = Setup(
-        instrument=instrument,
-        angle=drop.angle,
-        speed=drop.speed,
-        diameter=mean(drop.diameter_um) * 1e-6,
-    )
+    setup = set_for(drop, instrument)
     errors = draw_systematics(instrument, rng)
     fates: Counter[str] = Counter()
     looked: list[Impacts] = []
@@ -76,6 +71,12 @@ def collect(drop: Drop, instrument: ImagingSystem, stop: StopRule, rng: Generato
         fates=dict(fates),
         means=reduced(measured, turned, instrument.angle_error_deg) if enough else {},
     )
+
+
+def set_for(drop: Drop, instrument: ImagingSystem) -> Setup:
+    """Return the instrument as set for an experiment."""
+    diameter = mean(drop.diameter_um) * 1e-6
+    return Setup(instrument=instrument, angle=drop.angle, speed=drop.speed, diameter=diameter)
 
 
 def _accepted(measured: Measured, drop: Drop, wanted: int, looked: int) -> tuple[Measured, int]:

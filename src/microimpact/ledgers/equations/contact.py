@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, partial
+from typing import Any
 
 import sympy
 
@@ -105,6 +106,10 @@ def traced(x: Values) -> Trajectory:
     return trajectory(x["contact"], x["v"], x["angle"], points=TRACED_POINTS)
 
 
+def _over_unit(name: str, x: Values) -> Any:
+    return getattr(x["contact"], name) / x["contact"].damping_unit
+
+
 def _damping_of_unit_zeta(at: At) -> float:
     return 1.0 / at.printed(c_H=1.0, c_A=1.0, v_n=at.values()["v"])
 
@@ -172,29 +177,22 @@ EQUATIONS = (
         function="microimpact.model.contact.Contact.hertz_radius",
         implementation=lambda x: x["contact"].replace(surface_radius=x["r_S"]).hertz_radius,
     ),
-    Equation(
-        "23",
-        "zeta_H = c_H*(R**3*K*sqrt(v_n)/m)**(5/2)",
-        used=("scan or article", f"zeta_H = c_H*{_GROUP}"),
-        derivation=follows("time scale of Hertz impact", damping),
-        reason=_ADVICE,
-        function="microimpact.model.contact.Contact.damping_unit",
-        implementation=lambda x: x["contact"].hertz_damping / x["contact"].damping_unit,
-        consequence=Consequence(
-            "c_H that zeta_H = 1 would mean at 1.66 m/s", _damping_of_unit_zeta, "(s/m)**6.25"
-        ),
-    ),
-    Equation(
-        "24",
-        "zeta_A = c_A*(R**3*K*sqrt(v_n)/m)**(5/2)",
-        used=("scan or article", f"zeta_A = c_A*{_GROUP}"),
-        derivation=follows("time scale of Hertz impact", damping),
-        reason=_ADVICE,
-        function="microimpact.model.contact.Contact.damping_unit",
-        implementation=lambda x: x["contact"].adhesion_damping / x["contact"].damping_unit,
-        consequence=Consequence(
-            "c_A that zeta_A = 1 would mean at 1.66 m/s", _damping_of_unit_zeta, "(s/m)**6.25"
-        ),
+    *(
+        Equation(
+            number,
+            f"zeta_{of} = c_{of}*(R**3*K*sqrt(v_n)/m)**(5/2)",
+            used=("scan or article", f"zeta_{of} = c_{of}*{_GROUP}"),
+            derivation=follows("time scale of Hertz impact", damping),
+            reason=_ADVICE,
+            function="microimpact.model.contact.Contact.damping_unit",
+            implementation=partial(_over_unit, name),
+            consequence=Consequence(
+                f"c_{of} that zeta_{of} = 1 would mean at 1.66 m/s",
+                _damping_of_unit_zeta,
+                "(s/m)**6.25",
+            ),
+        )
+        for number, of, name in (("23", "H", "hertz_damping"), ("24", "A", "adhesion_damping"))
     ),
     Equation(
         "23 period",

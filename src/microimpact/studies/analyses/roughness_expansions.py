@@ -76,7 +76,7 @@ class Equation:
     name: str
     quantity: str
     shallow: bool
-    spun: bool = False
+    spun: bool
     form: Callable[[SlopedImpacts, bool], Real]
 
     def exact(self, case: SlopedImpacts) -> FloatArray:
@@ -98,47 +98,21 @@ class Equation:
 
 
 EQUATIONS = {
-    equation.name: equation
-    for equation in (
-        Equation(
-            name="35",
-            quantity=RESTITUTION,
-            shallow=True,
-            form=lambda c, p: measured_restitution(c.angle, c.slope, c.e, c.mu, printed=p),
-        ),
-        Equation(
-            name="37",
-            quantity=RESTITUTION,
-            shallow=True,
-            form=lambda c, p: shallow_restitution(c.angle, c.slope, c.e, c.sliding, printed=p),
-        ),
-        Equation(
-            name="38",
-            quantity=IMPULSE,
-            shallow=True,
-            form=lambda c, p: sloped_impulse_ratio(c.slope, c.sliding, printed=p),
-        ),
-        Equation(
-            name="39",
-            quantity=RESTITUTION,
-            shallow=False,
-            spun=True,
-            form=lambda c, p: normal_restitution(c.slope, c.e, c.mu, printed=p),
-        ),
-        Equation(
-            name="after 40",
-            quantity=RESTITUTION,
-            shallow=False,
-            form=lambda c, p: rolling_restitution(c.slope, c.e, c.spin_ratio, printed=p),
-        ),
-        Equation(
-            name="41",
-            quantity=IMPULSE,
-            shallow=False,
-            spun=True,
-            form=lambda c, p: rolling_impulse_ratio_measured(c.slope, c.e, c.spin_ratio, printed=p),
-        ),
+    name: Equation(
+        name=name,
+        quantity=IMPULSE if name in {"38", "41"} else RESTITUTION,
+        shallow=name in {"35", "37", "38"},
+        spun=name in {"39", "41"},
+        form=form,
     )
+    for name, form in {
+        "35": lambda c, p: measured_restitution(c.angle, c.slope, c.e, c.mu, printed=p),
+        "37": lambda c, p: shallow_restitution(c.angle, c.slope, c.e, c.sliding, printed=p),
+        "38": lambda c, p: sloped_impulse_ratio(c.slope, c.sliding, printed=p),
+        "39": lambda c, p: normal_restitution(c.slope, c.e, c.mu, printed=p),
+        "after 40": lambda c, p: rolling_restitution(c.slope, c.e, c.spin_ratio, printed=p),
+        "41": lambda c, p: rolling_impulse_ratio_measured(c.slope, c.e, c.spin_ratio, printed=p),
+    }.items()
 }
 
 

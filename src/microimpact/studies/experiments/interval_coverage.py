@@ -26,19 +26,19 @@ from microimpact.declared.parameters import (
     Positive,
 )
 from microimpact.lab.contacts import calibrated_contact
-from microimpact.lab.dispenser import Dispenser, InitialSpin
+from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.events import Impacts, IntArray, Measured
 from microimpact.lab.experiment import Drop, Target
 from microimpact.lab.pdpa.analyser import Analyser, RecordStream, passages, records
 from microimpact.lab.pdpa.experiment import moved
 from microimpact.lab.pdpa.pairing import correct, heights
 from microimpact.lab.ptis.errors import theory
-from microimpact.lab.ptis.experiment import in_sheet, turned
+from microimpact.lab.ptis.experiment import in_sheet, set_for, turned
 from microimpact.lab.ptis.exposure import MEASURED
-from microimpact.lab.ptis.system import ImagingSystem, Setup, Systematics, event_generator
+from microimpact.lab.ptis.system import ImagingSystem, Systematics, event_generator
 from microimpact.lab.reduction import QUANTITIES, quantities, shared_error
 from microimpact.lab.surface import rough
-from microimpact.statistics.distributions import Distribution, child, generator, mean
+from microimpact.statistics.distributions import Distribution, child, generator
 from microimpact.statistics.intervals import student_half_width, wilson_interval
 
 # Spheres that may be measured in some experiment: they arrive no further from the middle of the
@@ -86,12 +86,7 @@ def by_imaging(
     what is dropped on what; its range is of measured speeds.
     """
     impacts = drop.impacts(number, child(rng, 0))
-    setup = Setup(
-        instrument=instrument,
-        angle=drop.angle,
-        speed=drop.speed,
-        diameter=1e-6 * mean(drop.diameter_um),
-    )
+    setup = set_for(drop, instrument)
     moving = np.flatnonzero(~impacts.captured & in_sheet(impacts.position, instrument))
     draws = [event_generator(rng, i) for i in moving.tolist()]
     fates, found = theory(impacts.select(moving), setup, Systematics(), draws)
@@ -360,7 +355,6 @@ def _repeated(
         speed=speed,
         speed_range=(speed * (1.0 - window), speed * (1.0 + window)),
         dispenser=params.dispenser,
-        spin=InitialSpin(sd=0.0, mean=0.0),
     )
     size = params.experiments, params.events, case.simulated
     if angle == NORMAL:

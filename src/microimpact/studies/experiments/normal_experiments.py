@@ -24,7 +24,7 @@ from microimpact.declared.parameters import (
     PrintedName,
 )
 from microimpact.lab.contacts import calibrated_contact
-from microimpact.lab.dispenser import Dispenser, InitialSpin
+from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.experiment import Drop, StopRule, Target
 from microimpact.lab.pdpa.analyser import Analyser
 from microimpact.lab.pdpa.experiment import QUANTITIES, Session, collect
@@ -36,8 +36,6 @@ from microimpact.statistics.distributions import Distribution, generator, mean
 NEEDS = {"calibration": ("calibration",)}
 
 _frame = partial(series_frame, "all", x_unit="m_per_s", y_unit="1")
-
-NO_SPIN = InitialSpin(sd=0.0, mean=0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -114,7 +112,6 @@ def experiment(params: Params, population: Population, speed: float, contact: Co
         speed=speed,
         speed_range=(speed * (1.0 - window), speed * (1.0 + window)),
         dispenser=params.dispenser,
-        spin=NO_SPIN,
     ).tabulated()
     return collect(drop, params.instrument, params.stop, generator(params.seed, *drop.key))
 

@@ -22,7 +22,7 @@ from microimpact.core.tables import Tables, series_frame
 from microimpact.declared.parameters import CaseName, Count, Positive
 from microimpact.lab.bounces import with_later_impacts
 from microimpact.lab.contacts import calibrated_contact
-from microimpact.lab.dispenser import Dispenser, InitialSpin
+from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.events import Falling, Impacts, IntArray
 from microimpact.lab.experiment import Drop, Target
 from microimpact.lab.pdpa.analyser import (
@@ -50,7 +50,6 @@ from microimpact.statistics.intervals import mean_and_error, wilson_interval
 NORMAL_INCIDENCE = 90.0
 # Particles released at a time for each that is to fall through the probe volume, and how often.
 RELEASED_FOR_ONE, MOST_BATCHES = 40, 500
-NO_SPIN = InitialSpin(sd=0.0, mean=0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,7 +71,6 @@ class Apparatus:
             speed=speed,
             speed_range=(0.0, np.inf),
             dispenser=self.dispenser,
-            spin=NO_SPIN,
         )
 
     @property

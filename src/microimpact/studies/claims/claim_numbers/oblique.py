@@ -9,7 +9,7 @@ import pandas as pd
 
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.solve import root, threshold
-from microimpact.lab.dispenser import InitialSpin
+from microimpact.lab.dispenser import NO_SPIN, InitialSpin
 from microimpact.lab.events import Impacts
 from microimpact.lab.experiment import StopRule
 from microimpact.lab.ptis.experiment import collect
@@ -521,7 +521,7 @@ def c109(context: Context) -> dict[str, Estimate]:
     """
     spread = context.params.spread
     spun = half_widths(context, spread.dropped.spin)
-    bare = half_widths(context, InitialSpin(sd=0.0, mean=0.0))
+    bare = half_widths(context, NO_SPIN)
     error = np.hypot(spun.error / spun.value, bare.error / bare.value)
     ratio = spun.value / bare.value
     return {"interval_width_with_over_without_spin_at_70_deg": Estimate(ratio, ratio * error)}
