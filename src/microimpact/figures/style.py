@@ -30,8 +30,8 @@ LINES: dict[str, str | tuple[int, tuple[float, ...]]] = {
     "dashed": "dashed",
     "dotted": "dotted",
     "dashdot": "dashdot",
-    "long dashed": (0, (7.0, 1.5)),
-    "dashdotdot": (0, (5.0, 1.2, 1.0, 1.2, 1.0, 1.2)),
+    "long dashed": (0, (6.0, 1.5)),
+    "dashdotdot": (0, (4.5, 1.2, 1.0, 1.2, 1.0, 1.2)),
 }
 TINT: dict[str, Any] = {"alpha": 0.25}
 HATCH: dict[str, Any] = {"facecolor": "none", "hatch": "//////", "alpha": 0.45}
