@@ -39,6 +39,7 @@ BLOCKS = blocks("written", "appended", "command", "output")
 PROGRAMS = {
     "python": 'exec "$PYTHON" "$@"',
     "microimpact": 'exec forked -m microimpact.cli "$@"',
+    "cc": 'exec "$CC" "$@"',
     "snakemake": 'case "${1---configfile}" in --configfile*) set -- --dry-run "$@";; esac\n'
     'exec forked -m snakemake --cores 1 "$@"',
     "make": 'exec "$MAKE" --dry-run -C "$ROOT" "$@"',
@@ -67,6 +68,7 @@ def shell(forked, tmp_path_factory):
         "PYTHONPATH": str(root / "src"),
         "PYTHON": sys.executable,
         "MAKE": shutil.which("make") or "make",
+        "CC": shutil.which("cc") or "cc",
         "ROOT": str(ROOT),
         "COLUMNS": "200",
     }
