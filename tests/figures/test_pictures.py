@@ -226,7 +226,6 @@ def faults(figure, *, schematic=False):
 # Figures that are not in order yet.
 OPEN = (
     *(f"fig{number:02}" for number in (6, 7, 8, 9, 10, 11, 12, 15, 16)),
-    *("fig23", "admissible_pairs", "rival_laws"),
 )
 
 
