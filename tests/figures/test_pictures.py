@@ -223,16 +223,7 @@ def faults(figure, *, schematic=False):
         yield from (f"not named: {series}" for series in unnamed(figure))
 
 
-# Figures that are not in order yet.
-OPEN = (
-    *(f"fig{number:02}" for number in (6, 7, 8, 9, 10, 11, 12, 15, 16)),
-)
-
-
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(n, marks=pytest.mark.xfail) if n in OPEN else n for n in SPECS],
-)
+@pytest.mark.parametrize("name", SPECS)
 def test_all_can_be_read(name):
     spec = SPECS[name]
     with style.context():

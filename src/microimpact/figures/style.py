@@ -14,6 +14,7 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.container import Container
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import Normal, Stroke
@@ -142,7 +143,8 @@ def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> li
     if rows.empty:
         raise ValueError(f"figure data: no rows for panel {name!r}")
     log_x, log_y = ax.get_xscale() == "log", ax.get_yscale() == "log"
-    ax.set_xlim(widened(ax.get_xlim(), rows[x].to_numpy(float), log=log_x))
+    if not (panel.fixed and panel.shows):  # an enlarged view stays one
+        ax.set_xlim(widened(ax.get_xlim(), rows[x].to_numpy(float), log=log_x))
     if not panel.fixed:
         heights = rows[[y, "y_low", "y_high"]].to_numpy(float)
         ax.set_ylim(widened(ax.get_ylim(), heights, log=log_y))
@@ -161,7 +163,8 @@ def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> li
     place = panel.legend_place
     if place == "above" or place == "none":  # noqa: PLR1714 (a set would not narrow the type)
         return entries
-    ax.legend(title=panel.legend, loc=place)
+    named = _entries([ax])
+    ax.legend(named.values(), named.keys(), title=panel.legend, loc=place)
     return entries
 
 
@@ -290,7 +293,7 @@ def written_above(ax: Axes, rows: pd.DataFrame) -> None:
             (float(str(at)), 0.97),
             xycoords=ax.get_xaxis_transform(),
             rotation=90,
-            ha="center",
+            ha="right",
             va="top",
             fontsize="small",
         )
@@ -361,8 +364,8 @@ def line_figure(
         own = [t for t in tables.values() if (panel.shows or name) in set(t["panel"])]
         table = pd.concat(own or list(tables.values()), ignore_index=True)
         entries += draw_panel(axes[name], table, panel, name)
-        if panel.legend_place == "above":
-            legend_above(figure, [axes[name]])
+    if above := [axes[name] for name, p in spec.panels.items() if p.legend_place == "above"]:
+        legend_above(figure, above)
     evidence = pd.concat([table["evidence"] for table in tables.values()])
     evidence_key(figure, evidence, entries, labels=spec.evidence_labels)
     return figure, axes
@@ -380,10 +383,16 @@ def plain_numbers(*axes: Axis) -> None:
 
 
 def _entries(axes: Iterable[Axes]) -> dict[str, Any]:
+    """Return what stands in a legend by its label: a curve and marks of one label in one entry."""
+    found: dict[str, dict[object, Any]] = {}
+    for ax in axes:
+        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
+            line = handle[0] if isinstance(handle, Container) else handle
+            is_line = isinstance(line, Line2D) and line.get_linestyle() != "None"
+            found.setdefault(label, {}).setdefault(is_line, handle)
     return {
-        label: handle
-        for ax in axes
-        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True)
+        label: tuple(parts.values()) if len(parts) > 1 else next(iter(parts.values()))
+        for label, parts in found.items()
     }
 
 
@@ -392,8 +401,15 @@ def legend_above(
 ) -> None:
     """Name every line and mark of some axes once, above all panels or where ``loc`` says."""
     entries = _entries(axes)
-    look = {"loc": "outside upper center", "ncols": columns or len(entries), **look}
+    columns = columns or _columns(figure, entries)
+    look = {"loc": "outside upper center", "ncols": columns, **look}
     figure.legend(entries.values(), entries.keys(), **look)
+
+
+def _columns(figure: Figure, labels: Iterable[str]) -> int:
+    """Return how many entries find room beside each other."""
+    widths = [KEY_MARK_MM + KEY_LETTER_MM * len(label) for label in labels]
+    return max(1, min(len(widths), int(figure.get_figwidth() * MM_PER_INCH / max(widths))))
 
 
 def legend_after(figure: Figure, axes: Sequence[Axes], columns: int) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from copy import copy
 from typing import Any
 
 import numpy as np
@@ -26,7 +25,6 @@ CLOUD: dict[str, Any] = {
     "markeredgewidth": 0.4,
     "zorder": 2,
 }
-CLOUD_LOOK = ("marker", "markerfacecolor", "markeredgewidth")
 # Clouds are told apart by form and not by colour alone.
 CLOUD_MARKS = ("o", "^")
 STAR: dict[str, Any] = {"linestyle": "none", "marker": "*", "markersize": 8.0, "zorder": 5}
@@ -64,21 +62,7 @@ def draw_pairs(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
             ax.set_yscale("log")
             _plain(ax.yaxis)
         _draw_pairs(ax, rows, panel, name)
-    entries, clouds = (
-        {
-            label: handle
-            for name in names
-            for handle, label in zip(*axes[name].get_legend_handles_labels(), strict=True)
-        }
-        for names in (("share", "limit"), PAIRS)
-    )
-    for label in entries.keys() & clouds.keys():
-        # A variant is a line in two panels and a cloud in the others: its entry shows both.
-        both = copy(entries[label])
-        look = {name: getattr(clouds[label], f"get_{name}")() for name in CLOUD_LOOK}
-        entries[label] = both
-        both.set(**look)
-    figure.legend(entries.values(), entries, loc="outside upper center", ncols=len(entries))
+    style.legend_above(figure, axes.values())
     return figure
 
 

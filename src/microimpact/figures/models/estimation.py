@@ -15,6 +15,8 @@ from microimpact.core.tables import Tables
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec, PanelSpec, SeriesSpec
 
+# Series of the capture velocity that a fit finds.
+FOUND = ", v_c of the fit"
 # Name of a member of the family, as the study gives it.
 _MEMBER = re.compile(r"(?P<family>n = [\d.]+), w = (?P<work>[\d.]+) J/m2")
 
@@ -47,10 +49,32 @@ def _named_members(panels: Mapping[str, PanelSpec], curves: pd.DataFrame) -> Pan
 
 @style.context()
 def draw_fits(tables: Tables, spec: FigureSpec) -> Figure:
-    """Draw simulated restitution with its fits, and the printed capture velocities."""
-    figure, axes = style.line_figure(tables, spec, prepare=style.log_x)
-    for ax in axes.values():
-        ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    """Draw simulated restitution with its fits, and the printed capture velocities.
+
+    The legend says of each fit which capture velocity it finds: where its curve begins.
+    """
+    (table,) = tables.values()
+    is_found = table["series"].str.endswith(FOUND)
+    found = dict(zip(table["series"].str.removesuffix(FOUND), table.iloc[:, 3], strict=True))
+    panels = {
+        name: replace(
+            panel,
+            series={
+                series: replace(own, label=f"{own.label}: $v_c$ = {found[of]:.3g} m/s")
+                if (of := series.removesuffix(", fit")) != series and of in found
+                else own
+                for series, own in panel.series.items()
+            },
+        )
+        for name, panel in spec.panels.items()
+    }
+    drawn = dict.fromkeys(tables, table[~is_found])
+    figure, axes = style.line_figure(drawn, replace(spec, panels=panels), prepare=style.log_x)
+    for ax, panel in zip(axes.values(), panels.values(), strict=True):
+        if panel.x_ticks:
+            ax.set_xticks(panel.x_ticks)
+        else:
+            ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         style.plain_numbers(ax.xaxis)
         ax.xaxis.set_minor_formatter(NullFormatter())
     return figure
