@@ -226,6 +226,8 @@ def faults(figure, *, schematic=False):
 @pytest.mark.parametrize("name", SPECS)
 def test_all_can_be_read(name):
     spec = SPECS[name]
+    if missing := [key for key in spec.data if f"data/{key}.csv" not in FILES]:
+        pytest.skip(f"no reference yet of {', '.join(missing)}")
     with style.context():
         figure = drawn(name)
         assert not list(faults(figure, schematic=spec.is_schematic))
