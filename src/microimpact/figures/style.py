@@ -50,7 +50,7 @@ STYLE_FILE = Path(__file__).with_name("microimpact.mplstyle")
 WIDTH_MM = {"single": 86.0, "double": 174.0}
 MM_PER_INCH = 25.4
 # Room that an entry of the key takes: its mark, and a letter of its label.
-KEY_MARK_MM, KEY_LETTER_MM = 11.0, 1.0
+KEY_MARK_MM, KEY_LETTER_MM = 12.0, 1.1
 # What each format would say of date and program: left out, as keys with the value None are.
 UNDATED = {
     "svg": ("Date", "Creator"),
@@ -293,9 +293,10 @@ def written_above(ax: Axes, rows: pd.DataFrame) -> None:
             (float(str(at)), 0.97),
             xycoords=ax.get_xaxis_transform(),
             rotation=90,
-            ha="right",
+            ha="center",
             va="top",
             fontsize="small",
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
         )
 
 
@@ -325,12 +326,7 @@ def evidence_key(
         Line2D([], [], color="black", label=words[name], **EVIDENCE[name]) for name in present
     ]
     handles += {(str(e.get_label()), str(e.get_color())): e for e in entries}.values()
-    width = figure.get_figwidth() * MM_PER_INCH
-    columns = 5 if width > WIDTH_MM["single"] + 1 else 3
-    if entries:
-        longest = max(len(str(handle.get_label())) for handle in handles)
-        columns = max(1, min(columns, int(width / (KEY_MARK_MM + KEY_LETTER_MM * longest))))
-    columns = min(len(handles), columns)
+    columns = _columns(figure, [str(handle.get_label()) for handle in handles])
     figure.legend(handles=handles, loc=loc, ncols=columns)
 
 
@@ -407,9 +403,14 @@ def legend_above(
 
 
 def _columns(figure: Figure, labels: Iterable[str]) -> int:
-    """Return how many entries find room beside each other."""
-    widths = [KEY_MARK_MM + KEY_LETTER_MM * len(label) for label in labels]
-    return max(1, min(len(widths), int(figure.get_figwidth() * MM_PER_INCH / max(widths))))
+    """Return how many columns of entries find room beside each other."""
+    letters = [sum(letter not in "$\\{}_^" for letter in label) for label in labels]
+    width, most = figure.get_figwidth() * MM_PER_INCH, len(letters)
+    for number in range(most, 1, -1):
+        longest = [column.max() for column in np.array_split(letters, number)]
+        if number * KEY_MARK_MM + KEY_LETTER_MM * sum(longest) < width:
+            return number
+    return 1
 
 
 def legend_after(figure: Figure, axes: Sequence[Axes], columns: int) -> None:
