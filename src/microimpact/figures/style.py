@@ -50,7 +50,7 @@ STYLE_FILE = Path(__file__).with_name("microimpact.mplstyle")
 WIDTH_MM = {"single": 86.0, "double": 174.0}
 MM_PER_INCH = 25.4
 # Room that an entry of the key takes: its mark, and a letter of its label.
-KEY_MARK_MM, KEY_LETTER_MM = 12.0, 1.1
+KEY_MARK_MM, KEY_LETTER_MM = 12.0, 1.2
 # What each format would say of date and program: left out, as keys with the value None are.
 UNDATED = {
     "svg": ("Date", "Creator"),
