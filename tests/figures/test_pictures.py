@@ -25,9 +25,7 @@ from microimpact.run.config import read_configuration, validate
 
 ROOT = Path(__file__).parents[2]
 BASE = read_configuration(ROOT / "config")
-SPECS = registry(
-    filled(load(ROOT / "config/figures.yaml"), validate(BASE, BASE).branches)
-)
+SPECS = registry(filled(load(ROOT / "config/figures.yaml"), validate(BASE, BASE).branches))
 FILES = table_files(ROOT / "tests/reference")
 # Texts may touch by so much, in points: their boxes hold room for letters that they lack.
 SLACK = 1.5
@@ -38,9 +36,7 @@ NO_MARK, TICKS = ("None", "none", "", " ", None), ("|", "_")
 
 def drawn(name):
     spec = SPECS[name]
-    tables = {
-        key: parse_table(read_text(FILES[f"data/{key}.csv"])) for key in spec.data
-    }
+    tables = {key: parse_table(read_text(FILES[f"data/{key}.csv"])) for key in spec.data}
     return getattr(import_module(spec.module), spec.function)(tables, spec)
 
 
@@ -61,9 +57,7 @@ def texts(figure, slack):
         if ax.axison:
             for axis in (ax.xaxis, ax.yaxis):
                 low, high = sorted(axis.get_view_interval())
-                ticks = [
-                    t for t in axis.get_major_ticks() if low <= t.get_loc() <= high
-                ]
+                ticks = [t for t in axis.get_major_ticks() if low <= t.get_loc() <= high]
                 found += [
                     axis.label,
                     *(label for t in ticks for label in (t.label1, t.label2)),
@@ -75,9 +69,7 @@ def texts(figure, slack):
         for text in legend.get_texts():
             box, size = text.get_window_extent(), text.get_fontsize() * figure.dpi / 72
             mark = (legend.handlelength + legend.handletextpad) * size
-            boxes.append(
-                (text, Bbox.from_extents(box.x0 - mark, box.y0, box.x1, box.y1))
-            )
+            boxes.append((text, Bbox.from_extents(box.x0 - mark, box.y0, box.x1, box.y1)))
     return [(text, shrunk(box, slack)) for text, box in boxes if shows(text)]
 
 
@@ -94,21 +86,13 @@ def data(ax):
     point = ax.figure.dpi / 72
     for line in (line for line in ax.lines if line.get_visible()):
         outline = line.get_transform().transform_path(line.get_path())
-        reach = (
-            0.5 * line.get_markersize() * point
-            if line.get_marker() not in NO_MARK
-            else 0.0
-        )
+        reach = 0.5 * line.get_markersize() * point if line.get_marker() not in NO_MARK else 0.0
         yield outline, line.get_linestyle() != "None", reach, line.get_clip_on()
-    for bars in (
-        c for c in ax.collections if isinstance(c, LineCollection) and c.get_visible()
-    ):
+    for bars in (c for c in ax.collections if isinstance(c, LineCollection) and c.get_visible()):
         for segment in filter(len, bars.get_segments()):
             outline = bars.get_transform().transform_path(Outline(segment))
             yield outline, True, 0.0, bars.get_clip_on()
-    for marks in (
-        c for c in ax.collections if isinstance(c, PathCollection) and c.get_visible()
-    ):
+    for marks in (c for c in ax.collections if isinstance(c, PathCollection) and c.get_visible()):
         places = marks.get_offset_transform().transform(marks.get_offsets())
         reach = 0.5 * float(np.sqrt(marks.get_sizes().max())) * point
         yield Outline(places), False, reach, marks.get_clip_on()
@@ -123,9 +107,7 @@ def covers(box, outline, joined, reach, window):
     places = outline.vertices[np.isfinite(outline.vertices).all(axis=1)]
     if joined and len(places) > 1 and outline.intersects_bbox(box, filled=False):
         return True
-    around = Bbox.from_extents(
-        box.x0 - reach, box.y0 - reach, box.x1 + reach, box.y1 + reach
-    )
+    around = Bbox.from_extents(box.x0 - reach, box.y0 - reach, box.x1 + reach, box.y1 + reach)
     if window is not None and reach > 0.0:
         places = places[[window.padded(1.0).contains(*place) for place in places]]
     return reach > 0.0 and any(around.contains(*place) for place in places)
@@ -135,18 +117,11 @@ def has_ground(text, box, ax):
     """Tell whether a text lies on a ground of its own, or of a part that is drawn over lines."""
     own = text.get_bbox_patch()
     parts = (
-        [own]
-        if own
-        else [p for p in ax.patches if p.get_window_extent().padded(1).overlaps(box)]
+        [own] if own else [p for p in ax.patches if p.get_window_extent().padded(1).overlaps(box)]
     )
-    solid = [
-        p
-        for p in parts
-        if p.get_visible() and p.get_fill() and p.get_facecolor()[3] == 1.0
-    ]
+    solid = [p for p in parts if p.get_visible() and p.get_fill() and p.get_facecolor()[3] == 1.0]
     return any(
-        part is own
-        or all(part.get_window_extent().contains(*corner) for corner in box.corners())
+        part is own or all(part.get_window_extent().contains(*corner) for corner in box.corners())
         for part in solid
     )
 
@@ -168,19 +143,14 @@ def unnamed(figure):
     marks = {line.get_marker() for line in entries}
     for ax in figure.axes:
         for line in ax.lines:
-            if not line.get_visible() or not line.get_transform().contains_branch(
-                ax.transData
-            ):
+            if not line.get_visible() or not line.get_transform().contains_branch(ax.transData):
                 continue
             colour, is_line = to_hex(line.get_color()), line.get_linestyle() != "None"
             is_guide = is_line and line.get_linewidth() <= THIN
             # The key of evidence explains a mark whose colour another entry explains.
             in_key = not is_line and colour in colours and line.get_marker() in marks
             if not (
-                is_guide
-                or in_key
-                or known.issuperset(looks(line))
-                or beside(ax, line, colour)
+                is_guide or in_key or known.issuperset(looks(line)) or beside(ax, line, colour)
             ):
                 yield f"{line.get_label()!r} {sorted(set(looks(line)) - known)}"
 
@@ -205,9 +175,7 @@ def faults(figure, *, schematic=False):
             yield f"{one.get_text()!r} over {other.get_text()!r}"
     for text, box in boxes:
         if not (
-            sheet.x0 <= box.x0
-            and box.x1 <= sheet.x1
-            and sheet.y0 <= box.y0 <= box.y1 <= sheet.y1
+            sheet.x0 <= box.x0 and box.x1 <= sheet.x1 and sheet.y0 <= box.y0 <= box.y1 <= sheet.y1
         ):
             yield f"{text.get_text()!r} off the sheet"
         for ax in figure.axes:

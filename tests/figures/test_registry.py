@@ -20,9 +20,7 @@ def changed(**keys):
 def test_figures_come_in_order_with_words_of_their_own():
     specs = registry(ENTRIES)
     # the article's by number, then the project's own
-    assert list(specs) == sorted(
-        specs, key=lambda name: (not name.startswith("fig"), name)
-    )
+    assert list(specs) == sorted(specs, key=lambda name: (not name.startswith("fig"), name))
     for spec in specs.values():
         assert len(spec.caption) > 80
         assert spec.panels
@@ -32,16 +30,10 @@ def test_figures_come_in_order_with_words_of_their_own():
 @pytest.mark.parametrize(
     ("entry", "message"),
     [
-        (
-            changed(captoin="x"),
-            r"fig14\.captoin: unknown key \(did you mean 'caption'\?\)",
-        ),
+        (changed(captoin="x"), r"fig14\.captoin: unknown key \(did you mean 'caption'\?\)"),
         (changed(width="huge"), r"fig14\.width: 'huge' must be 'single' or 'double'"),
         (changed(module="os"), r"fig14\.module: 'os' "),
-        (
-            changed(data={"fig14": {"x": "deg", "y": 1}}),
-            r"fig14\.data\.fig14\.y: 1 must be",
-        ),
+        (changed(data={"fig14": {"x": "deg", "y": 1}}), r"fig14\.data\.fig14\.y: 1 must be"),
         (
             changed(evidence_labels={"printet": "x"}),
             r"fig14: evidence_labels: 'printet' is no evidence .*'printed'\?\)",
@@ -57,15 +49,12 @@ def test_a_bad_entry_is_named(entry, message):
 def test_an_empty_axis_is_refused():
     entry = changed()
     entry["panels"]["trends"]["x_range"] = [1.0, 1.0]
-    with pytest.raises(
-        RegistryError, match=r"panels\.trends\.x_range: \[1\.0, 1\.0\] must ascend"
-    ):
+    with pytest.raises(RegistryError, match=r"panels\.trends\.x_range: \[1\.0, 1\.0\] must ascend"):
         figure_spec("fig14", entry)
 
 
 @pytest.mark.parametrize(
-    "name",
-    ["fig4", "fig123", "Ridge", "capture-laws", "capture__laws", "capture_", "laws2"],
+    "name", ["fig4", "fig123", "Ridge", "capture-laws", "capture__laws", "capture_", "laws2"]
 )
 def test_a_name_that_is_no_figure_is_refused(name):
     with pytest.raises(RegistryError, match=name):
@@ -77,14 +66,7 @@ def test_a_figure_of_the_projects_own_has_a_name_of_words():
 
 
 def test_parameters_fill_the_words():
-    entries = {
-        "fig14": {
-            "study": "s",
-            "title": "f = [[f:.2f]]",
-            "list": ["[[n]]"],
-            "number": 3,
-        }
-    }
+    entries = {"fig14": {"study": "s", "title": "f = [[f:.2f]]", "list": ["[[n]]"], "number": 3}}
     assert filled(entries, {"s": {"f": 0.5, "n": 7}})["fig14"] == {
         "study": "s",
         "title": "f = 0.50",
