@@ -1,4 +1,4 @@
-"""What all workers of a test run need, made by the one that needs it first."""
+"""What several tests share: made once by the worker that needs it first, or declared here."""
 
 from __future__ import annotations
 
@@ -8,6 +8,26 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+
+from microimpact.lab.dispenser import Dispenser
+
+# A needle that lets spheres fall straight down from rest, and one like the declared.
+STILL = Dispenser(
+    exit_speed_m_per_s=0.0,
+    lateral_speed_m_per_s=0.0,
+    lateral_position_mm=0.0,
+    taps_per_s=2.0,
+    particles_per_tap=3.0,
+    release_delay_ms=20.0,
+)
+USUAL = Dispenser(
+    exit_speed_m_per_s=0.15,
+    lateral_speed_m_per_s=0.01,
+    lateral_position_mm=0.15,
+    taps_per_s=2.0,
+    particles_per_tap=3.0,
+    release_delay_ms=20.0,
+)
 
 
 def made_once(folders: pytest.TempPathFactory, name: str, make: Callable[[Path], object]) -> Path:

@@ -3,30 +3,13 @@
 import numpy as np
 import pytest
 from scipy import constants, stats
+from tests.shared import STILL, USUAL
 
-from microimpact.lab.dispenser import Dispenser, InitialSpin, drop_height, release
+from microimpact.lab.dispenser import NO_SPIN, InitialSpin, drop_height, release
 from microimpact.lab.experiment import Drop, Target
 from microimpact.lab.reduction import mean_interval
 from microimpact.lab.surface import combined_slope
 from microimpact.statistics.distributions import Constant, TruncatedNormal, generator
-
-STILL = Dispenser(
-    exit_speed_m_per_s=0.0,
-    lateral_speed_m_per_s=0.0,
-    lateral_position_mm=0.0,
-    taps_per_s=2.0,
-    particles_per_tap=3.0,
-    release_delay_ms=20.0,
-)
-USUAL = Dispenser(
-    exit_speed_m_per_s=0.15,
-    lateral_speed_m_per_s=0.01,
-    lateral_position_mm=0.15,
-    taps_per_s=2.0,
-    particles_per_tap=3.0,
-    release_delay_ms=20.0,
-)
-NO_SPIN = InitialSpin(sd=0.0, mean=0.0)
 
 
 def fall(n=5000, *, dispenser=USUAL, spin=NO_SPIN, angle=30.0, height=0.05):

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pandas as pd
 import pytest
+from tests.shared import USUAL
 
-from microimpact.lab.dispenser import Dispenser
 from microimpact.statistics.distributions import Constant
 from microimpact.studies.experiments.campaign import (
     COUNTED,
@@ -35,14 +35,6 @@ CLASSES = (
     NamedSpeed(name="fast", speed_m_per_s=1.66, speed_range_m_per_s=(1.6, 1.72)),
 )
 ANGLES = 90.0, 45.0, 10.0
-DISPENSER = Dispenser(
-    exit_speed_m_per_s=0.15,
-    lateral_speed_m_per_s=0.01,
-    lateral_position_mm=0.15,
-    taps_per_s=2.0,
-    particles_per_tap=3.0,
-    release_delay_ms=20.0,
-)
 BLOCK = Block(
     particles=("small", "large"),
     surfaces=("front", "back"),
@@ -70,7 +62,7 @@ def test_what_is_declared_but_not_used_does_not_count():
 
 def test_random_draws_of_an_experiment_do_not_depend_on_its_place(contact):
     def key(one):
-        return one.drop(contact, DISPENSER).key
+        return one.drop(contact, USUAL).key
 
     alone = plan(replace(BLOCK, particles=("large",), angles_deg=(10.0,)))
     keys = {one.title: key(one) for one in plan(BLOCK)}

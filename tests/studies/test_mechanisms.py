@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from tests.shared import STILL
 
 from microimpact.lab.bounces import resting
-from microimpact.lab.dispenser import Dispenser, InitialSpin
+from microimpact.lab.dispenser import NO_SPIN
 from microimpact.lab.events import Falling
 from microimpact.lab.samples import (
     Dropped,
@@ -29,14 +30,6 @@ from microimpact.studies.experiments.mechanisms.spin import rolling_limit, tilte
 from microimpact.studies.experiments.mechanisms.spore import off_centre
 from microimpact.studies.experiments.pile_up import onset
 
-STILL = Dispenser(
-    exit_speed_m_per_s=0.0,
-    lateral_speed_m_per_s=0.0,
-    lateral_position_mm=0.0,
-    taps_per_s=2.0,
-    particles_per_tap=3.0,
-    release_delay_ms=20.0,
-)
 SAMPLING = Sampling(seed=5, impacts=800, events=40, angle_error_deg=0.25, dispenser=STILL)
 STEEL = Dropped(
     case="none",
@@ -46,7 +39,7 @@ STEEL = Dropped(
     particle_slope=0.0,
     speed_m_per_s=1.66,
     speed_range_m_per_s=(1.6, 1.72),
-    spin=InitialSpin(sd=0.0, mean=0.0),
+    spin=NO_SPIN,
 )
 
 

@@ -14,9 +14,10 @@ import pandas as pd
 import pytest
 from pydantic import ValidationError
 from scipy import integrate, special, stats
+from tests.shared import STILL
 
 from microimpact.declared.parameters import build, explain
-from microimpact.lab.dispenser import Dispenser, InitialSpin
+from microimpact.lab.dispenser import NO_SPIN
 from microimpact.lab.experiment import Drop, Target
 from microimpact.lab.surface import LABORATORY, Rules, facet_normals, rough
 from microimpact.model.contact import Contact
@@ -588,14 +589,6 @@ def test_ensembles_by_the_rules_of_the_laboratory_are_its_own_draw_by_draw(conta
 
 def test_ensembles_by_the_rules_of_the_laboratory_agree_with_its_samples(contact):
     steel = contact.replace(friction=0.15)
-    still = Dispenser(
-        exit_speed_m_per_s=0.0,
-        lateral_speed_m_per_s=0.0,
-        lateral_position_mm=0.0,
-        taps_per_s=2.0,
-        particles_per_tap=3.0,
-        release_delay_ms=20.0,
-    )
     for angle in (45.0, 20.0):
         drop = Drop(
             target=Target(contact=steel, surface=rough(0.16)),
@@ -603,8 +596,8 @@ def test_ensembles_by_the_rules_of_the_laboratory_agree_with_its_samples(contact
             angle=angle,
             speed=1.66,
             speed_range=(1.6, 1.7),
-            dispenser=still,
-            spin=InitialSpin(sd=0.0, mean=0.0),
+            dispenser=STILL,
+            spin=NO_SPIN,
         )
         impacts = drop.impacts(8192, generator(SEED, 30))
         e = impacts.in_plane.coefficient_of_restitution[~impacts.captured]

@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.lab.ptis.imaging_cases import INSTRUMENT, generator, impacts, setup_for
+from tests.shared import USUAL
 
-from microimpact.lab.dispenser import Dispenser, InitialSpin
+from microimpact.lab.dispenser import NO_SPIN
 from microimpact.lab.experiment import Drop, StopRule, Target
 from microimpact.lab.ptis.errors import theory
 from microimpact.lab.ptis.experiment import OUTSIDE_CLASS, collect, turned
@@ -19,15 +20,6 @@ from microimpact.lab.ptis.tracks import longest_runs
 from microimpact.lab.surface import rough
 from microimpact.statistics.distributions import TruncatedNormal
 
-DISPENSER = Dispenser(
-    exit_speed_m_per_s=0.15,
-    lateral_speed_m_per_s=0.01,
-    lateral_position_mm=0.15,
-    taps_per_s=2.0,
-    particles_per_tap=3.0,
-    release_delay_ms=20.0,
-)
-
 
 @pytest.fixture
 def drop(contact):
@@ -37,8 +29,8 @@ def drop(contact):
         angle=60.0,
         speed=1.66,
         speed_range=(1.6, 1.72),
-        dispenser=DISPENSER,
-        spin=InitialSpin(sd=0.0, mean=0.0),
+        dispenser=USUAL,
+        spin=NO_SPIN,
     )
 
 
