@@ -10,11 +10,11 @@ from tests.faults.projects import TARGETS, copied
 
 
 @pytest.fixture(scope="session")
-def project(tmp_path_factory):
+def project(tmp_path_factory, forked):
     """A copy of the project with one undisturbed run of a few targets on one core."""
     project = copied(tmp_path_factory.mktemp("undisturbed") / "project")
     begin = time.monotonic()
-    project.run(*TARGETS)
+    replace(project, python=forked).run(*TARGETS)
     project.seconds = time.monotonic() - begin
     return project
 
@@ -29,10 +29,10 @@ def undisturbed(project):
 
 
 @pytest.fixture(scope="session")
-def on_two_cores(project, tmp_path_factory):
+def on_two_cores(project, tmp_path_factory, forked):
     """The same project, run on two cores into a results root of its own."""
     other = replace(project, out=str(tmp_path_factory.mktemp("two") / "out"))
-    other.run(*TARGETS, cores=2)
+    replace(other, python=forked).run(*TARGETS, cores=2)
     return other
 
 

@@ -29,7 +29,9 @@ def test_two_runs_on_one_core_and_on_two(undisturbed, on_two_cores):
     assert on_two_cores.results() == undisturbed
 
 
-def test_a_run_killed_at_random_moments_and_finished_by_the_next(project, undisturbed, elsewhere):
+def test_a_run_killed_at_random_moments_and_finished_by_the_next(
+    project, undisturbed, elsewhere, forked
+):
     for share in np.random.default_rng(20011).uniform(0.4, 0.9, 2):
         run = elsewhere.start("--nolock", *TARGETS)
         with suppress(subprocess.TimeoutExpired):
@@ -37,7 +39,7 @@ def test_a_run_killed_at_random_moments_and_finished_by_the_next(project, undist
         kill(run)
         # Whatever a reader can see is whole.
         assert elsewhere.results().items() <= undisturbed.items()
-    elsewhere.run("--nolock", *TARGETS)
+    replace(elsewhere, python=forked).run("--nolock", *TARGETS)
     assert elsewhere.results() == undisturbed
 
 
