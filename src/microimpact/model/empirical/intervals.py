@@ -30,21 +30,13 @@ TOLERANCE = 1e-6
 
 
 class Intervals(NamedTuple):
-    """Intervals of v_c of r data sets.
+    """Intervals of v_c of r data sets."""
 
-    Attributes
-    ----------
-    ends
-        Lower and upper ends (r, 2), m/s.
-    limited
-        Whether an end is set by the admissible range, 0 to the slowest rebound (r, 2).
-    least, at
-        The least chi-square met on the way (r,), and ln(k, p, kappa, q, v_c) (r, 5) there, in units
-        of the slowest rebounds: below that of the fit, if this overlooked a minimum.
-    """
-
-    ends: FloatArray
+    ends: FloatArray  # Lower and upper ends (r, 2), m/s
+    # Whether an end is set by the admissible range, 0 to the slowest rebound (r, 2).
     limited: BoolArray
+    # The least chi-square met on the way (r,), and ln(k, p, kappa, q, v_c) (r, 5) there, in units
+    # of the slowest rebounds: below that of the fit, if this overlooked a minimum.
     least: FloatArray
     at: FloatArray
 
@@ -52,13 +44,9 @@ class Intervals(NamedTuple):
 def profile_batch(sets: DataSets, fit: BatchFit, v_c: ArrayLike) -> FloatArray:
     """Return the least chi-square (r,) of every data set for a given v_c.
 
-    Parameters
-    ----------
-    sets, fit
-        The data and their fit, from which the search starts, beside one start of its own.
-    v_c
-        Capture velocity, one number or (r,), m/s; infinite chi-square where it is above the
-        slowest rebound.
+    `sets`, `fit`: the data and their fit, from which the search starts, beside one start of its
+    own; `v_c`: capture velocity, one number or (r,), m/s; infinite chi-square where it is above the
+    slowest rebound.
     """
     given = np.broadcast_to(checked("v_c", v_c, NON_NEGATIVE), sets.unit.shape) / sets.unit
     gap, logs = np.maximum(1.0 - given, CLOSEST), fit.logs(sets)[:, :V_C]
@@ -72,13 +60,8 @@ def interval_batch(sets: DataSets, fit: BatchFit, rise: ArrayLike) -> Intervals:
     From the fit outwards, the first v_c at which the least chi-square over all other parameters
     exceeds that of the fit by more than the rise admitted.
 
-    Parameters
-    ----------
-    sets, fit
-        The data and their fit.
-    rise
-        Admissible rise of chi-square above the minimum, positive, of a shape that broadcasts to
-        (r,).
+    `sets`, `fit`: the data and their fit; `rise`: admissible rise of chi-square above the minimum,
+    positive, of a shape that broadcasts to (r,).
     """
     count = len(sets.unit)
     limit = np.broadcast_to(np.sqrt(checked("rise", rise, POSITIVE)), count)

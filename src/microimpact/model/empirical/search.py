@@ -51,19 +51,8 @@ STARTS = (
 def model(v: FloatArray, logs: FloatArray, end: float, gap: float) -> tuple[FloatArray, FloatArray]:
     """Eq. (34) at v_c = end - gap, and its slopes in ln(k, p, kappa, q) and ln(gap).
 
-    Parameters
-    ----------
-    v
-        Speeds (n,), positive.
-    logs
-        ln k, ln p, ln kappa, ln q.
-    end, gap
-        No speed above v_c may lie below ``end``, or the slope in ln(gap) is unbounded.
-
-    Returns
-    -------
-    tuple
-        e (n,) and slopes (n, 5).
+    e (n,) and slopes (n, 5). `v`: speeds (n,), positive; `logs`: ln k, ln p, ln kappa, ln q; `end`,
+    `gap`: no speed above v_c may lie below ``end``, or the slope in ln(gap) is unbounded.
     """
     p, q = np.exp(logs[1]), np.exp(logs[Q])
     excess = (v - end) + gap
@@ -106,14 +95,9 @@ class Found(NamedTuple):
 def descend(search: Search, x: FloatArray) -> Found:
     """Lower the sums of squares from x as far as possible within the box.
 
-    Parameters
-    ----------
-    search
-        The data, and the box of ln(k, p, kappa, q, gap); a variable whose bounds are equal is
-        fixed.
-    x
-        Starts ln(k, p, kappa, q, gap), (s, 5), s a multiple of m: those of all searches once, then
-        again.
+    `search`: the data, and the box of ln(k, p, kappa, q, gap); a variable whose bounds are equal is
+    fixed; `x`: starts ln(k, p, kappa, q, gap), (s, 5), s a multiple of m: those of all searches
+    once, then again.
     """
     start = np.resize(np.arange(len(search.end)), len(x))
     x = np.clip(x, search.low[start], search.high[start])
@@ -127,24 +111,16 @@ ARRAYS = ("v", "e", "weight", "unit", "top")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DataSets:
-    """Data sets (r, n), checked, in units of the slowest rebounding speed of each.
+    """Data sets (r, n), checked, in units of the slowest rebounding speed of each."""
 
-    Attributes
-    ----------
-    v, e, weight
-        Speeds, coefficients of restitution and 1/sigma; weight 0 for a datum that is not there.
-    unit, top
-        The slowest rebounding speed (r,), m/s, and the largest speed in its units.
-    q
-        Exponent of Eq. (33), or None where it is free.
-    """
-
+    # Speeds, coefficients of restitution and 1/sigma; weight 0 for a datum that is not there.
     v: FloatArray
     e: FloatArray
     weight: FloatArray
+    # The slowest rebounding speed (r,), m/s, and the largest speed in its units.
     unit: FloatArray
     top: FloatArray
-    q: float | None
+    q: float | None  # Exponent of Eq. (33), or None where it is free.
 
     def select(self, rows: slice | Places) -> DataSets:
         """Return some of the data sets."""
@@ -167,24 +143,12 @@ class Ranges(NamedTuple):
 def data_sets(v: ArrayLike, e: ArrayLike, weight: ArrayLike, q: float | None = None) -> DataSets:
     """Return data sets ready to be fitted.
 
-    Parameters
-    ----------
-    v
-        Normal impact speeds, (n,) or (r, n), m/s; positive.
-    e
-        Coefficients of restitution (r, n), 0 or more; 0 for a captured sphere.
-    weight
-        1/sigma, of a shape that broadcasts to (r, n); 0 leaves a datum out.
-    q
-        Exponent of Eq. (33), positive; None: free.
-
-    Raises
-    ------
-    TypeError
-        If an argument does not hold real numbers.
-    ValueError
-        If a number is out of range, or a data set has too few points from its smallest rebounding
-        speed upwards: fewer than free parameters and one more.
+    `v`: normal impact speeds, (n,) or (r, n), m/s; positive; `e`: coefficients of restitution (r,
+    n), 0 or more; 0 for a captured sphere; `weight`: 1/sigma, of a shape that broadcasts to (r, n);
+    0 leaves a datum out; `q`: exponent of Eq. (33), positive; None: free. Raises TypeError if an
+    argument does not hold real numbers. Raises ValueError if a number is out of range, or a data
+    set has too few points from its smallest rebounding speed upwards: fewer than free parameters
+    and one more.
     """
     measured = np.array(checked("e", e, NON_NEGATIVE), ndmin=2)
     speed = np.broadcast_to(checked("v", v, POSITIVE), measured.shape)
@@ -266,28 +230,16 @@ def _bounds(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BatchFit(Columns):
-    """Fits of r data sets.
+    """Fits of r data sets."""
 
-    Attributes
-    ----------
-    parameters
-        k, p, kappa, q, v_c (r, 5); speeds in m/s.
-    chi_square
-        Weighted sum of squares (r,).
-    at_bound
-        Which of them are free and ended on a bound (r, 5): v_c at 0, at the slowest rebounding
-        speed or at a captured one.
-    converged
-        Whether the search ended by its tolerance, or at a misfit that is rounding (r,).
-    agreeing
-        Number of starts that led to the minimum (r,).
-    """
-
-    parameters: FloatArray
-    chi_square: FloatArray
+    parameters: FloatArray  # k, p, kappa, q, v_c (r, 5); speeds in m/s
+    chi_square: FloatArray  # Weighted sum of squares (r,)
+    # Which of them are free and ended on a bound (r, 5): v_c at 0, at the slowest rebounding speed
+    # or at a captured one.
     at_bound: BoolArray
+    # Whether the search ended by its tolerance, or at a misfit that is rounding (r,).
     converged: BoolArray
-    agreeing: Places
+    agreeing: Places  # Number of starts that led to the minimum (r,)
 
     @property
     def v_c(self) -> FloatArray:
@@ -318,21 +270,10 @@ def fit_batch(
 ) -> BatchFit:
     """Fit Eq. (34) to every data set by weighted least squares.
 
-    Parameters
-    ----------
-    sets
-        From `data_sets`.
-    starts
-        Number of searches for each data set, 1 to 5; the lowest counts.
-    guess
-        One more start, ln(k, p, kappa, q, v_c) (r, 5) in units of the slowest rebounds.
-    tolerance
-        Share of chi-square by which the last step of a search may still lower it.
-
-    Raises
-    ------
-    ValueError
-        If ``starts`` is out of range.
+    `sets`: from `data_sets`; `starts`: number of searches for each data set, 1 to 5; the lowest
+    counts; `guess`: one more start, ln(k, p, kappa, q, v_c) (r, 5) in units of the slowest
+    rebounds; `tolerance`: share of chi-square by which the last step of a search may still lower
+    it. Raises ValueError if ``starts`` is out of range.
     """
     if not 1 <= starts <= len(STARTS):
         raise ValueError(f"starts must be 1 to {len(STARTS)}, got {starts}")
@@ -375,21 +316,9 @@ def profile(
 ) -> tuple[FloatArray, FloatArray]:
     """Search with v_c held.
 
-    Parameters
-    ----------
-    sets
-        The data.
-    gap
-        v_c is 1 - gap (r,), in units of the slowest rebounds.
-    starts
-        Starts ln(k, p, kappa, q) (r, 4).
-    fresh
-        Whether to try one start more, that does not depend on those.
-
-    Returns
-    -------
-    tuple
-        Least chi-square (r,), and ln(k, p, kappa, q) (r, 4) there.
+    Least chi-square (r,), and ln(k, p, kappa, q) (r, 4) there. `sets`: the data; `gap`: v_c is 1 -
+    gap (r,), in units of the slowest rebounds; `starts`: starts ln(k, p, kappa, q) (r, 4); `fresh`:
+    whether to try one start more, that does not depend on those.
     """
     owner, fixed = np.arange(len(gap)), np.log(gap)
     search = searches(sets, owner, np.ones(len(gap)), fixed, fixed)

@@ -39,31 +39,17 @@ IMPULSE = 1  # row of the impulse in the table, beside RESTITUTION
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Rebounds:
-    """e and the supporting impulse of one contact over the normal speed, to a stated error.
+    """e and the supporting impulse of one contact over the normal speed, to a stated error."""
 
-    Attributes
-    ----------
-    contact, basis
-        The contact, and the force that supports friction.
-    capture_velocity
-        m/s; 0 where nothing is captured.
-    unit
-        The table's variable is v/unit, less 1 where spheres are captured; m/s.
-    table
-        Polynomials of `RESTITUTION` and `IMPULSE`, the impulse per mass and normal speed.
-    fastest
-        Normal speed up to which it holds, m/s.
-    error
-        Bound of the error of both, as a share of 1 or of the number if this is larger.
-    """
-
+    # The contact, and the force that supports friction.
     contact: Contact
     basis: str
-    capture_velocity: float
-    unit: float
+    capture_velocity: float  # m/s; 0 where nothing is captured
+    unit: float  # The table's variable is v/unit, less 1 where spheres are captured; m/s
+    # Polynomials of `RESTITUTION` and `IMPULSE`, the impulse per mass and normal speed.
     table: Table
-    fastest: float
-    error: float
+    fastest: float  # Normal speed up to which it holds, m/s
+    error: float  # Bound of the error of both, as a share of 1 or of the number if this is larger
 
     @property
     def offset(self) -> float:
@@ -92,21 +78,10 @@ def rebounds(
 ) -> Rebounds:
     """Return the rebound law of one contact up to a normal speed.
 
-    Parameters
-    ----------
-    contact, family
-        The contact, and the family it was tabulated in.
-    fastest
-        m/s.
-    basis
-        Force that supports friction.
-    tolerance
-        Largest error of both, see `Rebounds`.
-
-    Raises
-    ------
-    ValueError
-        If there are several contacts, none rebounds up to ``fastest``, or no table is that close.
+    `contact`, `family`: the contact, and the family it was tabulated in; `fastest`: m/s; `basis`:
+    force that supports friction; `tolerance`: largest error of both, see `Rebounds`. Raises
+    ValueError if there are several contacts, none rebounds up to ``fastest``, or no table is that
+    close.
     """
     if contact.shape:
         raise ValueError(f"contact must be a single one to be exported, got {contact.shape}")

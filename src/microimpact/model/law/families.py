@@ -47,30 +47,18 @@ class NoTableError(ValueError):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Family:
-    """Contacts that differ in their velocity scale V alone.
+    """Contacts that differ in their velocity scale V alone."""
 
-    Attributes
-    ----------
-    hertz, adhesion, exponent
-        With rho = V over ``velocity_scale``: ``C_H = hertz rho`` and
-        ``C_A = adhesion rho^(1-n) (v/V)^-n``, n the exponent. Without adhesion damping of the
-        material counts as c_H v, and ``hertz`` is 1 (0 where there is none).
-    damped_attachment
-        As in `Contact`.
-    adhesive
-        Whether there is adhesion.
-    velocity_scale
-        The middle of the velocity scales, m/s.
-    half_width
-        Half the width of ln V; zero where the damping groups are the same for all V.
-    """
-
+    # With rho = V over ``velocity_scale``: ``C_H = hertz rho`` and ``C_A = adhesion rho^(1-n)
+    # (v/V)^-n``, n the exponent. Without adhesion damping of the material counts as c_H v, and
+    # ``hertz`` is 1 (0 where there is none).
     hertz: float
     adhesion: float
     exponent: float
-    damped_attachment: bool
-    adhesive: bool
-    velocity_scale: float
+    damped_attachment: bool  # As in `Contact`
+    adhesive: bool  # Whether there is adhesion
+    velocity_scale: float  # The middle of the velocity scales, m/s
+    # Half the width of ln V; zero where the damping groups are the same for all V.
     half_width: float
 
     @property
@@ -82,10 +70,8 @@ class Family:
     def of(cls, contact: Contact) -> Family:
         """Return the smallest family that holds all contacts of an array.
 
-        Raises
-        ------
-        NoTableError
-            If they share neither their damping nor their damping groups, or only some adhere.
+        Raises NoTableError if they share neither their damping nor their damping groups, or only
+        some adhere.
         """
         scale, c_h, c_a, n = (
             np.asarray(value)
@@ -145,10 +131,7 @@ class Family:
     def require(self, contact: Contact) -> None:
         """Refuse contacts that are damped otherwise than the family is.
 
-        Raises
-        ------
-        NoTableError
-            Naming what must be the same.
+        Raises NoTableError, naming what must be the same.
         """
         if not (self._damped_so(contact) if self.adhesive else self._bare_too(contact)):
             raise NoTableError(

@@ -31,25 +31,14 @@ Sampled = Callable[[FloatArray, FloatArray], FloatArray]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Table:
-    """Polynomials in x and g.
+    """Polynomials in x and g."""
 
-    Attributes
-    ----------
-    coefficients
-        Of powers of the places within band and piece, (bands, pieces, widths, WIDTH, DEGREE + 1);
-        bands are equal parts of g's interval.
-    lowest
-        Binary exponent of the first octave.
-    split
-        Pieces per octave.
-    error
-        Largest difference from the function at points between the nodes, relative.
-    """
-
+    # Of powers of the places within band and piece, (bands, pieces, widths, WIDTH, DEGREE + 1);
+    # bands are equal parts of g's interval.
     coefficients: FloatArray
-    lowest: int
-    split: int
-    error: float
+    lowest: int  # Binary exponent of the first octave
+    split: int  # Pieces per octave
+    error: float  # Largest difference from the function at points between the nodes, relative
 
     @property
     def pieces(self) -> int:
@@ -72,17 +61,10 @@ def compiled(
 ) -> Compiled:
     """Return a law as compiled passes take it: polynomials of both tables row by row.
 
-    Parameters
-    ----------
-    slowness
-        Chebyshev coefficients in g of one over the threshold of x; empty without threshold, where
-        ``rebounds`` is a table over x itself.
-    captures, rebounds
-        Tables over x over the threshold, and over that less one.
-    gap
-        So close below one, the table is not asked.
-    error
-        Bound of the relative errors.
+    `slowness`: chebyshev coefficients in g of one over the threshold of x; empty without threshold,
+    where ``rebounds`` is a table over x itself; `captures`, `rebounds`: tables over x over the
+    threshold, and over that less one; `gap`: so close below one, the table is not asked; `error`:
+    bound of the relative errors.
     """
     both = captures, rebounds
     rows = [t.coefficients.reshape(-1, *t.coefficients.shape[2:]) for t in both if t.pieces]
@@ -135,16 +117,9 @@ def piecewise(
 ) -> Table:
     """Return the table of a function.
 
-    Parameters
-    ----------
-    sampled
-        The function; quantities that are not wanted are zero.
-    lowest, octaves
-        Binary exponent of the first octave of x, in the sense of `math.frexp`, and their number.
-    split
-        Pieces per octave.
-    widths, bands
-        Nodes in g in a band, and number of bands.
+    `sampled`: the function; quantities that are not wanted are zero; `lowest`, `octaves`: binary
+    exponent of the first octave of x, in the sense of `math.frexp`, and their number; `split`:
+    pieces per octave; `widths`, `bands`: nodes in g in a band, and number of bands.
     """
 
     def points(along: FloatArray, across: FloatArray) -> tuple[FloatArray, ...]:

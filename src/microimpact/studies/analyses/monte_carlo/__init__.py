@@ -51,62 +51,34 @@ ESTIMATES, SAMPLING, ABLATION, INFERENCE, LONG_RUN = range(5)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Variant:
-    """A surface and rules by which it is struck.
+    """A surface and rules by which it is struck."""
 
-    Attributes
-    ----------
-    name
-        In tables and in the figure.
-    drawn
-        Whether it is in the figure; of all others the slope is inferred only.
-    rules
-        Facets hit and events observed.
-    two_axes
-        Whether the surface slopes across the motion as it does along it.
-    slope
-        Distribution of the slope in place of the process's.
-    """
-
-    name: Name
-    drawn: bool
-    rules: Rules
-    two_axes: bool = False
-    slope: Distribution | None = None
+    name: Name  # In tables and in the figure
+    drawn: bool  # Whether it is in the figure; of all others the slope is inferred only
+    rules: Rules  # Facets hit and events observed
+    two_axes: bool = False  # Whether the surface slopes across the motion as it does along it
+    slope: Distribution | None = None  # Distribution of the slope in place of the process's
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """What is drawn, what an impact does, and what is asked of the ensembles.
+    """What is drawn, what an impact does, and what is asked of the ensembles."""
 
-    Attributes
-    ----------
-    seed
-        Root of every draw.
-    model
-        ``"rigid_body"``: e of simulated normal impacts and Coulomb friction. ``"simulation"``: the
-        equations of motion for every impact.
-    smooth
-        Case of the smooth surface of the ensembles.
-    process, correlation, variants, plan
-        See `_monte_carlo`.
-    angles_deg, reference_angle_deg
-        Nominal angles, and that from which relative restitution counts.
-    points
-        Of the deterministic curves.
-    events_measured
-        Events behind one measured mean, for the band of such means.
-    """
-
-    seed: Annotated[int, Field(ge=0)]
+    seed: Annotated[int, Field(ge=0)]  # Root of every draw
+    # ``"rigid_body"``: e of simulated normal impacts and Coulomb friction. ``"simulation"``: the
+    # equations of motion for every impact.
     model: Literal["rigid_body", "simulation"]
-    smooth: CaseName
+    smooth: CaseName  # Case of the smooth surface of the ensembles
+    # See `_monte_carlo`.
     process: Process
     correlation: Correlation
     variants: Annotated[tuple[Variant, ...], Field(min_length=1), Keyed("name")]
     plan: Plan
+    # Nominal angles, and that from which relative restitution counts.
     angles_deg: Annotated[tuple[AngleDegrees, ...], Field(min_length=2)]
     reference_angle_deg: AngleDegrees
-    points: Annotated[int, Field(ge=10)]
+    points: Annotated[int, Field(ge=10)]  # Of the deterministic curves
+    # Events behind one measured mean, for the band of such means.
     events_measured: Annotated[int, Field(ge=2)]
     comparison: Comparison
     ablation: Ablation
@@ -143,14 +115,11 @@ Numbered = tuple[int, list[float]]
 def run(params: Params, inputs: Tables) -> Tables:
     """Draw impacts on rough surfaces over angles of incidence.
 
-    Returns
-    -------
-    mapping
-        ``fig23``: relative e and -mu against the angle in degrees, of the smooth surface and of
-        every drawn variant, with bands of two standard errors and, of the first, of measured means.
-        ``monte_carlo``: means, errors and rejected shares; empty where the smooth surface captures.
-        ``monte_carlo_sampling``, ``monte_carlo_ablation``, ``slope_inference``: see `tables` and
-        `slope_inference`.
+    ``fig23``: relative e and -mu against the angle in degrees, of the smooth surface and of every
+    drawn variant, with bands of two standard errors and, of the first, of measured means.
+    ``monte_carlo``: means, errors and rejected shares; empty where the smooth surface captures.
+    ``monte_carlo_sampling``, ``monte_carlo_ablation``, ``slope_inference``: see `tables` and
+    `slope_inference`.
     """
     return gather(params, inputs, [part(params, inputs, 0, 1)])
 
@@ -204,24 +173,11 @@ def stream(
 
     Memory does not grow with the number of events, and a bar on the terminal shows how far it is.
 
-    Parameters
-    ----------
-    params, inputs
-        As for `run`.
-    variant
-        Name of one of the variants.
-    angle_deg
-        Nominal angle of incidence from the surface.
-    events
-        Number of events, rounded up to whole replicates of `BLOCK`; a longer run begins with the
-        events of a shorter one.
-    threads
-        That share the work; results do not depend on it.
-
-    Raises
-    ------
-    ValueError
-        If there is no such variant, or no event is asked for.
+    `params`, `inputs`: as for `run`; `variant`: name of one of the variants; `angle_deg`: nominal
+    angle of incidence from the surface; `events`: number of events, rounded up to whole replicates
+    of `BLOCK`; a longer run begins with the events of a shorter one; `threads`: that share the
+    work; results do not depend on it. Raises ValueError if there is no such variant, or no event is
+    asked for.
     """
     numbers = {item.name: number for number, item in enumerate(params.variants)}
     if variant not in numbers:

@@ -30,33 +30,20 @@ COVERAGE = 1.96
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SlopeInference:
-    """Measured restitution at an angle, how well it is known, and where slopes are sought.
+    """Measured restitution at an angle, how well it is known, and where slopes are sought."""
 
-    Attributes
-    ----------
-    angle_deg, restitution
-        What is printed.
-    angle_half_width_deg, restitution_half_width
-        Half-widths of the angle as printed, and of the smooth surface's restitution.
-    events_measured
-        Events behind one measured mean.
-    smallest_sd, largest_sd
-        Between which the standard deviation of the slope is sought.
-    laboratory_sd
-        That of the virtual laboratory, per axis.
-    plan
-        Events drawn.
-    """
-
+    # What is printed.
     angle_deg: AngleDegrees
     restitution: NonNegative
+    # Half-widths of the angle as printed, and of the smooth surface's restitution.
     angle_half_width_deg: NonNegative
     restitution_half_width: NonNegative
-    events_measured: Count
+    events_measured: Count  # Events behind one measured mean
+    # Between which the standard deviation of the slope is sought.
     smallest_sd: Positive
     largest_sd: Positive
-    laboratory_sd: Positive
-    plan: Plan
+    laboratory_sd: Positive  # That of the virtual laboratory, per axis
+    plan: Plan  # Events drawn
 
     def __post_init__(self) -> None:
         """Refuse an empty interval."""
@@ -83,14 +70,8 @@ def infer_slope(
     slope. The uncertainty has four parts: the interval of a mean of so many events, angle and
     smooth restitution within their half-widths, and the number of events drawn.
 
-    Parameters
-    ----------
-    ensemble
-        Rules, model and all parameters but the slope, which is taken as normal.
-    settings
-        What is to be met.
-    two_axes
-        Whether the surface slopes across the motion too.
+    `ensemble`: rules, model and all parameters but the slope, which is taken as normal; `settings`:
+    what is to be met; `two_axes`: whether the surface slopes across the motion too.
     """
     ensemble = replace(ensemble, plan=settings.plan)
 

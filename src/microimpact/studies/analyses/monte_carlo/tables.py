@@ -101,14 +101,8 @@ def ablation_table(
 ) -> pd.DataFrame:
     """Return what each source of scatter does alone, as a share of what all do together.
 
-    Parameters
-    ----------
-    ensembles
-        Of all sources, by variant.
-    base
-        All parameters at their means.
-    settings
-        Angles and sources.
+    `ensembles`: of all sources, by variant; `base`: all parameters at their means; `settings`:
+    angles and sources.
     """
     rows = []
     for variant, ensemble in ensembles.items():

@@ -29,21 +29,13 @@ FOREIGN = "ring force, another n"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Averaged:
-    """Data sets of several true curves, each fitted by all models.
+    """Data sets of several true curves, each fitted by all models."""
 
-    Attributes
-    ----------
-    cases
-        Contacts with a ring force; a last one has the damping of the last at v_c, but falling with
-        the rate exponent ``foreign_rate_exponent``, which no model has.
-    viscous_work_of_adhesion_J_per_m2, viscous_time_ns
-        Of the JKR contact with a viscous bulk; materials and size as of the first case.
-    sets
-        Data sets per truth and design.
-    """
-
+    # Contacts with a ring force; a last one has the damping of the last at v_c, but falling with
+    # the rate exponent ``foreign_rate_exponent``, which no model has.
     cases: Annotated[tuple[CaseName, ...], Field(min_length=1)]
     foreign_rate_exponent: NonNegative
+    # Of the JKR contact with a viscous bulk; materials and size as of the first case.
     viscous_work_of_adhesion_J_per_m2: Positive  # noqa: N815
     viscous_time_ns: NonNegative
     lowest_speeds_in_v_c: Annotated[
@@ -51,7 +43,7 @@ class Averaged:
     ]
     noise_of_e: Annotated[tuple[Positive, ...], Field(min_length=1)]
     points: Annotated[tuple[Annotated[int, Field(ge=8)], ...], Field(min_length=1)]
-    sets: Count
+    sets: Count  # Data sets per truth and design
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
