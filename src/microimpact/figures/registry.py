@@ -129,10 +129,7 @@ class FigureSpec:
 def figure_spec(name: str, entry: object) -> FigureSpec:
     """Return the entry of one figure.
 
-    Raises
-    ------
-    RegistryError
-        Naming the dotted key of every problem, one line each.
+    Raises RegistryError, naming the dotted key of every problem, one line each.
     """
     if not isinstance(entry, Mapping):
         raise RegistryError(f"{name}: {entry!r} must be a mapping")
@@ -145,10 +142,7 @@ def figure_spec(name: str, entry: object) -> FigureSpec:
 def registry(entries: Mapping[str, Mapping[str, Any]]) -> dict[str, FigureSpec]:
     """Return all figures of a registry, in order of their names.
 
-    Raises
-    ------
-    RegistryError
-        Naming the dotted key of every problem in any figure, one line each.
+    Raises RegistryError, naming the dotted key of every problem in any figure, one line each.
     """
     found, problems = {}, []
     for name in sorted(entries, key=_order):
@@ -171,10 +165,7 @@ def filled(entries: Mapping[str, Any], branches: Mapping[str, Mapping[str, Any]]
     of that name, ``[[targets.speed]]`` for one within another, so that no word on a figure
     contradicts a changed configuration.
 
-    Raises
-    ------
-    RegistryError
-        If a study is not known, or has no parameter of that name.
+    Raises RegistryError if a study is not known, or has no parameter of that name.
     """
     result = {}
     for name, entry in entries.items():

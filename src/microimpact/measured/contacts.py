@@ -30,10 +30,7 @@ BODY = tuple(field.name for field in fields(Material))
 def write_contacts(path: Path | str, contact: Contact, best: Contact) -> None:
     """Write a contact, or an array of them (draws,), and the best one as JSON in SI units.
 
-    Raises
-    ------
-    OSError
-        If the file cannot be written.
+    Raises OSError if the file cannot be written.
     """
     record: dict[str, Any] = {
         role: {name: getattr(getattr(contact, role), name) for name in BODY}
@@ -54,17 +51,9 @@ def _number(value: Any) -> float | None:
 def read_contacts(path: Path | str) -> tuple[Contact, Contact]:
     """Read what `write_contacts` wrote.
 
-    Returns
-    -------
-    tuple
-        The contact, its arrays of shape (draws, 1), to broadcast with speeds; and the best one.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be read.
-    ValueError
-        If it is no such file, or a number is out of range.
+    The contact, its arrays of shape (draws, 1), to broadcast with speeds; and the best one. Raises
+    OSError if the file cannot be read. Raises ValueError if it is no such file, or a number is out
+    of range.
     """
     name = Path(path).name
     try:

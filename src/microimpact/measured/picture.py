@@ -24,19 +24,9 @@ WIDTH_INCH, HEIGHT_INCH, POINTS = 6.9, 4.1, 400
 def draw(data: Rebounds, found: Comparison, path: Path | str) -> None:
     """Draw data, models, interval of v_c, and residuals of the best model.
 
-    Parameters
-    ----------
-    data, found
-        The measurements and the comparison made of them.
-    path
-        File to be written, of one of `FORMATS`.
-
-    Raises
-    ------
-    ValueError
-        If the ending is another.
-    OSError
-        If the file cannot be written.
+    `data`, `found`: the measurements and the comparison made of them; `path`: file to be written,
+    of one of `FORMATS`. Raises ValueError if the ending is another. Raises OSError if the file
+    cannot be written.
     """
     if Path(path).suffix not in FORMATS:
         raise ValueError(f"plot must end in {', '.join(FORMATS)}, got {str(path)!r}")

@@ -28,40 +28,20 @@ _HEADER = re.compile(r"\s*(\w+?)(?:\s*[(\[]\s*([^)\]]*?)\s*[)\]]|_([a-z]+)_per_(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Rebounds:
-    """Measured normal impacts.
+    """Measured normal impacts."""
 
-    Attributes
-    ----------
-    v
-        Speeds before impact (n,), m/s.
-    e
-        Coefficients of restitution (n,); 0 where captured.
-    sigma
-        Standard deviations of e (n,), or None.
-    """
-
-    v: FloatArray
-    e: FloatArray
-    sigma: FloatArray | None
+    v: FloatArray  # Speeds before impact (n,), m/s
+    e: FloatArray  # Coefficients of restitution (n,); 0 where captured
+    sigma: FloatArray | None  # Standard deviations of e (n,), or None
 
 
 def read_rebounds(path: Path | str, unit: str | None = None) -> Rebounds:
     """Read a CSV file with the columns `COLUMNS`, of which v and e or V are needed.
 
-    Parameters
-    ----------
-    path
-        The file; lines that begin with ``#`` are comments. A captured sphere has ``captured`` yes,
-        or e (or V) 0.
-    unit
-        Unit of the speeds, one of `SPEED_UNITS`, where the header does not say it; m/s else.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be read.
-    ValueError
-        Naming file, line, column, value and what is allowed.
+    `path`: the file; lines that begin with ``#`` are comments. A captured sphere has ``captured``
+    yes, or e (or V) 0; `unit`: unit of the speeds, one of `SPEED_UNITS`, where the header does not
+    say it; m/s else. Raises OSError if the file cannot be read. Raises ValueError, naming file,
+    line, column, value and what is allowed.
     """
     name = Path(path).name
     lines = Path(path).read_text(encoding="utf-8-sig").splitlines()

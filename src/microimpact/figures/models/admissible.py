@@ -37,18 +37,9 @@ APART = 1.08
 def draw_pairs(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     """Draw marginals and pairs of the draws, beside the two-stage estimates.
 
-    Parameters
-    ----------
-    tables
-        Panels ``limit``, ``share`` (densities), ``work``, ``rate`` (pairs), a series per variant;
-        those named two-stage are single contacts.
-    spec
-        Registry entry.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Four panels in two columns, one legend above.
+    Four panels in two columns, one legend above. `tables`: panels ``limit``, ``share`` (densities),
+    ``work``, ``rate`` (pairs), a series per variant; those named two-stage are single contacts;
+    `spec`: registry entry.
     """
     figure, axes = style.new_figure(spec, COLUMNS)
     for name, panel in spec.panels.items():
@@ -93,17 +84,8 @@ def _draw_pairs(ax: Axes, rows: pd.DataFrame, panel: PanelSpec, name: str) -> No
 def draw_bands(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     """Draw e against the speed: bands of the draws, single contacts, printed facts.
 
-    Parameters
-    ----------
-    tables
-        One table, a panel per pair; series with bounds at many speeds are bands.
-    spec
-        Registry entry.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        A panel per pair, abscissas logarithmic, each with a legend.
+    A panel per pair, abscissas logarithmic, each with a legend. `tables`: one table, a panel per
+    pair; series with bounds at many speeds are bands; `spec`: registry entry.
     """
     (table,) = tables.values()
     figure, axes = style.new_figure(spec)

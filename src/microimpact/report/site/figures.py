@@ -94,16 +94,9 @@ def figures(
 ) -> list[Figure]:
     """Return all figures of a run, those of the article first.
 
-    Parameters
-    ----------
-    results
-        Results folder; a figure that is not there is left out.
-    record
-        Registry and rules of the run.
-    ledgers
-        Rows of ``claims`` and ``equations``.
-    declared
-        Rows of the table of inputs.
+    `results`: results folder; a figure that is not there is left out; `record`: registry and rules
+    of the run; `ledgers`: rows of ``claims`` and ``equations``; `declared`: rows of the table of
+    inputs.
     """
     needed = needs(record.rules)
     own = [entry["study"] for entry in record.figures.values()]

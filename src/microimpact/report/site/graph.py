@@ -69,12 +69,8 @@ class Picture:
 def picture(needed: Mapping[str, Sequence[str]], figures: Mapping[str, str]) -> Picture:
     """Lay out the rules from left to right, each to the right of all it needs.
 
-    Parameters
-    ----------
-    needed
-        The rules that each rule needs.
-    figures
-        The words on each rule that draws a figure; these are together in the last layer.
+    `needed`: the rules that each rule needs; `figures`: the words on each rule that draws a figure;
+    these are together in the last layer.
     """
     layers = _ordered(_layers(needed, set(figures)), needed)
     tallest = max((len(layer) for layer in layers), default=0)

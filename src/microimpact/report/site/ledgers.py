@@ -74,10 +74,7 @@ class Count:
 def read_rows(path: Path, columns: Sequence[str] = ()) -> list[Row]:
     """Return the rows of a table as text; none if there is no such file.
 
-    Raises
-    ------
-    MissingColumnError
-        If the table lacks one of the columns.
+    Raises MissingColumnError if the table lacks one of the columns.
     """
     if not path.is_file():
         return []

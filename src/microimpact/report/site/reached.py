@@ -37,10 +37,7 @@ class _Module:
 def reached(*starts: str) -> frozenset[str]:
     """Return the full names of all that can be called from functions of the package.
 
-    Parameters
-    ----------
-    starts
-        Full names, as ``microimpact.studies.models.coulomb_friction.run``.
+    `starts`: full names, as ``microimpact.studies.models.coulomb_friction.run``.
     """
     found, waiting, attributes = set[str](), list(starts), set[str]()
     possible = set[str]()

@@ -33,49 +33,31 @@ _ROW_NAMES = ("material", "particle", "surface", "key", "name")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rule:
-    """One rule of the workflow.
+    """One rule of the workflow."""
 
-    Attributes
-    ----------
-    name, purpose
-        Its name and docstring.
-    inputs, outputs
-        Results it reads and makes, relative to the results folder.
-    declared
-        Rows of the declared tables it is given, by the table's name.
-    """
-
+    # Its name and docstring.
     name: str
     purpose: str = ""
+    # Results it reads and makes, relative to the results folder.
     inputs: tuple[str, ...] = ()
     outputs: tuple[str, ...] = ()
+    # Rows of the declared tables it is given, by the table's name.
     declared: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Record:
-    """What a site needs to know of a run.
+    """What a site needs to know of a run."""
 
-    Attributes
-    ----------
-    seed, git, python, platform, packages
-        As in the run stamp.
-    changes
-        Where the configuration differs from the shipped one.
-    figures
-        The registry, words filled in.
-    rules
-        All rules that make results; none if they are not known.
-    """
-
+    # As in the run stamp.
     seed: int
     git: Mapping[str, str | bool | None]
     python: str
     platform: str
     packages: Mapping[str, str | None]
-    changes: tuple[Change, ...]
-    figures: Mapping[str, Mapping[str, Any]]
-    rules: tuple[Rule, ...]
+    changes: tuple[Change, ...]  # Where the configuration differs from the shipped one
+    figures: Mapping[str, Mapping[str, Any]]  # The registry, words filled in
+    rules: tuple[Rule, ...]  # All rules that make results; none if they are not known
 
     def plain(self) -> dict[str, Any]:
         """Return the record as JSON would hold it."""
@@ -93,16 +75,9 @@ def record_of(
 ) -> Record:
     """Return the record of a run that is being made.
 
-    Parameters
-    ----------
-    config, shipped
-        The merged configuration, and the one that the project comes with.
-    figures
-        The registry, words filled in.
-    rules
-        All rules that make results.
-    project
-        Root of the project, whose commit is recorded.
+    `config`, `shipped`: the merged configuration, and the one that the project comes with;
+    `figures`: the registry, words filled in; `rules`: all rules that make results; `project`: root
+    of the project, whose commit is recorded.
     """
     seed: int = plain(config["seed"])
     return Record(
@@ -134,10 +109,7 @@ def row_names(rows: Mapping[str, str] | None) -> dict[str, tuple[str, ...]]:
 def from_plain(content: Mapping[str, Any], where: str = RECORD) -> Record:
     """Return the record that `Record.plain` has written.
 
-    Raises
-    ------
-    ResultsError
-        If a key is missing, unknown or of another kind.
+    Raises ResultsError if a key is missing, unknown or of another kind.
     """
     return built(Record, content, where)
 
@@ -151,10 +123,7 @@ def write_record(results: Path, record: Record) -> None:
 def read_record(results: Path) -> Record:
     """Return the record of a run.
 
-    Raises
-    ------
-    ResultsError
-        If the folder has neither record nor stamp, or a malformed one.
+    Raises ResultsError if the folder has neither record nor stamp, or a malformed one.
     """
     if (results / RECORD).is_file():
         return from_plain(read_json(results / RECORD), str(results / RECORD))
