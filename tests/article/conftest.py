@@ -7,6 +7,7 @@ import xml.etree.ElementTree as ET
 from importlib import import_module
 from pathlib import Path
 
+import pandas as pd
 import pytest
 from tests.shared import made_once
 
@@ -54,6 +55,32 @@ def shipped_calibration(run_study, tmp_path_factory):
 def calibration(shipped_calibration):
     """The calibrated cases and the family they are of, as studies take them."""
     return {name: shipped_calibration[name] for name in ("calibration", "calibration_family")}
+
+
+@pytest.fixture(scope="module")
+def admitted(calibration, settings):
+    """The function that makes up admissible contacts: those of a study, with columns changed."""
+
+    def made_up(study, changes):
+        branch, table = settings.branches[study], calibration["calibration"]
+        rows = table[(table["case"] == branch["case"]) & (table["role"] == "parameter")]
+        numbers = dict(zip(rows["quantity"], rows["value"].astype(float), strict=True))
+        row = {
+            **branch["admissible"],
+            "particle": rows["particle"].iloc[0],
+            "surface": rows["surface"].iloc[0],
+            "friction_basis": "compressive",
+            "friction": 0.15,
+            "diameter_um": 75.0,  # Another than is drawn
+            "work_of_adhesion_J_per_m2": numbers["work_of_adhesion"],
+            "hertz_damping_s_per_m": numbers["hertz_damping"],
+            "adhesion_damping_s_per_m": numbers["adhesion_damping"],
+            "rate_exponent": numbers["adhesion_rate_exponent"],
+            "reference_velocity_m_per_s": numbers.get("reference_velocity", 1.0),  # None with n = 0
+        }
+        return pd.DataFrame([row | change for change in changes])
+
+    return made_up
 
 
 @pytest.fixture(scope="session")

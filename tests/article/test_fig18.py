@@ -16,31 +16,11 @@ F = 0.15  # Section 2.4.1: plateau of the impulse ratio
 
 
 @pytest.fixture(scope="module")
-def admitted(calibration, settings):
-    """Made up: the calibrated contact with three coefficients of friction."""
-    branch = settings.branches["oblique_impact"]
-    table = calibration["calibration"]
-    rows = table[(table["case"] == branch["case"]) & (table["role"] == "parameter")]
-    pair = dict(rows[["particle", "surface"]].iloc[0])
-    numbers = dict(zip(rows["quantity"], rows["value"].astype(float), strict=True))
-    row = {
-        **branch["admissible"],
-        **pair,
-        "diameter_um": 75.0,
-        "work_of_adhesion_J_per_m2": numbers["work_of_adhesion"],
-        "hertz_damping_s_per_m": numbers["hertz_damping"],
-        "adhesion_damping_s_per_m": numbers["adhesion_damping"],
-        "rate_exponent": numbers["adhesion_rate_exponent"],
-        "reference_velocity_m_per_s": numbers["reference_velocity"],
-    }
-    bases = {0.12: "net", 0.15: "compressive", 0.18: "compressive"}
-    return pd.DataFrame([row | {"friction": f, "friction_basis": b} for f, b in bases.items()])
-
-
-@pytest.fixture(scope="module")
 def study(run_study, calibration, admitted):
     """The function that runs the study with some parameters of its own."""
-    inputs = {**calibration, "admissible_contacts": admitted}
+    bases = {0.12: "net", 0.15: "compressive", 0.18: "compressive"}
+    drawn = [{"friction": f, "friction_basis": basis} for f, basis in bases.items()]
+    inputs = {**calibration, "admissible_contacts": admitted("oblique_impact", drawn)}
     return partial(run_study, "oblique_impact", inputs)
 
 

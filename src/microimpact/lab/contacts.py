@@ -6,13 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from microimpact.core.materials import Material, materials_from_rows
 from microimpact.core.nearest import nearest
 from microimpact.core.tables import Tables
-from microimpact.declared.parameters import MaterialName, Positive
-from microimpact.model.contact import Contact
+from microimpact.declared.parameters import MaterialName, Name, Positive
+from microimpact.model.contact import Contact, resized
 from microimpact.model.pairs import Pairs, pair_contact, pairs_from_rows
 
 # Columns of the admissible contacts, and the fields of a contact that they are.
@@ -55,6 +56,42 @@ def printed_values(
     own = *pair_of(inputs, case), diameter_um, speed_m_per_s
     theirs = of.particle, of.surface, of.diameter_um, of.speed_m_per_s
     return values if own == theirs else values.iloc[:0]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Admissible:
+    """Which of the contacts that printed statements admit are shown beside a case."""
+
+    case: Name
+    variant: Name
+
+
+def admissible_beside(
+    inputs: Tables, of: Admissible, case: str, diameter: float
+) -> dict[str, Contact]:
+    """Return the admissible contacts at a diameter (m), none if they are of another pair.
+
+    Parameters
+    ----------
+    inputs
+        What `calibrated_contact` and `admissible_contact` take.
+    of, case
+        The contacts, and the case beside which they are shown.
+
+    Returns
+    -------
+    dict
+        One contact of arrays for each normal force in Coulomb's law that some were drawn with.
+    """
+    table = inputs["admissible_contacts"]
+    rows = table[(table["case"] == of.case) & (table["variant"] == of.variant)]
+    if pair_of({"calibration": rows}, of.case) != pair_of(inputs, case):
+        return {}
+    found = {}
+    for basis, own in rows.groupby("friction_basis"):
+        contact = admissible_contact({**inputs, "admissible_contacts": own}, of.case, of.variant)
+        found[str(basis)] = resized(contact, diameter)
+    return found
 
 
 def pair_of(inputs: Tables, case: str) -> tuple[str, str]:
@@ -111,6 +148,15 @@ def admissible_contact(inputs: Tables, case: str, variant: str, **changes: Any) 
     fields: dict[str, Any] = {field: table[name].to_numpy(float) for name, field in DRAWN.items()}
     fields["diameter"] = fields["diameter"] * 1e-6
     return _of_rows(inputs, table, fields).replace(**changes)
+
+
+def singles(contact: Contact) -> list[Contact]:
+    """Return each of the admissible contacts that one contact of arrays holds."""
+    fields = np.broadcast_arrays(*(getattr(contact, name) for name in DRAWN.values()))
+    return [
+        contact.replace(**dict(zip(DRAWN.values(), map(float, values), strict=True)))
+        for values in zip(*map(np.ravel, fields), strict=True)
+    ]
 
 
 def _of_rows(inputs: Tables, rows: pd.DataFrame, fields: Mapping[str, Any]) -> Contact:

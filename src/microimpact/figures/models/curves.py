@@ -16,6 +16,21 @@ from microimpact.figures.registry import FigureSpec
 COLUMNS = 2
 
 
+def _banded(tables: Tables, spec: FigureSpec) -> tuple[Figure, dict[str, Axes]]:
+    """Draw every panel; the series ``admissible`` is a band behind the others."""
+    (table,) = tables.values()
+    is_band = table["series"] == "admissible"
+
+    def prepare(ax: Axes, name: str) -> None:
+        panel = spec.panels[name]
+        rows = table[is_band & (table["panel"] == (panel.shows or name))]
+        if not rows.empty:
+            own = panel.series["admissible"]
+            style.draw_band(ax, rows, own, own.label)
+
+    return style.line_figure({spec.name: table[~is_band]}, spec, prepare=prepare)
+
+
 @style.context()
 def draw_trends(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw R, rho and e; the series ``capture velocity`` is an upright line, shaded below."""
@@ -50,7 +65,11 @@ def draw_forces(tables: Tables, spec: FigureSpec) -> Figure:
         )
         for name, panel in spec.panels.items()
     }
-    return draw_signed(tables, replace(spec, panels=panels))
+    figure, axes = _banded(tables, replace(spec, panels=panels))
+    for ax in axes.values():
+        ax.axhline(0.0, color="0.5", linewidth=0.5)
+    style.legend_above(figure, axes.values(), 3)
+    return figure
 
 
 @style.context()
@@ -72,15 +91,7 @@ def draw_oblique(tables: Tables, spec: FigureSpec) -> Figure:
     """
     (table,) = tables.values()
     limits = table[table["series"] == "capture"]
-    curves = dict.fromkeys(tables, table[~table["series"].isin(("capture", "admissible"))])
-
-    def prepare(ax: Axes, name: str) -> None:
-        rows = table[(table["panel"] == name) & (table["series"] == "admissible")]
-        if not rows.empty:
-            own = spec.panels[name].series["admissible"]
-            style.draw_band(ax, rows, own, own.label)
-
-    figure, axes = style.line_figure(curves, spec, prepare=prepare)
+    figure, axes = _banded({"": table[table["series"] != "capture"]}, spec)
     for panel, ax in axes.items():
         angle = limits[limits["panel"] == panel].iloc[:, 3].to_numpy(float)[0]
         if angle > 0.0:

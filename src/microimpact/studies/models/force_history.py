@@ -12,7 +12,14 @@ from pydantic import Field
 
 from microimpact.core.tables import Tables, result_evidence, series_frame
 from microimpact.declared.parameters import AngleDegrees, CaseName, Name, Positive, PrintedName
-from microimpact.lab.contacts import PrintedImpact, calibrated_contact, printed_values
+from microimpact.lab.contacts import (
+    Admissible,
+    PrintedImpact,
+    admissible_beside,
+    calibrated_contact,
+    printed_values,
+    singles,
+)
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.trajectory import Trajectory, trajectory
@@ -25,7 +32,12 @@ TERMS = {
     "hertz damping": "hertz_damping_force",
 }
 
-NEEDS = {"calibration": ("calibration",)}
+NEEDS = {
+    "calibration": ("calibration",),
+    "admissible_contacts": ("admissible_contacts",),
+}
+# What lies between the ends of the band, and its points in time.
+BAND, INSTANTS = (0.05, 0.5, 0.95), 200
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,6 +50,8 @@ class Params:
     angle_deg: AngleDegrees
     points: Annotated[int, Field(ge=20)]
     anchors: tuple[PrintedName, ...]
+    admissible: Admissible
+    band_contacts: Annotated[int, Field(ge=10)]  # At most so many of the admissible contacts
     printed_for: PrintedImpact  # Another impact has no printed values
     calibration_targets: tuple[Name, ...]
 
@@ -57,6 +71,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     frames = [
         frame(series, path.time * 1e9, getattr(path, name) * 1e6) for series, name in TERMS.items()
     ]
+    frames.append(admissible_band(params, inputs))
     outcome = simulate(contact, params.speed_m_per_s, params.angle_deg)
     numbers = peak_ratios(path) | {
         ("contact_time", "ns"): float(outcome.contact_time) * 1e9,
@@ -76,6 +91,26 @@ def run(params: Params, inputs: Tables) -> Tables:
         for (quantity, unit), value in numbers.items()
     )
     return {"fig20": pd.concat(frames, ignore_index=True), "force_ratios": table}
+
+
+def admissible_band(params: Params, inputs: Tables) -> pd.DataFrame:
+    """Return the band of the normal force over the admissible contacts, if they are of the pair.
+
+    The force is zero after the end of a contact.
+    """
+    diameter = params.diameter_um * 1e-6
+    found = admissible_beside(inputs, params.admissible, params.case, diameter)
+    contacts = [single for contact in found.values() for single in singles(contact)]
+    if not contacts:
+        return pd.DataFrame()
+    at, points = (params.speed_m_per_s, params.angle_deg), INSTANTS
+    step = -(-len(contacts) // params.band_contacts)
+    paths = [trajectory(contact, *at, points=points) for contact in contacts[::step]]
+    time = np.linspace(0.0, max(path.time[-1] for path in paths), points)
+    forces = [np.interp(time, path.time, path.normal_force, right=0.0) for path in paths]
+    low, middle, high = np.quantile(forces, BAND, axis=0) * 1e6
+    look = {"evidence": "calibrated", "x_unit": "ns", "y_unit": "uN", "y_low": low, "y_high": high}
+    return series_frame("force", "admissible", time * 1e9, middle, **look)
 
 
 def peak_ratios(path: Trajectory) -> dict[tuple[str, str], float]:

@@ -16,19 +16,18 @@ from microimpact.declared.parameters import (
     CaseName,
     Finite,
     Fraction,
-    Name,
     Positive,
     PrintedName,
 )
 from microimpact.lab.contacts import (
+    Admissible,
     PrintedImpact,
-    admissible_contact,
+    admissible_beside,
     calibrated_contact,
-    pair_of,
     printed_values,
 )
 from microimpact.model.choices import FRICTION_BASES
-from microimpact.model.contact import Contact, resized
+from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate, velocity_components
 from microimpact.model.dynamics.normal import normal_impact
@@ -43,14 +42,6 @@ NEEDS = {
 BAND, REBOUNDING, STEP = (0.05, 0.5, 0.95), 0.5, 4
 
 _frame = partial(series_frame, x_unit="deg", y_unit="1")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Admissible:
-    """Which of the contacts that printed statements admit give the band."""
-
-    case: Name
-    variant: Name
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -142,17 +133,12 @@ def admissible_bands(params: Params, inputs: Tables, angle: FloatArray) -> pd.Da
     Each contact has the force in Coulomb's law that it was drawn with. Only those that rebound
     count, at angles where at least half do. Empty if the contacts are of another pair.
     """
-    table = inputs["admissible_contacts"]
-    chosen = params.admissible.case, params.admissible.variant
-    wanted = table[(table["case"] == chosen[0]) & (table["variant"] == chosen[1])]
-    if pair_of({"calibration": wanted}, chosen[0]) != pair_of(inputs, params.case):
+    diameter = params.diameter_um * 1e-6
+    contacts = admissible_beside(inputs, params.admissible, params.case, diameter)
+    if not contacts:
         return pd.DataFrame({"panel": []})
-    outcomes = []
-    for basis, rows in wanted.groupby("friction_basis"):
-        contact = admissible_contact({**inputs, "admissible_contacts": rows}, *chosen)
-        contact = resized(contact, params.diameter_um * 1e-6)
-        at = params.speed_m_per_s, angle[:, None], params.spin_rad_per_s
-        outcomes.append(simulate(contact, *at, str(basis)))
+    at = params.speed_m_per_s, angle[:, None], params.spin_rad_per_s
+    outcomes = [simulate(contact, *at, basis) for basis, contact in contacts.items()]
     captured = np.hstack([outcome.captured for outcome in outcomes])
     rebound = np.mean(~captured, axis=1) >= REBOUNDING
     frames = []
