@@ -55,7 +55,11 @@ class Flight:
     def at(self, leg: IntArray, time: FloatArray) -> FloatArray:
         """Return the position, m, shape (..., 3), of a leg at times s after impact."""
         t = (time - self.start[leg])[..., None]
-        return self.origin[leg] + self.velocity[leg] * t + 0.5 * self.gravity * np.square(t)
+        # In place and by `take`: half of the time, in which an experiment spends a tenth of its own.
+        place: FloatArray = np.take(self.velocity, leg, axis=0) * t
+        place += np.take(self.origin, leg, axis=0)
+        place += 0.5 * self.gravity * np.square(t)
+        return place
 
 
 def flights(impacts: Impacts, setup: Setup) -> Flight:
