@@ -17,7 +17,7 @@ from snakemake.logging import logger
 
 # What is read and built here is kept: a collector that looks through all of it again and again
 # takes a sixth of the start.
-gc.set_threshold(50_000)
+gc.set_threshold(1_000_000)
 
 # workflow/Snakefile includes the one of the project.
 PROJECT = Path(workflow.basedir)

@@ -47,6 +47,8 @@ class Context:
     # Made once, here for all cases: a table of the impact law serves one and the same contact.
     _seen: dict[tuple[Dropped, float, Sampling], Seen] = field(default_factory=dict)
     _contacts: dict[Dropped, Contact] = field(default_factory=dict)
+    _steel: dict[tuple[object, ...], Contact] = field(default_factory=dict)
+    _rebounds: dict[tuple[object, ...], tuple[FloatArray, Impact]] = field(default_factory=dict)
 
     def cases(self) -> Iterator[Self]:
         """Yield the context of every case."""
@@ -57,9 +59,13 @@ class Context:
     @property
     def steel(self) -> Contact:
         """Contact of the case, as large and with such friction as is meant."""
-        steel = self.params.steel
-        contact = self.drawn or calibrated_contact(self.inputs, self.case or steel.cases[0])
-        return resized(contact, steel.diameter_um * 1e-6).replace(friction=steel.friction)
+        _ = self.inputs["calibration"], self.inputs["materials"]
+        steel, case = self.params.steel, self.case
+        if (steel, case) not in self._steel:
+            contact = self.drawn or calibrated_contact(self.inputs, case or steel.cases[0])
+            sized = resized(contact, steel.diameter_um * 1e-6)
+            self._steel[steel, case] = sized.replace(friction=steel.friction)
+        return self._steel[steel, case]
 
     @property
     def calibrated_capture_velocity(self) -> float:
@@ -99,10 +105,13 @@ class Context:
         Raises ValueError if it rebounds at none.
         """
         wanted = self.all_angles() if angles is None else angles
-        free = wanted[~self.hit(contact, self.speed, wanted).captured]
-        if free.size == 0:
-            raise ValueError(f"steel.speed_m_per_s: at {self.speed:g} it rebounds at no angle")
-        return free, self.hit(contact, self.speed, free)
+        key = self.params.steel, contact, wanted.tobytes()
+        if key not in self._rebounds:
+            free = wanted[~self.hit(contact, self.speed, wanted).captured]
+            if free.size == 0:
+                raise ValueError(f"steel.speed_m_per_s: at {self.speed:g} it rebounds at no angle")
+            self._rebounds[key] = free, self.hit(contact, self.speed, free)
+        return self._rebounds[key]
 
     # Samples of virtual impacts
 
