@@ -55,7 +55,7 @@ class Flight:
     def at(self, leg: IntArray, time: FloatArray) -> FloatArray:
         """Return the position, m, shape (..., 3), of a leg at times s after impact."""
         t = (time - self.start[leg])[..., None]
-        # In place and by `take`: half of the time, in which an experiment spends a tenth of its own.
+        # In place and by `take`: half of the time, a tenth of that of a virtual experiment.
         place: FloatArray = np.take(self.velocity, leg, axis=0) * t
         place += np.take(self.origin, leg, axis=0)
         place += 0.5 * self.gravity * np.square(t)

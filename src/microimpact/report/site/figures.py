@@ -158,7 +158,7 @@ def _marks(paths: Iterable[Path], panels: Mapping[str, Mapping[str, Any]]) -> tu
         by_panel = rows.groupby("panel", sort=False)["series"]
         series = {
             _panel_words(str(panel), panels): tuple(
-                dict.fromkeys(_series_words(str(name), panels) for name in found)
+                dict.fromkeys(_series_words(str(name), panels) for name in found.unique())
             )
             for panel, found in by_panel
         }

@@ -156,10 +156,11 @@ def _collect(definition: _Definition, node: ast.AST) -> None:
 
 
 def _walk(node: ast.AST) -> Iterator[ast.AST]:
-    yield node
-    for child in ast.iter_child_nodes(node):
-        if not (isinstance(node, ast.ClassDef) and _is_method(child)):
-            yield from _walk(child)
+    waiting = [node]
+    for part in waiting:
+        yield part
+        children = ast.iter_child_nodes(part)
+        waiting += [c for c in children if not (isinstance(part, ast.ClassDef) and _is_method(c))]
 
 
 def _is_method(node: ast.AST) -> TypeGuard[ast.FunctionDef]:
