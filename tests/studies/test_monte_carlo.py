@@ -6,7 +6,8 @@ import json
 import re
 import sys
 import tracemalloc
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -44,6 +45,7 @@ from microimpact.studies.analyses.monte_carlo.ensembles import (
     Ensemble,
     Plan,
     Process,
+    Struck,
     deterministic,
     estimate,
     long_run,
@@ -53,7 +55,6 @@ from microimpact.studies.analyses.monte_carlo.ensembles import (
     summary,
 )
 from microimpact.studies.analyses.monte_carlo.impacts import (
-    Chosen,
     RigidBody,
     Simulation,
     require_meaning,
@@ -88,27 +89,28 @@ def law(normal_speed):
     return 0.7 * np.sqrt(np.maximum(1.0 - (0.18 / normal_speed) ** 2, 0.0))
 
 
-def rigid(restitution):
+@dataclass(frozen=True)
+class Rigid(Struck):
     """Contacts of rigid spheres; restitution at normal speeds, captured where it is zero."""
 
-    def impact(draws):
+    restitution: Callable
+
+    def __call__(self, draws):
         def strike(which, velocity, spin, normal):
-            own = Chosen(draws, which)
-            radius = 0.5e-6 * own["diameter_um"][:, None]
-            e = restitution(-np.vecdot(velocity, normal))
-            after = facet_rebound(velocity, radius * spin, normal, e, own["friction"])
+            radius = 0.5e-6 * draws["diameter_um"][which, None]
+            e = self.restitution(-np.vecdot(velocity, normal))
+            friction = draws["friction"][which]
+            after = facet_rebound(velocity, radius * spin, normal, e, friction)
             return after[0], after[1] / radius, e == 0.0
 
         return strike
 
-    return impact
 
-
-lawful = rigid(law)
+lawful = Rigid(law)
 
 
 def constant_e(e):
-    return rigid(lambda normal_speed: np.full(normal_speed.shape, e))
+    return Rigid(lambda normal_speed: np.full(normal_speed.shape, e))
 
 
 def ensemble(
@@ -490,6 +492,11 @@ def contact(steel, silicon):
     )
 
 
+def restitution(model, normal_speed, draws):
+    unit, place = model.scales(draws)
+    return model.law.restitution(normal_speed / unit, place)
+
+
 @pytest.mark.parametrize("exponent", [0.0, 1.0])
 def test_the_rigid_body_has_the_restitution_of_the_simulation_at_every_size(contact, exponent):
     rated = contact.replace(adhesion_rate_exponent=exponent, reference_velocity=1.66)
@@ -505,7 +512,7 @@ def test_the_rigid_body_has_the_restitution_of_the_simulation_at_every_size(cont
     sphere = rated.replace(diameter=diameter * 1e-6, work_of_adhesion=factor * 3.5)
     expected = simulate(sphere, speed).coefficient_of_restitution
     draws = {"diameter_um": diameter, "work_of_adhesion_factor": factor}
-    found = model.restitution(speed, draws)
+    found = restitution(model, speed, draws)
     assert np.array_equal(found == 0.0, expected == 0.0)
     assert 0 < np.sum(expected == 0.0) < 300
     # Near capture e is as sensitive to rounding as it is steep.
@@ -519,7 +526,7 @@ def test_very_wide_sizes_get_wider_tables(contact):
     diameter = np.geomspace(25.0, 150.0, 300)
     draws = {"diameter_um": diameter, "work_of_adhesion_factor": np.ones(300)}
     expected = simulate(contact.replace(diameter=diameter * 1e-6, work_of_adhesion=3.5), 1.2)
-    found = model.restitution(np.full(300, 1.2), draws)
+    found = restitution(model, np.full(300, 1.2), draws)
     assert found == pytest.approx(expected.coefficient_of_restitution, rel=1e-6)
 
 
@@ -528,13 +535,66 @@ def test_the_rigid_body_wants_a_plane(contact):
         RigidBody.of(contact.replace(surface_radius=1e-3), constants(diameter_um=SIZES))
 
 
-def test_the_rigid_body_refuses_sizes_it_was_not_made_for(contact):
+def test_the_rigid_body_serves_sizes_it_was_not_made_for_too(contact):
     model = RigidBody.of(contact, constants(diameter_um=SIZES))
-    draws = {"diameter_um": np.array([40.0]), "work_of_adhesion_factor": np.ones(1)}
-    with pytest.raises(ValueError, match="drew 40 to 40, must lie in"):
-        model.restitution(np.ones(1), draws)
+    diameter = np.array([30.0, 40.0, 90.0])
+    draws = {"diameter_um": diameter, "work_of_adhesion_factor": np.ones(3)}
+    expected = simulate(contact.replace(diameter=diameter * 1e-6, work_of_adhesion=3.5), 1.0)
+    assert restitution(model, np.ones(3), draws) == pytest.approx(
+        expected.coefficient_of_restitution, rel=1e-9
+    )
     with pytest.raises(ValueError, match="have no capture velocity"):
         RigidBody.of(contact, constants(diameter_um=Uniform(low=5.0, high=62.0)))
+
+
+@dataclass(frozen=True)
+class OneByOne(Struck):
+    """The rigid body's contacts one after the other, in arrays."""
+
+    model: RigidBody
+
+    def __call__(self, draws):
+        def strike(which, velocity, spin, normal):
+            own = {name: values[which] for name, values in draws.items()}
+            radius = 0.5e-6 * own["diameter_um"][:, None]
+            bare = restitution(self.model, -np.vecdot(velocity, normal), own)
+            e = np.clip(own["restitution_factor"] * bare + own["restitution_offset"], 0.0, 1.0)
+            after, turned = facet_rebound(velocity, radius * spin, normal, e, own["friction"])
+            return after, turned / radius, bare == 0.0
+
+        return strike
+
+
+@pytest.mark.parametrize("facets", ["seen", "facing", "every"])
+@pytest.mark.parametrize("most_contacts", [1, 5])
+@pytest.mark.parametrize("must_leave", [False, True])
+def test_one_pass_is_what_contacts_one_after_the_other_are(
+    contact, facets, most_contacts, must_leave
+):
+    process = constants(
+        speed_m_per_s=Uniform(low=0.5, high=1.7),
+        angle_offset_deg=Normal(sd=3.0),
+        diameter_um=SIZES,
+        slope=Normal(sd=0.3),
+        cross_slope=Histogram(edges=(-0.2, 0.0, 0.1), counts=(1.0, 3.0)),
+        spin_ratio=Normal(sd=0.3),
+        friction=Sample(values_seen=(0.0, 0.1, 0.3)),
+        restitution_factor=Uniform(low=0.8, high=1.2),
+        restitution_offset=Constant(at=0.02),
+        work_of_adhesion_factor=Uniform(low=0.9, high=1.1),
+    )
+    rules = Rules(facets=facets, must_leave=must_leave, most_contacts=most_contacts)
+    model = RigidBody.of(contact, process)
+    for angle in (8.0, 40.0, 90.0):
+        one, other = (
+            ensemble(process, rules=rules, impact=impact) for impact in (model, OneByOne(model))
+        )
+        shares = [replicate_shares(one, 0, number) for number in range(4)]
+        found, expected = (replicate_sums(e, angle, shares) for e in (one, other))
+        assert found.shape == (4, 8)
+        assert np.array_equal(found[:, :4], expected[:, :4])
+        assert found[:, 4:] == pytest.approx(expected[:, 4:], rel=1e-9)
+        assert expected[:, 3].sum() > 0
 
 
 def test_the_simulation_of_an_ensemble_is_that_of_single_impacts(contact):

@@ -14,7 +14,7 @@ that or the rigid body model in Monte Carlo analyses.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import islice
@@ -24,11 +24,14 @@ import numpy as np
 import scipy
 from pydantic import Field
 
-from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.arrays import BoolArray, FloatArray, Real
 from microimpact.core.compiled import jit
 from microimpact.lab.events import IntArray
+from microimpact.model import passes
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import NormalLaw, spatial
+from microimpact.model.law.table import Law
+from microimpact.model.passes import STEEPEST, TINY
 from microimpact.statistics.distributions import (
     LARGEST_PROBABILITY,
     SMALLEST_PROBABILITY,
@@ -46,9 +49,6 @@ Strike = Callable[
 # Distributions of slopes are cut into cells of equal width in normal scores, uniform within each:
 # the width of 1/128 changes the variance of a normal slope by 5e-6 of itself.
 SCORES = np.linspace(-8.25, 8.25, 2113)
-# Beyond this the motion is so steep that all facets are hit alike, to rounding.
-STEEPEST = 1e8
-TINY = float(np.finfo(float).tiny)
 KEPT_TABLES = 64
 
 _jit = jit()
@@ -190,6 +190,58 @@ def collide(
     return Rebound(velocity=velocity, spin=spin, kept=kept, contacts=contacts)
 
 
+def rigid_sums(
+    surface: Surface,
+    law: Law,
+    drawn: Sequence[Real],
+    shares: Iterable[tuple[FloatArray, FloatArray]],
+    count: int,
+    replicates: int,
+) -> FloatArray:
+    """Let rigid spheres hit a surface, and return sums over what is observed.
+
+    As `collide` with contacts of rigid bodies, but in one compiled pass without arrays between.
+
+    Parameters
+    ----------
+    surface
+        Its slopes and rules.
+    law
+        Of which e is taken.
+    drawn
+        Speed, angle of incidence (degrees), r omega over the speed, friction, factor and offset of
+        e, unit of the speed in the law (m/s), place in the law's family, each (count,) or (1,).
+    shares
+        As of `collide`, (count,) or (1,).
+    count, replicates
+        Number of spheres, and of the equal parts that are added up apart.
+
+    Returns
+    -------
+    ndarray
+        Shape (replicates, columns), see `model.passes.SUMS`.
+    """
+    rules, slopes = surface.rules, hit_slopes(surface.slope).compiled
+    along, across = (np.stack(parts) for parts in zip(*shares, strict=True))
+    if rules.facets != "seen":
+        along = surface.slope.quantile(along)
+    across = surface.cross_slope.quantile(across)
+    states = tuple(passes.flat(values, (count,)) for values in drawn)
+    told = passes.FACETS.index(rules.facets), rules.must_leave, rules.most_contacts
+    given = states, along, across, slopes, told, law.compiled, count // replicates
+    found = np.zeros((replicates, len(passes.SUMS)))
+    which, known = np.arange(count), np.empty((0, rules.most_contacts))
+    while which.size:  # those left have a contact so close to capture that it must be integrated
+        asked = np.empty((which.size, 4))
+        number = passes.events(which, known, *given, found, asked)
+        left, contact, w, place = asked[:number].T.copy()
+        who = left.astype(np.int64)
+        known = known[who] if known.size else np.full((number, rules.most_contacts), np.nan)
+        known[np.arange(number), contact.astype(np.int64)] = law.restitution(w, place)
+        which = which[who]
+    return found
+
+
 def facets(
     surface: Surface, velocity: FloatArray, along: FloatArray, across: FloatArray
 ) -> FloatArray:
@@ -227,22 +279,8 @@ def facet_normals(velocity: FloatArray, along: FloatArray, across: FloatArray) -
         slope along the motion is positive faces the sphere.
     """
     normal = np.empty(velocity.shape)
-    _normals(velocity, along, across, normal)
+    passes.normals(velocity, along, across, normal)
     return normal
-
-
-@_jit
-def _normals(velocity, along, across, normal):  # type: ignore[no-untyped-def]
-    """Write normals of planes z = along s + across q, s along the motion and q to its left."""
-    for i in range(velocity.shape[0]):
-        x, y = 1.0, 0.0
-        speed = math.sqrt(velocity[i, 0] ** 2 + velocity[i, 1] ** 2)
-        if speed > 0.0:
-            x, y = velocity[i, 0] / speed, velocity[i, 1] / speed
-        size = 1.0 / math.sqrt(1.0 + along[i] ** 2 + across[i] ** 2)
-        normal[i, 0] = size * (y * across[i] - x * along[i])
-        normal[i, 1] = size * (-x * across[i] - y * along[i])
-        normal[i, 2] = size
 
 
 def facet_frames(normal: FloatArray) -> FloatArray:
@@ -341,10 +379,13 @@ class HitSlopes:
         """
         slope = np.empty(np.shape(u))
         c = np.minimum(tangent, STEEPEST)
-        _quantiles(
-            np.ascontiguousarray(u), c, self.edges, self.mass, self.below, self.moment, slope
-        )
+        passes.hit_slopes(np.ascontiguousarray(u), c, self.compiled, slope)
         return slope
+
+    @property
+    def compiled(self) -> tuple[FloatArray, ...]:
+        """What compiled passes are handed of it."""
+        return self.edges, self.mass, self.below, self.moment
 
 
 @lru_cache(maxsize=KEPT_TABLES)
@@ -356,43 +397,3 @@ def hit_slopes(distribution: Distribution) -> HitSlopes:
     first = mass * 0.5 * (edges[1:] + edges[:-1])
     sums = (np.concatenate([[0.0], np.cumsum(part)]) for part in (mass, first))
     return HitSlopes(edges, mass, *sums)
-
-
-@_jit
-def _quantiles(u, c, edges, mass, below, moment, slope):  # type: ignore[no-untyped-def]
-    """Invert the integral of (c + x)+ over the facets up to a slope x."""
-    end = mass.size
-    for i in range(u.size):
-        if c[i] + edges[end] <= 0.0:
-            slope[i] = -np.inf
-            continue
-        cell = min(max(np.searchsorted(edges, -c[i], side="right") - 1, 0), end - 1)
-        start = min(max(-c[i], edges[cell]), edges[cell + 1])
-        reached = _hits(cell, start, c[i], edges, mass, below, moment)
-        target = reached + u[i] * (c[i] * below[end] + moment[end] - reached)
-        # From the cell of -c on the integral ascends; halve the cells until one is left.
-        last = end
-        while last - cell > 1:
-            middle = (cell + last) // 2
-            if c[i] * below[middle] + moment[middle] > target:
-                last = middle
-            else:
-                cell = middle
-        start = max(start, edges[cell])
-        rest = max(target - _hits(cell, start, c[i], edges, mass, below, moment), 0.0)
-        # Far out a cell may hold less than rounding.
-        rest *= (edges[cell + 1] - edges[cell]) / max(mass[cell], TINY)
-        weight = max(c[i] + start, 0.0)
-        # Root of weight x + x^2/2 = rest; without cancellation where the weight is large.
-        divisor = weight + math.sqrt(weight * weight + 2.0 * rest)
-        step = 2.0 * rest / divisor if divisor > 0.0 else 0.0
-        slope[i] = min(start + step, edges[cell + 1])
-
-
-@_jit
-def _hits(cell, slope, c, edges, mass, below, moment):  # type: ignore[no-untyped-def]
-    """Integral of c + x over the facets up to a slope within a cell."""
-    left, right = edges[cell], edges[cell + 1]
-    share = (slope - left) / (right - left) if right > left else 0.0
-    within = mass[cell] * share * (c + 0.5 * (left + slope))
-    return c * below[cell] + moment[cell] + within

@@ -14,7 +14,7 @@ from microimpact.core.materials import Material
 from microimpact.lab.events import Impacts
 from microimpact.lab.experiment import Target
 from microimpact.lab.pdpa import analyser as pdpa
-from microimpact.lab.surface import rough
+from microimpact.lab.surface import rigid_sums, rough
 from microimpact.model.contact import Contact
 from microimpact.model.contact_laws import JKR
 from microimpact.model.dynamics.impact import simulate
@@ -22,7 +22,6 @@ from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.dynamics.trajectory import trajectory
 from microimpact.model.empirical.search import data_sets, fit_batch
 from microimpact.model.law.table import tabulate
-from microimpact.model.rigid_body.facets import facet_rebound
 
 BODY = Material(name="any", youngs_modulus=1e11, poissons_ratio=0.3, density=2e3)
 PAIR: Any = {"particle": BODY, "surface": BODY, "diameter": 5e-5}
@@ -49,9 +48,8 @@ def _use_model() -> None:
     law.restitution(speed, np.zeros(1))
     law.simulate(speed)
     simulate(CONTACT, speed)
-    down = np.array([[0.5, 0.0, -1.0]])
-    up = np.array([[0.0, 0.0, 1.0]])
-    facet_rebound(down, np.zeros((1, 3)), up, np.full(1, 0.7), np.full(1, 0.15))
+    one = np.full(1, 0.5)
+    rigid_sums(rough(0.1), law, [one] * 8, [(one, one)], 1, 1)
     speed = np.geomspace(1.0, 10.0, 8)
     normal_impact(Contact(**PAIR, work_of_adhesion=0.1, law=JKR(viscous_time=1e-9)), speed)
     fit_batch(data_sets(speed, 0.8 - 0.1 / speed, 100.0))

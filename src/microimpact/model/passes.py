@@ -41,6 +41,15 @@ CONTACT_COLUMNS = RADIUS, FRICTION, UNIT, PLACE, VELOCITY, LENGTH, TIME = range(
     OUT_ERROR,
 ) = range(10)
 OUT_CAPTURED, OUT_ROLLING = range(2)
+# Which facets are hit, see `lab.surface.Rules`.
+FACETS = ("seen", "facing", "every")
+SEEN, _, EVERY = range(3)
+# Beyond this the motion is so steep that all facets are hit alike, to rounding.
+STEEPEST = 1e8
+TINY = float(np.finfo(float).tiny)
+# Columns of the sums over events: how many were rejected and why, and how many were not; sums of
+# the measured e and -mu of these, and of their squares.
+SUMS = FACING_AWAY, CAPTURED, NOT_LEAVING, ACCEPTED, E, E_SQUARED, MU, MU_SQUARED = range(8)
 # Rows of outcomes begin this many numbers further apart than they are long: in the same place of
 # every page of memory they would push each other out of the processor's first cache.
 APART = 24
@@ -139,15 +148,20 @@ def look_up(w, place, law, out, start):  # type: ignore[no-untyped-def]
             out[CONTACT_TIME, start + i] = math.inf
 
 
+@_jit_inline
+def _restitution(w, place, law):  # type: ignore[no-untyped-def]
+    _, captured, where = _find(w, place, law)
+    # Captured impacts below the table need none.
+    return 0.0 if captured and abs(place) <= 1.0 else _value(RESTITUTION, law[1], where)
+
+
 @_jit
 def restitution(w, place, law, out):  # type: ignore[no-untyped-def]
     """Write e at w (n,) and place (n,) or (1,)."""
     if not _fits(law[1]):
         return  # never
     for i in range(w.size):
-        _, captured, where = _find(w[i], _of(place, i), law)
-        of_family = abs(_of(place, i)) <= 1.0
-        out[i] = 0.0 if captured and of_family else _value(RESTITUTION, law[1], where)
+        out[i] = _restitution(w[i], _of(place, i), law)
 
 
 @_jit_inline
@@ -262,3 +276,221 @@ def tabulated(  # type: ignore[no-untyped-def]
         out[OUT_COMPRESSION, i] = depth * length
         out[OUT_ERROR, i] = error + ROUNDING / (abs(ratio - 1.0) if ratio < math.inf else 1.0)
         told[OUT_CAPTURED, i], told[OUT_ROLLING, i] = captured, rolling
+
+
+# Rough surfaces: facets, and what they make of velocity and r omega, both as (x, y, z)
+
+
+@_jit_inline
+def _normal(velocity, along, across):  # type: ignore[no-untyped-def]
+    """Return the normal of the plane z = along s + across q, s along the motion, q to its left."""
+    x, y = 1.0, 0.0
+    speed = math.sqrt(velocity[0] ** 2 + velocity[1] ** 2)
+    if speed > 0.0:
+        x, y = velocity[0] / speed, velocity[1] / speed
+    size = 1.0 / math.sqrt(1.0 + along**2 + across**2)
+    return size * (y * across - x * along), size * (-x * across - y * along), size
+
+
+@_jit
+def normals(velocity, along, across, normal):  # type: ignore[no-untyped-def]
+    """Write the normals of facets, (n, 3)."""
+    for i in range(velocity.shape[0]):
+        moving = velocity[i, 0], velocity[i, 1]
+        normal[i, 0], normal[i, 1], normal[i, 2] = _normal(moving, along[i], across[i])
+
+
+@_jit_inline
+def _hits(cell, slope, c, slopes):  # type: ignore[no-untyped-def]
+    """Integral of c + x over the facets up to a slope within a cell."""
+    edges, mass, below, moment = slopes
+    left, right = edges[cell], edges[cell + 1]
+    share = (slope - left) / (right - left) if right > left else 0.0
+    within = mass[cell] * share * (c + 0.5 * (left + slope))
+    return c * below[cell] + moment[cell] + within
+
+
+@_jit_inline
+def _hit_slope(u, c, slopes):  # type: ignore[no-untyped-def]
+    """Invert the integral of (c + x)+ over the facets up to a slope x, see `lab.surface`."""
+    edges, mass, below, moment = slopes
+    end = mass.size
+    if c + edges[end] <= 0.0:
+        return -math.inf
+    cell = min(max(np.searchsorted(edges, -c, side="right") - 1, 0), end - 1)
+    start = min(max(-c, edges[cell]), edges[cell + 1])
+    reached = _hits(cell, start, c, slopes)
+    target = reached + u * (c * below[end] + moment[end] - reached)
+    # From the cell of -c on the integral ascends; halve the cells until one is left.
+    last = end
+    while last - cell > 1:
+        middle = (cell + last) // 2
+        if c * below[middle] + moment[middle] > target:
+            last = middle
+        else:
+            cell = middle
+    start = max(start, edges[cell])
+    rest = max(target - _hits(cell, start, c, slopes), 0.0)
+    # Far out a cell may hold less than rounding.
+    rest *= (edges[cell + 1] - edges[cell]) / max(mass[cell], TINY)
+    weight = max(c + start, 0.0)
+    # Root of weight x + x^2/2 = rest; without cancellation where the weight is large.
+    divisor = weight + math.sqrt(weight * weight + 2.0 * rest)
+    step = 2.0 * rest / divisor if divisor > 0.0 else 0.0
+    return min(start + step, edges[cell + 1])
+
+
+@_jit
+def hit_slopes(u, c, slopes, found):  # type: ignore[no-untyped-def]
+    """Write the slopes below which shares u (n,) of all hits lie, at tangents c (n,)."""
+    for i in range(u.size):
+        found[i] = _hit_slope(u[i], c[i], slopes)
+
+
+@_jit_inline
+def _rebound(velocity, turn, normal, into, e, friction):  # type: ignore[no-untyped-def]
+    """Return velocity and r omega after a rigid body's rebound, see `rigid_body.facets`."""
+    vx, vy, vz = velocity
+    wx, wy, wz = turn
+    nx, ny, nz = normal
+    sx = vx - into * nx - (wy * nz - wz * ny)
+    sy = vy - into * ny - (wz * nx - wx * nz)
+    sz = vz - into * nz - (wx * ny - wy * nx)
+    slip = math.sqrt(sx * sx + sy * sy + sz * sz)
+    impulse = -(1.0 + e) * into
+    stopping = slip / (SLIP_PER_IMPULSE * impulse)
+    ratio = min(friction, stopping) / slip if slip > 0.0 else 0.0
+    px = impulse * (nx - ratio * sx)
+    py = impulse * (ny - ratio * sy)
+    pz = impulse * (nz - ratio * sz)
+    ax = wx - (ny * pz - nz * py) / INERTIA
+    ay = wy - (nz * px - nx * pz) / INERTIA
+    az = wz - (nx * py - ny * px) / INERTIA
+    return (vx + px, vy + py, vz + pz), (ax, ay, az)
+
+
+@_jit
+def rebounds(velocity, turn, normal, e, friction, after, turned):  # type: ignore[no-untyped-def]
+    """Write velocities and r omega after rebounds from facets, all (n, 3)."""
+    for i in range(velocity.shape[0]):
+        v = velocity[i, 0], velocity[i, 1], velocity[i, 2]
+        w = turn[i, 0], turn[i, 1], turn[i, 2]
+        n = normal[i, 0], normal[i, 1], normal[i, 2]
+        into = v[0] * n[0] + v[1] * n[1] + v[2] * n[2]
+        v, w = _rebound(v, w, n, into, e[i], friction[i])
+        after[i, 0], after[i, 1], after[i, 2] = v
+        turned[i, 0], turned[i, 1], turned[i, 2] = w
+
+
+@_jit_inline
+def _met(velocity, slope, sideways, slopes, facets):  # type: ignore[no-untyped-def]
+    """Return the normal of the facet met, and the velocity along it."""
+    if facets == SEEN:
+        level = math.sqrt(velocity[0] ** 2 + velocity[1] ** 2)
+        # Upright motion meets all facets alike.
+        tangent = min(-velocity[2] / max(level, TINY), STEEPEST)
+        # No slope can be hit where none faces the sphere.
+        slope = max(_hit_slope(slope, tangent, slopes), -STEEPEST)
+    normal = _normal(velocity, slope, sideways)
+    into = velocity[0] * normal[0] + velocity[1] * normal[1] + velocity[2] * normal[2]
+    if facets == EVERY and into > 0.0:
+        return (-normal[0], -normal[1], -normal[2]), -into
+    return normal, into
+
+
+@_jit_inline
+def _count(sums, row, contacts, kept, leaves, before, after):  # type: ignore[no-untyped-def]
+    """Add one event to the sums of its replicate."""
+    if contacts == 0:
+        sums[row, FACING_AWAY] += 1.0
+    elif kept:
+        sums[row, CAPTURED] += 1.0
+    elif not leaves:
+        sums[row, NOT_LEAVING] += 1.0
+    else:
+        e = -after[2] / before[2]
+        mu = -(after[0] - before[0]) / (after[2] - before[2])
+        sums[row, ACCEPTED] += 1.0
+        sums[row, E] += e
+        sums[row, E_SQUARED] += e * e
+        sums[row, MU] += mu
+        sums[row, MU_SQUARED] += mu * mu
+
+
+@_jit_inline
+def _facet(values, contact, i):  # type: ignore[no-untyped-def]
+    return values[contact, i if values.shape[1] > 1 else 0]
+
+
+@_jit
+def events(  # type: ignore[no-untyped-def]
+    which, known, drawn, along, across, slopes, rules, law, size, sums, asked
+):
+    """Let spheres hit a rough surface as rigid bodies, and add what is observed.
+
+    Parameters
+    ----------
+    which
+        Numbers of the events (m,), as integers.
+    known
+        e of contacts in turn that were integrated, (m, contacts), NaN for all others; where there
+        are none, the law is asked.
+    drawn
+        Of all events, (n,), or one for all, (1,): speed, angle of incidence (degrees), r omega over
+        the speed, friction, factor and offset of e; unit of the law's variable, m/s, and place in
+        its family.
+    along, across
+        Of the facets in turn, (contacts, n) or (contacts, 1): slopes along the motion and across
+        it, of facets that are seen shares in place of slopes along.
+    slopes
+        What `hit_slopes` takes.
+    rules
+        Number of the facets in ``FACETS``, whether a sphere must leave, most contacts.
+    law
+        As in `tabulated`.
+    size
+        Events of a replicate.
+    sums
+        Of each replicate, (replicates, columns), added to.
+    asked
+        Place in ``which``, contact, w and place of impacts that must be integrated, (m, 4).
+
+    Returns
+    -------
+    int
+        Number of the latter; their events are not counted.
+    """
+    speeds, angles, spins, frictions, factors, offsets, units, places = drawn
+    facets, must_leave, most_contacts = rules
+    waiting = 0
+    sine = cosine = math.nan
+    for j in range(which.size):
+        i = which[j]
+        if j == 0 or angles.size > 1:
+            angle = math.radians(_of(angles, i))
+            sine, cosine = math.sin(angle), math.cos(angle)
+        speed, place = _of(speeds, i), _of(places, i)
+        before = speed * cosine, 0.0, -speed * sine
+        velocity, turn = before, (0.0, _of(spins, i) * speed, 0.0)
+        contacts, kept, missing = 0, False, False
+        while contacts < most_contacts and velocity[2] <= 0.0 and not kept:
+            slope, sideways = _facet(along, contacts, i), _facet(across, contacts, i)
+            normal, into = _met(velocity, slope, sideways, slopes, facets)
+            if not into < 0.0:
+                break
+            bare = known[j, contacts] if known.size else math.nan
+            if math.isnan(bare):
+                w = -into / _of(units, i)
+                bare = _restitution(w, place, law)
+                if math.isnan(bare):
+                    asked[waiting, 0], asked[waiting, 1] = j, contacts
+                    asked[waiting, 2], asked[waiting, 3] = w, place
+                    waiting, missing = waiting + 1, True
+                    break
+            e = min(max(_of(factors, i) * bare + _of(offsets, i), 0.0), 1.0)
+            velocity, turn = _rebound(velocity, turn, normal, into, e, _of(frictions, i))
+            contacts, kept = contacts + 1, bare <= 0.0
+        if not missing:
+            leaves = velocity[2] > 0.0 or not must_leave
+            _count(sums, i // size, contacts, kept, leaves, before, velocity)
+    return waiting

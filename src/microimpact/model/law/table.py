@@ -257,10 +257,12 @@ class Law:
             )
         return found, captured
 
-    def _integrated(self, w: FloatArray, place: FloatArray) -> tuple[FloatArray, BoolArray]:
+    def _integrated(
+        self, w: FloatArray, place: FloatArray, *, ledger: bool = True
+    ) -> tuple[FloatArray, BoolArray]:
         """Return the quantities of impacts that are integrated, and which are captured."""
         problems = self.family.problems(w, place)
-        results = integrate(problems, ledger=True)
+        results = integrate(problems, ledger=ledger)
         return quantities(problems, results), results[:, kernel.STATUS] == kernel.CAPTURED
 
     def restitution(self, w: FloatArray, place: FloatArray) -> FloatArray:
@@ -269,9 +271,8 @@ class Law:
         passes.restitution(w, place, self.compiled, found)
         rest = np.flatnonzero(np.isnan(found))
         if rest.size:
-            found[rest] = self._integrated(w[rest], np.broadcast_to(place, w.shape)[rest])[0][
-                RESTITUTION
-            ]
+            places = np.broadcast_to(place, w.shape)[rest]
+            found[rest] = self._integrated(w[rest], places, ledger=False)[0][RESTITUTION]
         return found
 
     def normal_impact(

@@ -6,15 +6,11 @@ the slip: its direction does not change during contact, and spin about the norma
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from microimpact.core.arrays import NON_NEGATIVE, FloatArray, checked
-from microimpact.core.compiled import jit
-from microimpact.model.rigid_body.algebra import APPROACHING, INERTIA, UNIT_INTERVAL
-
-_jit = jit()
+from microimpact.model import passes
+from microimpact.model.rigid_body.algebra import APPROACHING, UNIT_INTERVAL
 
 
 def facet_rebound(
@@ -44,29 +40,5 @@ def facet_rebound(
     checked("e", e, UNIT_INTERVAL)
     checked("friction", friction, NON_NEGATIVE)
     after, spin_after = np.empty(velocity.shape), np.empty(velocity.shape)
-    _rebounds(velocity, spin_speed, normal, e, friction, after, spin_after)
+    passes.rebounds(velocity, spin_speed, normal, e, friction, after, spin_after)
     return after, spin_after
-
-
-@_jit
-def _rebounds(velocity, spin_speed, normal, e, friction, after, spin_after):  # type: ignore[no-untyped-def]
-    """Slip at the contact point is v_t + r omega x (-n); mu = min(f, mu_0) along it."""
-    for i in range(velocity.shape[0]):
-        vx, vy, vz = velocity[i, 0], velocity[i, 1], velocity[i, 2]
-        wx, wy, wz = spin_speed[i, 0], spin_speed[i, 1], spin_speed[i, 2]
-        nx, ny, nz = normal[i, 0], normal[i, 1], normal[i, 2]
-        into = vx * nx + vy * ny + vz * nz
-        sx = vx - into * nx - (wy * nz - wz * ny)
-        sy = vy - into * ny - (wz * nx - wx * nz)
-        sz = vz - into * nz - (wx * ny - wy * nx)
-        slip = math.sqrt(sx * sx + sy * sy + sz * sz)
-        normal_impulse = -(1.0 + e[i]) * into
-        stopping = slip / ((1.0 + 1.0 / INERTIA) * normal_impulse)
-        ratio = min(friction[i], stopping) / slip if slip > 0.0 else 0.0
-        px = normal_impulse * (nx - ratio * sx)
-        py = normal_impulse * (ny - ratio * sy)
-        pz = normal_impulse * (nz - ratio * sz)
-        after[i, 0], after[i, 1], after[i, 2] = vx + px, vy + py, vz + pz
-        spin_after[i, 0] = wx - (ny * pz - nz * py) / INERTIA
-        spin_after[i, 1] = wy - (nz * px - nx * pz) / INERTIA
-        spin_after[i, 2] = wz - (nx * py - ny * px) / INERTIA

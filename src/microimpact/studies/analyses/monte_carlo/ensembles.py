@@ -2,22 +2,24 @@
 
 Events come in replicates: batches of a fixed size, each with random numbers of its own. A replicate
 is a pure function of the ensemble, the angle and its number, so that neither the order in which
-replicates are computed nor the place matters; small ones are computed several at a time, and each
-thread holds no more events than `BLOCK`, or one replicate, in memory. The scatter of
-their means gives the error of every estimate, whatever the method of sampling. Sums over replicates
-are exact, so an estimate does not depend on the number of threads in its last digit either.
+replicates are computed nor the place matters; small ones are computed several at a time. Each
+thread holds the draws of `BLOCK` events, or of one replicate, in memory, and what rigid bodies do
+is added up in one compiled pass over them. The scatter of the replicates' means gives the error of
+every estimate, whatever the method of sampling. Sums over replicates are exact, so an estimate does
+not depend on the number of threads in its last digit either.
 """
 
 from __future__ import annotations
 
 import math
 import sys
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field, fields, replace
 from itertools import islice
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 from pydantic import Field
@@ -25,6 +27,16 @@ from pydantic import Field
 from microimpact.core.arrays import FloatArray
 from microimpact.declared.parameters import Count
 from microimpact.lab.surface import Rules, Strike, Surface, collide
+from microimpact.model.passes import (
+    ACCEPTED,
+    CAPTURED,
+    E_SQUARED,
+    FACING_AWAY,
+    MU,
+    MU_SQUARED,
+    NOT_LEAVING,
+    E,
+)
 from microimpact.statistics.distributions import (
     LARGEST_PROBABILITY,
     SMALLEST_PROBABILITY,
@@ -46,6 +58,8 @@ from microimpact.statistics.sampling import (
 # Draws of a replicate, by the names of the parameters.
 Draws = Mapping[str, FloatArray]
 
+# Slopes of the facets, of which every contact has its own.
+SLOPES = ("slope", "cross_slope")
 POSITIVE = ("speed_m_per_s", "diameter_um", "work_of_adhesion_factor")
 NON_NEGATIVE = ("friction", "restitution_factor", "hertz_damping_factor", "adhesion_damping_factor")
 
@@ -129,8 +143,12 @@ class Process:
         return replace(self, **held)
 
 
-# What an impact does to the spheres of which these are the draws.
-Impact = Callable[[Draws], Strike]
+class Impact(Protocol):
+    """What impacts do to spheres."""
+
+    def sums(self, events: Events) -> FloatArray:
+        """Return the sums over events, (replicates, columns), see `model.passes.SUMS`."""
+        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -186,8 +204,8 @@ BLOCK = 2**14
 # Tasks handed to threads at a time: enough to keep them busy, few enough to wait for.
 BATCH = 64
 
-# Columns of the sums of a replicate.
-FACING_AWAY, CAPTURED, NOT_LEAVING, ACCEPTED, E, E_SQUARED, MU, MU_SQUARED = range(8)
+# Columns of the shares that are told.
+REPORTED = ACCEPTED, FACING_AWAY, CAPTURED, NOT_LEAVING
 
 
 class Estimate(NamedTuple):
@@ -282,7 +300,7 @@ def summary(sums: FloatArray, events: int) -> Estimate:
     total = np.array([math.fsum(column) for column in sums.T])
     shares = total / (len(sums) * events)
     if not total[ACCEPTED]:
-        return Estimate(*[np.nan] * 6, *(float(shares[i]) for i in (3, 0, 1, 2)))
+        return Estimate(*[np.nan] * 6, *(float(shares[i]) for i in REPORTED))
     numbers: list[float] = []
     for first, squares in ((E, E_SQUARED), (MU, MU_SQUARED)):
         average = total[first] / total[ACCEPTED]
@@ -291,7 +309,7 @@ def summary(sums: FloatArray, events: int) -> Estimate:
         error = np.sqrt(math.fsum(scatter**2) * len(sums) / (len(sums) - 1)) / total[ACCEPTED]
         variance = total[squares] / total[ACCEPTED] - average**2
         numbers += [float(average), float(error), float(np.sqrt(max(variance, 0.0)))]
-    return Estimate(*numbers, *(float(shares[i]) for i in (3, 0, 1, 2)))
+    return Estimate(*numbers, *(float(shares[i]) for i in REPORTED))
 
 
 def replicate_shares(ensemble: Ensemble, key: int, number: int) -> Draws:
@@ -307,31 +325,88 @@ def replicate_shares(ensemble: Ensemble, key: int, number: int) -> Draws:
     )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Events:
+    """Events of some replicates of an ensemble at one nominal angle, degrees.
+
+    Attributes
+    ----------
+    shares
+        Of which the quantiles are parameters; of constants one for all.
+    count, replicates
+        Number of events, and of the replicates that these are in turn.
+    """
+
+    ensemble: Ensemble
+    angle_deg: float
+    shares: Draws
+    count: int
+    replicates: int
+
+    @property
+    def draws(self) -> dict[str, FloatArray]:
+        """Values of all parameters but the slopes; (1,) those of constants."""
+        distributions = self.ensemble.process.distributions
+        return {
+            name: law.quantile(self.shares[name])
+            for name, law in distributions.items()
+            if name not in SLOPES
+        }
+
+    @property
+    def facets(self) -> list[tuple[FloatArray, FloatArray]]:
+        """Shares of the facets met in turn, along and across."""
+        contacts = range(self.ensemble.rules.most_contacts)
+        return [
+            (self.shares[_name("slope", k)], self.shares[_name("cross_slope", k)]) for k in contacts
+        ]
+
+
+class Struck(ABC):
+    """Impacts that are found contact by contact."""
+
+    @abstractmethod
+    def __call__(self, draws: Draws) -> Strike:
+        """Return what contacts do to the spheres whose draws these are."""
+
+    def sums(self, events: Events) -> FloatArray:
+        """Return the sums over events, see `Impact`."""
+        n, rules = events.count, events.ensemble.rules
+        draws = {name: np.broadcast_to(values, n) for name, values in events.draws.items()}
+        facets = [(np.broadcast_to(a, n), np.broadcast_to(b, n)) for a, b in events.facets]
+        before, spin = _approach(draws, events.angle_deg)
+        found = collide(events.ensemble.surface, before, spin, facets, self(draws))
+        faced, accepted, after = found.contacts > 0, found.observed(rules), found.velocity
+        change = after[accepted] - before[accepted]
+        e, mu = np.zeros((2, n))
+        e[accepted] = -after[accepted, 2] / before[accepted, 2]
+        mu[accepted] = -change[:, 0] / change[:, 2]
+        counts = (~faced, found.kept, faced & ~found.kept & ~accepted, accepted)
+        sums = [
+            values.reshape(events.replicates, -1).sum(axis=1, dtype=float)
+            for values in (*counts, e, e**2, mu, mu**2)
+        ]
+        return np.stack(sums, axis=1)
+
+
 def replicate_sums(ensemble: Ensemble, angle_deg: float, shares: Sequence[Draws]) -> FloatArray:
     """Return counts of rejections, and sums of e and -mu and of their squares.
 
     Shape (replicates, 8), of the shares of each replicate.
     """
-    distributions = ensemble.process.distributions
-    all_shares = {name: np.concatenate([one[name] for one in shares]) for name in shares[0]}
-    draws = {name: d.quantile(all_shares[name]) for name, d in distributions.items()}
-    before, spin = _approach(draws, angle_deg)
-    facets = [
-        (all_shares[_name("slope", contact)], all_shares[_name("cross_slope", contact)])
-        for contact in range(ensemble.rules.most_contacts)
-    ]
-    found = collide(ensemble.surface, before, spin, facets, ensemble.impact(draws))
-    faced, accepted, after = found.contacts > 0, found.observed(ensemble.rules), found.velocity
-    change = after[accepted] - before[accepted]
-    e, mu = np.zeros((2, len(accepted)))
-    e[accepted] = -after[accepted, 2] / before[accepted, 2]
-    mu[accepted] = -change[:, 0] / change[:, 2]
-    counts = (~faced, found.kept, faced & ~found.kept & ~accepted, accepted)
-    sums = [
-        values.reshape(len(shares), -1).sum(axis=1, dtype=float)
-        for values in (*counts, e, e**2, mu, mu**2)
-    ]
-    return np.stack(sums, axis=1)
+    distributions = ensemble.process.distributions | _further_slopes(ensemble)
+    joined = {
+        name: one[:1] if isinstance(law, Constant) else np.concatenate([s[name] for s in shares])
+        for (name, law), one in zip(distributions.items(), shares[0].values(), strict=True)
+    }
+    events = Events(
+        ensemble=ensemble,
+        angle_deg=angle_deg,
+        shares=joined,
+        count=len(shares) * ensemble.plan.events,
+        replicates=len(shares),
+    )
+    return ensemble.impact.sums(events)
 
 
 def _approach(draws: Draws, angle_deg: float) -> tuple[FloatArray, FloatArray]:
@@ -348,7 +423,7 @@ def _further_slopes(ensemble: Ensemble) -> dict[str, Distribution]:
     return {
         _name(axis, contact): getattr(ensemble.process, axis)
         for contact in range(1, ensemble.rules.most_contacts)
-        for axis in ("slope", "cross_slope")
+        for axis in SLOPES
     }
 
 

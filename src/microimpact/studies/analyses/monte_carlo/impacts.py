@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from microimpact.core.arrays import BoolArray, FloatArray
-from microimpact.lab.events import IntArray
-from microimpact.lab.surface import Strike, simulated
+from microimpact.core.arrays import FloatArray
+from microimpact.lab.surface import Strike, rigid_sums, simulated
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.law.families import NoTableError
 from microimpact.model.law.table import TOLERANCE, Law, tabulate
-from microimpact.model.rigid_body.facets import facet_rebound
 from microimpact.statistics.distributions import LARGEST_PROBABILITY, SMALLEST_PROBABILITY, Constant
-from microimpact.studies.analyses.monte_carlo.ensembles import Draws, Impact, Process
+from microimpact.studies.analyses.monte_carlo.ensembles import (
+    Draws,
+    Events,
+    Impact,
+    Process,
+    Struck,
+)
 
 # How far the tables of e reach beyond the sizes and speeds drawn: spin before impact may make a
 # second one faster than the first.
@@ -32,23 +35,6 @@ SIMULATION_ONLY = ("hertz_damping_factor", "adhesion_damping_factor")
 NEUTRAL = {"restitution_offset": 0.0}
 
 
-@dataclass(frozen=True, slots=True)
-class Chosen(Mapping[str, FloatArray]):
-    """Draws of some events, copied when asked for: few impacts ask for all parameters."""
-
-    draws: Draws
-    chosen: IntArray
-
-    def __getitem__(self, name: str) -> FloatArray:
-        return np.take(self.draws[name], self.chosen)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.draws)
-
-    def __len__(self) -> int:
-        return len(self.draws)
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RigidBody:
     """Rigid body model with the restitution of simulated normal impacts.
@@ -60,12 +46,12 @@ class RigidBody:
     ----------
     law
         e of all speeds and sizes that a process may draw.
-    sizes
-        Least and greatest diameter in um divided by the factor of the work of adhesion.
+    size
+        Diameter in um divided by the factor of the work of adhesion, of the family's middle.
     """
 
     law: Law
-    sizes: tuple[float, float]
+    size: float
 
     @classmethod
     def of(cls, contact: Contact, process: Process) -> RigidBody:
@@ -97,41 +83,28 @@ class RigidBody:
                 "work_of_adhesion_factor) have no capture velocity; narrow these distributions"
             )
         speeds = limit.max(), FASTEST * max(speed[1], limit.max())
-        return cls(law=_table(spheres, speeds), sizes=(float(size[0]), float(size[-1])))
+        return cls(law=_table(spheres, speeds), size=float(np.sqrt(size[0] * size[-1])))
 
-    def restitution(self, normal_speed: FloatArray, draws: Draws) -> FloatArray:
-        """Return e at normal speeds in m/s, zero at capture, before factor and offset."""
+    def scales(self, draws: Draws) -> tuple[FloatArray, FloatArray]:
+        """Return the velocity scales of spheres, m/s, and their places in the family."""
         size = draws["diameter_um"] / draws["work_of_adhesion_factor"]
-        smallest, largest = self.sizes
-        if size.size and not (smallest <= size.min() and size.max() <= largest):
-            raise ValueError(
-                f"diameter_um over work_of_adhesion_factor: drew {size.min():.4g} to "
-                f"{size.max():.4g}, must lie in that of the process, {smallest:.4g} to "
-                f"{largest:.4g}"
-            )
-        family = self.law.family
-        steps = (5.0 / 6.0) * np.log(size / np.sqrt(smallest * largest))
-        w = normal_speed / family.velocity_scale * np.exp(steps)
-        return self.law.restitution(w, np.zeros(1) if family.alike else -steps / family.half_width)
+        steps, family = (5.0 / 6.0) * np.log(size / self.size), self.law.family
+        place = np.zeros(1) if family.alike else -steps / family.half_width
+        return np.asarray(family.velocity_scale * np.exp(-steps)), np.asarray(place)
 
-    def __call__(self, draws: Draws) -> Strike:
-        """Return what contacts do to the spheres whose draws these are."""
-
-        def strike(
-            which: IntArray, velocity: FloatArray, spin: FloatArray, normal: FloatArray
-        ) -> tuple[FloatArray, FloatArray, BoolArray]:
-            own = Chosen(draws, which)
-            radius = 0.5e-6 * own["diameter_um"][:, None]
-            bare = self.restitution(-np.vecdot(velocity, normal), own)
-            e = np.clip(own["restitution_factor"] * bare + own["restitution_offset"], 0.0, 1.0)
-            after, turned = facet_rebound(velocity, radius * spin, normal, e, own["friction"])
-            return after, turned / radius, bare <= 0.0
-
-        return strike
+    def sums(self, events: Events) -> FloatArray:
+        """Return the sums over events, see `Impact`."""
+        draws = events.draws
+        names = "spin_ratio", "friction", "restitution_factor", "restitution_offset"
+        drawn = [draws["speed_m_per_s"], events.angle_deg + draws["angle_offset_deg"]]
+        drawn += [draws[name] for name in names] + list(self.scales(draws))
+        return rigid_sums(
+            events.ensemble.surface, self.law, drawn, events.facets, events.count, events.replicates
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Simulation:
+class Simulation(Struck):
     """Dynamic simulation of every impact (Eqs. 19-29)."""
 
     contact: Contact
