@@ -147,7 +147,7 @@ from importlib import import_module
 from numba.core.dispatcher import Dispatcher
 from microimpact.core.compiled import _Uncompiled
 
-for name in ("dynamics.kernel", "passes", "rigid_body.facets"):
+for name in ("dynamics.kernel", "passes", "dynamics.tangential"):
     module = vars(import_module(f"microimpact.model.{name}"))
     next(f for f in module.values() if isinstance(f, _Uncompiled)).compiled()
     found = [f for f in module.values() if isinstance(f, Dispatcher)]
@@ -161,7 +161,7 @@ def test_compiled_code_of_a_module_calls_no_other_modules(tmp_path):
     # Numba's cache would keep stale code of the other module.
     root = Path(__file__).parents[2] / "src/microimpact"
     users = [path for path in root.rglob("*.py") if "import jit\n" in path.read_text()]
-    assert {path.stem for path in users} >= {"kernel", "passes", "facets"}
+    assert {path.stem for path in users} >= {"kernel", "passes", "tangential"}
     names = {path: ".".join(path.relative_to(root.parent).with_suffix("").parts) for path in users}
     for path in users:
         text = path.read_text()

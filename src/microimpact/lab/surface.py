@@ -229,7 +229,7 @@ def rigid_sums(
     states = tuple(passes.flat(values, (count,)) for values in drawn)
     told = passes.FACETS.index(rules.facets), rules.must_leave, rules.most_contacts
     given = states, along, across, slopes, told, law.compiled, count // replicates
-    found = np.zeros((replicates, len(passes.SUMS)))
+    found = np.zeros((replicates, 2 * passes.LOST))
     which, known = np.arange(count), np.empty((0, rules.most_contacts))
     while which.size:  # those left have a contact so close to capture that it must be integrated
         asked = np.empty((which.size, 4))
@@ -239,7 +239,7 @@ def rigid_sums(
         known = known[who] if known.size else np.full((number, rules.most_contacts), np.nan)
         known[np.arange(number), contact.astype(np.int64)] = law.restitution(w, place)
         which = which[who]
-    return found
+    return found[:, : passes.LOST] + found[:, passes.LOST :]
 
 
 def facets(

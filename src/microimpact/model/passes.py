@@ -50,6 +50,8 @@ TINY = float(np.finfo(float).tiny)
 # Columns of the sums over events: how many were rejected and why, and how many were not; sums of
 # the measured e and -mu of these, and of their squares.
 SUMS = FACING_AWAY, CAPTURED, NOT_LEAVING, ACCEPTED, E, E_SQUARED, MU, MU_SQUARED = range(8)
+# What rounding has taken from a sum stands so many columns further on.
+LOST = len(SUMS)
 # Rows of outcomes begin this many numbers further apart than they are long: in the same place of
 # every page of memory they would push each other out of the processor's first cache.
 APART = 24
@@ -411,10 +413,19 @@ def _count(sums, row, contacts, kept, leaves, before, after):  # type: ignore[no
         e = -after[2] / before[2]
         mu = -(after[0] - before[0]) / (after[2] - before[2])
         sums[row, ACCEPTED] += 1.0
-        sums[row, E] += e
-        sums[row, E_SQUARED] += e * e
-        sums[row, MU] += mu
-        sums[row, MU_SQUARED] += mu * mu
+        _add(sums, row, E, e)
+        _add(sums, row, E_SQUARED, e * e)
+        _add(sums, row, MU, mu)
+        _add(sums, row, MU_SQUARED, mu * mu)
+
+
+@_jit_inline
+def _add(sums, row, column, value):  # type: ignore[no-untyped-def]
+    """Add to a sum, and what rounding takes from it to a column of its own."""
+    before = sums[row, column]
+    after = before + value
+    sums[row, column] = after
+    sums[row, LOST + column] += before - after + value
 
 
 @_jit_inline
@@ -451,7 +462,7 @@ def events(  # type: ignore[no-untyped-def]
     size
         Events of a replicate.
     sums
-        Of each replicate, (replicates, columns), added to.
+        Of each replicate, (replicates, 2 columns), added to: ``SUMS``, and what they lost.
     asked
         Place in ``which``, contact, w and place of impacts that must be integrated, (m, 4).
 
