@@ -70,6 +70,23 @@ def test_material_damping_alone_may_capture_too_much(bare):
         two_stage(bare.replace(work_of_adhesion=50.0), HIGH, 0.3, CAPTURE)
 
 
+def test_arrays_are_calibrated_each_by_itself(bare):
+    sizes, limits = np.array([[60e-6], [62e-6]]), np.array([0.17, 0.175, 0.18])
+    family = bare.replace(diameter=sizes, work_of_adhesion=3.8)
+    found = two_stage(family, HIGH, E, limits).contact
+    assert found.shape == (2, 3)
+    np.testing.assert_allclose(capture_velocity(found), np.tile(limits, (2, 1)), rtol=1e-9)
+    alone = two_stage(bare.replace(diameter=62e-6, work_of_adhesion=3.8), HIGH, E, 0.17).contact
+    assert found.hertz_damping[1, 0] == alone.hertz_damping
+    assert found.adhesion_damping[1, 0] == alone.adhesion_damping
+    with pytest.raises(NoSolutionError, match=r"raise the work of adhesion .*; at index \(1,\)"):
+        two_stage(bare.replace(work_of_adhesion=[3.5, 0.2]), HIGH, E, CAPTURE)
+    with pytest.raises(ValueError, match=r"below high_speed 1.66, got 2"):
+        two_stage(family, HIGH, E, [0.1, 2.0])
+    with pytest.raises(ValueError, match="shape"):
+        two_stage(bare.replace(diameter=[5e-5, 6e-5]), HIGH, E, [0.1, 0.1, 0.1])
+
+
 def test_work_of_adhesion_for_a_capture_velocity(bare):
     damped = bare.replace(adhesion_damping=1.5)
     found = work_of_adhesion_for(damped, 0.1)

@@ -296,6 +296,7 @@ def test_a_sweep_is_a_table(microimpact):
         (("--surface-density", "8"), "is that of no solid"),
         (("--hertz-damping", "30"), "overdamped"),
         (("--speed", "1000"), "most materials yield"),
+        (("--yield-strength-mpa", "205"), "above 3.28e+08 Pa, 1.6 times the yield strength"),
     ],
 )
 def test_doubtful_numbers_are_told(microimpact, options, words):

@@ -166,12 +166,16 @@ def contact_options(command: Command) -> Command:
     show_default=True,
     help="Compliance along the surface.",
 )
+@click.option(
+    "--yield-strength-mpa", type=float, help="Of the softer body, MPa: warns of impacts beyond."
+)
 def simulate_command(
     speed: FloatArray,
     angle: FloatArray,
     spin: FloatArray,
     friction_basis: str,
     tangential: str,
+    yield_strength_mpa: float | None,
     as_json: bool,
     **pair: Any,
 ) -> None:
@@ -183,7 +187,10 @@ def simulate_command(
     before = dict(zip(("speed", "angle", "spin"), _grid(speed, angle, spin), strict=True))
     laws: dict[str, Any] = {"friction_basis": friction_basis, "tangential": tangential}
     outcome = simulate(asked.contact, before["speed"], before["angle"], before["spin"], **laws)
-    warn(doubts(asked.contact, outcome.maximum_compression))
+    limit = None
+    if yield_strength_mpa is not None:
+        limit = 1e6 * float(checked("yield-strength-mpa", yield_strength_mpa, POSITIVE))
+    warn(doubts(asked.contact, outcome.maximum_compression, limit))
     found = {name: _summary(getattr(outcome, name), asked.draws) for name in _IMPACT}
     single = before["speed"].size == 1
     if as_json:

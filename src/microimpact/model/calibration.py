@@ -8,10 +8,13 @@ target is the capture velocity, where restitution is zero.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from functools import cache
+from typing import Any
 
-from microimpact.core.arrays import POSITIVE, Range, checked
+import numpy as np
+
+from microimpact.core.arrays import POSITIVE, Range, Real, checked, common_shape
 from microimpact.core.solve import root
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
@@ -50,16 +53,16 @@ class TwoStage:
 
 
 def two_stage(
-    contact: Contact, high_speed: float, restitution: float, capture_speed: float
+    contact: Contact, high_speed: Real, restitution: Real, capture_speed: Real
 ) -> TwoStage:
-    """Estimate both damping coefficients of a contact.
+    """Estimate both damping coefficients of a contact, or of each of many.
 
     Parameters
     ----------
     contact
-        One contact; its damping coefficients are not used.
+        The contact, its fields of any shape; its damping coefficients are not used.
     high_speed
-        Normal speed of the first stage, m/s.
+        Normal speed of the first stage, m/s; this and the targets broadcast with the contact.
     restitution
         Restitution measured there, in (0, 1).
     capture_speed
@@ -68,23 +71,60 @@ def two_stage(
     Raises
     ------
     NoSolutionError
-        If no pair of non-negative coefficients meets both; the message says which end fails.
+        If no pair of non-negative coefficients meets both; the message says which end fails, what
+        to change, and of an array, where.
     ValueError, TypeError
-        If a target is not a number or out of range.
+        If a target is not a number or out of range, or shapes do not broadcast.
     """
-    high_speed = float(checked("high_speed", high_speed, POSITIVE))
-    restitution = float(checked("restitution", restitution, OPEN_UNIT_INTERVAL))
-    capture_speed = float(checked("capture_speed", capture_speed, POSITIVE))
-    if capture_speed >= high_speed:
-        raise ValueError(
-            f"capture_speed must be below high_speed {high_speed:g}, got {capture_speed:g}"
-        )
+    targets = {
+        "high_speed": checked("high_speed", high_speed, POSITIVE),
+        "restitution": checked("restitution", restitution, OPEN_UNIT_INTERVAL),
+        "capture_speed": checked("capture_speed", capture_speed, POSITIVE),
+    }
+    undamped = contact.replace(hertz_damping=0.0, adhesion_damping=0.0)
+    shape = common_shape({"contact": np.empty(undamped.shape), **targets})
+    every = np.stack([np.broadcast_to(of, shape).ravel() for of in targets.values()], axis=-1)
+    for speed, _, limit in every[every[:, 2] >= every[:, 0]]:
+        raise ValueError(f"capture_speed must be below high_speed {speed:g}, got {limit:g}")
+    found = []
+    for place, (speed, e, limit) in zip(np.ndindex(shape), every.tolist(), strict=True):
+        try:
+            found.append(_two_stages(_element(undamped, shape, place), speed, e, limit))
+        except NoSolutionError as error:
+            where = f"; at index {place}" if shape else ""
+            raise NoSolutionError(f"{error}{where}") from None
+    if not shape:
+        return found[0]
+    dampings = {
+        name: np.reshape([getattr(of.contact, name) for of in found], shape)
+        for name in ("hertz_damping", "adhesion_damping")
+    }
+    return TwoStage(contact.replace(**dampings), max(of.turns for of in found))
+
+
+def _two_stages(contact: Contact, speed: float, restitution: float, limit: float) -> TwoStage:
     return _in_turn(
-        contact.replace(hertz_damping=0.0, adhesion_damping=0.0),
-        high_speed,
-        lambda current: hertz_damping_for(current, high_speed, restitution),
-        lambda current: adhesion_damping_for(current, capture_speed),
+        contact,
+        speed,
+        lambda current: hertz_damping_for(current, speed, restitution),
+        lambda current: adhesion_damping_for(current, limit),
     )
+
+
+def _element(item: Any, shape: tuple[int, ...], place: tuple[int, ...]) -> Any:
+    """Return a contact, or a material, with its arrays' elements at a place."""
+    changes: dict[str, Any] = {}
+    for name in ("particle", "surface"):
+        if hasattr(item, name):
+            changes[name] = _element(getattr(item, name), shape, place)
+    for own in fields(item):
+        value = getattr(item, own.name)
+        if own.init and isinstance(value, np.ndarray):
+            changes[own.name] = float(np.broadcast_to(value, shape)[place])
+    if isinstance(item, Contact):
+        unused = {"work_of_adhesion", "ring_force"} - {item.adhesion_input}
+        return item.replace(**{name: of for name, of in changes.items() if name not in unused})
+    return replace(item, **changes)
 
 
 def _in_turn(contact: Contact, speed: float, *stages: Callable[[Contact], Contact]) -> TwoStage:
@@ -164,7 +204,7 @@ def adhesion_damping_for(contact: Contact, capture_speed: float) -> Contact:
         raise NoSolutionError(
             f"without adhesion damping the capture velocity is already "
             f"{float(capture_velocity(rateless.replace(adhesion_damping=0.0))):.4g} m/s, "
-            f"above the target {capture_speed:g}"
+            f"above the target {capture_speed:g}: lower the work of adhesion"
         )
     growth = contact.replace(adhesion_damping=1.0).adhesion_damping_at(capture_speed)
     guess = float(contact.adhesion_damping * growth)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from microimpact.core.arrays import Real
+from microimpact.model.closed_forms import YIELD_PRESSURE_RATIO, yield_velocity
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 
@@ -19,7 +20,9 @@ DEEPEST = 0.1
 HIGHEST = 0.05
 
 
-def doubts(contact: Contact, compression: Real | None = None) -> Iterator[str]:
+def doubts(
+    contact: Contact, compression: Real | None = None, yield_strength: float | None = None
+) -> Iterator[str]:
     """Tell what about a contact is hardly meant, each in a sentence that names the number.
 
     `contact`: the contact, its fields of any shape; `compression`: greatest compression of impacts,
@@ -40,8 +43,13 @@ def doubts(contact: Contact, compression: Real | None = None) -> Iterator[str]:
         yield f"the diameter, {sizes.min():.3g} m, is below 1 nm"
     if np.all(np.isinf(capture_velocity(contact))):
         yield "no sphere leaves this contact at any speed: it is overdamped"
-    if compression is None:
-        return
+    if compression is not None:
+        yield from _about_the_impact(contact, compression, yield_strength)
+
+
+def _about_the_impact(
+    contact: Contact, compression: Real, yield_strength: float | None
+) -> Iterator[str]:
     depth = float(np.max(np.asarray(compression) / contact.hertz_radius))
     if depth > DEEPEST:
         yield f"the greatest compression is {depth:.2g} of the radius: Hertz's contact is small"
@@ -52,4 +60,14 @@ def doubts(contact: Contact, compression: Real | None = None) -> Iterator[str]:
         yield (
             f"the greatest pressure, {float(np.max(pressure)):.3g} Pa, is {share:.2g} of Young's "
             "modulus: most materials yield"
+        )
+    if yield_strength is None:
+        return
+    onset = YIELD_PRESSURE_RATIO * yield_strength
+    if np.max(pressure) > onset:
+        slowest = float(np.min(yield_velocity(contact, yield_strength)))
+        yield (
+            f"the greatest pressure, {float(np.max(pressure)):.3g} Pa, is above {onset:.3g} Pa, "
+            f"{YIELD_PRESSURE_RATIO:g} times the yield strength: impacts above {slowest:.2g} m/s "
+            "are plastic"
         )
