@@ -130,6 +130,6 @@ def test_drawn(draw, tables, legend_texts):
     panels = [ax for ax in figure.axes if ax.axison]
     assert [ax.get_xscale() for ax in panels] == ["linear", "log", "log", "log", "log"]
     texts = legend_texts(figure)
-    assert {"accepted pair", "exact correction", "virtual experiment", "computed"} <= set(texts)
+    assert {"accepted pair", "exactly, any $e$", "virtual experiment", "computed"} <= set(texts)
     pairs = [line for line in panels[0].lines if len(line.get_xdata()) == 2]
     assert len(pairs) >= 2

@@ -383,12 +383,21 @@ def _columns(figure: Figure, labels: Iterable[str]) -> int:
     return 1
 
 
-def legend_after(figure: Figure, axes: Sequence[Axes], columns: int) -> None:
-    """Name every line and mark once, in the free place after the last of rows of so many panels."""
-    place = figure.add_subplot(-(-(len(axes) + 1) // columns), columns, len(axes) + 1)
+def legend_after(
+    figure: Figure, panels: int, columns: int, axes: Iterable[Axes], **look: Any
+) -> None:
+    """Name every line and mark of some axes in the free place after so many panels in rows."""
+    place = figure.add_subplot(-(-(panels + 1) // columns), columns, panels + 1)
     place.set_axis_off()
     entries = _entries(axes)
-    place.legend(entries.values(), entries.keys(), loc="center left")
+    place.legend(entries.values(), entries.keys(), loc="center left", **look)
+
+
+def apart(rows: pd.DataFrame, names: Sequence[str], factor: float) -> pd.DataFrame:
+    """Move some series sideways on a logarithmic abscissa, that no mark hides another."""
+    places = {name: i - (len(names) - 1) / 2 for i, name in enumerate(names)}
+    moved = factor ** rows["series"].map(places).fillna(0.0).to_numpy(float)
+    return rows.assign(**{rows.columns[3]: rows.iloc[:, 3] * moved})
 
 
 def mark_range(ax: Axes, ends: pd.Series, words: str) -> None:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
+from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import LogNorm
+from matplotlib.colors import ListedColormap, LogNorm
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from microimpact.core.tables import Tables
@@ -20,10 +22,11 @@ FEW = "too few events"
 # Marks of one cell are in rows of so many, this far apart, in cells.
 IN_A_ROW = 5
 STEP = 0.17, 0.30
-COLOURS = "viridis"
+# No colour as light as the paper.
+COLOURS = ListedColormap(colormaps["viridis"](np.linspace(0.0, 0.88, 256)))
 AREA = 9.0
-# Least distance of two numbers of the scale, as a share of it.
-APART = 0.04
+# Numbers of the scale; its small ticks are the speeds that occur.
+TICKS = (0.1, 0.2, 0.3, 0.5, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0)
 # Per cent of the intervals that should hold the mean.
 LEVEL = 95.0
 
@@ -32,7 +35,7 @@ LEVEL = 95.0
 def draw_map(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw a mark for every experiment: particles on a surface against angle, coloured by speed.
 
-    Those with too few events are in panel `FEW` again, and drawn open.
+    In a cell the speed grows from left to right. Those with too few events are in panel `FEW` again, and drawn open.
     """
     (table,) = tables.values()
     figure, axes = style.new_figure(spec)
@@ -58,7 +61,12 @@ def draw_map(tables: Tables, spec: FigureSpec) -> Figure:
         )
     _set_cells(ax, [f"{angle:g}" for angle in angles], pairs)
     _add_scale(figure, ax, scale, sorted(set(rows[y])))
-    style.evidence_key(figure, table["evidence"])
+    entries = []
+    if few:
+        ((_, panel),) = spec.panels.items()
+        look = {**style.EVIDENCE["virtual experiment"], "markerfacecolor": "white"}
+        entries = [Line2D([], [], color="black", label=panel.series[FEW].label, **look)]
+    style.evidence_key(figure, table["evidence"], entries)
     return figure
 
 
@@ -86,12 +94,9 @@ def _set_cells(ax: Axes, angles: list[str], pairs: list[str]) -> None:
 def _add_scale(figure: Figure, ax: Axes, scale: ScalarMappable, speeds: list[float]) -> None:
     bar = figure.colorbar(scale, ax=ax, pad=0.015, fraction=0.03)
     bar.set_label("Nominal speed (m/s)")
-    # Of neighbours whose numbers would touch, the first is written.
-    apart = [speeds[0]]
-    for speed in speeds[1:]:
-        if np.log(speed / apart[-1]) > APART * np.log(speeds[-1] / speeds[0]):
-            apart.append(speed)
-    bar.set_ticks(apart, labels=[f"{speed:g}" for speed in apart])
+    low, high = min(speeds), max(speeds)
+    ticks = [tick for tick in TICKS if low <= tick <= high]
+    bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
     bar.set_ticks(speeds, labels=[""] * len(speeds), minor=True)
 
 

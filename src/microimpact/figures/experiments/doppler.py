@@ -12,6 +12,8 @@ from microimpact.figures.registry import FigureSpec
 
 STREAM = "stream"
 COLUMNS = 3
+# Factor between the abscissae of neighbouring heights, whose marks would hide each other.
+APART = 1.06
 
 
 @style.context()
@@ -19,7 +21,7 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw a stretch of a stream with its pairs, and curves against speed.
 
     In the panel ``stream`` series ``pair ...`` hold both records of a pair and are drawn as lines.
-    The meaning of all lines is in the free place after the last panel.
+    Heights of the probe volume, which three panels share, are named after the last panel.
     """
     stream = {name: table["panel"].eq(STREAM).any() for name, table in tables.items()}
     is_pair = {name: table["series"].str.startswith("pair ") for name, table in tables.items()}
@@ -34,9 +36,10 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
         for which in (which for which, shown in stream.items() if shown):
             _join(ax, tables[which][is_pair[which]])
 
-    rest = {name: table[~is_pair[name]] for name, table in tables.items()}
+    heights = list(spec.panels["seen"].series)
+    rest = {name: style.apart(t[~is_pair[name]], heights, APART) for name, t in tables.items()}
     figure, axes = style.line_figure(rest, spec, COLUMNS, prepare)
-    style.legend_after(figure, list(axes.values()), COLUMNS)
+    style.legend_after(figure, len(axes), COLUMNS, [axes["seen"]], title="(b–d) probe volume at")
     return figure
 
 

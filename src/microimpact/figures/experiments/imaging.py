@@ -14,6 +14,8 @@ from microimpact.figures.registry import FigureSpec
 
 # Errors up to this are drawn on a linear scale, larger ones on a logarithmic one.
 LINEAR_PERCENT = 0.1
+# Factor between the abscissae of neighbouring series, whose bars would hide each other.
+APART = 1.1
 
 
 @style.context()
@@ -64,4 +66,6 @@ def draw_accuracy(tables: Tables, spec: FigureSpec) -> Figure:
             axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−")))
         ax.axhline(0.0, color="0.6", linewidth=0.6, zorder=1)
 
-    return style.line_figure(tables, spec, prepare=prepare)[0]
+    names = list(next(iter(spec.panels.values())).series)
+    moved = {name: style.apart(table, names, APART) for name, table in tables.items()}
+    return style.line_figure(moved, spec, prepare=prepare)[0]

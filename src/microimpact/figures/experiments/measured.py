@@ -22,9 +22,8 @@ def draw_normal(tables: Tables, spec: FigureSpec) -> Figure:
     (table,) = tables.values()
     is_band = table["series"] == PILE_UP
     figure, axes = style.line_figure(dict.fromkeys(tables, table[~is_band]), spec)
-    words = "piles up" if spec.article else "piles up (article)"
     for ax in axes.values():
-        style.mark_range(ax, table[is_band].iloc[:, 3], words)
+        style.mark_range(ax, table[is_band].iloc[:, 3], "piles up (article)")
     return figure
 
 

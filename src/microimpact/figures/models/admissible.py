@@ -100,18 +100,14 @@ def draw_bands(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
             y_low=rows["y_low"].where(rows["evidence"] == "printed"),
             y_high=rows["y_high"].where(rows["evidence"] == "printed"),
         )
-        style.draw_panel(ax, _apart(lines, panel), panel, name)
+        style.draw_panel(
+            ax,
+            style.apart(lines, [n for n in panel.series if n.startswith("printed, ")], APART),
+            panel,
+            name,
+        )
     style.evidence_key(figure, table["evidence"])
     return figure
-
-
-def _apart(rows: pd.DataFrame, panel: PanelSpec) -> pd.DataFrame:
-    """Move printed marks of several sizes sideways, that none hides another."""
-    sized = [name for name in panel.series if name.startswith("printed, ")]
-    places = {name: i - (len(sized) - 1) / 2 for i, name in enumerate(sized)}
-    x = rows.columns[3]
-    factor = APART ** rows["series"].map(places).fillna(0.0).to_numpy(float)
-    return rows.assign(**{x: rows[x] * factor})
 
 
 def _plain(axis: Any) -> None:

@@ -32,7 +32,7 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
     for pair, ax in axes.items():
         _label_marks(ax, table[table["panel"] == pair])
     if len(axes) % COLUMNS:
-        style.legend_after(figure, list(axes.values()), COLUMNS)
+        style.legend_after(figure, len(axes), COLUMNS, axes.values())
     else:
         style.legend_above(figure, axes.values(), 3)
     return figure

@@ -36,7 +36,8 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
         if name.startswith("bias"):
             ax.axhline(0.0, color="0.6", linewidth=0.6, zorder=1)
         if name.startswith("coverage"):
-            rows = _apart(rows, panel)
+            found = set(rows.loc[rows["evidence"] == "virtual experiment", "series"])
+            rows = style.apart(rows, [n for n in panel.series if n in found], APART)
         style.draw_panel(ax, rows, panel, name)
         _guide(ax, rows, panel)
         ax.set_xticks(np.array(panel.x_ticks))
@@ -45,16 +46,6 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
     style.legend_above(figure, list(axes.values())[-1:], 4)
     style.evidence_key(figure, table["evidence"])
     return figure
-
-
-def _apart(rows: pd.DataFrame, panel: PanelSpec) -> pd.DataFrame:
-    """Move every series of marks sideways, by its place in the legend."""
-    names = [name for name in panel.series if name in set(rows["series"])]
-    places = {name: i - (len(names) - 1) / 2 for i, name in enumerate(names)}
-    x = rows.columns[3]
-    marks = rows["evidence"] == "virtual experiment"
-    place = rows["series"].map(places).fillna(0.0).where(marks, 0.0)
-    return rows.assign(**{x: rows[x] * APART ** place.to_numpy(float)})
 
 
 def _guide(ax: Axes, rows: pd.DataFrame, panel: PanelSpec) -> None:
