@@ -138,7 +138,7 @@ def test_normal_figures_show_both_classes_and_the_printed_band(normal, draw, leg
         own = {f"{name}, virtual experiment" for name in ("SST65, 49 µm", "SST125, 75 µm")}
         assert own | {level} <= set(words)
         assert {"virtual experiment", "printed in the article", "computed"} <= set(words)
-        assert [t.get_text() for t in figure.axes[0].texts] == ["piles up"]
+        assert [t.get_text() for t in figure.axes[0].texts] == ["piles up (article)"]
 
 
 def test_smooth_silicon_agrees_with_the_unfitted_printed_values(angles):

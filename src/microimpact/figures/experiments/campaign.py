@@ -35,7 +35,8 @@ LEVEL = 95.0
 def draw_map(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw a mark for every experiment: particles on a surface against angle, coloured by speed.
 
-    In a cell the speed grows from left to right. Those with too few events are in panel `FEW` again, and drawn open.
+    In a cell the speed grows from left to right. Those with too few events are in panel `FEW`
+    again, and drawn open.
     """
     (table,) = tables.values()
     figure, axes = style.new_figure(spec)
