@@ -290,6 +290,9 @@ def _panel_and_name(series: str, spec: FigureSpec, problems: list[str]) -> tuple
         if colon and panel == only:
             problems.append(f"column series: {spec.name} has one panel, write just {name!r}")
         panel, name = only, series
+    elif not colon and len({own.shows or one for one, own in spec.panels.items()}) == 1:
+        # Further panels are other views of the same data.
+        panel, name = next(iter(spec.panels)), series
     elif not colon:
         known = ", ".join(spec.panels)
         problems.append(f"column series: {series!r} must be 'panel: name', panel one of {known}")
