@@ -19,7 +19,7 @@ from matplotlib.transforms import Bbox
 from microimpact.core.tables import parse_table
 from microimpact.declared.documents import load
 from microimpact.figures import style
-from microimpact.figures.registry import filled, registry
+from microimpact.figures.registry import QUANTITIES, filled, registry
 from microimpact.report.check.results import read_text, table_files
 from microimpact.run.config import read_configuration, validate
 
@@ -204,6 +204,20 @@ def test_all_can_be_read(name):
     assert letters == [f"({letter})" for letter in "abcdefgh"[: len(letters)]]
     panels = sum(ax.axison and bool(ax.lines) for ax in figure.axes)
     assert len(letters) >= (panels if panels > 1 else 0)
+
+
+def test_a_symbol_has_one_name_at_every_axis():
+    """Restitution, impulse ratio, loss and angle are called one way each, with one sign."""
+    written = {
+        label
+        for spec in SPECS.values()
+        for panel in spec.panels.values()
+        for label in (panel.x_label, panel.y_label)
+    }
+    for symbol in (r"$\alpha$", r"-\mu$", r"-\mu_m$", " $e$", "$e_m$", "$T_L$", "|v_n|"):
+        own = {label for label in written if symbol in label} - {"Bias of $e$"}
+        assert own <= set(QUANTITIES.values())
+        assert own
 
 
 @pytest.fixture

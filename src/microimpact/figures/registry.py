@@ -33,6 +33,23 @@ FORMATS = ("svg", "png", "pdf")
 FIGURE_NAME = r"^(fig\d\d|[a-z]+(_[a-z]+)*)$"
 
 
+# What stands at an axis, by the quantity: one name, sign and unit for all figures.
+QUANTITIES = {
+    "angle of incidence": r"Angle of incidence $\alpha$ (°)",
+    "restitution": "Coefficient of restitution $e$",
+    "impulse ratio": r"Impulse ratio $-\mu$",
+    "energy loss": "Energy loss $T_L$",
+    "normal impact speed": "Normal impact speed $|v_n|$ (m/s)",
+    "nominal impact speed": "Nominal impact speed (m/s)",
+    "capture velocity": "Capture velocity $v_c$ (m/s)",
+    "work of adhesion": "Work of adhesion $w_A$ (J/m$^2$)",
+    "measured restitution": "Measured restitution $e_m$",
+    "measured impulse ratio": r"Measured impulse ratio $-\mu_m$",
+    "mean measured restitution": "Mean measured restitution $e_m$",
+    "mean impulse ratio": r"Mean impulse ratio $-\mu$",
+}
+
+
 class RegistryError(ValueError):
     """A registry with problems: one line each, beginning with the dotted key."""
 
@@ -60,7 +77,7 @@ class PanelSpec:
 
     `shows` names the panel of the data if it is not the one of the same name, as for an
     enlarged view. A legend `above` is over all panels, clear of every curve. Axes grow
-    where data lie outside; the upright one does not if `fixed`.
+    where data lie outside; the upright one does not if `fixed`. A label may be one of `QUANTITIES`.
     """
 
     x_label: Name
@@ -75,6 +92,12 @@ class PanelSpec:
     shows: str = ""
     fixed: bool = False
     series: dict[str, SeriesSpec] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Put the words of a quantity at its axis."""
+        for axis in ("x_label", "y_label"):
+            label = getattr(self, axis)
+            object.__setattr__(self, axis, QUANTITIES.get(label, label))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
