@@ -104,8 +104,9 @@ def admissible_band(params: Params, inputs: Tables) -> pd.DataFrame:
     if not contacts:
         return pd.DataFrame()
     at, points = (params.speed_m_per_s, params.angle_deg), INSTANTS
-    step = -(-len(contacts) // params.band_contacts)
-    paths = [trajectory(contact, *at, points=points) for contact in contacts[::step]]
+    count = min(params.band_contacts, len(contacts))
+    chosen = np.linspace(0, len(contacts) - 1, count).astype(int)
+    paths = [trajectory(contacts[i], *at, points=points) for i in chosen]
     time = np.linspace(0.0, max(path.time[-1] for path in paths), points)
     forces = [np.interp(time, path.time, path.normal_force, right=0.0) for path in paths]
     low, middle, high = np.quantile(forces, BAND, axis=0) * 1e6
