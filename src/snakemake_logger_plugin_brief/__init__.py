@@ -21,6 +21,7 @@ from snakemake_interface_logger_plugins.common import LogEvent
 _PLACE = re.compile(
     r'^WorkflowError in (rule|file) .*:\n|\n  File ".*", line \d+, in .*$', re.MULTILINE
 )
+_NO_TARGET = re.compile(r"^MissingRuleException:\nNo rule to produce (\S+)")
 # What a failed step has said already, in its own words and by its log.
 _REPEATED = (
     "RuleException:\nCalledProcessError",
@@ -28,6 +29,20 @@ _REPEATED = (
     "WorkflowError:\nAt least one",
 )
 _IDLE = "Nothing to be done"
+
+
+def _told(error: str) -> str:
+    """Return an error without its place in a Snakefile; of a wrong target, the nearest name."""
+    wrong = _NO_TARGET.search(error)
+    if not wrong:
+        return _PLACE.sub("", error).strip()
+    from microimpact import studies
+    from microimpact.core.nearest import nearest
+    from microimpact.declared.documents import load
+
+    name, known = wrong[1], [*load("config/figures.yaml"), *studies.homes()]
+    near = nearest(name, known) if "/" not in name else "; `snakemake --list` has the names"
+    return f"{name}: no figure, rule or file of the study{near}"
 
 
 class LogHandler(LogHandlerBase):
@@ -64,11 +79,14 @@ class LogHandler(LogHandlerBase):
             self.handleError(record)
 
     def _emit(self, record: logging.LogRecord) -> None:
-        if self._full:
-            self._print(self.format(record))
-        elif record.getMessage().startswith(_REPEATED):
+        event = getattr(record, "event", None)
+        if not self._full and record.getMessage().startswith(_REPEATED):
             return
-        elif event := getattr(record, "event", None):
+        if event == LogEvent.ERROR and not self.common_settings.verbose:
+            self._print(_told(record.getMessage()))
+        elif self._full:
+            self._print(self.format(record))
+        elif event:
             self._event(event, record)
         elif record.levelno >= logging.WARNING or hasattr(record, "summary"):
             self._print(record.getMessage())
@@ -95,8 +113,6 @@ class LogHandler(LogHandlerBase):
         elif event == LogEvent.JOB_ERROR:
             name, _, logs = self._steps.get(told["jobid"], (told["rule_name"], 0.0, []))
             self._print(f"{name} failed; see {', '.join(logs)}")
-        elif event == LogEvent.ERROR:
-            self._print(_PLACE.sub("", record.getMessage()).strip())
 
     def _print(self, text: str) -> None:
         self._console.print(text, markup=False, soft_wrap=True)

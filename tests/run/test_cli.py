@@ -182,7 +182,7 @@ def test_materials_lists_materials_and_pairs(microimpact):
                 "--speed",
                 "1",
             ),
-            "the other way round",
+            "(did you mean 'stainless-steel-316 on silicon'?)",
         ),
         (
             ("capture", "--particle", "clay", "--surface", "silicon", "--particle-density", "2000"),
@@ -193,6 +193,7 @@ def test_materials_lists_materials_and_pairs(microimpact):
         (("capture", *FLUORESCEIN, "--adhesion-rate-exponent", "1"), "reference_velocity"),
         (("capture", *STEEL, "--diameter-um", "0"), "diameter"),
         (("capture", *STEEL, "--friction", "-0.1"), "friction"),
+        (("fit", "nowhere.csv"), "nowhere.csv: No such file or directory"),
         (("fly",), "fly"),
     ],
 )
@@ -292,8 +293,8 @@ def test_a_sweep_is_a_table(microimpact):
     [
         (("--diameter-um", "62e-6"), "below 1 nm"),
         (("--diameter-um", "1e6"), "above 5 mm"),
-        (("--particle-youngs-modulus-gpa", "193e-9"), "below 1 MPa"),
-        (("--surface-density", "8"), "is that of no solid"),
+        (("--particle-youngs-modulus-gpa", "193e-9"), "is not from 1 MPa to 2000 GPa"),
+        (("--surface-density", "8"), "is not from 10 to 30000 kg/m3"),
         (("--hertz-damping", "30"), "overdamped"),
         (("--speed", "1000"), "most materials yield"),
         (("--yield-strength-mpa", "205"), "above 3.28e+08 Pa, 1.6 times the yield strength"),

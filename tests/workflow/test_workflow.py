@@ -248,6 +248,36 @@ def test_a_wrong_unit_is_one_clear_error_and_writes_nothing(project):
     assert not (project.root / "build/refused").exists()
 
 
+@pytest.mark.parametrize(
+    ("target", "near"),
+    [
+        ("fig6", "did you mean 'fig06'?"),
+        ("rigde", "did you mean 'ridge'?"),
+        ("results/tables/x.csv", ""),
+    ],
+)
+def test_an_unknown_target_is_told_with_the_nearest_name(project, target, near):
+    done = project.snakemake(target, check=False)
+    assert done.returncode
+    told = done.text.strip().splitlines()[-1]
+    assert told.startswith(f"{target}: no figure, rule or file of the study")
+    assert near in told
+    assert "Exception" not in done.text
+
+
+def test_an_analysis_that_cannot_be_imported_is_named(project):
+    file = "src/microimpact/studies/models/coulomb_friction.py"
+    wrong = "from numpy import nothing_such\nimport numpy as np\n"
+    with project.edited(file, lambda text: text.replace("import numpy as np\n", wrong, 1)):
+        done = project.snakemake("fig17", check=False)
+    assert done.returncode
+    told = done.text.strip().splitlines()
+    assert f"{file}, line " in told[-1]
+    assert "cannot import name 'nothing_such'" in told[-1]
+    assert "Traceback" not in done.text
+    assert not [line for line in told if line.startswith("WorkflowError")]
+
+
 def test_a_nested_number_on_the_command_line_is_explained(project):
     argument = "coulomb_friction={spin_friction: 0.3}"
     done = project.snakemake("--dry-run", "--config", argument, check=False)

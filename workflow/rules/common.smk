@@ -9,6 +9,7 @@ import json
 import os
 import sys
 import time
+import traceback
 from functools import cache
 from pathlib import Path
 
@@ -70,6 +71,11 @@ try:
     INPUTS = read_inputs(SETTINGS)
 except (ValueError, OSError) as error:
     raise WorkflowError(f"problems in the declared inputs:\n{error}") from None
+except (ImportError, SyntaxError) as error:
+    place = traceback.extract_tb(error.__traceback__)[-1]
+    raise WorkflowError(
+        f"an analysis cannot be imported:\n{place.filename}, line {place.lineno}: {error}"
+    ) from None
 
 RESULTS = Path(workflow.pathvars.apply("<results>"))
 FIGURES, FIGURE_ENTRIES, DIGITISED = INPUTS.figures, INPUTS.figure_entries, INPUTS.digitised

@@ -29,7 +29,11 @@ def main() -> None:
         extra = "plot" if error.name == "matplotlib" else "study"
         click.echo(f"microimpact: needs {error.name}: pip install 'microimpact[{extra}]'", err=True)
         sys.exit(2)
-    except (ValueError, TypeError, OSError) as error:
+    except OSError as error:
+        told = f"{error.filename}: {error.strerror}" if error.filename else error
+        click.echo(f"microimpact: {told}", err=True)
+        sys.exit(2)
+    except (ValueError, TypeError) as error:
         click.echo(f"microimpact: {error}", err=True)
         sys.exit(2)
     except RuntimeError as error:

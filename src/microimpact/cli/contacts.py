@@ -424,12 +424,7 @@ def contact_of(
     except IncompletePairError as error:
         flags = [f"--{name.replace('_', '-')}" for name in error.missing]
         wanted = ", ".join("--diameter-um" if flag == "--diameter" else flag for flag in flags)
-        swapped = (
-            f" (the other way round, {surface} on {particle}, it is)"
-            if (surface, particle) in pairs
-            else error.near
-        )
-        raise ValueError(f"{error.pair}; give {wanted}{swapped}") from None
+        raise ValueError(f"{error.pair}; give {wanted}{error.near}") from None
     own = pairs.get((particle, surface), {})
     if changes["ring_force"] is not None and "work_of_adhesion" in own:
         changes["work_of_adhesion"] = float(contact.work_of_adhesion)  # type: ignore[arg-type]

@@ -179,6 +179,11 @@ class Shape:
         return shape(self.hint)
 
     @property
+    def is_numbers(self) -> bool:
+        """Whether its items are numbers."""
+        return getattr(self.hint, "__origin__", self.hint) in {int, float}
+
+    @property
     def kinds(self) -> Mapping[object, Shape]:
         """The dataclasses, if there are several, each by its kind."""
         several = [Shape((each,)) for each in self.classes] if len(self.classes) > 1 else []
@@ -297,6 +302,13 @@ def _line(item: Mapping[str, Any], kind: type, key: str, aliases: Mapping[str, s
         return f"{written}: unknown key{nearest(str(item['loc'][-1]), fields)}"
     if item["type"] in {"missing", "missing_keyword_only_argument", "missing_argument"}:
         return f"{dotted}: missing"
+    if item["type"] in {"union_tag_invalid", "union_tag_not_found"}:
+        given = item.get("ctx", {}).get("tag")
+        told = "missing, it" if given is None else repr(given)
+        where = aliases.get(f"{dotted}.{KIND}", f"{dotted}.{KIND}")
+        return f"{where}: {told} must be one of {', '.join(map(str, here.kinds))}"
+    if item["type"] in {"tuple_type", "list_type"}:
+        return f"{dotted}: {item['input']!r} must be a list, as [{item['input']}]"
     wanted = item["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
     if item["type"] == "value_error":
         return f"{dotted}: {wanted}"

@@ -162,10 +162,7 @@ class Resolver:
             self.problems.append(f"{key}: must be a mapping: a name, then its fields")
             return None
         if isinstance(node, Declared):
-            self.rows += node.rows(key)
-            if node.place != key:
-                self.aliases[key] = node.place
-            return node.value
+            return self._recorded(kind, node, key)
         if isinstance(node, list):
             return [self._value(kind.item, item, f"{key}[{i}]") for i, item in enumerate(node)]
         if not isinstance(node, dict):
@@ -182,6 +179,14 @@ class Resolver:
             name: self._value(fields.get(name, kind.item), child, f"{key}.{name}")
             for name, child in node.items()
         }
+
+    def _recorded(self, kind: Shape, node: Declared, key: str) -> Any:
+        if node.value == [] and kind.is_numbers:
+            self.problems.append(f"{node.place}: [] must hold at least one number")
+        self.rows += node.rows(key)
+        if node.place != key:
+            self.aliases[key] = node.place
+        return node.value
 
     def _seed(self, stream: str, key: str) -> Any:
         """Return the seed of an analysis without its own, from the root seed and a name."""

@@ -7,17 +7,50 @@ from collections.abc import Iterator
 import numpy as np
 
 from microimpact.core.arrays import Real
+from microimpact.core.materials import Material
 from microimpact.model.closed_forms import YIELD_PRESSURE_RATIO, yield_velocity
 from microimpact.model.contact import Contact
-from microimpact.model.dynamics.capture import capture_velocity
 
-SOFTEST = 1e6  # Pa
+SOFTEST, STIFFEST = 1e6, 2e12  # Pa
 LIGHTEST, HEAVIEST = 10.0, 30e3  # kg/m3
 SMALLEST, LARGEST = 1e-9, 5e-3  # m
+# Far above the speeds at which any solid stays elastic.
+FASTEST = 1e3  # m/s
+# Of a distribution, in the unit of its key.
+_PLACES = {"mean", "median", "low", "high"}
 # Of the radius: beyond it the contact is no small circle on a sphere.
 DEEPEST = 0.1
 # Of the softer body's modulus: hardly anything stays elastic beyond it.
 HIGHEST = 0.05
+
+
+def doubts_of_material(material: Material, of: str = "") -> Iterator[str]:
+    """Tell what of a material is that of no solid; `of` says whose it is."""
+    stiffness = np.asarray(material.youngs_modulus)
+    if np.any((stiffness < SOFTEST) | (stiffness > STIFFEST)):
+        yield f"Young's modulus{of}, {stiffness.min():.3g} Pa, is not from 1 MPa to 2000 GPa"
+    density = np.asarray(material.density)
+    if np.any((density < LIGHTEST) | (density > HEAVIEST)):
+        yield f"the density{of}, {density.min():.3g} kg/m3, is not from 10 to 30000 kg/m3"
+
+
+def doubt_of_input(key: str, value: object) -> str:
+    """Tell what is wrong with a diameter or a speed of the configuration, by the words of its key.
+
+    Metres for micrometres are the commonest slip. Nothing is said of what is likely.
+    """
+    *_, above, name = ("", *key.split("."))
+    name = above if name in _PLACES else name
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        return ""
+    if "diameter" in name and name.endswith("_um"):
+        low, high, unit = SMALLEST * 1e6, LARGEST * 1e6, "um"
+    elif name.startswith("speed") and name.endswith("_m_per_s"):
+        low, high, unit = 0.0, FASTEST, "m/s"
+    else:
+        return ""
+    allowed = f"from {low:g} to {high:g} {unit}"
+    return "" if low <= value <= high else f"{key}: {value:g} {unit} must be {allowed}"
 
 
 def doubts(
@@ -28,14 +61,12 @@ def doubts(
     `contact`: the contact, its fields of any shape; `compression`: greatest compression of impacts,
     m.
     """
+    # The integrator is slow to import, and inputs are checked without it.
+    from microimpact.model.dynamics.capture import capture_velocity
+
     for role in ("particle", "surface"):
         body = getattr(contact, role)
-        softest = float(np.min(body.youngs_modulus))
-        if softest < SOFTEST:
-            yield f"Young's modulus of the {role}, {softest:.3g} Pa, is below 1 MPa"
-        density = np.asarray(body.density)
-        if np.any((density < LIGHTEST) | (density > HEAVIEST)):
-            yield f"the density of the {role}, {density.min():.3g} kg/m3, is that of no solid"
+        yield from doubts_of_material(body, f" of the {role}")
     sizes = np.asarray(contact.diameter)
     if np.any(sizes > LARGEST):
         yield f"the diameter, {sizes.max():.3g} m, is above 5 mm"

@@ -206,9 +206,16 @@ def _branches(names: tuple[str, ...]) -> type[Any]:
 
 def _tables(resolver: Resolver, found: list[str]) -> DeclaredTables | None:
     """Read the declared tables, whatever is wrong with other general keys."""
-    paths = [resolver.resolved(str, name) for name in TABLES]
+    paths = {name: resolver.resolved(str, name) for name in TABLES}
+    missing = [
+        f"{name}: {path!r} must be a file; there is none"
+        for name, path in paths.items()
+        if isinstance(path, str) and not Path(path).is_file()
+    ]
+    found += missing
     try:
-        return read_all(*paths) if all(isinstance(path, str) for path in paths) else None
+        usable = not missing and all(isinstance(path, str) for path in paths.values())
+        return read_all(*paths.values()) if usable else None
     except (ValueError, OSError) as error:
         found.append(str(error))
         return None

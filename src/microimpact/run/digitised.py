@@ -27,6 +27,8 @@ HEADER_KEYS = ("source", "licence", "digitised_by", "measured_by")
 ORIGINS = {"digitised_by": "digitised", "measured_by": "measured"}
 COLUMNS = ("series", "x", "y", "y_low", "y_high")
 CANONICAL = ("panel", *COLUMNS)
+# In ends of the axis: a point beyond has another unit, as percent.
+FAR = 20.0
 # More would not fit below the narrowest figure.
 LONGEST_NAME = 48
 # Of the problems of one file, so many are told.
@@ -329,11 +331,17 @@ def _wrong_bar(low: float | None, y: float, high: float | None) -> Iterator[str]
 
 
 def _wrong_side(x: float, y: float, panel: str, spec: FigureSpec) -> Iterator[str]:
-    """Refuse what a logarithmic axis cannot show: those of the registry begin above zero."""
+    """Refuse what a logarithmic axis cannot show, and what is in another unit than the axis.
+
+    The logarithmic axes of the registry begin above zero.
+    """
     axes: PanelSpec = spec.panels[panel]
     for column, value, ends in (("x", x, axes.x_range), ("y", y, axes.y_range)):
         if ends[0] > 0.0 >= value:
             yield f"column {column}: {value:g} must be positive, as the axis of {panel!r} is"
+        elif abs(value) > FAR * max(map(abs, ends)):
+            shown = f"{ends[0]:g} to {ends[1]:g}"
+            yield f"column {column}: {value:g} is far off the axis of {panel!r}, {shown}"
 
 
 def as_rows(points: Mapping[str, Digitised], figures: Iterable[str]) -> dict[str, str]:

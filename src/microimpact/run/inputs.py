@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from microimpact.core.materials import Material, materials_from_rows
@@ -11,6 +12,7 @@ from microimpact.declared.documents import load
 from microimpact.declared.selection import DeclaredTable
 from microimpact.figures.registry import FigureSpec, filled, registry
 from microimpact.model.pairs import Pair, Pairs, pair_contact, pairs_from_rows
+from microimpact.model.plausibility import LARGEST, SMALLEST, doubt_of_input, doubts_of_material
 from microimpact.run.config import Settings
 from microimpact.run.digitised import Digitised, as_rows, read_folder
 
@@ -37,9 +39,23 @@ def read_inputs(settings: Settings) -> Inputs:
     tables = settings.tables
     materials = _materials(tables.materials)
     pairs = pairs_from_rows(tables.contacts.rows)
-    wrong = [line for pair in pairs for line in _out_of_range(pair, materials, pairs)]
+    for key in ("figures", "claims"):
+        if not Path(path := getattr(general, key)).is_file():
+            raise ValueError(f"{key}: {path!r} must be a file; there is none")
+    inputs = (doubt_of_input(row.key, row.value) for row in settings.declared)
+    wrong = [line for line in inputs if line]
+    wrong += [
+        f"{general.materials}: {name}: {line}"
+        for name, material in materials.items()
+        for line in doubts_of_material(material)
+    ]
+    wrong += [
+        f"{general.contacts}: {line}"
+        for pair in pairs
+        for line in _out_of_range(pair, materials, pairs)
+    ]
     if wrong:
-        raise ValueError("\n".join(f"{general.contacts}: {line}" for line in wrong))
+        raise ValueError("\n".join(wrong))
     entries = filled(load(general.figures), settings.branches)
     figures = registry(entries)
     digitised = read_folder(general.digitised, figures)
@@ -79,6 +95,9 @@ def study_rows(name: str, settings: Settings, digitised: Mapping[str, Digitised]
 
 def _out_of_range(pair: Pair, materials: Mapping[str, Material], pairs: Pairs) -> Iterator[str]:
     try:
-        pair_contact(*pair, materials, pairs)
+        contact = pair_contact(*pair, materials, pairs)
+        if not SMALLEST <= contact.diameter <= LARGEST:
+            allowed = f"from {SMALLEST:g} to {LARGEST:g} m"
+            raise ValueError(f"diameter {contact.diameter:.3g} m must be {allowed}")
     except ValueError as error:
         yield f"{pair[0]} on {pair[1]}: {error}"

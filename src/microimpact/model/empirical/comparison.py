@@ -31,6 +31,7 @@ from microimpact.model.empirical.shapes import Held
 
 CONFIDENCE = Range(lower=0.0, upper=1.0)
 FRACTION = Range(lower=0.0, upper=1.0, lower_closed=True, upper_closed=True)
+SPREAD = Range(lower=0.0, upper=1.0, upper_closed=True)
 # Data from the slowest rebound upwards: fewer leave no model a degree of freedom.
 FEWEST = 5
 # A scatter of e above this, where no model explains half of the variance, is no curve.
@@ -281,7 +282,7 @@ def _data(v: ArrayLike, e: ArrayLike, sigma: ArrayLike | None) -> tuple[Data, bo
     """Return checked data, and whether sigma is given."""
     speed = np.atleast_1d(checked("v", v, POSITIVE))
     measured = np.atleast_1d(checked("e", e, FRACTION))
-    spread = np.asarray(checked("sigma", 1.0 if sigma is None else sigma, POSITIVE))
+    spread = np.asarray(checked("sigma", 1.0 if sigma is None else sigma, SPREAD))
     if speed.ndim != 1 or speed.shape != measured.shape:
         raise ValueError(f"v and e must be of one shape (n,), got {np.shape(v)} and {np.shape(e)}")
     if spread.shape not in {(), speed.shape}:
@@ -424,8 +425,8 @@ def _warnings(
     captured = data.unit * data.v[data.e == 0.0]
     if data.unit > NEAR * v_c and not (captured > v_c / NEAR).any():
         yield (
-            f"no speed is near capture: the slowest rebound, {data.unit:.3g} m/s, is "
-            f"{data.unit / v_c:.2g} times v_c"
+            f"no speed is near capture: the slowest rebound has {data.unit:.3g} m/s"
+            f"{f', {data.unit / v_c:.2g} times v_c' if v_c > 0.0 else ', v_c is 0'}"
         )
     if (nearest := max(captured, default=0.0)) > data.unit:
         yield (
