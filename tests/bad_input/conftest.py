@@ -63,5 +63,5 @@ class Declared:
 def declared(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Declared]:
     monkeypatch.setattr(documents, "_read", PARSED)
     shutil.copytree(ROOT / "config", tmp_path / "config")
-    (tmp_path / "config/digitised/fig16.csv").write_text(DIGITISED, encoding="utf-8")
+    (tmp_path / "config/digitised/fig14.csv").write_text(DIGITISED, encoding="utf-8")
     return Declared(tmp_path)

@@ -11,7 +11,7 @@ CONFIG, MATERIALS, CONTACTS = "config.yaml", "materials.csv", "contacts.csv"
 LABORATORY, MODELS, EXPERIMENTS = (
     f"{name}.yaml" for name in ("laboratory", "analyses/models", "analyses/experiments")
 )
-PRINTED, FIGURES, POINTS = "printed_values.csv", "figures.yaml", "digitised/fig16.csv"
+PRINTED, FIGURES, POINTS = "printed_values.csv", "figures.yaml", "digitised/fig14.csv"
 EXTERNAL, ANALYSES = "external.csv", "analyses/analyses.yaml"
 
 RESTITUTION = "restitution: {value: 0.80, evidence: derived,"
@@ -80,7 +80,7 @@ CASES = [
     (MODELS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: 1.0e+8", ["oblique_impact.speed_m_per_s: 1e+08 m/s must be from 0 to 1000 m/s"]),
     (MODELS, "diameter_um: {from: particles.SST76.mean_diameter_um}", "diameter_um: 62.0e-6", ["oblique_impact.diameter_um: 6.2e-05 um must be from 0.001 to 5000 um"]),
     (LABORATORY, "kind: truncated_normal", "kind: gaussian", [".diameter_um.kind: 'gaussian' must be one of constant, uniform, normal", "particles.SST6"]),
-    (POINTS, "1.0,0.5,0.4,0.6", "1.0,50,40,60", ["fig16.csv, line 5, column y: 50 is far off the axis of 'restitution', 0 to 1"]),
+    (POINTS, "1.0,0.5,0.4,0.6", "1.0,50,40,60", ["fig14.csv, line 5, column y: 50 is far off the axis of 'trends', 0 to 1.05"]),
     # references
     (MODELS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speeds.nominl}", ["oblique_impact.speed_m_per_s.from: 'speeds.nominl' is not declared (did you mean 'nominal'?)"]),
     (MODELS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speds.nominal}", ["'speds.nominal' is not declared (did you mean 'speeds'?)"]),
@@ -146,14 +146,14 @@ CASES = [
     (FIGURES, "x_range: [", "x_range: [9.0e9, ", ["x_range"]),
     (FIGURES, "width: double", "width: triple", ["width: 'triple'"]),
     # digitised points
-    (POINTS, "# licence: CC0-1.0\n", "", ["fig16.csv", "licence"]),
-    (POINTS, "# source: made up", "# source:", ["fig16.csv", "source"]),
-    (POINTS, "1.0,0.5,0.4,0.6", "1.0,0.5,0.6,0.4", ["fig16.csv, line 5"]),
-    (POINTS, "1.0,0.5,0.4,0.6", "one,0.5,0.4,0.6", ["fig16.csv, line 5", "'one'"]),
-    (POINTS, "1.0,0.5,0.4,0.6", "1.0,0.5", ["fig16.csv, line 5"]),
-    (POINTS, "1.0,0.5,0.4,0.6", "1.0,inf,,", ["fig16.csv, line 5", "'inf'"]),
-    (POINTS, "another,2.0,0.5,,", "a series,1.0,0.5,0.4,0.6", ["fig16.csv, line 6"]),
-    (POINTS, "series,x,y", "series,y,x", ["fig16.csv"]),
+    (POINTS, "# licence: CC0-1.0\n", "", ["fig14.csv", "licence"]),
+    (POINTS, "# source: made up", "# source:", ["fig14.csv", "source"]),
+    (POINTS, "1.0,0.5,0.4,0.6", "1.0,0.5,0.6,0.4", ["fig14.csv, line 5"]),
+    (POINTS, "1.0,0.5,0.4,0.6", "one,0.5,0.4,0.6", ["fig14.csv, line 5", "'one'"]),
+    (POINTS, "1.0,0.5,0.4,0.6", "1.0,0.5", ["fig14.csv, line 5"]),
+    (POINTS, "1.0,0.5,0.4,0.6", "1.0,inf,,", ["fig14.csv, line 5", "'inf'"]),
+    (POINTS, "another,2.0,0.5,,", "a series,1.0,0.5,0.4,0.6", ["fig14.csv, line 6"]),
+    (POINTS, "series,x,y", "series,y,x", ["fig14.csv"]),
 ]
 # fmt: on
 
@@ -177,7 +177,7 @@ def test_there_are_many_of_them():
 
 def test_unspoilt_inputs_are_read(declared):
     settings, found = declared.read()
-    assert "fig16" in found.digitised
+    assert "fig14" in found.digitised
     assert set(settings.rows) == set(settings.branches)
     assert not settings.unused
 
@@ -197,8 +197,8 @@ BYTES = [
     (MATERIALS, b"\x00\x01", "materials.csv"),
     (MATERIALS, b"material,\xe9\n", "materials.csv: must be a text in UTF-8, byte 9 is not"),
     (CONTACTS, b"particle,surface\n", "contacts.csv: the header is particle, surface;"),
-    (POINTS, b"# source: a", "fig16.csv, line 1, header"),
-    (POINTS, b"\xff", "fig16.csv"),
+    (POINTS, b"# source: a", "fig14.csv, line 1, header"),
+    (POINTS, b"\xff", "fig14.csv"),
     (FIGURES, b"fig14: 3\n", "fig14: 3 must be a mapping"),
     (FIGURES, b"fig14: {study: {}}\n", "fig14.study: {} is no study"),
 ]  # fmt: skip
