@@ -8,7 +8,6 @@ import numpy as np
 
 from microimpact.core.arrays import Real
 from microimpact.core.materials import Material
-from microimpact.model.closed_forms import YIELD_PRESSURE_RATIO, yield_velocity
 from microimpact.model.contact import Contact
 
 SOFTEST, STIFFEST = 1e6, 2e12  # Pa
@@ -62,6 +61,7 @@ def doubts(
     m.
     """
     # The integrator is slow to import, and inputs are checked without it.
+    from microimpact.model.closed_forms import YIELD_PRESSURE_RATIO, yield_velocity
     from microimpact.model.dynamics.capture import capture_velocity
 
     for role in ("particle", "surface"):
