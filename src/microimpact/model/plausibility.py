@@ -61,7 +61,6 @@ def doubts(
     m.
     """
     # The integrator is slow to import, and inputs are checked without it.
-    from microimpact.model.closed_forms import YIELD_PRESSURE_RATIO, yield_velocity
     from microimpact.model.dynamics.capture import capture_velocity
 
     for role in ("particle", "surface"):
@@ -94,6 +93,8 @@ def _about_the_impact(
         )
     if yield_strength is None:
         return
+    from microimpact.model.closed_forms import YIELD_PRESSURE_RATIO, yield_velocity
+
     onset = YIELD_PRESSURE_RATIO * yield_strength
     if np.max(pressure) > onset:
         slowest = float(np.min(yield_velocity(contact, yield_strength)))
