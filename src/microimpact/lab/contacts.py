@@ -43,14 +43,8 @@ def printed_values(
 ) -> pd.Series:
     """Return the printed values by key; none for another pair, diameter or speed than theirs.
 
-    Parameters
-    ----------
-    inputs
-        ``anchors``, declared rows, and what `calibrated_contact` takes.
-    of
-        What the values are of.
-    case, diameter_um, speed_m_per_s
-        What is computed.
+    `inputs`: ``anchors``, declared rows, and what `calibrated_contact` takes; `of`: what the values
+    are of; `case`, `diameter_um`, `speed_m_per_s`: what is computed.
     """
     values = inputs["anchors"].set_index("key")["value"].astype(float)
     own = *pair_of(inputs, case), diameter_um, speed_m_per_s
@@ -71,17 +65,9 @@ def admissible_beside(
 ) -> dict[str, Contact]:
     """Return the admissible contacts at a diameter (m), none if they are of another pair.
 
-    Parameters
-    ----------
-    inputs
-        What `calibrated_contact` and `admissible_contact` take.
-    of, case
-        The contacts, and the case beside which they are shown.
-
-    Returns
-    -------
-    dict
-        One contact of arrays for each normal force in Coulomb's law that some were drawn with.
+    One contact of arrays for each normal force in Coulomb's law that some were drawn with.
+    `inputs`: what `calibrated_contact` and `admissible_contact` take; `of`, `case`: the contacts,
+    and the case beside which they are shown.
     """
     table = inputs["admissible_contacts"]
     rows = table[(table["case"] == of.case) & (table["variant"] == of.variant)]

@@ -221,22 +221,12 @@ def tabulated(  # type: ignore[no-untyped-def]
 ):
     """Write the outcome of planar impacts by a law of normal impacts.
 
-    Parameters
-    ----------
-    which
-        Numbers of the impacts (m,), as integers.
-    given
-        Quantities (WIDTH, m) of theirs that were integrated; if there are none, the law is asked.
-    law
-        Tables and thresholds, see `law.table.Law.compiled`.
-    speed, angle, spin
-        m/s, degrees, rad/s; of all impacts, (n,), or one for all, (1,).
-    contacts
-        (n, columns) or (1, columns).
-    support
-        Quantity that friction rests on.
-    out, told
-        Outcomes of all impacts, (rows, n), numbers and truths; NaN for e where the law has none.
+    `which`: numbers of the impacts (m,), as integers; `given`: quantities (WIDTH, m) of theirs that
+    were integrated; if there are none, the law is asked; `law`: tables and thresholds, see
+    `law.table.Law.compiled`; `speed`, `angle`, `spin`: m/s, degrees, rad/s; of all impacts, (n,),
+    or one for all, (1,); `contacts`: (n, columns) or (1, columns); `support`: quantity that
+    friction rests on; `out`, `told`: outcomes of all impacts, (rows, n), numbers and truths; NaN
+    for e where the law has none.
     """
     if not _fits(law[1]):
         return  # never
@@ -439,37 +429,17 @@ def events(  # type: ignore[no-untyped-def]
 ):
     """Let spheres hit a rough surface as rigid bodies, and add what is observed.
 
-    Parameters
-    ----------
-    which
-        Numbers of the events (m,), as integers.
-    known
-        e of contacts in turn that were integrated, (m, contacts), NaN for all others; where there
-        are none, the law is asked.
-    drawn
-        Of all events, (n,), or one for all, (1,): speed, angle of incidence (degrees), r omega over
-        the speed, friction, factor and offset of e; unit of the law's variable, m/s, and place in
-        its family.
-    along, across
-        Of the facets in turn, (contacts, n) or (contacts, 1): slopes along the motion and across
-        it, of facets that are seen shares in place of slopes along.
-    slopes
-        What `hit_slopes` takes.
-    rules
-        Number of the facets in ``FACETS``, whether a sphere must leave, most contacts.
-    law
-        As in `tabulated`.
-    size
-        Events of a replicate.
-    sums
-        Of each replicate, (replicates, 2 columns), added to: ``SUMS``, and what they lost.
-    asked
-        Place in ``which``, contact, w and place of impacts that must be integrated, (m, 4).
-
-    Returns
-    -------
-    int
-        Number of the latter; their events are not counted.
+    Number of the latter; their events are not counted. `which`: numbers of the events (m,), as
+    integers; `known`: e of contacts in turn that were integrated, (m, contacts), NaN for all
+    others; where there are none, the law is asked; `drawn`: of all events, (n,), or one for all,
+    (1,): speed, angle of incidence (degrees), r omega over the speed, friction, factor and offset
+    of e; unit of the law's variable, m/s, and place in its family; `along`, `across`: of the facets
+    in turn, (contacts, n) or (contacts, 1): slopes along the motion and across it, of facets that
+    are seen shares in place of slopes along; `slopes`: what `hit_slopes` takes; `rules`: number of
+    the facets in ``FACETS``, whether a sphere must leave, most contacts; `law`: as in `tabulated`;
+    `size`: events of a replicate; `sums`: of each replicate, (replicates, 2 columns), added to:
+    ``SUMS``, and what they lost; `asked`: place in ``which``, contact, w and place of impacts that
+    must be integrated, (m, 4).
     """
     speeds, angles, spins, frictions, factors, offsets, units, places = drawn
     facets, must_leave, most_contacts = rules

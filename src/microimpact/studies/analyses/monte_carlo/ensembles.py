@@ -79,41 +79,22 @@ Slope = Annotated[AnyDistribution | Inferred, Field(discriminator="kind")]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Process:
-    """Process parameters and initial conditions, each any distribution.
+    """Process parameters and initial conditions, each any distribution."""
 
-    Attributes
-    ----------
-    speed_m_per_s
-        Speed before impact.
-    angle_offset_deg
-        Deviation from the nominal angle of incidence.
-    diameter_um
-        Of the sphere.
-    slope, cross_slope
-        Of the surface, along the motion and across it: tangents of the article's angle phi.
-    spin_ratio
-        r omega / v about the axis of tilt, positive in the sense of rolling.
-    friction
-        Coulomb coefficient.
-    restitution_factor, restitution_offset
-        The rigid body model takes ``factor e + offset``, within [0, 1], for e; not with the
-        dynamic simulation.
-    work_of_adhesion_factor
-        Multiple of the work of adhesion of the contact.
-    hertz_damping_factor, adhesion_damping_factor
-        Multiples of the coefficients of damping; with the dynamic simulation only.
-    """
-
-    speed_m_per_s: Distribution
-    angle_offset_deg: Distribution
-    diameter_um: Distribution
+    speed_m_per_s: Distribution  # Speed before impact
+    angle_offset_deg: Distribution  # Deviation from the nominal angle of incidence
+    diameter_um: Distribution  # Of the sphere
+    # Of the surface, along the motion and across it: tangents of the article's angle phi.
     slope: Slope
     cross_slope: Distribution
-    spin_ratio: Distribution
-    friction: Distribution
+    spin_ratio: Distribution  # r omega / v about the axis of tilt, positive in the sense of rolling
+    friction: Distribution  # Coulomb coefficient
+    # The rigid body model takes ``factor e + offset``, within [0, 1], for e; not with the dynamic
+    # simulation.
     restitution_factor: Distribution
     restitution_offset: Distribution
-    work_of_adhesion_factor: Distribution
+    work_of_adhesion_factor: Distribution  # Multiple of the work of adhesion of the contact
+    # Multiples of the coefficients of damping; with the dynamic simulation only.
     hertz_damping_factor: Distribution
     adhesion_damping_factor: Distribution
 
@@ -237,21 +218,11 @@ def estimate(
 ) -> Estimate:
     """Return measured coefficients at one nominal angle.
 
-    Parameters
-    ----------
-    ensemble
-        The ensemble.
-    angle_deg
-        Nominal angle of incidence from the surface.
-    key
-        Number of the random streams: other keys, independent estimates.
-    threads
-        That share the replicates; results do not depend on it.
-    done
-        Called with the number of events after each task.
-    shares
-        What `replicate_shares` gives for every replicate, if there already; estimates of ensembles
-        that differ in their parameters alone may share them.
+    `ensemble`: the ensemble; `angle_deg`: nominal angle of incidence from the surface; `key`:
+    number of the random streams: other keys, independent estimates; `threads`: that share the
+    replicates; results do not depend on it; `done`: called with the number of events after each
+    task; `shares`: what `replicate_shares` gives for every replicate, if there already; estimates
+    of ensembles that differ in their parameters alone may share them.
     """
     plan = ensemble.plan
 
@@ -327,19 +298,12 @@ def replicate_shares(ensemble: Ensemble, key: int, number: int) -> Draws:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Events:
-    """Events of some replicates of an ensemble at one nominal angle, degrees.
-
-    Attributes
-    ----------
-    shares
-        Of which the quantiles are parameters; of constants one for all.
-    count, replicates
-        Number of events, and of the replicates that these are in turn.
-    """
+    """Events of some replicates of an ensemble at one nominal angle, degrees."""
 
     ensemble: Ensemble
     angle_deg: float
-    shares: Draws
+    shares: Draws  # Of which the quantiles are parameters; of constants one for all
+    # Number of events, and of the replicates that these are in turn.
     count: int
     replicates: int
 

@@ -41,26 +41,18 @@ class RigidBody:
 
     At given damping, work of adhesion and diameter count by their quotient alone, the velocity
     scale being its power 5/6: all spheres are one family of `model.families`.
-
-    Attributes
-    ----------
-    law
-        e of all speeds and sizes that a process may draw.
-    size
-        Diameter in um divided by the factor of the work of adhesion, of the family's middle.
     """
 
-    law: Law
+    law: Law  # e of all speeds and sizes that a process may draw
+    # Diameter in um divided by the factor of the work of adhesion, of the family's middle.
     size: float
 
     @classmethod
     def of(cls, contact: Contact, process: Process) -> RigidBody:
         """Return the model of a contact for all speeds and sizes that a process may draw.
 
-        Raises
-        ------
-        ValueError
-            If some of these spheres rebound at no speed, or at every one, or the surface is curved.
+        Raises ValueError if some of these spheres rebound at no speed, or at every one, or the
+        surface is curved.
         """
         if np.any(np.isfinite(contact.surface_radius)):
             raise ValueError(
@@ -132,10 +124,8 @@ def _table(spheres: Contact, speeds: tuple[float, float]) -> Law:
 def impact_of(model: str, contact: Contact, process: Process) -> Impact:
     """Return the impact of a model, ``"rigid_body"`` or ``"simulation"``.
 
-    Raises
-    ------
-    ValueError
-        If some of the process's spheres have no capture velocity (rigid body model only).
+    Raises ValueError if some of the process's spheres have no capture velocity (rigid body model
+    only).
     """
     return RigidBody.of(contact, process) if model == "rigid_body" else Simulation(contact=contact)
 
