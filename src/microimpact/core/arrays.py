@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Protocol, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +13,17 @@ import numpy.typing as npt
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 Real = float | FloatArray
+
+
+class Quantity(Protocol):
+    """A number with a unit, as of pint."""
+
+    def to(self, other: Any, /) -> Any:
+        """Return it in another unit."""
+
+
+# What a user may give for numbers: no text, of which NumPy's ``ArrayLike`` would admit any.
+Numbers = float | npt.NDArray[Any] | Sequence[float] | Sequence[Sequence[float]] | Quantity
 
 
 @dataclass(frozen=True, slots=True)

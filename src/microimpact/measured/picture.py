@@ -15,7 +15,7 @@ from microimpact.measured.rebounds import Rebounds
 from microimpact.model.empirical.comparison import LIGHT, Comparison
 
 FORMATS = (".png", ".svg", ".pdf")
-LINES = ("solid", "dashed", "dashdot", "dotted", (0, (1, 3)))
+LINES = ("solid", "dashed", "dashdot", "dotted", (0, (1, 3)), (0, (8, 2)), (0, (5, 1, 1, 1, 1, 1)))
 STYLE_FILE = Path(__file__).parents[1] / "figures" / "microimpact.mplstyle"
 WIDTH_INCH, HEIGHT_INCH, POINTS = 6.9, 4.1, 400
 
@@ -36,8 +36,8 @@ def draw(data: Rebounds, found: Comparison, path: Path | str) -> None:
     above.axvspan(low, high, color="0.85", label=f"$v_c$, {100 * found.confidence:g} %")
     above.axvline(found.v_c, color="0.4", linewidth=0.8)
     v = np.geomspace(max(0.8 * min(data.v.min(), found.v_c), 1e-9), 1.1 * data.v.max(), POINTS)
-    shown = [model for model in found.models if model.weight >= LIGHT]
-    for model, line in zip(shown, LINES, strict=False):
+    shown = [model for model in found.models if model.weight >= LIGHT][: len(LINES)]
+    for model, line in zip(shown, LINES[: len(shown)], strict=True):
         label = f"{model.name} (weight {model.weight:.2f})"
         above.plot(v, model.law(v), linestyle=line, marker="none", color="black", label=label)
     captured = data.e == 0.0

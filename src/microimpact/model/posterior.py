@@ -13,7 +13,7 @@ from numbers import Integral
 import numpy as np
 
 from microimpact.core import ensemble
-from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, FloatArray, Range, checked
+from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, FloatArray, Numbers, Range, checked
 from microimpact.core.nearest import nearest
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.dynamics.normal import normal_impact
@@ -87,9 +87,9 @@ class Calibration:
 
 def calibrate(
     contact: Contact,
-    v: object,
-    e: object,
-    sigma: object,
+    v: Numbers,
+    e: Numbers,
+    sigma: Numbers,
     free: Iterable[str] = ("work_of_adhesion", "hertz_damping", "adhesion_damping"),
     *,
     ranges: Mapping[str, tuple[float, float]] | None = None,
@@ -210,7 +210,7 @@ def _free(free: Iterable[str], contact: Contact) -> tuple[str, ...]:
     return names
 
 
-def _data(v: object, e: object, sigma: object) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _data(v: Numbers, e: Numbers, sigma: Numbers) -> tuple[FloatArray, FloatArray, FloatArray]:
     speed = np.atleast_1d(checked("v", v, POSITIVE))
     target = np.atleast_1d(checked("e", e, RESTITUTION))
     error = np.asarray(checked("sigma", sigma, POSITIVE))

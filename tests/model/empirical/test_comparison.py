@@ -150,7 +150,7 @@ def test_models_may_be_chosen_by_name(compared):
     (only,) = own.models
     assert own.v_c_interval == pytest.approx(only.interval)
     assert only.interval == next(m.interval for m in found.models if m.name == only.name)
-    with pytest.raises(ValueError, match=r"'viscous' is none of Eq. 34, q free; .*viscous JKR"):
+    with pytest.raises(ValueError, match=r"'viscous' must be one of Eq. 34, q free; .*viscous JKR"):
         compare_models(v, e, NOISE, models=["viscous"])
     with pytest.raises(ValueError, match=r"at least 6 points .* for these models, got 5"):
         compare_models(v[-5:], e[-5:], NOISE, models=["Eq. 34, q free"])

@@ -18,6 +18,7 @@ from microimpact.core.arrays import (
     FINITE,
     BoolArray,
     FloatArray,
+    Numbers,
     Range,
     Real,
     checked,
@@ -163,9 +164,9 @@ def friction_impulse(
 
 def planar(
     contact: Contact,
-    v_n: object,
-    v_t: object,
-    omega: object = 0.0,
+    v_n: Numbers,
+    v_t: Numbers,
+    omega: Numbers = 0.0,
     friction_basis: str = "compressive",
     law: NormalLaw | None = None,
     tangential: str = "rigid",
@@ -230,9 +231,9 @@ def planar_fields(out: FloatArray, shape: tuple[int, ...]) -> dict[str, FloatArr
 
 def simulate(
     contact: Contact,
-    speed: object,
-    angle: object = 90.0,
-    spin: object = 0.0,
+    speed: Numbers,
+    angle: Numbers = 90.0,
+    spin: Numbers = 0.0,
     friction_basis: str = "compressive",
     tangential: str = "rigid",
 ) -> Impact:
@@ -274,9 +275,9 @@ def simulate(
 
 def incident(
     contact: Contact,
-    speed: object,
-    angle: object,
-    spin: object,
+    speed: Numbers,
+    angle: Numbers,
+    spin: Numbers,
     friction_basis: str,
     tangential: str = "rigid",
 ) -> tuple[dict[str, Real], tuple[int, ...]]:
@@ -325,8 +326,8 @@ def velocity_components(speed: Real, angle: Real) -> tuple[Real, Real]:
 
 def spatial(
     contact: Contact,
-    velocity: object,
-    spin: object = (0.0, 0.0, 0.0),
+    velocity: Numbers,
+    spin: Numbers = (0.0, 0.0, 0.0),
     friction_basis: str = "compressive",
     law: NormalLaw | None = None,
     tangential: str = "rigid",

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from microimpact.core.arrays import FINITE, FloatArray, Real, checked, choice
+from microimpact.core.arrays import FINITE, FloatArray, Numbers, Real, checked, choice
 from microimpact.core.solve import roots
 from microimpact.model.choices import FRICTION_BASES
 from microimpact.model.contact import Contact, require_contact
@@ -79,9 +79,9 @@ class _Path:
 
 def trajectory(
     contact: Contact,
-    speed: object,
-    angle: object = 90.0,
-    spin: object = 0.0,
+    speed: Numbers,
+    angle: Numbers = 90.0,
+    spin: Numbers = 0.0,
     points: int = 400,
     friction_basis: str = "compressive",
 ) -> Trajectory:

@@ -19,10 +19,8 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike
 
-from microimpact.core.arrays import POSITIVE, FloatArray, Range, checked
-from microimpact.core.nearest import nearest
+from microimpact.core.arrays import POSITIVE, FloatArray, Numbers, Range, checked
 from microimpact.core.solve import root
 from microimpact.model.empirical import shapes
 from microimpact.model.empirical.equations import restitution
@@ -178,9 +176,9 @@ class Comparison:
 
 
 def compare_models(
-    v: ArrayLike,
-    e: ArrayLike,
-    sigma: ArrayLike | None = None,
+    v: Numbers,
+    e: Numbers,
+    sigma: Numbers | None = None,
     *,
     confidence: float = 0.95,
     models: Sequence[str] | None = None,
@@ -213,9 +211,7 @@ def compare_models(
     count = int(np.sum(data.v >= 1.0))
     for name in models or ():
         if name not in CANDIDATES:
-            raise ValueError(
-                f"models: {name!r} is none of {'; '.join(CANDIDATES)}{nearest(name, CANDIDATES)}"
-            )
+            raise ValueError(f"models: {name!r} must be one of {'; '.join(CANDIDATES)}")
     asked = {name: CANDIDATES[name] for name in models or CANDIDATES}
     spare = 0 if given else 2  # AICc divides by what is left
     tried = {name: of for name, of in asked.items() if count > of.free + spare}
@@ -278,13 +274,15 @@ def _in_metres(of: Candidate, found: _Drawn, unit: float, v: FloatArray) -> Floa
     return of.restitution(found.others, found.v_c, np.asarray(v) / unit)
 
 
-def _data(v: ArrayLike, e: ArrayLike, sigma: ArrayLike | None) -> tuple[Data, bool]:
+def _data(v: Numbers, e: Numbers, sigma: Numbers | None) -> tuple[Data, bool]:
     """Return checked data, and whether sigma is given."""
     speed = np.atleast_1d(checked("v", v, POSITIVE))
     measured = np.atleast_1d(checked("e", e, FRACTION))
     spread = np.asarray(checked("sigma", 1.0 if sigma is None else sigma, SPREAD))
     if speed.ndim != 1 or speed.shape != measured.shape:
-        raise ValueError(f"v and e must be of one shape (n,), got {np.shape(v)} and {np.shape(e)}")
+        raise ValueError(
+            f"v and e must be of one shape (n,), got {speed.shape} and {measured.shape}"
+        )
     if spread.shape not in {(), speed.shape}:
         raise ValueError(f"sigma must be one number or of shape {speed.shape}, got {spread.shape}")
     if not np.any(measured > 0.0):

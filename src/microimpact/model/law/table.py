@@ -25,6 +25,7 @@ from microimpact.core.arrays import (
     POSITIVE,
     BoolArray,
     FloatArray,
+    Numbers,
     Range,
     Real,
     checked,
@@ -119,9 +120,9 @@ class Law:
 
     def simulate(
         self,
-        speed: object,
-        angle: object = 90.0,
-        spin: object = 0.0,
+        speed: Numbers,
+        angle: Numbers = 90.0,
+        spin: Numbers = 0.0,
         friction_basis: str = "compressive",
         *,
         threads: int = 1,
