@@ -254,6 +254,26 @@ def test_a_series_that_is_not_there_is_refused(run_study, calibration, key, name
         run_study("oblique_experiments", calibration, **{key: name})
 
 
+def test_printed_values_vanish_where_their_pair_is_not_drawn(run_study, calibration, settings):
+    series = [dict(s) for s in settings.branches["oblique_experiments"]["series"]]
+    for own in series:
+        if own["case"].startswith("steel-silicon"):
+            own["case"] = "ammonium-fluorescein-mica"
+    tables = run_study(
+        "oblique_experiments", calibration, series=series, angles_deg=[85], points=10
+    )
+    printed = {
+        figure: set(tables[figure].query("evidence == 'printed'")["series"])
+        for figure in ("fig06", "fig07", "fig08", "fig11")
+    }
+    assert printed == {
+        "fig06": set(),
+        "fig07": {"printed, front", "printed, back"},
+        "fig08": set(),
+        "fig11": {"printed, spore, 48 deg", "printed, spore, 38 deg"},
+    }
+
+
 def test_an_unknown_figure_is_refused(run_study, calibration, settings):
     series = [dict(s) for s in settings.branches["oblique_experiments"]["series"]]
     series[0]["figures"] = ["fig99"]

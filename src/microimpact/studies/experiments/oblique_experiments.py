@@ -19,6 +19,7 @@ from microimpact.declared.parameters import (
     ExperimentSeed,
     Fraction,
     Keyed,
+    MaterialName,
     Name,
     PrintedName,
 )
@@ -88,11 +89,16 @@ FIGURES = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mark:
-    """A printed number drawn beside the points: a value or both ends of a range, at angles."""
+    """A printed number drawn beside the points: a value or both ends of a range, at angles.
+
+    It is not drawn where no series of the figure is of its particle and one of its surfaces.
+    """
 
     figures: tuple[Name, ...]
     panel: Name
     name: Name
+    particle: MaterialName
+    surfaces: tuple[MaterialName, ...]
     anchors: tuple[PrintedName, ...]
     angles_deg: tuple[AngleDegrees, ...]
 
@@ -204,8 +210,10 @@ def figure_data(
         *_rebounds(params, figure, table),
         *_curves(params, figure, contacts),
     ]
+    own = [contacts[series.name] for series in params.series if figure in series.figures]
+    pairs = {(contact.particle.name, contact.surface.name) for contact in own}
     for mark in params.marks:
-        if figure in mark.figures:
+        if figure in mark.figures and pairs & {(mark.particle, name) for name in mark.surfaces}:
             values = printed.loc[list(mark.anchors), ["value", "low", "high"]].astype(float)
             heights = values.to_numpy().ravel()
             heights = heights[np.isfinite(heights)]
