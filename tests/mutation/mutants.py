@@ -343,9 +343,9 @@ SLIPS = (
     ),
     Mutant(
         "facets leaning away from the sphere",
-        f"{LAB}/surface.py",
-        "normal[i, 0] = size * (y * across[i] - x * along[i])",
-        "normal[i, 0] = size * (y * across[i] + x * along[i])",
+        f"{MODEL}/passes.py",
+        "return size * (y * across - x * along)",
+        "return size * (y * across + x * along)",
         ("lab/test_surface",),
     ),
     Mutant(

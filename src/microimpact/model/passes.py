@@ -429,17 +429,17 @@ def events(  # type: ignore[no-untyped-def]
 ):
     """Let spheres hit a rough surface as rigid bodies, and add what is observed.
 
-    Number of the latter; their events are not counted. `which`: numbers of the events (m,), as
-    integers; `known`: e of contacts in turn that were integrated, (m, contacts), NaN for all
-    others; where there are none, the law is asked; `drawn`: of all events, (n,), or one for all,
-    (1,): speed, angle of incidence (degrees), r omega over the speed, friction, factor and offset
-    of e; unit of the law's variable, m/s, and place in its family; `along`, `across`: of the facets
-    in turn, (contacts, n) or (contacts, 1): slopes along the motion and across it, of facets that
-    are seen shares in place of slopes along; `slopes`: what `hit_slopes` takes; `rules`: number of
-    the facets in ``FACETS``, whether a sphere must leave, most contacts; `law`: as in `tabulated`;
-    `size`: events of a replicate; `sums`: of each replicate, (replicates, 2 columns), added to:
-    ``SUMS``, and what they lost; `asked`: place in ``which``, contact, w and place of impacts that
-    must be integrated, (m, 4).
+    Gives the number of rows of `asked`; events that ask are not counted. `which`: numbers of the
+    events (m,), as integers; `known`: e of contacts in turn that were integrated, (m, contacts),
+    NaN for all others; where there are none, the law is asked; `drawn`: of all events, (n,), or one
+    for all, (1,): speed, angle of incidence (degrees), r omega over the speed, friction, factor and
+    offset of e; unit of the law's variable, m/s, and place in its family; `along`, `across`: of the
+    facets in turn, (contacts, n) or (contacts, 1): slopes along the motion and across it, of facets
+    that are seen shares in place of slopes along; `slopes`: what `hit_slopes` takes; `rules`:
+    number of the facets in ``FACETS``, whether a sphere must leave, most contacts; `law`: as in
+    `tabulated`; `size`: events of a replicate; `sums`: of each replicate, (replicates, 2 columns),
+    added to: ``SUMS``, and what they lost; `asked`: place in ``which``, contact, w and place of
+    impacts that must be integrated, (m, 4).
     """
     speeds, angles, spins, frictions, factors, offsets, units, places = drawn
     facets, must_leave, most_contacts = rules
