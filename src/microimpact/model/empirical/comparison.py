@@ -419,7 +419,10 @@ def _warnings(
         if one.interval[0] > other.interval[1] or other.interval[0] > one.interval[1]:
             yield f"models disagree: {one.name} and {other.name} have intervals that do not meet"
     if len(heavy) == 1 < len(models):
-        yield f"one model alone, {models[0].name}, carries the interval, which supposes it true"
+        yield (
+            f"one model alone, {models[0].name}, carries the interval, which supposes it true: of "
+            "another curve such an interval is too narrow"
+        )
     captured = data.unit * data.v[data.e == 0.0]
     if data.unit > NEAR * v_c and not (captured > v_c / NEAR).any():
         yield (
