@@ -17,7 +17,7 @@ from tests.report.conftest import REFERENCE
 from microimpact.cli import commands
 from microimpact.figures.registry import FORMATS
 from microimpact.ledgers.equations import errata
-from microimpact.report.check.results import ResultsError
+from microimpact.report.check.results import ResultsError, table_files
 from microimpact.report.site import PAGES
 from microimpact.report.site.build import (
     CLAIM_COLUMNS,
@@ -132,6 +132,18 @@ def test_a_claim_and_an_equation_lead_to_their_code(pages, results):
         }
         assert linked == names
         assert len(names) > 20
+
+
+def test_every_table_has_a_sentence(results, registry):
+    """Its figure's entry or the rule that makes it tells what a table contains."""
+    folder = REFERENCE.parents[1] / "workflow/rules"
+    rules = "".join(path.read_text(encoding="utf-8") for path in sorted(folder.glob("*.smk")))
+    told = {f"tables/{name}" for entry in registry.values() for name in entry.get("tables", {})}
+    told |= {f"data/{name}" for entry in registry.values() for name in entry["data"]}
+    told |= set(re.findall(r"((?:tables|data)/\w+)\.csv: \w+", rules))
+    files = {name.partition(".")[0] for name in table_files(results)}
+    assert len(files) > 100
+    assert sorted(files - told) == []
 
 
 def test_series_are_told_in_words(pages):

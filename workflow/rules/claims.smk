@@ -11,7 +11,10 @@ use rule study_part as claim_numbers_part with:
 
 
 use rule study as claim_numbers with:
-    """tables/claim_numbers.csv: the numbers that decide the claims; claim_draws.csv: by contact."""
+    """tables/claim_numbers.csv: the numbers that decide the claims.
+
+    tables/claim_draws.csv: the same for every drawn contact that the printed statements admit.
+    """
     input:
         **needs("claim_numbers"),
         parts=parts("claim_numbers"),
@@ -52,7 +55,10 @@ rule claims:
 
 
 rule equations:
-    """tables/equations.csv: every equation as printed and as used, judged; tables/errata.csv."""
+    """tables/equations.csv: every equation as printed and as used, judged.
+
+    tables/errata.csv: other slips of the text.
+    """
     output:
         equations=report(
             "<results>/tables/equations.csv",
