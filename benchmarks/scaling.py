@@ -1,11 +1,13 @@
-"""Cost against the number of events: direct impacts, interpolated ones, and Monte Carlo.
+"""Cost against the number of events: direct impacts, those by the table, and Monte Carlo.
 
     python -m benchmarks.scaling [--quick] [--most 1e7] [--threads 1 2] [--output DIRECTORY]
     python -m benchmarks.scaling --events 1e9 --threads 2
 
 The first form measures times per event from a thousand events to ``--most`` and writes a table and
 a plot: a flat line is a cost that is linear in the events. Times are the least over the rounds; the
-processor's time is given beside the clock's, which other work on the machine lengthens. The second
+processor's time is given beside the clock's, which other work on the machine lengthens. Impacts are
+oblique, with friction and spin and all their outcomes; restitution is e of normal ones alone. Monte
+Carlo comes first, so that the greatest memory of the process until then is its own. The second
 form makes one long Monte Carlo run on a rough surface, with a bar on the terminal, and says its
 rate and the memory it took.
 """
@@ -20,6 +22,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import astuple, dataclass, fields
 from functools import partial
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -27,7 +30,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from microimpact import Contact, Material
-from microimpact.model.dynamics.normal import normal_impact
+from microimpact.model.dynamics.impact import simulate
 from microimpact.model.law.table import tabulate
 from microimpact.statistics.distributions import Constant, Normal, TruncatedNormal, Uniform
 from microimpact.studies.analyses.monte_carlo.ensembles import (
@@ -48,8 +51,8 @@ FEWEST = 1000
 ROUNDS, ROUNDS_QUICK = 3, 1
 # Monte Carlo draws whole replicates. More direct impacts would tell nothing new, and there is the
 # long run for Monte Carlo.
-FEWEST_OF = {"direct": FEWEST, "table": FEWEST, "Monte Carlo": 10**5}
-MOST = {"direct": 10**6, "table": 10**9, "Monte Carlo": 10**8}
+FEWEST_OF = {"direct": FEWEST, "table": FEWEST, "restitution": FEWEST, "Monte Carlo": 10**5}
+MOST = {"direct": 10**6, "table": 10**8, "restitution": 10**8, "Monte Carlo": 10**9}
 OUTPUT = Path(__file__).parents[1] / "build" / "benchmarks"
 
 
@@ -60,6 +63,7 @@ class Row:
     events: int
     nanoseconds_clock: float
     nanoseconds_processor: float
+    memory_mib: float
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -127,45 +131,55 @@ def one_run(events: int, threads: int) -> None:
     with progress(f"{events:.0e} events", total) as done:
         found = estimate(ensemble, ANGLE_DEG, threads=threads, done=done)
     clock, processor = time.perf_counter() - clock, time.process_time() - processor
-    # Kilobytes on Linux, bytes on macOS.
-    unit = 1024.0 if sys.platform == "darwin" else 1.0
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit / 1024.0
     print(
         f"{total} events, {threads} thread(s): {clock:.1f} s, {total / clock:.3g} events/s; "
         f"processor {processor:.1f} s, {total / processor:.3g} events/s; "
-        f"largest memory {memory:.0f} MiB"
+        f"largest memory {memory():.0f} MiB"
     )
     print(f"e_m = {found.restitution:.17g} +- {found.restitution_error:.1g} at {ANGLE_DEG:g} deg")
 
 
-def methods(events: int, threads: int) -> dict[str, Callable[[], object]]:
-    """What is timed; tables and compiled code are made before."""
-    contact = steel_on_silicon()
-    speeds = np.random.default_rng(SEED).uniform(0.2, 3.0, events)
-    law = tabulate(contact, 0.2, 3.0)
+def memory() -> float:
+    """Greatest memory of the process until now, MiB."""
+    # Kilobytes on Linux, bytes on macOS.
+    unit = 1024.0 if sys.platform == "darwin" else 1.0
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit / 1024.0
+
+
+def monte_carlo(events: int, threads: int) -> tuple[int, Callable[[], object]]:
     rough = long_run(rough_surface(), events)
-    found: dict[str, Callable[[], object]] = {
-        "table": partial(law.normal_impact, contact, speeds, threads=threads),
-        "Monte Carlo": partial[Estimate](estimate, rough, ANGLE_DEG, threads=threads),
-    }
-    if threads == 1:
-        found["direct"] = partial(normal_impact, contact, speeds)
-    return found
+    run = partial[Estimate](estimate, rough, ANGLE_DEG, threads=threads)
+    return rough.plan.replicates * rough.plan.events, run
+
+
+def impacts(method: str, events: int, threads: int) -> tuple[int, Callable[[], object]]:
+    """What is timed; tables and compiled code are made before."""
+    contact, rng = steel_on_silicon(), np.random.default_rng(SEED)
+    ranges = (0.2, 3.0), (10.0, 90.0), (-1e4, 1e4)
+    speed, angle, spin = (rng.uniform(*ends, events) for ends in ranges)
+    law = tabulate(contact, 0.02, 3.0)
+    if method == "direct":
+        return events, partial(simulate, contact, speed, angle, spin)
+    if method == "table":
+        return events, partial(law.simulate, speed, angle, spin, threads=threads)
+    return events, partial(law.restitution, *law.family.coordinates(contact, speed))
 
 
 def measure(most: int, threads: Sequence[int], rounds: int) -> list[Row]:
     counts = [FEWEST * 10**k for k in range(8) if FEWEST * 10**k <= most]
     rows = []
-    for count in counts:
-        for number in threads:
-            for name, run in methods(count, number).items():
-                if not FEWEST_OF[name] <= count <= MOST[name]:
-                    continue
-                run()
-                times = np.array([timed(run) for _ in range(rounds)]).min(axis=0)
-                plan = long_run(rough_surface(), count).plan
-                events = plan.replicates * plan.events if name == "Monte Carlo" else count
-                rows.append(Row(name, number, events, *(times / events * 1e9).tolist()))
+    for method in ("Monte Carlo", "direct", "restitution", "table"):
+        for count, number in product(counts, threads):
+            alone = method in ("direct", "restitution")
+            if not FEWEST_OF[method] <= count <= MOST[method] or (alone and number > 1):
+                continue
+            if method == "Monte Carlo":
+                events, run = monte_carlo(count, number)
+            else:
+                events, run = impacts(method, count, number)
+            run()
+            times = np.array([timed(run) for _ in range(rounds)]).min(axis=0)
+            rows.append(Row(method, number, events, *(times / events * 1e9).tolist(), memory()))
     return rows
 
 
@@ -183,33 +197,43 @@ def write(path: Path, rows: Sequence[Row]) -> None:
 
 
 def report(rows: Sequence[Row]) -> None:
-    print(f"{'method':14}{'threads':>8}{'events':>12}{'ns, clock':>12}{'ns, processor':>15}")
+    heads = f"{'ns, clock':>12}{'ns, processor':>15}{'MiB':>8}"
+    print(f"{'method':14}{'threads':>8}{'events':>12}{heads}")
     for row in rows:
         print(
             f"{row.method:14}{row.threads:8d}{row.events:12d}{row.nanoseconds_clock:12.1f}"
-            f"{row.nanoseconds_processor:15.1f}"
+            f"{row.nanoseconds_processor:15.1f}{row.memory_mib:8.0f}"
         )
 
 
 def plot(path: Path, rows: Sequence[Row]) -> None:
-    """Time per event by the processor's clock and by the one on the wall."""
-    figure = Figure(figsize=(9.0, 4.5), layout="constrained")
+    """Time per event by the processor's clock and by the one on the wall, and memory."""
+    figure = Figure(figsize=(12.0, 4.5), layout="constrained")
     FigureCanvasAgg(figure)
-    both = figure.subplots(1, 2, sharey=True)
+    *both, kept = figure.subplots(1, 3)
+    both[1].sharey(both[0])
     series = sorted({(row.method, row.threads) for row in rows})
-    for axes, clock in zip(both, ("processor", "clock"), strict=True):
+    panels = [
+        (axes, f"nanoseconds_{c}") for axes, c in zip(both, ("processor", "clock"), strict=True)
+    ]
+    for axes, column in [*panels, (kept, "memory_mib")]:
         for method, threads in series:
+            if axes is kept and method != "Monte Carlo":
+                continue
             chosen = [row for row in rows if (row.method, row.threads) == (method, threads)]
             axes.plot(
                 [row.events for row in chosen],
-                [getattr(row, f"nanoseconds_{clock}") for row in chosen],
+                [getattr(row, column) for row in chosen],
                 "o-" if threads == 1 else "s--",
                 color=f"C{sorted(MOST).index(method)}",
                 label=f"{method}, {threads} thread" + ("s" if threads > 1 else ""),
             )
-        axes.set(xscale="log", yscale="log", xlabel="events", title=f"by the {clock}")
+        axes.set(xscale="log", xlabel="events")
         axes.grid(visible=True, alpha=0.3)
-    both[0].set_ylabel("time per event / ns")
+    for axes, clock in zip(both, ("processor", "clock"), strict=True):
+        axes.set(yscale="log", title=f"by the {clock}", ylabel="time per event / ns")
+    kept.set(title="greatest memory of the process", ylabel="MiB")
+    kept.set_ylim(bottom=0.0)
     figure.legend(*both[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     figure.savefig(path, dpi=200)
 

@@ -573,9 +573,9 @@ def test_one_pass_is_what_contacts_one_after_the_other_are(
 ):
     process = constants(
         speed_m_per_s=Uniform(low=0.5, high=1.7),
-        angle_offset_deg=Normal(sd=3.0),
+        angle_offset_deg=Normal(sd=3.0) if most_contacts == 1 else Constant(at=1.0),
         diameter_um=SIZES,
-        slope=Normal(sd=0.3),
+        slope=Sample(values_seen=(-0.2, 0.1, 0.1, 0.4)) if must_leave else Normal(sd=0.3),
         cross_slope=Histogram(edges=(-0.2, 0.0, 0.1), counts=(1.0, 3.0)),
         spin_ratio=Normal(sd=0.3),
         friction=Sample(values_seen=(0.0, 0.1, 0.3)),

@@ -50,6 +50,9 @@ Strike = Callable[
 # the width of 1/128 changes the variance of a normal slope by 5e-6 of itself.
 SCORES = np.linspace(-8.25, 8.25, 2113)
 KEPT_TABLES = 64
+# Parts of the hits of which the first cell is kept where one angle is that of many spheres.
+GUIDES = 1024
+NO_GUIDE: IntArray = np.empty(0, dtype=np.int64)
 
 _jit = jit()
 
@@ -228,7 +231,10 @@ def rigid_sums(
     across = surface.cross_slope.quantile(across)
     states = tuple(passes.flat(values, (count,)) for values in drawn)
     told = passes.FACETS.index(rules.facets), rules.must_leave, rules.most_contacts
-    given = states, along, across, slopes, told, law.compiled, count // replicates
+    angle = np.asarray(drawn[1])
+    steady = rules.facets == "seen" and angle.size == 1 and 0.0 < angle.item() <= 90.0
+    guide = _guide(surface.slope, angle.item()) if steady else NO_GUIDE
+    given = states, along, across, slopes, guide, told, law.compiled, count // replicates
     found = np.zeros((replicates, 2 * passes.LOST))
     which, known = np.arange(count), np.empty((0, rules.most_contacts))
     while which.size:  # those left have a contact so close to capture that it must be integrated
@@ -386,6 +392,17 @@ class HitSlopes:
     def compiled(self) -> tuple[FloatArray, ...]:
         """What compiled passes are handed of it."""
         return self.edges, self.mass, self.below, self.moment
+
+
+@lru_cache(maxsize=KEPT_TABLES)
+def _guide(distribution: Distribution, angle: float) -> IntArray:
+    """Return the cells in which slopes of equally many hits begin at an angle, degrees."""
+    table, share = hit_slopes(distribution), np.arange(GUIDES) / GUIDES
+    tangent = np.tan(np.radians(angle))
+    slope = table.quantile(share, np.full(GUIDES, tangent))
+    slope[0] = -tangent  # where hits begin
+    cell = np.searchsorted(table.edges, slope, side="right") - 1
+    return np.clip(cell, 0, table.mass.size - 1).astype(np.int64)
 
 
 @lru_cache(maxsize=KEPT_TABLES)

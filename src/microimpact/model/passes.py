@@ -303,24 +303,35 @@ def _hits(cell, slope, c, slopes):  # type: ignore[no-untyped-def]
 
 
 @_jit_inline
-def _hit_slope(u, c, slopes):  # type: ignore[no-untyped-def]
-    """Invert the integral of (c + x)+ over the facets up to a slope x, see `lab.surface`."""
+def _hit_slope(u, c, slopes, guide, guided):  # type: ignore[no-untyped-def]
+    """Invert the integral of (c + x)+ over the facets up to a slope x, see `lab.surface`.
+
+    If ``guided``, the cells are known at which to begin for that tangent and for equal steps of u.
+    """
     edges, mass, below, moment = slopes
     end = mass.size
     if c + edges[end] <= 0.0:
         return -math.inf
-    cell = min(max(np.searchsorted(edges, -c, side="right") - 1, 0), end - 1)
+    if guided:
+        cell = guide[0]
+    else:
+        cell = min(max(np.searchsorted(edges, -c, side="right") - 1, 0), end - 1)
     start = min(max(-c, edges[cell]), edges[cell + 1])
     reached = _hits(cell, start, c, slopes)
     target = reached + u * (c * below[end] + moment[end] - reached)
-    # From the cell of -c on the integral ascends; halve the cells until one is left.
-    last = end
-    while last - cell > 1:
-        middle = (cell + last) // 2
-        if c * below[middle] + moment[middle] > target:
-            last = middle
-        else:
-            cell = middle
+    # From the cell of -c on the integral ascends.
+    if guided:
+        cell = guide[int(u * guide.size)]
+        while cell + 1 < end and c * below[cell + 1] + moment[cell + 1] <= target:
+            cell += 1
+    else:  # halve the cells until one is left
+        last = end
+        while last - cell > 1:
+            middle = (cell + last) // 2
+            if c * below[middle] + moment[middle] > target:
+                last = middle
+            else:
+                cell = middle
     start = max(start, edges[cell])
     rest = max(target - _hits(cell, start, c, slopes), 0.0)
     # Far out a cell may hold less than rounding.
@@ -336,7 +347,7 @@ def _hit_slope(u, c, slopes):  # type: ignore[no-untyped-def]
 def hit_slopes(u, c, slopes, found):  # type: ignore[no-untyped-def]
     """Write the slopes below which shares u (n,) of all hits lie, at tangents c (n,)."""
     for i in range(u.size):
-        found[i] = _hit_slope(u[i], c[i], slopes)
+        found[i] = _hit_slope(u[i], c[i], slopes, slopes[0], False)
 
 
 @_jit_inline
@@ -375,14 +386,14 @@ def rebounds(velocity, turn, normal, e, friction, after, turned):  # type: ignor
 
 
 @_jit_inline
-def _met(velocity, slope, sideways, slopes, facets):  # type: ignore[no-untyped-def]
+def _met(velocity, slope, sideways, slopes, guide, guided, facets):  # type: ignore[no-untyped-def]
     """Return the normal of the facet met, and the velocity along it."""
     if facets == SEEN:
         level = math.sqrt(velocity[0] ** 2 + velocity[1] ** 2)
         # Upright motion meets all facets alike.
         tangent = min(-velocity[2] / max(level, TINY), STEEPEST)
         # No slope can be hit where none faces the sphere.
-        slope = max(_hit_slope(slope, tangent, slopes), -STEEPEST)
+        slope = max(_hit_slope(slope, tangent, slopes, guide, guided), -STEEPEST)
     normal = _normal(velocity, slope, sideways)
     into = velocity[0] * normal[0] + velocity[1] * normal[1] + velocity[2] * normal[2]
     if facets == EVERY and into > 0.0:
@@ -425,21 +436,23 @@ def _facet(values, contact, i):  # type: ignore[no-untyped-def]
 
 @_jit
 def events(  # type: ignore[no-untyped-def]
-    which, known, drawn, along, across, slopes, rules, law, size, sums, asked
+    which, known, drawn, along, across, slopes, guide, rules, law, size, sums, asked
 ):
     """Let spheres hit a rough surface as rigid bodies, and add what is observed.
 
-    Gives the number of rows of `asked`; events that ask are not counted. `which`: numbers of the
-    events (m,), as integers; `known`: e of contacts in turn that were integrated, (m, contacts),
-    NaN for all others; where there are none, the law is asked; `drawn`: of all events, (n,), or one
-    for all, (1,): speed, angle of incidence (degrees), r omega over the speed, friction, factor and
-    offset of e; unit of the law's variable, m/s, and place in its family; `along`, `across`: of the
-    facets in turn, (contacts, n) or (contacts, 1): slopes along the motion and across it, of facets
-    that are seen shares in place of slopes along; `slopes`: what `hit_slopes` takes; `rules`:
-    number of the facets in ``FACETS``, whether a sphere must leave, most contacts; `law`: as in
-    `tabulated`; `size`: events of a replicate; `sums`: of each replicate, (replicates, 2 columns),
-    added to: ``SUMS``, and what they lost; `asked`: place in ``which``, contact, w and place of
-    impacts that must be integrated, (m, 4).
+    Gives the number of rows of `asked`; events that ask are not counted. `which`: numbers of
+    the events (m,), as integers; `known`: e of contacts in turn that were integrated, (m,
+    contacts), NaN for all others; where there are none, the law is asked; `drawn`: of all
+    events, (n,), or one for all, (1,): speed, angle of incidence (degrees), r omega over the
+    speed, friction, factor and offset of e; unit of the law's variable, m/s, and place in its
+    family; `along`, `across`: of the facets in turn, (contacts, n) or (contacts, 1): slopes
+    along the motion and across it, of facets that are seen shares in place of slopes along;
+    `slopes`: what `hit_slopes` takes; `guide`: cells of the slopes at which facets met first
+    begin, for equal steps of their shares, empty where the angle is not one; `rules`: number of
+    the facets in ``FACETS``, whether a sphere must leave, most contacts; `law`: as in
+    `tabulated`; `size`: events of a replicate; `sums`: of each replicate, (replicates, 2
+    columns), added to: ``SUMS``, and what they lost; `asked`: place in ``which``, contact, w
+    and place of impacts that must be integrated, (m, 4).
     """
     speeds, angles, spins, frictions, factors, offsets, units, places = drawn
     facets, must_leave, most_contacts = rules
@@ -456,7 +469,8 @@ def events(  # type: ignore[no-untyped-def]
         contacts, kept, missing = 0, False, False
         while contacts < most_contacts and velocity[2] <= 0.0 and not kept:
             slope, sideways = _facet(along, contacts, i), _facet(across, contacts, i)
-            normal, into = _met(velocity, slope, sideways, slopes, facets)
+            guided = guide.size > 0 and contacts == 0
+            normal, into = _met(velocity, slope, sideways, slopes, guide, guided, facets)
             if not into < 0.0:
                 break
             bare = known[j, contacts] if known.size else math.nan
