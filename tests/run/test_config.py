@@ -76,6 +76,11 @@ def test_values_are_plain_and_typed():
             {"restitution_trends": {"largest_speed_m_per_s": 0.5}},
             "largest_speed_m_per_s 0.5 must be above capture_speed_m_per_s 1.0",
         ),
+        ({"campaign": {"angles_deg": [80, 40]}}, "not 187"),
+        (
+            {"rival_explanations": {"slow_speed_m_per_s": 0.21}},
+            "rival_explanations.slow_speed_m_per_s: 0.21 must be one of pile_up.speeds_m_per_s [",
+        ),
     ],
 )
 def test_one_line_names_the_key_and_what_is_allowed(change, expected):

@@ -149,6 +149,10 @@ def validate(
             f"cases.{case}: is named, but {CALIBRATION} does not calibrate it"
             for case in sorted(wanted & set(laboratory.cases) - calibrated)
         ]
+    for name, own in params.items():
+        disagreements = getattr(studies.study(name), "disagreements", None)
+        if own and disagreements:
+            found += [f"{name}.{line}" for line in disagreements(own, params)]
     found = [*resolver.problems, *_others(found, resolver.problems)]
     if found:
         raise ConfigError("\n".join(dict.fromkeys(found)))

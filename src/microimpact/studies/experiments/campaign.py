@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import partial
 from itertools import chain, product
 from operator import itemgetter
@@ -19,12 +19,13 @@ from microimpact.core.tables import Tables, series_frame
 from microimpact.declared.parameters import (
     AngleDegrees,
     CaseName,
+    Count,
     ExperimentSeed,
     Fraction,
     Keyed,
     Name,
     NonNegative,
-    PrintedName,
+    Positive,
 )
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.dispenser import Dispenser, InitialSpin
@@ -49,14 +50,6 @@ from microimpact.lab.surface import combined_slope, rough
 from microimpact.model.contact import Contact, resized
 from microimpact.statistics.distributions import Distribution, generator, mean
 
-# What the article counts (Section 2), and the printed values that say how many.
-COUNTED = {
-    "experiments": "campaign_experiments",
-    "diameter ranges": "campaign_diameter_ranges",
-    "surfaces": "campaign_surfaces",
-    "angles": "campaign_angles",
-    "speed ranges": "campaign_speed_ranges",
-}
 T = TypeVar("T")
 
 
@@ -97,6 +90,21 @@ class Block:
     case: CaseName
     speeds: tuple[Name, ...]
     angles_deg: tuple[AngleDegrees, ...] | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Counts:
+    """How many experiments and different levels there are, as the article counts them."""
+
+    experiments: Count
+    diameter_ranges: Count
+    surfaces: Count
+    angles: Count
+    speed_ranges: Count
+
+    def in_words(self) -> dict[str, int]:
+        """Return the counts by what is counted."""
+        return {key.replace("_", " "): number for key, number in asdict(self).items()}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -176,30 +184,24 @@ def _named(name: str, known: Mapping[str, T], where: str) -> T:
     return known[name]
 
 
-def counts(experiments: Iterable[Experiment]) -> dict[str, int]:
-    """Return how many experiments and different levels there are, as the article counts them."""
+def counts(experiments: Iterable[Experiment]) -> Counts:
+    """Count experiments and different levels."""
     all_of = list(experiments)
-    return {
-        "experiments": len(all_of),
-        "diameter ranges": len({one.particles.diameter_um for one in all_of}),
-        "surfaces": len({one.surface for one in all_of}),
-        "angles": len({one.angle for one in all_of}),
-        "speed ranges": len({one.speed_class for one in all_of}),
-    }
+    return Counts(
+        experiments=len(all_of),
+        diameter_ranges=len({one.particles.diameter_um for one in all_of}),
+        surfaces=len({one.surface for one in all_of}),
+        angles=len({one.angle for one in all_of}),
+        speed_ranges=len({one.speed_class for one in all_of}),
+    )
 
 
-def check_counts(experiments: Iterable[Experiment], printed: pd.Series) -> None:
-    """Check the declared experiments against the printed counts.
-
-    `printed`: printed values by key. Raises ValueError, naming every count that does not agree.
-    """
-    wrong = [
-        f"{number} {name}, not {wanted}"
-        for name, number in counts(experiments).items()
-        if number != (wanted := int(printed[COUNTED[name]]))
-    ]
+def check_counts(experiments: Iterable[Experiment], wanted: Counts) -> None:
+    """Check experiments against counts; raises ValueError, naming all that do not agree."""
+    found = zip(counts(experiments).in_words().items(), wanted.in_words().values(), strict=True)
+    wrong = [f"{own} {name}, not {other}" for (name, own), other in found if own != other]
     if wrong:
-        raise ValueError(f"blocks: give {'; '.join(wrong)} (Section 2)")
+        raise ValueError(f"blocks: give {'; '.join(wrong)}, as counted")
 
 
 # Angle of incidence that the analyser sees; the imaging system sees all others.
@@ -288,11 +290,12 @@ class Params:
     dispenser: Dispenser
     pdpa: Analyser
     ptis: ImagingSystem
-    anchors: tuple[PrintedName, ...]
+    counted: Counts
+    events_per_experiment: Positive  # As the article has it
 
     def __post_init__(self) -> None:
-        """Refuse blocks that name what is not declared."""
-        _ = self.experiments
+        """Refuse blocks that name what is not declared, or give other counts."""
+        check_counts(self.experiments, self.counted)
 
     @property
     def experiments(self) -> list[Experiment]:
@@ -306,8 +309,7 @@ def run(params: Params, inputs: Tables) -> Tables:
 
     ``campaign``: one row per experiment: what, how many dropped, lost and measured, means with
     intervals, and the ground truth. ``campaign_summary``: counts against the printed ones.
-    ``campaign_map``: angle and speed of all experiments, and of those with too few events. Raises
-    ValueError if the blocks do not give as many experiments and levels as the article counts.
+    ``campaign_map``: angle and speed of all experiments, and of those with too few events.
     """
     return gather(params, inputs, [part(params, inputs, 0, 1)])
 
@@ -317,7 +319,6 @@ def part(
 ) -> list[tuple[int, dict[str, Any]]]:
     """Return the rows of every ``count``-th experiment, from ``index`` on, with their numbers."""
     experiments = params.experiments
-    check_counts(experiments, _printed(inputs))
     pairs = {one.pair: one for one in experiments}
     contacts = {pair: contact(params, one, inputs) for pair, one in pairs.items()}
     return [
@@ -334,13 +335,9 @@ def gather(
     rows = pd.DataFrame([row for _, row in sorted(chain(*parts), key=itemgetter(0))])
     return {
         "campaign": rows,
-        "campaign_summary": summary(params, rows, counts(params.experiments), _printed(inputs)),
+        "campaign_summary": summary(params, rows),
         "campaign_map": mapped(rows, params.stop.fewest_events),
     }
-
-
-def _printed(inputs: Tables) -> pd.Series:
-    return inputs["anchors"].set_index("key")["value"].astype(float)
 
 
 def conducted(params: Params, one: Experiment, of: Contact, evidence: str) -> dict[str, Any]:
@@ -378,11 +375,9 @@ def contact(params: Params, one: Experiment, inputs: Tables) -> tuple[Contact, s
     return resized(own, diameter), "calibrated" if same else "assumed"
 
 
-def summary(
-    params: Params, rows: pd.DataFrame, counted: Mapping[str, int], printed: pd.Series
-) -> pd.DataFrame:
+def summary(params: Params, rows: pd.DataFrame) -> pd.DataFrame:
     """Return the counts of the campaign beside the printed ones, and what came of it."""
-    events = rows["events"]
+    counted, events = counts(params.experiments).in_words(), rows["events"]
     facts: dict[str, float] = {
         **counted,
         "events": int(events.sum()),
@@ -395,14 +390,13 @@ def summary(
         ),
         f"fewer than {params.stop.events} events": int((events < params.stop.events).sum()),
     }
-    wanted = {name: printed[key] for name, key in COUNTED.items()}
-    wanted["events per experiment"] = printed["campaign_events_per_experiment"]
+    printed = params.counted.in_words() | {"events per experiment": params.events_per_experiment}
     return pd.DataFrame(
         [
             {
                 "quantity": name,
                 "value": value,
-                "printed": wanted.get(name, np.nan),
+                "printed": printed.get(name, np.nan),
                 "evidence": "chosen" if name in counted else "virtual experiment",
             }
             for name, value in facts.items()

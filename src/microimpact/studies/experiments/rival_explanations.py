@@ -73,6 +73,25 @@ class Params:
     anchors: tuple[PrintedName, ...]
 
 
+# What is asked of piles, and where the study of piles has all that it computes.
+PILES = {
+    "pile_radius_mm": "radii_mm",
+    "pile_slope_deg": "slopes_deg",
+    "slow_speed_m_per_s": "speeds_m_per_s",
+}
+
+
+def disagreements(params: Params, others: Mapping[str, Any]) -> Iterator[str]:
+    """Yield a line for each number asked of piles that is not computed.
+
+    `others`: parameters of all analyses, None for a faulty one.
+    """
+    piles = others.get("pile_up")
+    for key, known in PILES.items() if piles else ():
+        if (asked := getattr(params, key)) not in (computed := getattr(piles, known)):
+            yield f"{key}: {asked:g} must be one of pile_up.{known} {list(computed)}"
+
+
 class Printed:
     """Printed values by key.
 
