@@ -42,6 +42,7 @@ from microimpact.statistics.sampling import Correlation, joint_shares, unit_poin
 from microimpact.studies.analyses.monte_carlo import Params, stream
 from microimpact.studies.analyses.monte_carlo.ensembles import (
     BLOCK,
+    TOGETHER,
     Ensemble,
     Plan,
     Process,
@@ -370,7 +371,7 @@ def test_threads_change_no_digit_and_longer_runs_begin_with_shorter_ones():
 def test_memory_does_not_grow_with_the_events():
     base = ensemble(constants(slope=Normal(sd=0.2)), replicates=2, events=64)
     peaks = []
-    for events in (2 * BLOCK, 24 * BLOCK):
+    for events in (2 * TOGETHER, 12 * TOGETHER):
         tracemalloc.start()
         estimate(long_run(base, events), 20.0)
         peaks.append(tracemalloc.get_traced_memory()[1])

@@ -279,7 +279,8 @@ def _normal(velocity, along, across):  # type: ignore[no-untyped-def]
     x, y = 1.0, 0.0
     speed = math.sqrt(velocity[0] ** 2 + velocity[1] ** 2)
     if speed > 0.0:
-        x, y = velocity[0] / speed, velocity[1] / speed
+        share = 1.0 / speed
+        x, y = velocity[0] * share, velocity[1] * share
     size = 1.0 / math.sqrt(1.0 + along**2 + across**2)
     return size * (y * across - x * along), size * (-x * across - y * along), size
 
@@ -366,9 +367,9 @@ def _rebound(velocity, turn, normal, into, e, friction):  # type: ignore[no-unty
     px = impulse * (nx - ratio * sx)
     py = impulse * (ny - ratio * sy)
     pz = impulse * (nz - ratio * sz)
-    ax = wx - (ny * pz - nz * py) / INERTIA
-    ay = wy - (nz * px - nx * pz) / INERTIA
-    az = wz - (nx * py - ny * px) / INERTIA
+    ax = wx - (ny * pz - nz * py) * (1.0 / INERTIA)
+    ay = wy - (nz * px - nx * pz) * (1.0 / INERTIA)
+    az = wz - (nx * py - ny * px) * (1.0 / INERTIA)
     return (vx + px, vy + py, vz + pz), (ax, ay, az)
 
 

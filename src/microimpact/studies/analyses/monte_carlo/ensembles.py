@@ -3,10 +3,10 @@
 Events come in replicates: batches of a fixed size, each with random numbers of its own. A replicate
 is a pure function of the ensemble, the angle and its number, so that neither the order in which
 replicates are computed nor the place matters; small ones are computed several at a time. Each
-thread holds the draws of `BLOCK` events, or of one replicate, in memory, and what rigid bodies do
-is added up in one compiled pass over them. The scatter of the replicates' means gives the error of
-every estimate, whatever the method of sampling. Sums over replicates are exact, so an estimate does
-not depend on the number of threads in its last digit either.
+thread holds the draws of `TOGETHER` events, or of one replicate, in memory, and what rigid bodies
+do is added up in one compiled pass over them. The scatter of the replicates' means gives the error
+of every estimate, whatever the method of sampling. Sums over replicates are exact, so an estimate
+does not depend on the number of threads in its last digit either.
 """
 
 from __future__ import annotations
@@ -180,8 +180,10 @@ def deterministic(ensemble: Ensemble) -> Ensemble:
     )
 
 
-# Events of a replicate of a long run: its arrays fit the processor's second cache.
+# Events of a replicate of a long run.
 BLOCK = 2**14
+# Events computed at a time: the few so close to capture that they are integrated go side by side.
+TOGETHER = 4 * BLOCK
 # Tasks handed to threads at a time: enough to keep them busy, few enough to wait for.
 BATCH = 64
 
@@ -234,7 +236,7 @@ def estimate(
         )
         return replicate_sums(ensemble, angle_deg, drawn)
 
-    together = max(1, BLOCK // plan.events)
+    together = max(1, TOGETHER // plan.events)
     tasks = (
         range(first, min(first + together, plan.replicates))
         for first in range(0, plan.replicates, together)
