@@ -26,9 +26,7 @@ def resolved(document):
 
 def world_of(document, rests, results, **parts):
     world = World(document=document, results=results, rests=rests, **parts)
-    for name in (STUDY, dead_inputs.WORDS):
-        if name in rests:
-            world.before[name] = dead_inputs.unchanged(name, world)
+    world.before[STUDY] = dead_inputs.unchanged(STUDY, world)
     return world
 
 
@@ -78,6 +76,7 @@ def in_parts(params, inputs, index, count):
 SMALL = {
     "config": {STUDY: {"read": 3, "never_read": 3, "case": "first"}, "other": {"case": "second"}},
     "claims": {},
+    "figures": {},
     **{name: {} for name in dead_inputs.TABLES},
 }
 
