@@ -479,6 +479,7 @@ def tried(each: Value, world: World) -> Found:
     refused: list[str] = []
     stopped: list[str] = []
     unmoved, most = 0, TRIED if each.place[0] != "claims" else sys.maxsize
+    same = False  # another place has the same value, which is no change
     verdict, by = "", ""
     for place, other in changes(each, world.document, refused):
         try:
@@ -487,6 +488,9 @@ def tried(each: Value, world: World) -> Found:
             refused.append(f"{other!r}: {error}")
             continue
         others = {name: after[name] for name in after if after[name] != world.rests[name]}
+        if not others and "from" in each.place:
+            same = True
+            continue
         if lines := [line for name in others for line in _made_known(name, world)]:
             return Found(key=each.key, value=each.value, verdict="stale", by="\n".join(lines))
         signal.alarm(SECONDS)
@@ -502,7 +506,7 @@ def tried(each: Value, world: World) -> Found:
             break
     if by:
         verdict = "moved"
-    elif unmoved:
+    elif unmoved or (same and not stopped):
         verdict = "dead"
     elif stopped:
         verdict, by = "needed", stopped[0]

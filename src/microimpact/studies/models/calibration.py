@@ -229,7 +229,7 @@ class ForceRatios:
     dissipation_over_adhesion: Positive
     band: Fraction
     other_diameters_um: tuple[Positive, ...]
-    printed_capture_velocity_m_per_s: Positive
+    capture_velocity_m_per_s: Positive  # As printed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -312,7 +312,7 @@ def capture_intervals(ratios: ForceRatios, corners: Corners) -> pd.DataFrame:
         low, nominal, high = (
             float(capture_velocity(resized(contact, diameter * 1e-6))) for contact in corners
         )
-        printed = ratios.printed_capture_velocity_m_per_s
+        printed = ratios.capture_velocity_m_per_s
         rows.append(
             {
                 "diameter_um": diameter,
