@@ -109,6 +109,23 @@ def test_a_name_is_changed_to_one_that_stands_elsewhere(small_world):
     assert found_in(small_world, STUDY)[f"{STUDY}.case"].verdict == "moved"
 
 
+@pytest.mark.parametrize(("last", "verdict"), [("second", "moved"), ("first", "dead")])
+def test_another_place_of_the_same_value_is_no_change(small_world, last, verdict):
+    places = {"a": "first", "b": "first", "c": "first", "d": "first", "e": last}
+    references = {name: {"case": {"from": name}} for name in places}
+    own = {"read": 3, "never_read": 3, **references["a"]}
+    document = {**SMALL, "config": {**references, STUDY: own}}
+
+    def followed(document):
+        branch = document["config"][STUDY]
+        return {STUDY: Rests(branch | {"case": places[branch["case"]["from"]]}, {})}
+
+    world = replace(
+        small_world, document=document, resolve=followed, rests=followed(document), before={}
+    )
+    assert found_in(world, STUDY)[f"{STUDY}.case.from"].verdict == verdict
+
+
 def test_a_number_is_changed_to_one_that_the_refusal_names(small_world):
     def choosy(document):
         read = document["config"][STUDY]["read"]
