@@ -479,7 +479,7 @@ def tried(each: Value, world: World) -> Found:
     refused: list[str] = []
     stopped: list[str] = []
     unmoved, most = 0, TRIED if each.place[0] != "claims" else sys.maxsize
-    same = False  # another place has the same value, which is no change
+    same = False  # nothing rests on a change: another place may have the same value
     verdict, by = "", ""
     for place, other in changes(each, world.document, refused):
         try:
@@ -488,9 +488,7 @@ def tried(each: Value, world: World) -> Found:
             refused.append(f"{other!r}: {error}")
             continue
         others = {name: after[name] for name in after if after[name] != world.rests[name]}
-        if not others and "from" in each.place:
-            same = True
-            continue
+        same = same or not others
         if lines := [line for name in others for line in _made_known(name, world)]:
             return Found(key=each.key, value=each.value, verdict="stale", by="\n".join(lines))
         signal.alarm(SECONDS)
@@ -499,7 +497,7 @@ def tried(each: Value, world: World) -> Found:
         except Exception as error:  # noqa: BLE001  whatever a study raises stops it
             stopped.append(f"{other!r}: {type(error).__name__}: {error}")
         else:
-            unmoved += not by
+            unmoved += not by and (bool(others) or "from" not in each.place)
         finally:
             signal.alarm(0)
         if by or most in {unmoved, len(stopped)}:
