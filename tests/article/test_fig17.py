@@ -73,7 +73,8 @@ def test_forward_spin_ends_sliding_earlier(curve):
 def test_drawn(draw, tables, legend_texts):
     figure = draw("fig17", tables)
     assert [ax.get_xlim() for ax in figure.axes] == [(0.0, 90.0)] * 2
-    assert {"computed", "printed in the article", "$f$ = 0.15"} <= set(legend_texts(figure))
+    assert {"computed", "printed in the article"} <= set(legend_texts(figure))
+    assert "$f$ = 0.15" in {text.get_text() for text in figure.axes[0].texts}
     assert figure.axes[1].get_title(loc="left") == "(b) initial spin, $f$ = 0.15"
 
 

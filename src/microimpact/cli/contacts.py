@@ -67,7 +67,7 @@ _basis_option = click.option(
     type=click.Choice(FRICTION_BASES),
     default=FRICTION_BASES[0],
     show_default=True,
-    help="Force that supports friction.",
+    help="Normal force in Coulomb's law.",
 )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal, get_args
 
-# Force that supports friction.
+# Normal force in Coulomb's law.
 FrictionBasis = Literal["compressive", "hertz", "net"]
 FRICTION_BASES: tuple[str, ...] = get_args(FrictionBasis)
 # Compliance along the surface.

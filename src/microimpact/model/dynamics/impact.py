@@ -2,7 +2,7 @@
 
 Slip of the contact point, ``v_t - r omega``, keeps its line and falls by 7/2 of the tangential
 impulse per mass. In a rigid contact it stops for good. So the outcome follows from the impulse of
-the force that supports friction: the sphere slides throughout, or rolls from the instant at which
+the normal force in Coulomb's law: the sphere slides throughout, or rolls from the instant at which
 the slip would be used up. A compliant contact gives slip back, see `dynamics.tangential`. Eq. (29)
 is used with the moment ``-R F_t``: with the printed sign friction would speed the slip up.
 """
@@ -132,7 +132,7 @@ def friction_impulse(
     slip
         Magnitude of the initial slip, m/s.
     basis
-        Force that supports friction: ``compressive`` max(F_n, 0), ``hertz`` the Hertz term alone,
+        Normal force in Coulomb's law: ``compressive`` max(F_n, 0), ``hertz`` the Hertz term alone,
         ``net`` the normal force as printed in Eq. (27); there rolling is decided at first passage.
         ``pull-off`` the normal force and twice the pull-off force (Thornton and Yin 1991), which
         is for contacts with another law than the ring force, as ``hertz`` is for that one.
@@ -250,7 +250,7 @@ def simulate(
     spin
         Spin before impact, rad/s, positive in the sense of rolling along the motion.
     friction_basis
-        Force that supports friction: ``"compressive"``, ``"hertz"``, ``"net"`` or ``"pull-off"``;
+        Normal force in Coulomb's law: ``"compressive"``, ``"hertz"``, ``"net"`` or ``"pull-off"``;
         see `friction_impulse`.
     tangential
         Compliance along the surface: ``"rigid"`` (none), ``"mindlin"`` or ``"spring"``; see

@@ -96,7 +96,7 @@ def compliant_impulse(
     law
         ``"mindlin"`` or ``"spring"``.
     basis
-        Force that supports friction: ``"compressive"`` or ``"hertz"``.
+        Normal force in Coulomb's law: ``"compressive"`` or ``"hertz"``.
 
     Raises
     ------

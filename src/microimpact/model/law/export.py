@@ -1,7 +1,7 @@
 """The rebound law of one contact for other programs: tables, C, boundary conditions.
 
 What a program of flow or of particles needs of a normal impact are two numbers that depend on the
-normal speed alone: e, and the impulse of the force that supports friction. From them the rule of
+normal speed alone: e, and the impulse of the normal force in Coulomb's law. From them the rule of
 `model.dynamics.impact` (slip, rolling, capture) is algebra.
 """
 
@@ -41,7 +41,7 @@ IMPULSE = 1  # row of the impulse in the table, beside RESTITUTION
 class Rebounds:
     """e and the supporting impulse of one contact over the normal speed, to a stated error."""
 
-    # The contact, and the force that supports friction.
+    # The contact, and the normal force in Coulomb's law.
     contact: Contact
     basis: str
     capture_velocity: float  # m/s; 0 where nothing is captured
@@ -79,7 +79,7 @@ def rebounds(
     """Return the rebound law of one contact up to a normal speed.
 
     `contact`, `family`: the contact, and the family it was tabulated in; `fastest`: m/s; `basis`:
-    force that supports friction; `tolerance`: largest error of both, see `Rebounds`. Raises
+    normal force in Coulomb's law; `tolerance`: largest error of both, see `Rebounds`. Raises
     ValueError if there are several contacts, none rebounds up to ``fastest``, or no table is that
     close.
     """

@@ -27,7 +27,7 @@ static const double microimpact_table[MICROIMPACT_PIECES][MICROIMPACT_TERMS][2] 
     $coefficients
 };
 
-/* Coefficient of restitution, and impulse of the force that supports friction ($basis) over m v, at
+/* Coefficient of restitution, and impulse of the normal force in Coulomb's law ($basis) over m v, at
  * a normal speed > 0. Returns 0: rebound; 1: captured; -1: not a speed of the table. */
 static inline int microimpact_normal(double speed, double *restitution, double *impulse)
 {

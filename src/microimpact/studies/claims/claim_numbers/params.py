@@ -46,7 +46,7 @@ class Steel:
     restitution: Fraction
     friction: Fraction
     spin_ratio: Finite
-    friction_basis: FrictionBasis  # Force that supports friction
+    friction_basis: FrictionBasis  # Normal force in Coulomb's law
     angles_deg: Angles  # Declared angles of incidence
     angle_step_deg: Positive  # Of sweeps over all angles
 
