@@ -134,7 +134,7 @@ CASES = [
     (EXTERNAL, "A,1.84,", "A,steep,", ["external.csv, line 2: at 'steep' must be a finite number"]),
     (EXTERNAL, ",0.015,found", ",-0.015,found", ["external.csv, line 2: reading_error -0.015 must not be negative"]),
     (EXTERNAL, ",2.6,6.9,um", ",6.9,2.6,um", ["external.csv, line", "low 6.9 must be below high, 2.6"]),
-    (PRINTED, "speed_range_af,,1,100", "speed_range_af,,100,1", ["printed_values.csv, line 10: low 100 must be below high, 1"]),
+    (PRINTED, "pile_up_speed_sst_silicon,,0.2,0.3", "pile_up_speed_sst_silicon,,0.3,0.2", ["printed_values.csv, line 10: low 0.3 must be below high, 0.2"]),
     (EXTERNAL, ",0.79344,", ",,", ["external.csv, line 2: value '' must be a finite number"]),
     (ANALYSES, "external: kharaz2001", "external: kharas2001", ["oblique_data.external: 'kharas2001' is not declared in config/external.csv (did you mean 'kharaz2001'?)"]),
     (PRINTED, "key,value", "name,value", ["printed_values.csv: the header is name, value"]),
