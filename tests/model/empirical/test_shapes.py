@@ -23,7 +23,7 @@ def test_between_its_places_a_table_is_the_integration(name):
     for shares in ((0.43, 0.61), (0.72, 0.27), (0.91, 0.14)):
         at = np.array(shares) * (np.array(grid.shape[:2]) - 1.0)
         numbers = [
-            np.array([first * (last / first) ** (place / (count - 1))])
+            np.array([first * (last / first) ** (place / max(count - 1, 1))])
             for place, (first, last, count) in zip(at, law.axes, strict=True)
         ]
         contact = law.contact(*numbers)

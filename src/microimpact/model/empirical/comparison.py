@@ -109,7 +109,9 @@ def _empirical(q: float | None, data: Data, v_c: FloatArray, starts: FloatArray)
     whole = in_own_units(data.v[None], data.e[None], data.weight[None], q)
     sets = whole.select(np.zeros(v_c.size, np.intp))
     owner, gap = np.arange(v_c.size), 1.0 - v_c
-    fresh = [start_points(sets, owner, i, gap)[:, :-1] for i in range(len(STARTS))]
+    # Once neighbours are known, one start beside them is enough.
+    count = 1 if len(starts) else len(STARTS)
+    fresh = [start_points(sets, owner, i, gap)[:, :-1] for i in range(count)]
     return Held(*profile(sets, gap, *fresh, *starts))
 
 

@@ -26,8 +26,8 @@ from microimpact.model.dynamics.normal import normal_impact
 # Places over v/v_c, up to a ratio of 10,000, and over each parameter of a law with two, or one; a
 # law that begins to yield has a kink.
 RATIOS, LARGEST_RATIO, TWO, ONE, KINKED = 56, 1e4, 28, 48, 100
-# Four equal places stand for a parameter that a law has not.
-NONE = (1.0, 1.0, 4)
+# One place stands for a parameter that a law has not.
+NONE = (1.0, 1.0, 1)
 # A search begins with this damping of its steps and ends at the next, at a step that lowers
 # chi-square by less than this share, or after so many steps; none is longer than this share.
 DAMPED, OVERDAMPED, SHORTEST, STEPS, LONGEST = 1e-2, 1e6, 1e-6, 60, 0.3
@@ -181,6 +181,9 @@ def profile(
 @_jit
 def _cubic(x, size, value, slope):  # type: ignore[no-untyped-def]
     """Weights of four places from the first, returned, on, for a value and for its slope."""
+    if size == 1:
+        value[0], slope[0] = 1.0, 0.0
+        return 0
     first = min(max(int(x) - 1, 0), size - 4)
     t = x - first
     a, b, c = t - 1.0, t - 2.0, t - 3.0
@@ -194,18 +197,31 @@ def _cubic(x, size, value, slope):  # type: ignore[no-untyped-def]
 
 
 @_jit
-def _point(grid, i, j, place, one, two, three, unused):  # type: ignore[no-untyped-def]
+def _ratios(places, size, first, weights, unused) -> None:  # type: ignore[no-untyped-def]
+    """Put the first of the four places about every speed, and their weights (n, 4)."""
+    for n in range(places.size):
+        first[n] = -1
+        if places[n] >= 0.0:
+            first[n] = _cubic(places[n], size, weights[n], unused)
+
+
+@_jit
+def _point(grid, i, j, k, one, two, three):  # type: ignore[no-untyped-def]
     """Return e and its slopes; ``one`` and ``two`` are weights (2, 4) of values and slopes."""
-    k = _cubic(place, grid.shape[2], three, unused)
     e = along = across = 0.0
     for p in range(4):
         value = slope = 0.0
-        for q in range(4):
-            row = grid[i + p, j + q]
-            here = three[0] * row[k] + three[1] * row[k + 1]
-            here += three[2] * row[k + 2] + three[3] * row[k + 3]
-            value += two[0, q] * here
-            slope += two[1, q] * here
+        if grid.shape[1] == 1:
+            row = grid[i + p, 0]
+            value = three[0] * row[k] + three[1] * row[k + 1]
+            value += three[2] * row[k + 2] + three[3] * row[k + 3]
+        else:
+            for q in range(4):
+                row = grid[i + p, j + q]
+                here = three[0] * row[k] + three[1] * row[k + 1]
+                here += three[2] * row[k + 2] + three[3] * row[k + 3]
+                value += two[0, q] * here
+                slope += two[1, q] * here
         e += one[0, p] * value
         along += one[1, p] * value
         across += one[0, p] * slope
@@ -214,26 +230,28 @@ def _point(grid, i, j, place, one, two, three, unused):  # type: ignore[no-untyp
 
 @_jit
 def _curve(grid, places, at, e) -> None:  # type: ignore[no-untyped-def]
-    one, two, rest = np.empty((2, 4)), np.empty((2, 4)), np.empty((2, 4))
+    one, two, unused = np.empty((2, 4)), np.empty((2, 4)), np.empty(4)
+    first, weights = np.empty(places.size, np.int64), np.empty((places.size, 4))
     i = _cubic(at[0], grid.shape[0], one[0], one[1])
     j = _cubic(at[1], grid.shape[1], two[0], two[1])
+    _ratios(places, grid.shape[2], first, weights, unused)
     for n in range(places.size):
         e[n] = 0.0
-        if places[n] >= 0.0:
-            e[n] = _point(grid, i, j, places[n], one, two, rest[0], rest[1])[0]
+        if first[n] >= 0:
+            e[n] = _point(grid, i, j, first[n], one, two, weights[n])[0]
 
 
 @_jit
-def _sums(grid, places, e, weight, at, work, sums) -> None:  # type: ignore[no-untyped-def]
+def _sums(grid, first, weights, e, weight, at, work, sums) -> None:  # type: ignore[no-untyped-def]
     """Sums of squares and products of misfit and slopes: chi-square, gradient, normal matrix."""
-    one, two, rest = work[0], work[1], work[2]
+    one, two = work[0], work[1]
     i = _cubic(at[0], grid.shape[0], one[0], one[1])
     j = _cubic(at[1], grid.shape[1], two[0], two[1])
     sums[:] = 0.0
-    for n in range(places.size):
+    for n in range(first.size):
         model = along = across = 0.0
-        if places[n] >= 0.0:
-            model, along, across = _point(grid, i, j, places[n], one, two, rest[0], rest[1])
+        if first[n] >= 0:
+            model, along, across = _point(grid, i, j, first[n], one, two, weights[n])
         miss, along, across = weight[n] * (model - e[n]), weight[n] * along, weight[n] * across
         sums[0] += miss * miss
         sums[1] += along * miss
@@ -262,18 +280,20 @@ def _step(at, high, sums, damping, new) -> None:  # type: ignore[no-untyped-def]
 @_jit
 def _search(grid, places, e, weight, starts, chi_square, found) -> None:  # type: ignore[no-untyped-def]
     """Search from all starts (s, m, 2) of each row of places (m, n); the lowest counts."""
-    work, sums, trial = np.empty((3, 2, 4)), np.empty(6), np.empty(6)
+    work, sums, trial = np.empty((2, 2, 4)), np.empty(6), np.empty(6)
+    first, weights = np.empty(e.size, np.int64), np.empty((e.size, 4))
     at, new, high = np.empty(2), np.empty(2), np.empty(2)
     for axis in range(2):
         high[axis] = grid.shape[axis] - 1.0
     for row in range(places.shape[0]):
+        _ratios(places[row], grid.shape[2], first, weights, trial)
         for start in range(starts.shape[0]):
             at[:] = starts[start, row]
-            _sums(grid, places[row], e, weight, at, work, sums)
+            _sums(grid, first, weights, e, weight, at, work, sums)
             damping = DAMPED
             for _ in range(STEPS):
                 _step(at, high, sums, damping, new)
-                _sums(grid, places[row], e, weight, new, work, trial)
+                _sums(grid, first, weights, e, weight, new, work, trial)
                 gain = sums[0] - trial[0]
                 damping *= 0.2 if gain > 0.0 else 8.0
                 if gain > 0.0:
