@@ -206,7 +206,7 @@ assert not {"numpy", "scipy", "numba", "click", "rich"} & others
 
 
 def test_the_physics_needs_none_of_the_studys_packages(tmp_path):
-    data = tmp_path / "mine.csv"
+    data, drawn = tmp_path / "mine.csv", tmp_path / "drawn.json"
     rows = ("0.2,0.1", "0.25,0.4", "0.3,0.5", "0.5,0.6", "1,0.7", "2,0.7", "3,0.7")
     data.write_text("\n".join(["v,e", *rows]), encoding="utf-8")
     pair = ["--particle", "stainless-steel-316", "--surface", "silicon"]
@@ -216,6 +216,8 @@ def test_the_physics_needs_none_of_the_studys_packages(tmp_path):
         ["materials"],
         ["export", *pair, "-o", str(tmp_path / "law")],
         ["fit", str(data)],
+        ["calibrate", str(data), *pair, "--sigma", "0.02", "--draws", "20", "-o", str(drawn)],
+        ["simulate", "--contact", str(drawn), "--speed", "1", "--json"],
     ]
     code = (
         f"{ALONE}{IMPACT}\n"
