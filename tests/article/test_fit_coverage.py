@@ -107,17 +107,14 @@ def test_every_method_is_compared_in_every_cell(tables):
     assert (width["profile, boundary mixture"] < width["profile, chi-square"]).all()
 
 
-def test_the_averaged_interval_holds_v_c_of_every_shape_that_a_model_has(tables):
+def test_the_averaged_interval_holds_v_c_of_every_shape(tables):
     table = tables["averaged_intervals"].set_index(["truth", "lowest_speed_in_v_c"])
     held = table["held"].groupby("truth").sum()
-    assert held.drop("ring force, another n").min() >= 22, "of 24; 19 of 24 are 1 % at 95 %"
+    assert held.min() >= 20, "of 24; 19 or fewer are 0.6 % at 95 %"
     near, far = (table.xs(lowest, level=1) for lowest in (1.05, 3.0))
     assert (near["median_width"] < 0.1).all()
     assert (far["median_width"] > 1.5).all()
     assert (far["warned"] == 1.0).all(), "no speed is near capture"
-    foreign = near.loc["ring force, another n"]
-    assert foreign["coverage_high"] < 0.95, "no model has this shape"
-    assert foreign["missed_without_warning"] == 0
     assert ((table["coverage_low"] < table["coverage"]) | (table["coverage"] == 0.0)).all()
 
 

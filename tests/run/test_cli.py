@@ -247,7 +247,7 @@ def test_fit_prints_draws_and_writes_json(microimpact, own_data, tmp_path):
     found = json.loads(microimpact("fit", str(own_data), "--json").stdout)
     low, high = found["v_c_interval"]
     assert low < 0.8 < high
-    assert set(found["models"]) >= {"fixed loss", "Eq. 34, q free", "ring force, n = 0"}
+    assert set(found["models"]) >= {"fixed loss", "Eq. 34, q free", "ring force"}
     assert f"v_c = {found['v_c']:.4g} m/s, 95 %: {low:.4g} to {high:.4g} m/s" in text
     assert "weight" in text
     assert plot.read_text(encoding="utf-8").startswith("<?xml")

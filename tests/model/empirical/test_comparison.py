@@ -6,6 +6,7 @@ from scipy.optimize import least_squares
 
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
+from microimpact.model.empirical import shapes
 from microimpact.model.empirical.comparison import compare_models
 from microimpact.model.empirical.fit import fit_restitution
 
@@ -43,7 +44,9 @@ def test_the_true_law_is_found_and_the_interval_holds_v_c(compared):
     limit, _, _, found = compared
     low, high = found.v_c_interval
     assert low < limit < high
-    assert found.models[0].name == "ring force, n = 1"
+    true = next(model for model in found.models if model.name == "ring force")
+    assert true.criterion < 2.0
+    assert true.interval[0] < limit < true.interval[1]
     assert sum(model.weight for model in found.models) == pytest.approx(1.0)
     fixed = next(model for model in found.models if model.name == "Eq. 34, q = 1/2")
     assert not fixed.interval[0] <= limit <= fixed.interval[1]
@@ -62,21 +65,35 @@ def test_profiles_of_eq_34_are_those_of_its_own_fit(compared):
 
 
 def test_the_ring_force_is_fitted_as_another_search_fits_it(contact):
-    """The same least squares by SciPy, over damping and work of adhesion of a real contact."""
+    """The same least squares by SciPy, over damping, n and work of adhesion of a real contact."""
     limit, v, e = measured(contact, 3)
     found = compare_models(v, e, NOISE)
-    model = next(model for model in found.models if model.name == "ring force, n = 0")
+    model = next(model for model in found.models if model.name == "ring force")
 
-    def missed(logs):
-        work, hertz, adhesion = np.exp(logs)
-        changed = contact.replace(
-            work_of_adhesion=work, hertz_damping=hertz, adhesion_damping=adhesion
+    def changed(places):
+        work, hertz, adhesion = np.exp(places[:3])
+        return contact.replace(
+            work_of_adhesion=work,
+            hertz_damping=hertz,
+            adhesion_damping=adhesion,
+            adhesion_rate_exponent=places[3],
+            reference_velocity=limit,
         )
-        return (simulate(changed, v).coefficient_of_restitution - e) / NOISE
 
-    best = least_squares(missed, np.log([0.5, 0.01, 3.0]), diff_step=1e-4)
-    assert model.chi_square == pytest.approx(2.0 * best.cost, abs=0.02)
-    assert np.allclose(model.law(v) - e, best.fun * NOISE, atol=2e-3)
+    def missed(places):
+        return (simulate(changed(places), v).coefficient_of_restitution - e) / NOISE
+
+    start = [*np.log([0.5, 0.01, 3.0]), 0.5]
+    bounds = [-np.inf] * 3 + [0.0], [np.inf] * 3 + [2.0]
+    best = least_squares(missed, start, diff_step=1e-4, bounds=bounds)
+    v_c = np.atleast_1d(capture_velocity(changed(best.x)))
+    held = shapes.profile("ring force", v, e, np.full(POINTS, 1.0 / NOISE), v_c)
+    assert held.chi_square[0] == pytest.approx(2.0 * best.cost, abs=0.02)
+    # Values of v_c in a profile are some way apart.
+    assert model.chi_square == pytest.approx(2.0 * best.cost, abs=0.05)
+    assert model.v_c == pytest.approx(v_c[0], rel=2e-3)
+    own = shapes.restitution("ring force", held.others[0], v / v_c)
+    assert np.allclose(own - e, best.fun * NOISE, atol=2e-3)
     assert found.v_c_interval[0] < limit < found.v_c_interval[1]
 
 

@@ -20,23 +20,24 @@ OTHERS = {
 @pytest.mark.parametrize("name", [name for name, law in shapes.LAWS.items() if law.contact])
 def test_between_its_places_a_table_is_the_integration(name):
     law, grid = shapes.LAWS[name], shapes.table(name)
-    for shares in ((0.43, 0.61), (0.72, 0.27), (0.91, 0.14)):
-        at = np.array(shares) * (np.array(grid.shape[:2]) - 1.0)
+    for shares in ((0.33, 0.43, 0.61), (0.77, 0.72, 0.27), (0.05, 0.91, 0.14)):
+        at = np.array(shares) * (np.array(grid.shape[:3]) - 1.0)
+        first, last, _ = law.exponents
+        rate = first + shares[0] * (last - first)
         numbers = [
-            np.array([first * (last / first) ** (place / max(count - 1, 1))])
-            for place, (first, last, count) in zip(at, law.axes, strict=True)
+            np.array([first * (last / first) ** share])
+            for share, (first, last, _) in zip(shares[1:], law.axes, strict=True)
         ]
         contact = law.contact(*numbers)
         limit = capture_velocity(contact)
-        if law.exponent:
-            contact = contact.replace(adhesion_rate_exponent=law.exponent, reference_velocity=limit)
+        contact = contact.replace(adhesion_rate_exponent=rate, reference_velocity=limit)
         exact = simulate(contact, limit * RATIO).coefficient_of_restitution
         assert np.allclose(shapes.restitution(name, at, RATIO), exact, atol=2e-3)
 
 
 def test_a_fixed_loss_is_its_closed_form_and_nothing_leaves_below_v_c():
     ratio = np.array([0.5, 1.0, 1.5, 30.0])
-    at = np.array([0.73 * (shapes.ONE - 1), 0.0])
+    at = np.array([0.0, 0.73 * (shapes.ONE - 1), 0.0])
     e = shapes.restitution("fixed loss", at, ratio)
     kept = 0.01 ** (1.0 - 0.73)
     assert np.allclose(e, kept * np.sqrt(1.0 - np.maximum(ratio, 1.0) ** -2), atol=1e-5)
@@ -57,8 +58,21 @@ def test_materials_and_size_do_not_matter(contact, name):
     assert next(m.v_c for m in compared.models if m.name == name) == pytest.approx(limit, rel=0.01)
 
 
+def test_a_rate_exponent_between_places_is_found(contact):
+    limit = float(capture_velocity(contact))
+    rated = contact.replace(adhesion_rate_exponent=1.4, reference_velocity=limit)
+    ratio = np.geomspace(1.05, 15.0, 20)
+    e = simulate(rated, limit * ratio).coefficient_of_restitution
+    found = shapes.profile("ring force", ratio, e, np.full(20, 1e3), np.array([1.0]))
+    assert found.chi_square[0] < 0.1
+    rates = shapes.LAWS["ring force"].values[0]
+    assert np.interp(found.others[0, 0], np.arange(rates.size), rates) == pytest.approx(
+        1.4, abs=0.01
+    )
+
+
 def test_a_search_ends_where_no_place_nearby_is_better(contact):
-    name = "ring force, n = 1"
+    name = "ring force"
     ratio = np.geomspace(1.1, 12.0, 15)
     e = np.clip(0.8 * np.sqrt(1.0 - ratio**-2) + 0.02 * np.cos(5.0 * ratio), 0.0, 1.0)
     found = shapes.profile(name, ratio, e, np.full(15, 50.0), np.array([0.99]))
@@ -68,6 +82,6 @@ def test_a_search_ends_where_no_place_nearby_is_better(contact):
 
     best = chi_square(found.others[0])
     assert best == pytest.approx(found.chi_square[0])
-    ends = np.array(shapes.table(name).shape[:2]) - 1.0
-    for step in ((0.05, 0.0), (-0.05, 0.0), (0.0, 0.05), (0.0, -0.05)):
+    ends = np.array(shapes.table(name).shape[:3]) - 1.0
+    for step in 0.05 * np.concatenate([np.eye(3), -np.eye(3)]):
         assert chi_square(np.clip(found.others[0] + step, 0.0, ends)) >= best * (1.0 - 1e-6)

@@ -1,9 +1,9 @@
 """Restitution by the laws of contact as tables over v/v_c, and their search with v_c held.
 
-In units of its capture velocity a law of contact has one or two parameters left, whatever the
+In units of its capture velocity a law of contact has one to three parameters left, whatever the
 materials. Each is tabulated once a process, at places evenly spaced in the logarithms of the
-parameters and in the square root of ln(v/v_c), in which e is smooth through capture. Between
-them e is that of the cubic through the four nearest places of each axis.
+parameters, in the rate exponent n, and in the square root of ln(v/v_c), in which e is smooth
+through capture. Between them e is that of the cubic through the four nearest places of each axis.
 """
 
 from __future__ import annotations
@@ -28,11 +28,12 @@ from microimpact.model.dynamics.normal import normal_impact
 RATIOS, LARGEST_RATIO, TWO, ONE, KINKED = 56, 1e4, 28, 48, 100
 # One place stands for a parameter that a law has not.
 NONE = (1.0, 1.0, 1)
+PARAMETERS = 3
 # A search begins with this damping of its steps and ends at the next, at a step that lowers
 # chi-square by less than this share, or after so many steps; none is longer than this share.
 DAMPED, OVERDAMPED, SHORTEST, STEPS, LONGEST = 1e-2, 1e6, 1e-6, 60, 0.3
 
-# Contacts (m, 1) of two parameters (m, 1). Materials and size set units alone.
+# Materials and size set units alone.
 _BODY = Material(name="any", youngs_modulus=1e11, poissons_ratio=0.25, density=2500.0)
 _ANY = Contact(particle=_BODY, surface=_BODY, diameter=20e-6, work_of_adhesion=0.1)
 _SPEED = float(np.asarray(_ANY.velocity_scale))
@@ -50,22 +51,28 @@ class Law:
     axes
         First and last value and number of places of two parameters.
     contact
-        Contact of two parameters; None: e is the first parameter times sqrt(1 - (v_c/v)^2).
-    exponent
-        n of the adhesion damping's rate, which is given at v_c.
+        Contact (m, 1) of two parameters (m, 1); None: e is the first parameter times
+        sqrt(1 - (v_c/v)^2).
+    exponents
+        The same of n, by which the adhesion damping falls with speed; it is given at v_c.
     starts
-        Where searches begin, as shares of the axes.
+        Where searches begin, as shares of the axes of n and the two parameters.
     """
 
     axes: tuple[Axis, Axis]
     contact: Callable[[Real, Real], Contact] | None
-    exponent: float = 0.0
-    starts: tuple[tuple[float, float], ...] = ((0.2, 0.0), (0.5, 0.0), (0.8, 0.0))
+    exponents: Axis = (0.0, 0.0, 1)
+    starts: tuple[tuple[float, ...], ...] = ((0.0, 0.2, 0.0), (0.0, 0.5, 0.0), (0.0, 0.8, 0.0))
+
+    @property
+    def values(self) -> tuple[FloatArray, ...]:
+        """Values of n and of the two parameters."""
+        return np.linspace(*self.exponents), *(np.geomspace(*axis) for axis in self.axes)
 
     @property
     def free(self) -> int:
         """Number of parameters, without v_c."""
-        return sum(axis != NONE for axis in self.axes)
+        return sum(of.size > 1 for of in self.values)
 
 
 # C_A from which on nothing leaves.
@@ -78,12 +85,17 @@ def _ring(hertz: Real, adhesion: Real) -> Contact:
     return _ANY.replace(hertz_damping=hertz / _SPEED, adhesion_damping=group / _SPEED)
 
 
-_GROUPS = ((1e-5, 0.4, TWO), (1e-3, 30.0, TWO))
-_MOST = ((0.8, 0.8), (0.5, 0.5), (0.6, 0.05), (0.05, 0.7))
 LAWS = {
-    f"ring force, n = {n}": Law(axes=_GROUPS, contact=_ring, exponent=n, starts=_MOST)
-    for n in range(3)
-} | {
+    "ring force": Law(
+        axes=((1e-5, 0.4, TWO), (1e-3, 30.0, TWO)),
+        contact=_ring,
+        exponents=(0.0, 2.0, 9),
+        starts=tuple(
+            (n, *shares)
+            for n in (0.25, 0.75)
+            for shares in ((0.8, 0.8), (0.5, 0.5), (0.6, 0.05), (0.05, 0.7))
+        ),
+    ),
     "viscous JKR": Law(
         axes=((1e-11, 2e-8, ONE), NONE),
         contact=lambda time, _: _ANY.replace(law=JKR(viscous_time=time)),
@@ -109,27 +121,24 @@ class Held(NamedTuple):
 
 @cache
 def table(name: str) -> FloatArray:
-    """Return e at all places of a law, (first parameter, second, v/v_c)."""
+    """Return e at all places of a law, (n, first parameter, second, v/v_c)."""
     law = LAWS[name]
-    one, two = (np.geomspace(*axis) for axis in law.axes)
+    rates, one, two = law.values
     ratio = np.exp(np.linspace(0.0, np.sqrt(np.log(LARGEST_RATIO)), RATIOS) ** 2)
     if law.contact is None:
-        kept = one[:, None] * np.sqrt(1.0 - ratio**-2)
-        return np.repeat(kept[:, None], two.size, axis=1)
+        return (one[:, None] * np.sqrt(1.0 - ratio**-2))[None, :, None]
     first, second = (of.reshape(-1, 1) for of in np.meshgrid(one, two, indexing="ij"))
     limit = capture_velocity(law.contact(first, second))
     leaves = np.isfinite(limit).ravel()
     contact = law.contact(first[leaves], second[leaves])
-    if law.exponent:
-        contact = contact.replace(
-            adhesion_rate_exponent=law.exponent, reference_velocity=limit[leaves]
-        )
-    e = np.zeros((leaves.size, ratio.size))
-    faster = normal_impact(contact, limit[leaves] * ratio[1:])
-    e[leaves, 1:] = faster.coefficient_of_restitution
+    e = np.zeros((rates.size, leaves.size, ratio.size))
+    for n, rate in enumerate(rates):
+        slowed = contact.replace(adhesion_rate_exponent=rate, reference_velocity=limit[leaves])
+        faster = normal_impact(slowed, limit[leaves] * ratio[1:])
+        e[n, leaves, 1:] = faster.coefficient_of_restitution
     # Beyond the last contact that anything leaves, all are like it.
     kept = np.maximum.accumulate(np.where(leaves, np.arange(leaves.size), 0))
-    return np.ascontiguousarray(e[kept].reshape(one.size, two.size, -1))
+    return e[:, kept].reshape(rates.size, one.size, two.size, -1)
 
 
 def places(ratio: FloatArray) -> FloatArray:
@@ -140,7 +149,7 @@ def places(ratio: FloatArray) -> FloatArray:
 
 
 def restitution(name: str, at: FloatArray, ratio: FloatArray) -> FloatArray:
-    """Return e (n,) of a law at the places of its parameters (2,), by its table."""
+    """Return e (n,) of a law at the places of its parameters (3,), by its table."""
     e = np.empty(ratio.size)
     _curve(table(name), places(ratio), at, e)
     return e
@@ -165,15 +174,15 @@ def profile(
     v_c
         Capture velocities held (m,), in units of v.
     starts
-        Places (m, 2) to start from; none: from those of the law.
+        Places (m, 3) to start from; none: from those of the law.
     """
     grid = table(name)
     if not starts:
-        ends = np.array(grid.shape[:2]) - 1.0
+        ends = np.array(grid.shape[:PARAMETERS]) - 1.0
         starts = tuple(
             np.tile(share * ends, (v_c.size, 1)) for share in np.array(LAWS[name].starts)
         )
-    chi_square, at = np.full(v_c.size, np.inf), np.zeros((v_c.size, 2))
+    chi_square, at = np.full(v_c.size, np.inf), np.zeros((v_c.size, PARAMETERS))
     _search(grid, places(v / v_c[:, None]), e, weight, np.stack(starts), chi_square, at)
     return Held(chi_square, at)
 
@@ -206,102 +215,116 @@ def _ratios(places, size, first, weights, unused) -> None:  # type: ignore[no-un
 
 
 @_jit
-def _point(grid, i, j, k, one, two, three):  # type: ignore[no-untyped-def]
-    """Return e and its slopes; ``one`` and ``two`` are weights (2, 4) of values and slopes."""
-    e = along = across = 0.0
-    for p in range(4):
-        value = slope = 0.0
-        if grid.shape[1] == 1:
-            row = grid[i + p, 0]
-            value = three[0] * row[k] + three[1] * row[k + 1]
-            value += three[2] * row[k + 2] + three[3] * row[k + 3]
-        else:
-            for q in range(4):
-                row = grid[i + p, j + q]
-                here = three[0] * row[k] + three[1] * row[k + 1]
-                here += three[2] * row[k + 2] + three[3] * row[k + 3]
+def _around(grid, at, first, weights) -> None:  # type: ignore[no-untyped-def]
+    """Put the same for parameters: first places (3,), weights (3, 2, 4) of values and slopes."""
+    for axis in range(PARAMETERS):
+        first[axis] = _cubic(at[axis], grid.shape[axis], weights[axis, 0], weights[axis, 1])
+
+
+@_jit
+def _point(grid, first, weights, k, ratio, found) -> None:  # type: ignore[no-untyped-def]
+    """Put slopes along the parameters' axes, and e."""
+    rates, one, two = weights[0], weights[1], weights[2]
+    found[:] = 0.0
+    for n in range(min(4, grid.shape[0])):
+        e = along = across = 0.0
+        for p in range(min(4, grid.shape[1])):
+            value = slope = 0.0
+            for q in range(min(4, grid.shape[2])):
+                row = grid[first[0] + n, first[1] + p, first[2] + q]
+                here = ratio[0] * row[k] + ratio[1] * row[k + 1]
+                here += ratio[2] * row[k + 2] + ratio[3] * row[k + 3]
                 value += two[0, q] * here
                 slope += two[1, q] * here
-        e += one[0, p] * value
-        along += one[1, p] * value
-        across += one[0, p] * slope
-    return e, along, across
+            e += one[0, p] * value
+            along += one[1, p] * value
+            across += one[0, p] * slope
+        found[0] += rates[1, n] * e
+        found[1] += rates[0, n] * along
+        found[2] += rates[0, n] * across
+        found[3] += rates[0, n] * e
 
 
 @_jit
 def _curve(grid, places, at, e) -> None:  # type: ignore[no-untyped-def]
-    one, two, unused = np.empty((2, 4)), np.empty((2, 4)), np.empty(4)
-    first, weights = np.empty(places.size, np.int64), np.empty((places.size, 4))
-    i = _cubic(at[0], grid.shape[0], one[0], one[1])
-    j = _cubic(at[1], grid.shape[1], two[0], two[1])
-    _ratios(places, grid.shape[2], first, weights, unused)
+    first, weights, found = np.empty(PARAMETERS, np.int64), np.empty((3, 2, 4)), np.empty(4)
+    near, ratios = np.empty(places.size, np.int64), np.empty((places.size, 4))
+    _around(grid, at, first, weights)
+    _ratios(places, grid.shape[PARAMETERS], near, ratios, found)
     for n in range(places.size):
         e[n] = 0.0
-        if first[n] >= 0:
-            e[n] = _point(grid, i, j, first[n], one, two, weights[n])[0]
+        if near[n] >= 0:
+            _point(grid, first, weights, near[n], ratios[n], found)
+            e[n] = found[3]
 
 
 @_jit
-def _sums(grid, first, weights, e, weight, at, work, sums) -> None:  # type: ignore[no-untyped-def]
-    """Sums of squares and products of misfit and slopes: chi-square, gradient, normal matrix."""
-    one, two = work[0], work[1]
-    i = _cubic(at[0], grid.shape[0], one[0], one[1])
-    j = _cubic(at[1], grid.shape[1], two[0], two[1])
+def _sums(grid, near, ratios, e, weight, at, first, weights, sums) -> None:  # type: ignore[no-untyped-def]
+    """Put sums of products of slopes and misfit, the lower half; their last row (5, 4) is room."""
+    _around(grid, at, first, weights)
+    found = sums[4]
     sums[:] = 0.0
-    for n in range(first.size):
-        model = along = across = 0.0
-        if first[n] >= 0:
-            model, along, across = _point(grid, i, j, first[n], one, two, weights[n])
-        miss, along, across = weight[n] * (model - e[n]), weight[n] * along, weight[n] * across
-        sums[0] += miss * miss
-        sums[1] += along * miss
-        sums[2] += across * miss
-        sums[3] += along * along
-        sums[4] += across * across
-        sums[5] += along * across
+    for n in range(near.size):
+        found[:] = 0.0
+        if near[n] >= 0:
+            _point(grid, first, weights, near[n], ratios[n], found)
+        found[3] -= e[n]
+        for i in range(4):
+            for j in range(i + 1):
+                sums[i, j] += weight[n] ** 2 * found[i] * found[j]
 
 
 @_jit
-def _step(at, high, sums, damping, new) -> None:  # type: ignore[no-untyped-def]
-    """Put the place to which a damped step leads into ``new``."""
-    # A parameter at its bound that wants beyond it is held there.
-    first = at[0] > 0.0 if sums[1] > 0.0 else at[0] < high[0]
-    second = at[1] > 0.0 if sums[2] > 0.0 else at[1] < high[1]
-    a, b = sums[3] * (1.0 + damping) + 1e-300, sums[4] * (1.0 + damping) + 1e-300
-    c = sums[5] if first and second else 0.0
-    d = a * b - c * c
-    new[0] = (c * sums[2] - b * sums[1]) / d if first else 0.0
-    new[1] = (c * sums[1] - a * sums[2]) / d if second else 0.0
-    for axis in range(2):
-        step = min(max(new[axis], -LONGEST * high[axis]), LONGEST * high[axis])
-        new[axis] = min(max(at[axis] + step, 0.0), high[axis])
+def _step(at, high, sums, damping, factor, new) -> None:  # type: ignore[no-untyped-def]
+    """Put the place to which a damped step leads into ``new``; ``factor`` (3, 3) is room."""
+    for i in range(PARAMETERS):
+        new[i] = -sums[3, i]
+        # A parameter at its bound that wants beyond it is held there.
+        held = at[i] <= 0.0 if new[i] < 0.0 else at[i] >= high[i]
+        factor[i, i] = np.inf if held else sums[i, i] * (1.0 + damping) + 1e-300
+        for j in range(i):
+            factor[i, j] = sums[i, j]
+    for k in range(PARAMETERS):
+        for i in range(k + 1, PARAMETERS):
+            share = factor[i, k] / factor[k, k]
+            new[i] -= share * new[k]
+            for j in range(k + 1, i + 1):
+                factor[i, j] -= share * factor[j, k]
+    for k in range(PARAMETERS - 1, -1, -1):
+        new[k] /= factor[k, k]
+        for i in range(k):
+            new[i] -= factor[k, i] * new[k]
+    for i in range(PARAMETERS):
+        step = min(max(new[i], -LONGEST * high[i]), LONGEST * high[i])
+        new[i] = min(max(at[i] + step, 0.0), high[i])
 
 
 @_jit
 def _search(grid, places, e, weight, starts, chi_square, found) -> None:  # type: ignore[no-untyped-def]
-    """Search from all starts (s, m, 2) of each row of places (m, n); the lowest counts."""
-    work, sums, trial = np.empty((2, 2, 4)), np.empty(6), np.empty(6)
-    first, weights = np.empty(e.size, np.int64), np.empty((e.size, 4))
-    at, new, high = np.empty(2), np.empty(2), np.empty(2)
-    for axis in range(2):
+    """Search from all starts (s, m, 3) of each row of places (m, n); the lowest counts."""
+    first, weights = np.empty(PARAMETERS, np.int64), np.empty((3, 2, 4))
+    near, ratios = np.empty(e.size, np.int64), np.empty((e.size, 4))
+    sums, trial, factor = np.empty((5, 4)), np.empty((5, 4)), np.empty((PARAMETERS, PARAMETERS))
+    at, new, high = np.empty(PARAMETERS), np.empty(PARAMETERS), np.empty(PARAMETERS)
+    for axis in range(PARAMETERS):
         high[axis] = grid.shape[axis] - 1.0
     for row in range(places.shape[0]):
-        _ratios(places[row], grid.shape[2], first, weights, trial)
+        _ratios(places[row], grid.shape[PARAMETERS], near, ratios, trial[0])
         for start in range(starts.shape[0]):
             at[:] = starts[start, row]
-            _sums(grid, first, weights, e, weight, at, work, sums)
+            _sums(grid, near, ratios, e, weight, at, first, weights, sums)
             damping = DAMPED
             for _ in range(STEPS):
-                _step(at, high, sums, damping, new)
-                _sums(grid, first, weights, e, weight, new, work, trial)
-                gain = sums[0] - trial[0]
+                _step(at, high, sums, damping, factor, new)
+                _sums(grid, near, ratios, e, weight, new, first, weights, trial)
+                gain = sums[3, 3] - trial[3, 3]
                 damping *= 0.2 if gain > 0.0 else 8.0
                 if gain > 0.0:
                     at[:], sums[:] = new, trial
-                    if gain < SHORTEST * (1.0 + sums[0]):
+                    if gain < SHORTEST * (1.0 + sums[3, 3]):
                         break
                 elif damping > OVERDAMPED:
                     break
-            if sums[0] < chi_square[row]:
-                chi_square[row] = sums[0]
+            if sums[3, 3] < chi_square[row]:
+                chi_square[row] = sums[3, 3]
                 found[row] = at

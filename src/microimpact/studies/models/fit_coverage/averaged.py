@@ -24,7 +24,7 @@ from microimpact.model.empirical.equations import restitution
 from microimpact.statistics.intervals import wilson_interval
 from microimpact.studies.models.fit_coverage.truths import MEASUREMENTS, observed, standard_noise
 
-FOREIGN = "ring force, another n"
+ANOTHER = "ring force, another n"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,9 +32,9 @@ class Averaged:
     """Data sets of several true curves, each fitted by all models."""
 
     # Contacts with a ring force; a last one has the damping of the last at v_c, but falling with
-    # the rate exponent ``foreign_rate_exponent``, which no model has.
+    # another rate exponent.
     cases: Annotated[tuple[CaseName, ...], Field(min_length=1)]
-    foreign_rate_exponent: NonNegative
+    another_rate_exponent: NonNegative
     # Of the JKR contact with a viscous bulk; materials and size as of the first case.
     viscous_work_of_adhesion_J_per_m2: Positive  # noqa: N815
     viscous_time_ns: NonNegative
@@ -58,7 +58,7 @@ class Design:
 
 def designs(params: Averaged) -> Iterator[Design]:
     """All designs."""
-    names = ("Eq. 34", *params.cases, "viscous JKR", FOREIGN)
+    names = ("Eq. 34", *params.cases, "viscous JKR", ANOTHER)
     levels = (names, params.noise_of_e, params.points, params.lowest_speeds_in_v_c)
     for truth, noise, points, lowest in product(*levels):
         yield Design(truth=truth, noise=noise, points=points, lowest=lowest)
@@ -80,7 +80,7 @@ def _contact(params: Averaged, inputs: Tables, truth: str) -> Contact:
     limit = float(capture_velocity(contact))
     return contact.replace(
         adhesion_damping=contact.adhesion_damping_at(limit),
-        adhesion_rate_exponent=params.foreign_rate_exponent,
+        adhesion_rate_exponent=params.another_rate_exponent,
         reference_velocity=limit,
     )
 
