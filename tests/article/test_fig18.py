@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from microimpact.core.tables import series_frame
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.dynamics.normal import normal_impact
 
@@ -177,8 +178,15 @@ def test_the_rigid_body_has_the_restitution_of_the_pair(study):
 
 
 def test_drawn(draw, tables, legend_texts):
+    points = partial(series_frame, series="silicon front", x=[30.0], x_unit="deg", y_unit="1")
+    measured = {
+        "fig18_points": points(panel="adhesion", y=[0.15], evidence="virtual experiment"),
+        "fig21_points": points(panel="loss", y=[0.3], evidence="virtual experiment"),
+    }
+    tables = {**tables, **measured}
     figure = draw("fig18", tables)
-    assert {"computed", "printed in the article"} <= set(legend_texts(figure))
+    words = {"computed", "printed in the article", "virtual experiment"}
+    assert words | {"steel SST76 on silicon (Fig. 6)"} <= set(legend_texts(figure))
     lines = {line.get_label(): line for ax in figure.axes for line in ax.get_lines()}
     assert all(ax.get_xlim() == (0.0, 90.0) for ax in figure.axes)
     assert lines

@@ -73,6 +73,9 @@ def test_parameters_fill_the_words():
         "list": ["7"],
         "number": 3,
     }
+    named = {"fig14": {"study": "s", "title": "[[by name.1.60 m/s, fast.v.1:.2f]] m/s"}}
+    values = {"by name": [{"name": "1.60 m/s"}, {"name": "1.60 m/s, fast", "v": [1.0, 1.64]}]}
+    assert filled(named, {"s": values})["fig14"]["title"] == "1.64 m/s"
     with pytest.raises(RegistryError, match=r"fig14\.title: no parameter 'f' "):
         filled(entries, {"s": {"g": 1}})
     with pytest.raises(RegistryError, match=r"fig14\.study: 's' is no study"):

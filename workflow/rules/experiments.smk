@@ -42,7 +42,8 @@ use rule study as oblique_experiments with:
         **needs("oblique_experiments"),
     output:
         **tables("oblique_experiments"),
-        **data("fig06", "fig07", "fig08", "fig09", "fig10", "fig11", "fig12", "fig23_points"),
+        **data("fig06", "fig07", "fig08", "fig09", "fig10", "fig11", "fig12"),
+        **data("fig18_points", "fig21_points", "fig23_points"),
     pathvars:
         name="oblique_experiments",
     params:

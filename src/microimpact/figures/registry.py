@@ -178,15 +178,15 @@ def registry(entries: Mapping[str, Mapping[str, Any]]) -> dict[str, FigureSpec]:
     return found
 
 
-_PLACE = re.compile(r"\[\[([\w.]+)(?::([^\]]*))?\]\]")
+_PLACE = re.compile(r"\[\[([^\[\]:]+)(?::([^\]]*))?\]\]")
 
 
 def filled(entries: Mapping[str, Any], branches: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
     """Put values of each figure's study into its words.
 
     ``[[friction]]`` or ``[[friction:.2f]]`` in any text of an entry is replaced by the parameter
-    of that name, ``[[targets.speed]]`` for one within another, so that no word on a figure
-    contradicts a changed configuration.
+    of that name, ``[[targets.speed]]`` for one within another and ``[[speeds.0]]`` for the first of
+    a list, so that no word on a figure contradicts a changed configuration. A name may hold dots.
 
     Raises RegistryError if a study is not known, or has no parameter of that name.
     """
@@ -208,15 +208,25 @@ def _fill(node: Any, values: Mapping[str, Any], key: str) -> Any:
         return node
 
     def value(place: re.Match[str]) -> str:
-        found: Any = values
-        for part in place[1].split("."):
-            if not isinstance(found, Mapping) or part not in found:
-                known = found if isinstance(found, Mapping) else ()
-                raise RegistryError(f"{key}: no parameter {place[1]!r}{nearest(part, known)}")
-            found = found[part]
+        found, rest = values, place[1]
+        while rest:
+            known = _named(found)
+            part = next((name for name in known if f"{rest}.".startswith(f"{name}.")), None)
+            if part is None:
+                near = nearest(rest.split(".")[0], known)
+                raise RegistryError(f"{key}: no parameter {place[1]!r}{near}")
+            found, rest = known[part], rest[len(part) + 1 :]
         return format(found, place[2] or "")
 
     return _PLACE.sub(value, node)
+
+
+def _named(node: Any) -> Mapping[str, Any]:
+    """Return the entries of a mapping, or of a list by their names or places."""
+    if isinstance(node, list | tuple):
+        named = (own.get("name") if isinstance(own, Mapping) else None for own in node)
+        return {name or str(i): own for i, (name, own) in enumerate(zip(named, node, strict=True))}
+    return node if isinstance(node, Mapping) else {}
 
 
 def _order(name: object) -> tuple[int, str]:

@@ -29,11 +29,21 @@ DRAWN = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PrintedImpact:
-    """The impact that printed values are of."""
+class PrintedPair:
+    """The pair that printed values are of."""
 
     particle: MaterialName
     surface: MaterialName
+
+    def is_of(self, inputs: Tables, case: str) -> bool:
+        """Whether a case, as `calibrated_contact` takes it, is of this pair."""
+        return pair_of(inputs, case) == (self.particle, self.surface)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PrintedImpact(PrintedPair):
+    """The impact that printed values are of."""
+
     diameter_um: Positive
     speed_m_per_s: Positive
 
@@ -47,9 +57,8 @@ def printed_values(
     are of; `case`, `diameter_um`, `speed_m_per_s`: what is computed.
     """
     values = inputs["anchors"].set_index("key")["value"].astype(float)
-    own = *pair_of(inputs, case), diameter_um, speed_m_per_s
-    theirs = of.particle, of.surface, of.diameter_um, of.speed_m_per_s
-    return values if own == theirs else values.iloc[:0]
+    own, theirs = (diameter_um, speed_m_per_s), (of.diameter_um, of.speed_m_per_s)
+    return values if own == theirs and of.is_of(inputs, case) else values.iloc[:0]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -27,8 +27,7 @@ COLOURS = ListedColormap(colormaps["viridis"](np.linspace(0.0, 0.88, 256)))
 AREA = 9.0
 # Numbers of the scale; its small ticks are the speeds that occur.
 TICKS = (0.1, 0.2, 0.3, 0.5, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0)
-# Per cent of the intervals that should hold the mean.
-LEVEL = 95.0
+NOMINAL = "nominal"
 
 
 @style.context()
@@ -107,13 +106,16 @@ def draw_coverage(tables: Tables, spec: FigureSpec) -> Figure:
     figure, axes = style.new_figure(spec)
     for (name, panel), table in zip(spec.panels.items(), tables.values(), strict=True):
         ax = axes[name]
-        ax.axhline(LEVEL, color="0.5", linewidth=0.6, zorder=1)
-        place, mixed = (0.02, LEVEL), ax.get_yaxis_transform()
-        ax.annotate(f"{LEVEL:g} %", place, xycoords=mixed, va="top", fontsize="small")
-        style.draw_panel(ax, table, panel, name)
-        for series, own in table.groupby("series", sort=False):
+        is_level = table["series"] == NOMINAL
+        for level in table.loc[is_level, table.columns[4]].unique():
+            ax.axhline(level, color="0.5", linewidth=0.6, zorder=1)
+            place, mixed = (0.02, level), ax.get_yaxis_transform()
+            ax.annotate(f"{level:g} %", place, xycoords=mixed, va="top", fontsize="small")
+        style.draw_panel(ax, table[~is_level], panel, name)
+        for series, own in table[~is_level].groupby("series", sort=False):
             (x, y), colour = table.columns[3:5], panel.series[str(series)].colour
             order = own.sort_values(x)
             ax.plot(order[x], order[y], color=f"C{colour}", linewidth=0.6, alpha=0.7, zorder=2)
-    style.evidence_key(figure, pd.concat([t["evidence"] for t in tables.values()]))
+    rows = pd.concat(tables.values())
+    style.evidence_key(figure, rows.loc[rows["series"] != NOMINAL, "evidence"])
     return figure

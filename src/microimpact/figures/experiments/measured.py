@@ -22,7 +22,7 @@ def draw_normal(tables: Tables, spec: FigureSpec) -> Figure:
     (table,) = tables.values()
     is_band = table["series"] == PILE_UP
     figure, axes = style.line_figure(dict.fromkeys(tables, table[~is_band]), spec)
-    for ax in axes.values():
+    for ax in axes.values() if is_band.any() else ():
         style.mark_range(ax, table[is_band].iloc[:, 3], "piles up (article)")
     return figure
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
@@ -18,7 +19,7 @@ COLUMNS = 2
 
 def _banded(tables: Tables, spec: FigureSpec) -> tuple[Figure, dict[str, Axes]]:
     """Draw every panel; the series ``admissible`` is a band behind the others."""
-    (table,) = tables.values()
+    table = pd.concat(tables.values(), ignore_index=True)
     is_band = table["series"] == "admissible"
 
     def prepare(ax: Axes, name: str) -> None:
@@ -89,7 +90,7 @@ def draw_oblique(tables: Tables, spec: FigureSpec) -> Figure:
     The series ``capture`` marks, in each panel, the angle at and below which the sphere is
     captured; ``admissible`` is a band.
     """
-    (table,) = tables.values()
+    table = pd.concat(tables.values(), ignore_index=True)
     limits = table[table["series"] == "capture"]
     figure, axes = _banded({"": table[table["series"] != "capture"]}, spec)
     for panel, ax in axes.items():
@@ -103,7 +104,7 @@ def draw_oblique(tables: Tables, spec: FigureSpec) -> Figure:
 def draw_losses(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw losses of energy against the angle; between the two, shaded, is the energy of spin."""
     figure = draw_oblique(tables, spec)
-    (table,) = tables.values()
+    table = tables[spec.name]
     for name, ax in zip(spec.panels, figure.axes, strict=True):
         rows = table[table["panel"] == name]
         total, moved = (rows[rows["series"] == s] for s in ("total", "translational"))

@@ -62,7 +62,7 @@ def _section(sheet: Sheet, radius: float) -> None:
     level = -0.2
     for x in (0.0, a):
         draw.guide(ax, [(x, 0.0), (x, level - 0.03)], zorder=5)
-    text = f"{sheet.word('contact')} = {a * radius:.2f} $\\mu$m"
+    text = f"{sheet.word('contact')} = {a * radius:.2f} µm"
     draw.dimension(ax, ((0.0, level), (a, level)), text, (a + 0.04, level), ha="left")
     text = f"{sheet.word('free shape')} = {-1000.0 * lowest * radius:.0f} nm"
     draw.label(ax, (-a - 0.04, level), text, ha="right")

@@ -47,7 +47,7 @@ def _imaging_side(sheet: Sheet) -> None:
     draw.note(sheet, "rotor", (3.0, -0.8), ha="left")
     draw.note(sheet, "needle", (2.2, -3.2), ha="left")
     draw.note(sheet, "target", (-1.0, -12.0), ha="right")
-    draw.note(sheet, "incident track", (-2.2, 4.5), ha="right")
+    draw.note(sheet, "incident track", (-1.8, 2.6), ha="right")
     draw.note(sheet, "rebound track", (3.5, -5.0), ha="left")
 
 

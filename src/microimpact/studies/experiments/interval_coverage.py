@@ -299,7 +299,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     """Repeat every experiment and count the intervals that hold each mean.
 
     ``interval_coverage``: one row per experiment and quantity. ``coverage_by_speed``,
-    ``coverage_by_angle``: coverage of restitution.
+    ``coverage_by_angle``: coverage of restitution, and its nominal level.
     """
     return gather(params, inputs, [part(params, inputs, 0, 1)])
 
@@ -449,5 +449,8 @@ def drawn(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
             for name, own in rows[rows["instrument"] == instrument].groupby("case", sort=False)
             for which, words in DRAWN.items()
         ]
+        if frames:
+            x = rows.loc[rows["instrument"] == instrument, column]
+            frames.append(frame("nominal", [x.min(), x.max()], 100.0 * params.level))
         found[f"coverage_by_{axis}"] = pd.concat(frames, ignore_index=True)
     return found

@@ -23,7 +23,7 @@ from microimpact.declared.parameters import (
     Positive,
     PrintedName,
 )
-from microimpact.lab.contacts import calibrated_contact
+from microimpact.lab.contacts import PrintedPair, calibrated_contact
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.experiment import Drop, StopRule, Target
 from microimpact.lab.pdpa.analyser import Analyser
@@ -64,6 +64,7 @@ class Params:
     plateau_share: Fraction
     hidden_share: Fraction
     anchors: tuple[PrintedName, ...]
+    printed_for: PrintedPair  # Another pair has no printed values
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,9 +95,10 @@ def run(params: Params, inputs: Tables) -> Tables:
         for population in params.populations
     }
     printed = inputs["anchors"].set_index("key")
+    shown = printed if params.printed_for.is_of(inputs, params.case) else None
     return {
-        "fig04": restitution_data(params, table, curves, contacts[params.case], printed),
-        "fig05": loss_data(params, table, curves, printed),
+        "fig04": restitution_data(params, table, curves, contacts[params.case], shown),
+        "fig05": loss_data(params, table, curves, shown),
         "normal_experiments": table,
         "size_effects": size_effects(params, curves, contacts),
     }
@@ -184,7 +186,7 @@ def restitution_data(
     table: pd.DataFrame,
     curves: Mapping[tuple[str, str], Curve],
     contact: Contact,
-    printed: pd.DataFrame,
+    printed: pd.DataFrame | None,
 ) -> pd.DataFrame:
     """Return the data of Fig. 4."""
     frames = [*_measured("restitution", table)]
@@ -198,16 +200,17 @@ def restitution_data(
         speed = curves[params.case, population.name].speed
         e = normal_impact(resized(contact, diameter), speed).coefficient_of_restitution
         frames.append(_frame(f"{population.name} mean size", speed[e > 0], e[e > 0]))
-    level, ends = _level(params, printed)
-    frames.append(_frame("printed level", ends, [level, level], "printed"))
-    return pd.concat([*frames, _pile_up(printed)], ignore_index=True)
+    if printed is not None:
+        level, ends = _level(params, printed)
+        frames += [_frame("printed level", ends, [level, level], "printed"), _pile_up(printed)]
+    return pd.concat(frames, ignore_index=True)
 
 
 def loss_data(
     params: Params,
     table: pd.DataFrame,
     curves: Mapping[tuple[str, str], Curve],
-    printed: pd.DataFrame,
+    printed: pd.DataFrame | None,
 ) -> pd.DataFrame:
     """Return the data of Fig. 5: 1 - e^2 of every event, and of the simulation at the mean e."""
     frames = [*_measured("energy_loss", table)]
@@ -216,9 +219,11 @@ def loss_data(
             shown = curve.captured < params.hidden_share
             x, e = curve.speed[shown], curve.rebounding[shown]
             frames.append(_frame(f"{name} sieve", x, 1.0 - e**2))
-    level, ends = _level(params, printed)
-    frames.append(_frame("printed level", ends, [1.0 - level**2] * 2, "printed"))
-    return pd.concat([*frames, _pile_up(printed)], ignore_index=True)
+    if printed is not None:
+        level, ends = _level(params, printed)
+        loss = [1.0 - level**2] * 2
+        frames += [_frame("printed level", ends, loss, "printed"), _pile_up(printed)]
+    return pd.concat(frames, ignore_index=True)
 
 
 def _measured(name: str, table: pd.DataFrame) -> Iterator[pd.DataFrame]:

@@ -85,6 +85,11 @@ FIGURES = {
     "fig11": ("restitution", "impulse_ratio", "energy_loss"),
     "fig12": ("restitution", "impulse_ratio", "energy_loss"),
 }
+# Points beside the curves of other studies: the panel that they are in, and their quantity.
+POINTS = {
+    "fig18_points": {"adhesion": "impulse_ratio"},
+    "fig21_points": {"loss": "energy_loss"},
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -125,8 +130,9 @@ class Params:
         """Refuse figures that this study does not make."""
         named = [*(s.figures for s in self.series), *(m.figures for m in self.marks)]
         for figure in (name for names in named for name in names):
-            if figure not in FIGURES:
-                raise ValueError(f"figures: {figure!r} must be one of {', '.join(FIGURES)}")
+            if figure not in {**FIGURES, **POINTS}:
+                allowed = ", ".join((*FIGURES, *POINTS))
+                raise ValueError(f"figures: {figure!r} must be one of {allowed}")
         names = [series.name for series in self.series]
         compared = [("compared_with_all", name) for name in self.compared_with_all]
         for key, name in (("compared_series", self.compared_series), *compared):
@@ -142,7 +148,8 @@ def run(params: Params, inputs: Tables) -> Tables:
     """Run every series at every angle, observe, reduce.
 
     ``fig06`` to ``fig12``: restitution, impulse ratio and translational energy loss against the
-    angle of incidence in degrees. ``fig23_points``: one series relative to its restitution at a
+    angle of incidence in degrees. ``fig18_points``, ``fig21_points``: impulse ratio and loss of the
+    series that are drawn there. ``fig23_points``: one series relative to its restitution at a
     reference angle. ``oblique_experiments``: one row per experiment.
     """
     contacts = {series.name: contact_of(series, inputs) for series in params.series}
@@ -158,6 +165,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     table = pd.DataFrame(rows)
     return {
         **{of: figure_data(params, of, table, contacts, printed) for of in FIGURES},
+        **{of: points_beside(params, of, table) for of in POINTS},
         "fig23_points": relative_points(params, table),
         "oblique_experiments": table,
     }
@@ -231,6 +239,17 @@ def relative_points(params: Params, table: pd.DataFrame) -> pd.DataFrame:
     zero = own.loc[own["angle_deg"] == params.reference_angle_deg, "restitution"].iloc[0]
     quantities = (("restitution", zero), ("impulse_ratio", 0.0))
     return pd.concat([_means(own, name, less) for name, less in quantities], ignore_index=True)
+
+
+def points_beside(params: Params, figure: str, table: pd.DataFrame) -> pd.DataFrame:
+    """Return the means that stand beside the curves of another study; there may be none."""
+    frames = [
+        _means(table[table["series"] == series.name], quantity).assign(panel=panel)
+        for series in params.series
+        for panel, quantity in POINTS[figure].items()
+        if figure in series.figures
+    ]
+    return pd.concat(frames, ignore_index=True) if frames else _frame("", "", [], [])
 
 
 def _means(rows: pd.DataFrame, quantity: str, less: float = 0.0) -> pd.DataFrame:

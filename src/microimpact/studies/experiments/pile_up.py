@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
@@ -23,7 +23,7 @@ from microimpact.declared.parameters import (
     PrintedName,
 )
 from microimpact.lab.bounces import Resting, resting
-from microimpact.lab.contacts import calibrated_contact
+from microimpact.lab.contacts import PrintedPair, calibrated_contact
 from microimpact.lab.dispenser import Dispenser, InitialSpin
 from microimpact.lab.experiment import Drop, Target
 from microimpact.lab.surface import rough
@@ -68,6 +68,7 @@ class Params:
     speeds_m_per_s: tuple[Positive, ...]
     shares: tuple[Fraction, ...]  # Shares of spheres on the target at which it begins to pile up
     anchors: tuple[PrintedName, ...]
+    printed_for: PrintedPair  # Another pair has no printed values
 
     def __post_init__(self) -> None:
         """Refuse speeds out of order, and a figure of what is not computed."""
@@ -88,11 +89,12 @@ def run(params: Params, inputs: Tables) -> Tables:
     ``pile_up_onsets``: speeds below which it piles up. ``pile_up_onset``: data of the figure.
     """
     table = pd.DataFrame(_rows(params, contacts(params, inputs)))
-    printed = inputs["anchors"].set_index("key")
+    printed = inputs["anchors"].set_index("key").loc[params.anchors[0], ["low", "high"]]
+    ends = printed.astype(float) if params.printed_for.is_of(inputs, params.case) else ()
     return {
         "pile_up": table,
         "pile_up_onsets": onsets(params, table),
-        "pile_up_onset": figure_data(params, table, printed),
+        "pile_up_onset": figure_data(params, table, ends),
     }
 
 
@@ -175,8 +177,11 @@ def onset(speed: FloatArray, share: FloatArray, wanted: float) -> float:
     return float(speed[k] + step * (speed[k + 1] - speed[k]))
 
 
-def figure_data(params: Params, table: pd.DataFrame, printed: pd.DataFrame) -> pd.DataFrame:
-    """Return the data of the figure: share on the target, at first impact and in the end."""
+def figure_data(params: Params, table: pd.DataFrame, printed: Sequence[float]) -> pd.DataFrame:
+    """Return the data of the figure: share on the target, at first impact and in the end.
+
+    `printed`: ends of the speeds at which particles piled up, m/s; none for another pair.
+    """
     shown = table[
         (table["target_radius_mm"] == params.drawn_radius_mm)
         & (table["slope_deg"] == params.drawn_slope_deg)
@@ -187,6 +192,6 @@ def figure_data(params: Params, table: pd.DataFrame, printed: pd.DataFrame) -> p
         total, at_once = (own[share] for share in SHARES)
         frames.append(_frame(f"{name}, in the end", speed, total, "virtual experiment"))
         frames.append(_frame(f"{name}, first impact", speed, at_once))
-    ends = printed.loc[params.anchors[0], ["low", "high"]].astype(float)
-    frames.append(_frame("printed pile-up", ends, 0.0, "printed"))
+    if len(printed):
+        frames.append(_frame("printed pile-up", printed, 0.0, "printed"))
     return pd.concat(frames, ignore_index=True)
