@@ -235,6 +235,13 @@ def test_drawn(draw, tables, piles, legend_texts):
     assert "0.18 m/s, in the end" in legend_texts(onset)
 
 
+def test_printed_piles_vanish_for_another_pair(run_study, calibration, draw):
+    changes = {"case": "steel-mirror front", "spheres": 50, "speeds_m_per_s": [0.3, 1.0]}
+    own = run_study("pile_up", calibration, **changes)
+    assert "printed" not in set(own["pile_up_onset"]["evidence"])
+    assert not draw("pile_up_onset", own).axes[0].texts
+
+
 def test_wrong_parameters_are_refused(run_study, settings, calibration):
     with pytest.raises(ValueError, match="must ascend"):
         run_study("pile_up", calibration, speeds_m_per_s=[0.3, 0.2])

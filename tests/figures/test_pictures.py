@@ -31,6 +31,9 @@ FILES = table_files(ROOT / "tests/reference")
 SLACK = 1.5
 # Lines this thin guide the eye; a name in the colour of a curve and so near is its label.
 THIN, NEAR = 0.7, 9.0
+# Figures in which place tells apart what only colour does else: fits and printed values lie on
+# their curves, marks are named left to right, a level is straight, both readings are of one point.
+PLACED = {"fig15", "admissible_bands", "rolling", "roll_away", "oblique_rebounds"}
 NO_MARK, TICKS = ("None", "none", "", " ", None), ("|", "_")
 
 
@@ -155,18 +158,35 @@ def unnamed(figure):
                 yield f"{line.get_label()!r} {sorted(set(looks(line)) - known)}"
 
 
+def alike(figure):
+    """Return the series of a panel that colour alone tells apart: the same dashes and marks."""
+    for ax in figure.axes:
+        colours = {}
+        for line in (line for line in ax.lines if line.get_visible() and len(line.get_xdata())):
+            own, colour = list(looks(line)), to_hex(line.get_color())
+            is_guide = line.get_linestyle() != "None" and line.get_linewidth() <= THIN
+            is_data = line.get_transform().contains_branch(ax.transData)
+            if own and is_data and not is_guide and not beside(ax, line, colour):
+                look = ("filled" if part == colour else part for _, *parts in own for part in parts)
+                colours.setdefault(tuple(look), set()).add(colour)
+        yield from (f"{look}: {sorted(own)}" for look, own in colours.items() if len(own) > 1)
+
+
 def beside(ax, line, colour):
     outline = line.get_transform().transform_path(line.get_path())
     near = NEAR * ax.figure.dpi / 72
     return any(
         to_hex(text.get_color()) == colour
-        and covers(text.get_window_extent().padded(near), outline, True, 0.0, None)
+        and covers(text.get_window_extent().padded(near), outline, True, 1.0, None)
         for text in ax.texts
     )
 
 
-def faults(figure, *, schematic=False):
-    """Return, in words, what hides something, lies off the sheet or is not named."""
+def faults(figure, *, schematic=False, placed=False):
+    """Return, in words, what hides something, lies off the sheet, is not named or told apart.
+
+    `placed`: what looks alike but for its colour stands apart by its place.
+    """
     figure.draw_without_rendering()
     point = figure.dpi / 72
     boxes, sheet = texts(figure, SLACK * point), figure.bbox
@@ -189,6 +209,8 @@ def faults(figure, *, schematic=False):
                 yield f"{text.get_text()!r} over data"
     if not schematic:
         yield from (f"not named: {series}" for series in unnamed(figure))
+    if not (schematic or placed):
+        yield from (f"told apart by colour alone: {series}" for series in alike(figure))
 
 
 @pytest.mark.parametrize("name", SPECS)
@@ -198,7 +220,7 @@ def test_all_can_be_read(name):
         pytest.skip(f"no reference yet of {', '.join(missing)}")
     with style.context():
         figure = drawn(name)
-        assert not list(faults(figure, schematic=spec.is_schematic))
+        assert not list(faults(figure, schematic=spec.is_schematic, placed=name in PLACED))
     found = [str(text.get_text())[:3] for text, _ in texts(figure, 0.0)]
     letters = sorted(word for word in found if re.fullmatch(r"\([a-h]\)", word))
     assert letters == [f"({letter})" for letter in "abcdefgh"[: len(letters)]]
@@ -247,6 +269,7 @@ def test_a_figure_in_order_has_no_fault(plain):
         (lambda ax: ax.legend(loc="center"), "'rising' over data"),
         (lambda ax: ax.plot([0, 1], [0.2, 0.1], "C1--", label="_new"), "not named: '_new'"),
         (lambda ax: ax.plot([0.5], [0.1], "^", color="C1", label="_mark"), "not named: '_mark'"),
+        (lambda ax: ax.plot([0, 1], [1, 0.6], "C1"), "told apart by colour alone: "),
         (lambda ax: ax.set_xticks([0.50, 0.52], ["0.50", "0.52"]), "'0.50' over '0.52'"),
     ],
 )  # fmt: skip

@@ -41,8 +41,8 @@ MARKS = {"circle": "o", "square": "s", "triangle": "^"}
 SIDES: dict[str, tuple[tuple[float, float], str, str]] = {
     "above": ((0.0, 2.5), "center", "bottom"),
     "below": ((0.0, -2.5), "center", "top"),
-    "left": ((-3.0, 0.0), "right", "center"),
-    "right": ((3.0, 0.0), "left", "center"),
+    "left": ((-5.0, 0.0), "right", "center"),
+    "right": ((5.0, 0.0), "left", "center"),
 }
 
 STYLE_FILE = Path(__file__).with_name("microimpact.mplstyle")

@@ -33,7 +33,7 @@ def draw_frame(tables: Tables, spec: FigureSpec) -> Figure:
     style.draw_panel(ax, track, panel, name)
     ax.set(xlim=extent[:2], ylim=extent[2:], aspect="equal")
     # Open and small: the dashes show behind their centroids.
-    for marks in (line for line in ax.lines if line.get_marker() == "o"):
+    for marks in (line for line in ax.lines if line.get_marker() in style.MARKS.values()):
         marks.set(markersize=3.0, markerfacecolor="none", markeredgewidth=0.8)
     for path in (line for line in ax.lines if line.get_linestyle() != "None"):
         path.set_linewidth(0.8)

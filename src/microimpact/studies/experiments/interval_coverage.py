@@ -336,7 +336,7 @@ def gather(
     """Return the tables, from the rows of all parts."""
     every = sorted(chain(*parts), key=itemgetter(0))
     table = pd.DataFrame([row for _, rows in every for row in rows])
-    return {"interval_coverage": table, **drawn(table)}
+    return {"interval_coverage": table, **drawn(table, params.level)}
 
 
 def _repeated(
@@ -430,8 +430,11 @@ def _unselected(
     }
 
 
-def drawn(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """Return the coverage of restitution, by speed at normal and by angle at oblique incidence."""
+def drawn(table: pd.DataFrame, level: float) -> dict[str, pd.DataFrame]:
+    """Return the coverage of restitution, by speed at normal and by angle at oblique incidence.
+
+    The series ``nominal`` is the level of the intervals.
+    """
     rows = table[table["quantity"] == "restitution"]
     axes = {"speed": ("PDPA", "speed_m_per_s"), "angle": ("PTIS", "angle_deg")}
     found = {}
@@ -451,6 +454,6 @@ def drawn(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
         ]
         if frames:
             x = rows.loc[rows["instrument"] == instrument, column]
-            frames.append(frame("nominal", [x.min(), x.max()], 100.0 * params.level))
+            frames.append(frame("nominal", [x.min(), x.max()], 100.0 * level))
         found[f"coverage_by_{axis}"] = pd.concat(frames, ignore_index=True)
     return found
