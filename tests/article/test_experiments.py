@@ -95,16 +95,17 @@ def test_the_same_experiment_gives_the_same_number_in_every_study(
     branch = settings.branches["campaign"]
     window = 0.1 if angle == 90 else 0.036
     ends = [speed * (1 - window), speed * (1 + window)]
-    classes = [{"speed_m_per_s": speed, "speed_range_m_per_s": ends}]
+    classes = [{"name": "own", "speed_m_per_s": speed, "speed_range_m_per_s": ends}]
     size = "SST125" if angle == 90 else "SST76"
     block = {
         "particles": [size],
         "surfaces": ["silicon front"],
         "case": "steel-silicon, n = 1",
-        "speeds_m_per_s": [speed],
+        "speeds": ["own"],
         "angles_deg": [angle],
     }
-    params = build(campaign.Params, {**branch, "speed_classes": classes, "blocks": [block]})
+    own = {"blocks": [block], "counted": dict.fromkeys(branch["counted"], 1)}
+    params = build(campaign.Params, {**branch, "speed_classes": classes, **own})
     tables = {}
 
     def only(given, inputs):
