@@ -89,8 +89,9 @@ def run(params: Params, inputs: Tables) -> Tables:
     ``pile_up_onsets``: speeds below which it piles up. ``pile_up_onset``: data of the figure.
     """
     table = pd.DataFrame(_rows(params, contacts(params, inputs)))
-    printed = inputs["anchors"].set_index("key").loc[params.anchors[0], ["low", "high"]]
-    ends = printed.astype(float) if params.printed_for.is_of(inputs, params.case) else ()
+    printed = inputs["anchors"].set_index("key")
+    shown = params.anchors[:1] if params.printed_for.is_of(inputs, params.case) else ()
+    ends = [float(printed.loc[key, end]) for key in shown for end in ("low", "high")]
     return {
         "pile_up": table,
         "pile_up_onsets": onsets(params, table),
