@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
@@ -89,9 +89,9 @@ def run(params: Params, inputs: Tables) -> Tables:
     ``pile_up_onsets``: speeds below which it piles up. ``pile_up_onset``: data of the figure.
     """
     table = pd.DataFrame(_rows(params, contacts(params, inputs)))
-    printed = inputs["anchors"].set_index("key")
+    printed = inputs["anchors"].set_index("key")[["low", "high"]].astype(float)
     shown = params.anchors[:1] if params.printed_for.is_of(inputs, params.case) else ()
-    ends = [float(printed.loc[key, end]) for key in shown for end in ("low", "high")]
+    ends = printed.loc[list(shown)].to_numpy().ravel()
     return {
         "pile_up": table,
         "pile_up_onsets": onsets(params, table),
@@ -178,7 +178,7 @@ def onset(speed: FloatArray, share: FloatArray, wanted: float) -> float:
     return float(speed[k] + step * (speed[k + 1] - speed[k]))
 
 
-def figure_data(params: Params, table: pd.DataFrame, printed: Sequence[float]) -> pd.DataFrame:
+def figure_data(params: Params, table: pd.DataFrame, printed: FloatArray) -> pd.DataFrame:
     """Return the data of the figure: share on the target, at first impact and in the end.
 
     `printed`: ends of the speeds at which particles piled up, m/s; none for another pair.
