@@ -216,7 +216,7 @@ def _fill(node: Any, values: Mapping[str, Any], key: str) -> Any:
                 near = nearest(rest.split(".")[0], known)
                 raise RegistryError(f"{key}: no parameter {place[1]!r}{near}")
             found, rest = known[part], rest[len(part) + 1 :]
-        return format(found, place[2] or "")
+        return format(found, place[2] or "").replace("%", " %")
 
     return _PLACE.sub(value, node)
 

@@ -49,5 +49,5 @@ def _label_marks(ax: Axes, marks: pd.DataFrame) -> None:
     places = marks.iloc[:, 3:5].to_numpy(float)
     shares = places[:, 1] / places[0, 1]
     for share, (x, y) in zip(shares, places, strict=True):
-        words, drop = ("JKR", 4) if share == 1.0 else (f"{share:.0%} of JKR", -10)
+        words, drop = ("JKR", 4) if share == 1.0 else (f"{100 * share:.0f} % of JKR", -10)
         ax.annotate(words, (x, y), (6, drop), textcoords="offset points", fontsize="small")

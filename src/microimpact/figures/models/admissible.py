@@ -54,6 +54,7 @@ def draw_pairs(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
             _plain(ax.yaxis)
         _draw_pairs(ax, rows, panel, name)
     style.legend_above(figure, axes.values())
+    style.evidence_key(figure, pd.concat([t["evidence"] for t in tables.values()]))
     return figure
 
 
@@ -76,7 +77,8 @@ def _draw_pairs(ax: Axes, rows: pd.DataFrame, panel: PanelSpec, name: str) -> No
         elif name in PAIRS:
             ax.plot(*ends, marker=next(marks), **CLOUD, **look)
         else:
-            ax.plot(*ends, linestyle=style.LINES[own.line], **look)
+            line = style.EVIDENCE[part["evidence"].iloc[0]] | {"linestyle": style.LINES[own.line]}
+            ax.plot(*ends, **line, **look)
             ax.fill_between(*ends, color=look["color"], alpha=BAND_ALPHA / 2, linewidth=0)
 
 

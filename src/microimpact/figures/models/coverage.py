@@ -15,8 +15,8 @@ from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec, PanelSpec
 
 COLUMNS = 2
-# Factor between the abscissae of neighbouring series where marks would hide each other.
-APART = 1.012
+# Factor between the abscissae of the first and last series where marks would hide each other.
+APART = 1.11
 GUIDE: dict[str, Any] = {"linewidth": 0.6, "alpha": 0.7, "zorder": 2}
 
 
@@ -31,19 +31,20 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
     for name, panel in spec.panels.items():
         ax, rows = axes[name], table[table["panel"] == name]
         ax.set_xscale("log")
-        if name.startswith("rms"):
+        if name.startswith(("rms", "width")):
             ax.set_yscale("log")
         if name.startswith("bias"):
             ax.axhline(0.0, color="0.6", linewidth=0.6, zorder=1)
         if name.startswith("coverage"):
             found = set(rows.loc[rows["evidence"] == "virtual experiment", "series"])
-            rows = style.apart(rows, [n for n in panel.series if n in found], APART)
+            names = [n for n in panel.series if n in found]
+            rows = style.apart(rows, names, APART ** (1.0 / max(len(names) - 1, 1)))
         style.draw_panel(ax, rows, panel, name)
         _guide(ax, rows, panel)
         ax.set_xticks(np.array(panel.x_ticks))
         style.plain_numbers(ax.xaxis)
         ax.xaxis.set_minor_formatter(NullFormatter())
-    style.legend_above(figure, list(axes.values())[-1:], 4)
+    style.legend_above(figure, axes.values(), 4)
     style.evidence_key(figure, table["evidence"])
     return figure
 
