@@ -147,11 +147,18 @@ def admissible_contact(inputs: Tables, case: str, variant: str, **changes: Any) 
 
 def singles(contact: Contact) -> list[Contact]:
     """Return each of the admissible contacts that one contact of arrays holds."""
-    fields = np.broadcast_arrays(*(getattr(contact, name) for name in DRAWN.values()))
-    return [
-        contact.replace(**dict(zip(DRAWN.values(), map(float, values), strict=True)))
-        for values in zip(*map(np.ravel, fields), strict=True)
-    ]
+    return [single(contact, place) for place in range(int(np.prod(contact.shape)))]
+
+
+def single(contact: Contact, place: int) -> Contact:
+    """Return one of the admissible contacts that one contact of arrays holds."""
+    fields = {name: getattr(contact, name) for name in DRAWN.values()}
+    return contact.replace(
+        **{
+            name: float(np.broadcast_to(of, contact.shape).flat[place])
+            for name, of in fields.items()
+        }
+    )
 
 
 def _of_rows(inputs: Tables, rows: pd.DataFrame, fields: Mapping[str, Any]) -> Contact:

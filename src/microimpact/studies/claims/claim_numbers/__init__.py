@@ -80,10 +80,8 @@ def part(params: Params, inputs: Mapping[str, pd.DataFrame], index: int, count: 
     Of the tables, only ``calibration`` and ``admissible_contacts`` are read.
     """
     rows = draws.chosen(params, inputs)
-    return [
-        (place, list(draws.rows_of(params, inputs, rows[place])))
-        for place in range(index, len(rows), count)
-    ]
+    own = draws.rows_of(params, inputs, rows.iloc[index::count])
+    return list(zip(range(index, len(rows), count), own, strict=True))
 
 
 def gather(

@@ -80,7 +80,7 @@ def c97(context: Context) -> dict[str, dict[str, float]]:
     which would carry it further, is given, too.
     """
     capture, contact = context.params.capture, context.steel
-    sine = min(float(capture_velocity(contact)) / context.speed, 1.0)
+    sine = min(float(context.limits("C97", lambda steel: steel)) / context.speed, 1.0)
     angle = float(np.degrees(np.arcsin(sine)))
     along = capture.kept_share * velocity_components(context.speed, angle)[1]
     found = {}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple, Self
 
@@ -11,7 +11,7 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import FloatArray, Real
-from microimpact.lab.contacts import calibrated_contact
+from microimpact.lab.contacts import calibrated_contact, single
 from microimpact.lab.samples import (
     Dropped,
     Sampling,
@@ -23,6 +23,7 @@ from microimpact.lab.samples import (
     with_spin,
 )
 from microimpact.model.contact import Contact, resized
+from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import Impact, simulate
 from microimpact.studies.claims.claim_numbers.params import Params
 
@@ -42,12 +43,15 @@ class Context:
     inputs: Mapping[str, pd.DataFrame]  # Declared rows and tables of earlier studies by name
     # Name of the calibrated case; the first of those declared is meant where there is none.
     case: str = ""
-    # One admissible contact of steel on silicon, in place of a calibrated one.
+    # Admissible contacts of steel on silicon (draws,), in place of a calibrated one, and which of
+    # them is meant.
     drawn: Contact | None = None
+    place: int = 0
     # Made once, here for all cases: a table of the impact law serves one and the same contact.
     _seen: dict[tuple[Dropped, float, Sampling], Seen] = field(default_factory=dict)
     _contacts: dict[Dropped, Contact] = field(default_factory=dict)
     _steel: dict[tuple[object, ...], Contact] = field(default_factory=dict)
+    _limits: dict[str, FloatArray] = field(default_factory=dict)
     _rebounds: dict[tuple[object, ...], tuple[FloatArray, Impact]] = field(default_factory=dict)
 
     def cases(self) -> Iterator[Self]:
@@ -62,10 +66,30 @@ class Context:
         _ = self.inputs["calibration"], self.inputs["materials"]
         steel, case = self.params.steel, self.case
         if (steel, case) not in self._steel:
-            contact = self.drawn or calibrated_contact(self.inputs, case or steel.cases[0])
+            contact = (
+                single(self.drawn, self.place)
+                if self.drawn
+                else calibrated_contact(self.inputs, case or steel.cases[0])
+            )
             sized = resized(contact, steel.diameter_um * 1e-6)
             self._steel[steel, case] = sized.replace(friction=steel.friction)
         return self._steel[steel, case]
+
+    def limits(self, claim: str, sized: Callable[[Contact], Contact]) -> FloatArray:
+        """Return capture velocities of the steel contact in several sizes, m/s.
+
+        Those of all draws are computed together, which costs hardly more than one.
+
+        `claim`: whose they are; `sized`: gives the contact, whose last axis is that of draws, its
+        sizes along another.
+        """
+        if self.drawn is None:
+            one = self.steel
+            return capture_velocity(sized(resized(one, np.atleast_1d(one.diameter))))[..., 0]
+        if claim not in self._limits:
+            drawn = resized(self.drawn, self.params.steel.diameter_um * 1e-6)
+            self._limits[claim] = np.asarray(capture_velocity(sized(drawn)))
+        return self._limits[claim][..., self.place]
 
     @property
     def calibrated_capture_velocity(self) -> float:
@@ -107,10 +131,13 @@ class Context:
         wanted = self.all_angles() if angles is None else angles
         key = self.params.steel, contact, wanted.tobytes()
         if key not in self._rebounds:
-            free = wanted[~self.hit(contact, self.speed, wanted).captured]
-            if free.size == 0:
+            impact = self.hit(contact, self.speed, wanted)
+            free = ~impact.captured
+            if not np.any(free):
                 raise ValueError(f"steel.speed_m_per_s: at {self.speed:g} it rebounds at no angle")
-            self._rebounds[key] = free, self.hit(contact, self.speed, free)
+            found = {name: getattr(impact, name) for name in Impact.__dataclass_fields__}
+            rebounds = {name: of[free] if np.ndim(of) else of for name, of in found.items()}
+            self._rebounds[key] = wanted[free], Impact(**rebounds)
         return self._rebounds[key]
 
     # Samples of virtual impacts

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from microimpact.lab.contacts import DRAWN, admissible_contact
+from microimpact.core.arrays import FloatArray
+from microimpact.lab.contacts import admissible_contact
 from microimpact.model.contact import Contact
 from microimpact.studies.claims.claim_numbers.claim import CLAIMS, UNCOMPUTABLE, flat
 from microimpact.studies.claims.claim_numbers.context import Context
@@ -19,46 +20,54 @@ COLUMNS = ("claim", "contact", "variant", "draw", "alternative", "quantity", "va
 Row = tuple[str, str, str, int, str, str, float]
 
 
-def chosen(params: Params, inputs: Mapping[str, pd.DataFrame]) -> list[pd.Series[Any]]:
+def chosen(params: Params, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
     """Return the draws that are taken of every variant, evenly over all of its draws."""
     table, wanted = inputs["admissible_contacts"], params.draws
-    found: list[pd.Series[Any]] = []
+    found = []
     for variant, count in wanted.variants.items():
         own = table[(table["case"] == wanted.case) & (table["variant"] == variant)]
         if own.empty:
             raise ValueError(f"admissible_contacts: no draw of {wanted.case}, {variant}")
-        places = np.unique(np.linspace(0, len(own) - 1, count).astype(int))
-        found += [own.iloc[place] for place in places]
-    return found
+        found.append(own.iloc[np.unique(np.linspace(0, len(own) - 1, count).astype(int))])
+    return pd.concat(found)
 
 
-def drawn_contact(inputs: Mapping[str, pd.DataFrame], row: pd.Series[Any]) -> Contact:
-    """Return the contact of one draw, all of its numbers single ones."""
-    numbers: dict[str, Any] = {field: float(row[column]) for column, field in DRAWN.items()}
-    numbers["diameter"] *= 1e-6
-    return admissible_contact(inputs, str(row["case"]), str(row["variant"]), **numbers)
+def drawn_contact(inputs: Mapping[str, pd.DataFrame], rows: pd.DataFrame) -> Contact:
+    """Return the contact of all draws, its numbers arrays (draws,)."""
+    one = rows.assign(variant=rows["variant"].iloc[0])
+    case, variant = str(one["case"].iloc[0]), str(one["variant"].iloc[0])
+    return admissible_contact({**inputs, "admissible_contacts": one}, case, variant)
 
 
 def rows_of(
-    params: Params, inputs: Mapping[str, pd.DataFrame], row: pd.Series[Any]
-) -> Iterator[Row]:
-    """Yield the numbers of all claims for one draw.
+    params: Params, inputs: Mapping[str, pd.DataFrame], rows: pd.DataFrame
+) -> Iterator[list[Row]]:
+    """Yield the numbers of all claims for every draw.
 
     Friction and its basis are those of the draw, all else as for the calibrated cases. A claim
     that cannot be computed with a draw has no row.
     """
-    steel = replace(
-        params.steel,
-        friction=float(row["friction"]),
-        friction_basis=row["friction_basis"],
-    )
-    context = Context(
-        params=replace(params, steel=steel),
-        inputs=inputs,
-        case=steel.cases[0],
-        drawn=drawn_contact(inputs, row),
-    )
-    for name in params.draws.claims:
+    drawn = drawn_contact(inputs, rows) if len(rows) else None
+    limits: dict[str, FloatArray] = {}
+    for place, (_, row) in enumerate(rows.iterrows()):
+        steel = replace(
+            params.steel,
+            friction=float(row["friction"]),
+            friction_basis=row["friction_basis"],
+        )
+        context = Context(
+            params=replace(params, steel=steel),
+            inputs=inputs,
+            case=steel.cases[0],
+            drawn=drawn,
+            place=place,
+            _limits=limits,
+        )
+        yield list(_of_draw(context, row))
+
+
+def _of_draw(context: Context, row: pd.Series[Any]) -> Iterator[Row]:
+    for name in context.params.draws.claims:
         try:
             found = list(flat(CLAIMS[name].of(context), ""))
         except UNCOMPUTABLE:

@@ -221,18 +221,21 @@ def c36(context: Context) -> dict[str, float]:
 @claim("C37", by_case=True, units="ns")
 def c37(context: Context) -> dict[str, dict[str, float]]:
     """Shortest and longest contact of the rebounds over a range of speeds, by size class."""
-    diameters = context.params.normal.lasting_diameters_um
-    return {name: lasting(context, diameter * 1e-6) for name, diameter in diameters.items()}
+    named = context.params.normal.lasting_diameters_um
+    diameters = np.array(list(named.values())) * 1e-6
+    limits = context.limits("C37", lambda steel: resized(steel, diameters[:, None]))
+    own = zip(named, diameters.tolist(), limits.tolist(), strict=True)
+    return {name: lasting(context, diameter, limit) for name, diameter, limit in own}
 
 
-def lasting(context: Context, diameter: float) -> dict[str, float]:
+def lasting(context: Context, diameter: float, limit: float) -> dict[str, float]:
     """Return the shortest and the longest contact of a sphere, ns, and those by Hertz alone.
 
-    Just above its capture velocity contact lasts longest: that speed is added.
+    Just above its capture velocity, ``limit``, contact lasts longest: that speed is added.
     """
     normal, sphere = context.params.normal, resized(context.steel, diameter)
     low, high = normal.lasting_speeds_m_per_s
-    limit = float(capture_velocity(sphere)) * (1.0 + normal.above_capture)
+    limit *= 1.0 + normal.above_capture
     speeds = np.append(between((low, high), normal.points), np.clip(limit, low, high))
     impact = simulate(sphere, speeds)
     free = ~impact.captured

@@ -159,8 +159,9 @@ def speed_of_share(context: Context, contact: Contact) -> float:
 @claim("C08", by_case=True, evidence=CALIBRATED, units="m/s")
 def c08(context: Context) -> dict[str, float]:
     """Capture velocity of the mean sphere of the smaller sieve class."""
-    mean_sphere = sized(context, context.steel, context.params.sieves.named_diameter_um * 1e-6)
-    return {"capture_velocity_49_um": float(capture_velocity(mean_sphere))}
+    diameter = context.params.sieves.named_diameter_um * 1e-6
+    found = context.limits("C08", lambda steel: sized(context, steel, diameter))
+    return {"capture_velocity_49_um": float(found)}
 
 
 def sized(context: Context, contact: Contact, diameter: Real) -> Contact:
@@ -303,10 +304,11 @@ def c65(context: Context) -> dict[str, float]:
     Larger spheres have lower capture velocities, so that the share captured is a quantile of
     diameters.
     """
-    sieves, contact = context.params.sieves, context.steel
+    sieves = context.params.sieves
     ends = sieves.smaller_um.quantile(np.sort(sieves.captured_shares)) * 1e-6
-    slow, fast = np.sort(capture_velocity(resized(contact, ends)))
-    named = capture_velocity(resized(contact, sieves.named_diameter_um * 1e-6))
+    sizes = np.append(ends, sieves.named_diameter_um * 1e-6)[:, None]
+    *found, named = context.limits("C65", lambda steel: resized(steel, sizes))
+    slow, fast = np.sort(found)
     return {
         "width_of_capture_10_to_90_percent_over_capture_velocity_49_um": float(
             (fast - slow) / named

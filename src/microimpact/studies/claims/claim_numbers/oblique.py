@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from microimpact.core.arrays import FloatArray, Real
+from microimpact.core.arrays import BoolArray, FloatArray, Real
 from microimpact.core.solve import root, threshold
 from microimpact.lab.dispenser import NO_SPIN, InitialSpin
 from microimpact.lab.events import Impacts
@@ -15,7 +15,6 @@ from microimpact.lab.experiment import StopRule
 from microimpact.lab.ptis.experiment import collect
 from microimpact.lab.samples import Dropped, Statistic, half_width, impacts_of, in_class, with_spin
 from microimpact.model.contact import Contact
-from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import Impact, simulate, velocity_components
 from microimpact.model.rigid_body.roughness import measured_restitution
 from microimpact.statistics.distributions import generator
@@ -28,6 +27,8 @@ from microimpact.studies.experiments.mechanisms.spin import rolling_limit
 SLOWEST, FASTEST = 1e-3, 1e2
 # Steps in which ranges of angles are walked, degrees.
 COARSE, FINE = 1.0, 0.01
+# Halvings of a search that are simulated together: the impacts of as many fill the lanes at once.
+HALVINGS = 5
 # Curves of rebounds begin so much above the normal speed of capture.
 ABOVE_CAPTURE = 1e-6
 # Greatest spread of spins, r omega/v, that is tried.
@@ -68,10 +69,10 @@ def c10(context: Context) -> dict[str, float]:
     steel = context.steel
     shallowest = float(context.rebounds(steel)[0].min())
 
-    def rolls(angle: float) -> bool:
-        return bool(context.hit(steel, context.speed, angle).rolling)
+    def rolls(angle: Real) -> BoolArray:
+        return context.hit(steel, context.speed, angle).rolling
 
-    return {"rolling_to_sliding_angle": threshold(rolls, shallowest, 90.0)}
+    return {"rolling_to_sliding_angle": threshold(rolls, shallowest, 90.0, ahead=HALVINGS)}
 
 
 @claim("C11")
@@ -547,7 +548,8 @@ def c110(context: Context) -> dict[str, float]:
     """Largest angle at which -mu of a rebound exceeds that at 40 deg by a share."""
     contact, oblique = context.steel, context.params.oblique
     start = oblique.from_angle_deg
-    sine = float(capture_velocity(contact)) * (1.0 + ABOVE_CAPTURE) / context.speed
+    limit = float(context.limits("C110", lambda steel: steel))
+    sine = limit * (1.0 + ABOVE_CAPTURE) / context.speed
     least = max(float(np.degrees(np.arcsin(min(sine, 1.0)))), FINE)
     angle = np.append(np.arange(start, least, -FINE), least)
     ratio = at_angles(context, contact, angle).impulse_ratio
