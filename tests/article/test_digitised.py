@@ -110,12 +110,17 @@ def test_a_name_of_the_figures_own_is_no_part_of_the_figure(run_study, points, d
 
 
 def test_an_enlarged_view_stays_one(run_study, points, drawn_over):
-    figure = drawn_over("fig20", run_study("force_history"), points("fig20", "force: a,10,70,,"))
+    history = run_study("force_history")
+    figure = drawn_over("fig20", history, points("fig20", "force: a,10,70,,"))
     whole, dips = figure.axes
     assert [len(crosses(ax)) for ax in (whole, dips)] == [1, 1]
     assert dips.get_ylim() == (-12, 12)
     assert np.isnan(crosses(dips)[0].get_ydata()).all()
     assert crosses(whole)[0].get_ydata() == [70]
+    late = drawn_over("fig20", history, points("fig20", "force: a,900,0,,"))
+    assert late.axes[0].get_xlim()[1] > 900
+    assert late.axes[1].get_xlim() == dips.get_xlim()
+    assert not crosses(late.axes[1])
 
 
 def made_up_effects():
@@ -190,12 +195,12 @@ def test_points_of_a_case_are_fitted(
     assert list(other["exponent"]) == ["free", "fixed"]
     assert other["v_c_m_per_s"].isna().all()
     assert other["note"].str.startswith("not fitted: v must hold at least").all()
-    curves = tables["fig16"][tables["fig16"]["series"].str.endswith("fit of digitised points")]
-    assert set(curves["series"]) == {f"{CASE}, fit of digitised points"}
+    curves = tables["fig16"][tables["fig16"]["series"].str.endswith("fit of points")]
+    assert set(curves["series"]) == {f"{CASE}, fit of points"}
     assert curves["y_1"].iloc[0] == 0.0
     # and it is drawn
     figure = drawn_over("fig16", tables, points("fig16", *lines))
-    assert {"$n$ = 0, fit of digitised points", f"digitised: {CASE}"} <= set(legend_texts(figure))
+    assert {"$n$ = 0, fit of the points", f"digitised: {CASE}"} <= set(legend_texts(figure))
     assert len(crosses(figure.axes[0])) == 3
     # a logarithmic axis grows on its own scale
     slow = drawn_over("fig16", tables, points("fig16", "slow,0.02,0,,"))

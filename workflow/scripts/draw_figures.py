@@ -29,7 +29,7 @@ def main(job: Any) -> str:
         if path := job.input.get(f"{figure}_digitised"):
             points = read_points(path, spec)
             tables = overlaid(tables, spec, points)
-            origin = f", digitised points from {points.source}"
+            origin = f", {points.evidence} points from {points.source}"
         draw = getattr(import_module(spec.module), spec.function)
         save(draw(tables, spec), *(folder / f"{figure}.{kind}" for kind in FORMATS))
         account.append(f"{figure}: drawn from {', '.join(tables)}{origin}\n")

@@ -178,8 +178,10 @@ def overlay(ax: Axes, points: pd.DataFrame, panel: PanelSpec) -> list[Line2D]:
     if points.empty:
         return []
     x, y = points.columns[3], points.columns[4]
-    ax.set_xlim(widened(ax.get_xlim(), points[x].to_numpy(float), log=ax.get_xscale() == "log"))
-    if not (panel.fixed and panel.shows):  # an enlarged view stays one
+    if panel.fixed and panel.shows:  # an enlarged view stays one
+        points = points[points[x].between(*ax.get_xlim())]
+    else:
+        ax.set_xlim(widened(ax.get_xlim(), points[x].to_numpy(float), log=ax.get_xscale() == "log"))
         heights = points[[y, "y_low", "y_high"]].to_numpy(float)
         ax.set_ylim(widened(ax.get_ylim(), heights, log=ax.get_yscale() == "log"))
     entries = []

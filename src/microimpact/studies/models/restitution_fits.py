@@ -65,11 +65,11 @@ class Params:
 
 
 def run(params: Params, inputs: Tables) -> Tables:
-    """Simulate and fit every case, and fit digitised points of a series that is named as a case.
+    """Simulate and fit every case, and fit the user's points of a series that is named as a case.
 
     ``fig15``, ``fig16``: e against speed in m/s, the simulation, its fit with q free, and the
     printed capture velocity. ``restitution_fits``: per case the fits with q free and fixed, those
-    of digitised points last; where these cannot be fitted, ``note`` says why.
+    of these points last; where these cannot be fitted, ``note`` says why.
     """
     frames: dict[str, list[pd.DataFrame]] = {"fig15": [], "fig16": []}
     rows: list[dict[str, object]] = []
@@ -110,7 +110,7 @@ def run(params: Params, inputs: Tables) -> Tables:
 def _digitised_fits(
     case: FittedCase, params: Params, points: pd.DataFrame | None, limit: float
 ) -> tuple[list[dict[str, object]], list[pd.DataFrame]]:
-    """Rows of the fits to digitised points of a case, and the curve of that with q free."""
+    """Rows of the fits to the user's points of a case, and the curve of that with q free."""
     if points is None:
         return [], []
     names = [points_series(evidence, case.case) for evidence in POINTS]
@@ -136,7 +136,7 @@ def _digitised_fits(
 def _fitted_curve(case: FittedCase, fit: RestitutionFit, points: int) -> pd.DataFrame:
     start = DRAWN_FROM * max(fit.v_c, 0.5 * float(fit.v.min()))
     speed = np.union1d(np.geomspace(start, fit.v.max(), points), [max(start, fit.v_c)])
-    series = f"{case.case}, fit of digitised points"
+    series = f"{case.case}, fit of points"
     return _frame(series, speed, fit.curve(speed))
 
 
