@@ -2,6 +2,10 @@
 
     python -m tests.dead_inputs [RESULTS] [--processes N] [--only TEXT] [--output FILE]
 
+All 5,400 values take about five hours of one processor: two seconds for a value of a figure, which
+half of them are, and from one to fifteen for the others, most for those of the campaign. ``--only``
+takes the values whose key holds a text.
+
 A value is dead if every study, ledger and figure rests on the same parameters after the change, or
 if those that do not give the same tables, to the last bit. The values are those of the
 configuration with the small settings merged, the numbers of the declared tables, and those of the
@@ -658,7 +662,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     sys.stdout.write(text)
     if given.output:
         given.output.write_text(text, encoding="utf-8")
-    meant = {p: r for p, r in exceptions().items() if not given.only or given.only in p}
+    meant = {
+        pattern: reason
+        for pattern, reason in exceptions().items()
+        if not given.only or any(fits(pattern, one.key) for one in found)
+    }
     lines = faults(found, meant)
     sys.stderr.write("".join(f"{line}\n" for line in lines))
     return bool(lines)

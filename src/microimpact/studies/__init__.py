@@ -5,8 +5,9 @@ parts are its own, that is directly in one of the folders here, and defines a fr
 ``Params`` and a pure function ``run(params, inputs)`` that returns its tables by name. If it takes
 tables of earlier studies, ``NEEDS`` names them by the study that makes them. They are among the
 inputs by their names, and so are declared rows: ``materials`` and ``contacts`` of what the
-parameters name, and as ``anchors`` the printed values. Studies are found by name; nothing is
-registered here.
+parameters name, and as ``anchors`` the printed values. If its parameters must agree with those of
+another study, ``disagreements(params, others)`` yields a line for each that does not, which is told
+before anything is made. Studies are found by name; nothing is registered here.
 """
 
 from __future__ import annotations
