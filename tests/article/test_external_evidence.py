@@ -104,6 +104,12 @@ class TestObliqueData:
         place = ("tangential_restitution", "sliding", "rigid")
         assert rows.loc[place, "rms"] > 3 * rms.loc[place, "rms"]
 
+    def test_the_printed_angle_vanishes_for_another_pair(self, run_study, shipped_calibration):
+        calibration = {"calibration": shipped_calibration["calibration"]}
+        another = {"microspheres": {"case": "ammonium-fluorescein-mica", "speed_m_per_s": 20.0}}
+        made = run_study("oblique_data", calibration, **another)["contact_point"]
+        assert "printed" not in set(made["evidence"])
+
     def test_the_figure_shows_data_and_laws(self, tables, draw, legend_texts):
         figure = draw("oblique_rebounds", tables)
         words = " ".join(legend_texts(figure))

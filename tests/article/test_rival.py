@@ -12,12 +12,17 @@ HEIGHT = 1e-3
 
 
 @pytest.fixture(scope="module")
-def tables(run_study, calibration):
+def inputs(run_study, calibration):
     speeds = [0.13, 0.2, 0.3, 0.5, 0.8, 1.2, 2.0]
     piles = run_study(
         "pile_up", calibration, spheres=300, radii_mm=[5.0], slopes_deg=[2.0], speeds_m_per_s=speeds
     )
-    return run_study("rival_explanations", {**calibration, **piles})
+    return {**calibration, **piles}
+
+
+@pytest.fixture(scope="module")
+def tables(run_study, inputs):
+    return run_study("rival_explanations", inputs)
 
 
 @pytest.mark.parametrize(
@@ -78,3 +83,11 @@ def test_the_figure_is_drawn(tables, draw):
     figure = draw("rival_restitution", tables)
     labels = [text.get_text() for ax in figure.axes for text in ax.get_legend().get_texts()]
     assert any("probe" in label for label in labels)
+
+
+def test_printed_marks_vanish_for_another_pair(run_study, inputs, tables, draw):
+    assert "printed" in set(tables["rival_restitution"]["evidence"])
+    another = {"cases": ["ammonium-fluorescein-mica"], "speeds_m_per_s": [0.005, 2.0]}
+    other = run_study("rival_explanations", inputs, **another)
+    assert "printed" not in set(other["rival_restitution"]["evidence"])
+    assert not draw("rival_restitution", other).axes[0].texts

@@ -28,7 +28,7 @@ from microimpact.declared.parameters import (
     NonNegative,
     Positive,
 )
-from microimpact.lab.contacts import calibrated_contact
+from microimpact.lab.contacts import PrintedPair, calibrated_contact
 from microimpact.model.calibration import hertz_damping_for
 from microimpact.model.choices import TANGENTIAL_LAWS
 from microimpact.model.contact import Contact
@@ -58,6 +58,7 @@ class Microspheres:
     speed_m_per_s: Positive
     transition_deg: AngleDegrees
     transition_within_deg: NonNegative
+    printed_for: PrintedPair  # Another pair has no mark in the figure
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,6 +102,8 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     points = inputs["external"]
     compared = comparison(points, contact, params.speed_m_per_s)
     figures = [*curves(params, contact, small), *marks(compared, params, contact)]
+    if own.printed_for.is_of(inputs, own.case):
+        figures.append(printed_mark(own))
     shown = [f for f in figures if f["panel"].iloc[0] != "contact point"]
     slips = [f[f["x_1"] <= params.largest_slip] for f in figures if "x_1" in f]
     figures = [f for f in (*shown, *slips) if len(f)]
@@ -236,7 +239,7 @@ def curves(params: Params, contact: Contact, small: Contact) -> list[pd.DataFram
 
 
 def marks(compared: pd.DataFrame, params: Params, contact: Contact) -> list[pd.DataFrame]:
-    """Return the measured points, and the article's angle as a mark with its range."""
+    """Return the measured points."""
     frames = []
     for (quantity, reading), part in compared.groupby(["quantity", "reading"], sort=False):
         series = points_series("measured", f"Kharaz et al. 2001, reading {reading}")
@@ -249,9 +252,14 @@ def marks(compared: pd.DataFrame, params: Params, contact: Contact) -> list[pd.D
             place = relative_slip(params.friction, e, angle)
             turned = SLIP_PER_IMPULSE * (1.0 - y) - 1.0
             frames.append(_frame("contact point", series, place, turned, evidence="measured"))
-    low, middle, high = transition(params.microspheres)
+    return frames
+
+
+def printed_mark(own: Microspheres) -> pd.DataFrame:
+    """Return the article's angle as a mark with its range."""
+    low, middle, high = transition(own)
     mark = {"evidence": "printed", "y_low": low, "y_high": high}
-    return [*frames, _frame("contact point", "article", 1.0 / (1.0 + middle), middle, **mark)]
+    return _frame("contact point", "article", 1.0 / (1.0 + middle), middle, **mark)
 
 
 def transition(own: Microspheres) -> FloatArray:

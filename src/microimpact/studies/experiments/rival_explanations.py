@@ -22,7 +22,7 @@ from microimpact.declared.parameters import (
     Positive,
     PrintedName,
 )
-from microimpact.lab.contacts import calibrated_contact
+from microimpact.lab.contacts import PrintedPair, calibrated_contact
 from microimpact.model.closed_forms import jkr_sticking_velocity
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
@@ -71,6 +71,7 @@ class Params:
     # Of steel on silicon: as printed, and much lower.
     capture_velocities_m_per_s: tuple[Positive, Positive]
     anchors: tuple[PrintedName, ...]
+    printed_for: PrintedPair  # Another pair has no printed marks
 
 
 # What is asked of piles, and where the study of piles has all that it computes.
@@ -125,8 +126,9 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     """
     contacts = {case: calibrated_contact(inputs, case) for case in params.cases}
     printed = Printed(inputs["anchors"])
+    own = all(params.printed_for.is_of(inputs, case) for case in params.cases)
     return {
-        "rival_restitution": figure_data(params, contacts, printed),
+        "rival_restitution": figure_data(params, contacts, printed if own else None),
         "rival_explanations": pd.DataFrame(observations(params, contacts, printed)),
         "capture_evidence": pd.DataFrame(evidence(params, contacts, inputs, printed)),
     }
@@ -144,7 +146,9 @@ def uncorrected(speed: Real, restitution: Real, height: float) -> tuple[FloatArr
     return before, after / before
 
 
-def figure_data(params: Params, contacts: Mapping[str, Contact], printed: Printed) -> pd.DataFrame:
+def figure_data(
+    params: Params, contacts: Mapping[str, Contact], printed: Printed | None
+) -> pd.DataFrame:
     """Return restitution against the incident speed by both explanations, and what is printed."""
     speed = np.geomspace(*params.speeds_m_per_s, params.points)
     frames = []
@@ -158,12 +162,13 @@ def figure_data(params: Params, contacts: Mapping[str, Contact], printed: Printe
     before, e = uncorrected(speed, params.restitution, params.probe_height_mm * 1e-3)
     seen = np.isfinite(e)
     frames.append(_frame(series=RIVAL, evidence="computed", x=before[seen], y=e[seen]))
-    plateau, piles = params.anchors
-    ends = [printed.value(plateau), params.seen_from_m_per_s]
-    level = [params.restitution] * 2
-    frames.append(_frame(series="printed plateau", evidence="printed", x=ends, y=level))
-    band = printed.ends(piles)
-    frames.append(_frame(series="printed pile-up", evidence="printed", x=band, y=[0.0] * 2))
+    if printed is not None:
+        plateau, piles = params.anchors
+        ends = [printed.value(plateau), params.seen_from_m_per_s]
+        level = [params.restitution] * 2
+        frames.append(_frame(series="printed plateau", evidence="printed", x=ends, y=level))
+        band = printed.ends(piles)
+        frames.append(_frame(series="printed pile-up", evidence="printed", x=band, y=[0.0] * 2))
     return pd.concat(frames, ignore_index=True)
 
 
