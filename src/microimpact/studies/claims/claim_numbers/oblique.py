@@ -21,14 +21,12 @@ from microimpact.statistics.distributions import generator
 from microimpact.studies.claims.claim_numbers.claim import VIRTUAL, claim
 from microimpact.studies.claims.claim_numbers.context import Context, Estimate, of_share
 from microimpact.studies.experiments.mechanisms.impulse_regions import regions
-from microimpact.studies.experiments.mechanisms.spin import rolling_limit
+from microimpact.studies.experiments.mechanisms.spin import HALVINGS, rolling_limit
 
 # Speeds in m/s between which that of capture is sought: none below, all above.
 SLOWEST, FASTEST = 1e-3, 1e2
 # Steps in which ranges of angles are walked, degrees.
 COARSE, FINE = 1.0, 0.01
-# Halvings of a search that are simulated together: the impacts of as many fill the lanes at once.
-HALVINGS = 5
 # Curves of rebounds begin so much above the normal speed of capture.
 ABOVE_CAPTURE = 1e-6
 # Greatest spread of spins, r omega/v, that is tried.

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from microimpact.core.arrays import BoolArray, Real
 from microimpact.core.solve import root, threshold
 from microimpact.core.tables import Tables
 from microimpact.declared.parameters import AngleDegrees, CaseName, Finite, NonNegative, Positive
@@ -29,6 +30,8 @@ from microimpact.model.dynamics.impact import simulate
 from microimpact.model.rigid_body.algebra import INERTIA
 from microimpact.statistics.distributions import mean
 
+# Halvings of a search that are simulated together: so many impacts fill the lanes of the kernel.
+HALVINGS = 5
 # Spin sought, as a share of the speed, and range of angles in which a limit of rolling is sought.
 LARGEST_SPIN = 3.0
 LIMIT_RANGE = (35.0, 89.0)
@@ -158,15 +161,17 @@ def rolling_limit(contact: Contact, speed: float, spin: float) -> float:
     Speed is in m/s, spin is r omega/v.
     """
 
-    def rolls(angle: float) -> bool:
+    def rolls(angle: Real) -> BoolArray:
         impact = simulate(contact, speed, angle, spin * speed / contact.radius)
         # One that stays rolls, too, at angles below those at which others slide.
-        return bool(impact.rolling & ~impact.captured)
+        return impact.rolling & ~impact.captured
 
     shallow, steep = LIMIT_RANGE
     if rolls(shallow):
         return shallow
-    return threshold(rolls, shallow, steep, absolute=1e-6) if rolls(steep) else steep
+    if not rolls(steep):
+        return steep
+    return threshold(rolls, shallow, steep, absolute=1e-6, ahead=HALVINGS)
 
 
 def bias_row(
