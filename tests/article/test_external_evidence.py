@@ -110,6 +110,16 @@ class TestObliqueData:
         made = run_study("oblique_data", calibration, **another)["contact_point"]
         assert "printed" not in set(made["evidence"])
 
+    def test_where_no_impact_slides_nothing_is_said_of_the_transition(
+        self, run_study, shipped_calibration
+    ):
+        calibration = {"calibration": shipped_calibration["calibration"]}
+        another = {"microspheres": {"case": "ammonium-fluorescein-mica", "speed_m_per_s": 1.66}}
+        rows = run_study("oblique_data", calibration, **another)["tangential_bounds"]
+        own = rows[rows["spheres"].str.startswith("ammonium-fluorescein-mica, rigid")]
+        assert set(own["quantity"]) == {"greatest"}
+        assert own["value"].notna().all()
+
     def test_the_figure_shows_data_and_laws(self, tables, draw, legend_texts):
         figure = draw("oblique_rebounds", tables)
         words = " ".join(legend_texts(figure))

@@ -299,9 +299,9 @@ def bounds(
         for law in TANGENTIAL_LAWS:
             impact = simulate(which, speed, angle, tangential=law)
             turned = contact_point(impact, which, speed, angle)
-            slides = np.flatnonzero(~impact.rolling)[-1]
-            top = int(np.argmax(turned))
-            for quantity, i in (("at the transition", slides), ("greatest", top)):
+            # None slides where friction is high or all are captured: then nothing is said of it.
+            places = [("at the transition", i) for i in np.flatnonzero(~impact.rolling)[-1:]]
+            for quantity, i in [*places, ("greatest", int(np.argmax(turned)))]:
                 row = {"spheres": f"{name}, {law}", "quantity": quantity}
                 row |= {"angle_deg": angle[i], "value": turned[i], "evidence": "computed"}
                 rows.append(row)
