@@ -80,7 +80,10 @@ def outcomes(shape: tuple[int, ...]) -> tuple[FloatArray, BoolArray]:
 
 
 _jit_inline = jit(inline="always")
-_jit = jit(fastmath={"contract"})
+_jit = jit()
+# Sums of polynomials are faster so. How a compiler contracts depends on what it compiled
+# before, and with it the last bit: passes that ask no table go without.
+_jit_contract = jit(fastmath={"contract"})
 
 
 @_jit_inline
@@ -137,7 +140,7 @@ def _fits(coefficients):  # type: ignore[no-untyped-def]
     return coefficients.shape[2] == WIDTH and coefficients.shape[3] == DEGREE + 1
 
 
-@_jit
+@_jit_contract
 def look_up(w, place, law, out, start):  # type: ignore[no-untyped-def]
     """Write the quantities at w (n,) and place (n,) or (1,) into ``out`` from a column on."""
     if not _fits(law[1]):
@@ -158,7 +161,7 @@ def _restitution(w, place, law):  # type: ignore[no-untyped-def]
     return 0.0 if captured and abs(place) <= 1.0 else found
 
 
-@_jit
+@_jit_contract
 def restitution(w, place, law, out):  # type: ignore[no-untyped-def]
     """Write e at w (n,) and place (n,) or (1,)."""
     if not _fits(law[1]):
@@ -216,7 +219,7 @@ def planar(v_n, v_t, spin, radius, e, change, out):  # type: ignore[no-untyped-d
         _planar(i, slow, along, turn, _of(radius, i), _of(e, i), _of(change, i), out)
 
 
-@_jit
+@_jit_contract
 def tabulated(  # type: ignore[no-untyped-def]
     which, given, law, speed, angle, spin, contacts, support, out, told
 ):
@@ -436,7 +439,7 @@ def _facet(values, contact, i):  # type: ignore[no-untyped-def]
     return values[contact, i if values.shape[1] > 1 else 0]
 
 
-@_jit
+@_jit_contract
 def events(  # type: ignore[no-untyped-def]
     which, known, drawn, along, across, slopes, guide, rules, law, size, sums, asked
 ):
