@@ -81,5 +81,5 @@ def test_drawn(draw, tables, legend_texts):
 def test_axes_grow_with_a_changed_configuration(draw, run_study):
     figure = draw("fig17", run_study("coulomb_friction", friction=[0.5]))
     low, high = figure.axes[0].get_ylim()
-    assert low == -0.15
+    assert low == -0.2
     assert high > 0.5

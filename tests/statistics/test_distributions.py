@@ -108,8 +108,8 @@ class Holder:
     [
         ({"kind": "normal", "mean": 1.0, "sd": -1.0}, "diameter_um.sd: -1.0 must be"),
         ({"kind": "normal", "means": 1.0}, "diameter_um.means: unknown key .did you mean 'mean'"),
-        ({"kind": "gauss"}, "diameter_um: .*gauss"),
-        ({"mean": 1.0}, "diameter_um: .*kind"),
+        ({"kind": "gauss"}, r"diameter_um\.kind: .*gauss"),
+        ({"mean": 1.0}, r"diameter_um\.kind: missing"),
         ({"kind": "uniform", "low": 2.0, "high": 1.0}, "diameter_um: low must be below high"),
         ({"kind": "uniform", "low": 2.0}, "diameter_um.high: missing"),
     ],
