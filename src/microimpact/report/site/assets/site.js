@@ -65,7 +65,7 @@
     form.addEventListener("input", update);
     form.addEventListener("submit", (event) => event.preventDefault());
     form.hidden = false;
-    form.querySelector("[autofocus]")?.focus();
+    form.querySelector("[data-focus]")?.focus();
     update();
     // A link to a row shows it, whatever is filtered.
     const reveal = () => {
