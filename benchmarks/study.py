@@ -22,10 +22,10 @@ from pathlib import Path
 
 import yaml
 
+from benchmarks.report import renew
 from microimpact.report.timings import Timing, read_timings
 
 PROJECT = Path(__file__).parents[1]
-BEGIN, END = "<!-- begin: study -->", "<!-- end: study -->"
 # A cheap analysis with one figure: what is left is what any change costs.
 CHANGED, FIGURE = {"restitution_trends": {"body_speed_m_per_s": 25.0}}, "fig14"
 # Jobs by the kind of their work; the first pattern that a job's name contains.
@@ -49,10 +49,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         text = _measured(Path(name), options.cores, options.rounds)
     print(text)
     if options.docs:
-        page = PROJECT / "docs" / "performance.md"
-        before, _, rest = page.read_text(encoding="utf-8").partition(BEGIN)
-        _, _, after = rest.partition(END)
-        page.write_text(f"{before}{BEGIN}\n\n{text}\n\n{END}{after}", encoding="utf-8")
+        renew(PROJECT / "docs" / "performance.md", "study", text)
 
 
 def _measured(folder: Path, cores: int, rounds: int) -> str:

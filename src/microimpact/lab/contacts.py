@@ -61,6 +61,10 @@ def printed_values(
     return values if own == theirs and of.is_of(inputs, case) else values.iloc[:0]
 
 
+# Lower end, middle and upper end of what is told or drawn of admissible contacts.
+BAND = (0.05, 0.5, 0.95)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Admissible:
     """Which of the contacts that printed statements admit are shown beside a case."""

@@ -13,6 +13,7 @@ from pydantic import Field
 from microimpact.core.tables import Tables, result_evidence, series_frame
 from microimpact.declared.parameters import AngleDegrees, CaseName, Name, Positive, PrintedName
 from microimpact.lab.contacts import (
+    BAND,
     Admissible,
     PrintedImpact,
     admissible_beside,
@@ -36,8 +37,8 @@ NEEDS = {
     "calibration": ("calibration",),
     "admissible_contacts": ("admissible_contacts",),
 }
-# What lies between the ends of the band, and its points in time.
-BAND, INSTANTS = (0.05, 0.5, 0.95), 200
+# Points in time of the band.
+INSTANTS = 200
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -20,6 +20,7 @@ from microimpact.declared.parameters import (
     PrintedName,
 )
 from microimpact.lab.contacts import (
+    BAND,
     Admissible,
     PrintedImpact,
     admissible_beside,
@@ -37,9 +38,8 @@ NEEDS = {
     "calibration": ("calibration",),
     "admissible_contacts": ("admissible_contacts",),
 }
-# What lies between the ends of a band, the share that must rebound where it is drawn, and the
-# step in which it takes the angles.
-BAND, REBOUNDING, STEP = (0.05, 0.5, 0.95), 0.5, 4
+# The share that must rebound where a band is drawn, and the step in which it takes the angles.
+REBOUNDING, STEP = 0.5, 4
 
 _frame = partial(series_frame, x_unit="deg", y_unit="1")
 
@@ -63,9 +63,10 @@ def run(params: Params, inputs: Tables) -> Tables:
     """Return the data of Figs. 18 and 21.
 
     ``fig18``: impulse ratio against the angle in degrees; panel ``adhesion`` compares the rigid
-    body with the simulation, panel ``basis`` the forces that may support friction. ``fig21``:
-    energy loss, total and translational. Captured impacts are left out. The series ``admissible``
-    is the band of the contacts that printed statements admit, if they are of the pair.
+    body with the simulation, panel ``basis`` the normal forces that Coulomb's law may take.
+    ``fig21``: energy loss, total and translational. Captured impacts are left out. The series
+    ``admissible`` is the band of the contacts that printed statements admit, if they are of the
+    pair.
     """
     changes = {"diameter": params.diameter_um * 1e-6, "friction": params.friction}
     contact = calibrated_contact(inputs, params.case, **changes)

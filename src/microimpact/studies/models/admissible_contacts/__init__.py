@@ -23,7 +23,7 @@ from pydantic import Field
 from microimpact.core import ensemble
 from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.declared.parameters import Count, Keyed, Seed
-from microimpact.lab.contacts import calibrated_contact
+from microimpact.lab.contacts import BAND, calibrated_contact
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
@@ -45,8 +45,6 @@ from microimpact.studies.models.admissible_contacts.statements import Within
 
 NEEDS = {"calibration": ("calibration",)}
 
-# Lower end, middle and upper end of what is told of a distribution.
-QUANTILES = (0.05, 0.5, 0.95)
 COLUMNS = ("low", "median", "high")
 # Columns that are told.
 TOLD = (*FIELDS, "restitution", "adhesion_share", "contact_time_ns", "pull_off_uN")
@@ -179,7 +177,7 @@ def summary(
     numbers = {name: draws[name].to_numpy(float) for name in TOLD} | sizes
     names = {"case": case.case, "estimate": variant.variant}
     rows: list[dict[str, object]] = [
-        names | {"quantity": name} | dict(zip(COLUMNS, np.quantile(value, QUANTILES), strict=True))
+        names | {"quantity": name} | dict(zip(COLUMNS, np.quantile(value, BAND), strict=True))
         for name, value in numbers.items()
     ]
     for axis, kinds in (("diameter_um", case.classes_um), ("friction_basis", case.friction_bases)):
@@ -230,7 +228,7 @@ def told(found: Posterior, variant: Variant, chosen: Chosen) -> list[dict[str, o
             low, high = one.interval
             row |= {"quantity": one.quantity, "interval_low": low, "interval_high": high}
             row |= {"tail": one.tail, "share_inside": np.mean((low <= value) & (value <= high))}
-        row |= dict(zip(COLUMNS, np.quantile(value, QUANTILES), strict=True))
+        row |= dict(zip(COLUMNS, np.quantile(value, BAND), strict=True))
         row["log_likelihood"] = np.median(one.log_likelihood(value))
         rows.append(row | left_out(found, variant, one.statement))
     return rows
@@ -246,6 +244,6 @@ def left_out(found: Posterior, variant: Variant, statement: str) -> dict[str, fl
     limits = found.limits[:, found.case.classes_um.index(found.case.diameter_um)]
     order = np.argsort(limits)
     share = np.cumsum(weights[order]) / np.sum(weights)
-    ends = np.interp(QUANTILES, share, limits[order])
+    ends = np.interp(BAND, share, limits[order])
     told_of = {f"v_c_left_out_{n}_m_per_s": v for n, v in zip(COLUMNS, ends, strict=True)}
     return told_of | {"effective_size_left_out": ensemble.effective_number(weights)}

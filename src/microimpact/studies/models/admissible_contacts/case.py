@@ -87,7 +87,7 @@ class Case:
     ranges: Ranges  # Of the open parameters
     # Diameters where a statement gives none.
     classes_um: Annotated[tuple[Positive, ...], Field(min_length=2)]
-    # Forces that may support friction.
+    # Normal forces that Coulomb's law may take.
     friction_bases: Annotated[tuple[FrictionBasis, ...], Field(min_length=1)]
     shown_m_per_s: tuple[Positive, Positive]  # Normal speeds of the figures
     compared: tuple[CaseName, ...]  # Cases of the two-stage calibration to be compared with

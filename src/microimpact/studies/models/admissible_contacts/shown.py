@@ -10,13 +10,11 @@ import pandas as pd
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import series_frame
-from microimpact.lab.contacts import admissible_contact, calibrated_contact
+from microimpact.lab.contacts import BAND, admissible_contact, calibrated_contact
 from microimpact.model.contact import resized
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.studies.models.admissible_contacts.case import Case, Variant
 
-# What lies between the ends of a band.
-BAND = (0.05, 0.95)
 # Densities are shown this factor beyond the outermost draws.
 BESIDE = 1.2
 # Series of other things than a variant.
@@ -87,7 +85,7 @@ def bands(
             admissible_contact(inputs, case.case, variant.variant), case.diameter_um * 1e-6
         )
         e = normal_impact(contact, speeds[:, None]).coefficient_of_restitution
-        low, high = np.quantile(e, BAND, axis=1)
+        low, high = np.quantile(e, BAND[::2], axis=1)
         table = inputs["admissible_contacts"]
         rows = table[(table["case"] == case.case) & (table["variant"] == variant.variant)]
         single = e[:, int(np.argmax(rows["most_central"]))]
