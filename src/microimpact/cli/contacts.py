@@ -389,10 +389,7 @@ def contact_of(
 ) -> Asked:
     """Return the contact that the options make.
 
-    Raises
-    ------
-    ValueError
-        If they do not suffice, or contradict each other.
+    Raises ValueError if they do not suffice, or contradict each other.
     """
     from microimpact.model.pairs import IncompletePairError, pair_contact
 

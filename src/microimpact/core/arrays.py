@@ -82,23 +82,10 @@ NON_NEGATIVE = Range(lower=0.0, lower_closed=True)
 def checked(name: str, value: object, allowed: Range = FINITE) -> Real:
     """Return ``value`` as a float or a read-only float array.
 
-    Parameters
-    ----------
-    name
-        Name of the argument, for the error message.
-    value
-        A real number or an array of them, any shape; a quantity with a unit, as of pint, is
-        converted.
-    allowed
-        The admissible range.
-
-    Raises
-    ------
-    TypeError
-        If ``value`` does not hold real numbers (text, booleans, None, complex), or its unit does
-        not measure what the name says.
-    ValueError
-        If a number is masked, not finite or not in range.
+    `value`: a real number or an array of them, any shape; a quantity with a unit, as of pint, is
+    converted. Raises TypeError, naming the argument, if it does not hold real numbers (text,
+    booleans, None, complex), or its unit does not measure what the name says; ValueError if a
+    number is masked, not finite or not in range.
     """
     if type(value) is float and math.isfinite(value) and allowed.contains(value):
         return value  # most often, and unchanged
@@ -166,10 +153,7 @@ def _finite(allowed: Range) -> str:
 def common_shape(named: Mapping[str, object]) -> tuple[int, ...]:
     """Return the broadcast shape of named numbers or arrays.
 
-    Raises
-    ------
-    ValueError
-        If the shapes do not broadcast; the message gives each name with its shape.
+    Raises ValueError if the shapes do not broadcast; the message gives each name with its shape.
     """
     shapes = {
         name: np.shape(value)  # type: ignore[call-overload]
@@ -186,12 +170,7 @@ def common_shape(named: Mapping[str, object]) -> tuple[int, ...]:
 def choice(name: str, value: object, allowed: tuple[str, ...]) -> str:
     """Return ``value`` if it is one of ``allowed``.
 
-    Raises
-    ------
-    TypeError
-        If it is not text.
-    ValueError
-        If it is another text.
+    Raises TypeError if it is not text, ValueError if it is another one.
     """
     if not isinstance(value, str):
         raise TypeError(f"{name} must be one of {', '.join(map(repr, allowed))}, got {value!r}")

@@ -77,27 +77,12 @@ def draw(
 ) -> Draws:
     """Draw from a density that is zero outside of a box.
 
-    Parameters
-    ----------
-    log_density
-        Takes points (n, axes) inside the box, returns their logarithms (n,), -inf for none.
-    low, high
-        Ends of the box (axes,).
-    draws
-        How many points are wanted, without repetition.
-    spread
-        Binary logarithm of the number of points among which the walkers find their starts.
-    walkers, steps
-        Of each ensemble; the first third of the steps is not kept.
-    seed
-        Of all random numbers.
-
-    Raises
-    ------
-    NoDensityError
-        If fewer of the points spread have a density than there are walkers.
-    ValueError
-        If more draws are wanted than points are kept.
+    `log_density`: takes points (n, axes) inside the box, returns their logarithms (n,), -inf for
+    none; `low`, `high`: ends of the box (axes,); `draws`: how many points are wanted, without
+    repetition; `spread`: binary logarithm of the number of points among which the walkers find
+    their starts; `walkers`, `steps`: of each ensemble; the first third of the steps is not kept;
+    `seed`: of all random numbers. Raises NoDensityError if fewer of the points spread have a
+    density than there are walkers. Raises ValueError if more draws are wanted than points are kept.
     """
     import emcee
 

@@ -65,30 +65,12 @@ def series_frame(
 ) -> pd.DataFrame:
     """Return one series of a figure in the tidy form of the figure data.
 
-    A study whose figures share their units takes them with `functools.partial`.
-
-    Parameters
-    ----------
-    panel, series
-        Where the series is drawn and what it is called in the legend.
-    x, y
-        Coordinates, which broadcast to shape (n,).
-    evidence
-        One of `RESULT_EVIDENCE`.
-    y_low, y_high
-        Ends of the interval around y, if there is one.
-    x_unit, y_unit
-        Units as in column names: ``deg``, ``m_per_s``, ``1`` for a pure number.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Columns as named by `figure_columns`, n rows.
-
-    Raises
-    ------
-    ValueError
-        If the evidence is not one of the known classes.
+    A study whose figures share their units takes them with `functools.partial`. `panel`, `series`:
+    where the series is drawn and what it is called in the legend; `x`, `y`: coordinates, which
+    broadcast to shape (n,); `y_low`, `y_high`: ends of the interval around y, if there is one;
+    `x_unit`, `y_unit`: as in column names: ``deg``, ``m_per_s``, ``1`` for a pure number. The
+    columns are those of `figure_columns`. Raises ValueError if the evidence is not one of
+    `RESULT_EVIDENCE`.
     """
     import pandas as pd
 
@@ -124,18 +106,9 @@ def write_table(table: pd.DataFrame, path: Path | str) -> None:
 def read_table(path: Path | str, columns: Sequence[str] | None = None) -> pd.DataFrame:
     """Read a CSV table; empty fields are missing values, all else is taken unchanged.
 
-    Parameters
-    ----------
-    path
-        The file.
-    columns
-        The header it must have, in this order; any header if not given.
-
-    Raises
-    ------
-    TableError
-        Naming the file and the missing, misnamed or unexpected columns, or the line that is cut
-        or has too many fields; also for a file that is no text.
+    `columns`: the header it must have, in this order. Raises TableError, naming the file and the
+    missing, misnamed or unexpected columns, or the line that is cut or has too many fields; also
+    for a file that is no text.
     """
     try:
         text = Path(path).read_text(encoding="utf-8")
@@ -151,10 +124,7 @@ def read_table(path: Path | str, columns: Sequence[str] | None = None) -> pd.Dat
 def read_figure_data(path: Path | str, x_unit: str, y_unit: str) -> pd.DataFrame:
     """Read the data of a figure in the given units.
 
-    Raises
-    ------
-    TableError
-        As for `read_table`, and naming the row where x or y is missing or no number.
+    Raises TableError as for `read_table`, and naming the row where x or y is missing or no number.
     """
     import pandas as pd
 

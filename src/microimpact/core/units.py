@@ -15,10 +15,7 @@ NUMBER = {"-": 1.0}
 def si_factor(unit: str, allowed: dict[str, float], where: str) -> float:
     """Return the factor that turns ``unit`` into SI.
 
-    Raises
-    ------
-    ValueError
-        If the unit is not one of ``allowed``; the message begins with ``where``.
+    Raises ValueError if the unit is not one of ``allowed``; the message begins with ``where``.
     """
     if unit not in allowed:
         raise ValueError(f"{where}: unit {unit!r} must be one of {', '.join(allowed)}")

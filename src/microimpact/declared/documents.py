@@ -71,11 +71,8 @@ def _is_shallow(text: str) -> bool:
 def load(path: Path | str) -> dict[str, Any]:
     """Read a YAML file that holds a mapping.
 
-    Raises
-    ------
-    ConfigError
-        In one line, if the file is not UTF-8, not YAML, repeats a key, holds something else than
-        a mapping, or grows without end where its aliases are written out.
+    Raises ConfigError, in one line, if the file is not UTF-8, not YAML, repeats a key, holds
+    something else than a mapping, or grows without end where its aliases are written out.
     """
     try:
         content = _read(Path(path).read_text(encoding="utf-8-sig"))

@@ -240,25 +240,9 @@ def nested(kind: type) -> frozenset[type]:
 def build(kind: type[T], values: Mapping[str, Any], known: Known | None = None) -> T:
     """Build a parameter dataclass from plain values.
 
-    Parameters
-    ----------
-    kind
-        The dataclass to build.
-    values
-        Its fields as plain values: numbers, strings, lists, nested mappings.
-    known
-        What can be named; without it names are not checked.
-
-    Returns
-    -------
-    object
-        An instance of `kind`; lists have become tuples.
-
-    Raises
-    ------
-    pydantic.ValidationError
-        If a key is unknown or missing or a value is not admissible
-        (see `explain` for readable lines).
+    `values`: numbers, strings, lists, which become tuples, and nested mappings; `known`: what can
+    be named; without it names are not checked. Raises pydantic.ValidationError if a key is unknown
+    or missing or a value is not admissible (see `explain` for readable lines).
     """
     # JSON is the strict mode in which lists may become tuples and mappings dataclasses.
     text = json.dumps(values, default=str)
@@ -271,16 +255,8 @@ def explain(
 ) -> list[str]:
     """Describe a failed `build` in one line per offending key.
 
-    Parameters
-    ----------
-    error
-        What `build` raised.
-    kind
-        The dataclass that was to be built.
-    key
-        Dotted key of the mapping in its file, put before every line.
-    aliases
-        Where something stands in the files, by its dotted key here.
+    `key`: dotted key of the mapping in its file, put before every line; `aliases`: where something
+    stands in the files, by its dotted key here.
     """
     return [_line(item, kind, key, aliases or {}) for item in error.errors(include_url=False)]
 

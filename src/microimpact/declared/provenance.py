@@ -120,15 +120,8 @@ def problems(node: Mapping[str, object], place: str | None) -> Iterator[str]:
 def given(node: Any, base: object, place: str) -> Declared:
     """Return a well-formed declaration, or a bare value, with its provenance.
 
-    Parameters
-    ----------
-    node
-        Its node of the configuration.
-    base
-        The same node as shipped. A value that differs from it while evidence and source were left
-        as they stood belongs to the user, and so does a bare number.
-    place
-        Dotted key of both.
+    `base`: the same node as shipped. A value that differs from it while evidence and source were
+    left as they stood belongs to the user, and so does a bare number. `place`: dotted key of both.
     """
     value, before = plain(node), plain(base)
     if is_declaration(node) and "evidence" in node:

@@ -96,25 +96,12 @@ class Resolver:
     def resolved(self, kind: Any, key: str) -> Any:
         """Return what stands under a top-level key as plain values, with all that it names.
 
-        Parameters
-        ----------
-        kind
-            Type of the parameter; it tells which fields a reference is to give.
-        key
-            Top-level key.
+        Its type tells which fields a reference is to give.
         """
         return self._value(shape(kind), self._nodes.get(key), key)
 
     def declare(self, section: str, names: Mapping[str, Any]) -> None:
-        """Add a section from elsewhere, to which it refers by its own name.
-
-        Parameters
-        ----------
-        section
-            Its name.
-        names
-            What it holds: values as `Declared`, or mappings of them.
-        """
+        """Add a section from elsewhere, to which it refers by its own name."""
         self._nodes[section] = dict(names)
         self._elsewhere.add(section)
 

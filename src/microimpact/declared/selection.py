@@ -79,19 +79,9 @@ def read_declared(
 ) -> DeclaredTable:
     """Read a declared table and check its form.
 
-    Parameters
-    ----------
-    path
-        CSV file.
-    columns
-        The header it must have, in this order.
-    numbers
-        Columns that hold numbers; those of `_OPTIONAL` may be empty, and ``value`` beside a range.
-
-    Raises
-    ------
-    SelectionError
-        One line per problem, with the file, the line and the column.
+    `columns`: the header it must have, in this order; `numbers`: columns that hold numbers; those
+    of `_OPTIONAL` may be empty, and ``value`` beside a range. Raises SelectionError: one line per
+    problem, with the file, the line and the column.
     """
     with Path(path).open(encoding="utf-8-sig", newline="") as file:
         reader = csv.DictReader(file, strict=True)
@@ -188,12 +178,8 @@ class DeclaredTables:
     ) -> dict[str, str]:
         """Return the rows a branch names, by the name that its study uses, as CSV.
 
-        Parameters
-        ----------
-        named
-            Sort and name of what the branch names.
-        bodies
-            Materials of the particle and of the surface of each calibrated case.
+        `named`: sort and name of each; `bodies`: materials of particle and surface of each
+        calibrated case.
         """
         wanted: dict[str, dict[str, None]] = {}
         for sort, name in named:
@@ -236,10 +222,7 @@ class DeclaredTables:
 def read_all(materials: str, contacts: str, printed_values: str, external: str) -> DeclaredTables:
     """Read the declared tables.
 
-    Raises
-    ------
-    SelectionError
-        If one of them is not of the agreed form.
+    Raises SelectionError if one of them is not of the agreed form.
     """
     bounded = ("value", "low", "high")
     return DeclaredTables(

@@ -106,26 +106,9 @@ class Run:
 def write_crate(results: Path, project: Path) -> Path:
     """Describe a finished run as a Workflow Run RO-Crate, in its results folder.
 
-    The same results and the same project give the same bytes.
-
-    Parameters
-    ----------
-    results
-        Results folder of a run: the root of the crate. Its subfolder ``crate`` is written anew.
-    project
-        Root of the project that the run belongs to.
-
-    Returns
-    -------
-    Path
-        The metadata file.
-
-    Raises
-    ------
-    ResultsError
-        If the folder holds no finished run, or the project is not the one that was run.
-    AlteredError
-        If results are not as the run wrote them.
+    The same results and the same project give the same bytes. `results`: the root of the crate; its
+    subfolder ``crate`` is written anew. Raises ResultsError if it holds no finished run, or the
+    project is not the one that was run; AlteredError if results are not as the run wrote them.
     """
     require_results(results)
     require_unaltered(results, _files(results, RESULTS))
@@ -157,10 +140,7 @@ def write_crate(results: Path, project: Path) -> Path:
 def read_run(path: Path) -> Run:
     """Read a run stamp.
 
-    Raises
-    ------
-    ResultsError
-        If it is missing, or naming the key that is not as a stamp has it.
+    Raises ResultsError if it is missing, or naming the key that is not as a stamp has it.
     """
     if not path.is_file():
         raise ResultsError(f"{path}: missing; a run writes it when the last result is there")
@@ -214,13 +194,9 @@ def _require_same_project(run: Run, project: Path, results: Path) -> None:
 def declared_inputs(config: Mapping[str, Any], project: Path) -> list[Path]:
     """Return the declared input files of a run, relative to the project, sorted.
 
-    These are the default configuration and the files that the merged one names at its top level;
-    of a folder, the tables in it.
-
-    Raises
-    ------
-    ResultsError
-        Naming the key whose file is missing or outside of the project.
+    These are the default configuration and the files that the merged one names at its top level; of
+    a folder, the tables in it. Raises ResultsError, naming the key whose file is missing or outside
+    of the project.
     """
     root = project.resolve()
     found: set[Path] = set()

@@ -86,10 +86,7 @@ SECTIONS = tuple(f.name for f in fields(Laboratory))
 def read_configuration(folder: Path | str) -> dict[str, Any]:
     """Read a folder of configuration: general keys, the laboratory, and the analyses by section.
 
-    Raises
-    ------
-    ConfigError
-        In one line, if a file is no proper YAML, or a key stands in two of them.
+    Raises ConfigError, in one line, if a file is no proper YAML, or a key stands in two of them.
     """
     folder, found = Path(folder), dict[str, Any]()
     analyses = sorted((folder / "analyses").glob("*.yaml"))
@@ -106,19 +103,8 @@ def validate(
 ) -> Settings:
     """Check a merged configuration.
 
-    Parameters
-    ----------
-    config
-        The merged configuration, with the provenance of its values.
-    base
-        The configuration as shipped: what differs from it is the user's.
-    only
-        The analyses to look at; all, if none are given.
-
-    Raises
-    ------
-    ConfigError
-        Naming the dotted key of every problem, one line each.
+    `base`: as shipped: what differs from it is the user's; `only`: the analyses to look at; all, if
+    none are given. Raises ConfigError, naming the dotted key of every problem, one line each.
     """
     resolver = Resolver(config, base, SECTIONS)
     known_keys = [*GENERAL, *SECTIONS, *studies.homes()]

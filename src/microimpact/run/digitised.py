@@ -78,23 +78,9 @@ class Digitised:
 def read_folder(folder: str, figures: Mapping[str, FigureSpec]) -> dict[str, Digitised]:
     """Read every file of digitised points in a folder.
 
-    Parameters
-    ----------
-    folder
-        Holds ``figNN.csv`` files; its README and hidden or backup files do not count.
-    figures
-        The figure registry.
-
-    Returns
-    -------
-    dict
-        Points by figure, in the order of the names.
-
-    Raises
-    ------
-    DigitisedError
-        Naming every problem of every file, one line each; also for a file that belongs to no
-        figure, or to a schematic.
+    `folder`: holds ``figNN.csv`` files; its README and hidden or backup files do not count. Raises
+    DigitisedError, naming every problem of every file, one line each; also for a file that belongs
+    to no figure, or to a schematic.
     """
     if not Path(folder).is_dir():
         raise DigitisedError(f"digitised: {folder!r} must be a folder")
@@ -135,19 +121,8 @@ def _figure_of(file: Path, figures: Mapping[str, FigureSpec]) -> FigureSpec:
 def read_points(path: str, spec: FigureSpec) -> Digitised:
     """Read the digitised points of one figure.
 
-    Parameters
-    ----------
-    path
-        CSV file in UTF-8, lines ending in any way.
-    spec
-        Registry entry of the figure.
-
-    Raises
-    ------
-    DigitisedError
-        Naming file, line and column of every problem (of many, the first), one line each.
-    OSError
-        If the file cannot be read.
+    `path`: CSV file in UTF-8, lines ending in any way. Raises DigitisedError, naming file, line and
+    column of every problem (of many, the first), one line each; OSError if the file cannot be read.
     """
     comments, rows = _split(_text(path))
     problems: list[Numbered] = []
@@ -347,11 +322,8 @@ def _wrong_side(x: float, y: float, panel: str, spec: FigureSpec) -> Iterator[st
 def as_rows(points: Mapping[str, Digitised], figures: Iterable[str]) -> dict[str, str]:
     """Return the points of some figures as a study is given declared rows.
 
-    Returns
-    -------
-    dict
-        ``digitised``: CSV text with the columns figure, panel, series, x, y, y_low, y_high;
-        nothing if there are no points.
+    ``digitised``: CSV text with the columns figure, panel, series, x, y, y_low, y_high; nothing if
+    there are no points.
     """
     tables = [points[name].table.assign(figure=name) for name in figures if name in points]
     if not tables:

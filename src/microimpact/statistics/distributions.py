@@ -260,12 +260,7 @@ def mean(distribution: Distribution, nodes: int = 4001) -> float:
 def generator(seed: int, *key: int) -> np.random.Generator:
     """Return the random generator of one part of an analysis.
 
-    Parameters
-    ----------
-    seed
-        Root seed of the analysis.
-    *key
-        Numbers of the part (experiment, chunk, ...): other keys, independent streams.
+    `key`: numbers of the part (experiment, chunk, ...): other keys, independent streams.
     """
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=key))
 
@@ -274,12 +269,8 @@ def child(rng: np.random.Generator, *key: int) -> np.random.Generator:
     """Return the independent generator of one part of what another generator is for.
 
     Nothing is drawn from `rng`; its seed alone matters, so that results do not depend on the order
-    or the grouping of the parts.
-
-    Raises
-    ------
-    TypeError
-        If `rng` was not made from a `numpy.random.SeedSequence` (as `default_rng` does).
+    or the grouping of the parts. Raises TypeError if `rng` was not made from a
+    `numpy.random.SeedSequence` (as `default_rng` does).
     """
     root = rng.bit_generator.seed_seq
     if not isinstance(root, np.random.SeedSequence):

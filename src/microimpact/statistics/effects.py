@@ -134,12 +134,7 @@ class Margins:
 def lenth(found: FloatArray, confidence: float = 0.95) -> Margins:
     """Lenth's margins for the effects of an unreplicated design.
 
-    Parameters
-    ----------
-    found
-        The m effects.
-    confidence
-        Of one effect (margin), and of all together (simultaneous).
+    `confidence`: of one effect (margin), and of all together (simultaneous).
 
     References
     ----------

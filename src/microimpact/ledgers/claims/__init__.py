@@ -71,14 +71,9 @@ class LedgerError(ValueError):
 def judge(tables: Mapping[str, pd.DataFrame], criteria: Path | str) -> pd.DataFrame:
     """Return the verdict on every claim of a file, from tables of numbers.
 
-    Parameters
-    ----------
-    tables
-        ``claim_numbers``, with `NUMBER_COLUMNS`; ``claim_draws`` and ``admissible_contacts``, for
-        the shares; ``external_evidence``; and ``digitised_residuals``, whose series of digitised
-        points have rows after the claims.
-    criteria
-        The file of claims, see `criteria.read_claims` and `digitised.read_digitised`.
+    `tables`: ``claim_numbers``, with `NUMBER_COLUMNS`; ``claim_draws`` and ``admissible_contacts``,
+    for the shares; ``external_evidence``; and ``digitised_residuals``, whose series of digitised
+    points have rows after the claims.
     """
     read = read_claims(criteria)
     drawn = shares(read, tables["claim_draws"], tables["admissible_contacts"])
@@ -96,27 +91,11 @@ def verdicts(
 ) -> pd.DataFrame:
     """Return the verdict on every claim.
 
-    Parameters
-    ----------
-    claims
-        Claims by id, as from `criteria.read_claims`.
-    numbers
-        All numbers of all claims, with `NUMBER_COLUMNS`.
-    drawn
-        Shares of the admissible contacts that meet the criteria. Where there is one, it decides,
-        and the calibrated cases are examples.
-
-    Returns
-    -------
-    pandas.DataFrame
-        One row per claim with `COLUMNS`: the numbers behind the verdict and which criterion of
-        which case failed, or why the claim could not be computed.
-
-    Raises
-    ------
-    LedgerError
-        If a number is missing, not finite, of an unknown claim, case or quantity, or of another
-        unit than declared.
+    A row per claim with `COLUMNS`: the numbers behind the verdict and which criterion of which case
+    failed, or why the claim could not be computed. `drawn`: shares of the admissible contacts that
+    meet the criteria; where there is one, it decides, and the calibrated cases are examples. Raises
+    LedgerError if a number is missing, not finite, of an unknown claim, case or quantity, or of
+    another unit than declared.
     """
     # A column without any text has been read as one of missing numbers.
     names = ("case", "inputs", "problem")
@@ -136,13 +115,8 @@ def verdict(
 ) -> tuple[Finding, list[str]]:
     """Return the verdict on one claim, and which criteria failed, in words.
 
-    Parameters
-    ----------
-    claim
-        The claim.
-    values, errors
-        Numbers by quantity, by case, and standard errors; the only case of a claim without
-        alternatives is ``""``.
+    `values`, `errors`: numbers by quantity, by case, and standard errors; the only case of a claim
+    without alternatives is ``""``.
     """
     positive = claim.positive
     if positive is None:

@@ -255,20 +255,8 @@ def holds(criterion: Criterion, value: float) -> bool:
 
     Boundaries belong to the accepted side, and are those of the decimal numbers as written:
     `within` accepts ``value - tolerance <= x <= value + tolerance``, `at_least` ``x >= value``,
-    `at_most` ``x <= value``, `between` ``low <= x <= high``, and `outside` ``x <= low`` or
-    ``x >= high``.
-
-    Parameters
-    ----------
-    criterion
-        The test and its bounds.
-    value
-        The computed number, in the unit of the quantity.
-
-    Raises
-    ------
-    ValueError
-        If the number is not finite.
+    `at_most` ``x <= value``, `between` ``low <= x <= high``, and `outside` ``x <= low`` or ``x >=
+    high``. Raises ValueError if the number is not finite.
     """
     if not math.isfinite(value):
         raise ValueError(f"{criterion.quantity}: {value} must be a finite number")
@@ -281,17 +269,7 @@ def holds(criterion: Criterion, value: float) -> bool:
 def read_claims(path: Path | str) -> dict[str, Claim]:
     """Read and check a file of claims.
 
-    Returns
-    -------
-    dict
-        Claims by id, in ascending order.
-
-    Raises
-    ------
-    ClaimsError
-        Naming the dotted key of every problem in any claim, one line each.
-    microimpact.declared.documents.ConfigError
-        If the file is not YAML or holds something else than a mapping.
+    Raises ClaimsError, naming the dotted key of every problem in any claim, one line each.
     """
     found, problems = {}, []
     for key, entry in load(path).items():

@@ -57,14 +57,7 @@ class Checks(NamedTuple):
 def check(equation: Equation, text: str, case: Case) -> Checks:
     """Check the dimensions of a form, and prove it.
 
-    Parameters
-    ----------
-    equation
-        Whose symbols and derivation count.
-    text
-        The form.
-    case
-        The impact for numeric proofs.
+    `equation`: whose symbols and derivation count; `case`: the impact for numeric proofs.
     """
     proof = equation.derivation
     derivation = "none" if proof is None else proof.check(parse(text), case)
@@ -88,12 +81,9 @@ def agreement(equation: Equation, case: Case) -> float | None:
 def verdict(equation: Equation, printed: Checks, used: Checks, apart: float | None) -> str:
     """Return the verdict that the checks of both forms give.
 
-    Returns
-    -------
-    str
-        ``definition``, ``correct``, ``typographical slip``, ``corrected`` (wrong as printed:
-        an error of the article or a misprint), ``undecidable`` (the text leaves a choice open), or
-        ``unproved``: the form used fails a check, or the function does not compute it.
+    ``definition``, ``correct``, ``typographical slip``, ``corrected`` (wrong as printed: an error
+    of the article or a misprint), ``undecidable`` (the text leaves a choice open), or ``unproved``:
+    the form used fails a check, or the function does not compute it.
     """
     if not used.hold or (apart is not None and apart > AGREEMENT):
         return "unproved"
@@ -105,15 +95,7 @@ def verdict(equation: Equation, printed: Checks, used: Checks, apart: float | No
 def judge(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
     """Judge all relations.
 
-    Parameters
-    ----------
-    tables
-        ``materials`` and ``contacts``, declared rows of one pair, steel on silicon.
-
-    Returns
-    -------
-    pandas.DataFrame
-        One row per relation.
+    `tables`: ``materials`` and ``contacts``, declared rows of one pair, steel on silicon.
     """
     case = reference_case(tables)
     return pd.DataFrame([row(equation, case) for equation in EQUATIONS])

@@ -71,10 +71,7 @@ class Changes:
 def compare(baseline: Path, changed: Path) -> Changes:
     """Compare two results folders.
 
-    Raises
-    ------
-    ResultsError
-        If either folder or a file in it is missing or malformed.
+    Raises ResultsError if either folder or a file in it is missing or malformed.
     """
     for root in (baseline, changed):
         require_results(root)

@@ -44,12 +44,8 @@ def require_same_settings(results: Path, reference: Path) -> None:
     """Refuse results of a run with other settings altogether than the references come from.
 
     One or a few changed inputs are differences to be told; a full run beside the references of a
-    small one differs everywhere.
-
-    Raises
-    ------
-    ResultsError
-        Naming one of the inputs that differ and how many there are.
+    small one differs everywhere. Raises ResultsError, naming one of the inputs that differ and how
+    many there are.
     """
     if not all(INPUTS in table_files(root) for root in (results, reference)):
         return
@@ -73,10 +69,7 @@ def _configured(root: Path) -> dict[str, str]:
 def verify(results: Path, reference: Path) -> list[Difference]:
     """Return all differences of results from their references, in both directions.
 
-    Raises
-    ------
-    ResultsError
-        If either folder or a file in it is missing or malformed.
+    Raises ResultsError if either folder or a file in it is missing or malformed.
     """
     require_results(results)
     if not reference.is_dir():
@@ -138,12 +131,7 @@ def concerned(
 ) -> tuple[list[str], list[str]]:
     """Return the names of all figures and of all tables that differences concern.
 
-    Parameters
-    ----------
-    differences
-        As `verify` returns them.
-    drawn_from
-        For each figure the tables of figure data it is drawn from.
+    `drawn_from`: for each figure the tables of figure data it is drawn from.
     """
     files = {d.file for d in differences}
     data = {Path(name).stem for name in files if name.startswith("data/")}
@@ -157,25 +145,9 @@ def renew(
 ) -> list[Path]:
     """Write the references that differ anew; those within tolerance stay as they are.
 
-    Parameters
-    ----------
-    results, reference
-        The folders that were compared.
-    differences
-        What `verify` found.
-    remove
-        Whether references of files that the results lack are removed.
-
-    Returns
-    -------
-    list of Path
-        Files written or removed.
-
-    Raises
-    ------
-    ResultsError
-        If results are missing and `remove` is not set, or some are not as the run wrote them;
-        then nothing is written.
+    The files written or removed. `remove`: whether references of files that the results lack are
+    removed. Raises ResultsError if results are missing and `remove` is not set, or some are not as
+    the run wrote them; then nothing is written.
     """
     missing = [d.file for d in differences if d.kind == "missing file"]
     if missing and not remove:
