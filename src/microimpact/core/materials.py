@@ -63,10 +63,7 @@ def declared_file(name: str) -> Path:
 def quantity(row: Row, units: Mapping[str, dict[str, float]], where: str) -> float:
     """Return the SI value of one declared row (keys property, value, unit).
 
-    Raises
-    ------
-    ValueError
-        If the property is unknown, its unit another or its value no number.
+    Raises ValueError if the property is unknown, its unit another or its value no number.
     """
     name = row["property"]
     if name not in units:
@@ -82,10 +79,8 @@ def quantity(row: Row, units: Mapping[str, dict[str, float]], where: str) -> flo
 def materials_from_rows(rows: Iterable[Row]) -> dict[str, Material]:
     """Build every material of a declared table (columns material, property, value, unit, ...).
 
-    Raises
-    ------
-    ValueError
-        If a property is unknown, declared twice or missing, or has a wrong unit or value.
+    Raises ValueError if a property is unknown, declared twice or missing, or has a wrong unit or
+    value.
     """
     found: dict[str, dict[str, float]] = {}
     for row in rows:
@@ -109,10 +104,7 @@ def materials_from_rows(rows: Iterable[Row]) -> dict[str, Material]:
 def find_material(name: str, materials: Mapping[str, Material]) -> Material:
     """Return one material by name.
 
-    Raises
-    ------
-    ValueError
-        If it is not declared; the message names the nearest.
+    Raises ValueError if it is not declared; the message names the nearest.
     """
     if name not in materials:
         raise ValueError(f"unknown material {name!r}{nearest(name, materials)}")

@@ -141,10 +141,7 @@ def _in_turn(contact: Contact, speed: float, *stages: Callable[[Contact], Contac
 def hertz_damping_for(contact: Contact, speed: float, restitution: float) -> Contact:
     """Choose c_H to meet a restitution at a normal speed.
 
-    Raises
-    ------
-    NoSolutionError
-        If restitution is below the target even without material damping.
+    Raises NoSolutionError if restitution is below the target even without material damping.
     """
 
     def excess(damping: float) -> float:
@@ -164,10 +161,7 @@ def hertz_damping_for(contact: Contact, speed: float, restitution: float) -> Con
 def damping_factor_for(contact: Contact, speed: float, restitution: float) -> Contact:
     """Scale c_H and c_A by one factor to meet a restitution at a normal speed.
 
-    Raises
-    ------
-    NoSolutionError
-        If no factor up to 1000 does.
+    Raises NoSolutionError if no factor up to 1000 does.
     """
 
     def scaled(factor: float) -> Contact:
@@ -188,12 +182,8 @@ def adhesion_damping_for(contact: Contact, capture_speed: float) -> Contact:
     """Choose c_A to meet a capture velocity.
 
     An impact at the capture velocity depends on its damping at that speed only, whatever its rate
-    exponent: that damping is sought, and referred back to the reference velocity.
-
-    Raises
-    ------
-    NoSolutionError
-        If the material damping alone captures faster spheres already.
+    exponent: that damping is sought, and referred back to the reference velocity. Raises
+    NoSolutionError if the material damping alone captures faster spheres already.
     """
     rateless = contact.replace(adhesion_rate_exponent=0.0)
 
@@ -215,10 +205,7 @@ def adhesion_damping_for(contact: Contact, capture_speed: float) -> Contact:
 def work_of_adhesion_for(contact: Contact, capture_speed: float) -> Contact:
     """Choose w_A to meet a capture velocity at given damping coefficients.
 
-    Raises
-    ------
-    NoSolutionError
-        If no work of adhesion up to 1000 J/m2 does.
+    Raises NoSolutionError if no work of adhesion up to 1000 J/m2 does.
     """
 
     def shortfall(work: float) -> float:
@@ -234,10 +221,7 @@ def work_of_adhesion_for(contact: Contact, capture_speed: float) -> Contact:
 def dissipation_ratio_for(contact: Contact, speed: float, ratio: float) -> Contact:
     """Choose c_A to meet the ratio of the peaks of adhesion dissipation and adhesion (Fig. 20).
 
-    Raises
-    ------
-    NoSolutionError
-        If no damping in the range looked through does.
+    Raises NoSolutionError if no damping in the range looked through does.
     """
 
     def shortfall(damping: float) -> float:
@@ -258,10 +242,7 @@ def hertz_damping_for_adhesion_ratio(
 ) -> Contact:
     """Choose c_H and c_A to meet the ratios of adhesion to Hertz and of dissipation to adhesion.
 
-    Raises
-    ------
-    NoSolutionError
-        If adhesion is stronger against Hertz even without material damping.
+    Raises NoSolutionError if adhesion is stronger against Hertz even without material damping.
     """
 
     def damped(current: Contact) -> Contact:

@@ -47,10 +47,7 @@ def resized(contact: Contact, diameter: Real) -> Contact:
 def require_contact(value: object, *, any_law: bool = False) -> None:
     """Raise a TypeError unless ``value`` is a contact.
 
-    Raises
-    ------
-    ValueError
-        If it has another law than the ring force, and not any law will do.
+    Raises ValueError if it has another law than the ring force, and not any law will do.
     """
     if not isinstance(value, Contact):
         raise TypeError(f"contact must be a Contact, got {value!r}")

@@ -24,10 +24,7 @@ class ContactLaw:
     def __post_init__(self) -> None:
         """Check the parameters.
 
-        Raises
-        ------
-        TypeError, ValueError
-            If one is not a number, or out of range.
+        Raises TypeError, ValueError if one is not a number, or out of range.
         """
         for name, value in self.parameters.items():
             object.__setattr__(self, name, checked(f"law.{name}", value, self.admissible))
@@ -97,10 +94,7 @@ NAMES = (RING_FORCE, *(law.name for law in LAWS))
 def contact_law(value: object) -> ContactLaw | None:
     """Return a law given as a record or by name; None is the ring force.
 
-    Raises
-    ------
-    TypeError, ValueError
-        If it is no law, or a name whose law needs a parameter.
+    Raises TypeError, ValueError if it is no law, or a name whose law needs a parameter.
     """
     if value is None or value == RING_FORCE:
         return None

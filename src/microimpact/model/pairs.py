@@ -52,10 +52,7 @@ class IncompletePairError(ValueError):
 def pairs_from_rows(rows: Iterable[Row]) -> dict[Pair, dict[str, float]]:
     """Collect the properties of every declared pair, in SI units.
 
-    Raises
-    ------
-    ValueError
-        If a property is unknown or declared twice, or has a wrong unit or value.
+    Raises ValueError if a property is unknown or declared twice, or has a wrong unit or value.
     """
     found: dict[Pair, dict[str, float]] = {}
     for row in rows:

@@ -38,18 +38,9 @@ def jkr_contact_radius(work_of_adhesion: Real, radius: Real, stiffness: Real) ->
 def image_force(charge: Real, radius: Real, gap: Real = 0.0, enhancement: Real = 1.0) -> Real:
     """Attraction of a uniformly charged sphere to its image, N.
 
-    ``F = alpha q^2 / (16 pi eps_0 (R + gap)^2)``
-
-    Parameters
-    ----------
-    charge
-        q, C.
-    radius
-        R, m.
-    gap
-        Between sphere and plane, m.
-    enhancement
-        alpha: 1 for a charge at the centre; above 1 by the polarisation of a dielectric sphere.
+    ``F = alpha q^2/(16 pi eps_0 (R + gap)^2)``; the enhancement alpha is 1 for a charge (C) at the
+    centre, and above 1 by the polarisation of a dielectric sphere. Radius R and the gap to the
+    plane are in m.
     """
     return enhancement * np.square(charge) / (16.0 * np.pi * epsilon_0 * np.square(radius + gap))
 
@@ -66,16 +57,9 @@ def patch_area(charge: Real, breakdown_field: Real) -> Real:
 def patch_force(charge: Real, share: Real, breakdown_field: Real, gap: Real = 0.0) -> FloatArray:
     """Attraction of charged patches to their images, N: ``s^2 A / (2 eps_0)`` without a gap.
 
-    Parameters
-    ----------
-    charge
-        Of the whole particle, C.
-    share
-        Of the patches that face the plane in the contact; taken as one disc of area A.
-    breakdown_field
-        E_b, V/m: the patches are as dense as it allows, ``s = eps_0 E_b``.
-    gap
-        Between disc and plane, m.
+    `charge`: of the whole particle, C; `share`: of the patches that face the plane in the contact,
+    taken as one disc of area A; `breakdown_field`: E_b, V/m: the patches are as dense as it allows,
+    s = eps_0 E_b; `gap`: between disc and plane, m.
     """
     area = share * patch_area(charge, breakdown_field)
     pressure = 0.5 * epsilon_0 * np.square(breakdown_field)
@@ -85,13 +69,9 @@ def patch_force(charge: Real, share: Real, breakdown_field: Real, gap: Real = 0.
 def disc_image_factor(separation: Real) -> FloatArray:
     """Force between a charged disc and its image over that without a gap.
 
-    ``1 - p (p^2 + 4)^(1/2) (K(m) - E(m)) / pi``, ``m = 4 / (p^2 + 4)``: the integral of
-    ``2 J_1(t)^2 exp(-p t) / t`` in complete elliptic integrals. Two point charges for large p.
-
-    Parameters
-    ----------
-    separation
-        p: distance of the discs over their radius.
+    ``1 - p (p^2 + 4)^(1/2) (K(m) - E(m))/pi``, ``m = 4/(p^2 + 4)``, p their distance over the
+    radius: the integral of ``2 J_1(t)^2 exp(-p t)/t`` in complete elliptic integrals. Two point
+    charges for large p.
     """
     p = np.maximum(checked("separation", separation, NON_NEGATIVE), 1e-150)  # K is infinite at 0
     size = np.square(p) + 4.0
@@ -160,17 +140,10 @@ def coverage(particle: CoatedParticle, weight_fraction: Real) -> Real:
 def carried_share(particle: CoatedParticle, weight_fraction: Real, placement: str) -> FloatArray:
     """Share of the bare contact area that spherules carry; the rest still touches.
 
-    Parameters
-    ----------
-    particle
-        The particle.
-    weight_fraction
-        Of silica, in [0, 1).
-    placement
-        ``even``: spherules side by side, the share is the area they cover, at most all.
-        ``random``: they fall anywhere and may lie on one another; the upper limit of what touches.
-        ``lifted``: three under the bare contact carry it all, by Poisson's law of their number;
-        the lower limit.
+    `weight_fraction`: of silica, in [0, 1); `placement`: ``even``: spherules side by side, the
+    share is the area they cover, at most all; ``random``: they fall anywhere and may lie on one
+    another, the upper limit of what touches; ``lifted``: three under the bare contact carry it all,
+    by Poisson's law of their number, the lower limit.
     """
     covered = coverage(particle, weight_fraction)
     if choice("placement", placement, PLACEMENTS) == "random":
@@ -204,11 +177,8 @@ def touching_spherules(particle: CoatedParticle) -> Real:
 def adhesion_force(particle: CoatedParticle, weight_fraction: Real, placement: str) -> FloatArray:
     """Pull-off force of the coated particle, N: bare contact and spherules by their shares.
 
-    Parameters
-    ----------
-    particle, weight_fraction, placement
-        As in `carried_share`. Without silica the force is that of JKR for the bare particle;
-        carried in full it is that of JKR for the spherules that touch.
+    Shares are those of `carried_share`. Without silica the force is that of JKR for the bare
+    particle; carried in full it is that of JKR for the spherules that touch.
     """
     share = carried_share(particle, weight_fraction, placement)
     bare = jkr_pull_off(particle.work_of_adhesion, particle.radius)

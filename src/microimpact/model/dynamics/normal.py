@@ -141,16 +141,9 @@ class Ledger:
 def scaled_problems(contact: Contact, speed: Real) -> tuple[FloatArray, Scales, tuple[int, ...]]:
     """Write each impact as a problem of the kernel.
 
-    Returns
-    -------
-    problems, scales, shape
-        Problems (n, columns), their scales (n,), and the shape the flat results go back to.
-
-    Raises
-    ------
-    ValueError
-        If shapes do not broadcast, or a speed is too small or damped too heavily for double
-        precision.
+    Problems (n, columns), their scales (n,), and the shape the flat results go back to. Raises
+    ValueError if shapes do not broadcast, or a speed is too small or damped too heavily for double
+    precision.
     """
     shape = common_shape({"contact": np.empty(contact.shape), "speed": speed})
 
@@ -199,10 +192,7 @@ def is_shallow(problems: FloatArray) -> BoolArray:
 def integrate(problems: FloatArray, *, ledger: bool) -> FloatArray:
     """Run the kernel, each problem in the mode it needs.
 
-    Raises
-    ------
-    RuntimeError
-        If an integration did not come to an end.
+    Raises RuntimeError if an integration did not come to an end.
     """
     start, adhesion = problems[:, kernel.START_U], problems[:, kernel.ADHESION]
     shallow = is_shallow(problems)

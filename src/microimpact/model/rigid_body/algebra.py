@@ -106,19 +106,7 @@ def energy_loss(
 
     The total loss is Eq. (14) with 7/2 in front of ``mu^2 (1+e)^2``. Eq. (14) as printed is the
     translational loss of a sphere without initial spin; here it holds for any spin, with v_t/v_n in
-    place of eta.
-
-    Parameters
-    ----------
-    v_n, v_t, omega, radius, e
-        As in `rigid_body_rebound`.
-    mu
-        Signed impulse ratio.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not a number or out of range, or the shapes do not broadcast.
+    place of eta. Arguments and errors as of `rigid_body_rebound`; `mu`: signed impulse ratio.
     """
     v_n = checked("v_n", v_n, APPROACHING)
     v_t = checked("v_t", v_t, FINITE)
@@ -140,14 +128,8 @@ def energy_loss(
 def adhesion_work(v_n: object, R: object, rho: object) -> Real:
     """Energy lost to adhesion per unit mass, Eq. (18): ``v_n^2 R^2 rho (2 - rho) / 2``, m2/s2.
 
-    Parameters
-    ----------
-    v_n
-        Normal velocity before impact, m/s.
-    R
-        Coefficient of restitution in the absence of adhesion.
-    rho
-        Adhesion coefficient of Eq. (10).
+    `R`: coefficient of restitution in the absence of adhesion; `rho`: adhesion coefficient of Eq.
+    (10).
     """
     v_n = checked("v_n", v_n, FINITE)
     R = checked("R", R, UNIT_INTERVAL)

@@ -101,19 +101,11 @@ def measured_restitution(
 ) -> Real:
     """Restitution about the nominal normal, Eq. (35) with + in the denominator.
 
-    ``e_m = (e cos phi - (V'_t/v'_n) sin phi) / (cos phi + (v'_t/v'_n) sin phi)`` with
-    ``v'_t/v'_n = -cot(alpha + phi)`` and ``V'_t/v'_n = v'_t/v'_n - mu (1 + e)``. The denominator is
-    ``v_n/v'_n = sin(alpha) / sin(alpha + phi)``. With the printed minus it would be
-    ``sin(alpha + 2 phi) / sin(alpha + phi)``, which vanishes at phi = -alpha/2.
-
-    Parameters
-    ----------
-    angle, slope
-        As in `rough_rebound`.
-    e, mu
-        Restitution and signed impulse ratio about the local normal.
-    printed
-        With the minus of the article; infinite where its denominator vanishes.
+    ``e_m = (e cos phi - (V'_t/v'_n) sin phi)/(cos phi + (v'_t/v'_n) sin phi)``, where ``v'_t/v'_n``
+    is ``-cot(alpha + phi)`` and ``V'_t/v'_n`` is less by mu (1 + e), of the local normal.
+    The denominator is ``sin(alpha)/sin(alpha + phi)``; with the printed minus it would be
+    ``sin(alpha + 2 phi)/sin(alpha + phi)``, which vanishes at phi = -alpha/2: there e_m is
+    infinite.
     """
     angle, slope = _facing(angle, slope)
     e, mu = checked("e", e, UNIT_INTERVAL), checked("mu", mu, FINITE)
@@ -140,13 +132,6 @@ def shallow_restitution(
     ``e_m = (1 + phi/alpha) (e + phi/(phi + alpha)) + mu (1 + e) phi (1 + phi/alpha)``, mu = -f: the
     last term, which is not printed, is the next order in the angles. Where phi > 0 it is less than
     ``f (1 + e) (alpha + phi)`` of the others: that must be small, not the printed f/alpha.
-
-    Parameters
-    ----------
-    angle, slope, e, mu
-        As in `measured_restitution`.
-    printed
-        Without the term of friction.
     """
     angle, slope = _facing(angle, slope)
     e, mu = checked("e", e, UNIT_INTERVAL), checked("mu", mu, FINITE)
@@ -169,14 +154,8 @@ def normal_restitution(slope: object, e: object, mu: object, *, printed: bool = 
     """Measured restitution at normal incidence, Eq. (39).
 
     ``e_m = e - (1 + e) phi^2 + (1 + e) mu phi``, from the exact ``e cos^2 phi - sin^2 phi + (1 + e)
-    mu sin phi cos phi``. Printed without the e phi^2 that the denominator of Eq. (35) brings.
-
-    Parameters
-    ----------
-    slope, e, mu
-        As in `measured_restitution`; mu is mu_0 of Eq. (40) where the sphere rolls.
-    printed
-        With - phi^2.
+    mu sin phi cos phi``; mu is mu_0 of Eq. (40) where the sphere rolls. Printed without the e phi^2
+    that the denominator of Eq. (35) brings.
     """
     slope, e = checked("slope", slope, SLOPE), checked("e", e, UNIT_INTERVAL)
     mu = checked("mu", mu, FINITE)
@@ -192,13 +171,6 @@ def rolling_restitution(
     ``e_m = e - (e + 5/7) phi^2 + (2/7) (r omega/v) phi``, from the exact ``e cos^2 phi - (5/7)
     sin^2 phi + (2/7) (r omega/v) sin phi``. Without spin ``v'_t/v'_n = tan phi``, so that (1 + e)
     mu_0 is +2 phi/7; the article has -2 phi/7, hence e - 9 phi^2/7, and no number for the spin.
-
-    Parameters
-    ----------
-    slope, e, spin_ratio
-        As in `rough_rebound`.
-    printed
-        ``e - 9 phi^2/7``.
     """
     slope, e = checked("slope", slope, SLOPE), checked("e", e, UNIT_INTERVAL)
     spin_ratio = checked("spin_ratio", spin_ratio, FINITE)
@@ -215,13 +187,6 @@ def rolling_impulse_ratio_measured(
 
     ``mu_m = -phi (1 - c + s^2) + s`` with ``c = (2/7)/(1 + e)`` and ``s = c r omega/v``, the
     impulse ratio of the spin alone. Printed are -s (v'_n < 0 makes the term positive) and no s^2.
-
-    Parameters
-    ----------
-    slope, e, spin_ratio
-        As in `rough_rebound`.
-    printed
-        ``-phi (1 - c) - s``.
     """
     slope, e = checked("slope", slope, SLOPE), checked("e", e, UNIT_INTERVAL)
     share = ROLLING_SHARE / (1.0 + e)
