@@ -38,22 +38,11 @@ class NoDensityError(ValueError):
 class Draws:
     """Draws and how they came about.
 
-    Attributes
-    ----------
-    points
-        Draws (n, axes), in random order.
-    log_density
-        Of each (n,), up to a constant.
-    acceptance
-        Share of accepted moves.
-    effective_size
-        Independent draws that all kept steps are worth, for the worst axis: the variance over
-        that of the mean, by the spread of the walkers' own means.
-    split_r_hat
-        Per axis: spread of the means of the halves of every ensemble against the spread within
-        (Gelman et al. 2013, 11.4); 1 where they agree.
-    kept
-        Kept points of all walkers.
+    `points`: (n, axes), in random order; `log_density`: of each (n,), up to a constant;
+    `acceptance`: share of accepted moves; `effective_size`: independent draws that all kept steps
+    are worth, for the worst axis: the variance over that of the mean, by the spread of the walkers'
+    own means; `split_r_hat`: per axis: spread of the means of the halves of every ensemble against
+    the spread within (Gelman et al. 2013, 11.4), 1 where they agree; `kept`: points of all walkers.
     """
 
     points: FloatArray

@@ -43,12 +43,8 @@ Name = Annotated[str, Field(min_length=1)]
 class Known:
     """What can be named, by what it is, and what was named while parameters were built.
 
-    Attributes
-    ----------
-    names
-        Where things of some sort are declared, and their names, by the sort.
-    named
-        Sort and name of all that was found named, in order.
+    `names`: where things of some sort are declared, and their names, by the sort; `named`: sort and
+    name of all that was found named, in order.
     """
 
     names: Mapping[str, tuple[str, Iterable[str]]]
@@ -156,16 +152,9 @@ def adapter(kind: Any) -> TypeAdapter[Any]:
 class Shape:
     """What a type is for the files: dataclasses it may be, items it holds, whether they are named.
 
-    Attributes
-    ----------
-    classes
-        The dataclasses.
-    hint
-        Type of its items, if it holds some.
-    keyed
-        How the items stand in the files, if by their names.
-    stream
-        Name of the random numbers of a seed, if not that of its analysis.
+    `classes`: the dataclasses; `hint`: type of its items, if it holds some; `keyed`: how the items
+    stand in the files, if by their names; `stream`: name of the random numbers of a seed, if not
+    that of its analysis.
     """
 
     classes: tuple[type, ...] = ()

@@ -38,16 +38,10 @@ _SUFFIX = re.compile(rf"_({_SYMBOL}(?:_per_{_SYMBOL})*|per_s)$")
 class Declared:
     """A value with what it rests on: number, choice, name or list of these.
 
-    Attributes
-    ----------
-    value, evidence, source
-        What it is, and what it rests on.
-    place
-        Dotted key under which it stands; of a value in use, if the analysis names it there.
-    overrides
-        The place whose value it replaces, and that value, if the analysis departs from it.
-    key
-        Of a value in use: dotted key in the configuration, analysis, then parameter.
+    `value`, `evidence`, `source`: what it is, and what it rests on; `place`: dotted key under which
+    it stands; of a value in use, if the analysis names it there; `overrides`: the place whose value
+    it replaces, and that value, if the analysis departs from it; `key`: of a value in use: dotted
+    key in the configuration, analysis, then parameter.
     """
 
     value: Any

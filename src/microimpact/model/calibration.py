@@ -38,15 +38,7 @@ class NoSolutionError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class TwoStage:
-    """Result of the two-stage method.
-
-    Attributes
-    ----------
-    contact
-        The contact with the estimated damping coefficients.
-    turns
-        How often both stages were run.
-    """
+    """A contact with both damping coefficients estimated, and how often both stages were run."""
 
     contact: Contact
     turns: int

@@ -80,18 +80,9 @@ FORMATS = {
 class Run:
     """What a crate takes from a run stamp.
 
-    Attributes
-    ----------
-    started, ended
-        When it began, and when its last result was there, ISO 8601.
-    commit, dirty
-        State of the project, None where it was no git checkout.
-    packages
-        Versions by name; None for a package that was not there.
-    config
-        The merged configuration.
-    identifier
-        Begin of the stamp's SHA-256: names this run.
+    `started`, `ended`: when it began, and when its last result was there, ISO 8601; `commit`,
+    `dirty`: None where the project was no git checkout; `packages`: versions, None for a package
+    that was not there; `identifier`: begin of the stamp's SHA-256, which names this run.
     """
 
     started: str

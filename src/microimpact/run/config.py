@@ -53,19 +53,9 @@ class General:
 class Settings:
     """A valid configuration.
 
-    Attributes
-    ----------
-    general
-        General keys.
-    tables
-        The declared tables it names.
-    branches, rows
-        By analysis: its parameters as plain values, with all that it names in place, and the rows
-        of the tables that it names, as CSV by table.
-    declared
-        Every value as it is used.
-    unused
-        Places of the laboratory on which no analysis rests.
+    `branches`, `rows`: by analysis its parameters as plain values, with all that it names in place,
+    and the rows of the tables that it names, as CSV by table; `declared`: every value as it is
+    used; `unused`: places of the laboratory on which no analysis rests.
     """
 
     general: General

@@ -51,19 +51,10 @@ class DigitisedError(ValueError):
 class Digitised:
     """Digitised points of one figure.
 
-    Attributes
-    ----------
-    figure
-        Name of the figure.
-    path
-        The file.
-    source, licence, by
-        Where the points come from, on which terms, and who read them off or measured them.
-    evidence
-        ``digitised`` or ``measured``.
-    table
-        Columns `CANONICAL`: the panel whose data are drawn there, the series as `points_series`
-        calls it, x and y in the units of the figure, the ends of the bar, NaN where there is none.
+    `source`, `licence`, `by`: where the points come from, on which terms, and who read them off or
+    measured them; `evidence`: ``digitised`` or ``measured``; `table`: columns `CANONICAL`: the
+    panel whose data are drawn there, the series as `points_series` calls it, x and y in the units
+    of the figure, the ends of the bar, NaN where there is none.
     """
 
     figure: str

@@ -76,21 +76,8 @@ def run_with(
 ) -> dict[str, pd.DataFrame]:
     """Run one study with all that it is given.
 
-    Parameters
-    ----------
-    name
-        Name of the study.
-    branch
-        Plain values of its parameters.
-    rows
-        Rows of declared tables, as CSV by table.
-    tables
-        Tables of earlier studies by name.
-
-    Returns
-    -------
-    dict of pandas.DataFrame
-        The study's tables by name.
+    `branch`: plain values of its parameters; `rows`: those of declared tables, as CSV by table;
+    `tables`: those of earlier studies, by name.
     """
     study = studies.study(name)
     inputs = NamedTables({key: parse_table(text) for key, text in rows.items()})
@@ -102,21 +89,10 @@ def run_with(
 class Made(dict[str, "pd.DataFrame"]):
     """Tables of earlier studies, each read or computed when it is first asked for.
 
-    Parameters
-    ----------
-    name
-        Study that takes them.
-    changes
-        Keys of the configuration that differ from the shipped ones, at every depth; what rests on
-        one of them is computed anew.
-    results
-        Folder of a run of the shipped configuration, from which the other tables are read; without
-        one, they are computed.
-
-    Raises
-    ------
-    ValueError
-        If a key is unknown or a value not allowed: one line per problem.
+    `name`: study that takes them; `changes`: keys of the configuration that differ from the shipped
+    ones, at every depth; what rests on one of them is computed anew; `results`: folder of a run of
+    the shipped configuration, from which the other tables are read; without one, they are computed.
+    Raises ValueError if a key is unknown or a value not allowed: one line per problem.
     """
 
     def __init__(self, name: str, changes: Mapping[str, Any], results: Path | None = None) -> None:

@@ -118,14 +118,8 @@ class Break:
 class Amendment:
     """A part of a claim that was changed after the claim had first been judged.
 
-    Attributes
-    ----------
-    part
-        What of the claim was changed.
-    was, now
-        In words, before and after.
-    reason
-        Why, in terms that do not depend on the verdict.
+    What it `was` and is `now` stands in words; the `reason` is one that does not depend on the
+    verdict.
     """
 
     part: Literal["statement", "kind", "criteria", "cases", "quantities", "verdicts", "break"]
