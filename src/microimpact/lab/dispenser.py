@@ -42,12 +42,8 @@ class Dispenser:
 class InitialSpin:
     """Spin before impact as a share of the speed: r omega / v.
 
-    Attributes
-    ----------
-    sd
-        Standard deviation per axis, mean zero: the wall of the needle is touched on any side.
-    mean
-        Mean about the tilt axis, positive in the sense of rolling down the target.
+    `sd`: standard deviation per axis, mean zero: the wall of the needle is touched on any side;
+    `mean`: mean about the tilt axis, positive in the sense of rolling down the target.
     """
 
     sd: NonNegative
@@ -60,10 +56,7 @@ NO_SPIN = InitialSpin(sd=0.0, mean=0.0)
 def drop_height(speed: float, dispenser: Dispenser) -> float:
     """Return the height in m from which particles arrive at a nominal speed (m/s), free of drag.
 
-    Raises
-    ------
-    ValueError
-        If the particles leave the needle faster than that.
+    Raises ValueError if the particles leave the needle faster than that.
     """
     exit_speed = mean(HalfNormal(sd=dispenser.exit_speed_m_per_s))
     if speed <= exit_speed:
@@ -85,20 +78,8 @@ def release(
 ) -> Falling:
     """Let n particles fall on the target.
 
-    Parameters
-    ----------
-    n
-        Number of particles.
-    angle
-        Nominal angle of incidence from the surface, degrees.
-    height
-        From the needle to the target, m.
-    diameter_um
-        Distribution of the diameter, um.
-    dispenser, spin
-        Spreads of release and of initial spin.
-    rng
-        Source of the draws.
+    `angle`: nominal angle of incidence from the surface, degrees; `height`: from the needle to the
+    target, m; `dispenser`, `spin`: spreads of release and of initial spin.
     """
     tilt = np.radians(90.0 - angle)
     diameter = sample(diameter_um, rng, n) * 1e-6

@@ -18,28 +18,8 @@ from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, FloatArray, checked,
 def body_restitution(v: ArrayLike, k: ArrayLike, p: ArrayLike) -> FloatArray:
     """Return R, the coefficient of restitution without adhesion (Eq. 32).
 
-    R = k^p / (k^p + v^p), with k_1 = k_2 = k.
-
-    Parameters
-    ----------
-    v
-        Normal impact speed in m/s, any shape; 0 or more.
-    k
-        Speed at which R = 1/2, in m/s; positive.
-    p
-        Exponent; positive.
-
-    Returns
-    -------
-    ndarray
-        R in [0, 1], of the broadcast shape.
-
-    Raises
-    ------
-    TypeError
-        If an argument does not hold real numbers.
-    ValueError
-        If an argument is out of range or not finite, or the shapes do not broadcast.
+    ``R = k^p / (k^p + v^p)``, with k_1 = k_2 = k, in [0, 1]. `k`: speed at which R = 1/2, m/s; all
+    else as of `restitution`.
     """
     speed, scale, exponent = _checked(v=v, k=k, p=p)
     return _share(scale, speed, exponent)
@@ -50,30 +30,8 @@ def adhesion_coefficient(
 ) -> FloatArray:
     """Return rho, the part of the rebound impulse that adhesion takes back (Eq. 33).
 
-    rho = kappa^q / (kappa^q + (v - v_c)^q), with kappa_1 = kappa_2 = kappa; 1 for v <= v_c.
-
-    Parameters
-    ----------
-    v
-        Normal impact speed in m/s, any shape; 0 or more.
-    kappa
-        Excess of speed over v_c at which rho = 1/2, in m/s; positive.
-    q
-        Exponent; positive.
-    v_c
-        Capture velocity in m/s; 0 or more.
-
-    Returns
-    -------
-    ndarray
-        rho in [0, 1], of the broadcast shape.
-
-    Raises
-    ------
-    TypeError
-        If an argument does not hold real numbers.
-    ValueError
-        If an argument is out of range or not finite, or the shapes do not broadcast.
+    ``rho = kappa^q / (kappa^q + (v - v_c)^q)``, with kappa_1 = kappa_2 = kappa, in [0, 1], and 1 up
+    to v_c. `kappa`: excess of speed over v_c at which rho = 1/2, m/s; all else as of `restitution`.
     """
     speed, scale, exponent, capture = _checked(v=v, kappa=kappa, q=q, v_c=v_c)
     return _share(scale, np.maximum(speed - capture, 0.0), exponent)
