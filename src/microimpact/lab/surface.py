@@ -13,7 +13,6 @@ that or the rigid body model in Monte Carlo analyses.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -25,13 +24,13 @@ import scipy
 from pydantic import Field
 
 from microimpact.core.arrays import BoolArray, FloatArray, Real
-from microimpact.core.compiled import jit
 from microimpact.lab.events import IntArray
 from microimpact.model import passes
 from microimpact.model.contact import Contact
-from microimpact.model.dynamics.impact import NormalLaw, spatial
+from microimpact.model.dynamics.impact import NormalLaw
+from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.law.table import Law
-from microimpact.model.passes import STEEPEST, TINY
+from microimpact.model.passes import STEEPEST
 from microimpact.statistics.distributions import (
     LARGEST_PROBABILITY,
     SMALLEST_PROBABILITY,
@@ -53,8 +52,6 @@ KEPT_TABLES = 64
 # Parts of the hits of which the first cell is kept where one angle is that of many spheres.
 GUIDES = 1024
 NO_GUIDE: IntArray = np.empty(0, dtype=np.int64)
-
-_jit = jit()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -177,13 +174,12 @@ def collide(
     kept, contacts = np.zeros(len(velocity), dtype=bool), np.zeros(len(velocity), dtype=np.int64)
     moving = np.flatnonzero(velocity[:, 2] < 0.0)
     for along, across in islice(shares, surface.rules.most_contacts):
-        normal = facets(surface, velocity[moving], along[moving], across[moving])
-        into = np.vecdot(velocity[moving], normal)
-        if surface.rules.facets == "every":
-            normal, into = -np.sign(into)[:, None] * normal, -np.abs(into)
-        moving, normal = moving[into < 0.0], normal[into < 0.0]
+        toward = velocity[moving]
+        normal = facets(surface, toward, along[moving], across[moving])
+        met = np.vecdot(toward, normal) < 0.0
+        moving = moving[met]
         velocity[moving], spin[moving], stays = strike(
-            moving, velocity[moving], spin[moving], normal
+            moving, toward[met], spin[moving], normal[met]
         )
         kept[moving] = stays
         contacts[moving] += 1
@@ -262,17 +258,19 @@ def facets(
     along, across
         Shares of which the quantiles are the slopes, shape (n,).
     """
-    if surface.rules.facets == "seen":
-        speed = np.hypot(velocity[:, 0], velocity[:, 1])
-        # Upright motion meets all facets alike; no slope can be hit where none faces the sphere.
-        tangent = -velocity[:, 2] / np.maximum(speed, TINY)
-        slope = np.maximum(hit_slopes(surface.slope).quantile(along, tangent), -STEEPEST)
-    else:
-        slope = surface.slope.quantile(along)
-    return facet_normals(velocity, slope, surface.cross_slope.quantile(across))
+    if surface.rules.facets != "seen":
+        along = surface.slope.quantile(along)
+    across = surface.cross_slope.quantile(across)
+    return facet_normals(velocity, along, across, surface.slope, surface.rules.facets)
 
 
-def facet_normals(velocity: FloatArray, along: FloatArray, across: FloatArray) -> FloatArray:
+def facet_normals(
+    velocity: FloatArray,
+    along: FloatArray,
+    across: FloatArray,
+    slopes: Distribution = SMOOTH.slope,
+    kind: str = "facing",
+) -> FloatArray:
     """Return unit normals of facets, shape (n, 3).
 
     Parameters
@@ -283,28 +281,14 @@ def facet_normals(velocity: FloatArray, along: FloatArray, across: FloatArray) -
     along, across
         Slopes of the facet along the motion and to its left, tangents, shape (n,). A facet whose
         slope along the motion is positive faces the sphere.
+    slopes, kind
+        Of facets that are ``seen`` the share of the slopes, in place of the slope along the motion;
+        of ``every`` one, the side that faces the sphere.
     """
     normal = np.empty(velocity.shape)
-    passes.normals(velocity, along, across, normal)
+    hits, told = hit_slopes(slopes).compiled, passes.FACETS.index(kind)
+    passes.normals(velocity, along, across, hits, told, normal)
     return normal
-
-
-def facet_frames(normal: FloatArray) -> FloatArray:
-    """Return right-handed frames of facets: rows t1, t2 and normal, shape (n, 3, 3)."""
-    frames = np.empty((len(normal), 3, 3))
-    _lay(normal, frames)
-    return frames
-
-
-@_jit
-def _lay(normal, frames):  # type: ignore[no-untyped-def]
-    for i in range(normal.shape[0]):
-        n0, n1, n2 = normal[i, 0], normal[i, 1], normal[i, 2]
-        size = 1.0 / math.sqrt(n0 * n0 + n2 * n2)
-        t0, t2 = n2 * size, -n0 * size
-        frames[i, 0, 0], frames[i, 0, 1], frames[i, 0, 2] = t0, 0.0, t2
-        frames[i, 1, 0], frames[i, 1, 1], frames[i, 1, 2] = n1 * t2, n2 * t0 - n0 * t2, -n1 * t0
-        frames[i, 2, 0], frames[i, 2, 1], frames[i, 2, 2] = n0, n1, n2
 
 
 def simulated(contact: Contact, n: int, law: NormalLaw | None = None) -> Strike:
@@ -323,18 +307,16 @@ def simulated(contact: Contact, n: int, law: NormalLaw | None = None) -> Strike:
     def strike(
         which: IntArray, velocity: FloatArray, spin: FloatArray, normal: FloatArray
     ) -> tuple[FloatArray, FloatArray, BoolArray]:
-        frames = facet_frames(normal)
-        outcome = spatial(
-            _of(contact, which, n),
-            np.einsum("mij,mj->mi", frames, velocity),
-            np.einsum("mij,mj->mi", frames, spin),
-            law=law,
-        )
-        return (
-            np.einsum("mij,mi->mj", frames, outcome.velocity),
-            np.einsum("mij,mi->mj", frames, outcome.spin),
-            np.asarray(outcome.captured),
-        )
+        own, speed = _of(contact, which, n), -np.vecdot(velocity, normal)
+        impact = law(own, speed) if law else normal_impact(own, speed)
+        e, friction = impact.coefficient_of_restitution, np.asarray(own.friction)
+        # Of a rigid body that friction has the same impulse; who stays rolls in the end.
+        support = impact.compressive_impulse / (own.mass * (1.0 + e) * speed)
+        same = np.where(impact.captured & (friction > 0.0), np.inf, friction * support)
+        radius = np.reshape(own.radius, (-1, 1))
+        after, turned = np.empty((2, *velocity.shape))
+        passes.rebounds(velocity, radius * spin, normal, e, same, after, turned)
+        return after, turned / radius, impact.captured
 
     return strike
 

@@ -289,14 +289,6 @@ def _normal(velocity, along, across):  # type: ignore[no-untyped-def]
     return size * (y * across - x * along), size * (-x * across - y * along), size
 
 
-@_jit
-def normals(velocity, along, across, normal):  # type: ignore[no-untyped-def]
-    """Write the normals of facets, (n, 3)."""
-    for i in range(velocity.shape[0]):
-        moving = velocity[i, 0], velocity[i, 1]
-        normal[i, 0], normal[i, 1], normal[i, 2] = _normal(moving, along[i], across[i])
-
-
 @_jit_inline
 def _hits(cell, slope, c, slopes):  # type: ignore[no-untyped-def]
     """Integral of c + x over the facets up to a slope within a cell."""
@@ -404,6 +396,15 @@ def _met(velocity, slope, sideways, slopes, guide, guided, facets):  # type: ign
     if facets == EVERY and into > 0.0:
         return (-normal[0], -normal[1], -normal[2]), -into
     return normal, into
+
+
+@_jit
+def normals(velocity, along, across, slopes, facets, normal):  # type: ignore[no-untyped-def]
+    """Write the normals of facets met, (n, 3); arguments as of `events`, of one contact."""
+    for i in range(velocity.shape[0]):
+        v = velocity[i, 0], velocity[i, 1], velocity[i, 2]
+        found, _ = _met(v, along[i], across[i], slopes, slopes[0], False, facets)
+        normal[i, 0], normal[i, 1], normal[i, 2] = found
 
 
 @_jit_inline
