@@ -24,9 +24,9 @@ from tests.shared import made_once
 from microimpact.core.tables import parse_table
 from microimpact.declared.parameters import build
 from microimpact.lab.contacts import DRAWN, calibrated_contact
-from microimpact.ledgers.claims import NUMBER_COLUMNS, verdicts
+from microimpact.ledgers.claims import verdicts
 from microimpact.studies.analyses.doe.factors import elasticities
-from microimpact.studies.claims import claim_numbers
+from microimpact.studies.claims import NUMBER_COLUMNS, claim_numbers
 from microimpact.studies.claims.claim_numbers import CLAIMS, NOT_COMPUTED, numbers_of
 
 # All rest on tables that take long to make.

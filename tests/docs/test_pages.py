@@ -11,8 +11,8 @@ from click.testing import CliRunner
 from tests.docs.blocks import ROOT
 
 from microimpact.cli import commands
-from microimpact.ledgers.claims import described
 from microimpact.ledgers.claims.criteria import read_claims
+from microimpact.ledgers.claims.judging import described
 from microimpact.report.documents import SUFFIX, Numbers, PageError, outdated, pages, renew
 
 FULL = ROOT / "tests/reference/full"

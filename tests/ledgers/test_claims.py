@@ -5,16 +5,10 @@ import pandas as pd
 import pytest
 
 from microimpact.declared.parameters import build
-from microimpact.ledgers.claims import (
-    COLUMNS,
-    NUMBER_COLUMNS,
-    LedgerError,
-    judge,
-    verdict,
-    verdicts,
-)
+from microimpact.ledgers.claims import COLUMNS, LedgerError, judge, verdict, verdicts
 from microimpact.ledgers.claims.criteria import Claim
 from microimpact.ledgers.claims.digitised import DigitisedCriteria, digitised_rows
+from microimpact.studies.claims import NUMBER_COLUMNS
 
 
 def claim(**changes):

@@ -18,7 +18,7 @@ from microimpact.core.materials import declared_file
 from microimpact.core.nearest import nearest
 from microimpact.core.tables import parse_table, read_table
 from microimpact.declared.parameters import build
-from microimpact.ledgers.claims import NUMBER_COLUMNS, in_words, verdicts
+from microimpact.ledgers.claims import in_words, verdicts
 from microimpact.ledgers.claims.criteria import Claim, read_claims
 from microimpact.ledgers.claims.shares import Share, shares
 from microimpact.ledgers.claims.words import article_value, by_quantity, readable
@@ -26,6 +26,7 @@ from microimpact.report.check.results import ResultsError
 from microimpact.report.site.record import read_record
 from microimpact.run.inputs import study_rows
 from microimpact.run.study import Made
+from microimpact.studies.claims import NUMBER_COLUMNS
 from microimpact.studies.claims.claim_numbers import CLAIMS, Params, numbers_of, part
 from microimpact.studies.claims.claim_numbers.draws import COLUMNS as DRAW_COLUMNS
 

@@ -115,11 +115,7 @@ def write_stamp(
         "started": started.isoformat(),
         "ended": ended and ended.isoformat(),
         "outdated": list(outdated),
-        "git": git_state(Path(project)),
-        "python": platform.python_version(),
-        "platform": f"{platform.system()} {platform.machine()}",
-        "packages": package_versions(),
-        "seed": plain(config.get("seed")),
+        **origin(config, project),
         "overrides": {one.key: one.overrides for one in declared if one.overrides},
         "config": config,
     }
@@ -134,15 +130,21 @@ def run_date() -> datetime:
     return datetime.now(UTC).replace(microsecond=0)
 
 
-def package_versions() -> dict[str, str | None]:
-    """Return the versions of the packages that decide numbers and pictures."""
-    found: dict[str, str | None] = {}
+def origin(config: Mapping[str, Any], project: Path | str) -> dict[str, Any]:
+    """Return commit, seed, and the versions of all that decides numbers and pictures."""
+    packages: dict[str, str | None] = {}
     for name in PACKAGES:
         try:
-            found[name] = version(name)
+            packages[name] = version(name)
         except PackageNotFoundError:
-            found[name] = None
-    return found
+            packages[name] = None
+    return {
+        "git": git_state(Path(project)),
+        "python": platform.python_version(),
+        "platform": f"{platform.system()} {platform.machine()}",
+        "packages": packages,
+        "seed": plain(config.get("seed")),
+    }
 
 
 def git_state(project: Path) -> dict[str, str | bool | None]:

@@ -23,42 +23,14 @@ from microimpact.ledgers.claims.judging import (
     place,
 )
 from microimpact.ledgers.claims.shares import Share, shares
-from microimpact.studies.claims import NUMBER_COLUMNS
-
-__all__ = [
-    "CHANGED",
-    "COLUMNS",
-    "NUMBER_COLUMNS",
-    "LedgerError",
-    "described",
-    "judge",
-    "verdict",
-    "verdicts",
-]
 
 # Begins what a note tells of a part that was changed.
 CHANGED = "Changed after first judging"
 
 COLUMNS = (
-    "id",
-    "where",
-    "statement",
-    "kind",
-    "criterion",
-    "article_value",
-    "computed_value",
-    "unit",
-    "verdict",
-    "margin",
-    "share",
-    "decided_by",
-    "independent",
-    "evidence",
-    "figures",
-    "code",
-    "inputs",
-    "reason",
-    "note",
+    *("id", "where", "statement", "kind", "criterion", "article_value", "computed_value"),
+    *("unit", "verdict", "margin", "share", "decided_by", "independent", "evidence"),
+    *("figures", "code", "inputs", "reason", "note"),
 )
 
 NO_SHARES: Mapping[str, Share] = {}
@@ -71,9 +43,9 @@ class LedgerError(ValueError):
 def judge(tables: Mapping[str, pd.DataFrame], criteria: Path | str) -> pd.DataFrame:
     """Return the verdict on every claim of a file, from tables of numbers.
 
-    `tables`: ``claim_numbers``, with `NUMBER_COLUMNS`; ``claim_draws`` and ``admissible_contacts``,
-    for the shares; ``external_evidence``; and ``digitised_residuals``, whose series of digitised
-    points have rows after the claims.
+    `tables`: ``claim_numbers``; ``claim_draws`` and ``admissible_contacts``, for the shares;
+    ``external_evidence``; and ``digitised_residuals``, whose series of digitised points have rows
+    after the claims.
     """
     read = read_claims(criteria)
     drawn = shares(read, tables["claim_draws"], tables["admissible_contacts"])

@@ -10,7 +10,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -19,11 +18,10 @@ from typing import Any
 from microimpact.core.files import write_file
 from microimpact.core.materials import declared_file
 from microimpact.declared.documents import load
-from microimpact.declared.provenance import plain
 from microimpact.figures.registry import filled
 from microimpact.report.check.results import ResultsError, built, read_json
 from microimpact.run.config import read_configuration, validate
-from microimpact.run.stamp import Change, changes, git_state, package_versions
+from microimpact.run.stamp import Change, changes, origin
 
 RECORD = "report/record.json"
 STAMP = "run.json"
@@ -79,17 +77,8 @@ def record_of(
     `figures`: the registry, words filled in; `rules`: all rules that make results; `project`: root
     of the project, whose commit is recorded.
     """
-    seed: int = plain(config["seed"])
-    return Record(
-        seed=seed,
-        git=git_state(project),
-        python=platform.python_version(),
-        platform=f"{platform.system()} {platform.machine()}",
-        packages=package_versions(),
-        changes=changes(config, shipped),
-        figures=figures,
-        rules=tuple(rules),
-    )
+    found = changes(config, shipped)
+    return Record(**origin(config, project), changes=found, figures=figures, rules=tuple(rules))
 
 
 def row_names(rows: Mapping[str, str] | None) -> dict[str, tuple[str, ...]]:

@@ -16,21 +16,8 @@ COMPARED = ("computed", "calibrated", "virtual experiment")
 # Half the length of a bar, an interval of 95 %, in standard uncertainties.
 COVERAGE_FACTOR = 2.0
 COLUMNS = (
-    "figure",
-    "panel",
-    "points",
-    "points_evidence",
-    "series",
-    "named",
-    "evidence",
-    "unit",
-    "n",
-    "beyond",
-    "bias",
-    "rms_difference",
-    "bars",
-    "within_bars",
-    "normalised_rms",
+    *("figure", "panel", "points", "points_evidence", "series", "named", "evidence", "unit"),
+    *("n", "beyond", "bias", "rms_difference", "bars", "within_bars", "normalised_rms"),
 )
 
 

@@ -125,17 +125,8 @@ STEPS = 2000
 OFF = 1e-6
 
 RANGE_COLUMNS = [
-    "equation",
-    "quantity",
-    "form",
-    "spin_ratio",
-    "criterion",
-    "variable",
-    "fixed_deg",
-    "low_deg",
-    "high_deg",
-    "low_is_limit",
-    "high_is_limit",
+    *("equation", "quantity", "form", "spin_ratio", "criterion", "variable", "fixed_deg"),
+    *("low_deg", "high_deg", "low_is_limit", "high_is_limit"),
 ]
 Found = tuple[float, float, bool, bool]
 NOWHERE: Found = (np.nan, np.nan, False, False)
