@@ -63,8 +63,10 @@ class Columns:
     def __len__(self) -> int:
         return len(getattr(self, next(iter(self.__dataclass_fields__))))
 
-    def select(self, which: slice | npt.NDArray[np.integer] | BoolArray) -> Self:
-        """Return some of the events, or all in another order."""
+    def select(
+        self, which: slice | npt.NDArray[np.integer] | BoolArray | tuple[slice, None]
+    ) -> Self:
+        """Return some of the events, all in another order, or with a further axis."""
         return type(self)(**{k: getattr(self, k)[which] for k in self.__dataclass_fields__})
 
     @classmethod

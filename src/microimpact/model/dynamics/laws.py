@@ -17,12 +17,11 @@ places where the contact closes, turns and breaks: only the times are quadrature
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Final
+from dataclasses import dataclass
 
 import numpy as np
 
-from microimpact.core.arrays import BoolArray, FloatArray, Real, common_shape
+from microimpact.core.arrays import BoolArray, Columns, FloatArray, Real, common_shape
 from microimpact.core.solve import roots
 from microimpact.model.contact import Contact
 from microimpact.model.contact_laws import JKR, Hysteresis, ThorntonNing
@@ -38,11 +37,8 @@ LARGEST_DRAG = 1e3
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
 _SINE, _COSINE = np.sin(0.25 * np.pi * (_NODES + 1.0)), np.cos(0.25 * np.pi * (_NODES + 1.0))
 _WEIGHTS = 0.25 * np.pi * _WEIGHTS * _COSINE
-
-
-# Some impacts of many, or all of them with an axis for nodes.
-Place = BoolArray | tuple[slice, None]
-COLUMN: Final = (slice(None), None)
+# All of many impacts, with an axis for nodes.
+COLUMN = (slice(None), None)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -55,7 +51,7 @@ class Units:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Problem:
+class Problem(Columns):
     """Impacts in scaled form, every field (n,)."""
 
     speed: FloatArray  # Of approach, 1 or less
@@ -178,7 +174,7 @@ def _followed(*columns: FloatArray) -> FloatArray:
 
 
 @dataclass(frozen=True, slots=True)
-class _Loading:
+class _Loading(Columns):
     """Loading of scaled contacts: JKR, and plastic from the yield pressure in the middle on.
 
     Beyond, ``dF/ds = 4 p s^3 - 6 b s^2`` (Thornton and Ning 1998); force and stiffness do not jump.
@@ -204,10 +200,6 @@ class _Loading:
             finite,
         )
         return cls(b, np.where(soft, pressure, 0.0), np.cbrt(4.0 * b), yields)
-
-    def take(self, place: Place) -> _Loading:
-        fields = (self.b, self.pressure, self.closed, self.yields)
-        return _Loading(*(field[place] for field in fields))
 
     @property
     def _offset(self) -> FloatArray:
@@ -248,7 +240,7 @@ class _Loading:
         place = np.cbrt(6.0 * self.b)
         early = place > self.yields
         if np.any(early):
-            some = self.take(early)
+            some = self.select(early)
             shares = some.b, some.pressure, some.closed, some.yields
             place[early] = roots(
                 lambda s, *a: _Loading(*a).force(s), some.closed, deepest[early], *shares
@@ -257,7 +249,7 @@ class _Loading:
 
 
 @dataclass(frozen=True, slots=True)
-class _Unloading:
+class _Unloading(Columns):
     """Unloading from s: at constant radius while adhesion grows, then JKR, to the break."""
 
     b: FloatArray
@@ -272,10 +264,6 @@ class _Unloading:
         flattening = top**6 / (at_top + 6.0 * b * top**3)
         back = at_top - 3.0 * (opening - b) * top**3  # mean force at constant radius
         return cls(opening, top, at_top, flattening, back * 4.0 * (opening - b) * top)
-
-    def take(self, place: Place) -> _Unloading:
-        fields = (self.b, self.top, self.first_force, self.flattening, self.pinned)
-        return _Unloading(*(field[place] for field in fields))
 
     @property
     def end(self) -> FloatArray:
@@ -307,7 +295,7 @@ def _quasi_static(problem: Problem) -> Outcome:
     turning_time = _loading_time(loading, v, top)
     back = np.full(v.shape, np.inf)
     gone = ~captured
-    back[gone] = _unloading_time(unloading.take(gone), end[gone])
+    back[gone] = _unloading_time(unloading.select(gone), end[gone])
     plastic = energy(loading.closed, b) + loading.work(top) - energy(top, b, unloading.flattening)
     bulk = np.where(top > loading.yields, plastic, 0.0)
     return Outcome(
@@ -327,7 +315,7 @@ def _loading_time(loading: _Loading, v: FloatArray, top: FloatArray) -> FloatArr
     """Time from touch to the turning point."""
     middle = np.clip(loading.yields, loading.closed, top)
     total = np.zeros_like(v)
-    wide = loading.take(COLUMN)
+    wide = loading.select(COLUMN)
     for first, last in ((loading.closed, middle), (middle, top)):
         if not np.any(last > first):
             continue
@@ -345,7 +333,7 @@ def _unloading_time(unloading: _Unloading, end: FloatArray) -> FloatArray:
     at_end = top**3 * (top**3 / unloading.flattening - 6.0 * b)  # force after constant radius
     held = np.arccos(np.clip(at_end / unloading.first_force, -1.0, 1.0)) / (np.sqrt(1.5) * top)
     s = end[:, None] + (top - end)[:, None] * _SINE
-    wide = unloading.take(COLUMN)
+    wide = unloading.select(COLUMN)
     speed = np.sqrt(2.0 * np.maximum(wide.regained(s), 1e-300))
     step = 4.0 * (s**3 / wide.flattening - wide.b) / speed * _WEIGHTS
     return np.asarray(held + (top - end) * np.sum(step, axis=1))
@@ -356,13 +344,7 @@ def capture_speed(contact: Contact) -> FloatArray:
     problem, units, shape = scaled(contact, 0.0)
     found = np.zeros(problem.speed.shape)
     adhesive = problem.opening > 0.0
-    some = replace(
-        problem,
-        **{
-            name: getattr(problem, name)[adhesive]
-            for name in ("speed", "closing", "opening", "pressure", "drag")
-        },
-    )
+    some = problem.select(adhesive)
     found[adhesive] = _backwards(some) if np.any(problem.drag > 0.0) else _stops_at_the_break(some)
     return np.asarray((found * units.speed).reshape(shape)[()])
 
