@@ -7,9 +7,11 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from microimpact.lab.dispenser import Dispenser
+from microimpact.model import passes
 
 # A needle that lets spheres fall straight down from rest, and one like the declared.
 STILL = Dispenser(
@@ -41,3 +43,10 @@ def made_once(folders: pytest.TempPathFactory, name: str, make: Callable[[Path],
             make(place)
             finished.touch()
     return place
+
+
+def facet_rebound(velocity, spin_speed, normal, e, friction):
+    """Velocity and r omega (n, 3), m/s, after rebounds of rigid spheres from facets."""
+    after, turned = np.empty_like(velocity), np.empty_like(velocity)
+    passes.rebounds(velocity, spin_speed, normal, e, friction, after, turned)
+    return after, turned

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from tests.shared import facet_rebound
 
 from microimpact.declared.parameters import build
 from microimpact.lab.samples import Sampling
-from microimpact.model.rigid_body.facets import facet_rebound
 from microimpact.studies.experiments.mechanisms import Params
 from microimpact.studies.experiments.mechanisms.slope import pair_rows
 

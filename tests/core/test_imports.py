@@ -45,7 +45,7 @@ def test_the_watch_sees_what_is_loaded():
 
 
 def test_the_compiler_waits_for_the_first_call():
-    modules = ("dynamics.kernel", "passes", "rigid_body.facets", "dynamics.impact")
+    modules = ("dynamics.kernel", "passes", "dynamics.impact")
     code = "import " + ", ".join(f"microimpact.model.{module}" for module in modules)
     assert loaded_after(code, "numba", "llvmlite") == set()
 

@@ -15,7 +15,7 @@ import pandas as pd
 import pytest
 from pydantic import ValidationError
 from scipy import integrate, special, stats
-from tests.shared import STILL
+from tests.shared import STILL, facet_rebound
 
 from microimpact.declared.parameters import build, explain
 from microimpact.lab.dispenser import NO_SPIN
@@ -23,7 +23,6 @@ from microimpact.lab.experiment import Drop, Target
 from microimpact.lab.surface import LABORATORY, Rules, facet_normals, rough
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import simulate
-from microimpact.model.rigid_body.facets import facet_rebound
 from microimpact.model.rigid_body.roughness import rough_rebound
 from microimpact.run.config import read_configuration, validate
 from microimpact.statistics.distributions import (

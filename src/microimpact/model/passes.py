@@ -349,7 +349,7 @@ def hit_slopes(u, c, slopes, found):  # type: ignore[no-untyped-def]
 
 @_jit_inline
 def _rebound(velocity, turn, normal, into, e, friction):  # type: ignore[no-untyped-def]
-    """Return velocity and r omega after a rigid body's rebound, see `rigid_body.facets`."""
+    """Return velocity and r omega after a rigid body's rebound, Eqs. (6)-(8), (11)-(13)."""
     vx, vy, vz = velocity
     wx, wy, wz = turn
     nx, ny, nz = normal
