@@ -350,9 +350,9 @@ SLIPS = (
     ),
     Mutant(
         "facets hit whatever they face",
-        f"{LAB}/surface.py",
-        '    if surface.rules.facets == "seen":',
-        '    if surface.rules.facets == "every":',
+        f"{MODEL}/passes.py",
+        "    if facets == SEEN:",
+        "    if facets == EVERY:",
         ("lab/test_surface",),
     ),
     Mutant(

@@ -14,6 +14,8 @@ from microimpact.core.materials import Material
 from microimpact.lab.events import Impacts
 from microimpact.lab.experiment import Target
 from microimpact.lab.pdpa import analyser as pdpa
+from microimpact.lab.ptis.errors import theory
+from microimpact.lab.ptis.system import ImagingSystem, Setup, Systematics
 from microimpact.lab.surface import rigid_sums, rough
 from microimpact.model.contact import Contact
 from microimpact.model.contact_laws import JKR
@@ -28,6 +30,9 @@ PAIR: Any = {"particle": BODY, "surface": BODY, "diameter": 5e-5}
 CONTACT = Contact(**PAIR, work_of_adhesion=0.1, hertz_damping=0.01, adhesion_damping=1.0)
 # All that passages through the probe volume take of an analyser.
 ANALYSER: Any = SimpleNamespace(probe_across_um=100.0, probe_along_um=100.0)
+IMAGING: Any = SimpleNamespace(
+    **dict.fromkeys(ImagingSystem.__dataclass_fields__, 1.0) | {"frame_px": (64, 64)}
+)
 
 
 def main() -> None:
@@ -38,6 +43,8 @@ def main() -> None:
     target.hit(impacts.diameter, impacts.velocity, impacts.spin, rng)
     pdpa.passages(impacts, 1e-3, ANALYSER)
     pdpa.through_probe(impacts.position, impacts.velocity, 1e-3, ANALYSER)
+    setup = Setup(instrument=IMAGING, angle=60.0, speed=SPEED, diameter=6e-5)
+    theory(impacts, setup, Systematics(), [rng] * 8)
 
 
 def _use_model() -> None:

@@ -14,11 +14,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 from numpy.random import Generator
 from numpy.typing import NDArray
 
 from microimpact.core.arrays import BoolArray, Columns, FloatArray
+from microimpact.core.compiled import jit
 from microimpact.lab.events import Impacts, IntArray
 from microimpact.lab.ptis.exposure import (
     INCIDENT,
@@ -56,6 +56,8 @@ JOINED_PX = 2.0
 CENTROID_NOISE = 1.15
 # Points of each dash between which distances are taken.
 POINTS = 5
+
+_jit = jit()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -177,38 +179,59 @@ def _alone(
 
     As in `sort_legs`, spots that touch the surface do not count.
     """
-    pairs, m = _near(event, path, edge), len(event)
-    graph = scipy.sparse.coo_array((np.ones(len(pairs[0])), pairs), shape=(m, m))
-    n, spot = scipy.sparse.csgraph.connected_components(graph, directed=False)
-    whole = np.bincount(spot, light, minlength=n)
-    centre = np.bincount(spot, light * height.mean(axis=1), minlength=n) / whole
-    bottom, owner = np.full(n, np.inf), np.zeros(n, dtype=np.int64)
-    np.minimum.at(bottom, spot, height.min(axis=1) - edge)
-    owner[spot] = event
-    clear = bottom > SURFACE_PX
-    merged = clear & (whole > SINGLE)
-    crowded = np.full(event.max(initial=0) + 1, -np.inf)
-    np.maximum.at(crowded, owner[merged], centre[merged])
-    alone: BoolArray = (clear & ~merged)[spot] & (height.mean(axis=1) > crowded[event])
+    alone = np.empty(len(event), dtype=np.bool_)
+    ends = np.flatnonzero(np.diff(event, append=-1)) + 1
+    middle = path[:, POINTS // 2]
+    # No point of a dash is farther from its middle one than its reach.
+    reach = np.linalg.norm(path - middle[:, None], axis=2).max(axis=1) + edge
+    lowest = height.min(axis=1) - edge
+    _sort(ends, path, reach, edge, light, height.mean(axis=1), lowest, alone)
     return alone
 
 
-def _near(event: IntArray, path: FloatArray, edge: FloatArray) -> tuple[IntArray, IntArray]:
-    """Return the pairs of dashes of one event whose light runs together."""
-    later = np.searchsorted(event, event, side="right") - np.arange(len(event)) - 1
-    first = np.repeat(np.arange(len(event)), later)
-    within = np.arange(later.sum()) - np.repeat(np.cumsum(later) - later, later)
-    second = first + 1 + within
-    joined = edge[first] + edge[second] + JOINED_PX
-    # No point of a dash is farther from its middle one than its reach: most pairs drop out here.
-    middle = path[:, POINTS // 2]
-    reach = np.linalg.norm(path - middle[:, None], axis=2).max(axis=1)
-    apart = np.linalg.norm(middle[first] - middle[second], axis=1)
-    close = apart < joined + reach[first] + reach[second]
-    first, second, joined = first[close], second[close], joined[close]
-    gap = path[first][:, :, None] - path[second][:, None]
-    near = np.hypot(gap[..., 0], gap[..., 1]).min(axis=(1, 2)) < joined
-    return first[near], second[near]
+@_jit
+def _sort(ends, path, reach, edge, light, level, lowest, alone):  # type: ignore[no-untyped-def]
+    """Write which dashes are `_alone`; those of an event end where those of the next begin."""
+    spot = np.arange(alone.size)  # by the number of its first dash
+    whole, centre, bottom = np.zeros((3, alone.size))
+    begin = 0
+    for end in ends:
+        for i in range(begin, end):
+            for j in range(i + 1, end):
+                if spot[i] != spot[j] and _together(i, j, path, reach, edge):
+                    first, other = min(spot[i], spot[j]), max(spot[i], spot[j])
+                    for k in range(begin, end):
+                        if spot[k] == other:
+                            spot[k] = first
+        crowded = -np.inf
+        for i in range(begin, end):
+            own = spot[i]
+            whole[own] += light[i]
+            centre[own] += light[i] * level[i]
+            bottom[own] = min(bottom[own], lowest[i]) if own < i else lowest[i]
+        for i in range(begin, end):
+            if spot[i] == i and bottom[i] > SURFACE_PX and whole[i] > SINGLE:
+                crowded = max(crowded, centre[i] / whole[i])
+        for i in range(begin, end):
+            own = spot[i]
+            single = bottom[own] > SURFACE_PX and not whole[own] > SINGLE
+            alone[i] = single and level[i] > crowded
+        begin = end
+
+
+@_jit
+def _together(i, j, path, reach, edge):  # type: ignore[no-untyped-def]
+    """Tell whether the light of two dashes runs together."""
+    middle = POINTS // 2
+    x, y = path[i, middle, 0] - path[j, middle, 0], path[i, middle, 1] - path[j, middle, 1]
+    if x * x + y * y > (reach[i] + reach[j] + JOINED_PX) ** 2:
+        return False
+    least = np.inf
+    for a in range(POINTS):
+        for b in range(POINTS):
+            x, y = path[i, a, 0] - path[j, b, 0], path[i, a, 1] - path[j, b, 1]
+            least = min(least, x * x + y * y)
+    return least < (edge[i] + edge[j] + JOINED_PX) ** 2
 
 
 def longest_rows(dashes: Dashes, leg: int) -> Rows:

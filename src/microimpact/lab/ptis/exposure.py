@@ -13,12 +13,15 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.compiled import jit
 from microimpact.core.constants import gravity
 from microimpact.lab.events import Impacts, IntArray
 from microimpact.lab.ptis.system import Setup, Systematics
 
 INCIDENT, REBOUND, LATER = 0, 1, 2
 LEGS = 3
+
+_jit = jit()
 
 # What becomes of an impact.
 MEASURED = "measured"
@@ -175,30 +178,75 @@ def exposures(
     opening = pulse / rate
     closing = opening + instrument.duty / rate
     path = flights(impacts, setup)
-    first, last = (time.reshape(-1, 1, LEGS) for time in (path.begin, path.end))
-    lit = np.maximum(opening[..., None], first) < np.minimum(closing[..., None], last)
-    event, number, leg = np.nonzero(lit)
-    opens, closes = opening[event, number], closing[event, number]
-    leg = LEGS * event + leg
-    begins, ends = np.maximum(opens, path.begin[leg]), np.minimum(closes, path.end[leg])
     entry, leaving = _in_sheet(path, 0.5e-3 * instrument.sheet_thickness_mm)
-    start, end = np.maximum(begins, entry[leg]), np.minimum(ends, leaving[leg])
-    spot = 0.5 * impacts.diameter[event] / setup.pixel + 1.5 * instrument.blur_px
+    spot = 0.5 * impacts.diameter / setup.pixel + 1.5 * instrument.blur_px
+    # A leg ends within one pulse at most.
+    most = opening.shape[0] * (opening.shape[1] + LEGS - 1)
+    leg, times, told = (
+        np.empty(most, dtype=np.int64),
+        np.empty((2, most)),
+        np.empty((4, most), bool),
+    )
+    legs = path.begin, path.end, entry, leaving, path.start, path.origin, path.velocity
+    view = setup.imaging(errors), instrument.frame_px, spot
+    pulses = opening, closing, begin, exposure
+    lit = slice(_lit(pulses, legs, path.gravity, view, leg, *times, told))
+    start, end = times[:, lit]
+    whole, in_sheet, in_view, in_field = told[:, lit]
     return Exposure(
-        leg=leg,
+        leg=leg[lit],
         start=start,
         end=end,
-        whole=(begins == opens) & (ends == closes),
-        in_sheet=(start == begins) & (end == ends),
-        in_view=np.all(
-            [_inside(setup, errors, path.at(leg, t), spot) for t in (start, end)], axis=0
-        ),
-        in_field=(opens >= begin[event]) & (closes <= begin[event] + exposure),
+        whole=whole,
+        in_sheet=in_sheet,
+        in_view=in_view,
+        in_field=in_field,
         field=(begin, begin + exposure),
         peak=peak - instrument.background_counts,
         diameter=impacts.diameter,
         flight=path,
     )
+
+
+@_jit
+def _lit(pulses, legs, pull, view, leg, start, end, told):  # type: ignore[no-untyped-def]
+    """Write what pulses (n, m) light, as fields of an `Exposure`; return how many pieces."""
+    opening, closing, field, exposure = pulses
+    begin, last, entry, leaving, since, origin, velocity = legs
+    imaging, frame, margin = view
+    piece = 0
+    for event in range(opening.shape[0]):
+        close = field[event] + exposure
+        for pulse in range(opening.shape[1]):
+            opens, closes = opening[event, pulse], closing[event, pulse]
+            for own in range(LEGS * event, LEGS * (event + 1)):
+                first, final = max(opens, begin[own]), min(closes, last[own])
+                if not first < final:
+                    continue
+                start[piece], end[piece] = max(first, entry[own]), min(final, leaving[own])
+                leg[piece] = own
+                inside = True
+                for time in (start[piece], end[piece]):
+                    t = time - since[own]
+                    x = velocity[own, 0] * t + origin[own, 0] + 0.5 * pull[0] * t * t
+                    z = velocity[own, 2] * t + origin[own, 2] + 0.5 * pull[2] * t * t
+                    inside &= _inside(x, z, imaging, frame, margin[event])
+                told[0, piece] = first == opens and final == closes
+                told[1, piece] = start[piece] == first and end[piece] == final
+                told[2, piece] = inside
+                told[3, piece] = opens >= field[event] and closes <= close
+                piece += 1
+    return piece
+
+
+@_jit
+def _inside(x, z, imaging, frame, margin):  # type: ignore[no-untyped-def]
+    """Tell whether the image of a place lies inside the frame; as `Setup.columns_rows`."""
+    across, down, sine, cosine, pixel = imaging
+    column = across + (x * sine + z * cosine) / pixel
+    row = down + (x * cosine - z * sine) / pixel
+    in_columns = margin <= column <= frame[0] - 1 - margin
+    return in_columns and margin <= row <= frame[1] - 1 - margin
 
 
 def _in_sheet(path: Flight, half: float) -> tuple[FloatArray, FloatArray]:
@@ -210,15 +258,6 @@ def _in_sheet(path: Flight, half: float) -> tuple[FloatArray, FloatArray]:
     entry = np.where(speed == 0.0, never, path.start + crossings[0])
     leaving = np.where(speed == 0.0, np.inf, path.start + crossings[1])
     return np.clip(entry, path.begin, path.end), np.clip(leaving, path.begin, path.end)
-
-
-def _inside(
-    setup: Setup, errors: Systematics, position: FloatArray, margin: FloatArray
-) -> BoolArray:
-    place, margin = setup.columns_rows(position, errors), margin[:, None]
-    size = np.asarray(setup.instrument.frame_px)
-    inside: BoolArray = np.all((place >= margin) & (place <= size - 1 - margin), axis=-1)
-    return inside
 
 
 def unseen(exposure: Exposure, setup: Setup) -> NDArray[np.object_]:

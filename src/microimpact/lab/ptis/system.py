@@ -158,14 +158,18 @@ class Setup:
         alpha = np.radians(self.angle)
         return gravity * np.array([np.cos(alpha), 0.0, -np.sin(alpha)])
 
+    def imaging(self, errors: Systematics) -> tuple[float, ...]:
+        """Return where the origin is imaged, sine and cosine of the angle, and the pixel, m."""
+        alpha = np.radians(self.angle - errors.angle_deg)
+        pixel = self.pixel * (1.0 + errors.scale)
+        return *self.centre.tolist(), float(np.sin(alpha)), float(np.cos(alpha)), pixel
+
     def columns_rows(self, position: FloatArray, errors: Systematics) -> FloatArray:
         """Return where points (..., 3) of the target's frame are imaged: (..., 2), pixels."""
-        alpha = np.radians(self.angle - errors.angle_deg)
+        column, row, sine, cosine, pixel = self.imaging(errors)
         x, z = position[..., 0], position[..., 2]
-        across = x * np.sin(alpha) + z * np.cos(alpha)
-        down = x * np.cos(alpha) - z * np.sin(alpha)
-        pixel = self.pixel * (1.0 + errors.scale)
-        return self.centre + np.stack([across, down], axis=-1) / pixel
+        across, down = x * sine + z * cosine, x * cosine - z * sine
+        return np.stack([column + across / pixel, row + down / pixel], axis=-1)
 
     def height(self, place: FloatArray) -> FloatArray:
         """Return the height above the nominal surface line, px, of columns and rows (..., 2)."""
