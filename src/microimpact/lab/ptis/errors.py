@@ -196,13 +196,7 @@ def _sort(ends, path, reach, edge, light, level, lowest, alone):  # type: ignore
     whole, centre, bottom = np.zeros((3, alone.size))
     begin = 0
     for end in ends:
-        for i in range(begin, end):
-            for j in range(i + 1, end):
-                if spot[i] != spot[j] and _together(i, j, path, reach, edge):
-                    first, other = min(spot[i], spot[j]), max(spot[i], spot[j])
-                    for k in range(begin, end):
-                        if spot[k] == other:
-                            spot[k] = first
+        _join(spot[begin:end], begin, path, reach, edge)
         crowded = -np.inf
         for i in range(begin, end):
             own = spot[i]
@@ -210,13 +204,26 @@ def _sort(ends, path, reach, edge, light, level, lowest, alone):  # type: ignore
             centre[own] += light[i] * level[i]
             bottom[own] = min(bottom[own], lowest[i]) if own < i else lowest[i]
         for i in range(begin, end):
-            if spot[i] == i and bottom[i] > SURFACE_PX and whole[i] > SINGLE:
-                crowded = max(crowded, centre[i] / whole[i])
+            own = spot[i]
+            if bottom[own] > SURFACE_PX and whole[own] > SINGLE:
+                crowded = max(crowded, centre[own] / whole[own])
         for i in range(begin, end):
             own = spot[i]
             single = bottom[own] > SURFACE_PX and not whole[own] > SINGLE
             alone[i] = single and level[i] > crowded
         begin = end
+
+
+@_jit
+def _join(spot, begin, path, reach, edge):  # type: ignore[no-untyped-def]
+    """Give the dashes of an event that run together, from ``begin`` on, the number of the first."""
+    for i in range(spot.size):
+        for j in range(i + 1, spot.size):
+            first, other = min(spot[i], spot[j]), max(spot[i], spot[j])
+            if first < other and _together(begin + i, begin + j, path, reach, edge):
+                for k in range(spot.size):
+                    if spot[k] == other:
+                        spot[k] = first
 
 
 @_jit
