@@ -38,16 +38,17 @@ LANES = 32
 TOLERANCE = 1e-14
 MAX_STEPS = 2_000_000
 
-# The expansion is done in three parts, each with sums of one length; the rows of zeros in front of
-# every series take up the difference.
-THIRD = -(-ORDER // 3)
-PAD = THIRD - 1
+# The expansion, of even order, is done in five parts, each with sums of one length; the rows of
+# zeros in front of every series take up the difference.
+PART = 2 * -(-ORDER // 10)
+PAD = PART - 1
 
 # Depth of the well, relative to the energy of approach, in which a rebound may stop short of s = 0.
 NOTHING_LEFT = 1e-30
 
-# Newton's last correction, relative: the error that it leaves is about its square.
-ROOT_TOLERANCE = 1e-9
+# Newton's last correction, relative: the error that it leaves is about its square. Where the force
+# changes its sign u has an extremum, whose value takes no more than the square of that error.
+ROOT_TOLERANCE, BALANCE_TOLERANCE = 1e-9, 1e-6
 
 # Columns of a problem: start of the first leg, strength of adhesion, damping groups of both legs.
 # An impact with ALWAYS_CAPTURED (no speed rebounds) is followed to the turning point only.
@@ -101,32 +102,44 @@ _jit_contract = jit(fastmath={"contract", "nsz"})
 def _coefficients(first, stop, beta, damping_h, damping_a, s, u, p, m):  # type: ignore[no-untyped-def]
     """Coefficients ``first`` to ``stop`` of p and m and the next ones of s and u, every lane.
 
+    Two at a time: both sums take the same numbers from memory, which is what the time goes into.
     Every sum has as many terms as the longest, a number known to the compiler; the rows of zeros
     in front of each series make the surplus vanish. Squares are summed from the middle outwards.
     """
-    for k in range(first, stop):
+    for k in range(first, stop, 2):
         row, middle = PAD + k, PAD + k // 2
-        below, above = PAD + (k - 1) // 2, PAD + k // 2 + 1
-        even, inverse = 1.0 - k % 2, 1.0 / (k + 1)
+        inverse, second = 1.0 / (k + 1), 1.0 / (k + 2)
         for lane in range(LANES):
-            half = 0.0
-            for j in range(stop // 2):
-                half += s[below - j, lane] * s[above + j, lane]
-            p[row, lane] = 2.0 * half + even * s[middle, lane] * s[middle, lane]
-        for lane in range(LANES):
-            half = 0.0
-            for j in range(stop // 2):
-                half += p[below - j, lane] * p[above + j, lane]
-            square = 2.0 * half + even * p[middle, lane] * p[middle, lane]
-            pull = beta[lane] * p[row, lane]
-            m[k, lane] = damping_a[lane] * pull + damping_h[lane] * square
             s[row + 1, lane] = 0.5 * inverse * u[row, lane]
-            u[row + 1, lane] = pull - square
         for lane in range(LANES):
-            damping = 0.0
+            even = odd = 0.0
+            for j in range(stop // 2 - 1):
+                even += s[middle - 1 - j, lane] * s[middle + 1 + j, lane]
+            for j in range(stop // 2):
+                odd += s[middle - j, lane] * s[middle + 1 + j, lane]
+            p[row, lane] = 2.0 * even + s[middle, lane] * s[middle, lane]
+            p[row + 1, lane] = 2.0 * odd
+        for lane in range(LANES):
+            even = odd = 0.0
+            for j in range(stop // 2 - 1):
+                even += p[middle - 1 - j, lane] * p[middle + 1 + j, lane]
+            for j in range(stop // 2):
+                odd += p[middle - j, lane] * p[middle + 1 + j, lane]
+            even, odd = 2.0 * even + p[middle, lane] * p[middle, lane], 2.0 * odd
+            pull, next_pull = beta[lane] * p[row, lane], beta[lane] * p[row + 1, lane]
+            m[k, lane] = damping_a[lane] * pull + damping_h[lane] * even
+            m[k + 1, lane] = damping_a[lane] * next_pull + damping_h[lane] * odd
+            u[row + 1, lane] = pull - even
+            u[row + 2, lane] = next_pull - odd
+        for lane in range(LANES):
+            even = odd = 0.0
             for j in range(stop):
-                damping += m[j, lane] * u[row - j, lane]
-            u[row + 1, lane] = inverse * (u[row + 1, lane] - damping)
+                even += m[j, lane] * u[row - j, lane]
+                odd += m[j + 1, lane] * u[row - j, lane]
+            even = inverse * (u[row + 1, lane] - even)
+            u[row + 1, lane] = even
+            s[row + 2, lane] = 0.5 * second * even
+            u[row + 2, lane] = second * (u[row + 2, lane] - odd - m[0, lane] * even)
 
 
 @_jit
@@ -143,9 +156,11 @@ def _expand(beta, damping_h, damping_a, s, u, p, m):  # type: ignore[no-untyped-
     """Taylor coefficients of s and u from their values in row PAD (p = s^2, m = damping)."""
     if not (s.shape[1] == u.shape[1] == p.shape[1] == m.shape[1] == LANES):
         return  # never: gives the compiler the distance of rows
-    _coefficients(0, THIRD, beta, damping_h, damping_a, s, u, p, m)
-    _coefficients(THIRD, 2 * THIRD, beta, damping_h, damping_a, s, u, p, m)
-    _coefficients(2 * THIRD, ORDER, beta, damping_h, damping_a, s, u, p, m)
+    _coefficients(0, PART, beta, damping_h, damping_a, s, u, p, m)
+    _coefficients(PART, 2 * PART, beta, damping_h, damping_a, s, u, p, m)
+    _coefficients(2 * PART, 3 * PART, beta, damping_h, damping_a, s, u, p, m)
+    _coefficients(3 * PART, min(4 * PART, ORDER), beta, damping_h, damping_a, s, u, p, m)
+    _coefficients(min(4 * PART, ORDER), ORDER, beta, damping_h, damping_a, s, u, p, m)
 
 
 @_jit_contract
@@ -194,12 +209,32 @@ def _step_sizes(s, u, last, before, h):  # type: ignore[no-untyped-def]
 
 
 @_jit
+def _value(c, lane, h):  # type: ignore[no-untyped-def]
+    """Value of one lane's series at ``h``; even and odd powers are summed side by side."""
+    even, odd, square = c[ORDER, lane], 0.0, h * h
+    for k in range(ORDER - 2, -1, -2):
+        even = even * square + c[k, lane]
+        odd = odd * square + c[k + 1, lane]
+    return even + h * odd
+
+
+@_jit
 def _contact_time(s, lane, h):  # type: ignore[no-untyped-def]
     """Integral of one lane's s from 0 to ``h``."""
-    value = s[ORDER, lane] * _INVERSE[ORDER]
-    for k in range(ORDER - 1, -1, -1):
-        value = value * h + _INVERSE[k] * s[k, lane]
-    return value * h
+    even, odd, square = s[ORDER, lane] * _INVERSE[ORDER], 0.0, h * h
+    for k in range(ORDER - 2, -1, -2):
+        even = even * square + _INVERSE[k] * s[k, lane]
+        odd = odd * square + _INVERSE[k + 1] * s[k + 1, lane]
+    return (even + h * odd) * h
+
+
+@_jit
+def _guess(start, slope, end, upper):  # type: ignore[no-untyped-def]
+    """Zero in (0, upper] of the parabola of these values at both ends, and slope at the first."""
+    bend = (end - start - slope * upper) / (upper * upper)
+    root = math.sqrt(max(slope * slope - 4.0 * bend * start, 0.0))
+    x = 2.0 * start / (math.copysign(root, start) - slope)
+    return x if 0.0 < x < upper else upper
 
 
 @_jit
@@ -210,15 +245,18 @@ def _newton(x, value, slope, lower, upper):  # type: ignore[no-untyped-def]
 
 
 @_jit
-def _root(c, lane, upper):  # type: ignore[no-untyped-def]
-    """Zero in (0, upper] of one lane's series: Newton within a bracket."""
-    lower, x = 0.0, upper
+def _root(c, lane, upper, end):  # type: ignore[no-untyped-def]
+    """Zero in (0, upper] of one lane's series, ``end`` at ``upper``: Newton within a bracket."""
+    lower, x = 0.0, _guess(c[0, lane], c[1, lane], end, upper)
     sign = c[0, lane] if c[0, lane] != 0.0 else c[1, lane]
     for _ in range(80):
-        value, slope = c[ORDER, lane], 0.0
-        for k in range(ORDER - 1, -1, -1):
-            slope = slope * x + value
-            value = value * x + c[k, lane]
+        even, odd, even_slope, odd_slope, square = c[ORDER, lane], 0.0, 0.0, 0.0, x * x
+        for k in range(ORDER - 2, -1, -2):
+            even_slope = even_slope * square + even
+            odd_slope = odd_slope * square + odd
+            even = even * square + c[k, lane]
+            odd = odd * square + c[k + 1, lane]
+        value, slope = even + x * odd, odd + 2.0 * x * (even_slope + x * odd_slope)
         if value * sign > 0.0:
             lower = x
         else:
@@ -231,44 +269,36 @@ def _root(c, lane, upper):  # type: ignore[no-untyped-def]
 
 
 @_jit
-def _value(c, lane, h):  # type: ignore[no-untyped-def]
-    """Value of one lane's series at ``h``."""
-    value = c[ORDER, lane]
-    for k in range(ORDER - 1, -1, -1):
-        value = value * h + c[k, lane]
-    return value
-
-
-@_jit
 def _well_energy(s, beta):  # type: ignore[no-untyped-def]
     """Potential energy of Hertz and ring force; it vanishes at s = 0."""
     return s * s * s * (0.4 * s * s - 2.0 / 3.0 * beta)
 
 
 @_jit
-def _pulls(s, u, beta, damping_h, damping_a):  # type: ignore[no-untyped-def]
-    """Whether the force attracts: du/dtau over s^2 is positive."""
-    return beta * (1.0 - damping_a * u) > s * s * (1.0 + damping_h * u)
+def _pull(s, u, beta, damping_h, damping_a):  # type: ignore[no-untyped-def]
+    """Return du/dtau over s^2, positive where the force attracts, and its own derivative."""
+    p, hertz = s * s, 1.0 + damping_h * u
+    pull = beta * (1.0 - damping_a * u) - p * hertz
+    return pull, -(beta * damping_a + p * damping_h) * p * pull - s * u * hertz
 
 
 @_jit
-def _balance(s, u, lane, upper, beta, damping_h, damping_a, pulled):  # type: ignore[no-untyped-def]
-    """Instant in (0, upper] at which one lane's force, ``pulled`` before, changes its sign.
+def _balance(s, u, lane, upper, end, beta, damping_h, damping_a):  # type: ignore[no-untyped-def]
+    """Instant in (0, upper] at which one lane's pull changes its sign to that of ``end``.
 
     Not a zero of du/dtau, which vanishes wherever s does, too.
     """
-    lower, x = 0.0, upper
+    start, slope = _pull(s[0, lane], u[0, lane], beta, damping_h, damping_a)
+    lower, x = 0.0, _guess(start, slope, end, upper)
     for _ in range(80):
         at_s, at_u = _value(s, lane, x), _value(u, lane, x)
-        p, hertz = at_s * at_s, 1.0 + damping_h * at_u
-        pull = beta * (1.0 - damping_a * at_u) - p * hertz
-        slope = -(beta * damping_a + p * damping_h) * p * pull - at_s * at_u * hertz
-        if (pull > 0.0) == pulled:
+        pull, slope = _pull(at_s, at_u, beta, damping_h, damping_a)
+        if (pull > 0.0) != (end > 0.0):
             lower = x
         else:
             upper = x
         new = _newton(x, pull, slope, lower, upper)
-        if abs(new - x) <= ROOT_TOLERANCE * abs(new):
+        if abs(new - x) <= BALANCE_TOLERANCE * abs(new):
             return new
         x = new
     return x
@@ -358,9 +388,10 @@ def integrate(problems: FloatArray, mode: int, results: FloatArray) -> None:
                     s[k, lane] = u[k, lane] = p[PAD + k, lane] = m[k, lane] = 0.0
                 mark[lane] = u[0, lane]
                 total[LOWEST_U, lane] = u[0, lane]
-                pulling[lane] = _pulls(
+                pull, _ = _pull(
                     s[0, lane], u[0, lane], beta[lane], damping_h[lane], damping_a[lane]
                 )
+                pulling[lane] = pull > 0.0
                 energy[lane] = 0.5 * u[0, lane] ** 2 + _well_energy(s[0, lane], beta[lane])
             else:
                 s[0, lane], u[0, lane], h[lane] = 0.0, 1.0, 0.0
@@ -378,10 +409,14 @@ def integrate(problems: FloatArray, mode: int, results: FloatArray) -> None:
             if owner[lane] < 0:
                 continue
             turning = leg[lane] == 1
-            if (new_u[lane] if turning else new_s[lane]) <= 0.0:
+            end = new_u[lane] if turning else new_s[lane]
+            if end <= 0.0:
                 event[lane] = True
-                h[lane] = _root(u if turning else s, lane, h[lane])
-                new_s[lane], new_u[lane] = _value(s, lane, h[lane]), _value(u, lane, h[lane])
+                h[lane] = _root(u if turning else s, lane, h[lane], end)
+                if turning:
+                    new_s[lane], new_u[lane] = _value(s, lane, h[lane]), 0.0
+                else:
+                    new_s[lane], new_u[lane] = 0.0, _value(u, lane, h[lane])
                 row[lane] = _contact_time(s, lane, h[lane])
             total[DURATION, lane] += row[lane]
         if mode != PLAIN:
@@ -391,15 +426,11 @@ def integrate(problems: FloatArray, mode: int, results: FloatArray) -> None:
             if owner[lane] < 0:
                 continue
             end_s, end_u = new_s[lane], new_u[lane]
-            if event[lane]:
-                if leg[lane] == 1:
-                    end_u = 0.0
-                else:
-                    end_s = 0.0
-            now_pulling = _pulls(end_s, end_u, beta[lane], damping_h[lane], damping_a[lane])
+            pull, _ = _pull(end_s, end_u, beta[lane], damping_h[lane], damping_a[lane])
+            now_pulling = pull > 0.0
             if now_pulling != pulling[lane]:
                 instant = _balance(
-                    s, u, lane, h[lane], beta[lane], damping_h[lane], damping_a[lane], pulling[lane]
+                    s, u, lane, h[lane], pull, beta[lane], damping_h[lane], damping_a[lane]
                 )
                 extremum = _value(u, lane, instant)
                 if now_pulling:
@@ -490,7 +521,7 @@ def record(
         problem[DAMPING_1],
     )
     approaching = True
-    pulling = _pulls(s[0, 0], u[0, 0], beta[0], damping_h[0], damping_a[0])
+    pulling = _pull(s[0, 0], u[0, 0], beta[0], damping_h[0], damping_a[0])[0] > 0.0
     for step in range(series.shape[0]):
         _expand(beta, damping_h, damping_a, padded_s, padded_u, p, m)
         _step_sizes(s, u, m[0], m[1], h)
@@ -498,17 +529,17 @@ def record(
         new_u, new_s = _value(u, 0, h[0]), _value(s, 0, h[0])
         turned = new_u <= 0.0 if approaching else new_u >= 0.0
         if not approaching and new_s <= 0.0:
-            h[0] = _root(s, 0, h[0])
+            h[0] = _root(s, 0, h[0], new_s)
             ended, turned = True, False
         elif turned:
-            h[0] = _root(u, 0, h[0])
+            h[0] = _root(u, 0, h[0], new_u)
         # a step ends where the force changes sign, so that within a step it has one sign
-        now_pulling = _pulls(
+        pull, _ = _pull(
             _value(s, 0, h[0]), _value(u, 0, h[0]), beta[0], damping_h[0], damping_a[0]
         )
-        if now_pulling != pulling:
-            h[0] = _balance(s, u, 0, h[0], beta[0], damping_h[0], damping_a[0], pulling)
-            ended, turned, pulling = False, False, now_pulling
+        if (pull > 0.0) != pulling:
+            h[0] = _balance(s, u, 0, h[0], pull, beta[0], damping_h[0], damping_a[0])
+            ended, turned, pulling = False, False, not pulling
         series[step, 0, :], series[step, 1, :] = s[:, 0], u[:, 0]
         new_u, new_s = _value(u, 0, h[0]), _value(s, 0, h[0])
         time = _contact_time(s, 0, h[0])
