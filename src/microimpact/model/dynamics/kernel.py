@@ -238,13 +238,6 @@ def _guess(start, slope, end, upper):  # type: ignore[no-untyped-def]
 
 
 @_jit
-def _newton(x, value, slope, lower, upper):  # type: ignore[no-untyped-def]
-    """Newton's next guess after ``x``, or the middle of the bracket where that leaves it."""
-    new = x - value / slope if slope != 0.0 else lower
-    return new if lower < new <= upper else 0.5 * (lower + upper)
-
-
-@_jit
 def _root(c, lane, upper, end):  # type: ignore[no-untyped-def]
     """Zero in (0, upper] of one lane's series, ``end`` at ``upper``: Newton within a bracket."""
     lower, x = 0.0, _guess(c[0, lane], c[1, lane], end, upper)
@@ -261,10 +254,11 @@ def _root(c, lane, upper, end):  # type: ignore[no-untyped-def]
             lower = x
         else:
             upper = x
-        new = _newton(x, value, slope, lower, upper)
+        new = x - value / slope
+        # Asked before the bracket, whose ends rounding may lay beyond the root.
         if abs(new - x) <= ROOT_TOLERANCE * abs(new):
             return new
-        x = new
+        x = new if lower < new < upper else 0.5 * (lower + upper)
     return x
 
 
@@ -297,10 +291,10 @@ def _balance(s, u, lane, upper, end, beta, damping_h, damping_a):  # type: ignor
             lower = x
         else:
             upper = x
-        new = _newton(x, pull, slope, lower, upper)
+        new = x - pull / slope
         if abs(new - x) <= BALANCE_TOLERANCE * abs(new):
             return new
-        x = new
+        x = new if lower < new < upper else 0.5 * (lower + upper)
     return x
 
 
@@ -534,9 +528,7 @@ def record(
         elif turned:
             h[0] = _root(u, 0, h[0], new_u)
         # a step ends where the force changes sign, so that within a step it has one sign
-        pull, _ = _pull(
-            _value(s, 0, h[0]), _value(u, 0, h[0]), beta[0], damping_h[0], damping_a[0]
-        )
+        pull, _ = _pull(_value(s, 0, h[0]), _value(u, 0, h[0]), beta[0], damping_h[0], damping_a[0])
         if (pull > 0.0) != pulling:
             h[0] = _balance(s, u, 0, h[0], pull, beta[0], damping_h[0], damping_a[0])
             ended, turned, pulling = False, False, not pulling
