@@ -242,6 +242,15 @@ def test_printed_piles_vanish_for_another_pair(run_study, calibration, draw):
     assert not draw("pile_up_onset", own).axes[0].texts
 
 
+def test_printed_restitution_is_not_drawn_of_another_particle(
+    run_study, settings, calibration
+):
+    spore = settings.branches["mechanisms"]["spore"]
+    own = {"spore": {**spore["spore"], "case": INVERSE}, "seen_deg": [38.0, 15.0]}
+    few = {"impacts": 60, "spore": {**spore, **own, "seen_events": 2, "seen_dropped": 600}}
+    assert "printed" not in set(run_study("mechanisms", calibration, **few)["causes"]["evidence"])
+
+
 def test_wrong_parameters_are_refused(run_study, settings, calibration):
     with pytest.raises(ValueError, match="must ascend"):
         run_study("pile_up", calibration, speeds_m_per_s=[0.3, 0.2])

@@ -107,8 +107,9 @@ class TestObliqueData:
     def test_the_printed_angle_vanishes_for_another_pair(self, run_study, shipped_calibration):
         calibration = {"calibration": shipped_calibration["calibration"]}
         another = {"microspheres": {"case": "ammonium-fluorescein-mica", "speed_m_per_s": 20.0}}
-        made = run_study("oblique_data", calibration, **another)["contact_point"]
-        assert "printed" not in set(made["evidence"])
+        made = run_study("oblique_data", calibration, **another)
+        for name in ("contact_point", "tangential_bounds"):
+            assert "printed" not in set(made[name]["evidence"])
 
     def test_where_no_impact_slides_nothing_is_said_of_the_transition(
         self, run_study, shipped_calibration

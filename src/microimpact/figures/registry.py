@@ -27,6 +27,11 @@ Place = Literal[
     "lower right",
 ]
 
+Line = Literal[
+    "solid", "dashed", "dotted", "dashdot", "long dashed", "dashdotdot", "loose dashed"
+]
+Mark = Literal["circle", "square", "triangle", "full diamond", "half diamond"]
+
 # Every figure is written in each of these.
 FORMATS = ("svg", "png", "pdf")
 # A figure of the article by its number, or one of our own.
@@ -58,17 +63,21 @@ class RegistryError(ValueError):
 class SeriesSpec:
     """How one series is called in the legend and drawn; marks are solid unless `open`.
 
-    Marks of virtual experiments have the shape `mark`. A curve that has a place `beside` it, an
+    Marks of virtual experiments have the shape `mark`, printed values are diamonds. A curve that has a place `beside` it, an
     abscissa, is named there and not in the legend.
     """
 
     label: Name
-    line: Literal["solid", "dashed", "dotted", "dashdot", "long dashed", "dashdotdot"] = "solid"
+    line: Line = "solid"
     colour: Annotated[int, Field(ge=0, le=6)] | None = None
     open: bool = False
     beside: Finite | None = None
-    mark: Literal["circle", "square", "triangle"] = "circle"
+    mark: Mark = "circle"
     side: Literal["above", "below", "left", "right"] = "above"
+
+    def __post_init__(self) -> None:
+        """Set the rate exponent in the name of a contact as a symbol."""
+        object.__setattr__(self, "label", re.sub(r"(?<!\$)\bn = ", "$n$ = ", self.label))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

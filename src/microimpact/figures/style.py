@@ -33,10 +33,15 @@ LINES: dict[str, str | tuple[int, tuple[float, ...]]] = {
     "dashdot": "dashdot",
     "long dashed": (0, (6.0, 1.5)),
     "dashdotdot": (0, (4.5, 1.2, 1.0, 1.2, 1.0, 1.2)),
+    "loose dashed": (0, (3.0, 3.0)),
 }
 TINT: dict[str, Any] = {"alpha": 0.25}
 HATCH: dict[str, Any] = {"facecolor": "none", "hatch": "//////", "alpha": 0.45}
 MARKS = {"circle": "o", "square": "s", "triangle": "^"}
+# Printed values of several series: open but for these.
+DIAMONDS = {"full diamond": "full", "half diamond": "left"}
+# The user's points, series by series.
+CROSSES = ("x", "1", "2", "3", "4")
 # Where the name of a curve stands beside it: shift in points, and which part of it is there.
 SIDES: dict[str, tuple[tuple[float, float], str, str]] = {
     "above": ((0.0, 2.5), "center", "bottom"),
@@ -127,7 +132,8 @@ def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> li
     x, y = table.columns[3], table.columns[4]
     rows = table[table["panel"] == (panel.shows or name)]
     is_point = rows["evidence"].isin(POINTS)
-    entries = overlay(ax, rows[is_point], panel)
+    own = dict.fromkeys(table.loc[table["evidence"].isin(POINTS), "series"])
+    entries = overlay(ax, rows[is_point], panel, list(own))
     rows = rows[~is_point]
     if rows.empty:
         raise ValueError(f"figure data: no rows for panel {name!r}")
@@ -167,13 +173,15 @@ def _name_beside(ax: Axes, rows: pd.DataFrame, spec: SeriesSpec, colour: str) ->
     ax.annotate(spec.label, place, shift, textcoords="offset points", **look)
 
 
-def overlay(ax: Axes, points: pd.DataFrame, panel: PanelSpec) -> list[Line2D]:
+def overlay(
+    ax: Axes, points: pd.DataFrame, panel: PanelSpec, names: Sequence[str]
+) -> list[Line2D]:
     """Draw the user's points of one panel, above all else; the axes grow to show them.
 
     Entries for the key, one per series: its name as it was written, never as mathematics. `ax`:
     axes of the panel, their scales as they will be; `points`: figure data of digitised or measured
     series alone; may be empty; `panel`: series of the same name, or beginning with it and a comma,
-    give a series its colour.
+    give a series its colour; `names`: all series of points of the figure, for their marks.
     """
     if points.empty:
         return []
@@ -188,9 +196,10 @@ def overlay(ax: Axes, points: pd.DataFrame, panel: PanelSpec) -> list[Line2D]:
     for number, (series, rows) in enumerate(points.groupby("series", sort=False)):
         evidence, name = points_parts(str(series))
         colour = _points_colour(name, panel, number)
-        _draw_series(ax, rows, (x, y), evidence, SeriesSpec(label=name), colour, None)
+        look = EVIDENCE[evidence] | {"marker": CROSSES[names.index(str(series)) % len(CROSSES)]}
+        _draw_series(ax, rows, (x, y), evidence, SeriesSpec(label=name), colour, None, look)
         label = str(series).replace("$", r"\$")
-        entries.append(Line2D([], [], color=colour, label=label, **EVIDENCE[evidence]))
+        entries.append(Line2D([], [], color=colour, label=label, **look))
     return entries
 
 
@@ -225,14 +234,17 @@ def _draw_series(
     spec: SeriesSpec,
     colour: str,
     label: str | None,
+    mark: Mapping[str, Any] | None = None,
 ) -> None:
     x, y = (rows[column].to_numpy() for column in columns)
-    look = {"zorder": 3, **EVIDENCE[evidence], "color": colour}
+    look = {"zorder": 3, **(mark or EVIDENCE[evidence]), "color": colour}
     is_line = look["linestyle"] != "none"
     if is_line:
         look["linestyle"] = LINES[spec.line]
     elif spec.open:
         look["markerfacecolor"] = "white"
+    if (fill := DIAMONDS.get(spec.mark)) and evidence == "printed":
+        look |= {"fillstyle": fill, "markerfacecolor": colour, "markerfacecoloralt": "white"}
     if look.get("marker") == MARKS["circle"]:
         look["marker"] = MARKS[spec.mark]
     bounds = rows[["y_low", "y_high"]].to_numpy(float).T

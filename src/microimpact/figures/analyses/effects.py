@@ -44,12 +44,12 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
     title = next(panel.legend for panel in spec.panels.values())
     style.legend_above(figure, axes.values(), title=title, loc="outside lower center")
     entries: list[Line2D] = []
+    given = table[table["evidence"].isin(POINTS)]
     for name, panel in spec.panels.items():
-        points = table[(table["panel"] == name) & table["evidence"].isin(POINTS)]
-        entries += style.overlay(axes[name], points, panel)
+        own = list(dict.fromkeys(given["series"]))
+        entries += style.overlay(axes[name], given[given["panel"] == name], panel, own)
     if entries:
-        given = table.loc[table["evidence"].isin(POINTS), "evidence"]
-        style.evidence_key(figure, given, entries, loc="outside upper center")
+        style.evidence_key(figure, given["evidence"], entries, loc="outside upper center")
     return figure
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -44,6 +45,8 @@ def _label_marks(ax: Axes, rows: pd.DataFrame) -> None:
     Not the diameter: the article seldom states it.
     """
     values = rows.loc[rows["evidence"] == "printed"].iloc[:, 4]
-    words = "\n".join(f"printed:\n{value:g} m/s" for value in values)
+    # The article prints capture velocities with two decimals or more.
+    numbers = (np.format_float_positional(value, min_digits=2) for value in values)
+    words = "\n".join(f"printed:\n{number} m/s" for number in numbers)
     corner = (0.95, 0.95)
     ax.text(*corner, words, fontsize="small", transform=ax.transAxes, ha="right", va="top")

@@ -58,7 +58,7 @@ class Microspheres:
     speed_m_per_s: Positive
     transition_deg: AngleDegrees
     transition_within_deg: NonNegative
-    printed_for: PrintedPair  # Another pair has no mark in the figure
+    printed_for: PrintedPair  # Another pair has neither mark nor row of the article
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -102,7 +102,8 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     points = inputs["external"]
     compared = comparison(points, contact, params.speed_m_per_s)
     figures = [*curves(params, contact, small), *marks(compared, params, contact)]
-    if own.printed_for.is_of(inputs, own.case):
+    is_printed = own.printed_for.is_of(inputs, own.case)
+    if is_printed:
         figures.append(printed_mark(own))
     shown = [f for f in figures if f["panel"].iloc[0] != "contact point"]
     slips = [f[f["x_1"] <= params.largest_slip] for f in figures if "x_1" in f]
@@ -117,7 +118,13 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     } | {
         "oblique_comparison": compared,
         "oblique_residuals": residuals(compared),
-        "tangential_bounds": bounds(params, compared, contact, small),
+        "tangential_bounds": pd.concat(
+            [
+                *([printed_bound(own)] if is_printed else []),
+                bounds(params, compared, contact, small),
+            ],
+            ignore_index=True,
+        ),
     }
 
 
@@ -273,24 +280,20 @@ def transition(own: Microspheres) -> FloatArray:
     return np.asarray(1.0 / slip - 1.0)
 
 
+def printed_bound(own: Microspheres) -> pd.DataFrame:
+    """Return the row of `bounds` that the article's angle gives."""
+    low, middle, high = transition(own)
+    row = {"spheres": f"article, sliding from {own.transition_deg:g} deg"}
+    row |= {"quantity": "at the transition", "angle_deg": own.transition_deg}
+    return pd.DataFrame([row | {"value": middle, "low": low, "high": high, "evidence": "printed"}])
+
+
 def bounds(
     params: Params, compared: pd.DataFrame, contact: Contact, small: Contact
 ) -> pd.DataFrame:
     """Return the contact point's restitution where sliding throughout begins, and its greatest."""
     own = params.microspheres
-    low, middle, high = transition(own)
-    about = f"article, sliding from {own.transition_deg:g} deg"
-    rows = [
-        {
-            "spheres": about,
-            "quantity": "at the transition",
-            "angle_deg": own.transition_deg,
-            "value": middle,
-            "low": low,
-            "high": high,
-            "evidence": "printed",
-        }
-    ]
+    rows: list[dict[str, object]] = []
     angle = np.linspace(0.0, 90.0, 20 * params.points + 1)[1:-1]
     for name, which, speed in (
         (own.case, small, own.speed_m_per_s),

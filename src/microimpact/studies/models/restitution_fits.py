@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 from pydantic import Field
 
+from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import POINTS, Tables, points_parts, points_series, series_frame
 from microimpact.declared.parameters import CaseName, Fraction, Keyed, Positive
 from microimpact.lab.contacts import calibrated_contact
@@ -21,8 +22,10 @@ NEEDS = {"calibration": ("calibration",)}
 
 _frame = partial(series_frame, "restitution", x_unit="m_per_s", y_unit="1")
 
-# Curves begin at this share of the capture velocity.
+# Curves begin at this share of the capture velocity, and are dense so far above it, where they rise
+# like a root.
 DRAWN_FROM = 0.7
+JUST_ABOVE = np.geomspace(1e-5, 0.03, 12)
 # Height of the line that marks the capture velocity of a fit.
 V_C_MARK = 0.1
 
@@ -78,7 +81,7 @@ def run(params: Params, inputs: Tables) -> Tables:
         contact = calibrated_contact(inputs, case.case)
         limit = float(capture_velocity(contact))
         largest = max(params.largest_speed_m_per_s, case.fitted_to * limit)
-        speed = np.union1d(np.geomspace(DRAWN_FROM * limit, largest, params.points), [limit])
+        speed = _speeds(DRAWN_FROM * limit, limit, largest, params.points)
         e = simulate(contact, speed).coefficient_of_restitution
         frames[case.figure].append(
             _frame(f"{case.case}, simulation", speed, e, case.result_evidence)
@@ -92,11 +95,11 @@ def run(params: Params, inputs: Tables) -> Tables:
         measured = simulate(contact, sampled).coefficient_of_restitution
         fits = [fit_restitution(sampled, measured, q=q) for q in (None, params.fixed_exponent)]
         rows += [_row(case, limit, fit) for fit in fits]
+        free = fits[0]
+        speed = _speeds(DRAWN_FROM * limit, free.v_c, largest, params.points)
         frames[case.figure] += [
-            _frame(f"{case.case}, fit", speed, fits[0].curve(speed), case.result_evidence),
-            _frame(
-                f"{case.case}, v_c of the fit", fits[0].v_c, [0.0, V_C_MARK], case.result_evidence
-            ),
+            _frame(f"{case.case}, fit", speed, free.curve(speed), case.result_evidence),
+            _frame(f"{case.case}, v_c of the fit", free.v_c, [0.0, V_C_MARK], case.result_evidence),
         ]
         if (printed := case.printed_capture_velocity_m_per_s) is None:
             continue
@@ -135,9 +138,15 @@ def _digitised_fits(
 
 def _fitted_curve(case: FittedCase, fit: RestitutionFit, points: int) -> pd.DataFrame:
     start = DRAWN_FROM * max(fit.v_c, 0.5 * float(fit.v.min()))
-    speed = np.union1d(np.geomspace(start, fit.v.max(), points), [max(start, fit.v_c)])
+    speed = _speeds(start, fit.v_c, float(fit.v.max()), points)
     series = f"{case.case}, fit of points"
     return _frame(series, speed, fit.curve(speed))
+
+
+def _speeds(start: float, v_c: float, end: float, points: int) -> FloatArray:
+    """Return speeds in m/s at which a curve is drawn, its capture velocity among them."""
+    near = max(start, v_c) * np.array([1.0, *(1.0 + JUST_ABOVE)])
+    return np.union1d(np.geomspace(start, end, points), near)
 
 
 def _known(case: FittedCase, limit: float) -> dict[str, object]:

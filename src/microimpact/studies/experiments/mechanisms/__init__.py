@@ -13,6 +13,7 @@ from pydantic import Field
 
 from microimpact.core.tables import Tables, series_frame
 from microimpact.declared.parameters import AngleDegrees, CaseName, Count, Name, PrintedName
+from microimpact.lab.contacts import PrintedPair
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.ptis.system import ImagingSystem
 from microimpact.lab.samples import Sampling
@@ -53,6 +54,7 @@ class Params:
     drawn_mechanisms: tuple[Name, ...]
     anchors: tuple[PrintedName, ...]
     printed_deg: tuple[AngleDegrees, ...]
+    printed_for: PrintedPair  # Spores of another pair have no printed marks
 
     def __post_init__(self) -> None:
         """Refuse printed values without their angles."""
@@ -85,7 +87,8 @@ def run(params: Params, inputs: Tables) -> Tables:
         "adhesion_or_roughness": adhesion_or_roughness(params.shallow, curves),
         **speed_tables(params.speed, sampling, inputs),
     }
-    printed = inputs["anchors"].set_index("key")
+    own = params.printed_for.is_of(inputs, params.spore.spore.case)
+    printed = inputs["anchors"].set_index("key") if own else None
     return {**tables, **figure_data(params, tables, curves, printed)}
 
 
@@ -93,7 +96,7 @@ def figure_data(
     params: Params,
     tables: Tables,
     curves: Mapping[tuple[str, str], tuple[Curve, Curve]],
-    printed: pd.DataFrame,
+    printed: pd.DataFrame | None,
 ) -> dict[str, pd.DataFrame]:
     """Return the data of the figure, a table per unit of its abscissa."""
     case = params.drawn_case
@@ -124,7 +127,7 @@ def _slope_frames(table: pd.DataFrame) -> Iterator[pd.DataFrame]:
 
 
 def _spore_frames(
-    params: Params, table: pd.DataFrame, printed: pd.DataFrame
+    params: Params, table: pd.DataFrame, printed: pd.DataFrame | None
 ) -> Iterator[pd.DataFrame]:
     for name, rows in table.groupby("mechanism", sort=False):
         known = rows[np.isfinite(rows["restitution"])]
@@ -140,5 +143,6 @@ def _spore_frames(
             y_low=e - half if seen else np.nan,
             y_high=e + half if seen else np.nan,
         )
-    values = printed.loc[list(params.anchors), "value"].astype(float)
-    yield _frame("spore", "printed", params.printed_deg, values, evidence="printed")
+    if printed is not None:
+        values = printed.loc[list(params.anchors), "value"].astype(float)
+        yield _frame("spore", "printed", params.printed_deg, values, evidence="printed")

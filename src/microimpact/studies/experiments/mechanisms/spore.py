@@ -208,7 +208,7 @@ def trend_row(name: str, samples: Mapping[float, Seen], sampling: Sampling) -> d
     """Return the trends that the article describes, over half-widths, and where e is least."""
     e = {a: one.statistics["restitution"].mean for a, one in samples.items()}
     present = {a: value for a, value in e.items() if np.isfinite(value)}
-    least = min(present, key=lambda a: present[a])
+    least = min(present, key=lambda a: present[a], default=np.nan)  # None may be seen
     return {"mechanism": name, "angle_of_least_restitution_deg": least} | trends(samples, sampling)
 
 

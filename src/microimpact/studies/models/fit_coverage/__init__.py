@@ -27,7 +27,7 @@ from microimpact.model.empirical.search import (
     fit_batch,
     stacked_sets,
 )
-from microimpact.statistics.intervals import share_error
+from microimpact.statistics.intervals import share_error, wilson_interval
 from microimpact.studies.models.fit_coverage import averaged
 from microimpact.studies.models.fit_coverage.averaged import Averaged
 from microimpact.studies.models.fit_coverage.intervals import Methods, Sample, intervals
@@ -163,9 +163,9 @@ def figure_data(table: pd.DataFrame, reference: Reference, confidence: float) ->
             panel = f"{short}, {truth}"
             own = rows[rows["truth"] == truth]
             for (noise, exponent), part in own.groupby(["noise_of_e", "exponent"], sort=True):
-                y = part[quantity].to_numpy(float)
-                error = 1.96 * part["coverage_standard_error"].to_numpy(float)
-                ends = np.maximum(y - error, 0.0), np.minimum(y + error, 1.0)
+                y, sets = part[quantity].to_numpy(float), part["replicates"]
+                held = np.rint(part["coverage"] * sets).astype(int)
+                ends = np.array([wilson_interval(*pair) for pair in zip(held, sets, strict=True)]).T
                 series, x = f"noise {noise:g}, q {exponent}", part["lowest_speed_in_v_c"]
                 bounds = ends if quantity == "coverage" else ()
                 frames.append(frame(panel, series, x, y, "virtual experiment", *bounds))
