@@ -297,7 +297,7 @@ def test_drawn(draw, tables, legend_texts):
     assert {"printed in the article", "computed", "computed, calibrated"} <= set(texts)
     assert len(texts) == len(set(texts))
     words = "".join(text.get_text() for ax in panels for text in ax.texts)
-    assert all(f"{velocity:g} m/s" in words for _, velocity in PRINTED.values())
+    assert all(f"{number} m/s" in words for number in ("0.18", "0.967", "1.10", "1.47"))
 
 
 @pytest.mark.parametrize("count", [1, 3, 4])

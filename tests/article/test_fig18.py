@@ -186,7 +186,7 @@ def test_drawn(draw, tables, legend_texts):
     tables = {**tables, **measured}
     figure = draw("fig18", tables)
     words = {"computed", "printed in the article", "virtual experiment"}
-    assert words | {"steel SST76 on silicon (Fig. 6)"} <= set(legend_texts(figure))
+    assert words | {"virtual experiment of Fig. 6"} <= set(legend_texts(figure))
     lines = {line.get_label(): line for ax in figure.axes for line in ax.get_lines()}
     assert all(ax.get_xlim() == (0.0, 90.0) for ax in figure.axes)
     assert lines
