@@ -11,6 +11,7 @@ from matplotlib.colors import same_color
 from tests.article.conftest import ROOT
 
 from microimpact.core.tables import parse_table, series_frame
+from microimpact.figures import style
 from microimpact.ledgers.claims.digitised import digitised_rows, read_digitised
 from microimpact.model.empirical.equations import restitution
 from microimpact.run.digitised import as_rows, overlaid, read_points
@@ -53,7 +54,7 @@ def coulomb(run_study):
 
 
 def crosses(ax):
-    return [line for line in ax.lines if line.get_marker() == "x"]
+    return [line for line in ax.lines if line.get_marker() in style.CROSSES]
 
 
 def test_points_lie_over_the_panel_they_name(coulomb, figures, points, draw, legend_texts):
