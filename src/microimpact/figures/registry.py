@@ -63,8 +63,8 @@ class RegistryError(ValueError):
 class SeriesSpec:
     """How one series is called in the legend and drawn; marks are solid unless `open`.
 
-    Marks of virtual experiments have the shape `mark`, printed values are diamonds. A curve that has a place `beside` it, an
-    abscissa, is named there and not in the legend.
+    Marks of virtual experiments have the shape `mark`, printed values are diamonds. A curve that
+    has a place `beside` it, an abscissa, is named there and not in the legend.
     """
 
     label: Name
