@@ -242,9 +242,7 @@ def test_printed_piles_vanish_for_another_pair(run_study, calibration, draw):
     assert not draw("pile_up_onset", own).axes[0].texts
 
 
-def test_printed_restitution_is_not_drawn_of_another_particle(
-    run_study, settings, calibration
-):
+def test_printed_restitution_is_not_drawn_of_another_particle(run_study, settings, calibration):
     spore = settings.branches["mechanisms"]["spore"]
     own = {"spore": {**spore["spore"], "case": INVERSE}, "seen_deg": [38.0, 15.0]}
     few = {"impacts": 60, "spore": {**spore, **own, "seen_events": 2, "seen_dropped": 600}}

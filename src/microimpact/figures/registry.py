@@ -27,9 +27,7 @@ Place = Literal[
     "lower right",
 ]
 
-Line = Literal[
-    "solid", "dashed", "dotted", "dashdot", "long dashed", "dashdotdot", "loose dashed"
-]
+Line = Literal["solid", "dashed", "dotted", "dashdot", "long dashed", "dashdotdot", "loose dashed"]
 Mark = Literal["circle", "square", "triangle", "full diamond", "half diamond"]
 
 # Every figure is written in each of these.

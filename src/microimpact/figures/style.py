@@ -173,9 +173,7 @@ def _name_beside(ax: Axes, rows: pd.DataFrame, spec: SeriesSpec, colour: str) ->
     ax.annotate(spec.label, place, shift, textcoords="offset points", **look)
 
 
-def overlay(
-    ax: Axes, points: pd.DataFrame, panel: PanelSpec, names: Sequence[str]
-) -> list[Line2D]:
+def overlay(ax: Axes, points: pd.DataFrame, panel: PanelSpec, names: Sequence[str]) -> list[Line2D]:
     """Draw the user's points of one panel, above all else; the axes grow to show them.
 
     Entries for the key, one per series: its name as it was written, never as mathematics. `ax`:
