@@ -132,8 +132,8 @@ def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> li
     x, y = table.columns[3], table.columns[4]
     rows = table[table["panel"] == (panel.shows or name)]
     is_point = rows["evidence"].isin(POINTS)
-    own = dict.fromkeys(table.loc[table["evidence"].isin(POINTS), "series"])
-    entries = overlay(ax, rows[is_point], panel, list(own))
+    all_points = table.loc[table["evidence"].isin(POINTS), "series"].unique()
+    entries = overlay(ax, rows[is_point], panel, list(all_points))
     rows = rows[~is_point]
     if rows.empty:
         raise ValueError(f"figure data: no rows for panel {name!r}")

@@ -283,9 +283,16 @@ def transition(own: Microspheres) -> FloatArray:
 def printed_bound(own: Microspheres) -> pd.DataFrame:
     """Return the row of `bounds` that the article's angle gives."""
     low, middle, high = transition(own)
-    row = {"spheres": f"article, sliding from {own.transition_deg:g} deg"}
-    row |= {"quantity": "at the transition", "angle_deg": own.transition_deg}
-    return pd.DataFrame([row | {"value": middle, "low": low, "high": high, "evidence": "printed"}])
+    row = {
+        "spheres": f"article, sliding from {own.transition_deg:g} deg",
+        "quantity": "at the transition",
+        "angle_deg": own.transition_deg,
+        "value": middle,
+        "low": low,
+        "high": high,
+        "evidence": "printed",
+    }
+    return pd.DataFrame([row])
 
 
 def bounds(
@@ -305,9 +312,9 @@ def bounds(
             # None slides where friction is high or all are captured: then nothing is said of it.
             places = [("at the transition", i) for i in np.flatnonzero(~impact.rolling)[-1:]]
             for quantity, i in [*places, ("greatest", int(np.argmax(turned)))]:
-                row = {"spheres": f"{name}, {law}", "quantity": quantity}
-                row |= {"angle_deg": angle[i], "value": turned[i], "evidence": "computed"}
-                rows.append(row)
+                place = {"spheres": f"{name}, {law}", "quantity": quantity}
+                found = {"angle_deg": angle[i], "value": turned[i], "evidence": "computed"}
+                rows.append(place | found)
     seen = compared[compared["quantity"] == "tangential_restitution"]
     turned = SLIP_PER_IMPULSE * (1.0 - seen["measured"].to_numpy(float)) - 1.0
     top = int(np.argmax(turned))
