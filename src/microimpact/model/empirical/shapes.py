@@ -29,6 +29,9 @@ RATIOS, LARGEST_RATIO, TWO, ONE, KINKED = 56, 1e4, 28, 48, 100
 # One place stands for a parameter that a law has not.
 NONE = (1.0, 1.0, 1)
 PARAMETERS = 3
+# Starts that a search is made from: the lowest. With v_c held nearly all lead to one minimum, and
+# where neighbours in v_c found another, a profile begins there next time.
+TRIED = 3
 # A search begins with this damping of its steps and ends at the next, at a step that lowers
 # chi-square by less than this share, or after so many steps; none is longer than this share.
 DAMPED, OVERDAMPED, SHORTEST, STEPS, LONGEST = 1e-2, 1e6, 1e-6, 60, 0.3
@@ -40,6 +43,7 @@ _SPEED = float(np.asarray(_ANY.velocity_scale))
 Axis = tuple[float, float, int]
 
 _jit = jit()
+_jit_contract = jit(fastmath={"contract"})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -206,68 +210,77 @@ def _cubic(x, size, value, slope):  # type: ignore[no-untyped-def]
 
 
 @_jit
-def _ratios(places, size, first, weights, unused) -> None:  # type: ignore[no-untyped-def]
-    """Put the first of the four places about every speed, and their weights (n, 4)."""
+def _ratios(places, size, first, weights, unused):  # type: ignore[no-untyped-def]
+    """Put the first of the four places about every speed, and their weights (n, 4).
+
+    Returns the ends of all such places.
+    """
+    low, high = size, 0
     for n in range(places.size):
         first[n] = -1
         if places[n] >= 0.0:
             first[n] = _cubic(places[n], size, weights[n], unused)
+            low, high = min(low, first[n]), max(high, first[n] + 4)
+    return low, high
 
 
-@_jit
-def _around(grid, at, first, weights) -> None:  # type: ignore[no-untyped-def]
-    """Put the same for parameters: first places (3,), weights (3, 2, 4) of values and slopes."""
-    for axis in range(PARAMETERS):
-        first[axis] = _cubic(at[axis], grid.shape[axis], weights[axis, 0], weights[axis, 1])
+@_jit_contract
+def _lines(grid, at, low, high, weights, lines) -> None:  # type: ignore[no-untyped-def]
+    """Put slopes along the parameters' axes, and e, at places of v/v_c (4, ratios).
 
-
-@_jit
-def _point(grid, first, weights, k, ratio, found) -> None:  # type: ignore[no-untyped-def]
-    """Put slopes along the parameters' axes, and e."""
-    rates, one, two = weights[0], weights[1], weights[2]
-    found[:] = 0.0
+    ``weights`` (3, 2, 4) is room for those of values and slopes, zeros where an axis has one place.
+    """
+    i = _cubic(at[0], grid.shape[0], weights[0, 0], weights[0, 1])
+    j = _cubic(at[1], grid.shape[1], weights[1, 0], weights[1, 1])
+    k = _cubic(at[2], grid.shape[2], weights[2, 0], weights[2, 1])
+    last = grid.shape[2] - 1
+    a, b, c, d = weights[2, 0]
+    a_slope, b_slope, c_slope, d_slope = weights[2, 1]
+    # Slices from their own zero on, for compilers cannot tell that others are never negative.
+    by_rate, by_one, by_two, value = lines[:, low:high]
+    lines[:, low:high] = 0.0
     for n in range(min(4, grid.shape[0])):
-        e = along = across = 0.0
         for p in range(min(4, grid.shape[1])):
-            value = slope = 0.0
-            for q in range(min(4, grid.shape[2])):
-                row = grid[first[0] + n, first[1] + p, first[2] + q]
-                here = ratio[0] * row[k] + ratio[1] * row[k + 1]
-                here += ratio[2] * row[k + 2] + ratio[3] * row[k + 3]
-                value += two[0, q] * here
-                slope += two[1, q] * here
-            e += one[0, p] * value
-            along += one[1, p] * value
-            across += one[0, p] * slope
-        found[0] += rates[1, n] * e
-        found[1] += rates[0, n] * along
-        found[2] += rates[0, n] * across
-        found[3] += rates[0, n] * e
+            rows = grid[i + n, j + p, :, low:high]
+            first, second = rows[k], rows[min(k + 1, last)]
+            third, fourth = rows[min(k + 2, last)], rows[min(k + 3, last)]
+            rate, along = weights[0, 1, n] * weights[1, 0, p], weights[0, 0, n] * weights[1, 1, p]
+            own = weights[0, 0, n] * weights[1, 0, p]
+            for m in range(high - low):
+                e = a * first[m] + b * second[m] + c * third[m] + d * fourth[m]
+                across = a_slope * first[m] + b_slope * second[m]
+                across += c_slope * third[m] + d_slope * fourth[m]
+                by_rate[m] += rate * e
+                by_one[m] += along * e
+                by_two[m] += own * across
+                value[m] += own * e
 
 
 @_jit
 def _curve(grid, places, at, e) -> None:  # type: ignore[no-untyped-def]
-    first, weights, found = np.empty(PARAMETERS, np.int64), np.empty((3, 2, 4)), np.empty(4)
-    near, ratios = np.empty(places.size, np.int64), np.empty((places.size, 4))
-    _around(grid, at, first, weights)
-    _ratios(places, grid.shape[PARAMETERS], near, ratios, found)
-    for n in range(places.size):
+    size = grid.shape[PARAMETERS]
+    near, ratios, lines = np.empty(e.size, np.int64), np.empty((e.size, 4)), np.empty((4, size))
+    low, high = _ratios(places, size, near, ratios, lines[0])
+    _lines(grid, at, low, high, np.zeros((PARAMETERS, 2, 4)), lines)
+    for n in range(e.size):
         e[n] = 0.0
         if near[n] >= 0:
-            _point(grid, first, weights, near[n], ratios[n], found)
-            e[n] = found[3]
+            for k in range(4):
+                e[n] += ratios[n, k] * lines[3, near[n] + k]
 
 
 @_jit
-def _sums(grid, near, ratios, e, weight, at, first, weights, sums) -> None:  # type: ignore[no-untyped-def]
+def _sums(grid, near, ratios, ends, e, weight, at, weights, lines, sums) -> None:  # type: ignore[no-untyped-def]
     """Put sums of products of slopes and misfit, the lower half; their last row (5, 4) is room."""
-    _around(grid, at, first, weights)
+    _lines(grid, at, ends[0], ends[1], weights, lines)
     found = sums[4]
     sums[:] = 0.0
     for n in range(near.size):
         found[:] = 0.0
         if near[n] >= 0:
-            _point(grid, first, weights, near[n], ratios[n], found)
+            for k in range(4):
+                for i in range(4):
+                    found[i] += ratios[n, k] * lines[i, near[n] + k]
         found[3] -= e[n]
         for i in range(4):
             for j in range(i + 1):
@@ -301,22 +314,29 @@ def _step(at, high, sums, damping, factor, new) -> None:  # type: ignore[no-unty
 
 @_jit
 def _search(grid, places, e, weight, starts, chi_square, found) -> None:  # type: ignore[no-untyped-def]
-    """Search from all starts (s, m, 3) of each row of places (m, n); the lowest counts."""
-    first, weights = np.empty(PARAMETERS, np.int64), np.empty((3, 2, 4))
+    """Search from the lowest of the starts (s, m, 3) of each row of places (m, n)."""
+    size = grid.shape[PARAMETERS]
+    weights, lines = np.zeros((PARAMETERS, 2, 4)), np.empty((4, size))
     near, ratios = np.empty(e.size, np.int64), np.empty((e.size, 4))
     sums, trial, factor = np.empty((5, 4)), np.empty((5, 4)), np.empty((PARAMETERS, PARAMETERS))
     at, new, high = np.empty(PARAMETERS), np.empty(PARAMETERS), np.empty(PARAMETERS)
+    begun = np.empty(starts.shape[0])
     for axis in range(PARAMETERS):
         high[axis] = grid.shape[axis] - 1.0
     for row in range(places.shape[0]):
-        _ratios(places[row], grid.shape[PARAMETERS], near, ratios, trial[0])
+        ends = _ratios(places[row], size, near, ratios, trial[0])
         for start in range(starts.shape[0]):
+            _sums(grid, near, ratios, ends, e, weight, starts[start, row], weights, lines, sums)
+            begun[start] = sums[3, 3]
+        for _ in range(min(TRIED, starts.shape[0])):
+            start = np.argmin(begun)
+            begun[start] = np.inf
             at[:] = starts[start, row]
-            _sums(grid, near, ratios, e, weight, at, first, weights, sums)
+            _sums(grid, near, ratios, ends, e, weight, at, weights, lines, sums)
             damping = DAMPED
             for _ in range(STEPS):
                 _step(at, high, sums, damping, factor, new)
-                _sums(grid, near, ratios, e, weight, new, first, weights, trial)
+                _sums(grid, near, ratios, ends, e, weight, new, weights, lines, trial)
                 gain = sums[3, 3] - trial[3, 3]
                 damping *= 0.2 if gain > 0.0 else 8.0
                 if gain > 0.0:
