@@ -19,6 +19,7 @@ from microimpact.studies.models.fit_coverage.truths import (
     MEASUREMENTS,
     Truths,
     Variant,
+    mean_restitution,
     observed,
     standard_deviations,
     standard_noise,
@@ -61,24 +62,17 @@ def truths(contact: Contact):
 
 def test_truths_of_one_size_are_the_curves_themselves(truths, contact):
     ratio = np.array([1.05, 2.0, 10.0])
-    e = truths.mean_restitution("simulation", ratio, ONE_SIZE)
+    e = mean_restitution(truths, "simulation", tuple(ratio), 1.0, "rebounds")
     nominal = simulate(contact, ratio * capture_velocity(contact)).coefficient_of_restitution
     np.testing.assert_allclose(e, nominal, rtol=1e-12)
-    empirical = truths.mean_restitution("Eq. 34", ratio, ONE_SIZE)
+    empirical = mean_restitution(truths, "Eq. 34", tuple(ratio), 1.0, "rebounds")
     np.testing.assert_allclose(empirical, restitution(ratio, **TRUE), rtol=1e-12)
 
 
 @pytest.mark.parametrize("truth", ["Eq. 34", "simulation"])
 def test_seeing_rebounds_only_raises_the_mean(truths, truth):
-    ratio = np.array([1.02, 10.0])
-    sieve = {
-        "variant": "",
-        "noise": "uniform",
-        "weights": "equal",
-        "largest_size_ratio": 2.0,
-    }
     seen, every = (
-        truths.mean_restitution(truth, ratio, Variant(**sieve, selection=selection))
+        mean_restitution(truths, truth, (1.02, 10.0), 2.0, selection)
         for selection in ("rebounds", "all")
     )
     # Small spheres are captured just above the nominal v_c, none is far above it. Two of five

@@ -24,7 +24,7 @@ from microimpact.core.arrays import POSITIVE, FloatArray, Numbers, Range, checke
 from microimpact.core.solve import root
 from microimpact.model.empirical import shapes
 from microimpact.model.empirical.equations import restitution
-from microimpact.model.empirical.search import STARTS, in_own_units, profile, start_points
+from microimpact.model.empirical.search import STARTS, in_own_units, profile
 from microimpact.model.empirical.shapes import Held
 
 CONFIDENCE = Range(lower=0.0, upper=1.0)
@@ -41,10 +41,16 @@ TINY = 1e-300
 LEAST, GREATEST = 1e-3, 1.0 - 1e-6
 # Values of v_c in a profile; it is drawn anew so many times, each about where chi-square is low.
 VALUES, ROUNDS = 24, 2
+_CLOSE = 1.0 - np.geomspace(1.0 - GREATEST, 0.05, VALUES // 3)
+FIRST_VALUES = np.append(
+    np.linspace(LEAST, 0.95, VALUES - _CLOSE.size, endpoint=False), _CLOSE[::-1]
+)
 # Rise of chi-square, in units of what one parameter adds, at which nothing of v_c is left.
 NEGLIGIBLE = 30.0
 # Models lighter than this are left out of words.
 LIGHT = 0.05
+# Models lighter than this change no digit.
+WEIGHTLESS = 1e-14
 # Shares by which tests reject: misfit, residuals in runs.
 REJECTED = 0.01
 
@@ -102,13 +108,10 @@ Profile = Callable[[Data, FloatArray, FloatArray], Held]
 
 def _empirical(q: float | None, data: Data, v_c: FloatArray, starts: FloatArray) -> Held:
     """Profile of Eq. (34)."""
-    whole = in_own_units(data.v[None], data.e[None], data.weight[None], q)
-    sets = whole.select(np.zeros(v_c.size, np.intp))
-    owner, gap = np.arange(v_c.size), 1.0 - v_c
+    sets = in_own_units(data.v[None], data.e[None], data.weight[None], q)
     # Once neighbours are known, one start beside them is enough.
-    count = 1 if len(starts) else len(STARTS)
-    fresh = [start_points(sets, owner, i, gap)[:, :-1] for i in range(count)]
-    return Held(*profile(sets, gap, *fresh, *starts))
+    fresh = 1 if len(starts) else len(STARTS)
+    return Held(*profile(sets, np.zeros(v_c.size, np.intp), 1.0 - v_c, *starts, fresh=fresh))
 
 
 def _of_law(name: str, data: Data, v_c: FloatArray, starts: FloatArray) -> Held:
@@ -237,8 +240,10 @@ def compare_models(
     ]
     half, unit = 0.5 * (1.0 - level), data.unit
 
+    telling = [(w, tail) for w, tail in zip(weights, tails, strict=True) if w > WEIGHTLESS]
+
     def averaged(v_c: float) -> float:
-        return float(sum(w * tail(v_c) for w, tail in zip(weights, tails, strict=True)))
+        return sum(w * tail(v_c) for w, tail in telling)
 
     fitted = [
         Model(
@@ -315,22 +320,20 @@ class _Drawn:
 
 def _drawn(of: Callable[[FloatArray, FloatArray], Held], freedom: int, given: bool) -> _Drawn:
     """Draw a profile, closer and closer about its low part."""
-    close = 1.0 - np.geomspace(1.0 - GREATEST, 0.05, VALUES // 3)
-    values = np.concatenate([np.linspace(LEAST, 0.95, VALUES - close.size, endpoint=False), close])
-    values = np.sort(values)
+    values = FIRST_VALUES
     held = of(values, np.zeros((0, 0, 0)))
     for _ in range(ROUNDS):
         lowest = float(held.chi_square.min())
         unit = max(1.0, lowest / freedom) if given else max(lowest / freedom, TINY)
         low = np.flatnonzero(held.chi_square - lowest < NEGLIGIBLE * unit)
         ends = values[max(low[0] - 1, 0)], values[min(low[-1] + 1, values.size - 1)]
-        fresh = np.setdiff1d(np.linspace(*ends, VALUES), values)
+        fresh = np.linspace(*ends, VALUES)[1:-1]
+        after = np.searchsorted(values, fresh)
+        fresh, after = (of[values[after] != fresh] for of in (fresh, after))
         # Neighbours on both sides are close starts.
-        after = np.clip(np.searchsorted(values, fresh), 1, values.size - 1)
-        found = of(fresh, np.stack([held.others[after - 1], held.others[after]]))
-        order = np.argsort(values := np.append(values, fresh))
-        values = values[order]
-        held = Held(*(np.concatenate(pair)[order] for pair in zip(held, found, strict=True)))
+        found = of(fresh, held.others[[after - 1, after]])
+        values = np.insert(values, after, fresh)
+        held = Held(*(np.insert(o, after, n, axis=0) for o, n in zip(held, found, strict=True)))
     at = int(np.argmin(held.chi_square))
     return _Drawn(
         values=values, chi_square=held.chi_square, v_c=float(values[at]), others=held.others[at]

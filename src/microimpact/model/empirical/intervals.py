@@ -17,7 +17,6 @@ from microimpact.model.empirical.search import (
     DataSets,
     Places,
     profile,
-    stacked_sets,
 )
 
 # An end of v_c nearer than this to the smallest rebounding speed is set by that speed.
@@ -41,17 +40,24 @@ class Intervals(NamedTuple):
     at: FloatArray
 
 
-def profile_batch(sets: DataSets, fit: BatchFit, v_c: ArrayLike) -> FloatArray:
+def profile_batch(
+    sets: DataSets, fit: BatchFit, v_c: ArrayLike, enough: ArrayLike = 0.0
+) -> FloatArray:
     """Return the least chi-square (r,) of every data set for a given v_c.
 
-    `sets`, `fit`: the data and their fit, from which the search starts, beside one start of its
-    own; `v_c`: capture velocity, one number or (r,), m/s; infinite chi-square where it is above the
-    slowest rebound.
+    `sets`, `fit`: the data and their fit, from which the search starts; `v_c`: capture velocity,
+    one number or (r,), m/s; infinite chi-square where it is above the slowest rebound; `enough`:
+    above this chi-square, one number or (r,), a second search is made from a start of its own.
     """
     given = np.broadcast_to(checked("v_c", v_c, NON_NEGATIVE), sets.unit.shape) / sets.unit
     gap, logs = np.maximum(1.0 - given, CLOSEST), fit.logs(sets)[:, :V_C]
-    chi_square, _ = profile(sets, gap, logs, fresh=True)
-    return np.where(given > 1.0, np.inf, chi_square)
+    chi_square, _ = profile(sets, np.arange(len(gap)), gap, logs)
+    chi_square[given > 1.0] = np.inf
+    more = np.flatnonzero((chi_square > enough) & (given <= 1.0))
+    if more.size:
+        again, _ = profile(sets, more, gap[more], fresh=1)
+        chi_square[more] = np.minimum(chi_square[more], again)
+    return chi_square
 
 
 def interval_batch(sets: DataSets, fit: BatchFit, rise: ArrayLike) -> Intervals:
@@ -66,7 +72,7 @@ def interval_batch(sets: DataSets, fit: BatchFit, rise: ArrayLike) -> Intervals:
     count = len(sets.unit)
     limit = np.broadcast_to(np.sqrt(checked("rise", rise, POSITIVE)), count)
     # Both ends at once: the lower ones of all data sets, then the upper ones.
-    way = _Way(stacked_sets([sets, sets]), np.tile(fit.logs(sets), (2, 1)), fit, limit)
+    way = _Way(sets, np.tile(fit.logs(sets), (2, 1)), fit, limit)
     best = np.maximum(1.0 - fit.v_c / sets.unit, CLOSEST)
     outermost = np.concatenate([np.ones(count), np.minimum(best, AT_REBOUND)])
     inside, outside = _bracket(way, np.tile(best, 2), outermost)
@@ -104,7 +110,8 @@ class _Way:
     def excess(self, gap: FloatArray, rows: Places, *, fresh: bool = False) -> FloatArray:
         """Root of the rise of chi-square, which is nearly linear in v_c, less that of the limit."""
         rows = rows.astype(np.intp)
-        chi_square, logs = profile(self.sets.select(rows), gap, self.logs[rows], fresh=fresh)
+        owner = rows % len(self.sets.unit)
+        chi_square, logs = profile(self.sets, owner, gap, self.logs[rows], fresh=int(fresh))
         value = np.sqrt(np.maximum(chi_square - self.minimum[rows], 0.0)) - self.limit[rows]
         within, lower = value <= 0.0, chi_square < self.least[rows]
         self.logs[rows[within]] = logs[within]

@@ -312,18 +312,18 @@ def fit_batch(
 
 
 def profile(
-    sets: DataSets, gap: FloatArray, *starts: FloatArray, fresh: bool = False
+    sets: DataSets, owner: Places, gap: FloatArray, *starts: FloatArray, fresh: int = 0
 ) -> tuple[FloatArray, FloatArray]:
     """Search with v_c held.
 
-    Least chi-square (r,), and ln(k, p, kappa, q) (r, 4) there. `sets`: the data; `gap`: v_c is 1 -
-    gap (r,), in units of the slowest rebounds; `starts`: starts ln(k, p, kappa, q) (r, 4); `fresh`:
-    whether to try one start more, that does not depend on those.
+    Least chi-square (m,), and ln(k, p, kappa, q) (m, 4) there. `sets`: the data; `owner`: data set
+    of each search (m,); `gap`: v_c is 1 - gap (m,), in units of the slowest rebounds; `starts`:
+    starts ln(k, p, kappa, q) (m, 4); `fresh`: how many of those that depend on no search are tried.
     """
-    owner, fixed = np.arange(len(gap)), np.log(gap)
+    fixed = np.log(gap)
     search = searches(sets, owner, np.ones(len(gap)), fixed, fixed)
     points = [np.column_stack([start, fixed]) for start in starts]
-    points += [start_points(sets, owner, 0, gap)] if fresh else []
+    points += [start_points(sets, owner, number, gap) for number in range(fresh)]
     found, _ = lowest(search, points)
     return found.chi_square, found.x[:, :V_C]
 

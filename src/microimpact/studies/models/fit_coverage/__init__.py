@@ -23,6 +23,7 @@ from microimpact.model.empirical.intervals import interval_batch, profile_batch
 from microimpact.model.empirical.search import (
     BatchFit,
     DataSets,
+    Places,
     data_sets,
     fit_batch,
     stacked_sets,
@@ -37,6 +38,7 @@ from microimpact.studies.models.fit_coverage.truths import (
     TruthName,
     Truths,
     Variant,
+    mean_restitution,
     observed,
     standard_deviations,
     standard_noise,
@@ -267,7 +269,9 @@ def _coverage(params: Params, truths: Truths, mine: list[tuple[int, Cell]]) -> l
     for group in groups.values():
         sets = stacked_sets([_sets(params, truths, cell, each) for _, cell in group])
         fit = fit_batch(sets, params.starts)
-        rise = profile_batch(sets, fit, 1.0) - fit.chi_square
+        # A lower chi-square at the true v_c would change nothing where that is covered anyway.
+        enough = fit.chi_square + np.minimum(limit, _rise_estimated(params, sets, fit))
+        rise = profile_batch(sets, fit, 1.0, enough) - fit.chi_square
         own = [slice(k * each, (k + 1) * each) for k in range(len(group))]
         some = [slice(of.start, of.start + params.interval_replicates) for of in own]
         ends = interval_batch(
@@ -284,7 +288,8 @@ def _coverage(params: Params, truths: Truths, mine: list[tuple[int, Cell]]) -> l
 
 def _measured(params: Params, truths: Truths, cell: Cell, replicates: int) -> Measurement:
     ratio = np.geomspace(cell.lowest, params.highest_speed_in_v_c, cell.points)
-    curve = truths.mean_restitution(cell.truth, ratio, cell.variant)
+    spheres = cell.variant.largest_size_ratio, cell.variant.selection
+    curve = mean_restitution(truths, cell.truth, tuple(ratio), *spheres)
     deviation = standard_deviations(cell.noise, ratio, curve, cell.variant)
     noise = standard_noise(params.seed, MEASUREMENTS, cell.points, replicates)
     e, present = observed(curve, deviation * noise, cell.variant.selection)
@@ -300,6 +305,17 @@ def _sets(params: Params, truths: Truths, cell: Cell, replicates: int) -> DataSe
         raise ValueError(f"noise_of_e: {cell.noise:g} hides too many rebounds: {error}") from None
 
 
+def _freedom(sets: DataSets) -> Places:
+    return np.asarray(np.sum(sets.weight > 0.0, axis=1) - sets.free)
+
+
+def _rise_estimated(params: Params, sets: DataSets, fit: BatchFit) -> FloatArray:
+    """Admissible rise of chi-square (r,) where sigma is estimated."""
+    freedom = _freedom(sets)
+    quantile = scipy.special.fdtri(1.0, freedom, params.confidence)
+    return np.asarray(fit.chi_square / freedom * quantile)
+
+
 def _row(
     params: Params, cell: Cell, sets: DataSets, fit: BatchFit, rise: FloatArray
 ) -> dict[str, object]:
@@ -307,9 +323,7 @@ def _row(
     error = fit.v_c - 1.0
     limit = float(scipy.special.chdtri(1.0, 1.0 - params.confidence))
     covered = np.mean(rise <= limit)
-    freedom = np.sum(sets.weight > 0.0, axis=1) - sets.free
-    variance = fit.chi_square / freedom
-    estimated = np.mean(rise <= variance * scipy.special.fdtri(1.0, freedom, params.confidence))
+    estimated = np.mean(rise <= _rise_estimated(params, sets, fit))
     at_zero = fit.capture_on_bound & (fit.v_c < 0.5)
     return {
         **cell.factors,
@@ -326,7 +340,7 @@ def _row(
         "v_c_at_zero": float(np.mean(at_zero)),
         "any_on_bound": float(np.mean(fit.on_bound)),
         "converged": float(np.mean(fit.converged)),
-        "reduced_chi_square": float(np.mean(variance)),
+        "reduced_chi_square": float(np.mean(fit.chi_square / _freedom(sets))),
         "evidence": "virtual experiment",
     }
 

@@ -22,6 +22,7 @@ MEASUREMENTS, CURVE_RESAMPLES, DATA_RESAMPLES = range(3)
 
 TruthName = Literal["Eq. 34", "simulation"]
 TRUTHS: tuple[TruthName, ...] = ("Eq. 34", "simulation")
+Selection = Literal["rebounds", "all"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,7 +38,7 @@ class Variant:
     # diameters are evenly spread, and the nominal sphere, whose v_c is sought, is in the middle.
     largest_size_ratio: Annotated[float, Field(ge=1, le=100)]
     # ``rebounds``: only spheres seen to rebound count. ``all``: captured ones count as e = 0.
-    selection: Literal["rebounds", "all"]
+    selection: Selection
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,28 +50,36 @@ class Truths:
     constants: tuple[float, float, float, float, float]
     sizes: int  # Number of diameters that represent a sieve cut
 
-    def mean_restitution(self, truth: TruthName, ratio: FloatArray, variant: Variant) -> FloatArray:
-        """Mean e (n,) of the spheres that count, at speeds ratio (n,) times v_c.
 
-        Every speed of Eq. (34) follows the diameter as the capture velocity of the simulation.
-        """
-        centre = (np.arange(self.sizes) + 0.5) / self.sizes - 0.5
-        diameter = self.contact.diameter * variant.largest_size_ratio**centre
-        if variant.largest_size_ratio == 1.0:
-            diameter = diameter[:1]
-        contacts = resized(self.contact, diameter[:, None])
-        nominal = capture_velocity(self.contact)
-        if truth == "simulation":
-            e = simulate(contacts, ratio * nominal).coefficient_of_restitution
-        else:
-            k, p, kappa, q, v_c = self.constants
-            scale = capture_velocity(contacts) / nominal
-            e = restitution(ratio * v_c, k * scale, p, kappa * scale, q, v_c * scale)
-        counted = (
-            np.maximum(np.sum(e > 0.0, axis=0), 1) if variant.selection == "rebounds" else len(e)
-        )
-        mean: FloatArray = np.sum(e, axis=0) / counted
-        return mean
+# Cells that differ in noise or exponent alone share it.
+@cache
+def mean_restitution(
+    truths: Truths,
+    truth: TruthName,
+    ratio: tuple[float, ...],
+    largest_size_ratio: float,
+    selection: Selection,
+) -> FloatArray:
+    """Mean e (n,) of the spheres that count, at speeds ratio (n,) times v_c.
+
+    Every speed of Eq. (34) follows the diameter as the capture velocity of the simulation.
+    """
+    centre = (np.arange(truths.sizes) + 0.5) / truths.sizes - 0.5
+    diameter = truths.contact.diameter * largest_size_ratio**centre
+    if largest_size_ratio == 1.0:
+        diameter = diameter[:1]
+    contacts = resized(truths.contact, diameter[:, None])
+    nominal, speeds = capture_velocity(truths.contact), np.array(ratio)
+    if truth == "simulation":
+        e = simulate(contacts, speeds * nominal).coefficient_of_restitution
+    else:
+        k, p, kappa, q, v_c = truths.constants
+        scale = capture_velocity(contacts) / nominal
+        e = restitution(speeds * v_c, k * scale, p, kappa * scale, q, v_c * scale)
+    counted = np.maximum(np.sum(e > 0.0, axis=0), 1) if selection == "rebounds" else len(e)
+    mean: FloatArray = np.sum(e, axis=0) / counted
+    mean.flags.writeable = False
+    return mean
 
 
 def standard_deviations(
@@ -104,7 +113,7 @@ def stream(seed: int, use: int, points: int, replicate: int) -> np.random.Genera
 
 
 def observed(
-    curve: FloatArray, noise: FloatArray, selection: Literal["rebounds", "all"]
+    curve: FloatArray, noise: FloatArray, selection: Selection
 ) -> tuple[FloatArray, BoolArray]:
     """Measured e (r, n), 0 where the sphere seems captured, and which data there are."""
     e = np.where(curve > 0.0, np.maximum(curve + noise, 0.0), 0.0)
