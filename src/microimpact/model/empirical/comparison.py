@@ -240,10 +240,10 @@ def compare_models(
     ]
     half, unit = 0.5 * (1.0 - level), data.unit
 
-    telling = [(w, tail) for w, tail in zip(weights, tails, strict=True) if w > WEIGHTLESS]
+    telling = [(w, of) for w, of in zip(weights, tails, strict=True) if w > WEIGHTLESS]
 
     def averaged(v_c: float) -> float:
-        return sum(w * tail(v_c) for w, tail in telling)
+        return float(sum(w * tail(v_c) for w, tail in telling))
 
     fitted = [
         Model(

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, BoolArray, FloatArray, checked
+from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, BoolArray, FloatArray, Real, checked
 from microimpact.core.solve import roots
 from microimpact.model.empirical.kernel import V_C
 from microimpact.model.empirical.search import (
@@ -40,9 +40,7 @@ class Intervals(NamedTuple):
     at: FloatArray
 
 
-def profile_batch(
-    sets: DataSets, fit: BatchFit, v_c: ArrayLike, enough: ArrayLike = 0.0
-) -> FloatArray:
+def profile_batch(sets: DataSets, fit: BatchFit, v_c: ArrayLike, enough: Real = 0.0) -> FloatArray:
     """Return the least chi-square (r,) of every data set for a given v_c.
 
     `sets`, `fit`: the data and their fit, from which the search starts; `v_c`: capture velocity,

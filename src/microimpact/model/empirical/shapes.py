@@ -329,9 +329,9 @@ def _search(grid, places, e, weight, starts, chi_square, found) -> None:  # type
             _sums(grid, near, ratios, ends, e, weight, starts[start, row], weights, lines, sums)
             begun[start] = sums[3, 3]
         for _ in range(min(TRIED, starts.shape[0])):
-            start = np.argmin(begun)
-            begun[start] = np.inf
-            at[:] = starts[start, row]
+            lowest = np.argmin(begun)
+            begun[lowest] = np.inf
+            at[:] = starts[lowest, row]
             _sums(grid, near, ratios, ends, e, weight, at, weights, lines, sums)
             damping = DAMPED
             for _ in range(STEPS):
