@@ -1,6 +1,6 @@
 """Change every declared value, one at a time, and list those whose change moves no output.
 
-    python -m tests.dead_inputs [RESULTS] [--processes N] [--only TEXT] [--output FILE]
+    python -m tests.dead_inputs [RESULTS] [--processes N] [--only TEXT]
 
 All 5,400 values take about five hours of one processor: two seconds for a value of a figure, which
 half of them are, and from one to fifteen for the others, most for those of the campaign. ``--only``
@@ -28,8 +28,8 @@ from __future__ import annotations
 
 import argparse
 import functools
+import io
 import itertools
-import json
 import multiprocessing
 import os
 import re
@@ -40,15 +40,17 @@ import time
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import pandas as pd
 import yaml
 from rich.console import Console
-from rich.progress import MofNCompleteColumn, Progress, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import track
 
 from microimpact.core.tables import parse_table, read_figure_data, read_table
 from microimpact.declared.documents import load
@@ -56,8 +58,8 @@ from microimpact.declared.parameters import build
 from microimpact.declared.provenance import as_text, is_declaration
 from microimpact.declared.references import is_reference, merged
 from microimpact.declared.selection import DeclaredTable, NamedTables, read_all
-from microimpact.figures.registry import FigureSpec, figure_spec
-from microimpact.figures.style import save
+from microimpact.figures.registry import FigureSpec, figure_spec, filled
+from microimpact.figures.style import UNDATED, context
 from microimpact.ledgers import claims, equations
 from microimpact.run.config import read_configuration, validate
 from microimpact.run.inputs import read_inputs
@@ -73,11 +75,19 @@ Tables = Mapping[str, pd.DataFrame]
 
 
 class Value(NamedTuple):
-    """A declared value: its dotted key, and where it stands in the document."""
+    """A declared value: its dotted key, and where it stands in the document.
+
+    A text of the figure registry to which aliases refer stands in several places.
+    """
 
     key: str
-    place: Key
+    places: tuple[Key, ...]
     value: Any
+
+    @property
+    def place(self) -> Key:
+        """Its first place."""
+        return self.places[0]
 
 
 class Rests(NamedTuple):
@@ -85,6 +95,9 @@ class Rests(NamedTuple):
 
     branch: Any
     rows: Mapping[str, str]
+
+
+Rested = Mapping[str, Rests]
 
 
 # ---- What is known of the project: the declared document, what rests on it, and how to run that.
@@ -113,6 +126,7 @@ def declared() -> Document:
     config = merged(read_configuration(ROOT / "config"), load(ROOT / "config/ci.yaml"))
     document: Document = {"config": config}
     document |= {name: load(ROOT / config[name]) for name in ("claims", "figures")}
+    document["places"] = written(ROOT / config["figures"])
     found = read_all(*(str(ROOT / config[name]) for name in TABLES))
     for name in TABLES:
         rows = document[name] = {}
@@ -132,25 +146,42 @@ def values(document: Document) -> Iterator[Value]:
             for column in NUMBERS:
                 if isinstance(row.get(column), float):
                     key = f"{name}: {label}.{column}"
-                    yield Value(key, (name, label, column), row[column])
-    for each in _values(document["claims"], "claims", ("claims",), with_provenance=False):
-        if isinstance(each.value, int | float):
-            yield each
-    for figure, entry in document["figures"].items():
-        yield from _drawn(figure, entry)
+                    yield Value(key, ((name, label, column),), row[column])
+    of_claims = _values(document["claims"], "claims", ("claims",), with_provenance=False)
+    yield from (each for each in of_claims if isinstance(each.value, int | float))
+    drawn = (places for places in document["places"] if places[0][2] in DRAWN)
+    for places in drawn:
+        parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in places[0])
+        yield Value("".join(parts)[1:], places, at(document, places[0]))
 
 
-def _drawn(figure: str, entry: Mapping[str, Any]) -> Iterator[Value]:
-    for part in sorted({*DRAWN} & {*entry}):
-        key, place = f"{FIGURES}{figure}.{part}", ("figures", figure, part)
-        yield from _values(entry[part], key, place, with_provenance=False)
+def written(path: Path) -> list[tuple[Key, ...]]:
+    """Return where each value of a YAML file stands once its aliases are followed."""
+    found: dict[int, list[Key]] = {}
+
+    def follow(node: Any, place: Key) -> None:
+        if isinstance(node, yaml.MappingNode):
+            loader.flatten_mapping(node)
+            for name, child in {name.value: child for name, child in node.value}.items():
+                follow(child, (*place, name))
+        elif isinstance(node, yaml.SequenceNode):
+            for i, child in enumerate(node.value):
+                follow(child, (*place, i))
+        else:
+            found.setdefault(id(node), []).append(place)
+
+    loader = yaml.SafeLoader(path.read_text(encoding="utf-8"))
+    root = loader.get_single_node()
+    follow(root, ("figures",))
+    return [tuple(places) for places in found.values()]
 
 
 def _values(node: Any, key: str, place: Key, *, with_provenance: bool = True) -> Iterator[Value]:
     inner = functools.partial(_values, with_provenance=with_provenance)
     if with_provenance and (is_declaration(node) or is_reference(node)):
+        passed = {"evidence", "source"} | ({"from"} if {"value", "values"} & {*node} else set())
         for part in node:
-            if part not in {"evidence", "source"}:
+            if part not in passed:  # what is beside a reference stands in place of what it names
                 own = key if part in {"value", "values"} else f"{key}.{part}"
                 yield from inner(node[part], own, (*place, part))
     elif isinstance(node, Mapping):
@@ -160,38 +191,47 @@ def _values(node: Any, key: str, place: Key, *, with_provenance: bool = True) ->
         for i, child in enumerate(node):
             yield from inner(child, f"{key}[{i}]", (*place, i))
     else:
-        yield Value(key, place, node)
+        yield Value(key, (place,), node)
 
 
-def resolved(document: Document) -> dict[str, Rests]:
+def resolved(
+    document: Document, part: str = "config", known: Rested = MappingProxyType({})
+) -> Rested:
     """Return what each study, ledger and figure rests on.
+
+    Only claims or figures are read anew if they are the part that differs from a known document.
 
     Raises
     ------
     ValueError
         If the document is refused.
     """
+    if part == "figures":
+        branches = {name: rests.branch for name, rests in known.items()}
+        entries = filled(document["figures"], branches)
+        figures = {f"{FIGURES}{name}": Rests(entry, {}) for name, entry in entries.items()}
+        for name, rests in figures.items():
+            if rests != known[name]:
+                figure_spec(name.removeprefix(FIGURES), rests.branch)
+        return {**known, **figures}
+    claimed = {f"claims.{name}": Rests({name: c}, {}) for name, c in document["claims"].items()}
+    if part == "claims":
+        return {**known, **claimed}
     with tempfile.TemporaryDirectory() as folder:
         config = document["config"] | {
-            name: _written(document[name], Path(folder) / f"{name}.csv") for name in TABLES
+            name: _table(document[name], Path(folder) / f"{name}.csv") for name in TABLES
         }
-        entries = Path(folder) / "figures.yaml"
-        entries.write_text(json.dumps(document["figures"]), encoding="utf-8")
-        config |= {"figures": str(entries), DIGITISED: str(ROOT / config[DIGITISED])}
         settings = validate(config, config)
         inputs = read_inputs(settings)
     rests = {name: Rests(branch, inputs.rows[name]) for name, branch in settings.branches.items()}
     del rests[REPEATING]
     steel = settings.tables.of_pair("stainless-steel-316", "silicon")
-    rests["equations"] = Rests(None, steel)
-    for name, claim in document["claims"].items():
-        rests[f"claims.{name}"] = Rests({name: claim}, {})
-    for name, entry in inputs.figure_entries.items():
-        rests[f"{FIGURES}{name}"] = Rests(entry, {})
-    return rests
+    entries = inputs.figure_entries.items()
+    figures = {f"{FIGURES}{name}": Rests(entry, {}) for name, entry in entries}
+    return {**rests, "equations": Rests(None, steel), **claimed, **figures}
 
 
-def _written(rows: Mapping[str, Any], path: Path) -> str:
+def _table(rows: Mapping[str, Any], path: Path) -> str:
     """Write a declared table and return its path."""
     table = DeclaredTable("", tuple(next(iter(rows.values()))), tuple(map(_row, rows.values())))
     path.write_text(table.text(), encoding="utf-8")
@@ -238,11 +278,13 @@ def _picture(spec: FigureSpec, results: Path) -> pd.DataFrame:
         name: read_figure_data(results / f"data/{name}.csv", unit.x, unit.y)
         for name, unit in spec.data.items()
     }
-    with tempfile.TemporaryDirectory() as folder:
-        picture = Path(folder) / "figure.svg"
-        save(getattr(import_module(spec.module), spec.function)(tables, spec), picture)
-        words = spec.title, spec.caption, spec.article, *spec.tables.values()
-        return pd.DataFrame([picture.read_text(encoding="utf-8"), *words])
+    figure = getattr(import_module(spec.module), spec.function)(tables, spec)
+    picture = io.StringIO()
+    with context():
+        figure.set_layout_engine(None)  # to find room for all takes longer than all else
+        figure.savefig(picture, format="svg", metadata=dict.fromkeys(UNDATED["svg"]))
+    words = spec.title, spec.caption, spec.article, *spec.tables.values()
+    return pd.DataFrame([picture.getvalue(), *words])
 
 
 def _verdict(name: str, criteria: Document, inputs: Inputs) -> pd.DataFrame:
@@ -292,81 +334,80 @@ def name_of(place: Key) -> str:
     return names[-1]
 
 
-def changes(each: Value, document: Document, refused: Sequence[str]) -> Iterator[tuple[Key, Any]]:
-    """Yield what to put where, in place of a value; reads meanwhile what was refused, in words."""
-    value = each.value
+def changes(each: Value, world: World, refused: Sequence[str]) -> Iterator[tuple[int, Any]]:
+    """Yield what to put in place of a value, or so many storeys above it.
+
+    Reads meanwhile what was refused, in words.
+    """
+    value, document = each.value, world.document
+    if each.place[-1] == "from":  # a number of the user's, as another place may have the same
+        for number in _named(each, world.rests):
+            yield 1, merged(at(document, each.place[:-1]), number)
     if isinstance(value, bool):
         others: Iterator[Any] = iter([not value])
     elif isinstance(value, int | float):
         others = _numbers(each, document, refused)
     else:
-        others = itertools.islice(_texts(each, document, refused), MANY)
+        others = itertools.islice(_texts(each, world, refused), MANY)
+    told = [value]
     for other in others:
-        yield each.place, other
+        if other not in told:
+            told.append(other)
+            yield 0, other
     if isinstance(each.place[-1], int):  # without the item
         items = at(document, each.place[:-1])
-        yield each.place[:-1], items[: each.place[-1]] + items[each.place[-1] + 1 :]
+        yield 1, items[: each.place[-1]] + items[each.place[-1] + 1 :]
     elif isinstance(value, str):  # a kind of thing has keys of its own
         own = at(document, each.place[:-1])
         for other in itertools.islice(_likes(document["config"], str(each.place[-1]), value), MANY):
-            yield each.place[:-1], own | {k: v for k, v in other.items() if isinstance(v, str)}
-            yield each.place[:-1], other
+            yield 1, own | {k: v for k, v in other.items() if isinstance(v, str)}
+            yield 1, other
 
 
 def _numbers(each: Value, document: Document, refused: Sequence[str]) -> Iterator[float]:
     value = each.value
     if isinstance(value, int):
-        others = dict.fromkeys((value + 1, value // 10, 10 * value, value - 1))
-        yield from (other for other in others if other != value)
+        yield from (value + 1, value // 10, 10 * value, value - 1)
     elif value:
         yield from (factor * value for factor in FACTORS)
     else:
         yield from (0.05, 1.0, -0.05)
-    for name in _allowed(refused, r"-?\d+(?:\.\d+)?"):
-        if float(name) != value:
-            yield type(value)(float(name))
+    yield from (type(value)(float(name)) for name in _allowed(refused, r"-?\d+(?:\.\d+)?"))
     yield 2 * value  # where a power of two is asked for
     if each.place[0] == "claims":
         end = at(document, each.place[:-1]).get(OTHER_END.get(name_of(each.place)))
         yield from (*EXTREMES, *([] if end is None else [value + 0.999 * (end - value)]))
 
 
-def _texts(each: Value, document: Document, refused: Sequence[str]) -> Iterator[str]:
-    told = {each.value}
-    branch = each.place[:2]
-    alike = [one for one in _all(document) if name_of(one.place) == name_of(each.place)]
-    alike.sort(key=lambda one: one.place[:2] != branch)
-    for one in alike:
-        if isinstance(one.value, str) and one.value not in told:
-            told.add(one.value)
-            yield one.value
+def _named(each: Value, rests: Rested) -> Iterator[Any]:
+    """Yield numbers beside those that a study is given by a reference."""
+    with suppress(KeyError, IndexError, TypeError):
+        found = at(rests[str(each.place[1])].branch, each.place[2:-1])
+        numbers = found if isinstance(found, list) else [found]
+        if all(type(number) in {int, float} for number in numbers):
+            for factor in FACTORS:
+                changed = [type(number)(factor * number) for number in numbers]
+                yield changed if isinstance(found, list) else changed[0]
+
+
+def _texts(each: Value, world: World, refused: Sequence[str]) -> Iterator[str]:
+    branch, config = each.place[:2], world.document["config"]
+    alike = world.texts[name_of(each.place)]
+    yield from sorted(alike, key=lambda text: branch not in alike[text])
     section, dot, _ = each.value.partition(".")
     if dot and "from" in each.place:
-        names = document["printed_values"] if section == "printed" else document["config"][section]
-        yield from (f"{section}.{name}" for name in names if f"{section}.{name}" not in told)
-    for names in document["config"].values():  # of what a name is declared among
+        names = world.document["printed_values"] if section == "printed" else config[section]
+        yield from (f"{section}.{name}" for name in names)
+    for names in config.values():  # of what a name is declared among
         if isinstance(names, Mapping) and each.value in names:
-            yield from (name for name in names if name not in told)
+            yield from names
     yield f"{each.value} changed"
-    for name in _allowed(refused, "(?<=')[^',]+(?=')"):
-        if name not in told:
-            told.add(name)
-            yield name
+    yield from _allowed(refused, "(?<=')[^',]+(?=')")
 
 
 def _allowed(refused: Sequence[str], pattern: str) -> list[str]:
     """Return what a refusal says that a value must be."""
     return [name for line in refused for name in re.findall(pattern, line.partition("must be ")[2])]
-
-
-_ALL: list[tuple[Document, list[Value]]] = []
-
-
-def _all(document: Document) -> list[Value]:
-    """Return all values, listed once for one document."""
-    if not _ALL or _ALL[0][0] is not document:
-        _ALL[:] = [(document, list(values(document)))]
-    return _ALL[0][1]
 
 
 def _likes(node: Any, name: str, value: str) -> Iterator[Any]:
@@ -382,19 +423,26 @@ def _likes(node: Any, name: str, value: str) -> Iterator[Any]:
 
 # ---- What a change does.
 
-# A study that comes in parts is first compared with one of them made anew: most changes show there.
+# A study that comes in parts is compared whenever one more of them is made anew.
 PARTS = 8
-
 
 VERDICTS = ("moved", "dead", "needed", "not tested")
 
 
+class StaleRunError(Exception):
+    """A run that is of another state: a line for each table that differs."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Before:
-    """What a study or ledger gives without any change, and how long it takes, s."""
+    """What a study or ledger gives without any change, and how long it takes, s.
+
+    One that comes in parts has these by index or claim, and the order in which to look at them.
+    """
 
     tables: Tables
-    parts: Sequence[Any]
+    parts: Mapping[Any, Any] = field(default_factory=dict)
+    order: list[Any] = field(default_factory=list)
     seconds: float
 
 
@@ -406,42 +454,61 @@ class Found:
     value: Any
     verdict: str
     by: str = ""
-    seconds: float = 0.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class World:
     """The unchanged state, and the functions that lead from a document to tables."""
 
     document: Document
     results: Path
-    resolve: Callable[[Document], Mapping[str, Rests]] = resolved
-    rests: Mapping[str, Rests]
+    resolve: Callable[[Document, str, Rested], Rested] = resolved
+    rests: Rested
     before: dict[str, Before] = field(default_factory=dict)
+
+    @functools.cached_property
+    def texts(self) -> Mapping[str, dict[str, set[Key]]]:
+        """The branches in which each text stands, by the last name of its place."""
+        found: dict[str, dict[str, set[Key]]] = {}
+        for one in values(self.document):
+            if isinstance(one.value, str):
+                own = found.setdefault(name_of(one.place), {}).setdefault(one.value, set())
+                own.add(one.place[:2])
+        return found
 
 
 def unchanged(name: str, world: World) -> Before:
     """Return what a study or ledger gives without any change."""
     start, rests = time.perf_counter(), world.rests[name]
-    if not _in_parts(name):
-        tables = made(name, rests, world.results)
-        parts = _claims_by_cost(rests, world) if name == NUMBERS_OF_CLAIMS else []
+    parts: dict[Any, Any] = {}
+    if pieces := _pieces(name):
+        of, given = study(name), _given(name, rests, world)
+        times = {}
+        for piece in pieces:
+            begun = time.perf_counter()
+            parts[piece] = _part(name, piece, given)
+            times[piece] = time.perf_counter() - begun
+        pieces.sort(key=times.__getitem__)
+    if pieces and name != NUMBERS_OF_CLAIMS:
+        tables = of.gather(*given, list(parts.values()))
     else:
-        of, (params, inputs) = study(name), _given(name, rests, world)
-        parts = [of.part(params, inputs, i, PARTS) for i in range(PARTS)]
-        tables = of.gather(params, inputs, parts)
-    return Before(tables=tables, parts=parts, seconds=time.perf_counter() - start)
+        tables = made(name, rests, world.results)
+    seconds = time.perf_counter() - start
+    before = Before(tables=tables, parts=parts, order=pieces, seconds=seconds)
+    return check(before, world.results)
 
 
-def _claims_by_cost(rests: Rests, world: World) -> list[tuple[str, str]]:
-    """Return every claim with its numbers as text, the quickest first."""
-    params, inputs = _given(NUMBERS_OF_CLAIMS, rests, world)
-    found = []
-    for claim in claim_numbers.CLAIMS:
-        start = time.perf_counter()
-        text = claim_numbers.numbers_of(claim, params, inputs).to_csv()
-        found.append((time.perf_counter() - start, claim, text))
-    return [(claim, text) for _, claim, text in sorted(found)]
+def _pieces(name: str) -> list[Any]:
+    """Return what a study comes in: parts by their index, claims by their names, or nothing."""
+    if name == NUMBERS_OF_CLAIMS:
+        return list(claim_numbers.CLAIMS)
+    return list(range(PARTS)) if name in homes() and hasattr(study(name), "gather") else []
+
+
+def _part(name: str, piece: Any, given: tuple[Any, Inputs]) -> Any:
+    if name == NUMBERS_OF_CLAIMS:
+        return claim_numbers.numbers_of(piece, *given).to_csv()
+    return study(name).part(*given, piece, PARTS)
 
 
 def _given(name: str, rests: Rests, world: World) -> tuple[Any, Inputs]:
@@ -449,28 +516,31 @@ def _given(name: str, rests: Rests, world: World) -> tuple[Any, Inputs]:
     return build(study(name).Params, rests.branch), Inputs(name, rests.rows, world.results)
 
 
-def _in_parts(name: str) -> bool:
-    return name in homes() and name != NUMBERS_OF_CLAIMS and hasattr(study(name), "gather")
-
-
 def moved(name: str, rests: Rests, world: World) -> bool:
-    """Tell whether a study or ledger gives other tables from what it rests on after a change."""
+    """Tell whether a study or ledger gives other tables from what it rests on after a change.
+
+    One part that moves is enough, and the next value is likely to move it, too.
+    """
     before = world.before[name]
     if not before.parts:
         return _differ(made(name, rests, world.results), before.tables)
-    of, (params, inputs) = study(name), _given(name, rests, world)
-    if name == NUMBERS_OF_CLAIMS:  # one claim that moves is enough, or else a draw
-        return any(
-            of.numbers_of(claim, params, inputs).to_csv() != text for claim, text in before.parts
-        ) or _differ(made(name, rests, world.results), before.tables)
-    first = of.part(params, inputs, 0, PARTS)
-    try:
-        if _differ(of.gather(params, inputs, [first, *before.parts[1:]]), before.tables):
+    given = _given(name, rests, world)
+    now = dict(before.parts)
+    for piece in before.order:
+        now[piece] = _part(name, piece, given)
+        differs = False
+        if name == NUMBERS_OF_CLAIMS:
+            differs = now[piece] != before.parts[piece]
+        else:
+            with suppress(Exception):  # parts before and after a change may not fit together
+                differs = _differ(study(name).gather(*given, list(now.values())), before.tables)
+        if differs:
+            before.order.remove(piece)
+            before.order.insert(0, piece)
             return True
-    except Exception:  # noqa: BLE001  parts before and after a change may not fit together
-        pass
-    rest = [of.part(params, inputs, i, PARTS) for i in range(1, PARTS)]
-    return _differ(of.gather(params, inputs, [first, *rest]), before.tables)
+    if name == NUMBERS_OF_CLAIMS:  # or else a draw
+        return _differ(made(name, rests, world.results), before.tables)
+    return _differ(study(name).gather(*given, list(now.values())), before.tables)
 
 
 def _differ(now: Tables, before: Tables) -> bool:
@@ -479,22 +549,25 @@ def _differ(now: Tables, before: Tables) -> bool:
 
 def tried(each: Value, world: World) -> Found:
     """Change a value until an output moves."""
-    start = time.perf_counter()
     refused: list[str] = []
     stopped: list[str] = []
     unmoved, most = 0, TRIED if each.place[0] != "claims" else sys.maxsize
     same = False  # nothing rests on a change: another place may have the same value
     verdict, by = "", ""
-    for place, other in changes(each, world.document, refused):
+    for above, other in changes(each, world, refused):
+        places = [place[: len(place) - above] for place in each.places]
+        document = functools.reduce(
+            lambda d, place: changed(d, place, other), places, world.document
+        )
         try:
-            after = world.resolve(changed(world.document, place, other))
+            after = world.resolve(document, each.place[0], world.rests)
         except Exception as error:  # noqa: BLE001  whatever is raised refuses the value
             refused.append(f"{other!r}: {error}")
             continue
         others = {name: after[name] for name in after if after[name] != world.rests[name]}
         same = same or not others
-        if lines := [line for name in others for line in _made_known(name, world)]:
-            return Found(key=each.key, value=each.value, verdict="stale", by="\n".join(lines))
+        for name in {*others} - {*world.before}:
+            world.before[name] = unchanged(name, world)
         signal.alarm(SECONDS)
         try:
             by = _mover(others, world)
@@ -514,29 +587,20 @@ def tried(each: Value, world: World) -> Found:
         verdict, by = "needed", stopped[0]
     else:
         verdict, by = "not tested", "; ".join(refused)[:200]
-    seconds = time.perf_counter() - start
-    return Found(key=each.key, value=each.value, verdict=verdict, by=by, seconds=seconds)
+    return Found(key=each.key, value=each.value, verdict=verdict, by=by)
 
 
-def _made_known(name: str, world: World) -> list[str]:
-    """Make a study or ledger without a change, once; return what contradicts that in the run."""
-    if name in world.before:
-        return []
-    before = unchanged(name, world)
-    if not (lines := stale(before, world.results)):
-        world.before[name] = before
-    return lines
-
-
-def stale(before: Before, results: Path) -> list[str]:
-    """Return the tables of a run that are not what a study gives."""
-    return [
+def check(before: Before, results: Path) -> Before:
+    """Return what a study gives if the run has the same; otherwise raise `StaleRunError`."""
+    if lines := [
         f"{path} is not of this state; make the run anew"
         for name, table in before.tables.items()
         for path in (results / f"{folder}/{name}.csv" for folder in ("tables", "data"))
         if path.exists()
         and path.read_text(encoding="utf-8") != table.to_csv(index=False, lineterminator="\n")
-    ]
+    ]:
+        raise StaleRunError("\n".join(lines))
+    return before
 
 
 def _mover(others: Mapping[str, Rests], world: World) -> str:
@@ -555,7 +619,7 @@ def _mover(others: Mapping[str, Rests], world: World) -> str:
 
 def exceptions(path: Path = EXCEPTIONS) -> dict[str, str]:
     """Return the reason of each pattern of keys, in which * stands for any text."""
-    return {str(pattern): str(reason) for pattern, reason in load(path).items()}
+    return {pattern: reason for reason, patterns in load(path).items() for pattern in patterns}
 
 
 def fits(pattern: str, key: str) -> bool:
@@ -582,19 +646,14 @@ def faults(found: Sequence[Found], meant: Mapping[str, str]) -> list[str]:
     return lines
 
 
-def kind(value: object) -> str:
-    """Return what kind of value it is, in a word."""
-    return {bool: "flag", int: "whole number", float: "number"}.get(type(value), "text")
-
-
 def report(found: Sequence[Found], seconds: float) -> str:
-    """Return the counts, and all values that were not moved, in words."""
-    counts = Counter((kind(one.value), one.verdict) for one in found)
-    lines = [f"{'':14}{'values':>8}" + "".join(f"{verdict:>12}" for verdict in VERDICTS)]
-    for name in (*sorted({kind(one.value) for one in found}), "all"):
-        own = [sum(n for (k, v), n in counts.items() if name in {k, "all"} and v == verdict)
-               for verdict in VERDICTS]  # fmt: skip
-        lines.append(f"{name:14}{sum(own):>8}" + "".join(f"{n:>12}" for n in own))
+    """Return the counts by branch or table, and all values that were not moved, in words."""
+    groups = {one.key: re.split(r"[.:\[]", one.key)[0] for one in found}
+    counts = Counter((group, one.verdict) for one in found for group in (groups[one.key], "all"))
+    lines = [f"{'':24}{'values':>8}" + "".join(f"{verdict:>12}" for verdict in VERDICTS)]
+    for group in (*sorted({*groups.values()}), "all"):
+        own = [counts[group, verdict] for verdict in VERDICTS]
+        lines.append(f"{group:24}{sum(own):>8}" + "".join(f"{n:>12}" for n in own))
     lines.append(f"{seconds:.0f} s")
     words = [
         one.key for one in found if one.by.startswith(FIGURES) and not one.key.startswith(FIGURES)
@@ -624,17 +683,6 @@ def _begin() -> None:
     signal.signal(signal.SIGALRM, _too_long)
 
 
-def all_of(work: Callable[[Value], Found], items: Sequence[Value], processes: int) -> list[Found]:
-    """Return what came of each value, in any order, with a bar for the progress."""
-    columns = (*Progress.get_default_columns()[:2], MofNCompleteColumn(), TimeElapsedColumn())
-    with (
-        multiprocessing.get_context("fork").Pool(processes, _begin) as pool,
-        Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True)) as bar,
-    ):
-        found = pool.imap_unordered(work, items)
-        return list(bar.track(found, len(items), description="one change at a time"))
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
     """Try all values and print the list."""
     parser = argparse.ArgumentParser(prog="python -m tests.dead_inputs", description=__doc__)
@@ -642,26 +690,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("results", type=Path, nargs="?", default=ROOT / "build/ci")
     parser.add_argument("--processes", type=int, default=len(os.sched_getaffinity(0)))
     parser.add_argument("--only", default="", help="values whose key holds this text")
-    parser.add_argument("--output", type=Path, help="write the list here, too")
     given = parser.parse_args(arguments)
     start = time.perf_counter()
     document = declared()
     rests = resolved(document)
-    world = World(document=document, results=given.results, rests=rests)
-    _WORLD[:] = [world]
+    _WORLD[:] = [World(document=document, results=given.results, rests=rests)]
     wanted = [each for each in values(document) if given.only in each.key]
-    order = {each.key: i for i, each in enumerate(wanted)}
-    found = all_of(_tried, wanted, given.processes)
-    if lines := sorted(
-        {line for one in found if one.verdict == "stale" for line in one.by.split("\n")}
-    ):
-        sys.stderr.write("\n".join(lines) + "\n")
+    bar: dict[str, Any] = {"total": len(wanted), "console": Console(stderr=True)}
+    try:
+        with multiprocessing.get_context("fork").Pool(given.processes, _begin) as pool:
+            found = list(track(pool.imap(_tried, wanted), "one change at a time", **bar))
+    except StaleRunError as error:
+        sys.stderr.write(f"{error}\n")
         return 2
-    found.sort(key=lambda one: order[one.key])
-    text = report(found, time.perf_counter() - start)
-    sys.stdout.write(text)
-    if given.output:
-        given.output.write_text(text, encoding="utf-8")
+    sys.stdout.write(report(found, time.perf_counter() - start))
     meant = {
         pattern: reason
         for pattern, reason in exceptions().items()

@@ -46,10 +46,18 @@ def test_a_bad_entry_is_named(entry, message):
         figure_spec("fig14", entry)
 
 
-def test_an_empty_axis_is_refused():
-    entry = changed()
-    entry["panels"]["trends"]["x_range"] = [1.0, 1.0]
-    with pytest.raises(RegistryError, match=r"panels\.trends\.x_range: \[1\.0, 1\.0\] must ascend"):
+@pytest.mark.parametrize(
+    ("module", "key", "value", "message"),
+    [
+        ("models.curves", "x_range", [1.0, 1.0], r"x_range: \[1\.0, 1\.0\] must ascend"),
+        ("models.curves", "y_label", "", r"y_label: '' must not be empty"),
+        ("schematics.impacts", "x_label", "x", r"x_label: 'x' must be empty: it has no axes"),
+    ],
+)
+def test_an_empty_axis_is_refused_and_words_for_none(module, key, value, message):
+    entry = changed(module=f"microimpact.figures.{module}")
+    entry["panels"]["trends"][key] = value
+    with pytest.raises(RegistryError, match=rf"panels\.trends\.{message}"):
         figure_spec("fig14", entry)
 
 

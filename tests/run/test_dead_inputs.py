@@ -76,12 +76,12 @@ def in_parts(params, inputs, index, count):
 SMALL = {
     "config": {STUDY: {"read": 3, "never_read": 3, "case": "first"}, "other": {"case": "second"}},
     "claims": {},
-    "figures": {},
+    "places": [],
     **{name: {} for name in dead_inputs.TABLES},
 }
 
 
-def small(document):
+def small(document, *_):
     branch = document["config"][STUDY]
     if branch["case"] not in {"first", "second"}:
         raise ValueError(f"case: {branch['case']!r} must be 'first' or 'second'")
@@ -116,7 +116,7 @@ def test_another_place_of_the_same_value_is_no_change(small_world, last, verdict
     own = {"read": 3, "never_read": 3, **references["a"]}
     document = {**SMALL, "config": {**references, STUDY: own}}
 
-    def followed(document):
+    def followed(document, *_):
         branch = document["config"][STUDY]
         return {STUDY: Rests(branch | {"case": places[branch["case"]["from"]]}, {})}
 
@@ -126,8 +126,37 @@ def test_another_place_of_the_same_value_is_no_change(small_world, last, verdict
     assert found_in(world, STUDY)[f"{STUDY}.case.from"].verdict == verdict
 
 
+def test_where_a_reference_stands_a_user_may_put_a_number(small_world):
+    def followed(document, *_):
+        branch = document["config"][STUDY]
+        return {STUDY: Rests(branch | {"read": branch["read"].get("value", 3)}, {})}
+
+    own = {"read": {"from": "place"}, "never_read": 3, "case": "first"}
+    document = {**SMALL, "config": {"place": {"read": 3}, STUDY: own}}
+    world = replace(
+        small_world, document=document, resolve=followed, rests=followed(document), before={}
+    )
+    assert found_in(world, STUDY)[f"{STUDY}.read.from"].verdict == "moved"
+
+
+def test_what_stands_in_place_of_a_reference_is_the_value():
+    (number,) = dead_inputs.values({**SMALL, "config": {"a": {"from": "place", "value": 4}}})
+    assert (number.key, number.value) == ("a", 4)
+
+
+def test_a_text_to_which_aliases_refer_is_one_value(tmp_path):
+    path = tmp_path / "figures.yaml"
+    path.write_text("a: &a {p: 1, r: 5}\nb: {<<: *a, q: [2], r: 3}\nc: *a\n")
+    assert set(dead_inputs.written(path)) == {
+        (("figures", "a", "p"), ("figures", "b", "p"), ("figures", "c", "p")),
+        (("figures", "a", "r"), ("figures", "c", "r")),
+        (("figures", "b", "r"),),
+        (("figures", "b", "q", 0),),
+    }
+
+
 def test_a_number_is_changed_to_one_that_the_refusal_names(small_world):
-    def choosy(document):
+    def choosy(document, *_):
         read = document["config"][STUDY]["read"]
         if read not in {3, 7}:
             raise ValueError(f"read: {read} must be one of (3, 7)")
@@ -138,7 +167,7 @@ def test_a_number_is_changed_to_one_that_the_refusal_names(small_world):
 
 
 def test_what_is_always_refused_is_told_as_not_tested(small_world, tmp_path):
-    def refusing(document):
+    def refusing(document, *_):
         if document is not SMALL:
             raise ValueError("not this one")
         return small(document)
@@ -163,8 +192,10 @@ def test_another_run_than_that_of_this_state_is_told(small_world):
     path.parent.mkdir()
     table = small_world.before.pop(STUDY).tables["t"]
     path.write_text("0,1\n4,first\n")
-    (found,) = {(one.verdict, one.by) for one in found_in(small_world, STUDY).values()}
-    assert found == ("stale", f"{path} is not of this state; make the run anew")
+    with pytest.raises(
+        dead_inputs.StaleRunError, match=rf"^{path} is not of this state; make the run anew$"
+    ):
+        found_in(small_world, STUDY)
     table.to_csv(path, index=False, lineterminator="\n")
     assert found_in(small_world, STUDY)[f"{STUDY}.read"].verdict == "moved"
 

@@ -80,17 +80,17 @@ class SeriesSpec:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PanelSpec:
-    """Axes of one panel, and its series in the order of the legend.
+    """Axes of one panel, which only a plot has, and its series in the order of the legend.
 
     `shows` names the panel of the data if it is not the one of the same name, as for an
     enlarged view. A legend `above` is over all panels, clear of every curve. Axes grow
     where data lie outside; the upright one does not if `fixed`. A label may be one of `QUANTITIES`.
     """
 
-    x_label: Name
-    y_label: Name
     x_range: Range
     y_range: Range
+    x_label: str = ""
+    y_label: str = ""
     title: str = ""
     x_ticks: tuple[Finite, ...] = ()
     y_ticks: tuple[Finite, ...] = ()
@@ -139,16 +139,19 @@ class FigureSpec:
     panels: dict[str, PanelSpec]
 
     def __post_init__(self) -> None:
-        """Refuse an empty axis, and words for evidence that there is not."""
+        """Refuse an empty or unnamed axis, and words for evidence or axes that there are not."""
         for name in self.evidence_labels:
             if name not in RESULT_EVIDENCE:
                 near = nearest(name, RESULT_EVIDENCE)
                 raise ValueError(f"evidence_labels: {name!r} is no evidence of results{near}")
         for name, panel in self.panels.items():
-            for axis in ("x_range", "y_range"):
-                low, high = getattr(panel, axis)
+            for axis in ("x", "y"):
+                low, high = getattr(panel, f"{axis}_range")
                 if low >= high:
-                    raise ValueError(f"panels.{name}.{axis}: [{low}, {high}] must ascend")
+                    raise ValueError(f"panels.{name}.{axis}_range: [{low}, {high}] must ascend")
+                if bool(label := getattr(panel, f"{axis}_label")) == self.is_schematic:
+                    must = "must be empty: it has no axes" if label else "must not be empty"
+                    raise ValueError(f"panels.{name}.{axis}_label: {label!r} {must}")
 
     @property
     def is_schematic(self) -> bool:
