@@ -1,11 +1,13 @@
 """Release and fall, and the interval of an experiment's mean."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from scipy import constants, stats
 from tests.shared import STILL, USUAL
 
-from microimpact.lab.dispenser import NO_SPIN, InitialSpin, drop_height, release
+from microimpact.lab.dispenser import NO_SPIN, InitialSpin, drop_height, paths, release
 from microimpact.lab.experiment import Drop, Target
 from microimpact.lab.reduction import mean_interval
 from microimpact.lab.surface import combined_slope
@@ -15,8 +17,7 @@ from microimpact.statistics.distributions import Constant, TruncatedNormal, gene
 def fall(n=5000, *, dispenser=USUAL, spin=NO_SPIN, angle=30.0, height=0.05):
     return release(
         n,
-        angle=angle,
-        height=height,
+        path=partial(paths, angle=angle, height=height, dispenser=dispenser),
         diameter_um=TruncatedNormal(mean=62, sd=4.5, low=45, high=76),
         dispenser=dispenser,
         spin=spin,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,29 +67,26 @@ def drop_height(speed: float, dispenser: Dispenser) -> float:
     return (speed**2 - exit_speed**2) / (2.0 * gravity)
 
 
-def release(
-    n: int,
-    *,
-    angle: float,
-    height: float,
-    diameter_um: Distribution,
-    dispenser: Dispenser,
-    spin: InitialSpin,
-    rng: np.random.Generator,
-) -> Falling:
+# Place of arrival, velocity and speed of the fall alone, (n, 2), (n, 3) and (n,), of n particles.
+Paths = Callable[[int, np.random.Generator], tuple[FloatArray, FloatArray, FloatArray]]
+
+
+def paths(
+    n: int, rng: np.random.Generator, *, angle: float, height: float, dispenser: Dispenser
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Let n particles fall on the target.
 
     `angle`: nominal angle of incidence from the surface, degrees; `height`: from the needle to the
-    target, m; `dispenser`, `spin`: spreads of release and of initial spin.
+    target, m; `dispenser`: spreads of release. What is given is of `Paths`.
     """
     tilt = np.radians(90.0 - angle)
-    diameter = sample(diameter_um, rng, n) * 1e-6
     start = sample(HalfNormal(sd=dispenser.exit_speed_m_per_s), rng, n)
     fall = np.hypot(start, np.sqrt(2.0 * gravity * height))
     duration = (fall - start) / gravity
     lateral = dispenser.lateral_speed_m_per_s * rng.standard_normal((n, 2))
     place = dispenser.lateral_position_mm * 1e-3 * rng.standard_normal((n, 2))
     place += lateral * duration[:, None]
+    place[:, 0] /= np.cos(tilt)
     # Horizontal across the tilt axis and vertical, seen from the target.
     horizontal = np.array([np.cos(tilt), 0.0, np.sin(tilt)])
     down = np.array([np.sin(tilt), 0.0, -np.cos(tilt)])
@@ -96,19 +94,37 @@ def release(
     velocity[:, 1] += lateral[:, 1]
     # Steered away from a nearly vertical target, a particle would never arrive.
     velocity[:, 2] = np.minimum(velocity[:, 2], -1e-6)
+    return place, velocity, fall
+
+
+def release(
+    n: int,
+    *,
+    path: Paths,
+    diameter_um: Distribution,
+    dispenser: Dispenser,
+    spin: InitialSpin,
+    rng: np.random.Generator,
+) -> Falling:
+    """Let n particles fall on the target.
+
+    `path`: how they fall; `dispenser`, `spin`: spreads of release and of initial spin.
+    """
+    diameter = sample(diameter_um, rng, n) * 1e-6
+    position, velocity, fall = path(n, rng)
     share = spin.sd * rng.standard_normal((n, 3))
     share[:, 1] += spin.mean
     return Falling(
-        time=_arrivals(n, dispenser, rng),
+        time=arrivals(n, dispenser, rng),
         diameter=diameter,
-        position=np.stack([place[:, 0] / np.cos(tilt), place[:, 1]], axis=1),
+        position=position,
         velocity=velocity,
         spin=share * (fall / (0.5 * diameter))[:, None],
     )
 
 
-def _arrivals(n: int, dispenser: Dispenser, rng: np.random.Generator) -> FloatArray:
-    """Times of n arrivals in s, in order: taps at a steady rate, each freeing a few particles."""
+def arrivals(n: int, dispenser: Dispenser, rng: np.random.Generator) -> FloatArray:
+    """Return times of n arrivals, s: taps at a steady rate, each freeing a few particles."""
     freed = np.zeros(0, dtype=np.int64)
     while freed.sum() < n:
         taps = math.ceil(n / dispenser.particles_per_tap)

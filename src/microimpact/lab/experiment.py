@@ -14,7 +14,15 @@ from pydantic import Field
 
 from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.declared.parameters import Count, Positive
-from microimpact.lab.dispenser import NO_SPIN, Dispenser, InitialSpin, drop_height, release
+from microimpact.lab.dispenser import (
+    NO_SPIN,
+    Dispenser,
+    InitialSpin,
+    Paths,
+    drop_height,
+    paths,
+    release,
+)
 from microimpact.lab.events import Falling, Impacts, IntArray, Measured
 from microimpact.lab.reduction import Mean
 from microimpact.lab.surface import SMOOTH, Rebound, Surface, collide, drawn_shares, simulated
@@ -179,12 +187,16 @@ class Drop:
         """Return the same with a table of normal impacts, see `Target.tabulated`."""
         return replace(self, target=self.target.tabulated(self.diameter_um))
 
-    def release(self, n: int, rng: np.random.Generator) -> Falling:
-        """Let n particles fall."""
+    @property
+    def paths(self) -> Paths:
+        """How particles fall on the target."""
+        return partial(paths, angle=self.angle, height=self.height, dispenser=self.dispenser)
+
+    def release(self, n: int, rng: np.random.Generator, path: Paths | None = None) -> Falling:
+        """Let n particles fall, by `paths` or in another way."""
         return release(
             n,
-            angle=self.angle,
-            height=self.height,
+            path=path or self.paths,
             diameter_um=self.diameter_um,
             dispenser=self.dispenser,
             spin=self.spin,

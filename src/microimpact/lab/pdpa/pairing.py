@@ -193,33 +193,19 @@ def _candidates(
 
 
 def matched(incident: IntArray, rebound: IntArray, worth: FloatArray) -> IntArray:
-    """Return which of m possible pairs to accept: one-to-one, of the greatest total worth.
-
-    Pairs that compete, directly or through others, are settled together and apart from the rest,
-    so that the cost grows with the length of the stream and not with its cube.
-    """
-    alone = np.all([np.bincount(ends)[ends] == 1 for ends in (incident, rebound)], axis=0)
+    """Return which of m possible pairs to accept: one-to-one, of the greatest total worth."""
+    ends = incident, rebound
+    alone = np.all([np.bincount(of)[of] == 1 for of in ends], axis=0) if worth.size else worth > 0
     contested = np.flatnonzero(~alone)
-    if not len(contested):
-        return np.flatnonzero(alone)
-    rows, columns = (
-        np.unique(ends[contested], return_inverse=True)[1] for ends in (incident, rebound)
+    (n, row), (m, column) = (
+        (len(own), place)
+        for own, place in (np.unique(of[contested], return_inverse=True) for of in ends)
     )
-    n, m = int(rows.max()) + 1, int(columns.max()) + 1
-    edges = np.ones(len(contested)), (rows, n + columns)
-    graph = scipy.sparse.coo_array(edges, shape=(n + m, n + m))
-    cluster = scipy.sparse.csgraph.connected_components(graph, directed=False)[1][rows]
-    order = np.argsort(cluster, kind="stable")
-    groups = np.split(order, np.flatnonzero(np.diff(cluster[order])) + 1)
-    settled = [_settled(group, rows, columns, worth[contested]) for group in groups]
-    return np.concatenate([np.flatnonzero(alone), contested[np.concatenate(settled)]])
-
-
-def _settled(group: IntArray, rows: IntArray, columns: IntArray, worth: FloatArray) -> IntArray:
-    (own_rows, r), (own_columns, c) = (
-        np.unique(ends[group], return_inverse=True) for ends in (rows, columns)
-    )
-    table, which = np.zeros((2, len(own_rows), len(own_columns)))
-    table[r, c], which[r, c] = worth[group], group + 1
-    joined = which[scipy.optimize.linear_sum_assignment(table, maximize=True)].astype(np.int64)
-    return joined[joined > 0] - 1
+    # Each incident may also go without, in a column of its own. All have a partner then, so that
+    # what is added to every worth decides nothing; a worth of zero would be no edge.
+    every = np.arange(n)
+    places = np.concatenate([row, every]), np.concatenate([column, m + every])
+    values = np.append(worth[contested], np.zeros(n)) + 1.0
+    graph = scipy.sparse.csr_array((values, places), shape=(n, n + m))
+    chosen = scipy.sparse.csgraph.min_weight_full_bipartite_matching(graph, maximize=True)[1]
+    return np.concatenate([np.flatnonzero(alone), contested[chosen[row] == column]])

@@ -7,6 +7,7 @@ and what becomes of rebounds too slow to reach the probe volume?
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
@@ -20,10 +21,10 @@ from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.core.constants import gravity
 from microimpact.core.tables import Tables, series_frame
 from microimpact.declared.parameters import CaseName, Count, Positive
-from microimpact.lab.bounces import with_later_impacts
+from microimpact.lab.bounces import generations, with_later_impacts
 from microimpact.lab.contacts import calibrated_contact
-from microimpact.lab.dispenser import Dispenser
-from microimpact.lab.events import Falling, Impacts, IntArray
+from microimpact.lab.dispenser import Dispenser, Paths, arrivals
+from microimpact.lab.events import Impacts, IntArray
 from microimpact.lab.experiment import Drop, Target
 from microimpact.lab.pdpa.analyser import (
     REBOUND,
@@ -48,8 +49,9 @@ from microimpact.statistics.distributions import Distribution, generator
 from microimpact.statistics.intervals import mean_and_error, wilson_interval
 
 NORMAL_INCIDENCE = 90.0
-# Particles released at a time for each that is to fall through the probe volume, and how often.
-RELEASED_FOR_ONE, MOST_BATCHES = 40, 500
+# Particles released, at most, for each that is to fall through the probe volume; so many of these
+# at a time.
+MOST_RELEASED, AT_ONCE = 20_000, 100
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,7 +73,7 @@ class Apparatus:
             speed=speed,
             speed_range=(0.0, np.inf),
             dispenser=self.dispenser,
-        )
+        ).tabulated()
 
     @property
     def steady(self) -> Apparatus:
@@ -89,55 +91,68 @@ class Apparatus:
         return replace(self, dispenser=straight)
 
 
-def dropped(setup: Apparatus, speed: float, particles: int, key: tuple[int, ...]) -> Impacts:
+def dropped(
+    setup: Apparatus, speed: float, particles: int, key: tuple[int, ...], experiments: int = 1
+) -> Impacts:
     """Drop particles at a nominal speed, m/s, until so many fall through the probe volume.
 
     Only they are followed, and they alone arrive at the dispenser's rate: the stream of records
-    is then as dense as declared, however few of all particles find the probe volume.
+    is then as dense as declared, however few of all particles find the probe volume. Experiments
+    come one after the other, each with times of its own.
 
     Raises ValueError if hardly any particle falls through the probe volume.
     """
-    rng = generator(setup.seed, *key)
-    batches = [_through_probe(setup, speed, particles, rng)]
-    while sum(len(batch.diameter) for batch in batches) < particles:
-        if len(batches) == MOST_BATCHES:
-            released = MOST_BATCHES * RELEASED_FOR_ONE * particles
-            raise ValueError(
-                f"particles: at {speed:g} m/s fewer than {particles} of {released} fall through the"
-                " probe volume; make"
-                " probe_across_um or probe_along_um larger, or lateral_speed_m_per_s smaller"
-            )
-        batches.append(_through_probe(setup, speed, particles, rng))
-    drop, falling = setup.drop(speed), Falling.joined(batches).select(slice(particles))
-    impacts = drop.hit(falling, rng)
-    return replace(impacts, time=drop.release(particles, rng).time)
+    rng, drop = generator(setup.seed, *key), setup.drop(speed)
+    through = partial(_through_probe, drop.paths, setup.instrument, speed)
+    falling = drop.release(experiments * particles, rng, through)
+    times = [arrivals(particles, setup.dispenser, rng) for _ in range(experiments)]
+    return drop.hit(replace(falling, time=np.concatenate(times)), rng)
 
 
 def _through_probe(
-    setup: Apparatus, speed: float, particles: int, rng: np.random.Generator
-) -> Falling:
-    # One tap frees them all: when those chosen arrive is drawn afterwards.
-    number = RELEASED_FOR_ONE * particles
-    at_once = replace(setup, dispenser=replace(setup.dispenser, particles_per_tap=2.0 * number))
-    falling = at_once.drop(speed).release(number, rng)
-    height = 1e-3 * setup.instrument.probe_height_mm
-    return falling.select(
-        through_probe(falling.position, falling.velocity, height, setup.instrument)
-    )
+    path: Paths, instrument: Analyser, speed: float, n: int, rng: np.random.Generator
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the first paths that fall through the probe volume."""
+    parts, released, found = [], 0, 0
+    while found < n:
+        if released >= MOST_RELEASED * n:
+            raise ValueError(
+                f"particles: at {speed:g} m/s fewer than {n} of {released} fall through the probe"
+                " volume; make"
+                " probe_across_um or probe_along_um larger, or lateral_speed_m_per_s smaller"
+            )
+        # As many as are wanted by the share so far.
+        number = min(math.ceil((n - found) * (released + 1) / (found + 1)), AT_ONCE * n)
+        drawn = path(number, rng)
+        inside = through_probe(*drawn[:2], 1e-3 * instrument.probe_height_mm, instrument)
+        parts.append([values[inside] for values in drawn])
+        released, found = released + number, found + int(np.sum(inside))
+    position, velocity, fall = (np.concatenate(of)[:n] for of in zip(*parts, strict=True))
+    return position, velocity, fall
 
 
-def observed(setup: Apparatus, impacts: Impacts, speed: float, key: tuple[int, ...]) -> Observation:
-    """Observe impacts of particles dropped at a nominal speed, m/s."""
+def observed(
+    setup: Apparatus, impacts: Impacts, speed: float, key: tuple[int, ...], experiments: int = 1
+) -> list[Observation]:
+    """Observe experiments of as many particles each, dropped at a nominal speed, m/s."""
     rng, drop = generator(setup.seed, *key), setup.drop(speed)
     later = drop.target.later(impacts.diameter, rng)
-    return observe(
-        with_later_impacts(impacts, later, setup.instrument.later_impacts),
-        len(impacts),
-        float(np.max(impacts.time)) + 1.0 / setup.dispenser.taps_per_s,
-        setup.instrument,
-        rng,
-        drop_height=drop.height,
-    )
+    spheres, whole = zip(*generations(impacts, later, setup.instrument.later_impacts), strict=True)
+    particles, followed = len(impacts) // experiments, Impacts.joined(whole)
+    experiment = np.concatenate(spheres) // particles
+    parts = [followed.select(experiment == i) for i in range(experiments)]
+    pause = 1.0 / setup.dispenser.taps_per_s
+    return [
+        observe(
+            part,
+            particles,
+            float(np.max(part.time[:particles])) + pause,
+            setup.instrument,
+            rng,
+            drop_height=drop.height,
+        )
+        for part in parts
+    ]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -161,10 +176,11 @@ def pairing_controls(
     """
     often = setup.dispenser.particles_per_tap * params.crowding
     crowded = replace(setup, dispenser=replace(setup.dispenser, particles_per_tap=often))
-    plain, dense = (
-        _observed(case, params.speed_m_per_s, experiments, particles, key)
-        for case in (setup, crowded)
-    )
+    speed, streams = params.speed_m_per_s, []
+    for case in (setup, crowded):
+        impacts = dropped(case, speed, particles, (key, 0), experiments)
+        streams.append(observed(case, impacts, speed, (key, 1), experiments))
+    plain, dense = streams
     cases: tuple[tuple[str, list[Observation], Change], ...] = (
         ("as recorded", plain, _as_recorded),
         ("times of rebounds permuted", plain, _times_permuted),
@@ -181,7 +197,7 @@ def pairing_controls(
         rows.append(
             {
                 "stream": name,
-                "speed_m_per_s": params.speed_m_per_s,
+                "speed_m_per_s": speed,
                 "probe_height_mm": setup.instrument.probe_height_mm,
                 "experiments": experiments,
                 **total,
@@ -194,13 +210,6 @@ def pairing_controls(
             }
         )
     return pd.DataFrame(rows)
-
-
-def _observed(
-    setup: Apparatus, speed: float, experiments: int, particles: int, key: int
-) -> list[Observation]:
-    every = [dropped(setup, speed, particles, (key, i, 0)) for i in range(experiments)]
-    return [observed(setup, one, speed, (key, i, 1)) for i, one in enumerate(every)]
 
 
 def _judged(
@@ -469,7 +478,8 @@ def run(params: Params, inputs: Tables) -> Tables:
 
 def _example(params: Params, setup: Apparatus) -> Observation:
     speed = params.shown.speed_m_per_s
-    return observed(setup, dropped(setup, speed, params.particles, (SHOWN, 0)), speed, (SHOWN, 1))
+    impacts = dropped(setup, speed, params.particles, (SHOWN, 0))
+    return observed(setup, impacts, speed, (SHOWN, 1))[0]
 
 
 def pairing_quality(params: Params, setup: Apparatus) -> tuple[pd.DataFrame, pd.DataFrame]:
@@ -481,10 +491,9 @@ def pairing_quality(params: Params, setup: Apparatus) -> tuple[pd.DataFrame, pd.
     for i, height in enumerate(params.heights_mm):
         placed = replace(setup, instrument=replace(setup.instrument, probe_height_mm=height))
         for j, speed in enumerate(params.speeds_m_per_s):
-            found = []
-            for k in range(params.experiments):
-                impacts = dropped(placed, speed, params.particles, (PARTICLES, i, j, k))
-                found.append(observed(placed, impacts, speed, (ANALYSER, i, j, k)))
+            size = params.particles, (PARTICLES, i, j), params.experiments
+            impacts = dropped(placed, speed, *size)
+            found = observed(placed, impacts, speed, (ANALYSER, i, j), params.experiments)
             place = {"probe_height_mm": height, "speed_m_per_s": speed}
             fates = {name: sum(o.quality.fates[name] for o in found) for name in FATES}
             number = params.experiments * params.particles
@@ -541,7 +550,7 @@ def slow_rebounds(setup: Apparatus, params: Slow) -> pd.DataFrame:
     rows = []
     for i, speed in enumerate(params.speeds_m_per_s):
         impacts = dropped(setup, speed, params.particles, (SLOW, i, 0))
-        found = observed(setup, impacts, speed, (SLOW, i, 1))
+        (found,) = observed(setup, impacts, speed, (SLOW, i, 1))
         n, rebounds = len(impacts), ~impacts.captured
         e = np.abs(impacts.rebound_velocity[:, 2] / impacts.velocity[:, 2])
         seen = rebounds & found.crossing.reached[REBOUND, :n]
