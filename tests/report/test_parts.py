@@ -174,6 +174,8 @@ def test_reasons_failures_and_changes_are_told_apart():
         ("at $\\alpha$ < 15", "at <i>α</i> &lt; 15"),
         ("v_c falls as v^-n", "<i>v</i><sub>c</sub> falls as <i>v</i><sup>−n</sup>"),
         ("a spin r omega", "a spin r <i>ω</i>"),
+        ("e phi^2, mu_c", "e <i>φ</i><sup>2</sup>, <i>μ</i><sub>c</sub>"),
+        ("v'_n at 10^3 1/s", "<i>v</i>′<sub>n</sub> at 10<sup>3</sup> 1/s"),
         (r"$-(V_t - r\Omega)$", "−(<i>V</i><sub>t</sub> − <i>r</i><i>Ω</i>)"),
         # Names of columns and words that begin like a letter stay.
         ("speed_m_per_s, mu-th, <b>", "speed_m_per_s, mu-th, &lt;b&gt;"),

@@ -13,7 +13,7 @@ use rule study_part as claim_numbers_part with:
 use rule study as claim_numbers with:
     """tables/claim_numbers.csv: the numbers that decide the claims.
 
-    tables/claim_draws.csv: the same for every drawn contact that the printed statements admit.
+    tables/claim_draws.csv: these numbers for every drawn contact that the printed statements admit.
     """
     input:
         **needs("claim_numbers"),
@@ -57,7 +57,7 @@ rule claims:
 rule equations:
     """tables/equations.csv: every equation as printed and as used, judged.
 
-    tables/errata.csv: other slips of the text.
+    tables/errata.csv: slips of the article's text outside its equations.
     """
     output:
         equations=report(

@@ -68,7 +68,7 @@ use rule study as oblique_impact with:
 
 
 use rule study as force_history with:
-    """data/fig20.csv: normal force and its terms (Eq. 25), tables/force_ratios.csv: its peaks."""
+    """data/fig20.csv: normal force and its terms (Eq. 25), tables/force_ratios.csv: peaks of the normal force and of its terms."""
     input:
         **needs("force_history"),
     output:

@@ -59,7 +59,7 @@ ERRATA_COLUMNS = ("where", "printed", "meant", "reason")
 # In the words of a rule: a table, then what it holds.
 _TOLD = re.compile(r"((?:tables|data)/\w+\.csv): ([^;]+?)(?:[;.] |\.?$)")
 # Characters of a figure's title in the picture of the rules.
-WORDS = 64
+WORDS = 38
 INPUT_COLUMNS = (
     *("file", "key", "value", "low", "high", "unit", "evidence", "source"),
     *("place", "overrides"),

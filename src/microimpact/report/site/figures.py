@@ -139,7 +139,9 @@ def _figure(
         marks=_marks([results / file for file in data], entry.get("panels", {})),
         inputs=tuple(behind[s] for s in (study, *upstream(study, needed))),
         departures=departures(declared, [study], needed),
-        contacts=contacts(study, declared, read_rows(results / "tables/calibration.csv")),
+        contacts=_named(
+            contacts(study, declared, read_rows(results / "tables/calibration.csv")), entry
+        ),
         claims=tuple(row for row in claims if name in row["figures"].split()),
     )
 
@@ -240,6 +242,12 @@ def contacts(study: str, declared: Sequence[Row], calibration: Sequence[Row]) ->
         + ", ".join(f"{s} = {of[name]:.4g} {unit}".rstrip() for s, (name, unit) in symbols.items())
         for case, of in found.items()
     )
+
+
+def _named(found: tuple[str, ...], entry: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return the contacts that the words of a figure name; all of its study if they name none."""
+    own = tuple(words for words in found if words.partition(":")[0] in str(entry))
+    return own or found
 
 
 def studies_behind(claim: Row, record: Record) -> set[str]:

@@ -33,12 +33,12 @@ SPACE = Markup('<mspace width="0.13em"></mspace>')
 ACCENTS = {"dot": "˙", "ddot": "¨"}
 # In a sentence: a formula between dollar signs, a letter with an index or exponent, a Greek one.
 _SYMBOL = re.compile(
-    r"\$([^$]+)\$|(?<![\w.])([A-Za-z][_^][A-Za-z]|[A-Za-z]\^-?\w)(?!\w)"
-    rf"|(?<![\w-])({'|'.join(GREEK)})(?![\w-])"
+    r"\$([^$]+)\$|(?<![\w.])((?:[A-Za-z]'?|10)(?:_\w(?:\^\w)?|\^-?\w))(?!\w)"
+    rf"|(?<![\w-])((?:{'|'.join(GREEK)})(?:[_^]\w)?)(?![\w-])"
 )
 _PIECE = re.compile(
     r"\\(?P<command>[A-Za-z]+|,) ?|(?P<place>[_^])(?:\{(?P<group>[^}]*)\}|(?P<one>-?.))"
-    r"|(?P<letter>[A-Za-z])|(?P<other>.)"
+    r"|(?P<letter>[A-Za-z])|(?P<prime>')|(?P<other>.)"
 )
 # How strongly an operator binds; the fraction bar needs no parentheses.
 _SUM, _PRODUCT, _SIGN, _POWER, _ATOM = range(5)
@@ -84,6 +84,8 @@ def _piece(found: re.Match[str]) -> Markup:
         return _tag(
             {"_": "sub", "^": "sup"}[found["place"]], _index(found["group"] or found["one"])
         )
+    if found["prime"]:
+        return escape("′")
     return _italic(found["letter"]) if found["letter"] else escape(found["other"].replace("-", "−"))
 
 

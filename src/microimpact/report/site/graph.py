@@ -10,7 +10,7 @@ from microimpact.report.site.record import Rule
 ROW = 22.0
 NODE_HEIGHT = 17.0
 CHARACTER = 6.0
-GAP = 90.0
+GAP = 70.0
 SWEEPS = 6
 
 

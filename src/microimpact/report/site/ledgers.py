@@ -33,7 +33,7 @@ CLAIM_VERDICTS = {
     "calibrated": "fitted",
     "not reproduced": "bad",
     "not identified": "open",
-    "undecided": "open",
+    "undecided": "halved",
     "not testable": "mute",
     "not computed": "mute",
 }
