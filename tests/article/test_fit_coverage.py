@@ -15,9 +15,8 @@ BASE = "uniform noise"
 
 
 @pytest.fixture(scope="module")
-def earlier(run_study, calibration):
-    fits = run_study("restitution_fits", calibration)["restitution_fits"]
-    return {**calibration, "restitution_fits": fits}
+def earlier(made, calibration):
+    return {**calibration, "restitution_fits": made("restitution_fits")["restitution_fits"]}
 
 
 @pytest.fixture(scope="module")
