@@ -93,9 +93,13 @@ def test_each_small_change_is_seen_in_its_figures_and_tables_alone(checked):
     assert "config, restitution_trends.body_speed_m_per_s" in done.stdout
     assert re.search(r"\| value +\| 30 +\| 30\.03 +\| 1\.0e-03 +\|", done.stdout)
     calibrated = {"calibration", "force_ratios", "molybdenum_capture"}
-    admitted = {"contacts", "diagnostics", "statements", "summary"}
-    paired = {"pairing_quality"}
-    assert tables == {"inputs"} | calibrated | paired | {f"admissible_{name}" for name in admitted}
+    admitted = {
+        f"admissible_{name}" for name in ("contacts", "diagnostics", "statements", "summary")
+    }
+    moved = {"inputs", "pairing_quality", *calibrated, *admitted}
+    # Few pairs may make the same rates by chance.
+    others = {"pairing_controls", "pairing_losses", "slow_rebounds", "surface_correction"}
+    assert moved <= tables <= moved | others
 
 
 def test_make_offers_check_and_reference():
