@@ -67,6 +67,16 @@ def test_no_page_has_an_error_or_a_warning_or_is_wider_than_a_phone(show, site, 
         require_fit(chromium, PHONE, path.name)
 
 
+def test_print_shows_the_figure_and_no_menu(show):
+    chromium = show("figures/fig06.html")
+    chromium.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+    heights = chromium.execute_script(
+        "return ['.plate img', '.top nav'].map(s => document.querySelector(s).clientHeight)"
+    )
+    chromium.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+    assert heights[0] > 0 == heights[1]
+
+
 def test_the_policy_forbids_the_network(show, chromium):
     show("index.html")
     refused = chromium.execute_async_script(

@@ -68,6 +68,7 @@ class Figure:
     departures: tuple[Row, ...]
     contacts: tuple[str, ...]
     claims: tuple[Row, ...]
+    is_narrow: bool
 
     @property
     def alternative(self) -> str:
@@ -151,6 +152,7 @@ def _figure(
         departures=departures(declared, [study], needed),
         contacts=_named(contacts(study, declared, calibration), entry),
         claims=tuple(row for row in claims if name in row["figures"].split()),
+        is_narrow=entry.get("width", "single") == "single",
     )
 
 
@@ -162,7 +164,7 @@ def _marks(paths: Iterable[Path], panels: Mapping[str, Mapping[str, Any]]) -> tu
             next(rows)  # panel, series, evidence and the numbers
             for panel, series, evidence in dict.fromkeys(tuple(row[:3]) for row in rows):
                 named = found.setdefault(evidence, {}).setdefault(panel, {})
-                named[_series_words(series, panels)] = None
+                named[_series_words(series, panel, panels)] = None
     return tuple(
         Marks(
             evidence=evidence,
@@ -178,11 +180,20 @@ def _panel_words(panel: str, panels: Mapping[str, Mapping[str, Any]]) -> str:
     return " ".join((spec.get("title") or spec.get("y_label") or in_words(panel)).split())
 
 
-def _series_words(name: str, panels: Mapping[str, Mapping[str, Any]]) -> str:
-    """Return what a legend of the figure calls a series, or its name in words."""
-    labels = (spec.get("series", {}).get(name, {}).get("label", "_") for spec in panels.values())
-    shown = (label for label in labels if not label.startswith("_"))
-    return " ".join(next(shown, in_words(name)).split())
+def _series_words(name: str, panel: str, panels: Mapping[str, Mapping[str, Any]]) -> str:
+    """Return what a legend of the figure calls a series, that of its panel first, or its name.
+
+    The effects of a response are series, too: ``v_c: AB``; and so are the rows of a picture.
+    """
+    own = panels.get(panel, {})
+    start, colon, effect = name.partition(": ")
+    for spec in (own, *panels.values()):
+        series = spec.get("series", {})
+        for key, rest in ((name, ""), (start, colon + effect)):
+            label = series.get(key, {}).get("label", "_")
+            if not label.startswith("_"):
+                return " ".join(f"{label}{rest}".split())
+    return "grey levels of its rows" if name.isdigit() else " ".join(in_words(name).split())
 
 
 def _inputs(

@@ -202,10 +202,14 @@ def formula(text: str) -> Markup | str:
 
 
 def measure(low: str, unit: str, high: str = "") -> str:
-    """Return a number, or a range of two, in three digits with its unit."""
-    if not high or float(low) == float(high):
-        return readable(float(low), unit)
-    return f"{readable(float(low))} to {readable(float(high), unit)}"
+    """Return a number, or a range of two, in three digits with its unit; other text unchanged."""
+    try:
+        least, most = float(low), float(high or low)
+    except ValueError:
+        return low
+    return (
+        readable(least, unit) if least == most else f"{readable(least)} to {readable(most, unit)}"
+    )
 
 
 def percent(text: str) -> str:
