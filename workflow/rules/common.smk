@@ -194,7 +194,7 @@ def is_shown(file):
 
 def registry_words():
     """Return of each figure what the report tells."""
-    told = ("title", "caption", "article", "study", "data", "tables", "panels")
+    told = ("title", "caption", "article", "study", "data", "tables", "panels", "width")
     return {
         name: {key: entry[key] for key in told if key in entry}
         for name, entry in FIGURE_ENTRIES.items()
