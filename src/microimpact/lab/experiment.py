@@ -27,9 +27,8 @@ from microimpact.lab.events import Falling, Impacts, IntArray, Measured
 from microimpact.lab.reduction import Mean
 from microimpact.lab.surface import SMOOTH, Rebound, Surface, collide, drawn_shares, simulated
 from microimpact.model.contact import Contact, resized
-from microimpact.model.dynamics.impact import NormalLaw
 from microimpact.model.law.families import NoTableError
-from microimpact.model.law.table import tabulate
+from microimpact.model.law.table import Law, tabulate
 from microimpact.statistics.distributions import Distribution, mean
 
 # Share of the sizes beyond either end of a table, and its speeds, m/s: impacts of all others are
@@ -77,7 +76,7 @@ class Target:
 
     contact: Contact
     surface: Surface = SMOOTH
-    law: NormalLaw | None = None
+    law: Law | None = None
 
     def tabulated(self, diameter_um: Distribution) -> Target:
         """Return the same with a table of normal impacts, which pays from some 100,000 on.
@@ -105,13 +104,12 @@ class Target:
 
 
 @lru_cache(maxsize=KEPT_TABLES)
-def _table(contact: Contact, diameter_um: Distribution) -> NormalLaw | None:
+def _table(contact: Contact, diameter_um: Distribution) -> Law | None:
     ends = diameter_um.quantile(np.array([BEYOND, 1.0 - BEYOND])) * 1e-6
     if ends[0] == ends[1]:
         return None
     try:
-        law = tabulate(resized(contact, ends), *SPEEDS)
-        return partial(law.normal_impact, bounded=False)
+        return tabulate(resized(contact, ends), *SPEEDS)
     except NoTableError:
         return None
 

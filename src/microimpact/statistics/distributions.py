@@ -252,6 +252,7 @@ def sample(
     return distribution.quantile(uniforms(rng, shape))
 
 
+@cache
 def mean(distribution: Distribution, nodes: int = 4001) -> float:
     """Return the mean of a distribution, by the midpoint rule over its quantiles."""
     return float(np.mean(distribution.quantile((np.arange(nodes) + 0.5) / nodes)))

@@ -148,9 +148,14 @@ def test_losses_by_geometry():
 
 def test_the_model_does_not_depend_on_chunks():
     events, setup = impacts(1.05, 60.0, 12), setup_for(1.05, 60.0)
-    whole = modelled(events, setup, generator(5))
+    whole, rng = modelled(events, setup, generator(5)), generator(5)
     parts = [
-        modelled(some(events, slice(a, b)), setup, generator(5), first=a)
+        modelled(
+            some(events, slice(a, b)),
+            setup,
+            rng,
+            draws=[event_generator(rng, i) for i in range(a, b)],
+        )
         for a, b in ((0, 5), (5, 12))
     ]
     assert whole.fates == sum((part.fates for part in parts), ())

@@ -35,23 +35,24 @@ def modelled(
     setup: Setup,
     rng: Generator,
     *,
-    first: int = 0,
+    draws: Sequence[Generator] | None = None,
     errors: Systematics | None = None,
 ) -> ImagedEvents:
     """Return what is measured of every impact, by the error model.
 
     The same generator gives an event the same field and the same pulses as in `observe`, apart
-    from their jitter: nothing is drawn from it but from its children, one per event, numbered from
-    ``first`` on. Errors of the experiment are drawn if not given.
+    from their jitter: nothing is drawn from it but from its children, one per event. They draw in
+    turn from ``draws`` if these are given, one per event or the same for all. Errors of the
+    experiment are drawn if not given.
     """
     errors = errors or draw_systematics(setup.instrument, rng)
     moving = np.flatnonzero(~impacts.captured)
-    draws = [event_generator(rng, first + i) for i in moving.tolist()]
-    reasons, found = theory(impacts.select(moving), setup, errors, draws)
+    own = [draws[i] if draws else event_generator(rng, i) for i in moving.tolist()]
+    reasons, found = theory(impacts.select(moving), setup, errors, own)
     fates = np.full(len(impacts), CAPTURED, dtype=object)
     fates[moving] = reasons
     measured = np.flatnonzero(reasons == MEASURED)
-    normal = [draws[i].standard_normal((2, 2, 1)) for i in measured.tolist()]
+    normal = [own[i].standard_normal((2, 2, 1)) for i in measured.tolist()]
     spread = np.linalg.cholesky(found.covariance) @ np.reshape(normal, (-1, 2, 2, 1))
     return _observation(fates, found.velocities + spread[..., 0])
 

@@ -12,6 +12,7 @@ import math
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -96,6 +97,7 @@ def between(count: int) -> FloatArray:
     return np.asarray(chebyshev.chebpts2(count + 1)) if count > 1 else np.zeros(1)
 
 
+@cache
 def powers_through_nodes(count: int) -> FloatArray:
     """Matrix that turns values at the nodes into coefficients of powers."""
     inverse = np.linalg.inv(chebyshev.chebvander(nodes(count), count - 1))

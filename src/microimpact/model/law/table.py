@@ -276,9 +276,7 @@ class Law:
             found[rest] = self._integrated(w[rest], places, ledger=False)[0][RESTITUTION]
         return found
 
-    def normal_impact(
-        self, contact: Contact, speed: Real, *, threads: int = 1, bounded: bool = True
-    ) -> NormalImpact:
+    def normal_impact(self, contact: Contact, speed: Real, *, threads: int = 1) -> NormalImpact:
         """Return normal impacts of contacts of this family; as `normal.normal_impact`.
 
         Contacts whose velocity scale is not in the family share its damping all the same.
@@ -290,10 +288,6 @@ class Law:
             As of `normal.normal_impact`.
         threads
             As in `quantities`.
-        bounded
-            Whether the difference from integration is told, impact by impact. It asks for the
-            capture velocity of every contact whose velocity scale is not in the family; otherwise
-            it is not a number.
 
         Raises
         ------
@@ -318,9 +312,7 @@ class Law:
             compressive_impulse=scaled(COMPRESSIVE, mass * velocity),
             peak_net_impulse=scaled(PEAK, mass * velocity),
             hertz_impulse=scaled(HERTZ, mass * velocity),
-            interpolation_error=self._error(np.ravel(w), np.ravel(place)).reshape(shape)
-            if bounded
-            else np.nan,
+            interpolation_error=self._error(np.ravel(w), np.ravel(place)).reshape(shape),
         )
 
     def _error(self, w: FloatArray, place: FloatArray) -> FloatArray:

@@ -35,7 +35,7 @@ from microimpact.lab.pdpa.pairing import correct, heights
 from microimpact.lab.ptis.errors import theory
 from microimpact.lab.ptis.experiment import in_sheet, set_for, turned
 from microimpact.lab.ptis.exposure import MEASURED
-from microimpact.lab.ptis.system import ImagingSystem, Systematics, event_generator
+from microimpact.lab.ptis.system import ImagingSystem, Systematics
 from microimpact.lab.reduction import QUANTITIES, quantities, shared_error
 from microimpact.lab.surface import rough
 from microimpact.statistics.distributions import Distribution, child, generator
@@ -88,7 +88,7 @@ def by_imaging(
     impacts = drop.impacts(number, child(rng, 0))
     setup = set_for(drop, instrument)
     moving = np.flatnonzero(~impacts.captured & in_sheet(impacts.position, instrument))
-    draws = [event_generator(rng, i) for i in moving.tolist()]
+    draws = [child(rng, 1)] * moving.size
     fates, found = theory(impacts.select(moving), setup, Systematics(), draws)
     pool = moving[fates == MEASURED]
     speed = np.linalg.norm(found.velocities[:, 0], axis=1)

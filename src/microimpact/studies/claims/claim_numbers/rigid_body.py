@@ -63,13 +63,12 @@ def c19(context: Context) -> dict[str, float]:
 
     Friction follows the declared force; beside it, that of Hertz.
     """
-    friction = context.params.steel.friction
-    angles, impact = context.rebounds()
-    hertz = context.steel_impacts(context.speed, context.all_angles(), 0.0, "hertz")
-    free = np.isin(context.all_angles(), angles)
+    steel, friction = context.steel, context.params.steel.friction
+    angles, impact = context.rebounds(steel)
+    hertz = simulate(steel, context.speed, angles, friction_basis="hertz")
     return {
         "largest_impulse_ratio_over_friction": np.max(impact.impulse_ratio) / friction,
-        "largest_impulse_ratio_over_friction_hertz": np.max(hertz.impulse_ratio[free]) / friction,
+        "largest_impulse_ratio_over_friction_hertz": np.max(hertz.impulse_ratio) / friction,
     }
 
 
@@ -109,8 +108,8 @@ def c21(context: Context) -> dict[str, float]:
 @claim("C22", by_case=True)
 def c22(context: Context) -> dict[str, float]:
     """Signed impulse ratio of Eq. (2) at normal incidence with spin of either sign and without."""
-    spin_ratio = context.params.oblique.normal_spin_ratio * np.array([1.0, -1.0, 0.0])
-    impact = context.steel_impacts(context.speed, 90.0, spin_ratio, "compressive")
+    spin = context.params.oblique.normal_spin_ratio * context.speed / context.steel.radius
+    impact = simulate(context.steel, context.speed, 90.0, np.array([spin, -spin, 0.0]))
     positive, negative, none = -impact.impulse_ratio
     return {
         "signed_impulse_ratio_positive_spin": positive,
@@ -125,20 +124,17 @@ def c23(context: Context) -> dict[str, float]:
 
     With adhesion, and without at the same two angles.
     """
-    angles = np.append(context.all_angles(), context.params.oblique.plateau_deg)
+    steel = context.steel
+    shallowest = context.rebounds(steel)[0].min()
 
-    def ratios(steel: Contact) -> FloatArray:
-        both = steel, without_adhesion(steel)
-        return np.stack(
-            [context.hit(one, context.speed, angles[:, None]).impulse_ratio for one in both]
-        )
+    def rise(contact: Contact) -> float:
+        ends = np.array([shallowest, context.params.oblique.plateau_deg])
+        ratio = context.hit(contact, context.speed, ends).impulse_ratio
+        return float(ratio[0] / ratio[1])
 
-    shallowest = np.argmax(angles == context.rebounds()[0].min())
-    found = context.of_steel(("C23",), ratios)
-    adhesive, bare = found[:, shallowest] / found[:, -1]
     return {
-        "rise_to_shallowest_rebound_with_adhesion": adhesive,
-        "rise_to_shallowest_rebound_without_adhesion": bare,
+        "rise_to_shallowest_rebound_with_adhesion": rise(steel),
+        "rise_to_shallowest_rebound_without_adhesion": rise(without_adhesion(steel)),
     }
 
 
@@ -212,14 +208,12 @@ def c93(context: Context) -> dict[str, float]:
 @claim("C101", by_case=True)
 def c101(context: Context) -> dict[str, float]:
     """W_A of Eq. (18), R from impacts without adhesion, over the simulated adhesion loss."""
-    speed = np.array(context.params.losses.speeds_m_per_s)[:, None]
-
-    def ratios(steel: Contact) -> FloatArray:
-        body = body_restitution(steel, speed)
-        e = simulate(steel, speed).coefficient_of_restitution
-        return adhesion_work(speed, body, 1.0 - e / body) / works(steel, speed).adhesion
-
-    ratio = context.of_steel(("C101",), ratios)
+    contact = context.steel
+    speed = np.array(context.params.losses.speeds_m_per_s)
+    body = body_restitution(contact, speed)
+    e = simulate(contact, speed).coefficient_of_restitution
+    rigid = adhesion_work(speed, body, 1.0 - e / body)
+    ratio = rigid / works(contact, speed).adhesion
     return {
         "least_ratio_of_works": float(ratio.min()),
         "greatest_ratio_of_works": float(ratio.max()),
@@ -229,13 +223,10 @@ def c101(context: Context) -> dict[str, float]:
 @claim("C102", by_case=True)
 def c102(context: Context) -> dict[str, float]:
     """Loss (1 - R^2) v^2/2, R from impacts without adhesion, over the simulated material loss."""
-    speed = np.array(context.params.losses.speeds_m_per_s)[:, None]
-
-    def ratios(steel: Contact) -> FloatArray:
-        body = 0.5 * (1.0 - np.square(body_restitution(steel, speed))) * np.square(speed)
-        return np.asarray(body / works(steel, speed).material)
-
-    ratio = context.of_steel(("C102",), ratios)
+    contact = context.steel
+    speed = np.array(context.params.losses.speeds_m_per_s)
+    body = 0.5 * (1.0 - np.square(body_restitution(contact, speed))) * np.square(speed)
+    ratio = body / works(contact, speed).material
     return {
         "least_ratio_of_material_losses": float(ratio.min()),
         "greatest_ratio_of_material_losses": float(ratio.max()),
@@ -254,7 +245,7 @@ class Works(NamedTuple):
     material: FloatArray
 
 
-def works(contact: Contact, speed: Real) -> Works:
+def works(contact: Contact, speed: FloatArray) -> Works:
     """Return the losses of normal impacts."""
     ledger = normal_impact(contact, speed, ledger=True).ledger
     assert ledger is not None
