@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,9 @@ import pytest
 from hypothesis import settings
 from scipy.integrate import solve_ivp
 from tests.forks import forking
+from tests.shared import tables_made_once
 
+import microimpact
 from microimpact.core.materials import Material
 from microimpact.model.contact import Contact
 
@@ -107,6 +110,31 @@ def march(w: float, c_h: float, c_a: float, *, damped_attachment: bool = False) 
 @pytest.fixture(scope="session")
 def time_form() -> Callable[..., March]:
     return march
+
+
+# Smaller than as shipped, for speed; large enough for what is asserted.
+SMALLER = {
+    "admissible_contacts": {
+        "sampler": {"spread": 13, "walkers": 96, "steps": 120, "pool": 1000},
+        "draws": 200,
+    }
+}
+
+
+@pytest.fixture(scope="session")
+def made(tmp_path_factory):
+    """The function that gives the tables of an earlier study; studies that need some take these."""
+
+    @cache
+    def tables(name):
+        def make():
+            return microimpact.run_study(name, **SMALLER.get(name, {}))
+
+        return tables_made_once(tmp_path_factory, name, make)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("microimpact.run.study._made", tables)
+        yield tables
 
 
 @pytest.fixture(scope="session")

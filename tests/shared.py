@@ -8,8 +8,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
+from microimpact.core.tables import parse_table
 from microimpact.lab.dispenser import Dispenser
 from microimpact.model import passes
 
@@ -50,3 +52,17 @@ def facet_rebound(velocity, spin_speed, normal, e, friction):
     after, turned = np.empty_like(velocity), np.empty_like(velocity)
     passes.rebounds(velocity, spin_speed, normal, e, friction, after, turned)
     return after, turned
+
+
+def tables_made_once(
+    folders: pytest.TempPathFactory, name: str, make: Callable[[], dict[str, pd.DataFrame]]
+) -> dict[str, pd.DataFrame]:
+    """Return tables that are made once for all workers, as they are read from files."""
+
+    def write(place: Path) -> None:
+        place.mkdir()
+        for table, rows in make().items():
+            rows.to_csv(place / f"{table}.csv", index=False)
+
+    place = made_once(folders, name, write)
+    return {path.stem: parse_table(path.read_text()) for path in sorted(place.glob("*.csv"))}

@@ -13,7 +13,7 @@ import pytest
 from tests.article.conftest import ROOT
 
 from microimpact.declared.parameters import build
-from microimpact.lab import surface
+from microimpact.lab import experiment
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.samples import Sampling, contact_of
 from microimpact.model import contact as contact_module
@@ -27,7 +27,6 @@ from microimpact.model.calibration import (
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics import impact as impact_module
 from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.model.dynamics.impact import spatial
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.rigid_body.roughness import measured_restitution
 from microimpact.studies.analyses import doe
@@ -444,10 +443,17 @@ SPORES = {
 
 
 def net_force(claim, world):
-    def by_net_force(*given, **named):
-        return spatial(*given, **{**named, "friction_basis": "net"})
+    plain = experiment.simulated
 
-    world.patch.setattr(surface, "spatial", by_net_force)
+    def simulated(contact, n, law=None):
+        def by_net_force(own, speed):
+            found = (law or normal_impact)(own, speed)
+            net = own.mass * (1.0 + found.coefficient_of_restitution) * speed
+            return replace(found, compressive_impulse=net)
+
+        return plain(contact, n, by_net_force)
+
+    world.patch.setattr(experiment, "simulated", simulated)
     params, sampling = world.mechanisms()
     curves = shallow_curves(params.shallow, sampling, world.inputs())
     table = adhesion_or_roughness(params.shallow, curves)

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import xml.etree.ElementTree as ET
 from importlib import import_module
 from pathlib import Path
 
 import pandas as pd
 import pytest
-from tests.shared import made_once
 
 import microimpact
-from microimpact.core.tables import parse_table
 from microimpact.declared.documents import load
 from microimpact.figures.registry import filled, registry
 from microimpact.figures.style import save
@@ -34,30 +31,24 @@ def claims():
 
 
 @pytest.fixture(scope="session")
-def run_study():
+def run_study(made):
     """The function that runs a study with shipped parameters, or some of its own."""
     return microimpact.run_study
 
 
-@pytest.fixture(scope="module")
-def shipped_calibration(run_study, tmp_path_factory):
+@pytest.fixture(scope="session")
+def shipped_calibration(made):
     """The tables of the calibration as shipped, from which most studies start."""
-
-    def write(place):
-        tables = run_study("calibration").items()
-        place.write_text(json.dumps({name: table.to_csv(index=False) for name, table in tables}))
-
-    made = json.loads(made_once(tmp_path_factory, "calibration", write).read_text())
-    return {name: parse_table(text) for name, text in made.items()}
+    return made("calibration")
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def calibration(shipped_calibration):
     """The calibrated cases and the family they are of, as studies take them."""
     return {name: shipped_calibration[name] for name in ("calibration", "calibration_family")}
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def admitted(calibration, settings):
     """The function that makes up admissible contacts: those of a study, with columns changed."""
 

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import json
-
 import numpy as np
 import pytest
-from tests.shared import made_once
 
 from microimpact.core.tables import parse_table
 from microimpact.lab.contacts import admissible_contact
@@ -16,18 +13,11 @@ from microimpact.model.dynamics.impact import simulate
 
 STEEL, FLUORESCEIN = "steel-silicon", "fluorescein-molybdenum"
 WITH, WITHOUT = "with the printed v_c", "without the printed v_c"
-# Smaller than as shipped, for speed; large enough for what is asserted.
-SAMPLER = {"spread": 13, "walkers": 96, "steps": 120, "pool": 1000}
 
 
 @pytest.fixture(scope="module")
-def tables(run_study, calibration, tmp_path_factory):
-    def write(place):
-        made = run_study("admissible_contacts", calibration, sampler=SAMPLER, draws=200)
-        place.write_text(json.dumps({k: t.to_csv(index=False) for k, t in made.items()}))
-
-    made = json.loads(made_once(tmp_path_factory, "admissible", write).read_text())
-    return {name: parse_table(text) for name, text in made.items()}
+def tables(made):
+    return made("admissible_contacts")
 
 
 @pytest.fixture(scope="module")

@@ -19,7 +19,7 @@ from tests.article.claim_breaks import (
     ptis_range,
     steel_fits,
 )
-from tests.shared import made_once
+from tests.shared import tables_made_once
 
 from microimpact.core.tables import parse_table
 from microimpact.declared.parameters import build
@@ -59,18 +59,6 @@ def declared(settings):
     return {key: parse_table(text) for key, text in settings.rows["claim_numbers"].items()}
 
 
-def kept(folders, name, make):
-    """Return tables that are made once for all workers, as they are read from files."""
-
-    def write(place):
-        place.mkdir()
-        for table, rows in make().items():
-            rows.to_csv(place / f"{table}.csv", index=False)
-
-    place = made_once(folders, name, write)
-    return {path.stem: parse_table(path.read_text()) for path in sorted(place.glob("*.csv"))}
-
-
 @pytest.fixture(scope="module")
 def tables(run_study, settings, branch, declared, shipped_calibration, tmp_path_factory):
     """Return the tables of earlier studies, some of smaller ones."""
@@ -88,7 +76,7 @@ def tables(run_study, settings, branch, declared, shipped_calibration, tmp_path_
             made |= coverage(world) | pile_up(world, 5.0) | effects(world)
         return made
 
-    return kept(tmp_path_factory, "tables of claims", make)
+    return tables_made_once(tmp_path_factory, "tables of claims", make)
 
 
 def smooth_surface(run_study, settings, tables):
@@ -112,7 +100,8 @@ def numbers(branch, declared, tables, tmp_path_factory):
         params = build(claim_numbers.Params, branch)
         return claim_numbers.gather(params, {**declared, **tables}, [])
 
-    return texts_filled(kept(tmp_path_factory, "numbers of claims", make)["claim_numbers"])
+    found = tables_made_once(tmp_path_factory, "numbers of claims", make)
+    return texts_filled(found["claim_numbers"])
 
 
 def texts_filled(table):

@@ -17,8 +17,8 @@ WITH, WITHOUT = "with v_c", "without v_c"
 
 
 @pytest.fixture(scope="module")
-def tables(run_study, shipped_calibration):
-    return run_study("contact_laws", {"calibration": shipped_calibration["calibration"]})
+def tables(run_study):
+    return run_study("contact_laws")
 
 
 @pytest.fixture(scope="module")
@@ -49,10 +49,9 @@ def test_every_law_is_fitted_twice_and_asked_the_same(tables, facts):
     assert (asked.loc[LAWS[2:], WITH] == asked.loc[LAWS[0], WITH] + 1).all()
 
 
-def test_a_fit_is_a_minimum(tables, run_study, shipped_calibration):
+def test_a_fit_is_a_minimum(tables, run_study):
     """Other and more starts lead to the same."""
-    inputs = {"calibration": shipped_calibration["calibration"]}
-    better = run_study("contact_laws", inputs, points=6, starts=4)["contact_law_fits"]
+    better = run_study("contact_laws", points=6, starts=4)["contact_law_fits"]
     keys = ["law", "targets", "quantity"]
     misfit = "root_mean_square_misfit"
     first, second = (t.set_index(keys)["value"] for t in (tables["contact_law_fits"], better))
@@ -115,10 +114,9 @@ def test_curves_begin_at_the_capture_velocity(tables, fits):
         assert np.all(e[speed > limit] > 0.0)
 
 
-def test_ranges_must_not_be_empty(run_study, shipped_calibration):
-    inputs = {"calibration": shipped_calibration["calibration"]}
+def test_ranges_must_not_be_empty(run_study):
     with pytest.raises(ValueError, match=r"viscous_time_ns: 2 must be below 1"):
-        run_study("contact_laws", inputs, ranges={"viscous_time_ns": [2.0, 1.0]})
+        run_study("contact_laws", ranges={"viscous_time_ns": [2.0, 1.0]})
 
 
 def test_every_law_has_a_line_of_its_own(tables, draw, figures, legend_texts):

@@ -11,8 +11,8 @@ from microimpact.studies.analyses.oblique_data import FROM_VELOCITY
 
 
 @pytest.fixture(scope="module")
-def tables(run_study, shipped_calibration):
-    return run_study("oblique_data", {"calibration": shipped_calibration["calibration"]})
+def tables(run_study):
+    return run_study("oblique_data")
 
 
 @pytest.fixture(scope="module")
@@ -22,9 +22,8 @@ def rms(tables):
 
 
 @pytest.fixture(scope="module")
-def evidence(run_study, shipped_calibration, tables):
+def evidence(run_study, tables):
     made = {
-        "calibration": shipped_calibration["calibration"],
         "doe_levels": LEVELS,
         "doe_effects": effects(A=-5.0, B=9.0, C=-8.0, D=4.0, BC=1.0, BD=-2.0, AB=0.5),
         "monte_carlo": pd.DataFrame(
@@ -90,33 +89,27 @@ class TestObliqueData:
         assert rows.loc[("steel-silicon, n = 1, mindlin", "greatest"), "value"] > 0.4
         assert rows.loc[("steel-silicon, n = 1, rigid", "greatest"), "value"] < 1e-9
 
-    def test_other_facts_are_no_rebounds(self, run_study, shipped_calibration):
-        calibration = {"calibration": shipped_calibration["calibration"]}
+    def test_other_facts_are_no_rebounds(self, run_study):
         with pytest.raises(
             ValueError, match=r"external evidence, quantity must be one of .*got 'd"
         ):
-            run_study("oblique_data", calibration, external="wall1990")
+            run_study("oblique_data", external="wall1990")
 
-    def test_friction_moves_the_residuals(self, run_study, shipped_calibration, rms):
-        calibration = {"calibration": shipped_calibration["calibration"]}
-        other = run_study("oblique_data", calibration, friction=0.12)["oblique_residuals"]
+    def test_friction_moves_the_residuals(self, run_study, rms):
+        other = run_study("oblique_data", friction=0.12)["oblique_residuals"]
         rows = other.query("reading == 'all'").set_index(["quantity", "branch", "law"]).sort_index()
         place = ("tangential_restitution", "sliding", "rigid")
         assert rows.loc[place, "rms"] > 3 * rms.loc[place, "rms"]
 
-    def test_the_printed_angle_vanishes_for_another_pair(self, run_study, shipped_calibration):
-        calibration = {"calibration": shipped_calibration["calibration"]}
+    def test_the_printed_angle_vanishes_for_another_pair(self, run_study):
         another = {"microspheres": {"case": "ammonium-fluorescein-mica", "speed_m_per_s": 20.0}}
-        made = run_study("oblique_data", calibration, **another)
+        made = run_study("oblique_data", **another)
         for name in ("contact_point", "tangential_bounds"):
             assert "printed" not in set(made[name]["evidence"])
 
-    def test_where_no_impact_slides_nothing_is_said_of_the_transition(
-        self, run_study, shipped_calibration
-    ):
-        calibration = {"calibration": shipped_calibration["calibration"]}
+    def test_where_no_impact_slides_nothing_is_said_of_the_transition(self, run_study):
         another = {"microspheres": {"case": "ammonium-fluorescein-mica", "speed_m_per_s": 1.66}}
-        rows = run_study("oblique_data", calibration, **another)["tangential_bounds"]
+        rows = run_study("oblique_data", **another)["tangential_bounds"]
         own = rows[rows["spheres"].str.startswith("ammonium-fluorescein-mica, rigid")]
         assert set(own["quantity"]) == {"greatest"}
         assert own["value"].notna().all()

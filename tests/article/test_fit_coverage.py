@@ -10,28 +10,20 @@ FEW = {
     "lowest_speeds_in_v_c": [1.05, 1.5],
     "replicates": 120,
     "interval_replicates": 20,
+    "methods": {"replicates": 10, "resamples": 20, "lowest_speeds_in_v_c": [1.05]},
+    "averaged": {"sets": 12, "lowest_speeds_in_v_c": [1.05, 3.0], "noise_of_e": [0.01]},
 }
 BASE = "uniform noise"
 
 
 @pytest.fixture(scope="module")
-def earlier(run_study, calibration):
-    fits = run_study("restitution_fits", calibration)["restitution_fits"]
-    return {**calibration, "restitution_fits": fits}
+def earlier(made, calibration):
+    return {**calibration, "restitution_fits": made("restitution_fits")["restitution_fits"]}
 
 
 @pytest.fixture(scope="module")
-def few(settings):
-    methods = settings.branches["fit_coverage"]["methods"]
-    smaller = {"replicates": 10, "resamples": 20, "lowest_speeds_in_v_c": [1.05]}
-    averaged = settings.branches["fit_coverage"]["averaged"]
-    designs = {"sets": 12, "lowest_speeds_in_v_c": [1.05, 3.0], "noise_of_e": [0.01]}
-    return {**FEW, "methods": {**methods, **smaller}, "averaged": {**averaged, **designs}}
-
-
-@pytest.fixture(scope="module")
-def tables(run_study, earlier, few):
-    return run_study("fit_coverage", earlier, **few)
+def tables(run_study, earlier):
+    return run_study("fit_coverage", earlier, **FEW)
 
 
 @pytest.fixture(scope="module")
@@ -118,8 +110,8 @@ def test_the_averaged_interval_holds_v_c_of_every_shape(tables):
     assert ((table["coverage_low"] < table["coverage"]) | (table["coverage"] == 0.0)).all()
 
 
-def test_other_cells_do_not_change_a_cell(run_study, earlier, few, tables):
-    alone = {**few, "lowest_speeds_in_v_c": [1.5], "noise_of_e": [0.01]}
+def test_other_cells_do_not_change_a_cell(run_study, earlier, tables):
+    alone = {**FEW, "lowest_speeds_in_v_c": [1.5], "noise_of_e": [0.01], "averaged": {"sets": 1}}
     variants = run_study("fit_coverage", earlier, **alone)["fit_coverage"]
     table = tables["fit_coverage"]
     same = table[(table["lowest_speed_in_v_c"] == 1.5) & (table["noise_of_e"] == 0.01)]
@@ -127,15 +119,15 @@ def test_other_cells_do_not_change_a_cell(run_study, earlier, few, tables):
     assert variants["coverage"].tolist() == same["coverage"].tolist()
 
 
-def test_noise_that_hides_rebounds_is_refused(run_study, earlier, few):
-    loud = {**few, "noise_of_e": [5.0], "reference_noise_of_e": 5.0, "points": [8]}
+def test_noise_that_hides_rebounds_is_refused(run_study, earlier):
+    loud = {**FEW, "noise_of_e": [5.0], "reference_noise_of_e": 5.0, "points": [8]}
     with pytest.raises(ValueError, match="noise_of_e: 5 hides too many rebounds"):
         run_study("fit_coverage", earlier, **loud, reference_points=8)
 
 
-def test_a_case_without_a_fit_is_refused(run_study, earlier, few):
+def test_a_case_without_a_fit_is_refused(run_study, earlier):
     with pytest.raises(ValueError, match="case: 'lycopodium-silicon' must be one with a fit"):
-        run_study("fit_coverage", earlier, **few, case="lycopodium-silicon")
+        run_study("fit_coverage", earlier, **FEW, case="lycopodium-silicon")
 
 
 def test_drawn(draw, tables, legend_texts):

@@ -19,7 +19,7 @@ def test_a_quotation_stands_in_its_file(block):
 
 
 @pytest.mark.parametrize("page", WITH_PYTHON)
-def test_python_runs_block_after_block(page, tmp_path, monkeypatch):
+def test_python_runs_block_after_block(page, made, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     names = {"__name__": "__main__"}
     for block in blocks("python"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import time
 from dataclasses import replace
 
@@ -29,11 +30,20 @@ def undisturbed(project):
 
 
 @pytest.fixture(scope="session")
-def on_two_cores(project, tmp_path_factory, forked):
-    """The same project, run on two cores into a results root of its own."""
-    other = replace(project, out=str(tmp_path_factory.mktemp("two") / "out"))
-    replace(other, python=forked).run(*TARGETS, cores=2)
-    return other
+def another(tmp_path_factory):
+    """Another copy, run on two cores: in another zone, without other tools such as git.
+
+    Its path has blanks and letters beyond ASCII, none of which the locale knows.
+    """
+    place = tmp_path_factory.mktemp("another")
+    tools = place / "tools"
+    tools.mkdir()
+    for name in ("sh", "bash", "env", "uname"):
+        (tools / name).symlink_to(shutil.which(name))
+    environment = {"LC_ALL": "C", "TZ": "Pacific/Kiritimati", "COLUMNS": "40", "PATH": str(tools)}
+    project = copied(place / "Maße und Stöße" / "ein Projekt", out=str(place / "Größe 5 µm"))
+    replace(project, environment=environment).run(*TARGETS, cores=2)
+    return project
 
 
 @pytest.fixture

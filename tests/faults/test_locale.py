@@ -53,32 +53,20 @@ def built(out, **environment):
     return done.stdout.strip(), {path.name: path.read_bytes() for path in out.iterdir()}
 
 
-@pytest.fixture(scope="module")
-def expected(tmp_path_factory):
-    point, files = built(tmp_path_factory.mktemp("plain"), LC_ALL="C.UTF-8", TZ="UTC")
+def test_a_locale_with_a_decimal_comma_and_one_without_letters_beyond_ascii(tmp_path):
+    """In zones apart; where only ASCII is known, any other file would need its encoding named."""
+    place, german, plain = (tmp_path / name for name in ("locales", "german", "plain"))
+    for folder in (place, german, plain):
+        folder.mkdir()
+    command = ["localedef", "-i", "de_DE", "-f", "UTF-8", str(place / "de_DE.UTF-8")]
+    made = shutil.which(command[0]) and not subprocess.run(command, check=False).returncode
+    own = {"LC_ALL": "de_DE.UTF-8", "LOCPATH": str(place)} if made else {"LC_ALL": "C.UTF-8"}
+    comma, files = built(german, TZ="Europe/Berlin", **own)
+    ascii_alone = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+    point, others = built(plain, TZ="Pacific/Kiritimati", PYTHONHASHSEED="1", **ascii_alone)
     assert point == "."
     assert set(files) == {"fig14.csv", "fig14.svg", "fig14.png"}
-    return files
-
-
-def test_a_locale_without_letters_beyond_ascii_and_another_zone(expected, tmp_path):
-    """No letter beyond ASCII can be written there without naming the encoding of the file."""
-    plain = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0", "PYTHONHASHSEED": "1"}
-    point, files = built(tmp_path, TZ="Pacific/Kiritimati", **plain)
-    assert point == "."
-    assert files == expected
-
-
-def test_a_locale_with_a_decimal_comma(expected, tmp_path):
-    if not shutil.which("localedef"):
+    assert files == others
+    if not made:
         pytest.skip("needs localedef and the sources of locales; on Debian: apt install locales")
-    place = tmp_path / "locales"
-    place.mkdir()
-    command = ["localedef", "-i", "de_DE", "-f", "UTF-8", str(place / "de_DE.UTF-8")]
-    if subprocess.run(command, capture_output=True, check=False).returncode:
-        pytest.skip("needs the sources of locales; on Debian: apt install locales")
-    out = tmp_path / "out"
-    out.mkdir()
-    point, files = built(out, LC_ALL="de_DE.UTF-8", LOCPATH=str(place), TZ="Europe/Berlin")
-    assert point == ","
-    assert files == expected
+    assert comma == ","

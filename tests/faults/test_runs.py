@@ -10,7 +10,6 @@ from __future__ import annotations
 import json
 import os
 import shlex
-import shutil
 import signal
 import subprocess
 import time
@@ -20,18 +19,35 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.faults.places import mounted, read_only
-from tests.faults.projects import TARGETS, copied, finished, kill
+from tests.faults.projects import TARGETS, finished, kill
 
 pytestmark = [pytest.mark.workflow, pytest.mark.slow]
 
 
-def test_two_runs_on_one_core_and_on_two(undisturbed, on_two_cores):
-    assert on_two_cores.results() == undisturbed
+def test_two_runs_on_one_core_and_on_two_elsewhere(project, undisturbed, another):
+    assert another.results() == undisturbed
+    assert another.results("checksums") == project.results("checksums")
+    recorded = {name.removeprefix("checksums/") for name in project.results("checksums")}
+    assert {name.removesuffix(".sha256") for name in recorded} == set(undisturbed)
 
 
-def test_a_run_killed_at_random_moments_and_finished_by_the_next(
+def test_the_lock_of_a_run_and_what_it_leaves_when_it_is_killed(
     project, undisturbed, elsewhere, forked
 ):
+    second = replace(elsewhere, python=forked)
+    locks = project.root / ".snakemake/locks"
+    first = elsewhere.start(*TARGETS)
+    try:
+        while not any(locks.glob("*")):
+            assert first.poll() is None
+            time.sleep(0.05)
+        os.killpg(first.pid, signal.SIGSTOP)  # that it does not end too soon
+        told = second.run("fig17", check=False)
+    finally:
+        kill(first)
+    assert "Directory cannot be locked" in told
+    assert "no other Snakemake process" in told
+    assert "--unlock" in told  # which serves now that the first run is no more
     for share in np.random.default_rng(20011).uniform(0.4, 0.9, 2):
         run = elsewhere.start("--nolock", *TARGETS)
         with suppress(subprocess.TimeoutExpired):
@@ -39,7 +55,8 @@ def test_a_run_killed_at_random_moments_and_finished_by_the_next(
         kill(run)
         # Whatever a reader can see is whole.
         assert elsewhere.results().items() <= undisturbed.items()
-    replace(elsewhere, python=forked).run("--nolock", *TARGETS)
+    second.run("--unlock")
+    second.run(*TARGETS)
     assert elsewhere.results() == undisturbed
 
 
@@ -55,69 +72,20 @@ def test_what_a_killed_run_has_started_ends_with_it(elsewhere):
     assert not (part / "figures/ptis_accuracy.svg").exists()
 
 
-def test_another_place_and_zone_without_other_tools(undisturbed, tmp_path):
-    """A path with blanks and letters beyond ASCII, none of which the locale knows; no git."""
-    tools = tmp_path / "tools"
-    tools.mkdir()
-    for name in ("sh", "bash", "env", "uname"):
-        (tools / name).symlink_to(shutil.which(name))
-    project = copied(
-        tmp_path / "Maße und Stöße" / "ein Projekt",
-        out=str(tmp_path / "Größe 5 µm"),
-        environment={
-            "PATH": str(tools),
-            "LC_ALL": "C",
-            "TZ": "Pacific/Kiritimati",
-            "COLUMNS": "40",
-        },
-    )
-    project.run(*TARGETS)
-    assert project.results() == undisturbed
-
-
-def test_the_checksums_are_those_of_the_same_bytes(project, undisturbed, on_two_cores):
-    assert on_two_cores.results("checksums") == project.results("checksums")
-    recorded = {name.removeprefix("checksums/") for name in project.results("checksums")}
-    assert {name.removesuffix(".sha256") for name in recorded} == set(undisturbed)
-
-
-def test_the_stamp_tells_where_the_second_run_went(project, on_two_cores):
+def test_the_stamp_tells_where_the_second_run_went(project, another):
     first, second = (
         json.loads((root.root / root.out / "run.json").read_text(encoding="utf-8"))
-        for root in (project, on_two_cores)
+        for root in (project, another)
     )
     assert first["config"].pop("pathvars") != second["config"].pop("pathvars")
     assert first["config"] == second["config"]
     assert first["packages"] == second["packages"]
 
 
-def test_two_runs_at_once_and_the_lock_that_a_killed_one_leaves(
-    project, undisturbed, elsewhere, forked
-):
-    second = replace(elsewhere, python=forked)
-    locks = project.root / ".snakemake/locks"
-    first = elsewhere.start("fig17")
-    try:
-        while not any(locks.glob("*")):
-            assert first.poll() is None
-            time.sleep(0.05)
-        os.killpg(first.pid, signal.SIGSTOP)  # that it does not end too soon
-        told = second.run("fig17", check=False)
-    finally:
-        kill(first)
-    assert "Directory cannot be locked" in told
-    assert "no other Snakemake process" in told
-    assert "--unlock" in told  # which serves now that the first run is no more
-    second.run("--unlock")
-    second.run("fig17")
-    assert elsewhere.results().items() <= undisturbed.items()
-    assert "figures/fig17.svg" in elsewhere.results()
-
-
 def test_a_table_that_lost_its_last_row_stops_its_readers_until_it_is_gone(
-    undisturbed, on_two_cores, forked
+    undisturbed, another, forked
 ):
-    project = replace(on_two_cores, python=forked)
+    project = replace(another, python=forked)
     table = project.root / project.out / "data/fig17.csv"
     table.write_bytes(b"".join(table.read_bytes().splitlines(keepends=True)[:-1]))
     told = project.run("fig17", check=False)
@@ -160,12 +128,12 @@ def test_a_full_disk_is_told_and_with_more_room_the_run_is_finished(
     assert "figures/fig17.png" in elsewhere.results()
 
 
-def test_results_that_are_read_only_are_told_and_kept(project, undisturbed, on_two_cores):
-    table = on_two_cores.root / on_two_cores.out / "data/fig17.csv"
+def test_results_that_are_read_only_are_told_and_kept(project, undisturbed, another):
+    table = another.root / another.out / "data/fig17.csv"
     table.touch()
     with read_only(table.parents[1]) as prefix:
         command = ("--force", "coulomb_friction_figures")
-        told = finished(on_two_cores.start(*command, prefix=prefix), check=False)
+        told = finished(another.start(*command, prefix=prefix), check=False)
     assert "Write-protected output files for rule coulomb_friction_figures" in told
-    assert f"{on_two_cores.out}/figures/fig17.svg" in told
-    assert on_two_cores.results() == undisturbed
+    assert f"{another.out}/figures/fig17.svg" in told
+    assert another.results() == undisturbed

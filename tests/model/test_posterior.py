@@ -88,7 +88,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say(contact, monkeypatch):
         e = simulate(truth, SPEEDS).coefficient_of_restitution
         e = np.clip(e + rng.normal(0.0, sigma, SPEEDS.size), 0.0, 1.0)
         found = calibrate(
-            contact, SPEEDS, e, sigma, DAMPING, ranges=ranges, draws=draws, steps=150, seed=seed
+            contact, SPEEDS, e, sigma, DAMPING, ranges=ranges, draws=draws, steps=90, seed=seed
         )
         ranks.append([np.mean(getattr(found.contact, n) < getattr(truth, n)) for n in DAMPING])
         weight = np.exp(-0.5 * np.sum(np.square((on_grid - e[:, None]) / sigma), axis=0))

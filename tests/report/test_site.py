@@ -279,6 +279,22 @@ def test_the_explorer_is_linked_where_it_is_and_left_alone(few):
     assert (root / "report/explorer.html").read_text(encoding="utf-8") == "another's page"
 
 
+def test_a_series_is_called_as_in_its_own_panel(few):
+    root, record = few
+    labels = {"one": "at rest", "two": "in motion"}
+    panels = {name: {"series": {"0.2": {"label": label}}} for name, label in labels.items()}
+    panels["two"]["series"]["v_c"] = {"label": "$v_c$"}
+    entry = dict(record.figures["fig14"], panels=panels)
+    rows = [("one", "0.2"), ("two", "0.2"), ("two", "v_c: AB"), ("rows", "7"), ("rows", "8")]
+    table = pd.DataFrame(rows, columns=["panel", "series"]).assign(
+        evidence="computed", x_1=0, y_1=0
+    )
+    table.to_csv(root / "data/fig14.csv", index=False)
+    pages = site_pages(root, replace(record, figures={"fig14": entry}))
+    text = " ".join("".join(Page(pages["figures/fig14.html"]).text).split())
+    assert "one: at rest. two: in motion; vc: AB. rows: grey levels of its rows" in text
+
+
 def test_names_stay_text(few):
     root, record = few
     evil = "<script>alert(1)</script>"

@@ -11,6 +11,7 @@ import pytest
 
 from microimpact import studies
 from microimpact.declared.documents import ConfigError, load
+from microimpact.declared.references import merged
 from microimpact.run.config import read_configuration, validate
 from microimpact.run.schema import schemas, text
 
@@ -169,8 +170,10 @@ def test_shipped_files_meet_the_schemas():
     validator("config.schema.json").validate(BASE)
     validator("figures.schema.json").validate(load(ROOT / "config/figures.yaml"))
     overlays = [ROOT / "config/ci.yaml", *(ROOT / "config/examples").glob("*.yaml")]
+    assert len(overlays) > 3
     for path in overlays:
         validator("config.schema.json").validate(load(path))
+        validate(merged(BASE, load(path)), BASE)
 
 
 def test_schema_refuses_what_the_validator_refuses():

@@ -5,10 +5,11 @@ from __future__ import annotations
 from contextlib import ExitStack, contextmanager
 
 import pytest
+from tests.workflow.conftest import SMALL
 
-SMALL = ("--configfile", "config/ci.yaml")
 OUT = "build/ci"
 TARGETS = ("fig14", "fig15", "fig16", "fig17", "digitised_comparison", *SMALL)
+CONCERNED = {"coulomb_friction_figures", "digitised_comparison"}
 TOP = "# source: made up\n# licence: CC0-1.0\n# digitised_by: nobody\nseries,x,y,y_low,y_high\n"
 
 pytestmark = [pytest.mark.workflow, pytest.mark.slow]
@@ -31,14 +32,23 @@ def test_without_points_there_is_a_table_without_rows(project):
     assert lines[0].startswith("figure,panel,points,points_evidence,series,named,evidence,")
 
 
+def test_files_in_any_folder_redo_what_they_concern_alone(project, tmp_path):
+    (tmp_path / "points").mkdir()
+    rows = {"fig17": "spin: a,30,0.12,,", "fig16": '"steel-silicon, n = 0",0.5,0.5,,'}
+    for name, row in rows.items():
+        (tmp_path / f"points/{name}.csv").write_text(f"{TOP}{row}\n")
+    overlay = tmp_path / "overlay.yaml"
+    overlay.write_text(f"digitised: {tmp_path / 'points'}\n")
+    fits = {"restitution_fits", "restitution_fits_figures"}
+    assert project.planned(*TARGETS, str(overlay)) == {*fits, *CONCERNED}
+
+
 def test_a_file_redraws_its_figure_alone_and_so_does_its_removal(project):
-    concerned = {"coulomb_friction_figures", "digitised_comparison"}
     outputs = [project.root / OUT / name for name in ("figures/fig17.svg", "figures/fig17.png")]
     before = [path.read_bytes() for path in outputs]
     table = project.root / OUT / "tables/digitised_residuals.csv"
     with dropped(project, "fig17.csv", "friction: 0.15,30,0.12,,\n") as file:
-        assert project.planned(*TARGETS) == concerned
-        project.snakemake(*TARGETS)
+        assert project.done(*TARGETS) == CONCERNED
         assert all(a != b.read_bytes() for a, b in zip(before, outputs, strict=True))
         assert "fig17,friction,0.15,digitised,0.15,True,computed,1,1,0,-0.03," in table.read_text()
         log = (project.root / OUT / "logs/coulomb_friction_figures.log").read_text()
@@ -46,16 +56,9 @@ def test_a_file_redraws_its_figure_alone_and_so_does_its_removal(project):
         # another date is no other content
         file.touch()
         assert project.planned(*TARGETS) == set()
-    assert project.planned(*TARGETS) == concerned
-    project.snakemake(*TARGETS)
+    assert project.done(*TARGETS) == CONCERNED
     assert before == [path.read_bytes() for path in outputs]
     assert len(table.read_text().splitlines()) == 1
-
-
-def test_points_of_a_fit_redo_the_fits(project):
-    with dropped(project, "fig16.csv", '"steel-silicon, n = 0",0.5,0.5,,\n'):
-        planned = project.planned(*TARGETS)
-    assert planned == {"restitution_fits", "restitution_fits_figures", "digitised_comparison"}
 
 
 def test_a_malformed_file_stops_the_run_before_anything_is_written(project):
@@ -77,15 +80,3 @@ def test_a_malformed_file_stops_the_run_before_anything_is_written(project):
         assert [line in told for told in done.text.splitlines()].count(True) == 1
     assert "Traceback" not in done.text
     assert not (project.root / "build/refused").exists()
-
-
-def test_another_folder_may_be_named(project, tmp_path):
-    (tmp_path / "points").mkdir()
-    (tmp_path / "points/fig17.csv").write_text(TOP + "spin: a,30,0.12,,\n")
-    overlay = tmp_path / "overlay.yaml"
-    overlay.write_text(f"digitised: {tmp_path / 'points'}\n")
-    planned = project.planned(*TARGETS, str(overlay))
-    assert planned == {"coulomb_friction_figures", "digitised_comparison"}
-    overlay.write_text("digitised: nowhere\n")
-    done = project.snakemake(*TARGETS, str(overlay), check=False)
-    assert "digitised: 'nowhere' must be a folder" in done.text

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from tests.workflow.conftest import TINY
 from workflow.scripts.parts import part_from_text, part_text
 
 from microimpact import studies
@@ -26,34 +27,6 @@ STUDIES = (
     "interval_coverage",
     "monte_carlo",
 )
-# Smaller still than the small reproduction: some parts are left with nothing, or nearly so.
-TINY = {
-    "claim_numbers": {
-        "draws": {
-            "variants": {"with the printed v_c": 4, "without the printed v_c": 2},
-            "claims": ["C05", "C12", "C68"],
-        }
-    },
-    "campaign": {"stop": {"events": 4, "fewest_events": 2, "most_dropped": 1000}},
-    "fit_coverage": {
-        "noise_of_e": [0.01],
-        "lowest_speeds_in_v_c": [1.5],
-        "replicates": 6,
-        "interval_replicates": 2,
-        "methods": {"replicates": 2, "resamples": 20},
-        "averaged": {"sets": 1},
-    },
-    "interval_coverage": {
-        "experiments": 20,
-        "events": 4,
-        "cases": {
-            "smooth, normal": {"speeds_m_per_s": [0.75, 1.25], "simulated": 30000},
-            "smooth, oblique": {"simulated": 3000},
-            "rough, oblique": {"simulated": 3000},
-            "slow, oblique": {"simulated": 3000},
-        },
-    },
-}
 
 
 @pytest.fixture(scope="module")

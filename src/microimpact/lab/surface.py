@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import islice
-from typing import Annotated, Literal
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 import scipy
@@ -50,7 +50,9 @@ SCORES = np.linspace(-8.25, 8.25, 2113)
 KEPT_TABLES = 64
 # Parts of the hits of which the first cell is kept where one angle is that of many spheres.
 GUIDES = 1024
-NO_GUIDE: IntArray = np.empty(0, dtype=np.int64)
+# Hits at one angle, see `_steady`; empty where there are many.
+Steady = tuple[IntArray, FloatArray]
+NOT_STEADY: Steady = np.empty(0, dtype=np.int64), np.empty((0, 3))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -188,17 +190,32 @@ def collide(
     return Rebound(velocity=velocity, spin=spin, kept=kept, contacts=contacts)
 
 
-def rigid_sums(
-    surface: Surface,
-    law: Law,
-    drawn: Sequence[Real],
-    shares: Iterable[tuple[FloatArray, FloatArray]],
-    count: int,
-    replicates: int,
-) -> FloatArray:
+class Spheres(NamedTuple):
+    """Spheres that hit a surface.
+
+    Attributes
+    ----------
+    drawn
+        Speed, angle of incidence (degrees), r omega over the speed, friction, factor and offset of
+        e, unit of the speed in the law (m/s), place in the law's family, each (number,) or (1,).
+    shares
+        As of `collide`, (number,) or (1,).
+    number, parts
+        Number of spheres, and of the equal parts that are added up apart.
+    """
+
+    drawn: Sequence[Real]
+    shares: Iterable[tuple[FloatArray, FloatArray]]
+    number: int
+    parts: int
+
+
+def rigid_sums(surface: Surface, law: Law, groups: Iterable[Spheres]) -> FloatArray:
     """Let rigid spheres hit a surface, and return sums over what is observed.
 
-    As `collide` with contacts of rigid bodies, but in one compiled pass without arrays between.
+    As `collide` with contacts of rigid bodies, but in one compiled pass without arrays between, and
+    with one group in memory at a time. Contacts so close to capture that they must be integrated
+    wait for those of all groups.
 
     Parameters
     ----------
@@ -206,41 +223,57 @@ def rigid_sums(
         Its slopes and rules.
     law
         Of which e is taken.
-    drawn
-        Speed, angle of incidence (degrees), r omega over the speed, friction, factor and offset of
-        e, unit of the speed in the law (m/s), place in the law's family, each (count,) or (1,).
-    shares
-        As of `collide`, (count,) or (1,).
-    count, replicates
-        Number of spheres, and of the equal parts that are added up apart.
+    groups
+        One or more.
 
     Returns
     -------
     ndarray
-        Shape (replicates, columns), see `model.passes.SUMS`.
+        Shape (parts of all groups, columns), see `model.passes.SUMS`.
     """
     rules, slopes = surface.rules, hit_slopes(surface.slope).compiled
-    along, across = (np.stack(parts) for parts in zip(*shares, strict=True))
-    if rules.facets != "seen":
-        along = surface.slope.quantile(along)
-    across = surface.cross_slope.quantile(across)
-    states = tuple(passes.flat(values, (count,)) for values in drawn)
-    told = passes.FACETS.index(rules.facets), rules.must_leave, rules.most_contacts
-    angle = np.asarray(drawn[1])
-    steady = rules.facets == "seen" and angle.size == 1 and 0.0 < angle.item() <= 90.0
-    guide = _guide(surface.slope, angle.item()) if steady else NO_GUIDE
-    given = states, along, across, slopes, guide, told, law.compiled, count // replicates
-    found = np.zeros((replicates, 2 * passes.LOST))
-    which, known = np.arange(count), np.empty((0, rules.most_contacts))
-    while which.size:  # those left have a contact so close to capture that it must be integrated
-        asked = np.empty((which.size, 4))
-        number = passes.events(which, known, *given, found, asked)
-        left, contact, w, place = asked[:number].T.copy()
-        who = left.astype(np.int64)
-        known = known[who] if known.size else np.full((number, rules.most_contacts), np.nan)
-        known[np.arange(number), contact.astype(np.int64)] = law.restitution(w, place)
-        which = which[who]
-    return found[:, : passes.LOST] + found[:, passes.LOST :]
+    most, told = rules.most_contacts, (passes.FACETS.index(rules.facets), rules.must_leave)
+
+    def add(
+        rows: IntArray,
+        known: FloatArray,
+        states: tuple[FloatArray, ...],
+        facets: tuple[FloatArray, FloatArray],
+        steady: Steady,
+        sums: FloatArray,
+    ) -> tuple[IntArray, FloatArray, FloatArray]:
+        """Add events to sums; return which wait, their columns, and what they ask."""
+        asked, given = np.empty((rows.size, 4)), (slopes, steady, (*told, most), law.compiled)
+        number = passes.events(rows, known, states, *facets, *given, sums, asked)
+        who = asked[:number, 0].astype(np.int64)
+        columns = (*states, *facets[0], *facets[1])
+        own = np.stack([np.broadcast_to(one, rows.shape)[who] for one in columns])
+        return who, own, asked[:number, 1:].T.copy()
+
+    found: list[FloatArray] = []
+    waiting: list[tuple[IntArray, FloatArray, FloatArray]] = []
+    for drawn, shares, count, parts in groups:
+        along, across = (np.stack(one) for one in zip(*shares, strict=True))
+        if rules.facets != "seen":
+            along = surface.slope.quantile(along)
+        across = surface.cross_slope.quantile(across)
+        states = tuple(passes.flat(values, (count,)) for values in drawn)
+        one_angle = rules.facets == "seen" and states[1].size == 1
+        steady = _steady(surface.slope, float(states[1][0])) if one_angle else NOT_STEADY
+        rows, sums = np.arange(count) // (count // parts), np.zeros((parts, 2 * passes.LOST))
+        who, own, asked = add(rows, np.empty((0, most)), states, (along, across), steady, sums)
+        waiting.append((rows[who] + sum(len(one) for one in found), own, asked))
+        found.append(sums)
+    rows, own, asked = (np.concatenate(one, axis=-1) for one in zip(*waiting, strict=True))
+    sums, known = np.concatenate(found), np.full((rows.size, most), np.nan)
+    while rows.size:
+        contact, w, place = asked
+        known[np.arange(rows.size), contact.astype(np.int64)] = law.restitution(w, place)
+        states = tuple(passes.flat(one, rows.shape) for one in own[: -2 * most])
+        along, across = own[-2 * most :].reshape(2, most, -1)
+        who, own, asked = add(rows, known, states, (along, across), NOT_STEADY, sums)
+        rows, known = rows[who], known[who]
+    return sums[:, : passes.LOST] + sums[:, passes.LOST :]
 
 
 def facets(
@@ -380,14 +413,27 @@ class HitSlopes:
 
 
 @lru_cache(maxsize=KEPT_TABLES)
-def _guide(distribution: Distribution, angle: float) -> IntArray:
-    """Return the cells in which slopes of equally many hits begin at an angle, degrees."""
-    table, share = hit_slopes(distribution), np.arange(GUIDES) / GUIDES
-    tangent = np.tan(np.radians(angle))
-    slope = table.quantile(share, np.full(GUIDES, tangent))
-    slope[0] = -tangent  # where hits begin
-    cell = np.searchsorted(table.edges, slope, side="right") - 1
-    return np.clip(cell, 0, table.mass.size - 1).astype(np.int64)
+def _steady(distribution: Distribution, angle: float) -> Steady:
+    """Return what finds slopes quickly where one angle, degrees, is that of many spheres.
+
+    That is for equal steps of the share the cells in which it is reached; and for the cells from
+    the first that can be hit, and the end of the last, the hits below them, their lower slopes, and
+    the width by the share of facets.
+    """
+    table = hit_slopes(distribution)
+    tangent = min(float(np.tan(np.radians(angle))), STEEPEST)
+    if not 0.0 < angle <= 90.0 or tangent + table.edges[-1] <= 0.0:
+        return NOT_STEADY
+    first = int(np.searchsorted(table.edges, -tangent, side="right")) - 1
+    first = min(max(first, 0), table.mass.size - 1)
+    slope = np.maximum(table.edges[first:], -tangent)
+    rate = np.append(np.diff(table.edges) / np.maximum(table.mass, passes.TINY), 0.0)[first:]
+    hits = (tangent * table.below + table.moment)[first:]
+    if rate[0] > 0.0:  # those of a part of the first cell
+        hits[0] = hits[1] - 0.5 * ((tangent + slope[1]) ** 2 - (tangent + slope[0]) ** 2) / rate[0]
+    steps = hits[0] + np.arange(GUIDES) / GUIDES * (hits[-1] - hits[0])
+    cell = np.searchsorted(hits, steps, side="right") - 1
+    return np.clip(cell, 0, hits.size - 2), np.stack([hits, slope, rate], axis=1)
 
 
 @lru_cache(maxsize=KEPT_TABLES)

@@ -16,12 +16,13 @@ from microimpact.lab.experiment import Target
 from microimpact.lab.pdpa import analyser as pdpa
 from microimpact.lab.ptis.errors import theory
 from microimpact.lab.ptis.system import ImagingSystem, Setup, Systematics
-from microimpact.lab.surface import rigid_sums, rough
+from microimpact.lab.surface import Spheres, rigid_sums, rough
 from microimpact.model.contact import Contact
 from microimpact.model.contact_laws import JKR
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.dynamics.trajectory import trajectory
+from microimpact.model.empirical.comparison import compare_models
 from microimpact.model.empirical.search import data_sets, fit_batch
 from microimpact.model.law.table import tabulate
 
@@ -55,11 +56,13 @@ def _use_model() -> None:
     law.restitution(speed, np.zeros(1))
     law.simulate(speed)
     simulate(CONTACT, speed)
+    simulate(CONTACT, speed, tangential="mindlin")
     one = np.full(1, 0.5)
-    rigid_sums(rough(0.1), law, [one] * 8, [(one, one)], 1, 1)
+    rigid_sums(rough(0.1), law, [Spheres([one] * 8, [(one, one)], 1, 1)])
     speed = np.geomspace(1.0, 10.0, 8)
     normal_impact(Contact(**PAIR, work_of_adhesion=0.1, law=JKR(viscous_time=1e-9)), speed)
     fit_batch(data_sets(speed, 0.8 - 0.1 / speed, 100.0))
+    compare_models(speed, 0.8 - 0.1 / speed, 0.01)
 
 
 SPEED, ANGLE = 1.66, np.radians(60.0)

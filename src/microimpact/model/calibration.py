@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from microimpact.core.arrays import POSITIVE, Range, Real, checked, common_shape
-from microimpact.core.solve import root
+from microimpact.core.arrays import POSITIVE, BoolArray, Range, Real, checked, common_shape
+from microimpact.core.solve import root, threshold
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
@@ -151,23 +151,27 @@ def hertz_damping_for(contact: Contact, speed: float, restitution: float) -> Con
 
 
 def damping_factor_for(contact: Contact, speed: float, restitution: float) -> Contact:
-    """Scale c_H and c_A by one factor to meet a restitution at a normal speed.
+    """Scale c_H and c_A by one factor to meet a restitution at a normal speed; of any shape.
 
     Raises NoSolutionError if no factor up to 1000 does.
     """
 
-    def scaled(factor: float) -> Contact:
+    def scaled(factor: Real) -> Contact:
         return contact.replace(
             hertz_damping=factor * contact.hertz_damping,
             adhesion_damping=factor * contact.adhesion_damping,
         )
 
-    def excess(factor: float) -> float:
-        e = float(normal_impact(scaled(factor), speed).coefficient_of_restitution)
-        # Zero below capture is flat; any negative number ends the search there.
-        return e - restitution if e > 0.0 else -1.0
+    def slowed(factor: Real) -> BoolArray:
+        e = normal_impact(scaled(factor), speed).coefficient_of_restitution
+        return np.asarray(e <= restitution)
 
-    return scaled(_falling_root(excess, LARGEST_DAMPING))
+    enough = np.ones(contact.shape)
+    while not np.all(slow := slowed(enough)):
+        enough = np.where(slow, enough, 4.0 * enough)
+        if np.any(enough > LARGEST_DAMPING):
+            raise NoSolutionError(f"no factor up to {LARGEST_DAMPING:g} slows to {restitution:g}")
+    return scaled(threshold(slowed, np.zeros(contact.shape), enough)[()])
 
 
 def adhesion_damping_for(contact: Contact, capture_speed: float) -> Contact:

@@ -65,7 +65,7 @@ def flat(values: Real, shape: tuple[int, ...]) -> FloatArray:
     They cannot be written to, be they written elsewhere or not: a pass is compiled for one kind.
     """
     array = np.asarray(values, dtype=np.float64)
-    if array.size != 1:
+    if array.size != 1 and array.shape != shape:
         array = np.broadcast_to(array, shape)
     array = array.reshape(-1)
     array.setflags(write=False)
@@ -91,7 +91,7 @@ def _ratio(w, place, slowness):  # type: ignore[no-untyped-def]
     """Return w over the threshold, by Clenshaw's sum of its reciprocal."""
     one, two = 0.0, 0.0
     for k in range(slowness.size - 1, 0, -1):
-        one, two = 2.0 * place * one - two + slowness[k], one
+        one, two = 2.0 * place * one + (slowness[k] - two), one
     return w * (place * one - two + slowness[0])
 
 
@@ -300,51 +300,55 @@ def _hits(cell, slope, c, slopes):  # type: ignore[no-untyped-def]
 
 
 @_jit_inline
-def _hit_slope(u, c, slopes, guide, guided):  # type: ignore[no-untyped-def]
-    """Invert the integral of (c + x)+ over the facets up to a slope x, see `lab.surface`.
+def _further(weight, rest):  # type: ignore[no-untyped-def]
+    """Root of weight x + x^2/2 = rest; without cancellation where the weight is large."""
+    weight, rest = max(weight, 0.0), max(rest, 0.0)
+    divisor = weight + math.sqrt(weight * weight + 2.0 * rest)
+    return 2.0 * rest / divisor if divisor > 0.0 else 0.0
 
-    If ``guided``, the cells are known at which to begin for that tangent and for equal steps of u.
-    """
+
+@_jit_inline
+def _hit_slope(u, c, slopes):  # type: ignore[no-untyped-def]
+    """Invert the integral of (c + x)+ over the facets up to a slope x, see `lab.surface`."""
     edges, mass, below, moment = slopes
-    end = mass.size
+    end = last = mass.size
     if c + edges[end] <= 0.0:
         return -math.inf
-    if guided:
-        cell = guide[0]
-    else:
-        cell = min(max(np.searchsorted(edges, -c, side="right") - 1, 0), end - 1)
+    cell = min(max(np.searchsorted(edges, -c, side="right") - 1, 0), end - 1)
     start = min(max(-c, edges[cell]), edges[cell + 1])
     reached = _hits(cell, start, c, slopes)
     target = reached + u * (c * below[end] + moment[end] - reached)
-    # From the cell of -c on the integral ascends.
-    if guided:
-        cell = guide[int(u * guide.size)]
-        while cell + 1 < end and c * below[cell + 1] + moment[cell + 1] <= target:
-            cell += 1
-    else:  # halve the cells until one is left
-        last = end
-        while last - cell > 1:
-            middle = (cell + last) // 2
-            if c * below[middle] + moment[middle] > target:
-                last = middle
-            else:
-                cell = middle
+    # From the cell of -c on the integral ascends: halve the cells until one is left.
+    while last - cell > 1:
+        middle = (cell + last) // 2
+        if c * below[middle] + moment[middle] > target:
+            last = middle
+        else:
+            cell = middle
     start = max(start, edges[cell])
-    rest = max(target - _hits(cell, start, c, slopes), 0.0)
     # Far out a cell may hold less than rounding.
-    rest *= (edges[cell + 1] - edges[cell]) / max(mass[cell], TINY)
-    weight = max(c + start, 0.0)
-    # Root of weight x + x^2/2 = rest; without cancellation where the weight is large.
-    divisor = weight + math.sqrt(weight * weight + 2.0 * rest)
-    step = 2.0 * rest / divisor if divisor > 0.0 else 0.0
-    return min(start + step, edges[cell + 1])
+    rate = (edges[cell + 1] - edges[cell]) / max(mass[cell], TINY)
+    rest = (target - _hits(cell, start, c, slopes)) * rate
+    return min(start + _further(c + start, rest), edges[cell + 1])
+
+
+@_jit_inline
+def _steady_slope(u, c, steady):  # type: ignore[no-untyped-def]
+    """The same at the one tangent that `steady` is for, see `lab.surface`."""
+    guide, cells = steady
+    last, cell = cells.shape[0] - 1, guide[int(u * guide.size)]
+    target = cells[0, 0] + u * (cells[last, 0] - cells[0, 0])
+    while cell + 1 < last and cells[cell + 1, 0] <= target:
+        cell += 1
+    rest = (target - cells[cell, 0]) * cells[cell, 2]
+    return min(cells[cell, 1] + _further(c + cells[cell, 1], rest), cells[cell + 1, 1])
 
 
 @_jit
 def hit_slopes(u, c, slopes, found):  # type: ignore[no-untyped-def]
     """Write the slopes below which shares u (n,) of all hits lie, at tangents c (n,)."""
     for i in range(u.size):
-        found[i] = _hit_slope(u[i], c[i], slopes, slopes[0], False)
+        found[i] = _hit_slope(u[i], c[i], slopes)
 
 
 @_jit_inline
@@ -383,14 +387,16 @@ def rebounds(velocity, turn, normal, e, friction, after, turned):  # type: ignor
 
 
 @_jit_inline
-def _met(velocity, slope, sideways, slopes, guide, guided, facets):  # type: ignore[no-untyped-def]
+def _met(velocity, slope, sideways, slopes, steady, guided, facets):  # type: ignore[no-untyped-def]
     """Return the normal of the facet met, and the velocity along it."""
     if facets == SEEN:
         level = math.sqrt(velocity[0] ** 2 + velocity[1] ** 2)
         # Upright motion meets all facets alike.
         tangent = min(-velocity[2] / max(level, TINY), STEEPEST)
-        # No slope can be hit where none faces the sphere.
-        slope = max(_hit_slope(slope, tangent, slopes, guide, guided), -STEEPEST)
+        if guided:
+            slope = _steady_slope(slope, tangent, steady)
+        else:  # no slope can be hit where none faces the sphere
+            slope = max(_hit_slope(slope, tangent, slopes), -STEEPEST)
     normal = _normal(velocity, slope, sideways)
     into = velocity[0] * normal[0] + velocity[1] * normal[1] + velocity[2] * normal[2]
     if facets == EVERY and into > 0.0:
@@ -442,31 +448,29 @@ def _facet(values, contact, i):  # type: ignore[no-untyped-def]
 
 @_jit_contract
 def events(  # type: ignore[no-untyped-def]
-    which, known, drawn, along, across, slopes, guide, rules, law, size, sums, asked
+    rows, known, drawn, along, across, slopes, steady, rules, law, sums, asked
 ):
     """Let spheres hit a rough surface as rigid bodies, and add what is observed.
 
-    Gives the number of rows of `asked`; events that ask are not counted. `which`: numbers of
-    the events (m,), as integers; `known`: e of contacts in turn that were integrated, (m,
-    contacts), NaN for all others; where there are none, the law is asked; `drawn`: of all
-    events, (n,), or one for all, (1,): speed, angle of incidence (degrees), r omega over the
+    Gives the number of rows of `asked`; events that ask are not counted. `rows`: of the sums, that
+    of each event's replicate, (n,), as integers; `known`: e of contacts in turn that were
+    integrated, (n, contacts), NaN for all others; where there are none, the law is asked; `drawn`:
+    of all events, (n,), or one for all, (1,): speed, angle of incidence (degrees), r omega over the
     speed, friction, factor and offset of e; unit of the law's variable, m/s, and place in its
     family; `along`, `across`: of the facets in turn, (contacts, n) or (contacts, 1): slopes
     along the motion and across it, of facets that are seen shares in place of slopes along;
-    `slopes`: what `hit_slopes` takes; `guide`: cells of the slopes at which facets met first
-    begin, for equal steps of their shares, empty where the angle is not one; `rules`: number of
-    the facets in ``FACETS``, whether a sphere must leave, most contacts; `law`: as in
-    `tabulated`; `size`: events of a replicate; `sums`: of each replicate, (replicates, 2
-    columns), added to: ``SUMS``, and what they lost; `asked`: place in ``which``, contact, w
-    and place of impacts that must be integrated, (m, 4).
+    `slopes`: what `hit_slopes` takes; `steady`: the same for facets met first, made for the one
+    angle, empty if there is none; `rules`: number of the facets in ``FACETS``, whether a sphere
+    must leave, most contacts; `law`: as in `tabulated`; `sums`: of each replicate, (replicates, 2
+    columns), added to: ``SUMS``, and what they lost; `asked`: event, contact, w and place of
+    impacts that must be integrated, (n, 4).
     """
     speeds, angles, spins, frictions, factors, offsets, units, places = drawn
     facets, must_leave, most_contacts = rules
     waiting = 0
     sine = cosine = math.nan
-    for j in range(which.size):
-        i = which[j]
-        if j == 0 or angles.size > 1:
+    for i in range(rows.size):
+        if i == 0 or angles.size > 1:
             angle = math.radians(_of(angles, i))
             sine, cosine = math.sin(angle), math.cos(angle)
         speed, place = _of(speeds, i), _of(places, i)
@@ -475,16 +479,16 @@ def events(  # type: ignore[no-untyped-def]
         contacts, kept, missing = 0, False, False
         while contacts < most_contacts and velocity[2] <= 0.0 and not kept:
             slope, sideways = _facet(along, contacts, i), _facet(across, contacts, i)
-            guided = guide.size > 0 and contacts == 0
-            normal, into = _met(velocity, slope, sideways, slopes, guide, guided, facets)
+            guided = steady[0].size > 0 and contacts == 0
+            normal, into = _met(velocity, slope, sideways, slopes, steady, guided, facets)
             if not into < 0.0:
                 break
-            bare = known[j, contacts] if known.size else math.nan
+            bare = known[i, contacts] if known.size else math.nan
             if math.isnan(bare):
                 w = -into / _of(units, i)
                 bare = _restitution(w, place, law)
                 if math.isnan(bare):
-                    asked[waiting, 0], asked[waiting, 1] = j, contacts
+                    asked[waiting, 0], asked[waiting, 1] = i, contacts
                     asked[waiting, 2], asked[waiting, 3] = w, place
                     waiting, missing = waiting + 1, True
                     break
@@ -493,5 +497,5 @@ def events(  # type: ignore[no-untyped-def]
             contacts, kept = contacts + 1, bare <= 0.0
         if not missing:
             leaves = velocity[2] > 0.0 or not must_leave
-            _count(sums, i // size, contacts, kept, leaves, before, velocity)
+            _count(sums, rows[i], contacts, kept, leaves, before, velocity)
     return waiting

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 
 from microimpact.core.nearest import nearest
 from microimpact.ledgers.claims.criteria import NOT_COMPUTED, Amendment, Claim, Finding, read_claims
@@ -23,6 +23,10 @@ from microimpact.ledgers.claims.judging import (
     place,
 )
 from microimpact.ledgers.claims.shares import Share, shares
+
+# Loaded where a ledger is judged: the pages, which read it as text, do without.
+if TYPE_CHECKING:
+    import pandas as pd
 
 # Begins what a note tells of a part that was changed.
 CHANGED = "Changed after first judging"
@@ -47,6 +51,8 @@ def judge(tables: Mapping[str, pd.DataFrame], criteria: Path | str) -> pd.DataFr
     ``external_evidence``; and ``digitised_residuals``, whose series of digitised points have rows
     after the claims.
     """
+    import pandas as pd
+
     read = read_claims(criteria)
     drawn = shares(read, tables["claim_draws"], tables["admissible_contacts"])
     claims = verdicts(read, tables["claim_numbers"], drawn)
@@ -69,6 +75,8 @@ def verdicts(
     LedgerError if a number is missing, not finite, of an unknown claim, case or quantity, or of
     another unit than declared.
     """
+    import pandas as pd
+
     # A column without any text has been read as one of missing numbers.
     names = ("case", "inputs", "problem")
     text = {name: numbers[name].astype(object).fillna("") for name in names}

@@ -6,15 +6,17 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import pandas as pd
 from pydantic import ValidationError
 
 from microimpact.declared.documents import load
 from microimpact.declared.parameters import Name, Positive, build, explain
 from microimpact.ledgers.claims.criteria import DIGITISED, ClaimsError, Criterion, Figure, Finding
 from microimpact.ledgers.claims.judging import Numbers, described, judged, place
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 CODE = "microimpact.studies.analyses.digitised_comparison.run"
 COMPARED = ("rms_difference", "normalised_rms", "bias")

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-
-import pandas as pd
+from typing import TYPE_CHECKING
 
 from microimpact.core.nearest import nearest
 from microimpact.ledgers.claims.criteria import Claim, ClaimsError
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 AGREES, DISAGREES = "agrees with independent data", "disagrees with independent data"
 SPLIT = "agrees in part with independent data"

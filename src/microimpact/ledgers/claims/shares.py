@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 
 from microimpact.ledgers.claims.criteria import Claim, Verdict, holds
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 # A claim is decided if its criteria hold in at least, or at most, these shares.
 MOST, FEWEST = 0.95, 0.05
@@ -107,7 +110,9 @@ def separation(values: Sequence[float] | np.ndarray, met: np.ndarray) -> float:
 
     Twice the distance of the statistic of Mann and Whitney, over its greatest value, from a half.
     """
-    ranks = pd.Series(values).rank().to_numpy()
+    from scipy.stats import rankdata
+
+    ranks = rankdata(values)
     n, others = int(met.sum()), int((~met).sum())
     if n == 0 or others == 0:
         return 0.0

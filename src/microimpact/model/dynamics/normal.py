@@ -7,6 +7,7 @@ scale (V, equilibrium compression) below the velocity scale V, by the impact's o
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -32,7 +33,6 @@ SMALLEST_SPEED = 1e-30
 STIFF = 1e4
 # Far beyond this c_H v the series of the approach leave double precision.
 LARGEST_DAMPING = 1e15
-_NODES, _WEIGHTS = (0.5 * a for a in np.polynomial.legendre.leggauss(200))
 
 # Depth of the well of Hertz and ring force, in the adhesive scale.
 WELL_DEPTH = 4.0 / 15.0
@@ -261,6 +261,13 @@ def _stiff(problems: FloatArray, mode: int) -> FloatArray:
     return results * units
 
 
+@cache
+def _quadrature() -> tuple[FloatArray, FloatArray]:
+    """Return nodes and weights on an interval of length one around zero, made once."""
+    nodes, weights = np.polynomial.legendre.leggauss(200)
+    return 0.5 * nodes, 0.5 * weights
+
+
 def _crept_back(problems: FloatArray, approach: FloatArray, mode: int) -> FloatArray:
     """Rebounds of `_stiff`, in its units, added to the results of the approach."""
     beta = problems[:, kernel.ADHESION, None]
@@ -277,11 +284,12 @@ def _crept_back(problems: FloatArray, approach: FloatArray, mode: int) -> FloatA
         return np.sqrt(x) * (x + drag)
 
     # Between both places: the integrals go over ln x, as top may be anything.
+    nodes, weights = _quadrature()
     span = np.log(top / rest)
-    x = rest * np.exp(span * (_NODES + 0.5))
+    x = rest * np.exp(span * (nodes + 0.5))
     steady = (x - beta) / (x + drag)
     speed = steady * (1.0 + (beta + drag) / np.square(x + drag) / rate(x))
-    step = span * x * _WEIGHTS
+    step = span * x * weights
     lag_top, lag_rest = 1.0 / rate(top), 1.0 / rate(rest)
 
     def total(per_time: FloatArray, at_top: FloatArray, at_rest: FloatArray) -> FloatArray:

@@ -9,14 +9,16 @@ import json
 import zlib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
-import pandas as pd
 from pydantic import ValidationError
 
 from microimpact.core.materials import declared_file
 from microimpact.declared.documents import load
 from microimpact.declared.parameters import build, explain
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 T = TypeVar("T")
 
@@ -91,6 +93,8 @@ def read_cells(path: Path) -> pd.DataFrame:
 
     Raises ResultsError, naming the file and the line that is malformed.
     """
+    import pandas as pd
+
     reader = csv.reader(io.StringIO(read_text(path), newline=""), strict=True)
     rows: list[list[str]] = []
     try:

@@ -79,7 +79,7 @@ class Table:
     @property
     def name(self) -> str:
         """The name by which studies take it."""
-        return Path(self.file).stem
+        return self.file.rpartition("/")[2].removesuffix(".csv")
 
     @property
     def folder(self) -> str:
@@ -100,7 +100,8 @@ def write_site(results: Path, record: Record) -> list[Path]:
     for folder in FOLDERS:
         shutil.rmtree(report / folder, ignore_errors=True)
     for source, target in _copies(results):
-        write_file(report / target, source.read_bytes())
+        (report / target).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(source, report / target)
     write_file(report / "assets/formula.css", font.style_sheet())
     write_file(report / ARCHIVE, _archive(results))
     for name, text in pages.items():

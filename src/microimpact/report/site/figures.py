@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+import csv
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-
-import pandas as pd
 
 from microimpact import studies
 from microimpact.ledgers.claims.words import in_words
@@ -69,6 +68,7 @@ class Figure:
     departures: tuple[Row, ...]
     contacts: tuple[str, ...]
     claims: tuple[Row, ...]
+    is_narrow: bool
 
     @property
     def alternative(self) -> str:
@@ -99,6 +99,7 @@ def figures(
     inputs.
     """
     needed = needs(record.rules)
+    calibration = read_rows(results / "tables/calibration.csv")
     own = [entry["study"] for entry in record.figures.values()]
     rules = {rule.name: rule for rule in record.rules}
     behind = {
@@ -107,7 +108,16 @@ def figures(
     }
     there = [name for name in record.figures if (results / f"figures/{name}.svg").is_file()]
     return [
-        _figure(name, record.figures[name], results, ledgers["claims"], behind, needed, declared)
+        _figure(
+            name,
+            record.figures[name],
+            results,
+            ledgers["claims"],
+            behind,
+            needed,
+            declared,
+            calibration,
+        )
         for name in sorted(there, key=lambda name: (not ARTICLE.fullmatch(name), name))
     ]
 
@@ -120,6 +130,7 @@ def _figure(
     behind: Mapping[str, Inputs],
     needed: Mapping[str, Sequence[str]],
     declared: Sequence[Row],
+    calibration: Sequence[Row],
 ) -> Figure:
     study = entry["study"]
     data = tuple(f"data/{table}.csv" for table in entry["data"])
@@ -139,33 +150,28 @@ def _figure(
         marks=_marks([results / file for file in data], entry.get("panels", {})),
         inputs=tuple(behind[s] for s in (study, *upstream(study, needed))),
         departures=departures(declared, [study], needed),
-        contacts=_named(
-            contacts(study, declared, read_rows(results / "tables/calibration.csv")), entry
-        ),
+        contacts=_named(contacts(study, declared, calibration), entry),
         claims=tuple(row for row in claims if name in row["figures"].split()),
+        is_narrow=entry.get("width", "single") == "single",
     )
 
 
 def _marks(paths: Iterable[Path], panels: Mapping[str, Mapping[str, Any]]) -> tuple[Marks, ...]:
-    columns = ["panel", "series", "evidence"]
-    tables = [
-        pd.read_csv(path, dtype=str, keep_default_na=False, usecols=columns)
-        for path in paths
-        if path.is_file()
-    ]
-    if not tables:
-        return ()
-    marks = []
-    for evidence, rows in pd.concat(tables).groupby("evidence", sort=False):
-        by_panel = rows.groupby("panel", sort=False)["series"]
-        series = {
-            _panel_words(str(panel), panels): tuple(
-                dict.fromkeys(_series_words(str(name), panels) for name in found.unique())
-            )
-            for panel, found in by_panel
-        }
-        marks.append(Marks(evidence=str(evidence), series=series))
-    return tuple(marks)
+    found: dict[str, dict[str, dict[str, None]]] = {}
+    for path in filter(Path.is_file, paths):
+        with path.open(encoding="utf-8", newline="") as stream:
+            rows = csv.reader(stream)
+            next(rows)  # panel, series, evidence and the numbers
+            for panel, series, evidence in dict.fromkeys(tuple(row[:3]) for row in rows):
+                named = found.setdefault(evidence, {}).setdefault(panel, {})
+                named[_series_words(series, panel, panels)] = None
+    return tuple(
+        Marks(
+            evidence=evidence,
+            series={_panel_words(panel, panels): tuple(own) for panel, own in by_panel.items()},
+        )
+        for evidence, by_panel in found.items()
+    )
 
 
 def _panel_words(panel: str, panels: Mapping[str, Mapping[str, Any]]) -> str:
@@ -174,11 +180,20 @@ def _panel_words(panel: str, panels: Mapping[str, Mapping[str, Any]]) -> str:
     return " ".join((spec.get("title") or spec.get("y_label") or in_words(panel)).split())
 
 
-def _series_words(name: str, panels: Mapping[str, Mapping[str, Any]]) -> str:
-    """Return what a legend of the figure calls a series, or its name in words."""
-    labels = (spec.get("series", {}).get(name, {}).get("label", "_") for spec in panels.values())
-    shown = (label for label in labels if not label.startswith("_"))
-    return " ".join(next(shown, in_words(name)).split())
+def _series_words(name: str, panel: str, panels: Mapping[str, Mapping[str, Any]]) -> str:
+    """Return what a legend of the figure calls a series, that of its panel first, or its name.
+
+    The effects of a response are series, too: ``v_c: AB``; and so are the rows of a picture.
+    """
+    own = panels.get(panel, {})
+    start, colon, effect = name.partition(": ")
+    for spec in (own, *panels.values()):
+        series = spec.get("series", {})
+        for key, rest in ((name, ""), (start, colon + effect)):
+            label = series.get(key, {}).get("label", "_")
+            if not label.startswith("_"):
+                return " ".join(f"{label}{rest}".split())
+    return "grey levels of its rows" if name.isdigit() else " ".join(in_words(name).split())
 
 
 def _inputs(

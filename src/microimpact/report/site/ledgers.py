@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import csv
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-import pandas as pd
 from markupsafe import Markup
 
 from microimpact.ledgers.claims import CHANGED
@@ -78,10 +78,11 @@ def read_rows(path: Path, columns: Sequence[str] = ()) -> list[Row]:
     """
     if not path.is_file():
         return []
-    table = pd.read_csv(path, dtype=str, keep_default_na=False, encoding="utf-8")
-    if missing := [name for name in columns if name not in table.columns]:
-        raise MissingColumnError(f"{path}: has no column {', '.join(missing)}")
-    return [{str(k): str(v) for k, v in row.items()} for row in table.to_dict("records")]
+    with path.open(encoding="utf-8", newline="") as stream:
+        table = csv.DictReader(stream)
+        if missing := [name for name in columns if name not in (table.fieldnames or ())]:
+            raise MissingColumnError(f"{path}: has no column {', '.join(missing)}")
+        return list(table)
 
 
 def counts(rows: Sequence[Row], verdicts: Mapping[str, str]) -> tuple[Count, ...]:
@@ -201,10 +202,14 @@ def formula(text: str) -> Markup | str:
 
 
 def measure(low: str, unit: str, high: str = "") -> str:
-    """Return a number, or a range of two, in three digits with its unit."""
-    if not high or float(low) == float(high):
-        return readable(float(low), unit)
-    return f"{readable(float(low))} to {readable(float(high), unit)}"
+    """Return a number, or a range of two, in three digits with its unit; other text unchanged."""
+    try:
+        least, most = float(low), float(high or low)
+    except ValueError:
+        return low
+    return (
+        readable(least, unit) if least == most else f"{readable(least)} to {readable(most, unit)}"
+    )
 
 
 def percent(text: str) -> str:

@@ -9,7 +9,7 @@ the claims, which register themselves and must be named as starts.
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -48,10 +48,11 @@ def reached(*starts: str) -> frozenset[str]:
             continue
         found.add(name)
         module = module_of(name)
-        attributes |= definition.attributes
-        possible |= {f"{name}.{method}" for method in definition.methods}
         waiting += [n for chain in definition.chains if (n := _target(module, chain))]
-        waiting += [m for m in possible - found if m.rpartition(".")[2] in attributes]
+        if definition.methods or not definition.attributes <= attributes:
+            attributes |= definition.attributes
+            possible |= {f"{name}.{method}" for method in definition.methods}
+            waiting += [m for m in possible - found if m.rpartition(".")[2] in attributes]
     return frozenset(found)
 
 
@@ -116,14 +117,17 @@ def _read(module: str) -> _Module | None:
             _collect(definitions.setdefault(name, _Definition()), node)
         if isinstance(node, ast.ClassDef):
             definitions |= _methods(node, definitions[node.name])
-    return _Module(dict(_imports(tree)), definitions)
+    return _Module(dict(_imports(tree.body)), definitions)
 
 
-def _imports(tree: ast.Module) -> Iterator[tuple[str, str]]:
-    for node in ast.walk(tree):
+def _imports(body: Sequence[ast.stmt]) -> Iterator[tuple[str, str]]:
+    """Return the names that statements at any depth import, with their origins."""
+    for node in body:
         if isinstance(node, ast.ImportFrom) and node.module:  # as the package imports its own
             for alias in node.names:
                 yield alias.asname or alias.name, f"{node.module}.{alias.name}"
+        for part in ("body", "orelse", "finalbody", "handlers", "cases"):
+            yield from _imports(getattr(node, part, ()))
 
 
 def _names_of(node: ast.stmt) -> Iterator[str]:
@@ -160,7 +164,8 @@ def _walk(node: ast.AST) -> Iterator[ast.AST]:
     for part in waiting:
         yield part
         children = ast.iter_child_nodes(part)
-        waiting += [c for c in children if not (isinstance(part, ast.ClassDef) and _is_method(c))]
+        is_class = isinstance(part, ast.ClassDef)
+        waiting += [c for c in children if not _is_method(c)] if is_class else children
 
 
 def _is_method(node: ast.AST) -> TypeGuard[ast.FunctionDef]:

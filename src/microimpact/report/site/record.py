@@ -20,7 +20,6 @@ from microimpact.core.materials import declared_file
 from microimpact.declared.documents import load
 from microimpact.figures.registry import filled
 from microimpact.report.check.results import ResultsError, built, read_json
-from microimpact.run.config import read_configuration, validate
 from microimpact.run.stamp import Change, changes, origin
 
 RECORD = "report/record.json"
@@ -116,6 +115,9 @@ def read_record(results: Path) -> Record:
     """
     if (results / RECORD).is_file():
         return from_plain(read_json(results / RECORD), str(results / RECORD))
+    # Only here is a configuration checked, for which the laboratory is loaded.
+    from microimpact.run.config import read_configuration, validate
+
     if not (results / STAMP).is_file():
         raise ResultsError(f"{results}: neither {RECORD} nor {STAMP}: no finished run")
     stamp = read_json(results / STAMP)

@@ -2,10 +2,10 @@
 
 Events come in replicates: batches of a fixed size, each with random numbers of its own. A replicate
 is a pure function of the ensemble, the angle and its number, so that neither the order in which
-replicates are computed nor the place matters; small ones are computed several at a time. Each
-thread holds the draws of `TOGETHER` events, or of one replicate, in memory, and what rigid bodies
-do is added up in one compiled pass over them. The scatter of the replicates' means gives the error
-of every estimate, whatever the method of sampling. Sums over replicates are exact, so an estimate
+replicates are computed nor the place matters. Each thread holds the draws of `BLOCK` events in
+memory, of one replicate or several small ones, and what rigid bodies do is added up in one compiled
+pass over them. The scatter of the replicates' means gives the error of every estimate, whatever the
+method of sampling. Sums over replicates are exact, so an estimate
 does not depend on the number of threads in its last digit either.
 """
 
@@ -127,7 +127,7 @@ class Process:
 class Impact(Protocol):
     """What impacts do to spheres."""
 
-    def sums(self, events: Events) -> FloatArray:
+    def sums(self, ensemble: Ensemble, groups: Iterable[Events]) -> FloatArray:
         """Return the sums over events, (replicates, columns), see `model.passes.SUMS`."""
         ...
 
@@ -180,9 +180,10 @@ def deterministic(ensemble: Ensemble) -> Ensemble:
     )
 
 
-# Events of a replicate of a long run.
+# Events of a replicate of a long run, and as many as are drawn at a time: larger arrays go back to
+# the system with every task of a thread, and their pages come anew.
 BLOCK = 2**14
-# Events computed at a time: the few so close to capture that they are integrated go side by side.
+# Events of a task: the few so close to capture that they are integrated go side by side.
 TOGETHER = 4 * BLOCK
 # Tasks handed to threads at a time: enough to keep them busy, few enough to wait for.
 BATCH = 64
@@ -230,7 +231,7 @@ def estimate(
 
     def some(numbers: range) -> FloatArray:
         drawn = (
-            [replicate_shares(ensemble, key, number) for number in numbers]
+            (replicate_shares(ensemble, key, number) for number in numbers)
             if shares is None
             else shares[numbers.start : numbers.stop]
         )
@@ -335,13 +336,16 @@ class Struck(ABC):
     def __call__(self, draws: Draws) -> Strike:
         """Return what contacts do to the spheres whose draws these are."""
 
-    def sums(self, events: Events) -> FloatArray:
+    def sums(self, ensemble: Ensemble, groups: Iterable[Events]) -> FloatArray:
         """Return the sums over events, see `Impact`."""
-        n, rules = events.count, events.ensemble.rules
+        return np.concatenate([self._sums(ensemble.surface, events) for events in groups])
+
+    def _sums(self, surface: Surface, events: Events) -> FloatArray:
+        n, rules = events.count, surface.rules
         draws = {name: np.broadcast_to(values, n) for name, values in events.draws.items()}
         facets = [(np.broadcast_to(a, n), np.broadcast_to(b, n)) for a, b in events.facets]
         before, spin = _approach(draws, events.angle_deg)
-        found = collide(events.ensemble.surface, before, spin, facets, self(draws))
+        found = collide(surface, before, spin, facets, self(draws))
         faced, accepted, after = found.contacts > 0, found.observed(rules), found.velocity
         change = after[accepted] - before[accepted]
         e, mu = np.zeros((2, n))
@@ -355,24 +359,31 @@ class Struck(ABC):
         return np.stack(sums, axis=1)
 
 
-def replicate_sums(ensemble: Ensemble, angle_deg: float, shares: Sequence[Draws]) -> FloatArray:
+def replicate_sums(ensemble: Ensemble, angle_deg: float, shares: Iterable[Draws]) -> FloatArray:
     """Return counts of rejections, and sums of e and -mu and of their squares.
 
     Shape (replicates, 8), of the shares of each replicate.
     """
+    left, together = iter(shares), max(1, BLOCK // ensemble.plan.events)
+    parts = iter(lambda: list(islice(left, together)), [])
+    groups = (_events(ensemble, angle_deg, part) for part in parts)
+    return ensemble.impact.sums(ensemble, groups)
+
+
+def _events(ensemble: Ensemble, angle_deg: float, shares: Sequence[Draws]) -> Events:
+    """Return the events of the shares of some replicates."""
     distributions = ensemble.process.distributions | _further_slopes(ensemble)
     joined = {
         name: one[:1] if isinstance(law, Constant) else np.concatenate([s[name] for s in shares])
         for (name, law), one in zip(distributions.items(), shares[0].values(), strict=True)
     }
-    events = Events(
+    return Events(
         ensemble=ensemble,
         angle_deg=angle_deg,
         shares=joined,
         count=len(shares) * ensemble.plan.events,
         replicates=len(shares),
     )
-    return ensemble.impact.sums(events)
 
 
 def _approach(draws: Draws, angle_deg: float) -> tuple[FloatArray, FloatArray]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from microimpact.core.arrays import FloatArray
-from microimpact.lab.surface import Strike, rigid_sums, simulated
+from microimpact.lab.surface import Spheres, Strike, rigid_sums, simulated
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.law.families import NoTableError
@@ -15,6 +16,7 @@ from microimpact.model.law.table import TOLERANCE, Law, tabulate
 from microimpact.statistics.distributions import LARGEST_PROBABILITY, SMALLEST_PROBABILITY, Constant
 from microimpact.studies.analyses.monte_carlo.ensembles import (
     Draws,
+    Ensemble,
     Events,
     Impact,
     Process,
@@ -84,15 +86,16 @@ class RigidBody:
         place = np.zeros(1) if family.alike else -steps / family.half_width
         return np.asarray(family.velocity_scale * np.exp(-steps)), np.asarray(place)
 
-    def sums(self, events: Events) -> FloatArray:
+    def sums(self, ensemble: Ensemble, groups: Iterable[Events]) -> FloatArray:
         """Return the sums over events, see `Impact`."""
+        return rigid_sums(ensemble.surface, self.law, map(self._spheres, groups))
+
+    def _spheres(self, events: Events) -> Spheres:
         draws = events.draws
         names = "spin_ratio", "friction", "restitution_factor", "restitution_offset"
         drawn = [draws["speed_m_per_s"], events.angle_deg + draws["angle_offset_deg"]]
         drawn += [draws[name] for name in names] + list(self.scales(draws))
-        return rigid_sums(
-            events.ensemble.surface, self.law, drawn, events.facets, events.count, events.replicates
-        )
+        return Spheres(drawn, events.facets, events.count, events.replicates)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -27,7 +27,7 @@ APPARENT = 1e-3
 @claim("C40", by_case=True, units={"largest_final_spin": "rad/s"})
 def c40(context: Context) -> dict[str, float]:
     """Spin after impact, the largest over all rebounds."""
-    _, impact = context.rebounds(context.steel)
+    _, impact = context.rebounds()
     return {"largest_final_spin": np.max(np.abs(impact.spin))}
 
 
@@ -61,15 +61,15 @@ def c58(context: Context) -> dict[str, dict[str, float]]:
 @claim("C59", by_case=True)
 def c59(context: Context) -> dict[str, float]:
     """Loss of energy, rotation included, with friction less that without; least of all rebounds."""
-    steel = context.steel
-    angles, impact = context.rebounds(steel, np.array(context.params.steel.angles_deg))
-    oblique = angles < 90.0
-    smooth = context.hit(steel.replace(friction=0.0), context.speed, angles)
-    return {
-        "least_added_loss_of_total_energy": np.min(
-            (impact.energy_loss - smooth.energy_loss)[oblique]
-        )
-    }
+    angles = np.array(context.params.steel.angles_deg)
+    rough = context.steel_impacts(context.speed, angles)
+
+    def smooth(steel: Contact) -> FloatArray:
+        return context.hit(steel.replace(friction=0.0), context.speed, angles[:, None]).energy_loss
+
+    added = rough.energy_loss - context.of_steel(("C59",), smooth)
+    oblique = ~rough.captured & (angles < 90.0)
+    return {"least_added_loss_of_total_energy": np.min(added[oblique])}
 
 
 @claim("C97", by_case=True)

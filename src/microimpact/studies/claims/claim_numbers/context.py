@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 import pandas as pd
@@ -47,12 +47,12 @@ class Context:
     # them is meant.
     drawn: Contact | None = None
     place: int = 0
+    # What was found of all draws.
+    found_of_draws: dict[tuple[object, ...], Any] = field(default_factory=dict)
     # Made once, here for all cases: a table of the impact law serves one and the same contact.
     _seen: dict[tuple[Dropped, float, Sampling], Seen] = field(default_factory=dict)
     _contacts: dict[Dropped, Contact] = field(default_factory=dict)
     _steel: dict[tuple[object, ...], Contact] = field(default_factory=dict)
-    _limits: dict[str, FloatArray] = field(default_factory=dict)
-    _rebounds: dict[tuple[object, ...], tuple[FloatArray, Impact]] = field(default_factory=dict)
 
     def cases(self) -> Iterator[Self]:
         """Yield the context of every case."""
@@ -75,21 +75,51 @@ class Context:
             self._steel[steel, case] = sized.replace(friction=steel.friction)
         return self._steel[steel, case]
 
-    def limits(self, claim: str, sized: Callable[[Contact], Contact]) -> FloatArray:
-        """Return capture velocities of the steel contact in several sizes, m/s.
+    def of_steel(self, key: tuple[object, ...], function: Callable[[Contact], Any]) -> Any:
+        """Return what a function makes of the steel contact.
 
-        Those of all draws are computed together, which costs hardly more than one.
+        That of all draws is computed together, which costs hardly more than one.
 
-        `claim`: whose they are; `sized`: gives the contact, whose last axis is that of draws, its
-        sizes along another.
+        `key`: tells what is found from all else; `function`: takes the contact and gives an array,
+        or an `Impact`, the last axis of all being that of draws.
         """
         if self.drawn is None:
             one = self.steel
-            return capture_velocity(sized(resized(one, np.atleast_1d(one.diameter))))[..., 0]
-        if claim not in self._limits:
+            return _at(function(resized(one, np.atleast_1d(one.diameter))), 0)
+        if key not in self.found_of_draws:
             drawn = resized(self.drawn, self.params.steel.diameter_um * 1e-6)
-            self._limits[claim] = np.asarray(capture_velocity(sized(drawn)))
-        return self._limits[claim][..., self.place]
+            self.found_of_draws[key] = function(drawn)
+        return _at(self.found_of_draws[key], self.place)
+
+    def limits(self, claim: str, sized: Callable[[Contact], Contact]) -> FloatArray:
+        """Return capture velocities of the steel contact in several sizes, m/s.
+
+        `claim`: whose they are; `sized`: gives the contact, its sizes along another axis than the
+        last.
+        """
+        return np.asarray(self.of_steel((claim,), lambda steel: capture_velocity(sized(steel))))
+
+    def steel_impacts(
+        self, speed: Real, angle: Real = 90.0, spin_ratio: Real | None = None, basis: str = ""
+    ) -> Impact:
+        """Return impacts of the steel contact at speeds and angles that are those of all draws.
+
+        `spin_ratio`: r omega/v, and `basis`: that of friction; those meant, if not given.
+        """
+        steel = self.params.steel
+        spin_ratio, basis = (
+            steel.spin_ratio if spin_ratio is None else spin_ratio,
+            basis or steel.friction_basis,
+        )
+        given = [np.asarray(x, float)[..., None] for x in (speed, angle, spin_ratio)]
+
+        def impacts(contact: Contact) -> Impact:
+            speed, angle, ratio = given
+            return simulate(contact, speed, angle, ratio * speed / contact.radius, basis)
+
+        key = basis, *((x.shape, x.tobytes()) for x in given)
+        found: Impact = self.of_steel(key, impacts)
+        return found
 
     @property
     def calibrated_capture_velocity(self) -> float:
@@ -121,24 +151,17 @@ class Context:
         inside = angles[(angles >= low) & (angles <= high)][::-1]
         return inside.astype(np.float64)
 
-    def rebounds(
-        self, contact: Contact, angles: FloatArray | None = None
-    ) -> tuple[FloatArray, Impact]:
-        """Return the angles (all steps, if none given) at which it rebounds, and the impacts.
+    def rebounds(self, angles: FloatArray | None = None) -> tuple[FloatArray, Impact]:
+        """Return the angles (all steps, if none given) at which steel rebounds, and the impacts.
 
         Raises ValueError if it rebounds at none.
         """
         wanted = self.all_angles() if angles is None else angles
-        key = self.params.steel, contact, wanted.tobytes()
-        if key not in self._rebounds:
-            impact = self.hit(contact, self.speed, wanted)
-            free = ~impact.captured
-            if not np.any(free):
-                raise ValueError(f"steel.speed_m_per_s: at {self.speed:g} it rebounds at no angle")
-            found = {name: getattr(impact, name) for name in Impact.__dataclass_fields__}
-            rebounds = {name: of[free] if np.ndim(of) else of for name, of in found.items()}
-            self._rebounds[key] = wanted[free], Impact(**rebounds)
-        return self._rebounds[key]
+        impact = self.steel_impacts(self.speed, wanted)
+        free = ~impact.captured
+        if not np.any(free):
+            raise ValueError(f"steel.speed_m_per_s: at {self.speed:g} it rebounds at no angle")
+        return wanted[free], _at(impact, free)
 
     # Samples of virtual impacts
 
@@ -223,6 +246,14 @@ class Context:
             raise ValueError(f"{name}: no row at {', '.join(missing)} deg")
         at: pd.Series = found.loc[wanted]
         return at
+
+
+def _at(found: Any, place: Any) -> Any:
+    """Return the part of an array or of an `Impact` at places of its last axis."""
+    if isinstance(found, Impact):
+        fields = Impact.__dataclass_fields__
+        return Impact(**{name: _at(getattr(found, name), place) for name in fields})
+    return found[..., place][()] if np.ndim(found) else found
 
 
 def of_share(share: float, drawn: int) -> Estimate:

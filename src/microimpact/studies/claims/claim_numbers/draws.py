@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from microimpact.core.arrays import FloatArray
 from microimpact.lab.contacts import admissible_contact
 from microimpact.model.contact import Contact
 from microimpact.studies.claims.claim_numbers.claim import CLAIMS, UNCOMPUTABLE, flat
@@ -47,9 +46,11 @@ def rows_of(
     Friction and its basis are those of the draw, all else as for the calibrated cases. A claim
     that cannot be computed with a draw has no row.
     """
-    drawn = drawn_contact(inputs, rows) if len(rows) else None
-    limits: dict[str, FloatArray] = {}
-    for place, (_, row) in enumerate(rows.iterrows()):
+    # Those of one basis of friction together.
+    found: dict[str, dict[tuple[object, ...], Any]] = {}
+    drawn = {basis: drawn_contact(inputs, own) for basis, own in rows.groupby("friction_basis")}
+    places = rows.groupby("friction_basis").cumcount()
+    for place, (_, row) in zip(places, rows.iterrows(), strict=True):
         steel = replace(
             params.steel,
             friction=float(row["friction"]),
@@ -59,9 +60,9 @@ def rows_of(
             params=replace(params, steel=steel),
             inputs=inputs,
             case=steel.cases[0],
-            drawn=drawn,
+            drawn=drawn[row["friction_basis"]],
             place=place,
-            _limits=limits,
+            found_of_draws=found.setdefault(row["friction_basis"], {}),
         )
         yield list(_of_draw(context, row))
 

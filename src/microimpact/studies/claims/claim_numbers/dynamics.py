@@ -22,12 +22,19 @@ from microimpact.statistics.intervals import student_half_width
 from microimpact.studies.claims.claim_numbers.claim import CALIBRATED, VIRTUAL, claim
 from microimpact.studies.claims.claim_numbers.context import Context, between, without_adhesion
 from microimpact.studies.claims.claim_numbers.oblique import sampled
+from microimpact.studies.claims.claim_numbers.params import Normal
 from microimpact.studies.claims.claim_numbers.rigid_body import farthest, works
 
 # Factor by which each base unit (mass, length, time) is changed: a power of two is exact.
 UNIT_FACTOR = 2.0
 # Hertz (1882): duration of an elastic impact in greatest compressions over the speed.
 HERTZ_DURATION = 2.9432751
+LASTING = (
+    "shortest_contact",
+    "longest_contact",
+    "shortest_contact_by_hertz",
+    "longest_contact_by_hertz",
+)
 # Tabor (1951): representative strain of an indentation over its radius in sphere radii.
 TABOR_STRAIN = 0.2
 # Columns of the moments that can arise during an impact, over the moment of friction: from all that
@@ -112,9 +119,7 @@ def c27(context: Context) -> dict[str, float]:
     """
     multiples = np.array(context.params.normal.capture_velocities)
     speeds = multiples * context.calibrated_capture_velocity
-    ledger = normal_impact(context.steel, speeds, ledger=True).ledger
-    assert ledger is not None
-    shares = ledger.adhesion_work / (ledger.adhesion_work + ledger.hertz_work)
+    shares = context.of_steel(("C27",), lambda steel: adhesion_share(steel, speeds[:, None]))
     return {
         f"adhesion_share_at_{multiple:g}_capture_velocities": share
         for multiple, share in zip(multiples, shares, strict=True)
@@ -135,10 +140,15 @@ def c28(context: Context) -> dict[str, float]:
 @claim("C29", by_case=True)
 def c29(context: Context) -> dict[str, float]:
     """Greatest compression with the ring force over that without: the least over speeds."""
-    normal, steel = context.params.normal, context.steel
-    speeds = between((normal.slow_speed_m_per_s, context.speed), normal.points)
-    deep, bare = (simulate(c, speeds).maximum_compression for c in (steel, without_adhesion(steel)))
-    return {"least_ratio_of_compression_with_to_without_adhesion": np.min(deep / bare)}
+    normal = context.params.normal
+    speeds = between((normal.slow_speed_m_per_s, context.speed), normal.points)[:, None]
+
+    def ratios(steel: Contact) -> FloatArray:
+        deep, bare = (normal_impact(c, speeds) for c in (steel, without_adhesion(steel)))
+        return deep.maximum_compression / bare.maximum_compression
+
+    ratio = context.of_steel(("C29",), ratios)
+    return {"least_ratio_of_compression_with_to_without_adhesion": np.min(ratio)}
 
 
 @claim("C30")
@@ -221,43 +231,43 @@ def c36(context: Context) -> dict[str, float]:
 @claim("C37", by_case=True, units="ns")
 def c37(context: Context) -> dict[str, dict[str, float]]:
     """Shortest and longest contact of the rebounds over a range of speeds, by size class."""
-    named = context.params.normal.lasting_diameters_um
-    diameters = np.array(list(named.values())) * 1e-6
-    limits = context.limits("C37", lambda steel: resized(steel, diameters[:, None]))
-    own = zip(named, diameters.tolist(), limits.tolist(), strict=True)
-    return {name: lasting(context, diameter, limit) for name, diameter, limit in own}
-
-
-def lasting(context: Context, diameter: float, limit: float) -> dict[str, float]:
-    """Return the shortest and the longest contact of a sphere, ns, and those by Hertz alone.
-
-    Just above its capture velocity, ``limit``, contact lasts longest: that speed is added.
-    """
-    normal, sphere = context.params.normal, resized(context.steel, diameter)
-    low, high = normal.lasting_speeds_m_per_s
-    limit *= 1.0 + normal.above_capture
-    speeds = np.append(between((low, high), normal.points), np.clip(limit, low, high))
-    impact = simulate(sphere, speeds)
-    free = ~impact.captured
-    if not free.any():
+    normal = context.params.normal
+    named = normal.lasting_diameters_um
+    sizes = np.array(list(named.values()))[:, None] * 1e-6
+    lasts = context.of_steel(("C37",), lambda steel: lasting(normal, resized(steel, sizes)))
+    if np.any(np.isnan(lasts)):
         raise ValueError("normal.lasting_speeds_m_per_s: no sphere rebounds at them")
-    lasting = impact.contact_time[free] * 1e9
-    bare = without_adhesion(sphere).replace(hertz_damping=0.0)
-    deepest = simulate(bare, speeds).maximum_compression
-    hertz = (HERTZ_DURATION * deepest / speeds)[free] * 1e9
     return {
-        "shortest_contact": lasting.min(),
-        "longest_contact": lasting.max(),
-        "shortest_contact_by_hertz": hertz.min(),
-        "longest_contact_by_hertz": hertz.max(),
+        name: dict(zip(LASTING, of, strict=True)) for name, of in zip(named, lasts, strict=True)
     }
+
+
+def lasting(normal: Normal, spheres: Contact) -> FloatArray:
+    """Return the contacts of spheres (sizes, draws), ns, by `LASTING`: (sizes, numbers, draws).
+
+    Just above its capture velocity contact lasts longest: that speed is added. nan where no sphere
+    rebounds.
+    """
+    low, high = normal.lasting_speeds_m_per_s
+    limit = np.clip(capture_velocity(spheres) * (1.0 + normal.above_capture), low, high)
+    speeds = between((low, high), normal.points)[:, None, None]
+    speeds = np.concatenate([np.broadcast_to(speeds, (normal.points, *limit.shape)), limit[None]])
+    impact = normal_impact(spheres, speeds)
+    # Hertz: K sqrt(r) s^(5/2) = 5/4 m v^2.
+    stiffness = np.sqrt(spheres.hertz_radius) * spheres.stiffness
+    deepest = np.power(1.25 * spheres.mass * np.square(speeds) / stiffness, 0.4)
+    found = []
+    for times in (impact.contact_time, HERTZ_DURATION * deepest / speeds):
+        of_rebounds = np.where(impact.captured, np.nan, times * 1e9)
+        found += [np.fmin.reduce(of_rebounds), np.fmax.reduce(of_rebounds)]
+    return np.stack(found, axis=1)
 
 
 @claim("C38", by_case=True, units="1/s")
 def c38(context: Context) -> dict[str, float]:
     """Strain of a normal impact over half its duration, by three measures of strain."""
     steel = context.steel
-    impact = simulate(steel, context.speed)
+    impact = context.steel_impacts(context.speed)
     half, compression = float(impact.contact_time) / 2.0, float(impact.maximum_compression)
     radius = float(steel.radius)
     contact_radius = np.sqrt(float(steel.hertz_radius) * compression)
@@ -272,7 +282,7 @@ def c38(context: Context) -> dict[str, float]:
 def c39(context: Context) -> dict[str, float]:
     """Spin after the impact at 50 deg."""
     angle = context.params.oblique.spin_angle_deg
-    return {"final_spin_at_50_deg": float(context.hit(context.steel, context.speed, angle).spin)}
+    return {"final_spin_at_50_deg": float(context.steel_impacts(context.speed, angle).spin)}
 
 
 @claim("C41", by_case=True, evidence=VIRTUAL)
@@ -285,7 +295,7 @@ def c41(context: Context) -> dict[str, float]:
     """
     steel, angles = context.steel, context.params.steel.angles_deg
     oblique = np.array(angles)[np.array(angles) < 90.0]
-    _, impact = context.rebounds(steel, oblique)
+    _, impact = context.rebounds(oblique)
     at_50 = context.hit(steel, context.speed, context.params.oblique.spin_angle_deg)
     return {
         "largest_gap_of_losses_over_half_width": max(
@@ -360,9 +370,14 @@ def largest(rows: pd.DataFrame) -> float:
 @claim("C70", by_case=True)
 def c70(context: Context) -> dict[str, float]:
     """Share of the loss at the nominal speed that goes into damped adhesion."""
-    found = works(context.steel, np.array([context.speed]))
-    share = found.adhesion / (found.adhesion + found.material)
-    return {"adhesion_share_of_normal_loss": float(share[0])}
+    share = context.of_steel(("C70",), lambda steel: adhesion_share(steel, context.speed))
+    return {"adhesion_share_of_normal_loss": float(share)}
+
+
+def adhesion_share(contact: Contact, speed: Real) -> FloatArray:
+    """Return the share of the adhesion's damping in what normal impacts lose."""
+    found = works(contact, speed)
+    return np.asarray(found.adhesion / (found.adhesion + found.material))
 
 
 @claim("C99", by_case=True)

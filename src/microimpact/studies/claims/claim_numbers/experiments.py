@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
 
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.constants import gravity
-from microimpact.core.solve import root
+from microimpact.core.solve import IntArray, root
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.pdpa.pairing import correct
 from microimpact.model.contact import Contact, resized
@@ -60,23 +61,41 @@ def c03(context: Context) -> dict[str, float]:
     fall = context.params.fall
     slowest = np.sqrt(2.0 * gravity * 1e-3 * fall.probe_height_mm)
     speed = fall.pile_up_speed_m_per_s
-    e = restitutions(context, context.params.sieves.smaller_um, speed)
-    rebounds = e[e > 0.0] * speed
-    if rebounds.size == 0:
+    sizes = of_class(context, context.params.sieves.smaller_um)
+
+    def first_faster(steel: Contact, rebound: float) -> IntArray:
+        below, above = np.full(steel.shape, -1), np.full(steel.shape, sizes.size)
+        while np.any(above - below > 1):
+            middle = np.maximum((below + above) // 2, 0)
+            e = normal_impact(resized(steel, sizes[middle]), speed).coefficient_of_restitution
+            faster = e * speed > rebound
+            below, above = np.where(faster, below, middle), np.where(faster, middle, above)
+        return above
+
+    # The larger a sphere, the faster its rebound, so that two places among the sizes tell all.
+    captured, slow = (
+        context.of_steel(("C03", least), partial(first_faster, rebound=least))
+        for least in (0.0, slowest)
+    )
+    if captured == sizes.size:
         raise ValueError(f"fall.pile_up_speed_m_per_s: no sphere rebounds at {speed:g}")
     return {
         "slowest_rebound_seen": slowest,
-        "share_of_rebounds_below_probe_at_0p3_m_per_s": np.mean(rebounds < slowest),
+        "share_of_rebounds_below_probe_at_0p3_m_per_s": (slow - captured) / (sizes.size - captured),
     }
+
+
+def of_class(context: Context, diameter_um: Distribution) -> FloatArray:
+    """Return the diameters that stand for a size class, ascending, m."""
+    sizes = context.params.sieves.sizes
+    return np.asarray(diameter_um.quantile((np.arange(sizes) + 0.5) / sizes) * 1e-6)
 
 
 def restitutions(
     context: Context, diameter_um: Distribution, speed: FloatArray | float
 ) -> FloatArray:
     """Return the restitution of all sizes of a class, 0 if captured; sizes along the last axis."""
-    sizes = context.params.sieves.sizes
-    diameter = diameter_um.quantile((np.arange(sizes) + 0.5) / sizes) * 1e-6
-    impact = normal_impact(resized(context.steel, diameter), speed)
+    impact = normal_impact(resized(context.steel, of_class(context, diameter_um)), speed)
     return np.where(impact.captured, 0.0, impact.coefficient_of_restitution)
 
 
@@ -92,8 +111,8 @@ def c05(context: Context) -> dict[str, float]:
     """Restitution against that at 1.66 m/s: greatest change down to 0.75 m/s, fall at 0.3 m/s."""
     normal = context.params.normal
     speeds = between((normal.flat_from_m_per_s, context.speed), normal.points)
-    e = context.hit(context.steel, speeds).coefficient_of_restitution
-    slow = context.hit(context.steel, normal.slow_speed_m_per_s).coefficient_of_restitution
+    e = context.steel_impacts(speeds).coefficient_of_restitution
+    slow = context.steel_impacts(normal.slow_speed_m_per_s).coefficient_of_restitution
     return {
         "largest_relative_change_of_restitution_above_0p75_m_per_s": np.max(np.abs(e / e[-1] - 1)),
         "relative_fall_of_restitution_at_0p3_m_per_s": 1.0 - slow / e[-1],

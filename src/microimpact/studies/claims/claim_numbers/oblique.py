@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from microimpact.core.arrays import BoolArray, FloatArray, Real
-from microimpact.core.solve import root, threshold
+from microimpact.core.solve import IntArray, root, threshold
 from microimpact.lab.dispenser import NO_SPIN, InitialSpin
 from microimpact.lab.events import Impacts
 from microimpact.lab.experiment import StopRule
@@ -21,12 +21,13 @@ from microimpact.statistics.distributions import generator
 from microimpact.studies.claims.claim_numbers.claim import VIRTUAL, claim
 from microimpact.studies.claims.claim_numbers.context import Context, Estimate, of_share
 from microimpact.studies.experiments.mechanisms.impulse_regions import regions
-from microimpact.studies.experiments.mechanisms.spin import HALVINGS, rolling_limit
+from microimpact.studies.experiments.mechanisms.spin import rolling_limit
 
 # Speeds in m/s between which that of capture is sought: none below, all above.
 SLOWEST, FASTEST = 1e-3, 1e2
 # Steps in which ranges of angles are walked, degrees.
 COARSE, FINE = 1.0, 0.01
+COARSE_STEPS = round(COARSE / FINE)
 # Curves of rebounds begin so much above the normal speed of capture.
 ABOVE_CAPTURE = 1e-6
 # Greatest spread of spins, r omega/v, that is tried.
@@ -64,13 +65,24 @@ def normal_capture_speed(context: Context, angle: float) -> float:
 @claim("C10", by_case=True, units={"rolling_to_sliding_angle": "deg"})
 def c10(context: Context) -> dict[str, float]:
     """Angle at which the sphere that leaves begins to roll."""
-    steel = context.steel
-    shallowest = float(context.rebounds(steel)[0].min())
+    context.rebounds()  # or there is no limit
 
-    def rolls(angle: Real) -> BoolArray:
-        return context.hit(steel, context.speed, angle).rolling
+    def limit(steel: Contact) -> FloatArray:
+        def rolls(angle: FloatArray) -> BoolArray:
+            return context.hit(steel, context.speed, angle).rolling
 
-    return {"rolling_to_sliding_angle": threshold(rolls, shallowest, 90.0, ahead=HALVINGS)}
+        angles = context.all_angles()[:, None]
+        captured = context.hit(steel, context.speed, angles).captured
+        low = np.where(captured, 90.0, angles).min(axis=0)
+        high = np.full(low.shape, 90.0)
+        known = ~rolls(low) & rolls(high)
+
+        def begun(angle: FloatArray) -> BoolArray:
+            return np.where(known, rolls(angle), angle >= 90.0)
+
+        return np.where(known, threshold(begun, low - ~known, high), np.nan)
+
+    return {"rolling_to_sliding_angle": context.of_steel(("C10",), limit)}
 
 
 @claim("C11")
@@ -122,7 +134,7 @@ def c13(context: Context) -> dict[str, float]:
 def translational_loss(context: Context, speed: float, steep: float, shallow: float) -> FloatArray:
     """Return the loss of Eq. (3) in all steps from the steep angle to the shallow one."""
     angles = context.all_angles(steep, shallow)
-    return np.asarray(context.hit(context.steel, speed, angles).translational_energy_loss)
+    return np.asarray(context.steel_impacts(speed, angles).translational_energy_loss)
 
 
 @claim("C14")
@@ -222,10 +234,13 @@ def found_regions(context: Context, dropped: Dropped) -> dict[str, float]:
 @claim("C68", by_case=True)
 def c68(context: Context) -> dict[str, float]:
     """How far e strays from the printed plateau, and e at the grazing angle."""
-    contact, oblique = context.steel, context.params.oblique
+    oblique = context.params.oblique
     low, high = sorted(oblique.plateau_angles_deg)
-    level = at_angles(context, contact, np.arange(low, high + COARSE / 2, COARSE))
-    grazing = at_angles(context, contact, oblique.grazing_angle_deg)
+    angle = np.arange(low, high + COARSE / 2, COARSE)
+    level, grazing = (
+        context.steel_impacts(context.speed, angles, 0.0)
+        for angles in (angle, oblique.grazing_angle_deg)
+    )
     stray = np.max(np.abs(level.coefficient_of_restitution - context.params.steel.restitution))
     return {
         "largest_difference_from_plateau_15_to_85_deg": float(stray),
@@ -242,24 +257,22 @@ def at_angles(context: Context, contact: Contact, angle: Real, basis: str | None
 @claim("C69", by_case=True)
 def c69(context: Context) -> dict[str, float]:
     """Ratios of impulse ratios between angles, friction following the declared force."""
-    contact, oblique = context.steel, context.params.oblique
+    oblique = context.params.oblique
     rises = {
-        basis: quotient(context, contact, oblique.rise_angles_deg, basis)
+        basis: quotient(context, oblique.rise_angles_deg, basis)
         for basis in (context.params.steel.friction_basis, "hertz", "net")
     }
     return {
-        "impulse_ratio_15_over_40_deg": quotient(context, contact, oblique.level_angles_deg),
+        "impulse_ratio_15_over_40_deg": quotient(context, oblique.level_angles_deg),
         "impulse_ratio_8_over_15_deg": rises[context.params.steel.friction_basis],
         "impulse_ratio_8_over_15_deg_hertz": rises["hertz"],
         "impulse_ratio_8_over_15_deg_net": rises["net"],
     }
 
 
-def quotient(
-    context: Context, contact: Contact, angles: tuple[float, float], basis: str | None = None
-) -> float:
+def quotient(context: Context, angles: tuple[float, float], basis: str = "") -> float:
     """Return the impulse ratio at one angle over that at another."""
-    ratio: FloatArray = at_angles(context, contact, np.array(angles), basis).impulse_ratio
+    ratio = context.steel_impacts(context.speed, np.array(angles), 0.0, basis).impulse_ratio
     return float(ratio[0] / ratio[1])
 
 
@@ -503,12 +516,16 @@ def c80(context: Context) -> dict[str, Estimate]:
 @claim("C106", by_case=True)
 def c106(context: Context) -> dict[str, float]:
     """Impulse ratio at the shallow angle less that at the steep one, at the slow speed."""
-    contact, oblique = context.steel, context.params.oblique
-    angle = np.array(oblique.slow_angles_deg)
+    oblique, slowest = context.params.oblique, context.params.slow.speeds_m_per_s[-1]
+    angle = np.array(oblique.slow_angles_deg)[:, None]
     share = np.power(np.sin(np.radians(angle)), oblique.friction_speed_exponent)
-    rubbing = contact.replace(friction=contact.friction * share)
-    basis, slowest = context.params.steel.friction_basis, context.params.slow.speeds_m_per_s[-1]
-    ratio = simulate(rubbing, slowest, angle, 0.0, basis).impulse_ratio
+    basis = context.params.steel.friction_basis
+
+    def ratios(steel: Contact) -> FloatArray:
+        rubbing = steel.replace(friction=steel.friction * share)
+        return simulate(rubbing, slowest, angle, 0.0, basis).impulse_ratio
+
+    ratio = context.of_steel(("C106",), ratios)
     return {"impulse_ratio_30_less_50_deg_at_0p45_m_per_s": float(ratio[0] - ratio[1])}
 
 
@@ -550,6 +567,15 @@ def c110(context: Context) -> dict[str, float]:
     sine = limit * (1.0 + ABOVE_CAPTURE) / context.speed
     least = max(float(np.degrees(np.arcsin(min(sine, 1.0)))), FINE)
     angle = np.append(np.arange(start, least, -FINE), least)
-    ratio = at_angles(context, contact, angle).impulse_ratio
-    risen = angle[ratio >= (1.0 + oblique.rise_share) * ratio[0]]
-    return {"angle_of_rise": float(risen[0]) if risen.size else 0.0}
+    level = (1.0 + oblique.rise_share) * at_angles(context, contact, start).impulse_ratio
+
+    def first(places: IntArray) -> int:
+        risen = places[at_angles(context, contact, angle[places]).impulse_ratio >= level]
+        return int(risen[0]) if risen.size else angle.size
+
+    # Over coarse steps, then within the one in which it rises.
+    coarse = first(np.append(np.arange(0, angle.size - 1, COARSE_STEPS), angle.size - 1))
+    if coarse == angle.size:
+        return {"angle_of_rise": 0.0}
+    found = first(np.arange(max(coarse - COARSE_STEPS, 0), coarse + 1))
+    return {"angle_of_rise": float(angle[found])}

@@ -63,12 +63,13 @@ def c19(context: Context) -> dict[str, float]:
 
     Friction follows the declared force; beside it, that of Hertz.
     """
-    steel, friction = context.steel, context.params.steel.friction
-    angles, impact = context.rebounds(steel)
-    hertz = simulate(steel, context.speed, angles, friction_basis="hertz")
+    friction = context.params.steel.friction
+    angles, impact = context.rebounds()
+    hertz = context.steel_impacts(context.speed, context.all_angles(), 0.0, "hertz")
+    free = np.isin(context.all_angles(), angles)
     return {
         "largest_impulse_ratio_over_friction": np.max(impact.impulse_ratio) / friction,
-        "largest_impulse_ratio_over_friction_hertz": np.max(hertz.impulse_ratio) / friction,
+        "largest_impulse_ratio_over_friction_hertz": np.max(hertz.impulse_ratio[free]) / friction,
     }
 
 
@@ -108,8 +109,8 @@ def c21(context: Context) -> dict[str, float]:
 @claim("C22", by_case=True)
 def c22(context: Context) -> dict[str, float]:
     """Signed impulse ratio of Eq. (2) at normal incidence with spin of either sign and without."""
-    spin = context.params.oblique.normal_spin_ratio * context.speed / context.steel.radius
-    impact = simulate(context.steel, context.speed, 90.0, np.array([spin, -spin, 0.0]))
+    spin_ratio = context.params.oblique.normal_spin_ratio * np.array([1.0, -1.0, 0.0])
+    impact = context.steel_impacts(context.speed, 90.0, spin_ratio, "compressive")
     positive, negative, none = -impact.impulse_ratio
     return {
         "signed_impulse_ratio_positive_spin": positive,
@@ -124,17 +125,20 @@ def c23(context: Context) -> dict[str, float]:
 
     With adhesion, and without at the same two angles.
     """
-    steel = context.steel
-    shallowest = context.rebounds(steel)[0].min()
+    angles = np.append(context.all_angles(), context.params.oblique.plateau_deg)
 
-    def rise(contact: Contact) -> float:
-        ends = np.array([shallowest, context.params.oblique.plateau_deg])
-        ratio = context.hit(contact, context.speed, ends).impulse_ratio
-        return float(ratio[0] / ratio[1])
+    def ratios(steel: Contact) -> FloatArray:
+        both = steel, without_adhesion(steel)
+        return np.stack(
+            [context.hit(one, context.speed, angles[:, None]).impulse_ratio for one in both]
+        )
 
+    shallowest = np.argmax(angles == context.rebounds()[0].min())
+    found = context.of_steel(("C23",), ratios)
+    adhesive, bare = found[:, shallowest] / found[:, -1]
     return {
-        "rise_to_shallowest_rebound_with_adhesion": rise(steel),
-        "rise_to_shallowest_rebound_without_adhesion": rise(without_adhesion(steel)),
+        "rise_to_shallowest_rebound_with_adhesion": adhesive,
+        "rise_to_shallowest_rebound_without_adhesion": bare,
     }
 
 
@@ -208,12 +212,14 @@ def c93(context: Context) -> dict[str, float]:
 @claim("C101", by_case=True)
 def c101(context: Context) -> dict[str, float]:
     """W_A of Eq. (18), R from impacts without adhesion, over the simulated adhesion loss."""
-    contact = context.steel
-    speed = np.array(context.params.losses.speeds_m_per_s)
-    body = body_restitution(contact, speed)
-    e = simulate(contact, speed).coefficient_of_restitution
-    rigid = adhesion_work(speed, body, 1.0 - e / body)
-    ratio = rigid / works(contact, speed).adhesion
+    speed = np.array(context.params.losses.speeds_m_per_s)[:, None]
+
+    def ratios(steel: Contact) -> FloatArray:
+        body = body_restitution(steel, speed)
+        e = simulate(steel, speed).coefficient_of_restitution
+        return adhesion_work(speed, body, 1.0 - e / body) / works(steel, speed).adhesion
+
+    ratio = context.of_steel(("C101",), ratios)
     return {
         "least_ratio_of_works": float(ratio.min()),
         "greatest_ratio_of_works": float(ratio.max()),
@@ -223,10 +229,13 @@ def c101(context: Context) -> dict[str, float]:
 @claim("C102", by_case=True)
 def c102(context: Context) -> dict[str, float]:
     """Loss (1 - R^2) v^2/2, R from impacts without adhesion, over the simulated material loss."""
-    contact = context.steel
-    speed = np.array(context.params.losses.speeds_m_per_s)
-    body = 0.5 * (1.0 - np.square(body_restitution(contact, speed))) * np.square(speed)
-    ratio = body / works(contact, speed).material
+    speed = np.array(context.params.losses.speeds_m_per_s)[:, None]
+
+    def ratios(steel: Contact) -> FloatArray:
+        body = 0.5 * (1.0 - np.square(body_restitution(steel, speed))) * np.square(speed)
+        return np.asarray(body / works(steel, speed).material)
+
+    ratio = context.of_steel(("C102",), ratios)
     return {
         "least_ratio_of_material_losses": float(ratio.min()),
         "greatest_ratio_of_material_losses": float(ratio.max()),
@@ -245,7 +254,7 @@ class Works(NamedTuple):
     material: FloatArray
 
 
-def works(contact: Contact, speed: FloatArray) -> Works:
+def works(contact: Contact, speed: Real) -> Works:
     """Return the losses of normal impacts."""
     ledger = normal_impact(contact, speed, ledger=True).ledger
     assert ledger is not None

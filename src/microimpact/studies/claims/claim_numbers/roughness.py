@@ -263,24 +263,29 @@ def c95(context: Context) -> dict[str, dict[str, float]]:
     With the contact supposed of Formica, and with that of silicon, its damping scaled to the
     restitution on Formica at the reference angle.
     """
-    supposed = calibrated_contact(context.inputs, context.params.formica.steel.case)
-    aim = at_angles(context, supposed, 90.0).coefficient_of_restitution
-    scaled = damping_factor_for(context.steel, context.speed, float(aim))
-    alternatives = {"Formica as supposed": supposed, "Formica like silicon": scaled}
-    return {name: residual(context, other) for name, other in alternatives.items()}
-
-
-def residual(context: Context, formica: Contact) -> dict[str, float]:
-    """Return the largest difference of relative restitution from smooth silicon."""
     samples = context.params.roughness
     low, high = sorted(samples.relative_angles_deg)
     angle = np.append(np.arange(low, high + COARSE / 2, COARSE), samples.reference_angle_deg)
-    one, other = (
-        at_angles(context, each, angle).coefficient_of_restitution
-        for each in (context.steel, formica)
-    )
-    left = (one - one[-1]) - (other - other[-1])
-    return {"largest_residual_difference_of_relative_restitution": float(np.max(np.abs(left)))}
+
+    def relative(contact: Contact) -> FloatArray:
+        e = at_angles(context, contact, angle[:, None]).coefficient_of_restitution
+        return np.asarray(e - e[-1])
+
+    def residuals(steel: Contact) -> FloatArray:
+        supposed = calibrated_contact(context.inputs, context.params.formica.steel.case)
+        aim = at_angles(context, supposed, 90.0).coefficient_of_restitution
+        scaled = damping_factor_for(steel, context.speed, float(aim))
+        others = np.broadcast_arrays(relative(supposed), relative(scaled))
+        left = relative(steel) - np.stack(others)
+        return np.asarray(np.max(np.abs(left), axis=1))
+
+    found = context.of_steel(("C95",), residuals)
+    return {
+        name: {"largest_residual_difference_of_relative_restitution": residual}
+        for name, residual in zip(
+            ("Formica as supposed", "Formica like silicon"), found, strict=True
+        )
+    }
 
 
 @claim("C96", evidence=CALIBRATED)
