@@ -73,6 +73,7 @@ CASES = [
     (CONFIG, "materials: config/materials.csv", "materials: config/material.csv", ["materials: 'config/material.csv' must be a file; there is none"]),
     (CONFIG, "figures: config/figures.yaml", "figures: config/figure.yaml", ["figures: 'config/figure.yaml' must be a file; there is none"]),
     (MODELS, "case: fluorescein-molybdenum, nominal", "case: Fluorescein-Molybdenum, Nominal", ["(did you mean 'fluorescein-molybdenum, nominal'?)"]),
+    (LABORATORY, "  SST76:\n    particle: stainless-steel-316", "  SST76:\n    particle: stel", ["particles.SST76.particle: 'stel' is not declared in config/materials.csv"]),
     (LABORATORY, "    case: steel-formica", "    case: formica on stainless-steel-316", ["drops.steel on Formica.case: 'formica on stainless-steel-316' is not declared in cases (did you mean 'stainless-steel-316 on formica'?)"]),
     # slips of lists, kinds and units
     (MODELS, "friction: {values: [0.05, 0.10, 0.15, 0.20]", "friction: {values: []", ["coulomb_friction.friction: [] must hold at least one number"]),

@@ -75,6 +75,8 @@ class Names:
             likely = nearest(str(name), known)
             raise ValueError(f"{name!r} must be a name that is declared in {where}{likely}")
         name = handler(name)
+        if self.beside and self.beside not in info.data:  # refused with a line of its own
+            return name
         told = f"{info.data.get(self.beside)} on {name}" if self.beside else name
         if told not in known:
             raise ValueError(f"{told!r} is not declared in {where}{nearest(told, known)}")
