@@ -38,10 +38,10 @@ LANES = 32
 TOLERANCE = 1e-14
 MAX_STEPS = 2_000_000
 
-# The expansion, of even order, is done in five parts, each with sums of one length; the rows of
+# The expansion, of even order, is done in three parts, each with sums of one length; the rows of
 # zeros in front of every series take up the difference.
-PART = 2 * -(-ORDER // 10)
-PAD = PART - 1
+THIRD = 2 * -(-ORDER // 6)
+PAD = THIRD - 1
 
 # Depth of the well, relative to the energy of approach, in which a rebound may stop short of s = 0.
 NOTHING_LEFT = 1e-30
@@ -156,11 +156,9 @@ def _expand(beta, damping_h, damping_a, s, u, p, m):  # type: ignore[no-untyped-
     """Taylor coefficients of s and u from their values in row PAD (p = s^2, m = damping)."""
     if not (s.shape[1] == u.shape[1] == p.shape[1] == m.shape[1] == LANES):
         return  # never: gives the compiler the distance of rows
-    _coefficients(0, PART, beta, damping_h, damping_a, s, u, p, m)
-    _coefficients(PART, 2 * PART, beta, damping_h, damping_a, s, u, p, m)
-    _coefficients(2 * PART, 3 * PART, beta, damping_h, damping_a, s, u, p, m)
-    _coefficients(3 * PART, min(4 * PART, ORDER), beta, damping_h, damping_a, s, u, p, m)
-    _coefficients(min(4 * PART, ORDER), ORDER, beta, damping_h, damping_a, s, u, p, m)
+    _coefficients(0, THIRD, beta, damping_h, damping_a, s, u, p, m)
+    _coefficients(THIRD, 2 * THIRD, beta, damping_h, damping_a, s, u, p, m)
+    _coefficients(2 * THIRD, ORDER, beta, damping_h, damping_a, s, u, p, m)
 
 
 @_jit_contract
@@ -514,27 +512,30 @@ def record(
         problem[HERTZ_DAMPING],
         problem[DAMPING_1],
     )
-    approaching = True
+    approaching, lane = True, np.int64(0)  # a plain 0 has callees compiled for it alone
     pulling = _pull(s[0, 0], u[0, 0], beta[0], damping_h[0], damping_a[0])[0] > 0.0
     for step in range(series.shape[0]):
         _expand(beta, damping_h, damping_a, padded_s, padded_u, p, m)
         _step_sizes(s, u, m[0], m[1], h)
         ended = False
-        new_u, new_s = _value(u, 0, h[0]), _value(s, 0, h[0])
+        new_u, new_s = _value(u, lane, h[0]), _value(s, lane, h[0])
         turned = new_u <= 0.0 if approaching else new_u >= 0.0
         if not approaching and new_s <= 0.0:
-            h[0] = _root(s, 0, h[0], new_s)
+            h[0] = _root(s, lane, h[0], new_s)
             ended, turned = True, False
         elif turned:
-            h[0] = _root(u, 0, h[0], new_u)
+            h[0] = _root(u, lane, h[0], new_u)
         # a step ends where the force changes sign, so that within a step it has one sign
-        pull, _ = _pull(_value(s, 0, h[0]), _value(u, 0, h[0]), beta[0], damping_h[0], damping_a[0])
+        pull, _ = _pull(
+            _value(s, lane, h[0]), _value(u, lane, h[0]), beta[0], damping_h[0], damping_a[0]
+        )
         if (pull > 0.0) != pulling:
-            h[0] = _balance(s, u, 0, h[0], pull, beta[0], damping_h[0], damping_a[0])
+            h[0] = _balance(s, u, lane, h[0], pull, beta[0], damping_h[0], damping_a[0])
             ended, turned, pulling = False, False, not pulling
-        series[step, 0, :], series[step, 1, :] = s[:, 0], u[:, 0]
-        new_u, new_s = _value(u, 0, h[0]), _value(s, 0, h[0])
-        time = _contact_time(s, 0, h[0])
+        for k in range(ORDER + 1):  # no slices: to refuse another length costs seconds to compile
+            series[step, 0, k], series[step, 1, k] = s[k, 0], u[k, 0]
+        new_u, new_s = _value(u, lane, h[0]), _value(s, lane, h[0])
+        time = _contact_time(s, lane, h[0])
         total[:, 0] = 0.0
         _quadratures(s, u, h, beta, damping_h, damping_a, m[0], m[1], row, total)
         ends[step, 0], ends[step, 1], ends[step, 2] = h[0], time, total[HERTZ_IMPULSE, 0]

@@ -275,8 +275,8 @@ def descend_all(  # type: ignore[no-untyped-def]
     running, groups = np.zeros(LANES, np.intp) - 1, np.zeros(LANES, np.intp)
     begun = ended = 0
     while ended < start.size:
-        most = 0
-        for lane in range(LANES):
+        most = groups[0]
+        for lane in range(1, LANES):
             most = max(most, groups[lane])
         _propose(state)
         evaluate(points, most, state, slopes)
