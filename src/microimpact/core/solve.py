@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
+from functools import cache
 from typing import Any, TypeVar
 
 import numpy as np
@@ -35,47 +35,26 @@ def root(
     absolute: float = 0.0,
     relative: float = ROUNDING,
 ) -> float:
-    """Return where a function of one number is zero, by Brent's method.
-
-    In the very steps of SciPy's `brentq`, which takes a third of a second to import.
+    """Return where a function of one number is zero, by Brent's method (SciPy's).
 
     `function`: continuous; takes and returns one number; `low`, `high`: ends, between which it
     changes its sign; `absolute`, `relative`: the root is known to ``absolute + relative *
     abs(root)``. Raises NoRootError if the sign is the same at both ends, or the search does not
     end.
     """
-    last, here = float(low), float(high)
-    f_last, f_here = float(function(last)), float(function(here))
-    if not min(f_last, f_here) <= 0.0 <= max(f_last, f_here):
+    from scipy.optimize import brentq
+
+    value = cache(lambda x: float(function(x)))
+    ends = value(low), value(high)
+    if not min(ends) <= 0.0 <= max(ends):
         raise NoRootError(
-            f"no change of sign between {low:g}, with {f_last:g}, and {high:g}, with {f_here:g}"
+            f"no change of sign between {low:g}, with {ends[0]:g}, and {high:g}, with {ends[1]:g}"
         )
-    if f_last == 0.0:
-        return last
-    beyond, f_beyond, before, step = last, f_last, 0.0, 0.0
-    for _ in range(MOST_STEPS):
-        if f_here != 0.0 and (f_last > 0.0) != (f_here > 0.0):
-            beyond, f_beyond, before, step = last, f_last, here - last, here - last
-        if abs(f_beyond) < abs(f_here):
-            last, here, beyond = here, beyond, here
-            f_last, f_here, f_beyond = f_here, f_beyond, f_here
-        least = 0.5 * (max(absolute, TINY) + relative * abs(here))
-        half = shift = 0.5 * (beyond - here)
-        if f_here == 0.0 or abs(half) < least:
-            return here
-        if abs(before) > least and abs(f_here) < abs(f_last):
-            if last == beyond:
-                top, bottom = here - last, f_here - f_last
-            else:
-                near, far = (f_last - f_here) / (last - here), (f_beyond - f_here) / (beyond - here)
-                top, bottom = f_beyond * far - f_last * near, far * near * (f_beyond - f_last)
-            shift = -f_here * top / bottom if bottom else half
-        inside = 2.0 * abs(shift) < min(abs(before), 3.0 * abs(half) - least)
-        before, step = (step, shift) if inside else (half, half)
-        last, f_last = here, f_here
-        here += step if abs(step) > least else math.copysign(least, half)
-        f_here = float(function(here))
-    raise NoRootError(f"no root found between {low:g} and {high:g} in {MOST_STEPS} steps")
+    ends_at: dict[str, Any] = {"xtol": max(absolute, TINY), "rtol": relative, "maxiter": MOST_STEPS}
+    found, report = brentq(value, low, high, **ends_at, full_output=True, disp=False)
+    if not report.converged:
+        raise NoRootError(f"no root found between {low:g} and {high:g} in {MOST_STEPS} steps")
+    return float(found)
 
 
 def roots(

@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 
 from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, FloatArray, Range, Real, checked
 from microimpact.core.constants import gravity
@@ -182,9 +183,7 @@ def rolling_impulses(
     level = opening_level(a, velocity, spin)
     trailing = ring_force * (1.0 + c_a * np.maximum(velocity + spin * a, 0.0))
     loss = 1.0 - (path.velocity[-1] / path.velocity[0]) ** 2
-    speed_along = radius * spin
-    steps = 0.5 * (speed_along[1:] + speed_along[:-1]) * np.diff(time)
-    rolled = np.append(0.0, np.cumsum(steps))
+    rolled = scipy.integrate.cumulative_trapezoid(radius * spin, time, initial=0)
     damping = hertz_damping_moment(a, hertz, contact.hertz_damping, spin)
     damping = damping + adhesion_damping_moment(a, ring_force, c_a, spin, level)
 

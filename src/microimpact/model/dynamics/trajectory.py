@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from microimpact.core.arrays import FINITE, FloatArray, Numbers, Real, checked, choice
+from microimpact.core.solve import roots
 from microimpact.model.choices import FRICTION_BASES
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.dynamics import kernel
@@ -16,8 +18,6 @@ from microimpact.model.rigid_body.algebra import INERTIA, SLIP_PER_IMPULSE
 
 # Room for the series of so many steps, widened where it does not suffice.
 STEPS, MOST_STEPS = 256, 1_000_000
-# Steps in which a time is found: Newton's take seven, halving down to rounding 53.
-MOST_INVERSIONS = 100
 
 # A captured sphere is followed for this many times its first compression, or the time after which
 # an overdamped one is known to creep.
@@ -184,21 +184,14 @@ def _invert(
     """
     orders = np.arange(1, len(s_series) + 1)
     clock = np.concatenate([np.zeros((1, time.size)), s_series / orders[:, None]])
-    inner = (time > 0.0) & (time < (1.0 - ROUNDING) * duration)
-    low, high = np.zeros_like(upper), upper.copy()
-    tau = upper * np.clip(time / duration, 0.0, 1.0)
-    # Newton's steps, for s is the slope, and halving where they lead outside.
-    for _ in range(MOST_INVERSIONS):
-        late = _value(clock, tau) - time
-        low, high = np.where(late < 0.0, tau, low), np.where(late > 0.0, tau, high)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            newer = tau - late / _value(s_series, tau)
-        newer = np.where((newer >= low) & (newer <= high), newer, 0.5 * (low + high))
-        done = np.abs(newer - tau) <= ROUNDING * upper
-        tau = newer
-        if np.all(done | ~inner):
-            break
-    return np.where(inner, tau, np.where(time <= 0.0, 0.0, upper))
+    tau = np.where(time <= 0.0, 0.0, upper)
+    inner = np.flatnonzero((time > 0.0) & (time < (1.0 - ROUNDING) * duration))
+
+    def late(x: FloatArray, place: NDArray[np.intp]) -> FloatArray:
+        return _value(clock[:, place], x) - time[place]
+
+    tau[inner] = roots(late, 0.0, upper[inner], inner)
+    return tau
 
 
 def _dimensional(
