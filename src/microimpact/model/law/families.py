@@ -22,16 +22,6 @@ from microimpact.model.dynamics.normal import (
     ALWAYS_CAPTURED_ADHESION_GROUP,
     ALWAYS_CAPTURED_HERTZ_GROUP,
 )
-from microimpact.model.passes import (
-    COMPRESSION,
-    COMPRESSION_TIME,
-    COMPRESSIVE,
-    CONTACT_TIME,
-    HERTZ,
-    PEAK,
-    RESTITUTION,
-    WIDTH,
-)
 
 # Numbers that differ by no more are the same, computed in another order.
 SAME = 1e-14
@@ -246,15 +236,15 @@ def quantities(problems: FloatArray, results: FloatArray) -> FloatArray:
     """Return the quantities of a table (WIDTH, n) from the kernel's results."""
     start = problems[:, kernel.START_U]
     captured = results[:, kernel.STATUS] == kernel.CAPTURED
-    found = np.zeros((WIDTH, len(problems)))
-    found[RESTITUTION] = np.where(captured, 0.0, -results[:, kernel.END_U] / start)
-    found[CONTACT_TIME] = np.where(captured, np.inf, results[:, kernel.DURATION])
-    found[COMPRESSION_TIME] = results[:, kernel.TURNING_TIME]
-    found[COMPRESSION] = results[:, kernel.TURNING_S] ** 2
+    found = np.zeros((passes.WIDTH, len(problems)))
+    found[passes.RESTITUTION] = np.where(captured, 0.0, -results[:, kernel.END_U] / start)
+    found[passes.CONTACT_TIME] = np.where(captured, np.inf, results[:, kernel.DURATION])
+    found[passes.COMPRESSION_TIME] = results[:, kernel.TURNING_TIME]
+    found[passes.COMPRESSION] = results[:, kernel.TURNING_S] ** 2
     impulses = {
-        COMPRESSIVE: results[:, kernel.COMPRESSIVE_IMPULSE],
-        PEAK: start - results[:, kernel.LOWEST_U],
-        HERTZ: results[:, kernel.HERTZ_IMPULSE],
+        passes.COMPRESSIVE: results[:, kernel.COMPRESSIVE_IMPULSE],
+        passes.PEAK: start - results[:, kernel.LOWEST_U],
+        passes.HERTZ: results[:, kernel.HERTZ_IMPULSE],
     }
     for column, impulse in impulses.items():
         found[column] = np.where(captured, 0.0, impulse)

@@ -55,18 +55,6 @@ from microimpact.model.law.pieces import (
     nodes,
     piecewise,
 )
-from microimpact.model.passes import (
-    COMPRESSION,
-    COMPRESSION_TIME,
-    COMPRESSIVE,
-    CONTACT_TIME,
-    HERTZ,
-    PEAK,
-    RESTITUTION,
-    ROUNDING,
-    WIDTH,
-    flat,
-)
 
 TOLERANCE = 1e-9
 
@@ -149,7 +137,7 @@ class Law:
             If an integration failed.
         """
         given, shape = incident(self.contact, speed, angle, spin, friction_basis)
-        speed, angle, spin = states = [flat(values, shape) for values in given.values()]
+        speed, angle, spin = states = [passes.flat(values, shape) for values in given.values()]
         contacts = self.family.columns(self.contact, shape)
         out, told = passes.outcomes(shape)
         support = passes.SUPPORT[friction_basis]
@@ -160,7 +148,7 @@ class Law:
             )
 
         def block(part: slice) -> None:
-            run(np.arange(part.start, part.stop), np.empty((WIDTH, 0)))
+            run(np.arange(part.start, part.stop), np.empty((passes.WIDTH, 0)))
 
         in_blocks(block, math.prod(shape), threads)
         rest = np.flatnonzero(np.isnan(out[passes.OUT_RESTITUTION]))
@@ -243,15 +231,15 @@ class Law:
         threads
             Among which the work is shared; results do not depend on it.
         """
-        found = np.empty((WIDTH, w.size))
+        found = np.empty((passes.WIDTH, w.size))
 
         def block(part: slice) -> None:
             places = place if place.size == 1 else place[part]
             passes.look_up(w[part], places, self.compiled, found, part.start)
 
         in_blocks(block, w.size, threads)
-        rest = np.flatnonzero(np.isnan(found[RESTITUTION]))
-        captured = found[CONTACT_TIME] == np.inf
+        rest = np.flatnonzero(np.isnan(found[passes.RESTITUTION]))
+        captured = found[passes.CONTACT_TIME] == np.inf
         if rest.size:
             found[:, rest], captured[rest] = self._integrated(
                 w[rest], np.broadcast_to(place, w.shape)[rest]
@@ -273,7 +261,7 @@ class Law:
         rest = np.flatnonzero(np.isnan(found))
         if rest.size:
             places = np.broadcast_to(place, w.shape)[rest]
-            found[rest] = self._integrated(w[rest], places, ledger=False)[0][RESTITUTION]
+            found[rest] = self._integrated(w[rest], places, ledger=False)[0][passes.RESTITUTION]
         return found
 
     def normal_impact(self, contact: Contact, speed: Real, *, threads: int = 1) -> NormalImpact:
@@ -305,26 +293,26 @@ class Law:
 
         return NormalImpact(
             captured=captured.reshape(shape),
-            coefficient_of_restitution=scaled(RESTITUTION),
-            contact_time=scaled(CONTACT_TIME, length / velocity),
-            compression_time=scaled(COMPRESSION_TIME, length / velocity),
-            maximum_compression=scaled(COMPRESSION, length),
-            compressive_impulse=scaled(COMPRESSIVE, mass * velocity),
-            peak_net_impulse=scaled(PEAK, mass * velocity),
-            hertz_impulse=scaled(HERTZ, mass * velocity),
+            coefficient_of_restitution=scaled(passes.RESTITUTION),
+            contact_time=scaled(passes.CONTACT_TIME, length / velocity),
+            compression_time=scaled(passes.COMPRESSION_TIME, length / velocity),
+            maximum_compression=scaled(passes.COMPRESSION, length),
+            compressive_impulse=scaled(passes.COMPRESSIVE, mass * velocity),
+            peak_net_impulse=scaled(passes.PEAK, mass * velocity),
+            hertz_impulse=scaled(passes.HERTZ, mass * velocity),
             interpolation_error=self._error(np.ravel(w), np.ravel(place)).reshape(shape),
         )
 
     def _error(self, w: FloatArray, place: FloatArray) -> FloatArray:
         """Bound of the relative difference from integration."""
         if not self.slowness.size:
-            return np.full(w.shape, self.error + ROUNDING)
+            return np.full(w.shape, self.error + passes.ROUNDING)
         excess = np.asarray(np.abs(w * chebyshev.chebval(place, self.slowness) - 1.0))
         if np.any(beyond := np.broadcast_to(np.abs(place) > 1.0, w.shape)):
             limit = self.family.capture_speed(np.broadcast_to(place, w.shape)[beyond])
             excess[beyond] = np.abs(w[beyond] / limit - 1.0)
         with np.errstate(divide="ignore"):
-            return np.asarray(self.error + ROUNDING / excess)
+            return np.asarray(self.error + passes.ROUNDING / excess)
 
 
 def tabulate(contact: Contact, slowest: float, fastest: float, tolerance: float = TOLERANCE) -> Law:
@@ -433,7 +421,7 @@ def _fitted(
         wrong = (results[:, kernel.STATUS] == kernel.CAPTURED) != captured
         found[:, wrong] = np.nan
         if captured:
-            found[CONTACT_TIME] = 0.0  # really infinite, and not asked of the table
+            found[passes.CONTACT_TIME] = 0.0  # really infinite, and not asked of the table
         return found
 
     made = _tried(sampled, span, SPLITS, (1,), 1, tolerance if family.alike else 0.25 * tolerance)

@@ -27,16 +27,7 @@ from pydantic import Field
 from microimpact.core.arrays import FloatArray
 from microimpact.declared.parameters import Count
 from microimpact.lab.surface import Rules, Strike, Surface, collide
-from microimpact.model.passes import (
-    ACCEPTED,
-    CAPTURED,
-    E_SQUARED,
-    FACING_AWAY,
-    MU,
-    MU_SQUARED,
-    NOT_LEAVING,
-    E,
-)
+from microimpact.model import passes
 from microimpact.statistics.distributions import (
     LARGEST_PROBABILITY,
     SMALLEST_PROBABILITY,
@@ -189,7 +180,7 @@ TOGETHER = 4 * BLOCK
 BATCH = 64
 
 # Columns of the shares that are told.
-REPORTED = ACCEPTED, FACING_AWAY, CAPTURED, NOT_LEAVING
+REPORTED = passes.ACCEPTED, passes.FACING_AWAY, passes.CAPTURED, passes.NOT_LEAVING
 
 
 class Estimate(NamedTuple):
@@ -273,15 +264,15 @@ def summary(sums: FloatArray, events: int) -> Estimate:
     """Return the estimate of replicates, in their order; means are NaN if no event is accepted."""
     total = np.array([math.fsum(column) for column in sums.T])
     shares = total / (len(sums) * events)
-    if not total[ACCEPTED]:
+    if not (accepted := total[passes.ACCEPTED]):
         return Estimate(*[np.nan] * 6, *(float(shares[i]) for i in REPORTED))
     numbers: list[float] = []
-    for first, squares in ((E, E_SQUARED), (MU, MU_SQUARED)):
-        average = total[first] / total[ACCEPTED]
+    for first, squares in ((passes.E, passes.E_SQUARED), (passes.MU, passes.MU_SQUARED)):
+        average = total[first] / accepted
         # Scatter of a ratio of sums, as the number accepted varies between replicates.
-        scatter = sums[:, first] - average * sums[:, ACCEPTED]
-        error = np.sqrt(math.fsum(scatter**2) * len(sums) / (len(sums) - 1)) / total[ACCEPTED]
-        variance = total[squares] / total[ACCEPTED] - average**2
+        scatter = sums[:, first] - average * sums[:, passes.ACCEPTED]
+        error = np.sqrt(math.fsum(scatter**2) * len(sums) / (len(sums) - 1)) / accepted
+        variance = total[squares] / accepted - average**2
         numbers += [float(average), float(error), float(np.sqrt(max(variance, 0.0)))]
     return Estimate(*numbers, *(float(shares[i]) for i in REPORTED))
 
