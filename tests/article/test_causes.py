@@ -244,7 +244,7 @@ def test_printed_piles_vanish_for_another_pair(run_study, calibration, draw):
 
 def test_printed_restitution_is_not_drawn_of_another_particle(run_study, settings, calibration):
     spore = settings.branches["mechanisms"]["spore"]
-    own = {"spore": {**spore["spore"], "case": INVERSE}, "seen_deg": [38.0, 15.0]}
+    own = {"spore": {**spore["spore"], "case": INVERSE}, "seen_deg": [38.0]}
     few = {"impacts": 60, "spore": {**spore, **own, "seen_events": 2, "seen_dropped": 600}}
     assert "printed" not in set(run_study("mechanisms", calibration, **few)["causes"]["evidence"])
 

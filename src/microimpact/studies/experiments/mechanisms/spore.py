@@ -225,13 +225,14 @@ def trends(
         first, last = (of.mean - b for of, b in zip((one, other), base, strict=True))
         return (first - last) / half_width(one, other, sampling)
 
+    at_15 = (less or samples).get(15.0)
     return {
         "restitution_rise_38_to_15_over_half_width": change("restitution", 38.0, 15.0),
         "impulse_ratio_rise_85_to_20_over_half_width": change("impulse_ratio", 85.0, 20.0),
         "impulse_ratio_rise_45_to_20_over_half_width": change("impulse_ratio", 45.0, 20.0),
         "impulse_ratio_fall_15_to_5_over_half_width": -change("impulse_ratio", 15.0, 5.0),
         "impulse_ratio_fall_15_to_10_over_half_width": -change("impulse_ratio", 15.0, 10.0),
-        "rebounds_at_15_deg": len((less or samples)[15.0].measured),
+        "rebounds_at_15_deg": len(at_15.measured) if at_15 else np.nan,
         "evidence": "virtual experiment",
     }
 
