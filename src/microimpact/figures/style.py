@@ -18,7 +18,7 @@ from matplotlib.container import Container
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import Normal, Stroke
-from matplotlib.ticker import FuncFormatter
+from matplotlib.ticker import FuncFormatter, NullLocator
 from numpy.typing import NDArray
 
 from microimpact.core.files import write_file
@@ -143,7 +143,7 @@ def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> li
     if not panel.fixed:
         heights = rows[[y, "y_low", "y_high"]].to_numpy(float)
         ax.set_ylim(widened(ax.get_ylim(), heights, log=log_y))
-    present = dict.fromkeys(rows["series"])
+    present = list(rows["series"].unique())
     names = [s for s in panel.series if s in present]
     names += [s for s in present if s not in panel.series]
     for number, series in enumerate(names):
@@ -313,7 +313,8 @@ def evidence_key(
     elsewhere than in the article.
     """
     words = {**EVIDENCE_LABEL, **(labels or {})}
-    present = [name for name in words if name in set(evidence)]
+    known = set(evidence)
+    present = [name for name in words if name in known]
     handles = [
         Line2D([], [], color="black", label=words[name], **EVIDENCE[name]) for name in present
     ]
@@ -339,7 +340,7 @@ def line_figure(
     for name, panel in spec.panels.items():
         if prepare:
             prepare(axes[name], name)
-        own = [t for t in tables.values() if (panel.shows or name) in set(t["panel"])]
+        own = [t for t in tables.values() if (panel.shows or name) in t["panel"].unique()]
         table = pd.concat(own or list(tables.values()), ignore_index=True)
         entries += draw_panel(axes[name], table, panel, name)
     if above := [axes[name] for name, p in spec.panels.items() if p.legend_place == "above"]:
@@ -429,11 +430,28 @@ def save(figure: Figure, *paths: Path | str) -> None:
     with context():
         if engine := figure.get_layout_engine():
             FigureCanvasSVG(figure)
-            engine.execute(figure)
+            with _minor_ticks_apart(figure):
+                engine.execute(figure)
         with rc_context({"figure.constrained_layout.use": False}):
             figure.set_layout_engine(None)
             for path in map(Path, paths):
                 _save(figure, path)
+
+
+@contextmanager
+def _minor_ticks_apart(figure: Figure) -> Iterator[None]:
+    """Leave minor ticks without labels out of the layout: they point inwards, and are many."""
+    bare = {
+        axis: axis.get_minor_locator()
+        for ax in figure.axes
+        for axis in (ax.xaxis, ax.yaxis)
+        if not any(axis.get_minor_formatter().format_ticks(axis.get_minorticklocs().tolist()))
+    }
+    for axis in bare:
+        axis.set_minor_locator(NullLocator())
+    yield
+    for axis, locator in bare.items():
+        axis.set_minor_locator(locator)
 
 
 def _save(figure: Figure, path: Path) -> None:

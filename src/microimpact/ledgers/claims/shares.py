@@ -110,9 +110,9 @@ def separation(values: Sequence[float] | np.ndarray, met: np.ndarray) -> float:
 
     Twice the distance of the statistic of Mann and Whitney, over its greatest value, from a half.
     """
-    from scipy.stats import rankdata
+    import pandas as pd
 
-    ranks = rankdata(values)
+    ranks = pd.Series(values).rank().to_numpy()
     n, others = int(met.sum()), int((~met).sum())
     if n == 0 or others == 0:
         return 0.0
