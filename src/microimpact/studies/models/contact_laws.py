@@ -254,9 +254,7 @@ def fitted(params: Params, base: Contact, law: Law, targets: str) -> Fit:
 
 def misfits(params: Params, contact: Contact, targets: str) -> FloatArray:
     """Misfits (n, facts) of contacts (n,) in units of the errors."""
-    speed = np.array([_normal_speed(fact) for fact in params.facts])
-    value = np.array([fact.restitution for fact in params.facts])
-    error = np.array([fact.error for fact in params.facts])
+    speed, value, error = printed(params)
     e = normal_impact(_with_axis(contact), speed).coefficient_of_restitution
     off = (e - value) / error
     if targets == TARGETS[0]:
@@ -276,32 +274,30 @@ def _with_axis(contact: Contact) -> Contact:
     return contact.replace(work_of_adhesion=contact.work_of_adhesion[:, None], law=changed)  # type: ignore[index]
 
 
+def printed(params: Params) -> FloatArray:
+    """Return normal speeds, restitutions and their errors, as printed: shape (3, facts)."""
+    return np.array([(_normal_speed(of), of.restitution, of.error) for of in params.facts]).T
+
+
 def _normal_speed(fact: Fact) -> float:
     return fact.speed_m_per_s * math.sin(math.radians(fact.angle_deg))
 
 
+def _row(
+    law: str, targets: str, quantity: str, value: float, unit: str, *, at_end: bool = False
+) -> dict[str, object]:
+    named = {"law": law, "targets": targets, "quantity": quantity, "value": value, "unit": unit}
+    return named | {"at_end_of_range": "yes" if at_end else "no"}
+
+
 def _fit_rows(fit: Fit) -> list[dict[str, object]]:
-    named: dict[str, object] = {"law": fit.law.name, "targets": fit.targets}
-    rows = [
-        named
-        | {
-            "quantity": name,
-            "value": value,
-            "unit": UNITS[name],
-            "at_end_of_range": "yes" if name in fit.at_end else "no",
-        }
-        for name, value in fit.parameters.items()
+    row = partial(_row, fit.law.name, fit.targets)
+    return [
+        *(row(n, of, UNITS[n], at_end=n in fit.at_end) for n, of in fit.parameters.items()),
+        row("root_mean_square_misfit", fit.misfit, "-"),
+        row("capture_velocity", float(capture_velocity(fit.contact)), "m/s"),
+        row("exponent_of_the_diameter", _elasticity(fit.contact, "diameter"), "-"),
     ]
-    found = {
-        "root_mean_square_misfit": (fit.misfit, "-"),
-        "capture_velocity": (float(capture_velocity(fit.contact)), "m/s"),
-        "exponent_of_the_diameter": (_elasticity(fit.contact, "diameter"), "-"),
-    }
-    for name, (value, unit) in found.items():
-        rows.append(
-            named | {"quantity": name, "value": value, "unit": unit, "at_end_of_range": "no"}
-        )
-    return rows
 
 
 def needed_works(params: Params, inputs: Mapping[str, pd.DataFrame]) -> list[dict[str, object]]:
@@ -324,17 +320,8 @@ def needed_works(params: Params, inputs: Mapping[str, pd.DataFrame]) -> list[dic
     works = {"ring force": float(base.work_of_adhesion)} | {  # type: ignore[arg-type]
         name: float(wanted / capture_velocity(contact)) ** 1.2 for name, contact in alone.items()
     }
-    return [
-        {
-            "law": name,
-            "targets": params.other_pair.case,
-            "quantity": WORK,
-            "value": work,
-            "unit": UNITS[WORK],
-            "at_end_of_range": "no",
-        }
-        for name, work in works.items()
-    ]
+    case = params.other_pair.case
+    return [_row(name, case, WORK, work, UNITS[WORK]) for name, work in works.items()]
 
 
 def fact_rows(params: Params, fit: Fit) -> list[dict[str, object]]:
@@ -472,30 +459,12 @@ def curves(params: Params, fits: list[Fit]) -> pd.DataFrame:
         own = np.union1d(speed, [limit]) if math.isfinite(limit) else speed
         e = normal_impact(fit.contact, own).coefficient_of_restitution
         e = np.where(own > limit, e, 0.0)
-        frames.append(
-            _frame(panel=fit.targets, series=fit.law.name, evidence="calibrated", x=own, y=e)
-        )
-    value = np.array([fact.restitution for fact in params.facts])
-    error = np.array([fact.error for fact in params.facts])
+        frames.append(_frame(fit.targets, fit.law.name, own, e, "calibrated"))
+    speed, value, error = printed(params)
+    ends, limit = (value - error, value + error), params.capture_velocity_m_per_s
     for targets in TARGETS:
-        frames.append(
-            _frame(
-                panel=targets,
-                series="printed restitution",
-                evidence="printed",
-                x=[_normal_speed(fact) for fact in params.facts],
-                y=value,
-                y_low=value - error,
-                y_high=value + error,
-            )
-        )
-        frames.append(
-            _frame(
-                panel=targets,
-                series="printed capture velocity",
-                evidence="printed",
-                x=[params.capture_velocity_m_per_s],
-                y=[0.0],
-            )
-        )
+        frames += [
+            _frame(targets, "printed restitution", speed, value, "printed", *ends),
+            _frame(targets, "printed capture velocity", limit, 0.0, "printed"),
+        ]
     return pd.concat(frames, ignore_index=True)
