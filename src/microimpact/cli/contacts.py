@@ -290,13 +290,7 @@ def capture_command(as_json: bool, **pair: Any) -> None:
 
 @click.command("export")
 @contact_options
-@click.option(
-    "--format",
-    "form",
-    type=click.Choice(FORMATS),
-    default=FORMATS[0],
-    show_default=True,
-)
+@click.option("--format", "form", type=click.Choice(FORMATS), default=FORMATS[0], show_default=True)
 @click.option("-o", "--output", default=".", show_default=True, help="Folder of the files.")
 @click.option(
     "--fastest", type=float, default=100.0, show_default=True, help="Fastest normal speed, m/s."

@@ -30,8 +30,7 @@ class _Unique:
             if isinstance(key.value, str) and key.value != "<<":
                 if key.value in seen:
                     raise yaml.MarkedYAMLError(
-                        problem=f"the key {key.value!r} is given twice",
-                        problem_mark=key.start_mark,
+                        problem=f"the key {key.value!r} is given twice", problem_mark=key.start_mark
                     )
                 seen.add(key.value)
         content: dict[Any, Any] = super().construct_mapping(node, deep)  # type: ignore[misc]

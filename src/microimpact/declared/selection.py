@@ -18,16 +18,7 @@ from microimpact.declared.provenance import EVIDENCE, Declared, as_text, finite_
 
 Row = dict[str, str]
 
-MATERIAL_COLUMNS = (
-    "material",
-    "property",
-    "value",
-    "unit",
-    "low",
-    "high",
-    "evidence",
-    "source",
-)
+MATERIAL_COLUMNS = ("material", "property", "value", "unit", "low", "high", "evidence", "source")
 CONTACT_COLUMNS = ("particle", "surface", "property", "value", "unit", "evidence", "source")
 PRINTED_COLUMNS = ("key", "value", "low", "high", "unit", "where", "note")
 EXTERNAL_COLUMNS = (

@@ -63,11 +63,7 @@ def pairs_from_rows(rows: Iterable[Row]) -> dict[Pair, dict[str, float]]:
 
 
 def pair_contact(
-    particle: str,
-    surface: str,
-    materials: Mapping[str, Material],
-    pairs: Pairs,
-    **changes: Any,
+    particle: str, surface: str, materials: Mapping[str, Material], pairs: Pairs, **changes: Any
 ) -> Contact:
     """Build the contact of two declared materials.
 

@@ -165,13 +165,7 @@ def calibrate(
         return np.asarray(-0.5 * np.sum(np.square((found - target) / error), axis=1))
 
     found = ensemble.draw(
-        log_likelihood,
-        *ends.T,
-        draws=draws,
-        spread=SPREAD,
-        walkers=WALKERS,
-        steps=steps,
-        seed=seed,
+        log_likelihood, *ends.T, draws=draws, spread=SPREAD, walkers=WALKERS, steps=steps, seed=seed
     )
     worst = int(np.argmax(found.split_r_hat))
     if found.split_r_hat[worst] > LARGEST_R_HAT or found.effective_size < LEAST_SHARE * draws:

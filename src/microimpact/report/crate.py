@@ -304,10 +304,7 @@ def _files(root: Path, folders: Iterable[str]) -> list[Path]:
 
 def _add_file(crate: Any, root: Path, place: str, copy_to: str = "") -> Any:
     suffix = Path(place).suffix
-    properties = {
-        "name": place,
-        "encodingFormat": FORMATS.get(suffix, "application/octet-stream"),
-    }
+    properties = {"name": place, "encodingFormat": FORMATS.get(suffix, "application/octet-stream")}
     return crate.add_file(root / place, f"{copy_to}{place}", properties=properties)
 
 

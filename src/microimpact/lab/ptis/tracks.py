@@ -408,10 +408,7 @@ def to_target(vectors: FloatArray, setup: Setup) -> FloatArray:
     alpha = np.radians(setup.angle)
     across, up = np.moveaxis(vectors, -1, 0)
     return np.stack(
-        [
-            across * np.sin(alpha) - up * np.cos(alpha),
-            across * np.cos(alpha) + up * np.sin(alpha),
-        ],
+        [across * np.sin(alpha) - up * np.cos(alpha), across * np.cos(alpha) + up * np.sin(alpha)],
         axis=-1,
     )
 

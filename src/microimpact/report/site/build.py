@@ -16,13 +16,7 @@ from zipfile import ZipFile, ZipInfo
 from microimpact.core.files import write_file
 from microimpact.figures.registry import FORMATS
 from microimpact.report.site import PAGES, code, font, ledgers
-from microimpact.report.site.figures import (
-    Figure,
-    departures,
-    figures,
-    label,
-    studies_behind,
-)
+from microimpact.report.site.figures import Figure, departures, figures, label, studies_behind
 from microimpact.report.site.formula import prose
 from microimpact.report.site.graph import needs, picture
 from microimpact.report.site.ledgers import read_rows

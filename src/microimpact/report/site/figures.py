@@ -87,10 +87,7 @@ def label(name: str) -> str:
 
 
 def figures(
-    results: Path,
-    record: Record,
-    ledgers: Mapping[str, Sequence[Row]],
-    declared: Sequence[Row],
+    results: Path, record: Record, ledgers: Mapping[str, Sequence[Row]], declared: Sequence[Row]
 ) -> list[Figure]:
     """Return all figures of a run, those of the article first.
 
@@ -197,10 +194,7 @@ def _series_words(name: str, panel: str, panels: Mapping[str, Mapping[str, Any]]
 
 
 def _inputs(
-    study: str,
-    rules: Mapping[str, Rule],
-    declared: Sequence[Row],
-    equations: Sequence[Row],
+    study: str, rules: Mapping[str, Rule], declared: Sequence[Row], equations: Sequence[Row]
 ) -> Inputs:
     rule = rules.get(study, Rule(name=study))
     called = reached(f"{studies.homes()[study]}.run")

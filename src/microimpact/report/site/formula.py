@@ -187,13 +187,7 @@ def _call(name: str, arguments: list[ast.expr]) -> Markup:
     if name == "Abs":
         return _fenced(parts[0], "|", "|")
     if name == "Integral":
-        return _row(
-            _operator("∫"),
-            parts[0],
-            SPACE,
-            _name("d"),
-            parts[1],
-        )
+        return _row(_operator("∫"), parts[0], SPACE, _name("d"), parts[1])
     listed = _operator(",").join(parts)
     function = {"Max": "max", "atan": "arctan"}.get(name, name)
     if len(arguments) == 1 and isinstance(arguments[0], ast.Name):

@@ -115,12 +115,7 @@ def by_imaging(
 
 
 def by_doppler(
-    experiments: int,
-    events: int,
-    number: int,
-    drop: Drop,
-    instrument: Analyser,
-    rng: Generator,
+    experiments: int, events: int, number: int, drop: Drop, instrument: Analyser, rng: Generator
 ) -> Repeated:
     """Repeat a normal experiment, with the right pairs: the search for them is not repeated.
 
@@ -151,12 +146,7 @@ def by_doppler(
 
 
 def _doppler_experiments(
-    pool: Impacts,
-    height: FloatArray,
-    events: int,
-    instrument: Analyser,
-    drop: Drop,
-    rng: Generator,
+    pool: Impacts, height: FloatArray, events: int, instrument: Analyser, drop: Drop, rng: Generator
 ) -> tuple[Measured, Measured, FloatArray]:
     """Return events as measured and as they were, and the uncertainty of the height found, m.
 
@@ -213,11 +203,7 @@ def _may_be_measured(
 
 
 def _recorded(
-    impacts: Impacts,
-    chosen: IntArray,
-    height: FloatArray,
-    instrument: Analyser,
-    rng: Generator,
+    impacts: Impacts, chosen: IntArray, height: FloatArray, instrument: Analyser, rng: Generator
 ) -> tuple[RecordStream, IntArray]:
     """Record impacts (experiments, k) one by one; where in the stream both records are, or -1."""
     apart = replace(impacts.select(chosen.ravel()), time=np.arange(chosen.size, dtype=float))

@@ -171,12 +171,7 @@ def sample(setting: Setting, impacts: Impacts, params: Params) -> dict[str, Floa
     true = turned(impacts.in_plane.select(np.flatnonzero(free)), setting.angle_error)
     noise = generator(params.seed, 3).standard_normal((4, len(impacts)))[:, true.event]
     noise *= setting.velocity_noise * true.speed
-    components = (
-        "incident_normal",
-        "incident_tangential",
-        "rebound_normal",
-        "rebound_tangential",
-    )
+    components = ("incident_normal", "incident_tangential", "rebound_normal", "rebound_tangential")
     measured: Measured = replace(
         true, **{name: getattr(true, name) + noise[k] for k, name in enumerate(components)}
     )

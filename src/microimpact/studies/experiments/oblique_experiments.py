@@ -86,10 +86,7 @@ FIGURES = {
     "fig12": ("restitution", "impulse_ratio", "energy_loss"),
 }
 # Points beside the curves of other studies: the panel that they are in, and their quantity.
-POINTS = {
-    "fig18_points": {"adhesion": "impulse_ratio"},
-    "fig21_points": {"loss": "energy_loss"},
-}
+POINTS = {"fig18_points": {"adhesion": "impulse_ratio"}, "fig21_points": {"loss": "energy_loss"}}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -336,10 +336,7 @@ def _measured(
     impacts = dropped(setup, speed, particles, (*key, 0))
     first = bounce(impacts.velocity, impacts.spin, np.arange(particles))
     impacts = replace(
-        impacts,
-        rebound_velocity=first.velocity,
-        rebound_spin=first.spin,
-        captured=first.captured,
+        impacts, rebound_velocity=first.velocity, rebound_spin=first.spin, captured=first.captured
     )
     duration, rng = float(np.max(impacts.time)), generator(setup.seed, *key, 1)
     followed = with_later_impacts(impacts, bounce, setup.instrument.later_impacts)

@@ -33,10 +33,7 @@ TERMS = {
     "hertz damping": "hertz_damping_force",
 }
 
-NEEDS = {
-    "calibration": ("calibration",),
-    "admissible_contacts": ("admissible_contacts",),
-}
+NEEDS = {"calibration": ("calibration",), "admissible_contacts": ("admissible_contacts",)}
 # Points in time of the band.
 INSTANTS = 200
 

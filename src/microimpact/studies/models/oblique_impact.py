@@ -12,13 +12,7 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import Tables, series_frame
-from microimpact.declared.parameters import (
-    CaseName,
-    Finite,
-    Fraction,
-    Positive,
-    PrintedName,
-)
+from microimpact.declared.parameters import CaseName, Finite, Fraction, Positive, PrintedName
 from microimpact.lab.contacts import (
     BAND,
     Admissible,
@@ -34,10 +28,7 @@ from microimpact.model.dynamics.impact import simulate, velocity_components
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
 
-NEEDS = {
-    "calibration": ("calibration",),
-    "admissible_contacts": ("admissible_contacts",),
-}
+NEEDS = {"calibration": ("calibration",), "admissible_contacts": ("admissible_contacts",)}
 # The share that must rebound where a band is drawn, and the step in which it takes the angles.
 REBOUNDING, STEP = 0.5, 4
 

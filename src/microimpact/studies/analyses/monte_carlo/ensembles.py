@@ -164,10 +164,7 @@ def deterministic(ensemble: Ensemble) -> Ensemble:
     """Return the ensemble with every parameter at its mean: all events are one."""
     process = ensemble.process.at_means()
     return replace(
-        ensemble,
-        process=process,
-        correlation=Correlation(),
-        plan=Plan(replicates=2, events=2),
+        ensemble, process=process, correlation=Correlation(), plan=Plan(replicates=2, events=2)
     )
 
 

@@ -63,11 +63,7 @@ def c54(context: Context) -> dict[str, float]:
     }
 
 
-@claim(
-    "C55",
-    by_case=True,
-    units={"largest_effect_taken_for_bd_by_a_quarter_of_the_design": "%"},
-)
+@claim("C55", by_case=True, units={"largest_effect_taken_for_bd_by_a_quarter_of_the_design": "%"})
 def c55(context: Context) -> dict[str, float]:
     """Interaction BD at small levels over those of the same factors.
 

@@ -52,9 +52,7 @@ def rows_of(
     places = rows.groupby("friction_basis").cumcount()
     for place, (_, row) in zip(places, rows.iterrows(), strict=True):
         steel = replace(
-            params.steel,
-            friction=float(row["friction"]),
-            friction_basis=row["friction_basis"],
+            params.steel, friction=float(row["friction"]), friction_basis=row["friction_basis"]
         )
         context = Context(
             params=replace(params, steel=steel),

@@ -357,10 +357,7 @@ def piles(context: Context, share: float) -> dict[str, float]:
     }
     near = min(
         found,
-        key=lambda one: (
-            abs(one[0] - params.pile_radius_mm),
-            abs(one[1] - params.pile_slope_deg),
-        ),
+        key=lambda one: (abs(one[0] - params.pile_radius_mm), abs(one[1] - params.pile_slope_deg)),
     )
     difference = [abs(strong - weak) for strong, weak in found.values()]
     return {

@@ -23,10 +23,7 @@ def c17(context: Context) -> dict[str, float]:
     angles = np.radians(context.params.formica.spore_angles_deg)
     keys = ("normal_speed_lycopodium_48deg", "normal_speed_lycopodium_38deg")
     speeds = np.array([context.printed(key) for key in keys]) / np.sin(angles)
-    return {
-        "difference_of_total_speeds": speeds[0] - speeds[1],
-        "total_speed": speeds.mean(),
-    }
+    return {"difference_of_total_speeds": speeds[0] - speeds[1], "total_speed": speeds.mean()}
 
 
 @claim("C81", by_case=True, evidence=CALIBRATED)

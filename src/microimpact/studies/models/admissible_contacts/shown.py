@@ -67,10 +67,7 @@ def marginals(
 
 
 def bands(
-    case: Case,
-    variants: Iterable[Variant],
-    inputs: Mapping[str, pd.DataFrame],
-    points: int,
+    case: Case, variants: Iterable[Variant], inputs: Mapping[str, pd.DataFrame], points: int
 ) -> pd.DataFrame:
     """Return e against the normal speed: bands of the draws, single contacts, printed facts.
 

@@ -189,10 +189,7 @@ class Evaluation:
     ratio: scipy.interpolate.RectBivariateSpline | None = None
 
     def quantities(
-        self,
-        points: FloatArray,
-        statements: Sequence[Statement],
-        limits: FloatArray | None = None,
+        self, points: FloatArray, statements: Sequence[Statement], limits: FloatArray | None = None
     ) -> dict[str, FloatArray]:
         """Quantities by statement: (n,), (n, classes) or (n, bases).
 
