@@ -84,10 +84,19 @@ NON_NEGATIVE = Range(lower=0.0, lower_closed=True)
 def checked(name: str, value: object, allowed: Range = FINITE) -> Real:
     """Return ``value`` as a float or a read-only float array.
 
-    `value`: a real number or an array of them, any shape; a quantity with a unit, as of pint, is
-    converted. Raises TypeError, naming the argument, if it does not hold real numbers (text,
-    booleans, None, complex), or its unit does not measure what the name says; ValueError if a
-    number is masked, not finite or not in range.
+    Parameters
+    ----------
+    value
+        A real number or an array of them, any shape; a quantity with a unit, as of pint, is
+        converted.
+
+    Raises
+    ------
+    TypeError
+        If ``value`` does not hold real numbers (text, booleans, None, complex), or its unit does
+        not measure what the name says.
+    ValueError
+        If a number is masked, not finite or not in range.
     """
     if type(value) is float and math.isfinite(value) and allowed.contains(value):
         return value  # most often, and unchanged

@@ -36,21 +36,18 @@ class NoDensityError(ValueError):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Draws:
-    """Draws and how they came about.
+    """Draws and how they came about."""
 
-    `points`: (n, axes), in random order; `log_density`: of each (n,), up to a constant;
-    `acceptance`: share of accepted moves; `effective_size`: independent draws that all kept steps
-    are worth, for the worst axis: the variance over that of the mean, by the spread of the walkers'
-    own means; `split_r_hat`: per axis: spread of the means of the halves of every ensemble against
-    the spread within (Gelman et al. 2013, 11.4), 1 where they agree; `kept`: points of all walkers.
-    """
-
-    points: FloatArray
-    log_density: FloatArray
-    acceptance: float
+    points: FloatArray  # (n, axes), in random order
+    log_density: FloatArray  # Of each (n,), up to a constant
+    acceptance: float  # Share of accepted moves
+    # Independent draws that all kept steps are worth, for the worst axis: the variance over that of
+    # the mean, by the spread of the walkers' own means.
     effective_size: float
+    # Per axis: spread of the means of the halves of every ensemble against the spread within
+    # (Gelman et al. 2013, 11.4); 1 where they agree.
     split_r_hat: FloatArray
-    kept: int
+    kept: int  # Points of all walkers
 
 
 def draw(
@@ -66,12 +63,27 @@ def draw(
 ) -> Draws:
     """Draw from a density that is zero outside of a box.
 
-    `log_density`: takes points (n, axes) inside the box, returns their logarithms (n,), -inf for
-    none; `low`, `high`: ends of the box (axes,); `draws`: how many points are wanted, without
-    repetition; `spread`: binary logarithm of the number of points among which the walkers find
-    their starts; `walkers`, `steps`: of each ensemble; the first third of the steps is not kept;
-    `seed`: of all random numbers. Raises NoDensityError if fewer of the points spread have a
-    density than there are walkers. Raises ValueError if more draws are wanted than points are kept.
+    Parameters
+    ----------
+    log_density
+        Takes points (n, axes) inside the box, returns their logarithms (n,), -inf for none.
+    low, high
+        Ends of the box (axes,).
+    draws
+        How many points are wanted, without repetition.
+    spread
+        Binary logarithm of the number of points among which the walkers find their starts.
+    walkers, steps
+        Of each ensemble; the first third of the steps is not kept.
+    seed
+        Of all random numbers.
+
+    Raises
+    ------
+    NoDensityError
+        If fewer of the points spread have a density than there are walkers.
+    ValueError
+        If more draws are wanted than points are kept.
     """
     import emcee
 

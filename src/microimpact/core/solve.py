@@ -70,12 +70,25 @@ def roots(
 
     SciPy's `find_root` gives the same roots, but spends two milliseconds more on each of some
     thousand calls, and a third of a second on import in jobs that need nothing else of it.
-    `function`: takes ``x`` and ``arguments`` of one shape (m,) each, those of the roots still
-    sought, and returns the values (m,); `low`, `high`: ends, any shape, between which each function
-    changes its sign; `arguments`: what tells the functions apart, of shapes that broadcast with the
-    ends; `absolute`, `relative`: as in `root`; `residual`: a value so close to zero passes for
-    zero, at an end too. Raises NoRootError if the sign is the same at both ends, or a search does
-    not end; the first is named.
+
+    Parameters
+    ----------
+    function
+        Takes ``x`` and ``arguments`` of one shape (m,) each, those of the roots still sought, and
+        returns the values (m,).
+    low, high
+        Ends, any shape, between which each function changes its sign.
+    arguments
+        What tells the functions apart, of shapes that broadcast with the ends.
+    absolute, relative
+        A root is known to ``absolute + relative * abs(root)``.
+    residual
+        A value so close to zero passes for zero, at an end too.
+
+    Raises
+    ------
+    NoRootError
+        If the sign is the same at both ends, or a search does not end; the first is named.
 
     References
     ----------

@@ -65,12 +65,23 @@ def series_frame(
 ) -> pd.DataFrame:
     """Return one series of a figure in the tidy form of the figure data.
 
-    A study whose figures share their units takes them with `functools.partial`. `panel`, `series`:
-    where the series is drawn and what it is called in the legend; `x`, `y`: coordinates, which
-    broadcast to shape (n,); `y_low`, `y_high`: ends of the interval around y, if there is one;
-    `x_unit`, `y_unit`: as in column names: ``deg``, ``m_per_s``, ``1`` for a pure number. The
-    columns are those of `figure_columns`. Raises ValueError if the evidence is not one of
-    `RESULT_EVIDENCE`.
+    A study whose figures share their units takes them with `functools.partial`.
+
+    Parameters
+    ----------
+    panel, series
+        Where the series is drawn and what it is called in the legend.
+    x, y
+        Coordinates, which broadcast to shape (n,).
+    y_low, y_high
+        Ends of the interval around y, if there is one.
+    x_unit, y_unit
+        Units as in column names: ``deg``, ``m_per_s``, ``1`` for a pure number.
+
+    Raises
+    ------
+    ValueError
+        If the evidence is not one of the known classes.
     """
     import pandas as pd
 

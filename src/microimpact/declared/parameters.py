@@ -41,14 +41,10 @@ Name = Annotated[str, Field(min_length=1)]
 
 @dataclass(slots=True)
 class Known:
-    """What can be named, by what it is, and what was named while parameters were built.
+    """What can be named, by what it is, and what was named while parameters were built."""
 
-    `names`: where things of some sort are declared, and their names, by the sort; `named`: sort and
-    name of all that was found named, in order.
-    """
-
-    names: Mapping[str, tuple[str, Iterable[str]]]
-    named: list[tuple[str, str]] = field(default_factory=list)
+    names: Mapping[str, tuple[str, Iterable[str]]]  # By sort: where it is declared, and the names
+    named: list[tuple[str, str]] = field(default_factory=list)  # Sort and name, in order
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,17 +148,12 @@ def adapter(kind: Any) -> TypeAdapter[Any]:
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """What a type is for the files: dataclasses it may be, items it holds, whether they are named.
-
-    `classes`: the dataclasses; `hint`: type of its items, if it holds some; `keyed`: how the items
-    stand in the files, if by their names; `stream`: name of the random numbers of a seed, if not
-    that of its analysis.
-    """
+    """What a type is for the files: dataclasses it may be, items it holds, how these are named."""
 
     classes: tuple[type, ...] = ()
-    hint: Any = object
-    keyed: Keyed | None = None
-    stream: str = ""
+    hint: Any = object  # Of its items, if it holds some
+    keyed: Keyed | None = None  # How the items stand in the files, if by their names
+    stream: str = ""  # Name of the random numbers of a seed, if not that of its analysis
 
     @property
     def item(self) -> Shape:
@@ -231,9 +222,18 @@ def nested(kind: type) -> frozenset[type]:
 def build(kind: type[T], values: Mapping[str, Any], known: Known | None = None) -> T:
     """Build a parameter dataclass from plain values.
 
-    `values`: numbers, strings, lists, which become tuples, and nested mappings; `known`: what can
-    be named; without it names are not checked. Raises pydantic.ValidationError if a key is unknown
-    or missing or a value is not admissible (see `explain` for readable lines).
+    Parameters
+    ----------
+    values
+        Its fields as plain values: numbers, strings, lists, nested mappings.
+    known
+        What can be named; without it names are not checked.
+
+    Raises
+    ------
+    pydantic.ValidationError
+        If a key is unknown or missing or a value is not admissible
+        (see `explain` for readable lines).
     """
     # JSON is the strict mode in which lists may become tuples and mappings dataclasses.
     text = json.dumps(values, default=str)
@@ -246,8 +246,12 @@ def explain(
 ) -> list[str]:
     """Describe a failed `build` in one line per offending key.
 
-    `key`: dotted key of the mapping in its file, put before every line; `aliases`: where something
-    stands in the files, by its dotted key here.
+    Parameters
+    ----------
+    key
+        Dotted key of the mapping in its file, put before every line.
+    aliases
+        Where something stands in the files, by its dotted key here.
     """
     return [_line(item, kind, key, aliases or {}) for item in error.errors(include_url=False)]
 

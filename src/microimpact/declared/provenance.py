@@ -36,19 +36,16 @@ _SUFFIX = re.compile(rf"_({_SYMBOL}(?:_per_{_SYMBOL})*|per_s)$")
 
 @dataclass(frozen=True, slots=True)
 class Declared:
-    """A value with what it rests on: number, choice, name or list of these.
-
-    `value`, `evidence`, `source`: what it is, and what it rests on; `place`: dotted key under which
-    it stands; of a value in use, if the analysis names it there; `overrides`: the place whose value
-    it replaces, and that value, if the analysis departs from it; `key`: of a value in use: dotted
-    key in the configuration, analysis, then parameter.
-    """
+    """A value with what it rests on: number, choice, name or list of these."""
 
     value: Any
     evidence: str
     source: str
+    # Dotted key under which it stands; of a value in use, if the analysis names it there.
     place: str
+    # The place whose value it replaces, and that value, if the analysis departs from it.
     overrides: str = ""
+    # Of a value in use: dotted key in the configuration, analysis, then parameter.
     key: str = ""
 
     @property

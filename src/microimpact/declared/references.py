@@ -62,11 +62,23 @@ class _Reference:
 class Resolver:
     """A configuration whose branches name what its sections declare.
 
-    `shipped`: the configuration as it comes with the project: what differs from it is the user's;
-    `sections`: top-level keys that can be referred to; `problems`: one line per malformed
-    declaration, or reference to nothing, found so far; `rows`: every value resolved so far, as it
-    is used; `aliases`: where a value or a named item stands in the files, by its key in the
-    parameters.
+    Parameters
+    ----------
+    config
+        The merged configuration.
+    shipped
+        As it comes with the project: what differs from it is the user's.
+    sections
+        Top-level keys that can be referred to.
+
+    Attributes
+    ----------
+    problems
+        One line per malformed declaration, or reference to nothing, found so far.
+    rows
+        Every value resolved so far, as it is used.
+    aliases
+        Where a value or a named item stands in the files, by its key in the parameters.
     """
 
     def __init__(

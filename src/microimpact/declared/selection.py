@@ -70,9 +70,17 @@ def read_declared(
 ) -> DeclaredTable:
     """Read a declared table and check its form.
 
-    `columns`: the header it must have, in this order; `numbers`: columns that hold numbers; those
-    of `_OPTIONAL` may be empty, and ``value`` beside a range. Raises SelectionError: one line per
-    problem, with the file, the line and the column.
+    Parameters
+    ----------
+    columns
+        The header it must have, in this order.
+    numbers
+        Columns that hold numbers; those of `_OPTIONAL` may be empty, and ``value`` beside a range.
+
+    Raises
+    ------
+    SelectionError
+        One line per problem, with the file, the line and the column.
     """
     with Path(path).open(encoding="utf-8-sig", newline="") as file:
         reader = csv.DictReader(file, strict=True)

@@ -43,8 +43,12 @@ class Dispenser:
 class InitialSpin:
     """Spin before impact as a share of the speed: r omega / v.
 
-    `sd`: standard deviation per axis, mean zero: the wall of the needle is touched on any side;
-    `mean`: mean about the tilt axis, positive in the sense of rolling down the target.
+    Attributes
+    ----------
+    sd
+        Standard deviation per axis, mean zero: the wall of the needle is touched on any side.
+    mean
+        Mean about the tilt axis, positive in the sense of rolling down the target.
     """
 
     sd: NonNegative

@@ -257,11 +257,20 @@ class StopRule:
 class Outcome:
     """What either instrument gives of one experiment.
 
-    `measured`: accepted events, in order of time; `event` counts in `impacts`; `impacts`: all
-    within the reach of the instrument: first impacts in order of time, then later ones; `first`,
-    `dropped`: numbers of first impacts, and of particles; `fates`: what became of them, in the
-    words of the instrument; `means`: mean and interval of every quantity measured; none of too few
-    events.
+    Attributes
+    ----------
+    measured
+        Accepted events, in order of time; `event` counts in `impacts`.
+    impacts
+        All within the reach of the instrument: first impacts in order of time, then later ones.
+    first
+        Number of first impacts.
+    dropped
+        Particles dropped.
+    fates
+        What became of them, in the words of the instrument.
+    means
+        Mean and interval of every quantity measured; none of too few events.
     """
 
     measured: Measured

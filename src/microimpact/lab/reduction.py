@@ -21,7 +21,14 @@ QUANTITIES = ("restitution", "impulse_ratio", "energy_loss")
 class Mean:
     """Mean of an experiment with its interval.
 
-    `low`, `high`: ends of the interval; `sd`: standard deviation of the events.
+    Attributes
+    ----------
+    value, low, high
+        Mean and ends of the interval.
+    events
+        Number of events averaged.
+    sd
+        Standard deviation of the events.
     """
 
     value: float
@@ -77,9 +84,14 @@ def shared_error(
 ) -> dict[str, FloatArray]:
     """Return what an error that all events share does to the mean of every quantity.
 
-    `measured`: events, of several experiments along the first axes; `shifted`: gives them as they
-    would be if the instrument's setting were off by so much; `error`: standard uncertainty of that
-    setting, one for all or one per experiment.
+    Parameters
+    ----------
+    measured
+        Events, of several experiments along the first axes.
+    shifted
+        Gives the events as they would be if the instrument's setting were off by so much.
+    error
+        Standard uncertainty of that setting, one for all or one per experiment.
     """
     high, low = (quantities(shifted(measured, sign * error)) for sign in (1.0, -1.0))
     return {name: 0.5 * np.abs((high[name] - low[name]).mean(axis=-1)) for name in high}

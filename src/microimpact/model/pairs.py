@@ -38,7 +38,10 @@ Pairs = Mapping[Pair, Mapping[str, float]]
 class IncompletePairError(ValueError):
     """A pair that is not declared, or not wholly.
 
-    `pair`, `missing`, `near`: which, the fields to give, and a declared pair of a similar name.
+    Attributes
+    ----------
+    pair, missing, near
+        Which, the fields to give, and a declared pair of a similar name.
     """
 
     def __init__(self, pair: str, missing: list[str], near: str) -> None:

@@ -38,9 +38,18 @@ def jkr_contact_radius(work_of_adhesion: Real, radius: Real, stiffness: Real) ->
 def image_force(charge: Real, radius: Real, gap: Real = 0.0, enhancement: Real = 1.0) -> Real:
     """Attraction of a uniformly charged sphere to its image, N.
 
-    ``F = alpha q^2/(16 pi eps_0 (R + gap)^2)``; the enhancement alpha is 1 for a charge (C) at the
-    centre, and above 1 by the polarisation of a dielectric sphere. Radius R and the gap to the
-    plane are in m.
+    ``F = alpha q^2 / (16 pi eps_0 (R + gap)^2)``
+
+    Parameters
+    ----------
+    charge
+        q, C.
+    radius
+        R, m.
+    gap
+        Between sphere and plane, m.
+    enhancement
+        alpha: 1 for a charge at the centre; above 1 by the polarisation of a dielectric sphere.
     """
     return enhancement * np.square(charge) / (16.0 * np.pi * epsilon_0 * np.square(radius + gap))
 
@@ -57,9 +66,16 @@ def patch_area(charge: Real, breakdown_field: Real) -> Real:
 def patch_force(charge: Real, share: Real, breakdown_field: Real, gap: Real = 0.0) -> FloatArray:
     """Attraction of charged patches to their images, N: ``s^2 A / (2 eps_0)`` without a gap.
 
-    `charge`: of the whole particle, C; `share`: of the patches that face the plane in the contact,
-    taken as one disc of area A; `breakdown_field`: E_b, V/m: the patches are as dense as it allows,
-    s = eps_0 E_b; `gap`: between disc and plane, m.
+    Parameters
+    ----------
+    charge
+        Of the whole particle, C.
+    share
+        Of the patches that face the plane in the contact; taken as one disc of area A.
+    breakdown_field
+        E_b, V/m: the patches are as dense as it allows, ``s = eps_0 E_b``.
+    gap
+        Between disc and plane, m.
     """
     area = share * patch_area(charge, breakdown_field)
     pressure = 0.5 * epsilon_0 * np.square(breakdown_field)
@@ -140,10 +156,15 @@ def coverage(particle: CoatedParticle, weight_fraction: Real) -> Real:
 def carried_share(particle: CoatedParticle, weight_fraction: Real, placement: str) -> FloatArray:
     """Share of the bare contact area that spherules carry; the rest still touches.
 
-    `weight_fraction`: of silica, in [0, 1); `placement`: ``even``: spherules side by side, the
-    share is the area they cover, at most all; ``random``: they fall anywhere and may lie on one
-    another, the upper limit of what touches; ``lifted``: three under the bare contact carry it all,
-    by Poisson's law of their number, the lower limit.
+    Parameters
+    ----------
+    weight_fraction
+        Of silica, in [0, 1).
+    placement
+        ``even``: spherules side by side, the share is the area they cover, at most all.
+        ``random``: they fall anywhere and may lie on one another; the upper limit of what touches.
+        ``lifted``: three under the bare contact carry it all, by Poisson's law of their number;
+        the lower limit.
     """
     covered = coverage(particle, weight_fraction)
     if choice("placement", placement, PLACEMENTS) == "random":

@@ -78,28 +78,33 @@ FORMATS = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Run:
-    """What a crate takes from a run stamp.
+    """What a crate takes from a run stamp."""
 
-    `started`, `ended`: when it began, and when its last result was there, ISO 8601; `commit`,
-    `dirty`: None where the project was no git checkout; `packages`: versions, None for a package
-    that was not there; `identifier`: begin of the stamp's SHA-256, which names this run.
-    """
-
-    started: str
+    started: str  # ISO 8601, as is the end: when its last result was there
     ended: str
-    commit: str | None
+    commit: str | None  # None where the project was no git checkout
     dirty: bool | None
-    packages: Mapping[str, str | None]
+    packages: Mapping[str, str | None]  # Versions; None for a package that was not there
     config: Mapping[str, Any]
-    identifier: str
+    identifier: str  # Begin of the stamp's SHA-256: names this run
 
 
 def write_crate(results: Path, project: Path) -> Path:
     """Describe a finished run as a Workflow Run RO-Crate, in its results folder.
 
-    The same results and the same project give the same bytes. `results`: the root of the crate; its
-    subfolder ``crate`` is written anew. Raises ResultsError if it holds no finished run, or the
-    project is not the one that was run; AlteredError if results are not as the run wrote them.
+    The same results and the same project give the same bytes.
+
+    Parameters
+    ----------
+    results
+        Results folder of a run: the root of the crate. Its subfolder ``crate`` is written anew.
+
+    Raises
+    ------
+    ResultsError
+        If the folder holds no finished run, or the project is not the one that was run.
+    AlteredError
+        If results are not as the run wrote them.
     """
     require_results(results)
     require_unaltered(results, _files(results, RESULTS))

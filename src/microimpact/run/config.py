@@ -51,19 +51,16 @@ class General:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
-    """A valid configuration.
-
-    `branches`, `rows`: by analysis its parameters as plain values, with all that it names in place,
-    and the rows of the tables that it names, as CSV by table; `declared`: every value as it is
-    used; `unused`: places of the laboratory on which no analysis rests.
-    """
+    """A valid configuration."""
 
     general: General
     tables: DeclaredTables
+    # By analysis: its parameters as plain values, with all that it names in place, and the rows of
+    # the tables that it names, as CSV by table.
     branches: Mapping[str, Mapping[str, Any]]
     rows: Mapping[str, Mapping[str, str]]
-    declared: tuple[Declared, ...]
-    unused: tuple[str, ...]
+    declared: tuple[Declared, ...]  # Every value as it is used
+    unused: tuple[str, ...]  # Places of the laboratory on which no analysis rests
 
 
 TABLES = ("materials", "contacts", "printed_values", "external")
@@ -93,8 +90,17 @@ def validate(
 ) -> Settings:
     """Check a merged configuration.
 
-    `base`: as shipped: what differs from it is the user's; `only`: the analyses to look at; all, if
-    none are given. Raises ConfigError, naming the dotted key of every problem, one line each.
+    Parameters
+    ----------
+    base
+        The configuration as shipped: what differs from it is the user's.
+    only
+        The analyses to look at; all, if none are given.
+
+    Raises
+    ------
+    ConfigError
+        Naming the dotted key of every problem, one line each.
     """
     resolver = Resolver(config, base, SECTIONS)
     known_keys = [*GENERAL, *SECTIONS, *studies.homes()]

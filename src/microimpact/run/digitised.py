@@ -49,20 +49,16 @@ class DigitisedError(ValueError):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Digitised:
-    """Digitised points of one figure.
-
-    `source`, `licence`, `by`: where the points come from, on which terms, and who read them off or
-    measured them; `evidence`: ``digitised`` or ``measured``; `table`: columns `CANONICAL`: the
-    panel whose data are drawn there, the series as `points_series` calls it, x and y in the units
-    of the figure, the ends of the bar, NaN where there is none.
-    """
+    """Digitised points of one figure."""
 
     figure: str
     path: str
     source: str
     licence: str
-    by: str
-    evidence: str
+    by: str  # Who read them off, or measured them
+    evidence: str  # ``digitised`` or ``measured``
+    # Columns `CANONICAL`: the panel whose data are drawn there, the series as `points_series` calls
+    # it, x and y in the units of the figure, the ends of the bar, NaN where there is none.
     table: pd.DataFrame
 
 

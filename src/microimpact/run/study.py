@@ -76,8 +76,14 @@ def run_with(
 ) -> dict[str, pd.DataFrame]:
     """Run one study with all that it is given.
 
-    `branch`: plain values of its parameters; `rows`: those of declared tables, as CSV by table;
-    `tables`: those of earlier studies, by name.
+    Parameters
+    ----------
+    branch
+        Plain values of its parameters.
+    rows
+        Rows of declared tables, as CSV by table.
+    tables
+        Tables of earlier studies by name.
     """
     study = studies.study(name)
     inputs = NamedTables({key: parse_table(text) for key, text in rows.items()})
@@ -89,10 +95,21 @@ def run_with(
 class Made(dict[str, "pd.DataFrame"]):
     """Tables of earlier studies, each read or computed when it is first asked for.
 
-    `name`: study that takes them; `changes`: keys of the configuration that differ from the shipped
-    ones, at every depth; what rests on one of them is computed anew; `results`: folder of a run of
-    the shipped configuration, from which the other tables are read; without one, they are computed.
-    Raises ValueError if a key is unknown or a value not allowed: one line per problem.
+    Parameters
+    ----------
+    name
+        Study that takes them.
+    changes
+        Keys of the configuration that differ from the shipped ones, at every depth; what rests on
+        one of them is computed anew.
+    results
+        Folder of a run of the shipped configuration, from which the other tables are read; without
+        one, they are computed.
+
+    Raises
+    ------
+    ValueError
+        If a key is unknown or a value not allowed: one line per problem.
     """
 
     def __init__(self, name: str, changes: Mapping[str, Any], results: Path | None = None) -> None:

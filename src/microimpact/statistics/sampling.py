@@ -90,11 +90,27 @@ def joint_shares(
 ) -> dict[str, FloatArray]:
     """Draw the shares (uniform numbers) of which the quantiles are the values of parameters.
 
-    Arrays (n,) in (0, 1), by name; constants take no random numbers. `n`: a power of two; `method`:
-    ``plain``: independent draws; ``antithetic``: every draw u has its opposite 1 - u;
-    ``quasi_random``: a scrambled Sobol sequence; `generator`: ``exact``: uniform shares;
-    ``central_limit``: those of normal, truncated, half and lognormal values come from the sum of
-    twelve uniform numbers, as in the article's program.
+    Parameters
+    ----------
+    distributions
+        By name; constants take no random numbers.
+    n
+        Number of draws, a power of two.
+    rng
+        Source of the uniform numbers.
+    correlation
+        None is none.
+    method
+        ``"plain"``: independent draws. ``"antithetic"``: every draw u has its opposite 1 - u.
+        ``"quasi_random"``: a scrambled Sobol sequence.
+    generator
+        ``"exact"``: uniform shares. ``"central_limit"``: those of normal, truncated, half and
+        lognormal values come from the sum of twelve uniform numbers, as in the article's program.
+
+    Returns
+    -------
+    dict
+        Arrays of shape (n,) in (0, 1), by name.
     """
     varying = {k: d for k, d in distributions.items() if not isinstance(d, Constant)}
     columns = {k: SUMMANDS if _summed(d, generator) else 1 for k, d in varying.items()}

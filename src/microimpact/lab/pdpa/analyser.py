@@ -150,8 +150,12 @@ class RecordStream(Columns):
 class GroundTruth:
     """The ground truth, unknown to an experimenter, of a stream of k records from passages (2, n).
 
-    `leg`, `impact`: the passage of each record, shape (k,); -1 for noise; `overlapped`, `dropped`:
-    passages lost because two spheres were in the probe volume, or without valid signal.
+    Attributes
+    ----------
+    leg, impact
+        The passage of each record, shape (k,); -1 for noise.
+    overlapped, dropped
+        Passages lost because two spheres were in the probe volume, or without valid signal.
     """
 
     leg: IntArray
@@ -177,9 +181,15 @@ def true_height(instrument: Analyser, rng: Generator) -> float:
 def passages(impacts: Impacts, height: Real, instrument: Analyser, fall: Real = np.inf) -> Passages:
     """Return the passages of all spheres through the probe volume.
 
-    `impacts`: all, later ones included (`bounces.with_later_impacts`); `height`: of the probe
-    volume, m, one number or that of each sphere (n,); `fall`: height from which each sphere fell,
-    m, (n,) or one number: from below the probe volume no sphere comes down through it.
+    Parameters
+    ----------
+    impacts
+        All impacts, later ones included (`bounces.with_later_impacts`).
+    height
+        Of the probe volume, m, one number or that of each sphere, shape (n,).
+    fall
+        Height from which each sphere fell, m, shape (n,) or one number: from below the probe
+        volume no sphere comes down through it.
     """
     n = len(impacts)
     reached, inside = np.empty((2, 2, n), dtype=np.bool_)
@@ -279,9 +289,17 @@ def records(
 ) -> tuple[RecordStream, GroundTruth]:
     """Record the passages: noise, losses, and records of nothing.
 
-    The records in order of acquisition, and what they are of. `duration`: of the experiment, which
-    begins at time zero, s; `rng`: source of the draws, which are made in the order of the passages'
-    times.
+    Parameters
+    ----------
+    duration
+        Of the experiment, which begins at time zero, s.
+    rng
+        Source of the draws, which are made in the order of the passages' times.
+
+    Returns
+    -------
+    Stream, GroundTruth
+        The records in order of acquisition, and what they are of.
     """
     leg, impact = np.nonzero(crossing.crossed)
     order = np.argsort(crossing.time[leg, impact], kind="stable")

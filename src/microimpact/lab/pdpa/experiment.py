@@ -33,11 +33,17 @@ class Session(Outcome):
 def collect(drop: Drop, instrument: Analyser, stop: StopRule, rng: Generator) -> Session:
     """Drop particles on a horizontal target until enough events are accepted, or give up.
 
-    After every batch all records so far are searched for pairs: which belong together, and how high
-    the probe stands, is seen from all of them. Particles that arrive further than `REACH` from the
-    middle are not followed: they miss the probe volume, and so do nearly all their later bounces.
-    The range of `drop` is of *measured* speeds, for later bounces are slower; children of `rng`
-    serve the parts.
+    After every batch all records so far are searched for pairs: which belong together, and how
+    high the probe stands, is seen from all of them. Particles that arrive further than `REACH`
+    from the middle are not followed: they miss the probe volume, and so do nearly all their later
+    bounces.
+
+    Parameters
+    ----------
+    drop
+        What is dropped on what; its range is of *measured* speeds, for later bounces are slower.
+    rng
+        Of the experiment; its children serve the parts.
     """
     first: list[Impacts] = []
     later: list[Impacts] = []

@@ -29,10 +29,17 @@ Form = Literal["exact", "printed"]
 class Pairing:
     """Accepted pairs, and the height found from them.
 
-    `incident`, `rebound`: records of each pair, indices into the stream, in order of the incident's
-    time; shape (k,); `height`, `height_error`: of the probe volume and its standard error, m; the
-    initial estimate and its uncertainty where there are too few pairs; `rounds`: searches made;
-    `converged`: whether the last search found the same pairs as the one before.
+    Attributes
+    ----------
+    incident, rebound
+        Records of each pair, indices into the stream, in order of the incident's time; shape (k,).
+    height, height_error
+        Of the probe volume and its standard error, m; the initial estimate and its uncertainty
+        where there are too few pairs.
+    rounds
+        Searches made.
+    converged
+        Whether the last search found the same pairs as the one before.
     """
 
     incident: IntArray

@@ -64,9 +64,14 @@ _jit = jit()
 class Expected:
     """What the reduction gives of k events on average, and its spread.
 
-    `velocities`: incident and rebound (rows), tangential and normal, m/s, shape (k, 2, 2);
-    `covariance`: of tangential and normal velocity, (m/s)^2, per leg, shape (k, 2, 2, 2); `dashes`:
-    used in each leg, shape (k, 2).
+    Attributes
+    ----------
+    velocities
+        Incident and rebound (rows), tangential and normal, m/s, shape (k, 2, 2).
+    covariance
+        Of tangential and normal velocity, (m/s)^2, per leg, shape (k, 2, 2, 2).
+    dashes
+        Used in each leg, shape (k, 2).
     """
 
     velocities: FloatArray
@@ -112,9 +117,15 @@ def theory(
 class Dashes:
     """Dashes of n exposures in their frames, m in all, leg by leg and in order of time.
 
-    `events`: number n of exposures; `leg`, `centre`, `length`: which leg each belongs to (as in
-    `exposure`), centroid (columns and rows, (m, 2)) and way of the centre, px; `good`: true where
-    it is found whole and by itself.
+    Attributes
+    ----------
+    events
+        Number n of exposures.
+    leg, centre, length
+        Which leg each belongs to (as in `exposure`), centroid (columns and rows, (m, 2)) and
+        way of the centre, px.
+    good
+        True where it is found whole and by itself.
     """
 
     events: int
@@ -128,9 +139,14 @@ class Dashes:
 class Rows(Columns):
     """The longest row of good dashes of one leg of each of n exposures.
 
-    `places`: columns and rows in order of time, shape (n, k, 2); zero beyond the end of a row;
-    `used`: true up to the end of a row, shape (n, k); `number`, `length`: of the dashes, and their
-    mean way, px, shape (n,).
+    Attributes
+    ----------
+    places
+        Columns and rows in order of time, shape (n, k, 2); zero beyond the end of a row.
+    used
+        True up to the end of a row, shape (n, k).
+    number, length
+        Of the dashes, and their mean way, px, shape (n,).
     """
 
     places: FloatArray

@@ -27,8 +27,14 @@ def collect(drop: Drop, instrument: ImagingSystem, stop: StopRule, rng: Generato
     """Drop particles on a tilted target until enough events are accepted, or give up.
 
     The experiment ends with its last event, whoever else has been dropped with it. `outside the
-    class` is measured but of another speed. The angle of `drop` is below 90 degrees, and its range
-    is of *measured* speeds; children of `rng` serve the parts.
+    class` is measured but of another speed.
+
+    Parameters
+    ----------
+    drop
+        What is dropped on what, at an angle below 90 degrees; its range is of *measured* speeds.
+    rng
+        Of the experiment; its children serve the parts.
     """
     setup = set_for(drop, instrument)
     errors = draw_systematics(instrument, rng)

@@ -100,9 +100,16 @@ class ImagingSystem:
 class Setup:
     """The instrument as set for one experiment; the only input of its reduction.
 
-    `angle`: nominal angle of incidence from the surface, degrees, in (0, 90); `speed`: nominal
-    speed of the particles at the target, m/s; it sets the chopper; `diameter`: nominal diameter, m:
-    the centre of a sphere meets the surface at half of it.
+    Attributes
+    ----------
+    instrument
+        Settings.
+    angle
+        Nominal angle of incidence from the surface, degrees, in (0, 90).
+    speed
+        Nominal speed of the particles at the target, m/s; it sets the chopper.
+    diameter
+        Nominal diameter, m: the centre of a sphere meets the surface at half of it.
     """
 
     instrument: ImagingSystem
@@ -183,9 +190,12 @@ class Setup:
 class Systematics:
     """Errors that all events of an experiment share.
 
-    `rate`, `scale`: relative errors: true over nominal rate of the chopper and size of a pixel,
-    minus 1; `angle_deg`: nominal minus true angle between the target and the camera's axes,
-    degrees.
+    Attributes
+    ----------
+    rate, scale
+        Relative errors: true over nominal rate of the chopper and size of a pixel, minus 1.
+    angle_deg
+        Nominal minus true angle between the target and the camera's axes, degrees.
     """
 
     rate: float = 0.0

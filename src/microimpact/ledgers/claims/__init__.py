@@ -69,11 +69,23 @@ def verdicts(
 ) -> pd.DataFrame:
     """Return the verdict on every claim.
 
-    A row per claim with `COLUMNS`: the numbers behind the verdict and which criterion of which case
-    failed, or why the claim could not be computed. `drawn`: shares of the admissible contacts that
-    meet the criteria; where there is one, it decides, and the calibrated cases are examples. Raises
-    LedgerError if a number is missing, not finite, of an unknown claim, case or quantity, or of
-    another unit than declared.
+    Parameters
+    ----------
+    drawn
+        Shares of the admissible contacts that meet the criteria. Where there is one, it decides,
+        and the calibrated cases are examples.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row per claim with `COLUMNS`: the numbers behind the verdict and which criterion of
+        which case failed, or why the claim could not be computed.
+
+    Raises
+    ------
+    LedgerError
+        If a number is missing, not finite, of an unknown claim, case or quantity, or of another
+        unit than declared.
     """
     import pandas as pd
 
@@ -95,8 +107,11 @@ def verdict(
 ) -> tuple[Finding, list[str]]:
     """Return the verdict on one claim, and which criteria failed, in words.
 
-    `values`, `errors`: numbers by quantity, by case, and standard errors; the only case of a claim
-    without alternatives is ``""``.
+    Parameters
+    ----------
+    values, errors
+        Numbers by quantity, by case, and standard errors; the only case of a claim without
+        alternatives is ``""``.
     """
     positive = claim.positive
     if positive is None:

@@ -116,16 +116,12 @@ class Break:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Amendment:
-    """A part of a claim that was changed after the claim had first been judged.
-
-    What it `was` and is `now` stands in words; the `reason` is one that does not depend on the
-    verdict.
-    """
+    """A part of a claim that was changed after the claim had first been judged."""
 
     part: Literal["statement", "kind", "criteria", "cases", "quantities", "verdicts", "break"]
-    was: Name
+    was: Name  # In words, before and after
     now: Name
-    reason: Name
+    reason: Name  # In terms that do not depend on the verdict
 
     def __post_init__(self) -> None:
         """Refuse an amendment that changes nothing."""

@@ -40,9 +40,19 @@ SLIPS: Mapping[str, str] = {
 def deviations(results: Path, criteria: Path, settings: str) -> str:
     """Return the page, in Markdown.
 
-    `results`: folder with ``tables/claims.csv`` and ``tables/equations.csv``; `criteria`: the file
-    of claims; `settings`: that of the run's settings, to be named at the top. Raises ValueError if
-    table and file do not hold the same claims.
+    Parameters
+    ----------
+    results
+        Folder with ``tables/claims.csv`` and ``tables/equations.csv``.
+    criteria
+        The file of claims, see `criteria.read_claims`.
+    settings
+        The file of the run's settings, to be named at the top.
+
+    Raises
+    ------
+    ValueError
+        If the table and the file do not hold the same claims.
     """
     tables = results / "tables"
     claims, equations = (

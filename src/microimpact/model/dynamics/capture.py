@@ -106,9 +106,19 @@ def scaled_capture_velocity(
 ) -> FloatArray:
     """Capture velocity of adhesive contacts in velocity scales, all arguments flat arrays.
 
-    Zero without damping, infinite where no speed rebounds. `hertz`, `adhesion`: damping groups C_H
-    and C_A, the latter at the reference velocity; `exponent`, `reference`: n and that velocity, in
-    velocity scales; `damped_attachment`: whether adhesion is damped during approach too.
+    Parameters
+    ----------
+    hertz, adhesion
+        Damping groups C_H and C_A, the latter at the reference velocity.
+    exponent, reference
+        n and the reference velocity, in velocity scales, of the rate of adhesion damping.
+    damped_attachment
+        Whether adhesion is damped during approach too.
+
+    Returns
+    -------
+    ndarray
+        Zero without damping, infinite where no speed rebounds.
     """
     found = np.zeros(hertz.size)
     damped = (hertz > 0.0) | (adhesion > 0.0)

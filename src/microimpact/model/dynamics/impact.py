@@ -127,11 +127,19 @@ def friction_impulse(
 ) -> tuple[FloatArray, BoolArray]:
     """Friction impulse per mass against the slip, m/s, and whether the sphere ends rolling.
 
-    `slip`: its magnitude before impact, m/s; `speed`: normal speed of approach, m/s; `tangential`:
-    as in `planar`; `basis`: normal force in Coulomb's law: ``compressive`` max(F_n, 0); ``hertz``
-    the Hertz term alone; ``net`` the normal force as printed in Eq. (27), there rolling is decided
-    at first passage; ``pull-off`` the normal force and twice the pull-off force (Thornton and Yin
-    1991), which is for contacts with another law than the ring force, as ``hertz`` is for that one.
+    Parameters
+    ----------
+    slip
+        Magnitude of the initial slip, m/s.
+    basis
+        Normal force in Coulomb's law: ``compressive`` max(F_n, 0), ``hertz`` the Hertz term alone,
+        ``net`` the normal force as printed in Eq. (27); there rolling is decided at first passage.
+        ``pull-off`` the normal force and twice the pull-off force (Thornton and Yin 1991), which
+        is for contacts with another law than the ring force, as ``hertz`` is for that one.
+    speed
+        Normal speed of approach, m/s.
+    tangential
+        As in `planar`.
     """
     if basis == "net":
         sliding = np.asarray((1.0 + normal.coefficient_of_restitution) * speed)

@@ -220,10 +220,20 @@ def rolling_distance(
 ) -> Real:
     """Distance that a captured sphere rolls, m; infinite where gravity keeps it rolling.
 
-    It starts rolling with V_t (m/s), so with the energy (7/10) m V_t^2, and is held back by the
-    force M/r of `peeling_moment`, less the weight along a target tilted downhill by an angle in
-    degrees: ``(7/10) m V_t^2/(M/r - m g sin(tilt))``. A sphere that struck without spin starts with
-    V_t = (5/7) v_t. `shift`: of `peeling_moment`, m.
+    It starts rolling with V_t, so with the energy (7/10) m V_t^2, and is held back by the force M/r
+    of `peeling_moment`, less the weight along a target tilted downhill: ``(7/10) m V_t^2 / (M/r - m
+    g sin(tilt))``. A sphere that struck without spin starts with V_t = (5/7) v_t.
+
+    Parameters
+    ----------
+    contact
+        The contact; its fields broadcast with the other arguments.
+    tangential_velocity
+        V_t after capture, m/s.
+    shift
+        Of `peeling_moment`, m.
+    tilt
+        Angle of the target from the horizontal, degrees, in [0, 90]; 0 leaves gravity out.
     """
     require_contact(contact)
     velocity = checked("tangential_velocity", tangential_velocity, NON_NEGATIVE)

@@ -83,10 +83,23 @@ def compliant_impulse(
 ) -> tuple[FloatArray, BoolArray]:
     """Impulse of the tangential force per mass, m/s, and whether the contact stuck for some time.
 
-    `normal`: the normal impacts; what is said of captured ones means nothing; `slip`: its magnitude
-    before impact, m/s; `speed`: normal speed of approach, m/s; `law`: ``mindlin`` or ``spring``;
-    `basis`: normal force in Coulomb's law: ``compressive`` or ``hertz``. Raises RuntimeError if the
-    rebound is so heavily damped that the steps do not suffice.
+    Parameters
+    ----------
+    normal
+        The normal impacts; what is said of captured ones means nothing.
+    slip
+        Magnitude of the slip before impact, m/s.
+    speed
+        Normal speed of approach, m/s.
+    law
+        ``"mindlin"`` or ``"spring"``.
+    basis
+        Normal force in Coulomb's law: ``"compressive"`` or ``"hertz"``.
+
+    Raises
+    ------
+    RuntimeError
+        If the rebound is so heavily damped that the steps do not suffice.
     """
     shape = np.broadcast_shapes(contact.shape, np.shape(slip), np.shape(speed))
 

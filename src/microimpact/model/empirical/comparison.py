@@ -59,8 +59,12 @@ REJECTED = 0.01
 class Data:
     """Restitutions in units of the smallest rebounding speed.
 
-    `v`, `e`, `weight`: speeds, restitutions (0: captured), and 1/sigma, shape (n,); `unit`: the
-    smallest rebounding speed, m/s.
+    Attributes
+    ----------
+    v, e, weight
+        Speeds, restitutions (0: captured), and 1/sigma, shape (n,).
+    unit
+        The smallest rebounding speed, m/s.
     """
 
     v: FloatArray

@@ -128,8 +128,14 @@ def energy_loss(
 def adhesion_work(v_n: object, R: object, rho: object) -> Real:
     """Energy lost to adhesion per unit mass, Eq. (18): ``v_n^2 R^2 rho (2 - rho) / 2``, m2/s2.
 
-    `R`: coefficient of restitution in the absence of adhesion; `rho`: adhesion coefficient of Eq.
-    (10).
+    Parameters
+    ----------
+    v_n
+        Normal velocity before impact, m/s.
+    R
+        Coefficient of restitution in the absence of adhesion.
+    rho
+        Adhesion coefficient of Eq. (10).
     """
     v_n = checked("v_n", v_n, FINITE)
     R = checked("R", R, UNIT_INTERVAL)

@@ -145,9 +145,16 @@ def renew(
 ) -> list[Path]:
     """Write the references that differ anew; those within tolerance stay as they are.
 
-    The files written or removed. `remove`: whether references of files that the results lack are
-    removed. Raises ResultsError if results are missing and `remove` is not set, or some are not as
-    the run wrote them; then nothing is written.
+    Parameters
+    ----------
+    remove
+        Whether references of files that the results lack are removed.
+
+    Raises
+    ------
+    ResultsError
+        If results are missing and `remove` is not set, or some are not as the run wrote them;
+        then nothing is written.
     """
     missing = [d.file for d in differences if d.kind == "missing file"]
     if missing and not remove:
