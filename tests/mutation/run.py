@@ -32,7 +32,7 @@ import sys
 from pathlib import Path
 from microimpact.report.check.differences import compare_tables
 from microimpact.report.check.results import key_columns, read_cells
-from microimpact.report.check.tolerances import FILE, read_tolerances
+from microimpact.report.check.verify import FILE, read_tolerances
 name, kept = sys.argv[1], Path("tests/reference")
 tables = [read_cells(root / "tables" / f"{name}.csv") for root in (kept, Path("build/ci"))]
 accepted = read_tolerances(kept / FILE).of(f"tables/{name}.csv")

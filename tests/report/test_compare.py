@@ -11,8 +11,7 @@ import pytest
 from tests.report.results_roots import CLAIMS, INPUTS, draw, results, run
 
 from microimpact.core.files import write_checksums
-from microimpact.report.check.compare import as_text, compare
-from microimpact.report.check.page import page
+from microimpact.report.check.compare import as_text, compare, page
 from microimpact.report.check.wording import worst
 
 VOID = {"meta", "img"}

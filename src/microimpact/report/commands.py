@@ -72,8 +72,7 @@ def reference_command(results: Path, reference: Path, few: int, remove: bool) ->
 def compare_command(baseline: Path, changed: Path, html: Path | None, few: int) -> None:
     """Tell which inputs, numbers, verdicts and figures differ between two results folders."""
     from microimpact.core.files import write_file
-    from microimpact.report.check.compare import as_text, compare
-    from microimpact.report.check.page import page
+    from microimpact.report.check.compare import as_text, compare, page
 
     changes = compare(baseline, changed)
     click.echo(as_text(changes, few))

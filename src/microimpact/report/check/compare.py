@@ -1,7 +1,8 @@
-"""Comparison of two runs: which inputs, numbers, verdicts and figures changed."""
+"""Comparison of two runs, as text or as a page: inputs, numbers, verdicts, figures."""
 
 from __future__ import annotations
 
+import base64
 import json
 import re
 from collections import Counter
@@ -23,12 +24,15 @@ from microimpact.report.check.results import (
     table_files,
 )
 from microimpact.report.check.shapes import PictureTolerance, compare_shapes, read_shape
-from microimpact.report.check.wording import markdown, summary
+from microimpact.report.check.wording import by_file, cells, markdown, summary, worst
+from microimpact.report.site.pages import render
 from microimpact.run.stamp import changes as configured
 
 SIDES = ("baseline", "changed")
 SAME = "Inputs, numbers, verdicts and figures are the same."
 UNSEEN = "same parts, slightly moved"
+# Characters of a cell in the page.
+WIDTH = 120
 _ITEM = re.compile(r"\[\d+\].*")
 
 
@@ -239,3 +243,37 @@ def sections(changes: Changes, few: int) -> list[tuple[str, tuple[Difference, ..
         ("Verdicts", changes.verdicts, len(changes.verdicts)),
         ("Numbers", changes.numbers, few),
     ]
+
+
+def page(changes: Changes, few: int = 20) -> str:
+    """Return the changes as one HTML page that needs nothing else, figures side by side.
+
+    `changes`: what `compare` found; `few`: how many differences of each kind are shown per table of
+    numbers.
+    """
+    return render(
+        "compare.html",
+        templates=Path(__file__).parent / "templates",
+        changes=changes,
+        sides=SIDES,
+        same=SAME,
+        lone_files=lone_files(changes),
+        sections=[
+            (title, [(file, *_in_page(each, shown)) for file, each in by_file(found).items()])
+            for title, found, shown in sections(changes, few)
+            if found
+        ],
+        inline=_inline,
+    )
+
+
+def _in_page(differences: Sequence[Difference], few: int) -> tuple[str, list[tuple[str, ...]], int]:
+    """Return what is said of one file, its rows, and how many are not shown."""
+    shown = [d for d in worst(differences, few) if not d.kind.endswith("file")]
+    rows = [cells(difference, WIDTH) for difference in shown]
+    return summary(differences), rows, len(differences) - len(shown)
+
+
+def _inline(svg: Path) -> str:
+    # As an image, and not as part of the page: no script in it runs, no name in it clashes.
+    return "data:image/svg+xml;base64," + base64.b64encode(svg.read_bytes()).decode("ascii")
