@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 # Tables by their names, as studies take and give them.
 Tables: TypeAlias = "Mapping[str, pd.DataFrame]"
+# Row of a table in the making, by column.
+Row: TypeAlias = dict[str, object]
 
 RESULT_EVIDENCE = (
     "computed",

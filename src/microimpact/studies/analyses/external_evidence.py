@@ -6,7 +6,7 @@ number from one side; what the words leave open is a declared criterion.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Annotated, Any
@@ -16,6 +16,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
+from microimpact.core.tables import Row, Tables
 from microimpact.declared.parameters import (
     AngleDegrees,
     CaseName,
@@ -95,7 +96,7 @@ class Facts:
         return {str(column): value for column, value in found.iloc[0].items()}
 
 
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Put every fact beside the number that the model gives.
 
     ``external_evidence``: fact, source, quantity, contact, what was measured or its bounds, what
@@ -124,7 +125,7 @@ def _agreement(table: pd.DataFrame) -> Any:
     return np.where(np.isfinite(value), np.where(outside, DISAGREES, AGREES), "not computed")
 
 
-def _oblique(residuals: pd.DataFrame) -> Iterator[dict[str, object]]:
+def _oblique(residuals: pd.DataFrame) -> Iterator[Row]:
     """Yield the relative rms of each law, within the error of reading.
 
     The spin and the velocity that were measured contradict each other by more than that; the spin
@@ -148,9 +149,7 @@ def _oblique(residuals: pd.DataFrame) -> Iterator[dict[str, object]]:
             }
 
 
-def _fast_rebounds(
-    params: Params, inputs: Mapping[str, pd.DataFrame], facts: Facts
-) -> Iterator[dict[str, object]]:
+def _fast_rebounds(params: Params, inputs: Tables, facts: Facts) -> Iterator[Row]:
     """Yield the energy lost at the highest speed, and the difference that the target makes."""
     lost = facts.row("wall1990", "greatest_energy_loss")
     for case in params.fluorescein:
@@ -195,9 +194,7 @@ def fall(contact: Contact, exponent: float, diameter: FloatArray) -> float:
     return float(slope)
 
 
-def _sizes(
-    params: Params, inputs: Mapping[str, pd.DataFrame], facts: Facts
-) -> Iterator[dict[str, object]]:
+def _sizes(params: Params, inputs: Tables, facts: Facts) -> Iterator[Row]:
     """Yield the power of the diameter with which the capture velocity falls.
 
     The damping of silver is not known, and that of a contact of this study would hold every sphere
@@ -240,9 +237,7 @@ def _sizes(
                 }
 
 
-def _factors(
-    levels: pd.DataFrame, effects: pd.DataFrame, facts: Facts
-) -> Iterator[dict[str, object]]:
+def _factors(levels: pd.DataFrame, effects: pd.DataFrame, facts: Facts) -> Iterator[Row]:
     """Yield the lead of surface energy and radius, and the rank of one interaction, by design."""
     lead = facts.row("brach2000", "lead_of_surface_energy_and_radius")
     rank = facts.row("brach2000", "rank_of_their_interaction")
@@ -278,9 +273,7 @@ def _factors(
         }
 
 
-def _spin_and_roughness(
-    spin: Spin, inputs: Mapping[str, pd.DataFrame], facts: Facts
-) -> Iterable[dict[str, object]]:
+def _spin_and_roughness(spin: Spin, inputs: Tables, facts: Facts) -> Iterable[Row]:
     """Return the change that spin makes, and the apparent restitution of a rough surface."""
     above = facts.row("li1996", "apparent_restitution")
     contact = calibrated_contact(inputs, spin.case)

@@ -8,7 +8,6 @@ it is turned into the article's, from the surface.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -18,7 +17,7 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray, Real, choice
 from microimpact.core.materials import materials_from_rows
-from microimpact.core.tables import points_series, series_frame
+from microimpact.core.tables import Row, Tables, points_series, series_frame
 from microimpact.declared.parameters import (
     AngleDegrees,
     CaseName,
@@ -77,7 +76,7 @@ class Params:
     microspheres: Microspheres
 
 
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Compare measured oblique impacts with every law along the surface.
 
     ``oblique_velocity``, ``oblique_spin``, ``contact_point``: data of the figure.
@@ -157,8 +156,7 @@ def comparison(points: pd.DataFrame, contact: Contact, speed: float) -> pd.DataF
     for law, impact in impacts.items():
         found = values(impact, speed, angle)
         table[law] = np.choose(
-            [list(QUANTITIES).index(q) for q in table["quantity"]],
-            [found[q] for q in QUANTITIES],
+            [list(QUANTITIES).index(q) for q in table["quantity"]], [found[q] for q in QUANTITIES]
         )
     along = table[table["quantity"] == "tangential_restitution"].sort_values("angle_deg")
     # Without a moment but that of friction, the spin follows from the loss of velocity.
@@ -209,11 +207,7 @@ def relative_slip(friction: float, e: Real, angle: FloatArray) -> FloatArray:
 
 
 def _frame(panel: str, series: str, x: Real, y: Real, **more: object) -> pd.DataFrame:
-    units = {
-        "velocity": ("deg", "1"),
-        "spin": ("deg", "rad_per_s"),
-        "contact point": ("1", "1"),
-    }
+    units = {"velocity": ("deg", "1"), "spin": ("deg", "rad_per_s"), "contact point": ("1", "1")}
     x_unit, y_unit = units[panel]
     return series_frame(panel, series, x, y, x_unit=x_unit, y_unit=y_unit, **more)  # type: ignore[arg-type]
 
@@ -300,7 +294,7 @@ def bounds(
 ) -> pd.DataFrame:
     """Return the contact point's restitution where sliding throughout begins, and its greatest."""
     own = params.microspheres
-    rows: list[dict[str, object]] = []
+    rows: list[Row] = []
     angle = np.linspace(0.0, 90.0, 20 * params.points + 1)[1:-1]
     for name, which, speed in (
         (own.case, small, own.speed_m_per_s),

@@ -16,7 +16,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray, Real
-from microimpact.core.tables import Tables, series_frame
+from microimpact.core.tables import Row, Tables, series_frame
 from microimpact.declared.parameters import Fraction, Positive, PrintedName
 from microimpact.model.separation import (
     PLACEMENTS,
@@ -77,7 +77,7 @@ def distance_from_equality(*values: FloatArray) -> FloatArray:
 
 def band_row(
     quantity: str, values: FloatArray, unit: str = "-", *, low: float = np.nan, high: float = np.nan
-) -> dict[str, object]:
+) -> Row:
     """Return a row of a table: middle, band, and how often given bounds hold.
 
     ``holds`` is for the middle, ``share`` for all combinations, alike in weight. Without bounds the
@@ -312,7 +312,7 @@ def summary(
     return table
 
 
-def _any_silica(case: Combinations, silica: FloatArray) -> list[dict[str, object]]:
+def _any_silica(case: Combinations, silica: FloatArray) -> list[Row]:
     """Return where the forces meet, and what a full layer of silica leaves."""
     found = forces(case, silica)
     rows = []

@@ -19,7 +19,7 @@ from pydantic import Field
 
 from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.core.constants import gravity
-from microimpact.core.tables import Tables, series_frame
+from microimpact.core.tables import Row, Tables, series_frame
 from microimpact.declared.parameters import CaseName, Count, Positive
 from microimpact.lab.bounces import generations, with_later_impacts
 from microimpact.lab.contacts import calibrated_contact
@@ -268,7 +268,7 @@ def surface_correction(setup: Apparatus, params: Correction, key: int) -> pd.Dat
     analyser's records and the height found from them, each with its standard error. Where the
     rebound does not reach the probe volume there is none.
     """
-    rows: list[dict[str, object]] = []
+    rows: list[Row] = []
     for i, speed in enumerate(params.speeds_m_per_s):
         for j, e in enumerate(params.restitutions):
             expected = closed_form(speed, e, 1e-3 * setup.instrument.probe_height_mm)
@@ -503,11 +503,11 @@ def pairing_quality(params: Params, setup: Apparatus) -> tuple[pd.DataFrame, pd.
     return table, pd.DataFrame(losses)
 
 
-def _pooled(found: list[Observation], fates: Mapping[str, int]) -> dict[str, object]:
+def _pooled(found: list[Observation], fates: Mapping[str, int]) -> Row:
     """Pool the experiments of one height and speed."""
     qualities = [observation.quality for observation in found]
     total = {name: sum(getattr(quality, name) for quality in qualities) for name in COUNTS}
-    row: dict[str, object] = dict(total)
+    row: Row = dict(total)
     for share, (part, whole) in SHARES.items():
         row |= _share(share, (total | dict(fates))[part], total[whole])
     crossing = fates["captured"] + sum(fates[name] for name in FATES[3:])

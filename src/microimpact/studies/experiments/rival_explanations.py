@@ -13,7 +13,7 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.constants import gravity
-from microimpact.core.tables import series_frame
+from microimpact.core.tables import Tables, series_frame
 from microimpact.declared.parameters import (
     AngleDegrees,
     CaseName,
@@ -115,7 +115,7 @@ class Printed:
         return self._numbers["low"][key], self._numbers["high"][key]
 
 
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Hold both explanations against the printed facts, and two capture velocities.
 
     ``rival_restitution``: data of the figure. ``rival_explanations``: per printed observation what
@@ -257,10 +257,7 @@ def fallen_speed(params: Params, contact: Contact) -> float:
 
 
 def evidence(
-    params: Params,
-    contacts: Mapping[str, Contact],
-    inputs: Mapping[str, pd.DataFrame],
-    printed: Printed,
+    params: Params, contacts: Mapping[str, Contact], inputs: Tables, printed: Printed
 ) -> Iterator[dict[str, Any]]:
     """Yield what piles, slow rebounds and energies give for both capture velocities of steel."""
     strong, weak = params.capture_velocities_m_per_s

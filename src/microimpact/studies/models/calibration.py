@@ -16,7 +16,7 @@ from typing import Annotated
 import numpy as np
 import pandas as pd
 
-from microimpact.core.tables import Tables, series_frame
+from microimpact.core.tables import Row, Tables, series_frame
 from microimpact.declared.parameters import (
     CaseName,
     CounterpartName,
@@ -111,9 +111,9 @@ def solved(contact: Contact, targets: TwoStageTargets, exponent: float, work: fl
 def family(targets: TwoStageTargets, inputs: Tables) -> pd.DataFrame:
     """Return every member looked for: its parameters and facts, or why there is none."""
     contact = bare_contact(targets, inputs)
-    rows: list[dict[str, object]] = []
+    rows: list[Row] = []
     for exponent, work in product(targets.rate_exponents, targets.works_of_adhesion_J_per_m2):
-        row: dict[str, object] = {"rate_exponent": exponent, "work_of_adhesion_J_per_m2": work}
+        row: Row = {"rate_exponent": exponent, "work_of_adhesion_J_per_m2": work}
         try:
             member = solved(contact, targets, exponent, work)
         except NoSolutionError as reason:
@@ -130,7 +130,7 @@ def family(targets: TwoStageTargets, inputs: Tables) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def facts(member: Contact, targets: TwoStageTargets) -> dict[str, object]:
+def facts(member: Contact, targets: TwoStageTargets) -> Row:
     """Return the printed facts that were not fitted, as this member has them, and the verdicts."""
     wanted, speed = targets.facts, targets.speed_m_per_s
     between = np.geomspace(wanted.flat_from_m_per_s, speed, 20)
@@ -345,7 +345,7 @@ def _corners(ratios: ForceRatios, inputs: Tables) -> Corners:
 
 def _rows(
     case: str, contact: Contact, targets: Mapping[str, tuple[float, float, str]]
-) -> list[dict[str, object]]:
+) -> list[Row]:
     """Return the rows of one case: targets as (value met, target, unit), then parameters."""
     names = {"case": case, "particle": contact.particle.name, "surface": contact.surface.name}
     met = [
@@ -372,7 +372,7 @@ def _members(targets: TwoStageTargets, inputs: Tables) -> dict[str, Contact]:
     }
 
 
-def _member_rows(targets: TwoStageTargets, found: Mapping[str, Contact]) -> list[dict[str, object]]:
+def _member_rows(targets: TwoStageTargets, found: Mapping[str, Contact]) -> list[Row]:
     rows = []
     for one in targets.members:
         member = found[one.case]
@@ -400,8 +400,8 @@ def _damped_as(
     return declared_contact(inputs, target.particle, target.surface).replace(**damping)
 
 
-def _ratio_rows(ratios: ForceRatios, corners: Corners) -> list[dict[str, object]]:
-    rows: list[dict[str, object]] = []
+def _ratio_rows(ratios: ForceRatios, corners: Corners) -> list[Row]:
+    rows: list[Row] = []
     for case, contact in zip(CORNERS, corners, strict=True):
         adhesion, dissipation = peak_ratios(contact, ratios.speed_m_per_s)
         met = {
@@ -412,9 +412,7 @@ def _ratio_rows(ratios: ForceRatios, corners: Corners) -> list[dict[str, object]
     return rows
 
 
-def _work_rows(
-    target: WorkTarget, found: Mapping[str, Contact], inputs: Tables
-) -> list[dict[str, object]]:
+def _work_rows(target: WorkTarget, found: Mapping[str, Contact], inputs: Tables) -> list[Row]:
     contact = _damped_as(target, found, inputs).replace(diameter=target.diameter_um * 1e-6)
     solution = work_of_adhesion_for(contact, target.capture_velocity_m_per_s)
     limit = float(capture_velocity(solution))
@@ -424,7 +422,7 @@ def _work_rows(
 
 def _damping_rows(
     target: RestitutionTarget, found: Mapping[str, Contact], inputs: Tables
-) -> list[dict[str, object]]:
+) -> list[Row]:
     contact = _damped_as(target, found, inputs)
     solution = damping_factor_for(contact, target.speed_m_per_s, target.restitution)
     e = float(simulate(solution, target.speed_m_per_s).coefficient_of_restitution)

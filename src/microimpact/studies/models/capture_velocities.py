@@ -17,7 +17,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
-from microimpact.core.tables import Tables, result_evidence, series_frame
+from microimpact.core.tables import Row, Tables, result_evidence, series_frame
 from microimpact.declared.parameters import CaseName, Keyed, Name, Positive, PrintedName
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.closed_forms import (
@@ -198,10 +198,10 @@ def _evidence(pair: PairCase, law: str) -> str:
 
 def _rows(
     params: Params, pair: PairCase, contact: Contact, laws: Mapping[str, Law], printed: float
-) -> list[dict[str, object]]:
+) -> list[Row]:
     modelled = float(laws[MODEL].velocity(contact))
     compared = params.compared_speed_ratio * printed
-    rows: list[dict[str, object]] = []
+    rows: list[Row] = []
     for name, law in laws.items():
         velocity = float(law.velocity(contact))
         gives_e = law.restitution if np.isfinite(compared) else None

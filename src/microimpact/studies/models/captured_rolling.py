@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 from pydantic import Field
 
-from microimpact.core.tables import Tables, series_frame
+from microimpact.core.tables import Row, Tables, series_frame
 from microimpact.declared.parameters import AngleDegrees, CaseName, Positive
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact, resized
@@ -81,9 +81,7 @@ def fastest_captured(params: Params, limit: float, angle: float) -> float:
     return float(min(limit / np.sin(np.radians(angle)), params.largest_speed_m_per_s))
 
 
-def distances(
-    params: Params, contact: Contact, limit: float, angle: float, shift: float
-) -> dict[str, object]:
+def distances(params: Params, contact: Contact, limit: float, angle: float, shift: float) -> Row:
     """Return one row of the table of distances, for a contact of that capture velocity."""
     speed = fastest_captured(params, limit, angle)
     along = KEPT * float(velocity_components(speed, angle)[1])

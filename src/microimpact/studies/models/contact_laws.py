@@ -19,7 +19,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray, Real
-from microimpact.core.tables import series_frame
+from microimpact.core.tables import Row, Tables, series_frame
 from microimpact.declared.parameters import CaseName, Count, Keyed, Name, NonNegative, Positive
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact, resized
@@ -161,7 +161,7 @@ class Fit:
     at_end: tuple[str, ...]
 
 
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Fit every law, and ask it what the claims ask.
 
     ``contact_law_fits``: parameters, misfit and capture velocity of every law, fitted with and
@@ -285,12 +285,12 @@ def _normal_speed(fact: Fact) -> float:
 
 def _row(
     law: str, targets: str, quantity: str, value: float, unit: str, *, at_end: bool = False
-) -> dict[str, object]:
+) -> Row:
     named = {"law": law, "targets": targets, "quantity": quantity, "value": value, "unit": unit}
     return named | {"at_end_of_range": "yes" if at_end else "no"}
 
 
-def _fit_rows(fit: Fit) -> list[dict[str, object]]:
+def _fit_rows(fit: Fit) -> list[Row]:
     row = partial(_row, fit.law.name, fit.targets)
     return [
         *(row(n, of, UNITS[n], at_end=n in fit.at_end) for n, of in fit.parameters.items()),
@@ -300,7 +300,7 @@ def _fit_rows(fit: Fit) -> list[dict[str, object]]:
     ]
 
 
-def needed_works(params: Params, inputs: Mapping[str, pd.DataFrame]) -> list[dict[str, object]]:
+def needed_works(params: Params, inputs: Tables) -> list[Row]:
     """Return works of adhesion, J/m2, that give another pair its capture velocity by each law.
 
     By JKR the bulk is elastic; by hysteresis the contact does not pull while it closes. Both
@@ -324,11 +324,11 @@ def needed_works(params: Params, inputs: Mapping[str, pd.DataFrame]) -> list[dic
     return [_row(name, case, WORK, work, UNITS[WORK]) for name, work in works.items()]
 
 
-def fact_rows(params: Params, fit: Fit) -> list[dict[str, object]]:
+def fact_rows(params: Params, fit: Fit) -> list[Row]:
     """Return what a fitted law gives for every fact and criterion, and whether it meets it."""
     contact, asked = fit.contact, params.criteria
     limit = float(capture_velocity(contact))
-    rows: list[dict[str, object]] = []
+    rows: list[Row] = []
 
     def add(fact: str, claim: str, unit: str, value: float, low: float, high: float) -> None:
         rows.append(

@@ -11,7 +11,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
-from microimpact.core.tables import POINTS, Tables, points_parts, points_series, series_frame
+from microimpact.core.tables import POINTS, Row, Tables, points_parts, points_series, series_frame
 from microimpact.declared.parameters import CaseName, Fraction, Keyed, Positive
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.dynamics.capture import capture_velocity
@@ -75,8 +75,8 @@ def run(params: Params, inputs: Tables) -> Tables:
     of these points last; where these cannot be fitted, ``note`` says why.
     """
     frames: dict[str, list[pd.DataFrame]] = {"fig15": [], "fig16": []}
-    rows: list[dict[str, object]] = []
-    later: list[dict[str, object]] = []
+    rows: list[Row] = []
+    later: list[Row] = []
     for case in params.cases:
         contact = calibrated_contact(inputs, case.case)
         limit = float(capture_velocity(contact))
@@ -112,7 +112,7 @@ def run(params: Params, inputs: Tables) -> Tables:
 
 def _digitised_fits(
     case: FittedCase, params: Params, points: pd.DataFrame | None, limit: float
-) -> tuple[list[dict[str, object]], list[pd.DataFrame]]:
+) -> tuple[list[Row], list[pd.DataFrame]]:
     """Rows of the fits to the user's points of a case, and the curve of that with q free."""
     if points is None:
         return [], []
@@ -120,10 +120,10 @@ def _digitised_fits(
     is_own = (points["figure"] == case.figure) & points["series"].isin(names)
     evidence = [points_parts(str(name))[0] for name in points.loc[is_own, "series"].unique()]
     v, e = (points.loc[is_own, name].to_numpy(float) for name in ("x", "y"))
-    rows: list[dict[str, object]] = []
+    rows: list[Row] = []
     curves: list[pd.DataFrame] = []
     for exponent, q in (("free", None), ("fixed", params.fixed_exponent)) if v.size else ():
-        row: dict[str, object] = {"case": case.case, "exponent": exponent, "evidence": evidence[0]}
+        row: Row = {"case": case.case, "exponent": exponent, "evidence": evidence[0]}
         try:
             fit = fit_restitution(v, e, q=q)
         except ValueError as error:  # too few points, or what is no coefficient of restitution
@@ -149,14 +149,14 @@ def _speeds(start: float, v_c: float, end: float, points: int) -> FloatArray:
     return np.union1d(np.geomspace(start, end, points), near)
 
 
-def _known(case: FittedCase, limit: float) -> dict[str, object]:
+def _known(case: FittedCase, limit: float) -> Row:
     return {
         "simulated_v_c_m_per_s": limit,
         "printed_v_c_m_per_s": case.printed_capture_velocity_m_per_s or np.nan,
     }
 
 
-def _row(case: FittedCase, limit: float, fit: RestitutionFit) -> dict[str, object]:
+def _row(case: FittedCase, limit: float, fit: RestitutionFit) -> Row:
     low, high = fit.v_c_interval
     return {
         "case": case.case,

@@ -19,7 +19,7 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.solve import root
-from microimpact.core.tables import Tables, series_frame
+from microimpact.core.tables import Row, Tables, series_frame
 from microimpact.declared.parameters import AngleDegrees, CaseName, Fraction, Positive
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact, resized
@@ -82,8 +82,8 @@ def run(params: Params, inputs: Tables) -> Tables:
     an end may be the limit, the outermost of those angles. Diameters and speeds with no rebound at
     two of the angles have no row. ``rolling``: data of the figure.
     """
-    rows: list[dict[str, object]] = []
-    summary: list[dict[str, object]] = []
+    rows: list[Row] = []
+    summary: list[Row] = []
     for case, diameter in product(params.cases, params.diameters_um):
         contact = resized(calibrated_contact(inputs, case), diameter * 1e-6)
         limit = float(capture_velocity(contact))
@@ -122,7 +122,7 @@ def _rebounding(limit: float, speed: float, angles: tuple[float, ...] | FloatArr
     return np.extract(normal_speed > limit * (1.0 + ABOVE_CAPTURE), degrees)
 
 
-def _row(contact: Contact, speed: float, moments: RollingImpulses | None) -> dict[str, object]:
+def _row(contact: Contact, speed: float, moments: RollingImpulses | None) -> Row:
     if moments is None:
         return {"captured": True}
     scale = float(contact.radius) * float(contact.mass) * speed
@@ -141,9 +141,9 @@ def _summary(
     params: Params,
     moments: Callable[[float], RollingImpulses],
     found: Mapping[float, RollingImpulses],
-) -> list[dict[str, object]]:
+) -> list[Row]:
     angles = np.array(list(found))
-    rows: list[dict[str, object]] = []
+    rows: list[Row] = []
     for grade in GRADES:
         ratios = np.array([ratio(c, grade) for c in found.values()])
 

@@ -11,7 +11,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
-from microimpact.core.tables import Tables
+from microimpact.core.tables import Row, Tables
 from microimpact.declared.parameters import CaseName, Keyed, Name, Positive, PrintedName
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact
@@ -207,7 +207,7 @@ def _fitted(
     return fit_batch(sets).v_c.reshape(len(seeds), -1).T
 
 
-def _level_rows(each: DesignedExperiment) -> Iterator[dict[str, object]]:
+def _level_rows(each: DesignedExperiment) -> Iterator[Row]:
     nominal = factor_values(each.contact)
     for column, (letter, (name, unit)) in enumerate(FACTORS.items()):
         low, high = each.levels[:, column]
@@ -257,7 +257,7 @@ def _column(unit: str) -> str:
     return {"-": "1"}.get(unit, unit.replace("/", "_per_"))
 
 
-def _elasticity_rows(params: Params, inputs: Tables) -> Iterator[dict[str, object]]:
+def _elasticity_rows(params: Params, inputs: Tables) -> Iterator[Row]:
     for case in params.cases:
         contact = calibrated_contact(inputs, case.case)
         found = elasticities(contact)

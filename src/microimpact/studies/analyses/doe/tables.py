@@ -12,7 +12,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from microimpact.core.arrays import FloatArray
-from microimpact.core.tables import series_frame
+from microimpact.core.tables import Row, series_frame
 from microimpact.model.contact import Contact
 from microimpact.statistics.effects import (
     Margins,
@@ -108,7 +108,7 @@ def _percent(
 _frame = partial(series_frame, x_unit="percent", y_unit="1")
 
 
-def alias_rows(relation: Mapping[str, int]) -> list[dict[str, object]]:
+def alias_rows(relation: Mapping[str, int]) -> list[Row]:
     """Return, per effect the fraction estimates, what is added to it."""
     resolution = min(map(len, relation), default=0)
     return [
@@ -130,7 +130,7 @@ def _signed(others: Mapping[str, int]) -> str:
     return " ".join(_terms(others))
 
 
-def effect_rows(each: DesignedExperiment) -> Iterator[dict[str, object]]:
+def effect_rows(each: DesignedExperiment) -> Iterator[Row]:
     """Yield one row per effect, response and design."""
     for found in analyses(each):
         normal = normal_positions(found.percent)
@@ -155,7 +155,7 @@ def effect_rows(each: DesignedExperiment) -> Iterator[dict[str, object]]:
             }
 
 
-def bd_aliasing(each: DesignedExperiment) -> Iterator[dict[str, object]]:
+def bd_aliasing(each: DesignedExperiment) -> Iterator[Row]:
     """Yield what BD looks like in every quarter fraction, all choices of signs."""
     whole = effects(each.full, LETTERS, ["BD"], each.response)[0] / each.response.mean()
     for first, second in quarter_fractions(LETTERS):

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 from pydantic import Field
 
-from microimpact.core.tables import Tables
+from microimpact.core.tables import Row, Tables
 from microimpact.declared.parameters import AngleDegrees, CaseName, Keyed, Name
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.surface import Rules
@@ -224,7 +224,7 @@ def _ensemble(params: Params, impact: Impact, variant: Variant, number: int) -> 
     return with_slope(ensemble, float(str(found["slope_sd"])), two_axes=variant.two_axes)
 
 
-def _inferred(params: Params, ensemble: Ensemble, variant: Variant) -> dict[str, object]:
+def _inferred(params: Params, ensemble: Ensemble, variant: Variant) -> Row:
     inference = _stream(ensemble, INFERENCE)
     return infer_slope(inference, params.slope_inference, two_axes=variant.two_axes)
 

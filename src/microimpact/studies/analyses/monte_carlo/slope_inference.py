@@ -11,6 +11,7 @@ import numpy as np
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.solve import root
+from microimpact.core.tables import Row
 from microimpact.declared.parameters import AngleDegrees, Count, NonNegative, Positive
 from microimpact.statistics.distributions import Constant, Normal
 from microimpact.studies.analyses.monte_carlo.ensembles import (
@@ -61,9 +62,7 @@ def with_slope(ensemble: Ensemble, sd: float, *, two_axes: bool) -> Ensemble:
     return replace(ensemble, process=replace(ensemble.process, slope=slope, cross_slope=across))
 
 
-def infer_slope(
-    ensemble: Ensemble, settings: SlopeInference, *, two_axes: bool
-) -> dict[str, object]:
+def infer_slope(ensemble: Ensemble, settings: SlopeInference, *, two_axes: bool) -> Row:
     """Return the standard deviation of the slope that meets the restitution, and its uncertainty.
 
     All slopes share their random numbers, so that the restitution is a smooth function of the
@@ -94,7 +93,7 @@ def infer_slope(
 
     values = [measured(float(sd), 0.0, 0.0) for sd in grid]
     sd = solved(0.0, 0.0)
-    row: dict[str, object] = {
+    row: Row = {
         "largest_restitution": max(values),
         "slope_sd_of_largest": float(grid[np.argmax(values)]),
         "reached": bool(np.isfinite(sd)),

@@ -10,7 +10,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
-from microimpact.core.tables import Tables
+from microimpact.core.tables import Row, Tables
 from microimpact.declared.parameters import CaseName, Count, Positive
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact
@@ -89,7 +89,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     ``sensitivity_parameters``: what is calibrated, and how it goes with w_A. ``sobol``: indices
     drawn.
     """
-    tables: dict[str, list[dict[str, object]]] = {
+    tables: dict[str, list[Row]] = {
         name: [] for name in ("indices", "convergence", "groups", "parameters")
     }
     options = Bootstrap(resamples=params.resamples, confidence=params.confidence)

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from microimpact.core.arrays import FloatArray
-from microimpact.core.tables import Tables, series_frame
+from microimpact.core.tables import Row, Tables, series_frame
 from microimpact.model.contact import Contact
 from microimpact.statistics.sobol import Indices, sobol_indices
 from microimpact.studies.analyses.doe.factors import FACTORS, LETTERS, factor_values
@@ -58,7 +58,7 @@ class Draw:
         return kept
 
     @property
-    def label(self) -> dict[str, object]:
+    def label(self) -> Row:
         """Case, variation and counts, for a row of a table."""
         return {
             "case": self.case,
@@ -73,7 +73,7 @@ class Draw:
 
 def index_rows(
     draw: Draw, effects: pd.DataFrame, numbers: np.random.Generator, options: Bootstrap
-) -> Iterator[dict[str, object]]:
+) -> Iterator[Row]:
     """Yield the indices of the five factors beside their effects over the full design."""
     whole = effects[
         (effects["case"] == draw.case)
@@ -104,7 +104,7 @@ def index_rows(
 
 def convergence_rows(
     draw: Draw, least: int, numbers: np.random.Generator, options: Bootstrap
-) -> Iterator[dict[str, object]]:
+) -> Iterator[Row]:
     """Yield the indices of v_c from the first base samples, doubled until all are in."""
     samples = least
     while samples <= len(draw.response):
@@ -123,7 +123,7 @@ def convergence_rows(
 
 def group_rows(
     draw: Draw, radius: int, numbers: np.random.Generator, options: Bootstrap
-) -> Iterator[dict[str, object]]:
+) -> Iterator[Row]:
     """Yield the indices of variability, the radius, and of uncertainty, all other inputs.
 
     Points A and that with the radius of B differ in the radius alone; that point and B differ in
@@ -140,19 +140,19 @@ def group_rows(
 
 def input_rows(
     draw: Draw, names: Sequence[str], numbers: np.random.Generator, options: Bootstrap
-) -> Iterator[dict[str, object]]:
+) -> Iterator[Row]:
     """Yield the indices of each input."""
     found = _indices(draw.kept(), numbers, options)
     for i, name in enumerate(names):
         yield _input_row(draw, "input", name, _at(found, i))
 
 
-def _input_row(draw: Draw, kind: str, name: str, indices: Mapping[str, float]) -> dict[str, object]:
+def _input_row(draw: Draw, kind: str, name: str, indices: Mapping[str, float]) -> Row:
     spread = {"standard_deviation_percent": _spread(draw.kept())}
     return draw.label | spread | {"kind": kind, "input": name, **indices, "evidence": "computed"}
 
 
-def parameter_rows(case: str, sample: Contact) -> Iterator[dict[str, object]]:
+def parameter_rows(case: str, sample: Contact) -> Iterator[Row]:
     """Yield medians, 90 % ranges and rank correlations of what is calibrated."""
     values = {name: np.asarray(factor_values(sample)[name]) for name in "ABDE"}
     ranks = {name: pd.Series(value).rank() for name, value in values.items()}

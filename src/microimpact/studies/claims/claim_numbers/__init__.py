@@ -6,11 +6,12 @@ states, and the criteria, are in ``config/claims.yaml``.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 
 import pandas as pd
 
 from microimpact.core.nearest import nearest
+from microimpact.core.tables import Tables
 from microimpact.studies.claims import NUMBER_COLUMNS
 from microimpact.studies.claims.claim_numbers import (
     conclusions,
@@ -74,7 +75,7 @@ SECTIONS = (
 Part = list[tuple[int, list[draws.Row]]]
 
 
-def part(params: Params, inputs: Mapping[str, pd.DataFrame], index: int, count: int) -> Part:
+def part(params: Params, inputs: Tables, index: int, count: int) -> Part:
     """Return the numbers of every ``count``-th draw, from ``index`` on, with its place.
 
     Of the tables, only ``calibration`` and ``admissible_contacts`` are read.
@@ -84,9 +85,7 @@ def part(params: Params, inputs: Mapping[str, pd.DataFrame], index: int, count: 
     return list(zip(range(index, len(rows), count), own, strict=True))
 
 
-def gather(
-    params: Params, inputs: Mapping[str, pd.DataFrame], parts: Iterable[Part]
-) -> Mapping[str, pd.DataFrame]:
+def gather(params: Params, inputs: Tables, parts: Iterable[Part]) -> Tables:
     """Compute the numbers of every claim, and put those of the draws together; see `run`."""
     context = Context(params=params, inputs=inputs)
     found = [row for name in _ascending() for row in rows(name, context)]
@@ -98,7 +97,7 @@ def gather(
     }
 
 
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Compute the numbers of every claim.
 
     A claim that cannot be computed with the settings has a row that says why, and leaves the others
@@ -112,7 +111,7 @@ def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.D
     return gather(params, inputs, [part(params, inputs, 0, 1)])
 
 
-def numbers_of(claim: str, params: Params, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+def numbers_of(claim: str, params: Params, inputs: Tables) -> pd.DataFrame:
     """Return the numbers of one claim, as rows of the table of all.
 
     `claim`: such as ``C58``; `params`, `inputs`: as in `run`; of the tables those that the claim

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+from microimpact.core.tables import Row
 from microimpact.studies.claims.claim_numbers.context import Context, Estimate
 
 VIRTUAL, CALIBRATED = "virtual experiment", "calibrated"
@@ -72,7 +73,7 @@ def claim(
     return register
 
 
-def rows(name: str, context: Context) -> Iterator[dict[str, object]]:
+def rows(name: str, context: Context) -> Iterator[Row]:
     """Yield the rows of a claim, with `COLUMNS`: numbers, or why there are none in a case."""
     own = CLAIMS[name]
     code = f"{own.of.__module__}.{own.of.__qualname__}"

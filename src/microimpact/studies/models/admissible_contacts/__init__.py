@@ -12,7 +12,6 @@ proportion to its likelihood.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Annotated
 
@@ -22,6 +21,7 @@ from pydantic import Field
 
 from microimpact.core import ensemble
 from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.tables import Row, Tables
 from microimpact.declared.parameters import Count, Keyed, Seed
 from microimpact.lab.contacts import BAND, calibrated_contact
 from microimpact.model.contact import Contact, resized
@@ -65,7 +65,7 @@ class Params:
     points: Annotated[int, Field(ge=10)]
 
 
-def run(params: Params, inputs: Mapping[str, pd.DataFrame]) -> Mapping[str, pd.DataFrame]:
+def run(params: Params, inputs: Tables) -> Tables:
     """Draw the admissible contacts of every case.
 
     ``admissible_contacts``: the draws, their parameters and derived numbers, by case and variant.
@@ -109,9 +109,7 @@ def derived(case: Case, contact: Contact) -> dict[str, FloatArray]:
     }
 
 
-def table(
-    found: Posterior, variant: Variant, chosen: Chosen, inputs: Mapping[str, pd.DataFrame]
-) -> pd.DataFrame:
+def table(found: Posterior, variant: Variant, chosen: Chosen, inputs: Tables) -> pd.DataFrame:
     """Return the draws of one case and variant, a row each."""
     case, bare = found.case, bare_contact(found.case, inputs)
     contact = contacts(case, bare, chosen.points, np.array([case.diameter_um]))
@@ -149,7 +147,7 @@ def most_central(points: FloatArray) -> BoolArray:
     return np.asarray(np.arange(len(points)) == np.argmin(distance))
 
 
-def diagnostics(found: Posterior, variant: Variant, chosen: Chosen) -> dict[str, object]:
+def diagnostics(found: Posterior, variant: Variant, chosen: Chosen) -> Row:
     """Return how well the draws of one case and variant came about."""
     weights = found.weights(variant)
     return {
@@ -168,15 +166,13 @@ def diagnostics(found: Posterior, variant: Variant, chosen: Chosen) -> dict[str,
     }
 
 
-def summary(
-    found: Posterior, variant: Variant, chosen: Chosen, draws: pd.DataFrame
-) -> list[dict[str, object]]:
+def summary(found: Posterior, variant: Variant, chosen: Chosen, draws: pd.DataFrame) -> list[Row]:
     """Return medians and intervals of the numbers of one case and variant."""
     case = found.case
     sizes = limits_by_size(case, found.limits[chosen.taken])
     numbers = {name: draws[name].to_numpy(float) for name in TOLD} | sizes
     names = {"case": case.case, "estimate": variant.variant}
-    rows: list[dict[str, object]] = [
+    rows: list[Row] = [
         names | {"quantity": name} | dict(zip(COLUMNS, np.quantile(value, BAND), strict=True))
         for name, value in numbers.items()
     ]
@@ -187,7 +183,7 @@ def summary(
     return rows
 
 
-def two_stage(case: Case, inputs: Mapping[str, pd.DataFrame]) -> list[dict[str, object]]:
+def two_stage(case: Case, inputs: Tables) -> list[Row]:
     """Return the same numbers of the two-stage estimates, which have no interval."""
     rows = []
     for other in case.compared:
@@ -206,18 +202,18 @@ def limits_by_size(case: Case, limits: FloatArray) -> dict[str, FloatArray]:
     return dict(zip(names, np.moveaxis(limits, -1, 0), strict=True))
 
 
-def told(found: Posterior, variant: Variant, chosen: Chosen) -> list[dict[str, object]]:
+def told(found: Posterior, variant: Variant, chosen: Chosen) -> list[Row]:
     """Return what each statement says and what the draws of one case and variant have.
 
     A statement that the variant leaves out is told, too: what the draws predict for it.
     """
-    rows: list[dict[str, object]] = []
+    rows: list[Row] = []
     for one in found.case.all_statements:
         value = found.quantities[one.statement][chosen.taken]
         if value.ndim == 2:
             kinds = chosen.bases if isinstance(one, Within) and one.frictional else chosen.classes
             value = value[np.arange(len(value)), kinds]
-        row: dict[str, object] = {
+        row: Row = {
             "case": found.case.case,
             "variant": variant.variant,
             "statement": one.statement,

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 import numpy as np
-import pandas as pd
 from pydantic import Field
 
 from microimpact.core import ensemble
 from microimpact.core.arrays import FloatArray
+from microimpact.core.tables import Tables
 from microimpact.declared.parameters import (
     CaseName,
     Count,
@@ -207,7 +207,7 @@ def on_impacts(case: Case) -> list[Statement]:
     return [s for s in case.all_statements if not s.of_capture]
 
 
-def bare_contact(case: Case, inputs: Mapping[str, pd.DataFrame]) -> Contact:
+def bare_contact(case: Case, inputs: Tables) -> Contact:
     """Return the declared contact of the pair, w_A being that of its declared diameter."""
     declared = declared_contact(inputs, case.particle, case.surface)
     return declared.replace(
@@ -232,9 +232,7 @@ def contacts(case: Case, bare: Contact, points: FloatArray, diameters_um: FloatA
     return bare.replace(diameter=diameters_um * 1e-6, work_of_adhesion=work, **fields)
 
 
-def posterior(
-    case: Case, inputs: Mapping[str, pd.DataFrame], sampler: Sampler, seed: int
-) -> Posterior:
+def posterior(case: Case, inputs: Tables, sampler: Sampler, seed: int) -> Posterior:
     """Draw the pool of a case and evaluate all statements."""
     bare = bare_contact(case, inputs)
     ends = case.ranges.open()

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from functools import partial
 
 import numpy as np
 import pandas as pd
 
 from microimpact.core.arrays import FloatArray
-from microimpact.core.tables import series_frame
+from microimpact.core.tables import Tables, series_frame
 from microimpact.lab.contacts import BAND, admissible_contact, calibrated_contact
 from microimpact.model.contact import resized
 from microimpact.model.dynamics.normal import normal_impact
@@ -66,9 +66,7 @@ def marginals(
     }
 
 
-def bands(
-    case: Case, variants: Iterable[Variant], inputs: Mapping[str, pd.DataFrame], points: int
-) -> pd.DataFrame:
+def bands(case: Case, variants: Iterable[Variant], inputs: Tables, points: int) -> pd.DataFrame:
     """Return e against the normal speed: bands of the draws, single contacts, printed facts.
 
     `case`: the pair; bands are of its diameter; `inputs`: ``admissible_contacts``, ``calibration``,

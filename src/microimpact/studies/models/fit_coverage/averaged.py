@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 from pydantic import Field
 
-from microimpact.core.tables import Tables, series_frame
+from microimpact.core.tables import Row, Tables, series_frame
 from microimpact.declared.parameters import CaseName, Count, NonNegative, Positive
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact
@@ -93,7 +93,7 @@ def row(
     seed: int,
     confidence: float,
     design: Design,
-) -> dict[str, object]:
+) -> Row:
     """Fit the data sets of a design; v_c in units of the true one.
 
     `constants`: k, p, kappa, q, v_c of Eq. (34), m/s; `highest`: speed in v_c.
