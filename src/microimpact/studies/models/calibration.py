@@ -7,7 +7,7 @@ as an interval; other pairs by their work of adhesion or by their damping alone.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
@@ -215,6 +215,8 @@ CORNERS = tuple(f"fluorescein-molybdenum, {name}" for name in ("least", "nominal
 
 # Contacts with the least, the nominal and the greatest capture velocity of an admissible set.
 Corners = tuple[Contact, Contact, Contact]
+# Of each quantity of a contact: the value met, its target, and the unit.
+Met = dict[str, tuple[float, float, str]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -343,25 +345,18 @@ def _corners(ratios: ForceRatios, inputs: Tables) -> Corners:
     )
 
 
-def _rows(
-    case: str, contact: Contact, targets: Mapping[str, tuple[float, float, str]]
-) -> list[Row]:
-    """Return the rows of one case: targets as (value met, target, unit), then parameters."""
-    names = {"case": case, "particle": contact.particle.name, "surface": contact.surface.name}
-    met = [
-        names
-        | {"role": "target", "quantity": name, "value": value, "target": target, "unit": unit}
-        | {"evidence": "calibrated"}
-        for name, (value, target, unit) in targets.items()
-    ]
-    found = [
-        names
-        | {"role": "parameter", "quantity": name, "value": float(getattr(contact, name))}
-        | {"target": np.nan, "unit": unit, "evidence": "calibrated"}
+def _rows(case: str, contact: Contact, targets: Met) -> Iterator[Row]:
+    """Yield the rows of one case: targets, then parameters."""
+    numbers = [("target", name, *of) for name, of in targets.items()]
+    numbers += [
+        ("parameter", name, float(getattr(contact, name)), np.nan, unit)
         for name, unit in PARAMETERS.items()
         if getattr(contact, name) is not None
     ]
-    return met + found
+    for role, name, value, target, unit in numbers:
+        bodies = {"particle": contact.particle.name, "surface": contact.surface.name}
+        own = {"role": role, "quantity": name, "value": value, "target": target, "unit": unit}
+        yield {"case": case, **bodies, **own, "evidence": "calibrated"}
 
 
 def _members(targets: TwoStageTargets, inputs: Tables) -> dict[str, Contact]:
@@ -372,18 +367,20 @@ def _members(targets: TwoStageTargets, inputs: Tables) -> dict[str, Contact]:
     }
 
 
-def _member_rows(targets: TwoStageTargets, found: Mapping[str, Contact]) -> list[Row]:
-    rows = []
+def _restitution(contact: Contact, speed: float, target: float) -> Met:
+    e = float(simulate(contact, speed).coefficient_of_restitution)
+    return {"coefficient_of_restitution": (e, target, "-")}
+
+
+def _capture(contact: Contact, target: float) -> Met:
+    return {"capture_velocity": (float(capture_velocity(contact)), target, "m/s")}
+
+
+def _member_rows(targets: TwoStageTargets, found: Mapping[str, Contact]) -> Iterator[Row]:
     for one in targets.members:
         member = found[one.case]
-        e = float(simulate(member, targets.speed_m_per_s).coefficient_of_restitution)
-        limit = float(capture_velocity(member))
-        met = {
-            "coefficient_of_restitution": (e, targets.restitution, "-"),
-            "capture_velocity": (limit, targets.capture_velocity_m_per_s, "m/s"),
-        }
-        rows += _rows(one.case, member, met)
-    return rows
+        met = _restitution(member, targets.speed_m_per_s, targets.restitution)
+        yield from _rows(one.case, member, met | _capture(member, targets.capture_velocity_m_per_s))
 
 
 def _damped_as(
@@ -400,31 +397,26 @@ def _damped_as(
     return declared_contact(inputs, target.particle, target.surface).replace(**damping)
 
 
-def _ratio_rows(ratios: ForceRatios, corners: Corners) -> list[Row]:
-    rows: list[Row] = []
+def _ratio_rows(ratios: ForceRatios, corners: Corners) -> Iterator[Row]:
     for case, contact in zip(CORNERS, corners, strict=True):
         adhesion, dissipation = peak_ratios(contact, ratios.speed_m_per_s)
         met = {
             "adhesion_over_hertz": (adhesion, ratios.adhesion_over_hertz, "-"),
             "dissipation_over_adhesion": (dissipation, ratios.dissipation_over_adhesion, "-"),
         }
-        rows += _rows(case, contact, met)
-    return rows
+        yield from _rows(case, contact, met)
 
 
-def _work_rows(target: WorkTarget, found: Mapping[str, Contact], inputs: Tables) -> list[Row]:
+def _work_rows(target: WorkTarget, found: Mapping[str, Contact], inputs: Tables) -> Iterator[Row]:
     contact = _damped_as(target, found, inputs).replace(diameter=target.diameter_um * 1e-6)
     solution = work_of_adhesion_for(contact, target.capture_velocity_m_per_s)
-    limit = float(capture_velocity(solution))
-    met = {"capture_velocity": (limit, target.capture_velocity_m_per_s, "m/s")}
-    return _rows(target.case, solution, met)
+    return _rows(target.case, solution, _capture(solution, target.capture_velocity_m_per_s))
 
 
 def _damping_rows(
     target: RestitutionTarget, found: Mapping[str, Contact], inputs: Tables
-) -> list[Row]:
+) -> Iterator[Row]:
     contact = _damped_as(target, found, inputs)
     solution = damping_factor_for(contact, target.speed_m_per_s, target.restitution)
-    e = float(simulate(solution, target.speed_m_per_s).coefficient_of_restitution)
-    met = {"coefficient_of_restitution": (e, target.restitution, "-")}
+    met = _restitution(solution, target.speed_m_per_s, target.restitution)
     return _rows(target.case, solution, met)
