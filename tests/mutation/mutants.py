@@ -511,7 +511,7 @@ LABORATORY = (
     ),
     Mutant(
         "design: runs in the library's order",
-        "src/microimpact/statistics/designs.py",
+        "src/microimpact/statistics/effects.py",
         "rows: FloatArray = design[order]",
         "rows: FloatArray = design[order[::-1]]",
         ("statistics/test_designs",),

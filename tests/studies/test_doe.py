@@ -15,11 +15,12 @@ from microimpact.declared.parameters import build, explain
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.run.config import read_configuration, validate
-from microimpact.statistics.designs import fractional_factorial, full_factorial
 from microimpact.statistics.effects import (
     aliases,
     defining_relation,
     effects,
+    fractional_factorial,
+    full_factorial,
     half_normal_positions,
     lenth,
     normal_positions,

@@ -1,4 +1,4 @@
-"""Effects of a two-level design: aliases, contrasts, Lenth's margins, plotting positions.
+"""Two-level designs of experiments and their effects: aliases, contrasts, Lenth's margins.
 
 An effect is a word of factor letters (``BD``); the responses are deterministic, so effects are
 exact contrasts, and Lenth's margins screen for sparsity; they are no tests.
@@ -6,9 +6,11 @@ exact contrasts, and Lenth's margins screen for sparsity; they are no tests.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +19,32 @@ from microimpact.core.arrays import FloatArray
 LEAST_RESOLUTION = 3
 
 SignedWords = Mapping[str, int]
+
+
+def fractional_factorial(generator: str) -> FloatArray:
+    """Return a two-level fractional factorial design.
+
+    Levels -1 and +1, shape (runs, factors), in standard (Yates) order: the first factor changes
+    with every run. The libraries order the runs differently, so the rows are sorted here.
+    `generator`: one word per factor, as ``"a b c d abcd"``: single letters are varied freely, words
+    are products of letters, with a minus sign for the negative fraction; see `defining_relation`.
+    """
+    # Imported here: the library brings much along that only a design needs.
+    if sys.version_info >= (3, 12):
+        from pydoe import fracfact
+    else:
+        from pyDOE2 import fracfact
+
+    design: Any = np.asarray(fracfact(generator), dtype=np.float64)
+    free = [column for column, word in enumerate(generator.split()) if len(word) == 1]
+    order = np.lexsort([design[:, column] for column in free])
+    rows: FloatArray = design[order]
+    return rows
+
+
+def full_factorial(factors: int) -> FloatArray:
+    """Return all combinations of two levels, shape (2^factors, factors), in standard order."""
+    return fractional_factorial(" ".join("abcdefghijklmnopqrstuvwxyz"[:factors]))
 
 
 def words(letters: str) -> list[str]:

@@ -18,8 +18,11 @@ from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.empirical.search import data_sets, fit_batch
-from microimpact.statistics.designs import fractional_factorial, full_factorial
-from microimpact.statistics.effects import defining_relation
+from microimpact.statistics.effects import (
+    defining_relation,
+    fractional_factorial,
+    full_factorial,
+)
 from microimpact.studies.analyses.doe.factors import (
     FACTORS,
     LETTERS,
