@@ -112,7 +112,8 @@ def run(params: Params, inputs: Tables) -> Tables:
         *_factors(inputs["doe_levels"], inputs["doe_effects"], facts),
         *_spin_and_roughness(params.spin, inputs, facts),
     ]
-    table = pd.DataFrame(rows).reindex(columns=COLUMNS)
+    # Every quantity is a pure number.
+    table = pd.DataFrame(rows).assign(unit="-").reindex(columns=COLUMNS)
     order = {fact: i for i, fact in enumerate(dict.fromkeys(table["fact"]))}
     table = table.sort_values("fact", key=lambda facts: facts.map(order), kind="stable")
     table["agreement"] = _agreement(table)
@@ -143,7 +144,6 @@ def _oblique(residuals: pd.DataFrame) -> Iterator[Row]:
                 "source": "Kharaz, Gorham and Salman 2001, Powder Technology 120:281",
                 "quantity": "relative rms of all points",
                 "contact": f"aluminium oxide on glass, {row['law']}",
-                "unit": "-",
                 "high": max(row["reading_error"], known),
                 "computed": row["relative_rms"],
             }
@@ -159,7 +159,6 @@ def _fast_rebounds(params: Params, inputs: Tables, facts: Facts) -> Iterator[Row
             "source": lost["source"],
             "quantity": f"energy lost at {lost['at']:g} m/s",
             "contact": case,
-            "unit": "-",
             "high": lost["value"],
             "computed": float(1.0 - e**2),
         }
@@ -175,7 +174,6 @@ def _fast_rebounds(params: Params, inputs: Tables, facts: Facts) -> Iterator[Row
         "source": free["source"],
         "quantity": "largest difference of e",
         "contact": f"{params.molybdenum}; {params.mica}",
-        "unit": "-",
         "high": params.same_restitution_within,
         "computed": float(np.max(np.abs(one - other))),
     }
@@ -216,7 +214,7 @@ def _sizes(params: Params, inputs: Tables, facts: Facts) -> Iterator[Row]:
     for name in dict.fromkeys((*params.fluorescein, *params.silver)):
         contact = calibrated_contact(inputs, name)
         for exponent in params.rate_exponents:
-            words = {"contact": f"{name.partition(', n =')[0]}, n = {exponent:g}", "unit": "-"}
+            words = {"contact": f"{name.partition(', n =')[0]}, n = {exponent:g}"}
             if name in params.fluorescein:
                 yield words | {
                     "fact": "capture velocity falls with size by more than the classical power",
@@ -257,7 +255,6 @@ def _factors(levels: pd.DataFrame, effects: pd.DataFrame, facts: Facts) -> Itera
             "source": lead["source"],
             "quantity": "lesser effect of the two over the greatest other",
             "contact": contact,
-            "unit": "-",
             "low": lead["value"],
             "computed": float(size[sorted(first)].min() / size[others].max()),
         }
@@ -266,7 +263,6 @@ def _factors(levels: pd.DataFrame, effects: pd.DataFrame, facts: Facts) -> Itera
             "source": rank["source"],
             "quantity": "its rank among the interactions of two",
             "contact": contact,
-            "unit": "-",
             "measured": rank["value"],
             "high": rank["value"],
             "computed": float(1 + (size[pairs] > size[both]).sum()),
@@ -290,7 +286,6 @@ def _spin_and_roughness(spin: Spin, inputs: Tables, facts: Facts) -> Iterable[Ro
             "source": above["source"].rpartition(": ")[0],
             "quantity": f"change of the impulse ratio at {spin.angle_deg:g} deg, over friction",
             "contact": f"{spin.case}, rim at {spin.ratio:g} of the speed",
-            "unit": "-",
             "low": spin.significant,
             "computed": float(np.abs(spun - still) / contact.friction),
         },
@@ -299,7 +294,6 @@ def _spin_and_roughness(spin: Spin, inputs: Tables, facts: Facts) -> Iterable[Ro
             "source": above["source"],
             "quantity": f"mean apparent restitution at {least['angle_deg']:g} deg",
             "contact": f"Monte Carlo, {least['variant']}",
-            "unit": "-",
             "low": above["value"],
             "computed": float(least["restitution"]),
         },
