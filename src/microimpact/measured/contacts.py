@@ -40,12 +40,9 @@ def write_contacts(path: Path | str, contact: Contact, best: Contact) -> None:
         value = getattr(contact, name)
         record[name] = value if value is None else np.asarray(value).tolist()
     record |= {name: getattr(contact, name) for name in TEXTS}
-    record["best"] = {name: _number(getattr(best, name)) for name in NUMBERS}
+    numbers = {name: getattr(best, name) for name in NUMBERS}
+    record["best"] = {name: None if of is None else float(of) for name, of in numbers.items()}
     write_file(path, json.dumps(record, indent=1, allow_nan=False) + "\n")
-
-
-def _number(value: Any) -> float | None:
-    return None if value is None else float(value)
 
 
 def read_contacts(path: Path | str) -> tuple[Contact, Contact]:

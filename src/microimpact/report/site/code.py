@@ -68,11 +68,8 @@ def _definitions(
     """Return functions, classes and methods with their first and last lines, outer ones first."""
     for node in tree.body:
         if isinstance(node, ast.FunctionDef | ast.ClassDef):
-            name, first = within + node.name, min([node, *node.decorator_list], key=_line)
-            yield name, first.lineno, node.end_lineno or node.lineno
+            name = within + node.name
+            first = min(part.lineno for part in (node, *node.decorator_list))
+            yield name, first, node.end_lineno or node.lineno
             if isinstance(node, ast.ClassDef):
                 yield from _definitions(node, f"{name}.")
-
-
-def _line(node: ast.stmt | ast.expr) -> int:
-    return node.lineno

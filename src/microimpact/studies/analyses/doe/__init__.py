@@ -234,12 +234,18 @@ def _design_table(each: DesignedExperiment) -> pd.DataFrame:
     fits = np.full((2, len(design)), np.nan)
     fits[:, 1 + each.runs] = each.fitted.mean(axis=0), each.fitted.std(axis=0, ddof=1)
     contacts = each.contacts
+    values = {
+        f"{name}_{'1' if unit == '-' else unit.replace('/', '_per_')}": np.asarray(value)
+        for (name, unit), value in zip(
+            FACTORS.values(), factor_values(contacts).values(), strict=True
+        )
+    }
     response = np.concatenate([[each.centre], each.response])
     return pd.DataFrame(
         {"case": each.case, "variation": each.variation, "run": range(len(design))}
         | {"in_fraction": np.isin(np.arange(len(design)) - 1, each.runs)}
         | {letter: design[:, i] for i, letter in enumerate(LETTERS)}
-        | {f"{FACTORS[k][0]}_{_column(FACTORS[k][1])}": v for k, v in _values(each).items()}
+        | values
         | {
             "adhesion_damping_s_per_m": contacts.adhesion_damping,
             "hertz_damping_s_per_m": contacts.hertz_damping,
@@ -250,14 +256,6 @@ def _design_table(each: DesignedExperiment) -> pd.DataFrame:
             "evidence": "computed",
         }
     )
-
-
-def _values(each: DesignedExperiment) -> dict[str, FloatArray]:
-    return {k: np.asarray(v) for k, v in factor_values(each.contacts).items()}
-
-
-def _column(unit: str) -> str:
-    return {"-": "1"}.get(unit, unit.replace("/", "_per_"))
 
 
 def _elasticity_rows(params: Params, inputs: Tables) -> Iterator[Row]:
