@@ -235,7 +235,7 @@ def _design_table(each: DesignedExperiment) -> pd.DataFrame:
     fits[:, 1 + each.runs] = each.fitted.mean(axis=0), each.fitted.std(axis=0, ddof=1)
     contacts = each.contacts
     values = {
-        f"{name}_{'1' if unit == '-' else unit.replace('/', '_per_')}": np.asarray(value)
+        f"{name}_{unit.replace('/', '_per_').replace('-', '1')}": np.asarray(value)
         for (name, unit), value in zip(
             FACTORS.values(), factor_values(contacts).values(), strict=True
         )
