@@ -117,7 +117,8 @@ SMALLER = {
     "admissible_contacts": {
         "sampler": {"spread": 13, "walkers": 96, "steps": 120, "pool": 1000},
         "draws": 200,
-    }
+    },
+    "rolling_dissipation": {"points": 9},
 }
 
 

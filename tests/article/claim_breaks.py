@@ -591,12 +591,6 @@ DYNAMICS = {
 # Section 3.3
 
 
-def steel_fits(settings):
-    """Return the cases of the fits that are needed: steel, and one that the study asks for."""
-    cases = settings.branches["restitution_fits"]["cases"]
-    return [case for case in cases if case["case"] in {*STEEL, MICA}]
-
-
 EMPIRICAL = {
     "C43": partial(changed, fits={"fitted_from": 5.0}),
     "C104": partial(changed, fits={"fitted_from": 5.0}),

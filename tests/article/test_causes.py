@@ -18,14 +18,8 @@ INVERSE = "steel-silicon, n = 1"
 
 
 @pytest.fixture(scope="module")
-def tables(run_study, settings, calibration):
-    spore = {
-        **settings.branches["mechanisms"]["spore"],
-        "seen_deg": [38.0, 15.0],
-        "seen_events": 20,
-        "seen_dropped": 1500,
-    }
-    return run_study("mechanisms", calibration, impacts=500, spore=spore)
+def tables(made):
+    return made("mechanisms")
 
 
 @pytest.fixture(scope="module")

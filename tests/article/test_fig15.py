@@ -7,8 +7,8 @@ import pytest
 
 
 @pytest.fixture(scope="module")
-def tables(run_study, calibration):
-    return run_study("restitution_fits", calibration)
+def tables(made):
+    return made("restitution_fits")
 
 
 @pytest.fixture(scope="module")

@@ -12,8 +12,8 @@ CONSTANT, INVERSE = "steel-silicon, n = 0", "steel-silicon, n = 1"
 
 
 @pytest.fixture(scope="module")
-def tables(run_study, calibration):
-    return run_study("rolling_dissipation", calibration, points=9)
+def tables(made):
+    return made("rolling_dissipation")
 
 
 @pytest.fixture(scope="module")
