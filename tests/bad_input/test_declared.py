@@ -62,7 +62,6 @@ CASES = [
     (MODELS, "case: fluorescein-molybdenum, nominal", "case: fluorescein-molybdenum, nomial", ["force_history.case: 'fluorescein-molybdenum, nomial' is not declared in cases (did you mean 'fluorescein-molybdenum, nominal'?)"]),
     (LABORATORY, "    surface: {from: surfaces.Formica}", "    surface: formcia", ["cases.steel-formica.surface: 'formcia' is not declared in config/materials.csv (did you mean 'formica'?)"]),
     (MODELS, "- plateau_end_angle", "- plateau_end", ["oblique_impact.anchors[0]: 'plateau_end' is not declared in config/printed_values.csv", "did you mean 'plateau_end_angle'?"]),
-    (CONFIG, "materials: config/materials.csv", "materials: config/material.csv", ["config/material.csv"]),
     (CONFIG, "digitised: config/digitised", "digitised: config/nowhere", ["digitised: 'config/nowhere' must be a folder"]),
     (CONFIG, "figures: config/figures.yaml", "figures: config/materials.csv", ["config/materials.csv"]),
     (LABORATORY, "    case: steel-formica", "    case: {surface: formica}", ["drops.steel on Formica.case: {'surface': 'formica'} must be a name that is declared in cases (did you mean 'steel-formica'?)"]),
