@@ -45,9 +45,3 @@ def read_only(folder):
     finally:
         for path in folders:
             path.chmod(0o755)
-
-
-def small_disk(folder, size):
-    """Return what to put before a command, so that a folder is a disk of so few bytes to it."""
-    folder.mkdir(parents=True, exist_ok=True)
-    return mounted(f"mount -t tmpfs -o size={size} none {shlex.quote(str(folder))}")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import shutil
 from dataclasses import replace
-from html.parser import HTMLParser
 from urllib.parse import unquote, urlsplit
 from zipfile import ZipFile
 
@@ -13,6 +12,7 @@ import pandas as pd
 import pytest
 from click.testing import CliRunner
 from tests.report.conftest import REFERENCE
+from tests.report.pages import Page
 
 from microimpact.cli import commands
 from microimpact.figures.registry import FORMATS
@@ -36,31 +36,6 @@ from microimpact.report.site.record import (
     row_names,
     write_record,
 )
-
-
-class Page(HTMLParser):
-    """Ids, links, pictures and tags of a page."""
-
-    def __init__(self, text):
-        super().__init__()
-        self.ids, self.links, self.pictures, self.tags = [], [], [], []
-        self.text = []
-        self.feed(text)
-
-    def handle_starttag(self, tag, attrs):
-        given = dict(attrs)
-        self.tags.append((tag, given))
-        if "id" in given:
-            self.ids.append(given["id"])
-        if tag == "img":
-            self.pictures.append(given)
-        self.links += [given[name] for name in ("href", "src") if name in given]
-
-    def handle_data(self, data):
-        self.text.append(data)
-
-    def has(self, tag, **given):
-        return any(t == tag and given.items() <= a.items() for t, a in self.tags)
 
 
 @pytest.fixture(scope="module")

@@ -395,7 +395,6 @@ spatial_states = st.fixed_dictionaries(
     }
 )
 SCALARS = ["coefficient_of_restitution", "captured", "contact_time", "rolling"]
-LOSSES = ["impulse_ratio", "energy_loss", "translational_energy_loss"]
 
 
 class TestSpatial:
