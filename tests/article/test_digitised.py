@@ -98,6 +98,8 @@ def test_a_name_is_no_markup(coulomb, figures, points, draw, tmp_path):
     # Matplotlib takes a dollar for its own unless it is escaped
     texts = [text.get_text().replace(r"\$", "$") for text in key.get_texts()]
     assert texts[-len(names) :] == [f"digitised: {name}" for name in names]
+    marks = [handle.get_marker() for handle in key.legend_handles[-len(names) :]]
+    assert len(set(marks[:5])) == 5
     assert "<script" not in (tmp_path / "one.svg").read_text(encoding="utf-8")
 
 

@@ -54,10 +54,11 @@ def test_the_true_exponent_alone_does_not_mend_it(fits):
 def test_curves_end_in_capture(tables):
     for name in ("fig15", "fig16"):
         table = tables[name]
-        curves = table[table["series"].str.endswith("simulation")]
+        curves = table[table["series"].str.endswith((", simulation", ", fit"))]
         for series, rows in curves.groupby("series"):
             first = rows.sort_values("x_m_per_s")["y_1"].to_numpy()
             assert first[0] == 0.0, series
+            assert np.abs(np.diff(first)).max() < 0.05, series  # dense where they rise
             assert first.max() > 0.6, series
 
 

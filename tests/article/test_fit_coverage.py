@@ -130,6 +130,14 @@ def test_a_case_without_a_fit_is_refused(run_study, earlier):
         run_study("fit_coverage", earlier, **FEW, case="lycopodium-silicon")
 
 
+def test_every_coverage_has_a_bar_also_of_none_or_all(tables):
+    data = tables["capture_recovery"]
+    own = data[data["panel"].str.startswith("coverage") & data["y_low"].notna()]
+    assert own["y_1"].isin([0.0, 1.0]).any()
+    assert ((own["y_low"] <= own["y_1"]) & (own["y_1"] <= own["y_high"])).all()
+    assert (own["y_high"] > own["y_low"] + 0.01).all()
+
+
 def test_drawn(draw, tables, legend_texts):
     averaged = draw("averaged_coverage", tables)
     assert "ring force, $n$ = 1.5" in legend_texts(averaged)
