@@ -93,7 +93,7 @@ def theory(
     fates[seen] = UNMEASURABLE
     disk = exposure.diameter[seen] / setup.pixel
     dashes = find_dashes(exposure.select(seen), setup, errors)
-    rows = [longest_rows(dashes, leg) for leg in (INCIDENT, REBOUND)]
+    rows = longest_rows(dashes)
     enough = np.minimum(rows[0].number, rows[1].number) >= setup.instrument.least_dashes
     clear = np.flatnonzero(enough & told_apart(rows[1].places, rows[1].used))
     rows = [row.select(clear) for row in rows]
@@ -199,20 +199,25 @@ def _alone(
     ends = np.flatnonzero(np.diff(event, append=-1)) + 1
     middle = path[:, POINTS // 2]
     # No point of a dash is farther from its middle one than its reach.
-    reach = np.linalg.norm(path - middle[:, None], axis=2).max(axis=1) + edge
+    near = edge + 0.5 * JOINED_PX
+    reach = np.linalg.norm(path - middle[:, None], axis=2).max(axis=1) + near
     lowest = height.min(axis=1) - edge
-    _sort(ends, path, reach, edge, light, height.mean(axis=1), lowest, alone)
+    least = SURFACE_PX, SINGLE
+    _sort(ends, path, reach, near, light, height.mean(axis=1), lowest, least, alone)
     return alone
 
 
 @_jit
-def _sort(ends, path, reach, edge, light, level, lowest, alone):  # type: ignore[no-untyped-def]
+def _sort(  # type: ignore[no-untyped-def]
+    ends, path, reach, near, light, level, lowest, least, alone
+):
     """Write which dashes are `_alone`; those of an event end where those of the next begin."""
     spot = np.arange(alone.size)  # by the number of its first dash
     whole, centre, bottom = np.zeros((3, alone.size))
+    surface, several = least
     begin = 0
     for end in ends:
-        _join(spot[begin:end], begin, path, reach, edge)
+        _join(spot[begin:end], begin, path, reach, near)
         crowded = -np.inf
         for i in range(begin, end):
             own = spot[i]
@@ -221,46 +226,49 @@ def _sort(ends, path, reach, edge, light, level, lowest, alone):  # type: ignore
             bottom[own] = min(bottom[own], lowest[i]) if own < i else lowest[i]
         for i in range(begin, end):
             own = spot[i]
-            if bottom[own] > SURFACE_PX and whole[own] > SINGLE:
+            if bottom[own] > surface and whole[own] > several:
                 crowded = max(crowded, centre[own] / whole[own])
         for i in range(begin, end):
             own = spot[i]
-            single = bottom[own] > SURFACE_PX and not whole[own] > SINGLE
+            single = bottom[own] > surface and not whole[own] > several
             alone[i] = single and level[i] > crowded
         begin = end
 
 
 @_jit
-def _join(spot, begin, path, reach, edge):  # type: ignore[no-untyped-def]
+def _join(spot, begin, path, reach, near):  # type: ignore[no-untyped-def]
     """Give the dashes of an event that run together, from ``begin`` on, the number of the first."""
     for i in range(spot.size):
         for j in range(i + 1, spot.size):
             first, other = min(spot[i], spot[j]), max(spot[i], spot[j])
-            if first < other and _together(begin + i, begin + j, path, reach, edge):
+            if first < other and _together(begin + i, begin + j, path, reach, near):
                 for k in range(spot.size):
                     if spot[k] == other:
                         spot[k] = first
 
 
 @_jit
-def _together(i, j, path, reach, edge):  # type: ignore[no-untyped-def]
+def _together(i, j, path, reach, near):  # type: ignore[no-untyped-def]
     """Tell whether the light of two dashes runs together."""
     middle = POINTS // 2
     x, y = path[i, middle, 0] - path[j, middle, 0], path[i, middle, 1] - path[j, middle, 1]
-    if x * x + y * y > (reach[i] + reach[j] + JOINED_PX) ** 2:
+    if x * x + y * y > (reach[i] + reach[j]) ** 2:
         return False
     least = np.inf
     for a in range(POINTS):
         for b in range(POINTS):
             x, y = path[i, a, 0] - path[j, b, 0], path[i, a, 1] - path[j, b, 1]
             least = min(least, x * x + y * y)
-    return least < (edge[i] + edge[j] + JOINED_PX) ** 2
+    return least < (near[i] + near[j]) ** 2
 
 
-def longest_rows(dashes: Dashes, leg: int) -> Rows:
-    """Return the longest rows of good dashes of the legs `INCIDENT` or `REBOUND`."""
+def longest_rows(dashes: Dashes) -> list[Rows]:
+    """Return the longest rows of good dashes of the legs `INCIDENT` and `REBOUND`."""
     start, number = longest_runs(dashes.good, dashes.leg, LEGS * dashes.events)
-    start, number = start[leg::LEGS], number[leg::LEGS]
+    return [_row(dashes, start[leg::LEGS], number[leg::LEGS]) for leg in (INCIDENT, REBOUND)]
+
+
+def _row(dashes: Dashes, start: IntArray, number: IntArray) -> Rows:
     place = np.arange(max(2, number.max(initial=0)))
     used = place < number[:, None]
     index = np.where(used, start[:, None] + place, 0)

@@ -175,14 +175,16 @@ class Setup:
         """Return where points (..., 3) of the target's frame are imaged: (..., 2), pixels."""
         column, row, sine, cosine, pixel = self.imaging(errors)
         x, z = position[..., 0], position[..., 2]
-        across, down = x * sine + z * cosine, x * cosine - z * sine
-        return np.stack([column + across / pixel, row + down / pixel], axis=-1)
+        place = np.empty((*x.shape, 2))
+        place[..., 0] = column + (x * sine + z * cosine) / pixel
+        place[..., 1] = row + (x * cosine - z * sine) / pixel
+        return place
 
     def height(self, place: FloatArray) -> FloatArray:
         """Return the height above the nominal surface line, px, of columns and rows (..., 2)."""
         alpha = np.radians(self.angle)
-        across, down = np.moveaxis(place - self.centre, -1, 0)
-        height: FloatArray = across * np.cos(alpha) - down * np.sin(alpha)
+        away = place - self.centre
+        height: FloatArray = away[..., 0] * np.cos(alpha) - away[..., 1] * np.sin(alpha)
         return height
 
 

@@ -235,8 +235,7 @@ def _longest_run(
 
 def is_steep(way: FloatArray) -> BoolArray:
     """Tell which ways, columns and rows (..., 2), are as steep as an incident track."""
-    across, down = np.moveaxis(np.abs(way), -1, 0)
-    steep: BoolArray = across < STEEP * down
+    steep: BoolArray = np.abs(way[..., 0]) < STEEP * np.abs(way[..., 1])
     return steep
 
 
@@ -406,11 +405,10 @@ def fit_path(points: FloatArray, rate: float, pull: float, used: BoolArray | Non
 def to_target(vectors: FloatArray, setup: Setup) -> FloatArray:
     """Return tangential and normal components of horizontal and vertical ones, (..., 2)."""
     alpha = np.radians(setup.angle)
-    across, up = np.moveaxis(vectors, -1, 0)
-    return np.stack(
-        [across * np.sin(alpha) - up * np.cos(alpha), across * np.cos(alpha) + up * np.sin(alpha)],
-        axis=-1,
-    )
+    turned: FloatArray = vectors * np.sin(alpha)
+    turned[..., 0] -= vectors[..., 1] * np.cos(alpha)
+    turned[..., 1] += vectors[..., 0] * np.cos(alpha)
+    return turned
 
 
 def to_surface(leg: Leg, setup: Setup, *, outward: bool) -> Leg:

@@ -15,6 +15,7 @@ from numpy.random import Generator
 from pydantic import Field
 
 from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.constants import gravity
 from microimpact.core.tables import Tables, series_frame
 from microimpact.declared.parameters import (
     CaseName,
@@ -42,15 +43,15 @@ from microimpact.statistics.distributions import Distribution, child, generator
 from microimpact.statistics.intervals import student_half_width, wilson_interval
 
 # Spheres that may be measured in some experiment: they arrive no further from the middle of the
-# probe volume than this, m, cross one that is wider by this factor and so many standard deviations
-# lower, at speeds that a noise of as many may bring into the class.
+# probe volume than this, m, cross one that is wider by this factor and at most so many standard
+# deviations higher or lower, at speeds that a noise of as many may bring into the class.
 NEAR_PROBE = 3e-4
-WIDER = 1.15
+WIDER = 1.3
 REACH = 4.0
 # Looked at in one experiment: so many standard deviations more than it needs on average.
 SPARE = 6.0
 # Experiments with the analyser, by height of its probe, are repeated in so many groups.
-GROUPS = 50
+GROUPS = 20
 # Searches for the height of the probe: each starts from the last.
 ROUNDS = 3
 
@@ -126,10 +127,16 @@ def by_doppler(
     particles that arrive near the probe volume are followed.
     """
     impacts = drop.impacts(number, child(rng, 0), within=NEAR_PROBE)
-    pool = impacts.select(_may_be_measured(impacts, instrument, drop.speed_range))
     draw = child(rng, 2)
     usual = 1e-3 * instrument.probe_height_mm
     error = 1e-6 * instrument.probe_height_error_um
+    speed = np.abs(impacts.velocity[:, 2])
+    noise = REACH * instrument.velocity_noise(speed)
+    slowest, fastest = drop.speed_range
+    near = _may_cross(impacts, usual + REACH * error * np.array([-1.0, 0.0, 1.0]), instrument)
+    pool = impacts.select(near & (speed >= slowest - noise) & (speed <= fastest + noise))
+    unseen = np.empty((len(pool), 0))  # spins are not copied
+    pool = replace(pool, spin=unseen, rebound_spin=unseen)
     height = np.sort(usual + error * draw.standard_normal(experiments))
     parts = [
         _doppler_experiments(pool, of, events, instrument, drop, draw)
@@ -153,6 +160,7 @@ def _doppler_experiments(
     One experiment for each height of the probe volume, in ascending order: at the last one the
     fewest spheres rise into it.
     """
+    pool = pool.select(_may_cross(pool, height[[0, -1]], instrument))
     crossing = passages(pool, height[-1], instrument).crossed.all(axis=0)
     share = _share(crossing & drop.in_class(np.abs(pool.velocity[:, 2])))
     number = _enough(events, share * (1.0 - instrument.drop_out) ** 2)
@@ -184,22 +192,20 @@ def _doppler_experiments(
     return measured, pool.in_plane.select(chosen.ravel()[kept.event]), found[1, :, None]
 
 
-def _may_be_measured(
-    impacts: Impacts, instrument: Analyser, speed_range: tuple[float, float]
-) -> IntArray:
-    """Return which impacts can be events of some experiment."""
+def _may_cross(impacts: Impacts, heights: FloatArray, instrument: Analyser) -> BoolArray:
+    """Tell which spheres may cross a probe volume, both ways, at some height of a range, m.
+
+    Between the heights, which ascend, their paths are short.
+    """
     larger = replace(
         instrument,
         probe_across_um=WIDER * instrument.probe_across_um,
         probe_along_um=WIDER * instrument.probe_along_um,
     )
-    lowest = 1e-3 * instrument.probe_height_mm
-    lowest -= 1e-6 * REACH * instrument.probe_height_error_um
-    speed = np.abs(impacts.velocity[:, 2])
-    noise = REACH * instrument.velocity_noise(speed)
-    near = passages(impacts, lowest, larger).crossed.all(axis=0) & ~impacts.captured
-    near &= (speed >= speed_range[0] - noise) & (speed <= speed_range[1] + noise)
-    return np.flatnonzero(near)
+    inside = np.any([passages(impacts, one, larger).inside for one in heights], axis=0)
+    rises = np.square(impacts.rebound_velocity[:, 2]) > 2.0 * gravity * heights[0]
+    near: BoolArray = inside.all(axis=0) & rises & ~impacts.captured
+    return near
 
 
 def _recorded(
