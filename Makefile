@@ -9,7 +9,7 @@
 #   make check RESULTS=build/ci      an existing run; without RESULTS a new one
 #   make reference RESULTS=build/ci REFERENCE_ARGS=--remove
 #   make pages RESULTS=results       after a full run
-#   make dead-inputs DEAD_ARGS="--only campaign --processes 2"   all take five hours of one processor
+#   make dead-inputs DEAD_ARGS="--only campaign --processes 2"   all take an hour and a half of one processor
 
 PYTHON := python3
 UV := .venv/bin/uv
