@@ -12,7 +12,7 @@ import pytest
 from hypothesis import settings
 from scipy.integrate import solve_ivp
 from tests.forks import forking
-from tests.shared import tables_made_once
+from tests.shared import settings_as_shipped, tables_made_once
 
 import microimpact
 from microimpact.core.materials import Material
@@ -120,6 +120,11 @@ SMALLER = {
     },
     "rolling_dissipation": {"points": 9},
 }
+
+
+@pytest.fixture(scope="session", name="settings")
+def _settings():
+    return settings_as_shipped()
 
 
 @pytest.fixture(scope="session")

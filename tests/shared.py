@@ -5,7 +5,9 @@ from __future__ import annotations
 import fcntl
 import os
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -14,6 +16,9 @@ import pytest
 from microimpact.core.tables import parse_table
 from microimpact.lab.dispenser import Dispenser
 from microimpact.model import passes
+from microimpact.run.config import Settings, read_configuration, validate
+
+ROOT = Path(__file__).parents[1]
 
 # A needle that lets spheres fall straight down from rest, and one like the declared.
 STILL = Dispenser(
@@ -32,6 +37,18 @@ USUAL = Dispenser(
     particles_per_tap=3.0,
     release_delay_ms=20.0,
 )
+
+
+@cache
+def shipped() -> dict[str, Any]:
+    """Return the configuration as shipped; nobody changes it."""
+    return read_configuration(ROOT / "config")
+
+
+@cache
+def settings_as_shipped() -> Settings:
+    """Return what the configuration as shipped makes of all studies."""
+    return validate(shipped(), shipped())
 
 
 def made_once(folders: pytest.TempPathFactory, name: str, make: Callable[[Path], object]) -> Path:

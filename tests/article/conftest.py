@@ -14,15 +14,8 @@ from microimpact.declared.documents import load
 from microimpact.figures.registry import filled, registry
 from microimpact.figures.style import save
 from microimpact.ledgers.claims.criteria import read_claims
-from microimpact.run.config import read_configuration, validate
 
 ROOT = Path(__file__).parents[2]
-
-
-@pytest.fixture(scope="session")
-def settings():
-    base = read_configuration(ROOT / "config")
-    return validate(base, base)
 
 
 @pytest.fixture(scope="session")

@@ -9,6 +9,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from tests.shared import shipped
 
 from microimpact.declared import documents
 from microimpact.run.config import read_configuration, validate
@@ -25,7 +26,6 @@ another,2.0,0.5,,
 """
 
 
-SHIPPED = read_configuration(ROOT / "config")
 # All files but one are as shipped: their text is parsed once. What cannot be read is not kept.
 PARSED = cache(documents._read)
 
@@ -41,7 +41,7 @@ class Declared:
         before = Path.cwd()
         os.chdir(self.root)
         try:
-            settings = validate(read_configuration("config"), SHIPPED)
+            settings = validate(read_configuration("config"), shipped())
             return settings, read_inputs(settings)
         finally:
             os.chdir(before)

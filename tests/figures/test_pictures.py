@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from importlib import import_module
 from itertools import combinations
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,17 +14,15 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.path import Path as Outline
 from matplotlib.transforms import Bbox
+from tests.shared import ROOT, settings_as_shipped
 
 from microimpact.core.tables import parse_table
 from microimpact.declared.documents import load
 from microimpact.figures import style
 from microimpact.figures.registry import QUANTITIES, filled, registry
 from microimpact.report.check.results import read_text, table_files
-from microimpact.run.config import read_configuration, validate
 
-ROOT = Path(__file__).parents[2]
-BASE = read_configuration(ROOT / "config")
-SPECS = registry(filled(load(ROOT / "config/figures.yaml"), validate(BASE, BASE).branches))
+SPECS = registry(filled(load(ROOT / "config/figures.yaml"), settings_as_shipped().branches))
 FILES = table_files(ROOT / "tests/reference")
 # Texts may touch by so much, in points: their boxes hold room for letters that they lack.
 SLACK = 1.5

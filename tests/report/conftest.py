@@ -15,7 +15,6 @@ from microimpact.figures.registry import filled
 from microimpact.report.check.results import read_text, table_files
 from microimpact.report.site.build import write_site
 from microimpact.report.site.record import Change, Record, Rule, write_record
-from microimpact.run.config import read_configuration, validate
 
 ROOT = Path(__file__).parents[2]
 REFERENCE = ROOT / "tests/reference"
@@ -66,11 +65,9 @@ def chromium(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def registry():
+def registry(settings):
     """The words of all figures."""
-    base = read_configuration(ROOT / "config")
-    branches = validate(base, base).branches
-    return filled(load(ROOT / "config/figures.yaml"), branches)
+    return filled(load(ROOT / "config/figures.yaml"), settings.branches)
 
 
 @pytest.fixture(scope="session")

@@ -22,7 +22,6 @@ from microimpact.model.dynamics.normal import normal_impact
 from microimpact.report.explorer.build import page_files
 from microimpact.report.site.font import style_sheet
 from microimpact.report.site.pages import ASSETS
-from microimpact.run.config import read_configuration, validate
 
 pytestmark = pytest.mark.slow
 
@@ -37,9 +36,7 @@ return arguments[0].map((c) => {
 
 
 @pytest.fixture(scope="module")
-def inputs():
-    base = read_configuration(ROOT / "config")
-    settings = validate(base, base)
+def inputs(settings):
     declared = settings.tables.contact_rows()
     calibration = read_table(ROOT / "tests/reference/tables/calibration.csv")
     return {name: parse_table(text) for name, text in declared.items()} | {

@@ -8,15 +8,16 @@ from pathlib import Path
 
 import jsonschema
 import pytest
+from tests.shared import shipped
 
 from microimpact import studies
 from microimpact.declared.documents import ConfigError, load
 from microimpact.declared.references import merged
-from microimpact.run.config import read_configuration, validate
+from microimpact.run.config import validate
 from microimpact.run.schema import schemas, text
 
 ROOT = Path(__file__).parents[2]
-BASE = read_configuration(ROOT / "config")
+BASE = shipped()
 
 
 def changed(**branches):

@@ -14,7 +14,6 @@ from microimpact.core.tables import parse_table
 from microimpact.declared.parameters import build, explain
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.run.config import read_configuration, validate
 from microimpact.statistics.effects import (
     aliases,
     defining_relation,
@@ -52,9 +51,8 @@ QUARTER = {
 
 
 @pytest.fixture(scope="module")
-def branch():
-    base = read_configuration(ROOT / "config")
-    return validate(base, base).branches["doe"]
+def branch(settings):
+    return settings.branches["doe"]
 
 
 @pytest.fixture
@@ -255,14 +253,12 @@ def test_no_elasticity_without_capture(contact):
 
 
 @pytest.fixture(scope="module")
-def tables():
-    shipped = read_configuration(ROOT / "config")
-    rows = validate(shipped, shipped).rows["doe"]
+def tables(settings):
     reference = {
         name: pd.read_csv(ROOT / f"tests/reference/tables/{name}.csv")
         for name in ("calibration", "calibration_family")
     }
-    return reference | {name: parse_table(text) for name, text in rows.items()}
+    return reference | {name: parse_table(text) for name, text in settings.rows["doe"].items()}
 
 
 def realistic(tables, n, sieve=(60.0, 125.0)):

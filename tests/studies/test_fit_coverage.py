@@ -11,7 +11,6 @@ from pydantic import ValidationError
 from microimpact import Contact, capture_velocity, restitution, simulate
 from microimpact.declared.parameters import build
 from microimpact.model.empirical.search import data_sets, fit_batch
-from microimpact.run.config import read_configuration, validate
 from microimpact.studies.models.fit_coverage import Params
 from microimpact.studies.models.fit_coverage.intervals import Methods, Sample, intervals
 from microimpact.studies.models.fit_coverage.truths import (
@@ -43,9 +42,8 @@ def measured(lowest, sigma, replicates, points=20):
 
 
 @pytest.fixture(scope="module")
-def branch():
-    base = read_configuration(ROOT / "config")
-    return validate(base, base).branches["fit_coverage"]
+def branch(settings):
+    return settings.branches["fit_coverage"]
 
 
 def test_replicates_have_streams_of_their_own():

@@ -24,7 +24,6 @@ from microimpact.lab.surface import LABORATORY, Rules, facet_normals, rough
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.rigid_body.roughness import rough_rebound
-from microimpact.run.config import read_configuration, validate
 from microimpact.statistics.distributions import (
     Constant,
     HalfNormal,
@@ -807,9 +806,8 @@ def test_a_model_refuses_parameters_it_does_not_have():
 
 
 @pytest.fixture(scope="module")
-def branch():
-    base = read_configuration(Path(__file__).parents[2] / "config")
-    return validate(base, base).branches["monte_carlo"]
+def branch(settings):
+    return settings.branches["monte_carlo"]
 
 
 @pytest.mark.parametrize(

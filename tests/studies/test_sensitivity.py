@@ -14,7 +14,6 @@ from microimpact.declared.parameters import build, explain
 from microimpact.model.calibration import two_stage
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
-from microimpact.run.config import read_configuration, validate
 from microimpact.statistics.sobol import saltelli_sample, sobol_indices
 from microimpact.studies.analyses import sensitivity
 from microimpact.studies.analyses.sensitivity.ridge import (
@@ -32,9 +31,8 @@ def generator(*key):
 
 
 @pytest.fixture(scope="module")
-def branch():
-    base = read_configuration(ROOT / "config")
-    return validate(base, base).branches["sensitivity"]
+def branch(settings):
+    return settings.branches["sensitivity"]
 
 
 @pytest.fixture(scope="module")
