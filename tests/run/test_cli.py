@@ -269,12 +269,6 @@ def test_fit_refuses_in_one_line(microimpact, own_data, options, message):
     assert done.stderr.count("\n") == 1
 
 
-def test_fit_names_a_missing_file(microimpact):
-    done = microimpact("fit", "nowhere.csv")
-    assert done.returncode == 2
-    assert "nowhere.csv" in done.stderr
-
-
 def test_a_sweep_is_a_table(microimpact):
     done = microimpact("simulate", *STEEL, "--speed", "0.1:1.66:3", "--angle", "20:50:2")
     table = pd.read_csv(io.StringIO(done.stdout))

@@ -57,23 +57,8 @@ def test_values_are_plain_and_typed():
 @pytest.mark.parametrize(
     ("change", "expected"),
     [
-        (
-            {"coulomb_frction": {}},
-            "coulomb_frction: unknown key (did you mean 'coulomb_friction'?)",
-        ),
-        (
-            {"coulomb_friction": {"spin_fricton": 0.1}},
-            "coulomb_friction.spin_fricton: unknown key (did you mean 'spin_friction'?)",
-        ),
-        ({"coulomb_friction": {"restitution": 1.5}}, "must be less than or equal to 1"),
-        ({"coulomb_friction": {"restitution": True}}, "must be a valid number"),
-        ({"coulomb_friction": {"spin_friction": float("nan")}}, "must be a finite number"),
-        ({"coulomb_friction": {"friction": [0.1, float("inf")]}}, "coulomb_friction.friction[1]"),
-        ({"coulomb_friction": {"points": 2.5}}, "coulomb_friction.points: 2.5 must be"),
         ({"coulomb_friction": {"spin_friction": "0.3"}}, "nested values on --config"),
-        ({"coulomb_friction": 3}, "coulomb_friction: 3 must be a mapping"),
         ({"pathvars": {"reslts": "x"}}, "pathvars.reslts: unknown key (did you mean 'results'?)"),
-        ({"seed": -1}, "seed: -1 must be greater than or equal to 0"),
         (
             {"restitution_trends": {"largest_speed_m_per_s": 0.5}},
             "largest_speed_m_per_s 0.5 must be above capture_speed_m_per_s 1.0",
@@ -94,10 +79,8 @@ def test_one_line_names_the_key_and_what_is_allowed(change, expected):
 @pytest.mark.parametrize(
     ("declaration", "expected"),
     [
-        ({"value": 9, "evidence": "guessed", "source": "x"}, ".evidence: 'guessed' must be one of"),
         ({"value": 9, "evidence": "chosen"}, ".source: None must say where"),
         ({"valu": 9, "evidence": "chosen", "source": "x"}, ".valu: unknown key (did you mean"),
-        ({"value": [9], "evidence": "chosen", "source": "x"}, ".value: [9] must be a single value"),
         ({"value": 9, "values": [9], "evidence": "chosen", "source": "x"}, "either value (one) or"),
     ],
 )
