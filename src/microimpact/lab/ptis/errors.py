@@ -215,7 +215,7 @@ def _sort(  # type: ignore[no-untyped-def]
     spot = np.arange(alone.size)  # by the number of its first dash
     whole, centre, bottom = np.zeros((3, alone.size))
     surface, several = least
-    begin = 0
+    begin = np.int64(0)  # a plain 0 has `_join` compiled for it alone
     for end in ends:
         _join(spot[begin:end], begin, path, reach, near)
         crowded = -np.inf

@@ -142,7 +142,8 @@ def table(name: str) -> FloatArray:
         e[n, leaves, 1:] = faster.coefficient_of_restitution
     # Beyond the last contact that anything leaves, all are like it.
     kept = np.maximum.accumulate(np.where(leaves, np.arange(leaves.size), 0))
-    return e[:, kept].reshape(rates.size, one.size, two.size, -1)
+    # In order in memory, as all tables are: the search is compiled once.
+    return np.ascontiguousarray(e[:, kept]).reshape(rates.size, one.size, two.size, -1)
 
 
 def places(ratio: FloatArray) -> FloatArray:
@@ -313,13 +314,13 @@ def _step(at, high, sums, damping, factor, new) -> None:  # type: ignore[no-unty
 
 
 @_jit
-def _search(grid, places, e, weight, starts, chi_square, found) -> None:  # type: ignore[no-untyped-def]
+def _search(grid, places, e, weight, starts, chi_square, found) -> None:  # type: ignore[no-untyped-def]  # noqa: C901
     """Search from the lowest of the starts (s, m, 3) of each row of places (m, n)."""
     size = grid.shape[PARAMETERS]
     weights, lines = np.zeros((PARAMETERS, 2, 4)), np.empty((4, size))
     near, ratios = np.empty(e.size, np.int64), np.empty((e.size, 4))
     sums, trial, factor = np.empty((5, 4)), np.empty((5, 4)), np.empty((PARAMETERS, PARAMETERS))
-    at, new, high = np.empty(PARAMETERS), np.empty(PARAMETERS), np.empty(PARAMETERS)
+    new, high = np.empty(PARAMETERS), np.empty(PARAMETERS)
     begun = np.empty(starts.shape[0])
     for axis in range(PARAMETERS):
         high[axis] = grid.shape[axis] - 1.0
@@ -331,7 +332,7 @@ def _search(grid, places, e, weight, starts, chi_square, found) -> None:  # type
         for _ in range(min(TRIED, starts.shape[0])):
             lowest = np.argmin(begun)
             begun[lowest] = np.inf
-            at[:] = starts[lowest, row]
+            at = starts[lowest, row].copy()
             _sums(grid, near, ratios, ends, e, weight, at, weights, lines, sums)
             damping = DAMPED
             for _ in range(STEPS):
@@ -340,11 +341,12 @@ def _search(grid, places, e, weight, starts, chi_square, found) -> None:  # type
                 gain = sums[3, 3] - trial[3, 3]
                 damping *= 0.2 if gain > 0.0 else 8.0
                 if gain > 0.0:
-                    at[:], sums[:] = new, trial
+                    at, new, sums, trial = new, at, trial, sums
                     if gain < SHORTEST * (1.0 + sums[3, 3]):
                         break
                 elif damping > OVERDAMPED:
                     break
             if sums[3, 3] < chi_square[row]:
                 chi_square[row] = sums[3, 3]
-                found[row] = at
+                for axis in range(PARAMETERS):
+                    found[row, axis] = at[axis]
