@@ -225,8 +225,8 @@ SLIPS = (
     Mutant(
         "no Hertz damping in the compiled integration",
         f"{MODEL}/dynamics/kernel.py",
-        "m[k, lane] = damping_a[lane] * pull + damping_h[lane] * square",
-        "m[k, lane] = damping_a[lane] * pull",
+        "m[k + 1, lane] = damping_a[lane] * next_pull + damping_h[lane] * odd",
+        "m[k + 1, lane] = damping_a[lane] * next_pull",
         ("model/dynamics/test_normal",),
     ),
     Mutant(
@@ -540,7 +540,7 @@ LABORATORY = (
     Mutant(
         "Monte Carlo: scatter of the sums for that of their ratio",
         f"{STUDIES}/analyses/monte_carlo/ensembles.py",
-        "scatter = sums[:, first] - average * sums[:, ACCEPTED]",
+        "scatter = sums[:, first] - average * sums[:, passes.ACCEPTED]",
         "scatter = sums[:, first] - np.mean(sums[:, first])",
         ("studies/test_monte_carlo",),
     ),
