@@ -4,8 +4,7 @@ Which dashes a leg has follows from the geometry of the exposure, as in a frame:
 spot of their own, whole and by themselves. The velocities are those that the reduction finds from
 exact centroids, with the spread that noise of the centroids and jitter of the pulses give through
 the normal equations of the fit. Study `track_imaging` holds the model against rendered frames. All
-events of an experiment are treated together; each has its own generator, so that none depends on
-the others.
+events of an experiment are treated together, and none depends on the others.
 """
 
 from __future__ import annotations
@@ -85,7 +84,7 @@ def theory(
     """Return what becomes of impacts that all rebound: mean and spread of what is measured.
 
     The fates are `MEASURED` or why not, one per impact; the rest is of those that are measured.
-    Each impact has a generator of its own, see `system.event_generator`.
+    Each impact draws from a generator of its own, or all in turn from one.
     """
     exposure = exposures(impacts, setup, errors, rngs, jitter=False)
     fates = unseen(exposure, setup)

@@ -161,7 +161,7 @@ def exposures(
 ) -> Exposure:
     """Light events: each impact falls anywhere in a field, and the chopper runs free.
 
-    Each event draws from its own generator, see `event_generator`. Without jitter the pulses come
+    Each event draws from its own generator, or all in turn from one. Without jitter the pulses come
     at regular times.
     """
     instrument = setup.instrument
