@@ -54,8 +54,6 @@ from microimpact.run import stamp
 from microimpact.run.study import run_with
 from microimpact.run.summary import summary
 
-SITE = PROJECT / "src/microimpact/report/site"
-EXPLORER = PROJECT / "src/microimpact/report/explorer"
 STARTED, BEGAN = stamp.run_date(), time.time()
 CONFIGURATION = Path("config/config.yaml")
 
@@ -199,11 +197,6 @@ def registry_words():
         name: {key: entry[key] for key in told if key in entry}
         for name, entry in FIGURE_ENTRIES.items()
     }
-
-
-def pages_of(package):
-    """Return the templates and assets of a package of pages."""
-    return [path for name in ("templates", "assets") for path in sorted((package / name).iterdir())]
 
 
 def outdated():

@@ -1,5 +1,8 @@
 """The report, report/index.html, and the pages it leads to; the check against references."""
 
+REPORT = PROJECT / "src/microimpact/report"
+PAGES = [*REPORT.glob("*/templates/*"), *REPORT.glob("*/assets/*")]
+
 
 rule explorer:
     """report/explorer.html: any impact computed in a browser; its look comes with the report."""
@@ -15,11 +18,7 @@ rule explorer:
     params:
         rows=SETTINGS.tables.contact_rows(),
         rests_on=inputs_behind("contact_properties", "calibration"),
-        code=code_of(
-            "microimpact.report.explorer.build",
-            script="write_explorer.py",
-            files=[*pages_of(EXPLORER), SITE / "templates/base.html"],
-        ),
+        code=code_of("microimpact.report.explorer.build", script="write_explorer.py", files=PAGES),
     script:
         "../scripts/write_explorer.py"
 
@@ -48,7 +47,7 @@ rule report:
             project=PROJECT,
         ).plain(),
         # The code of the studies is read, too.
-        code=code_of(*studies.homes().values(), script="write_report.py", files=pages_of(SITE)),
+        code=code_of(*studies.homes().values(), script="write_report.py", files=PAGES),
     script:
         "../scripts/write_report.py"
 
