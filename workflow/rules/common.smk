@@ -190,15 +190,6 @@ def is_shown(file):
     return Path(file).parts[0] in ("tables", "data", "figures")
 
 
-def registry_words():
-    """Return of each figure what the report tells."""
-    told = ("title", "caption", "article", "study", "data", "tables", "panels", "width")
-    return {
-        name: {key: entry[key] for key in told if key in entry}
-        for name, entry in FIGURE_ENTRIES.items()
-    }
-
-
 def outdated():
     """Return the results in the results folder that were made from other inputs than the present."""
     rests_on = {

@@ -42,7 +42,7 @@ rule report:
         record=lambda wildcards: site_record.record_of(
             config=config,
             shipped=SHIPPED,
-            figures=registry_words(),
+            figures=FIGURE_ENTRIES,
             rules=result_rules(),
             project=PROJECT,
         ).plain(),
