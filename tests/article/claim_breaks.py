@@ -13,9 +13,10 @@ import pytest
 from tests.article.conftest import ROOT
 
 from microimpact.declared.parameters import build
-from microimpact.lab import experiment
+from microimpact.lab import experiment, surface
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.samples import Sampling, contact_of
+from microimpact.lab.surface import simulated
 from microimpact.model import contact as contact_module
 from microimpact.model.calibration import (
     NoSolutionError,
@@ -443,17 +444,14 @@ SPORES = {
 
 
 def net_force(claim, world):
-    plain = experiment.simulated
+    def by_net_force(contact, speed):
+        found = normal_impact(contact, speed)
+        net = contact.mass * (1.0 + found.coefficient_of_restitution) * speed
+        return replace(found, compressive_impulse=net)
 
-    def simulated(contact, n, law=None):
-        def by_net_force(own, speed):
-            found = (law or normal_impact)(own, speed)
-            net = own.mass * (1.0 + found.coefficient_of_restitution) * speed
-            return replace(found, compressive_impulse=net)
-
-        return plain(contact, n, by_net_force)
-
-    world.patch.setattr(experiment, "simulated", simulated)
+    world.patch.setattr(surface, "normal_impact", by_net_force)
+    # Without tables of the law, every contact is integrated.
+    world.patch.setattr(experiment, "simulated", lambda contact, n, law: simulated(contact, n))
     params, sampling = world.mechanisms()
     curves = shallow_curves(params.shallow, sampling, world.inputs())
     table = adhesion_or_roughness(params.shallow, curves)
