@@ -324,24 +324,23 @@ class _Drawn:
 
 def _drawn(of: Callable[[FloatArray, FloatArray], Held], freedom: int, given: bool) -> _Drawn:
     """Draw a profile, closer and closer about its low part."""
-    values = FIRST_VALUES
-    held = of(values, np.zeros((0, 0, 0)))
+    # v_c, chi-square and the others in columns.
+    rows = np.column_stack([FIRST_VALUES, *of(FIRST_VALUES, np.zeros((0, 0, 0)))])
     for _ in range(ROUNDS):
-        lowest = float(held.chi_square.min())
+        values, chi_square = rows.T[:2]
+        lowest = float(chi_square.min())
         unit = max(1.0, lowest / freedom) if given else max(lowest / freedom, TINY)
-        low = np.flatnonzero(held.chi_square - lowest < NEGLIGIBLE * unit)
+        low = np.flatnonzero(chi_square - lowest < NEGLIGIBLE * unit)
         ends = values[max(low[0] - 1, 0)], values[min(low[-1] + 1, values.size - 1)]
         fresh = np.linspace(*ends, VALUES)[1:-1]
         after = np.searchsorted(values, fresh)
         fresh, after = (of[values[after] != fresh] for of in (fresh, after))
         # Neighbours on both sides are close starts.
-        found = of(fresh, held.others[[after - 1, after]])
-        values = np.insert(values, after, fresh)
-        held = Held(*(np.insert(o, after, n, axis=0) for o, n in zip(held, found, strict=True)))
-    at = int(np.argmin(held.chi_square))
-    return _Drawn(
-        values=values, chi_square=held.chi_square, v_c=float(values[at]), others=held.others[at]
-    )
+        found = of(fresh, rows[[after - 1, after], 2:])
+        rows = np.insert(rows, after, np.column_stack([fresh, *found]), axis=0)
+    values, chi_square = np.ascontiguousarray(rows.T[:2])
+    at = int(np.argmin(chi_square))
+    return _Drawn(values=values, chi_square=chi_square, v_c=float(values[at]), others=rows[at, 2:])
 
 
 class _Tail:
