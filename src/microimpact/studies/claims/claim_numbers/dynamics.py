@@ -118,8 +118,11 @@ def c27(context: Context) -> dict[str, float]:
     The capture velocity is that which the calibration met.
     """
     multiples = np.array(context.params.normal.capture_velocities)
-    speeds = multiples * context.calibrated_capture_velocity
-    shares = context.of_steel(("C27",), lambda steel: adhesion_share(steel, speeds[:, None]))
+
+    def lost(steel: Contact) -> FloatArray:
+        return adhesion_share(steel, multiples[:, None] * context.calibrated_capture_velocity)
+
+    shares = context.of_steel(("C27",), lost)
     return {
         f"adhesion_share_at_{multiple:g}_capture_velocities": share
         for multiple, share in zip(multiples, shares, strict=True)

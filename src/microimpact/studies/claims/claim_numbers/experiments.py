@@ -61,10 +61,11 @@ def c03(context: Context) -> dict[str, float]:
     fall = context.params.fall
     slowest = np.sqrt(2.0 * gravity * 1e-3 * fall.probe_height_mm)
     speed = fall.pile_up_speed_m_per_s
-    sizes = of_class(context, context.params.sieves.smaller_um)
+    count = context.params.sieves.sizes
 
     def first_faster(steel: Contact, rebound: float) -> IntArray:
-        below, above = np.full(steel.shape, -1), np.full(steel.shape, sizes.size)
+        sizes = of_class(context, context.params.sieves.smaller_um)
+        below, above = np.full(steel.shape, -1), np.full(steel.shape, count)
         while np.any(above - below > 1):
             middle = np.maximum((below + above) // 2, 0)
             e = normal_impact(resized(steel, sizes[middle]), speed).coefficient_of_restitution
@@ -77,11 +78,11 @@ def c03(context: Context) -> dict[str, float]:
         context.of_steel(("C03", least), partial(first_faster, rebound=least))
         for least in (0.0, slowest)
     )
-    if captured == sizes.size:
+    if captured == count:
         raise ValueError(f"fall.pile_up_speed_m_per_s: no sphere rebounds at {speed:g}")
     return {
         "slowest_rebound_seen": slowest,
-        "share_of_rebounds_below_probe_at_0p3_m_per_s": (slow - captured) / (sizes.size - captured),
+        "share_of_rebounds_below_probe_at_0p3_m_per_s": (slow - captured) / (count - captured),
     }
 
 

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import scipy
@@ -22,7 +22,7 @@ from microimpact.model.calibration import peak_ratios
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import planar, velocity_components
-from microimpact.model.dynamics.normal import normal_impact
+from microimpact.model.dynamics.normal import NormalImpact, normal_impact
 from microimpact.statistics.distributions import Distribution
 
 # Far enough below all else, where a statement has no value: a captured sphere never leaves.
@@ -257,8 +257,14 @@ class Evaluation:
         """Quantities of oblique impacts (n, bases)."""
         impacts = [impacts_of(statement, self.classes_um) for statement in statements]
         diameter, v_n, v_t = np.concatenate(impacts).T
-        contact = self.contacts(points, diameter)
-        normal = normal_impact(contact, v_n, ledger="hertz" in self.bases)
+        # Impacts that differ along the surface alone share a normal one.
+        events, place = np.unique(np.stack([diameter, v_n]), axis=1, return_inverse=True)
+        found = normal_impact(
+            self.contacts(points, events[0]), events[1], ledger="hertz" in self.bases
+        )
+        fields = {name: getattr(found, name) for name in NormalImpact.__dataclass_fields__}
+        each: Any = {k: of[:, place] for k, of in fields.items() if isinstance(of, np.ndarray)}
+        normal, contact = NormalImpact(**each), self.contacts(points, diameter)
         ratios = [
             planar(contact, -v_n, v_t, 0.0, basis, law=lambda *_: normal).impulse_ratio
             for basis in self.bases
