@@ -436,12 +436,14 @@ class StaleRunError(Exception):
 class Before:
     """What a study or ledger gives without any change, and how long it takes, s.
 
-    One that comes in parts has these by index or claim, and the order in which to look at them.
+    One that comes in parts has these by index or claim, the order in which to look at them, and
+    the last that moved.
     """
 
     tables: Tables
     parts: Mapping[Any, Any] = field(default_factory=dict)
-    order: list[Any] = field(default_factory=list)
+    order: Sequence[Any] = ()
+    last: list[Any] = field(default_factory=list)
     seconds: float
 
 
@@ -525,7 +527,7 @@ def moved(name: str, rests: Rests, world: World) -> bool:
         return _differ(made(name, rests, world.results), before.tables)
     given = _given(name, rests, world)
     now = dict(before.parts)
-    for piece in before.order:
+    for piece in dict.fromkeys((*before.last, *before.order)):
         now[piece] = _part(name, piece, given)
         differs = False
         if name == NUMBERS_OF_CLAIMS:
@@ -534,8 +536,7 @@ def moved(name: str, rests: Rests, world: World) -> bool:
             with suppress(Exception):  # parts before and after a change may not fit together
                 differs = _differ(study(name).gather(*given, list(now.values())), before.tables)
         if differs:
-            before.order.remove(piece)
-            before.order.insert(0, piece)
+            before.last[:] = [piece]
             return True
     if name == NUMBERS_OF_CLAIMS:  # or else a draw
         return _differ(made(name, rests, world.results), before.tables)
