@@ -76,6 +76,7 @@ except (ImportError, SyntaxError) as error:
     ) from None
 
 RESULTS = Path(workflow.pathvars.apply("<results>"))
+INPUT_TABLE = "tables/inputs.csv"
 FIGURES, FIGURE_ENTRIES, DIGITISED = INPUTS.figures, INPUTS.figure_entries, INPUTS.digitised
 
 
@@ -208,28 +209,31 @@ def begin_run():
     So no target, no failure and no kill leaves a figure beside a stamp, a table of inputs or a
     report that tells other inputs than its own.
     """
-    found, table = outdated(), "tables/inputs.csv"
+    found = outdated()
     if found:
         site.remove(RESULTS / "report")
-    if table in found or not (RESULTS / table).exists():
-        made = run_with(
-            "declared_inputs",
-            SETTINGS.branches["declared_inputs"],
-            INPUTS.rows["declared_inputs"],
-            {},
-        )
-        write_table(made["inputs"], RESULTS / table)
-        write_checksums(RESULTS, [RESULTS / table], inputs_behind("declared_inputs"))
+    if INPUT_TABLE in found:
+        write_inputs()
     write_stamp(ended=None, outdated=found)
 
 
 def end_run(ended):
-    """Write the stamp again, and tell what was made."""
+    """Write the stamp again, and tell what was made; a target alone has its inputs beside it."""
+    if not (RESULTS / INPUT_TABLE).exists():
+        write_inputs()
     found = outdated()
     write_stamp(ended=ended, outdated=found)
     made = [file for file in map(relative, everything()) if recorded_since(RESULTS, file, BEGAN)]
     if ended:
         logger.info(summary(RESULTS, made, found), extra={"summary": True})
+
+
+def write_inputs():
+    """Write the table of declared inputs, as its rule does."""
+    study, table = "declared_inputs", RESULTS / INPUT_TABLE
+    made = run_with(study, SETTINGS.branches[study], INPUTS.rows[study], {})
+    write_table(made["inputs"], table)
+    write_checksums(RESULTS, [table], inputs_behind(study))
 
 
 def write_stamp(**how):
