@@ -78,10 +78,18 @@ Paths = Callable[[int, np.random.Generator], tuple[FloatArray, FloatArray, Float
 def paths(
     n: int, rng: np.random.Generator, *, angle: float, height: float, dispenser: Dispenser
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Let n particles fall on the target.
+    """Return the `Paths` of n particles from the needle to the target.
 
-    `angle`: nominal angle of incidence from the surface, degrees; `height`: from the needle to the
-    target, m; `dispenser`: spreads of release. What is given is of `Paths`.
+    Parameters
+    ----------
+    n, rng
+        Number of particles, and source of the draws.
+    angle
+        Nominal angle of incidence from the surface, degrees.
+    height
+        From the needle to the target, m.
+    dispenser
+        Spreads of release.
     """
     tilt = np.radians(90.0 - angle)
     start = sample(HalfNormal(sd=dispenser.exit_speed_m_per_s), rng, n)

@@ -45,9 +45,9 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
     style.legend_above(figure, axes.values(), title=title, loc="outside lower center")
     entries: list[Line2D] = []
     given = table[table["evidence"].isin(POINTS)]
+    names = list(given["series"].unique())
     for name, panel in spec.panels.items():
-        own = list(dict.fromkeys(given["series"]))
-        entries += style.overlay(axes[name], given[given["panel"] == name], panel, own)
+        entries += style.overlay(axes[name], given[given["panel"] == name], panel, names)
     if entries:
         style.evidence_key(figure, given["evidence"], entries, loc="outside upper center")
     return figure

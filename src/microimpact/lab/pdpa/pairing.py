@@ -202,7 +202,7 @@ def _candidates(
 def matched(incident: IntArray, rebound: IntArray, worth: FloatArray) -> IntArray:
     """Return which of m possible pairs to accept: one-to-one, of the greatest total worth."""
     ends = incident, rebound
-    alone = np.all([np.bincount(of)[of] == 1 for of in ends], axis=0) if worth.size else worth > 0
+    alone = np.all([np.bincount(of)[of] == 1 for of in ends], axis=0)
     contested = np.flatnonzero(~alone)
     (n, row), (m, column) = (
         (len(own), place)
