@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from microimpact.declared.documents import load
+from microimpact.declared.documents import ConfigError, load
 from microimpact.figures.registry import RegistryError, figure_spec, filled, registry
 
 ENTRIES = load(Path(__file__).parents[2] / "config/figures.yaml")
@@ -84,7 +84,9 @@ def test_parameters_fill_the_words():
     named = {"fig14": {"study": "s", "title": "[[by name.1.60 m/s, fast.v.1:.2f]] m/s"}}
     values = {"by name": [{"name": "1.60 m/s"}, {"name": "1.60 m/s, fast", "v": [1.0, 1.64]}]}
     assert filled(named, {"s": values})["fig14"]["title"] == "1.64 m/s"
-    with pytest.raises(RegistryError, match=r"fig14\.title: no parameter 'f' "):
+    listed = {"fig14": {"study": "s", "title": "[[v:g]] m/s"}}
+    assert filled(listed, {"s": {"v": [0.5, 1.0, 1.5]}})["fig14"]["title"] == "0.5, 1 and 1.5 m/s"
+    with pytest.raises(ConfigError, match=r"fig14\.title: no parameter 'f' "):
         filled(entries, {"s": {"g": 1}})
     with pytest.raises(RegistryError, match=r"fig14\.study: 's' is no study"):
         filled(entries, {"t": {}})

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from tests.shared import settings_as_shipped
 
 from microimpact.declared.documents import ConfigError
 from microimpact.ledgers.claims.criteria import (
@@ -60,6 +61,38 @@ def read(tmp_path, claims):
     path = tmp_path / "claims.yaml"
     path.write_text(yaml.safe_dump(claims), encoding="utf-8")
     return read_claims(path)
+
+
+# Decimals, and whole numbers with a unit; a per cent is a rule of the criteria.
+NUMBER = re.compile(r"(?<![\w.])(?:\d+\.\d+|\d+(?= (?:m/s|µm|mm|nm|v|events)\b|°))(?![\w.]| %)")
+
+
+@pytest.mark.parametrize("claim", CLAIMS.values(), ids=CLAIMS)
+def test_a_reason_repeats_no_number_that_is_declared_elsewhere(claim):
+    written = re.sub(r"\[\[.*?\]\]|(Section|Eqs?\.|Figs?\.) \S+|\b\d\.\d\.\d", "", claim.reason)
+    said = " ".join([claim.statement, claim.article_value, *map(str, claim.criteria)])
+    own = {float(number) for number in re.findall(r"\d+(?:\.\d+)?", said)}
+    assert {float(number) for number in NUMBER.findall(written)} <= own
+
+
+def test_a_changed_value_changes_the_reasons_that_tell_it():
+    branch = settings_as_shipped().branches["claim_numbers"]
+    here, there = (read_claims(SHIPPED, of) for of in (branch, doubled(branch)))
+    for name, claim in CLAIMS.items():
+        assert (here[name].reason != there[name].reason) == ("[[" in claim.reason)
+        assert "[[" not in here[name].reason
+    assert "restitution 0.70, sliding with friction 0.15" in here["C45"].reason
+    assert "at 0.25, 0.45, 0.75 and 1.66 m/s" in here["C101"].reason
+    with pytest.raises(ConfigError, match=r"C\d+\.reason: no parameter 'fall\.\S+'"):
+        read_claims(SHIPPED, branch | {"fall": {}})
+
+
+def doubled(node):
+    if isinstance(node, dict):
+        return {key: doubled(child) for key, child in node.items()}
+    if isinstance(node, list):
+        return [doubled(child) for child in node]
+    return 2 * node if isinstance(node, int | float) else node
 
 
 def test_every_row_is_there_once():

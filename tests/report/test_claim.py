@@ -40,6 +40,7 @@ def test_a_changed_value_gives_another_verdict(setting, verdict, nowhere):
     text = tell("C04", changed([setting]), nowhere)
     assert f"\nVerdict: {verdict}\n" in text
     assert "pile_up_speed_m_per_s" in text
+    assert f"{setting.partition('=')[2]} m/s is the faster end" in " ".join(text.split())
 
 
 def test_studies_on_which_a_claim_rests_follow_the_change(nowhere):

@@ -48,6 +48,7 @@ rule claims:
         "<results>/benchmarks/claims.tsv"
     params:
         rows={},
+        branch=SETTINGS.branches["claim_numbers"],
         rests_on=inputs_behind("claim_numbers", "digitised_comparison"),
         code=code_of("microimpact.ledgers.claims", script="judge_ledger.py"),
     script:

@@ -12,15 +12,16 @@ def main(job: Any) -> str:
     """Judge one ledger and return a line that counts its verdicts.
 
     The rule gives rows of declared tables as ``params.rows`` (name -> CSV text), tables of studies
-    as named input files and, for some, a file of criteria; its first output is the ledger, and a
-    second one, ``errata``, the slips that the ledger of equations tells besides.
+    as named input files and, for some, a file of criteria, with the values that its words take as
+    ``params.branch``; its first output is the ledger, and a second one, ``errata``, the slips that
+    the ledger of equations tells besides.
     """
     ledger = import_module(f"microimpact.ledgers.{job.rule}")
     tables = {name: parse_table(text) for name, text in job.params.rows.items()}
     files = dict(job.input.items())
     criteria = files.pop("criteria", None)
     tables |= {name: read_table(path) for name, path in files.items()}
-    judged = ledger.judge(tables, criteria) if criteria else ledger.judge(tables)
+    judged = ledger.judge(tables, *((criteria, job.params.branch) if criteria else ()))
     write_table(judged, job.output[0])
     if path := dict(job.output.items()).get("errata"):
         write_table(ledger.errata(), path)

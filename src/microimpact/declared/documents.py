@@ -1,12 +1,16 @@
-"""YAML files that hold a mapping: configuration, figure registry, claims."""
+"""YAML files that hold a mapping: configuration, figure registry, claims; values in their words."""
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping
 from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
 import yaml
+
+from microimpact.core.nearest import nearest
 
 
 class ConfigError(ValueError):
@@ -105,3 +109,51 @@ def _is_endless(content: object) -> bool:
         elif isinstance(node, list):
             waiting.extend(node)
     return bool(waiting)
+
+
+_PLACE = re.compile(r"\[\[([^\[\]:]+)(?::([^\]]*))?\]\]")
+
+
+def filled(node: Any, values: Mapping[str, Any], key: str) -> Any:
+    """Put parameters of a study into the words of a figure or a claim.
+
+    ``[[friction]]`` or ``[[friction:.2f]]`` in any text is replaced by the parameter of that name,
+    ``[[targets.speed]]`` for one within another, ``[[speeds.0]]`` for the first of a list and
+    ``[[speeds]]`` for all of it, so that no word contradicts a changed configuration. A name may
+    hold dots.
+
+    `node`: what stands in the file under the dotted `key`. Raises ConfigError if there is no
+    parameter of a name.
+    """
+    if isinstance(node, Mapping):
+        return {name: filled(child, values, f"{key}.{name}") for name, child in node.items()}
+    if isinstance(node, list):
+        return [filled(child, values, f"{key}[{i}]") for i, child in enumerate(node)]
+    if not isinstance(node, str):
+        return node
+
+    def value(place: re.Match[str]) -> str:
+        found: Any = values
+        rest = place[1]
+        while rest:
+            known = _named(found)
+            part = next((name for name in known if f"{rest}.".startswith(f"{name}.")), None)
+            if part is None:
+                near = nearest(rest.split(".")[0], known)
+                raise ConfigError(f"{key}: no parameter {place[1]!r}{near}")
+            found, rest = known[part], rest[len(part) + 1 :]
+        *most, last = (
+            format(each, place[2] or "").replace("%", " %")
+            for each in (found if isinstance(found, list) else [found])
+        )
+        return f"{', '.join(most)} and {last}" if most else last
+
+    return _PLACE.sub(value, node)
+
+
+def _named(node: Any) -> Mapping[str, Any]:
+    """Return the entries of a mapping, or of a list by their names or places."""
+    if isinstance(node, list | tuple):
+        named = (own.get("name") if isinstance(own, Mapping) else None for own in node)
+        return {name or str(i): own for i, (name, own) in enumerate(zip(named, node, strict=True))}
+    return node if isinstance(node, Mapping) else {}

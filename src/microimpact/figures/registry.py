@@ -11,6 +11,7 @@ from pydantic import Field, ValidationError
 
 from microimpact.core.nearest import nearest
 from microimpact.core.tables import RESULT_EVIDENCE
+from microimpact.declared import documents
 from microimpact.declared.parameters import Finite, Name, build, explain
 
 Range = tuple[Finite, Finite]
@@ -188,55 +189,18 @@ def registry(entries: Mapping[str, Mapping[str, Any]]) -> dict[str, FigureSpec]:
     return found
 
 
-_PLACE = re.compile(r"\[\[([^\[\]:]+)(?::([^\]]*))?\]\]")
-
-
 def filled(entries: Mapping[str, Any], branches: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-    """Put values of each figure's study into its words.
+    """Put values of each figure's study into its words, see `documents.filled`.
 
-    ``[[friction]]`` or ``[[friction:.2f]]`` in any text of an entry is replaced by the parameter
-    of that name, ``[[targets.speed]]`` for one within another and ``[[speeds.0]]`` for the first of
-    a list, so that no word on a figure contradicts a changed configuration. A name may hold dots.
-
-    Raises RegistryError if a study is not known, or has no parameter of that name.
+    Raises RegistryError if a study is not known, ConfigError if it has no such parameter.
     """
     result = {}
     for name, entry in entries.items():
         study = entry.get("study") if isinstance(entry, Mapping) else None
         if study is not None and (not isinstance(study, str) or study not in branches):
             raise RegistryError(f"{name}.study: {study!r} is no study{nearest(study, branches)}")
-        result[name] = _fill(entry, branches[study] if study else {}, name)
+        result[name] = documents.filled(entry, branches[study] if study else {}, name)
     return result
-
-
-def _fill(node: Any, values: Mapping[str, Any], key: str) -> Any:
-    if isinstance(node, Mapping):
-        return {name: _fill(child, values, f"{key}.{name}") for name, child in node.items()}
-    if isinstance(node, list):
-        return [_fill(child, values, f"{key}[{i}]") for i, child in enumerate(node)]
-    if not isinstance(node, str):
-        return node
-
-    def value(place: re.Match[str]) -> str:
-        found, rest = values, place[1]
-        while rest:
-            known = _named(found)
-            part = next((name for name in known if f"{rest}.".startswith(f"{name}.")), None)
-            if part is None:
-                near = nearest(rest.split(".")[0], known)
-                raise RegistryError(f"{key}: no parameter {place[1]!r}{near}")
-            found, rest = known[part], rest[len(part) + 1 :]
-        return format(found, place[2] or "").replace("%", " %")
-
-    return _PLACE.sub(value, node)
-
-
-def _named(node: Any) -> Mapping[str, Any]:
-    """Return the entries of a mapping, or of a list by their names or places."""
-    if isinstance(node, list | tuple):
-        named = (own.get("name") if isinstance(own, Mapping) else None for own in node)
-        return {name or str(i): own for i, (name, own) in enumerate(zip(named, node, strict=True))}
-    return node if isinstance(node, Mapping) else {}
 
 
 def _order(name: object) -> tuple[int, str]:

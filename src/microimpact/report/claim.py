@@ -42,7 +42,8 @@ def tell(name: str, changes: Mapping[str, Any], results: Path) -> str:
     results folder. Tables are taken from it if it holds a run of the shipped configuration. Raises
     ValueError if there is no such claim or key, or a value is not allowed.
     """
-    claims = read_claims(declared_file("claims.yaml"))
+    file = declared_file("claims.yaml")
+    claims = read_claims(file)
     if name not in claims:
         raise ValueError(f"{name!r} is no claim{nearest(name, claims)}")
     claim = claims[name]
@@ -53,8 +54,12 @@ def tell(name: str, changes: Mapping[str, Any], results: Path) -> str:
         table = read_table(folder / f"tables/{STUDY}.csv", NUMBER_COLUMNS)
         numbers = table[table["claim"] == name]
         ledger = read_table(folder / "tables/claims.csv").set_index("id").loc[name].dropna()
+        claim = replace(claim, reason=str(ledger["reason"]))
     else:
-        numbers, drawn = _computed(claim, changes, folder)
+        made = Made(STUDY, changes, folder)
+        branch = made.settings.branches[STUDY]
+        claim = read_claims(file, branch)[name]
+        numbers, drawn = _computed(claim, build(Params, branch), made)
         ledger = verdicts({name: claim}, numbers, drawn).iloc[0]
     row = {str(key): value for key, value in ledger.items()}
     return "\n".join([*_head(claim), *_body(claim, row, numbers, changes, folder)])
@@ -90,14 +95,10 @@ def _shipped(results: Path) -> bool:
         return False
 
 
-def _computed(
-    claim: Claim, changes: Mapping[str, Any], results: Path | None
-) -> tuple[pd.DataFrame, dict[str, Share]]:
+def _computed(claim: Claim, params: Params, made: Made) -> tuple[pd.DataFrame, dict[str, Share]]:
     """Return the numbers of a claim, and its share of the admissible contacts if it has one."""
-    made = Made(STUDY, changes, results)
     rows = study_rows(STUDY, made.settings, {})
     made.update({key: parse_table(text) for key, text in rows.items()})
-    params = build(Params, made.settings.branches[STUDY])
     numbers = numbers_of(claim.id, params, made)
     if claim.id not in params.draws.claims:
         return numbers, {}

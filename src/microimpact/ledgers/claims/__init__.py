@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -44,16 +44,21 @@ class LedgerError(ValueError):
     """Numbers that do not belong to the claims, or claims without numbers: one line each."""
 
 
-def judge(tables: Mapping[str, pd.DataFrame], criteria: Path | str) -> pd.DataFrame:
+def judge(
+    tables: Mapping[str, pd.DataFrame],
+    criteria: Path | str,
+    values: Mapping[str, Any] | None = None,
+) -> pd.DataFrame:
     """Return the verdict on every claim of a file, from tables of numbers.
 
     `tables`: ``claim_numbers``; ``claim_draws`` and ``admissible_contacts``, for the shares;
     ``external_evidence``; and ``digitised_residuals``, whose series of digitised points have rows
-    after the claims.
+    after the claims. `criteria`, `values`: file of claims and values in its words, see
+    `read_claims`.
     """
     import pandas as pd
 
-    read = read_claims(criteria)
+    read = read_claims(criteria, values)
     drawn = shares(read, tables["claim_draws"], tables["admissible_contacts"])
     claims = verdicts(read, tables["claim_numbers"], drawn)
     told = independent(read, tables["external_evidence"])

@@ -12,12 +12,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError
 
 from microimpact.core.nearest import nearest
-from microimpact.declared.documents import load
+from microimpact.declared.documents import filled, load
 from microimpact.declared.parameters import Finite, Name, NonNegative, build, explain
 
 CLAIM_NAME = r"^C\d{2,3}$"
@@ -256,10 +256,12 @@ def holds(criterion: Criterion, value: float) -> bool:
     return low <= value <= high
 
 
-def read_claims(path: Path | str) -> dict[str, Claim]:
+def read_claims(path: Path | str, values: Mapping[str, Any] | None = None) -> dict[str, Claim]:
     """Read and check a file of claims.
 
-    Raises ClaimsError, naming the dotted key of every problem in any claim, one line each.
+    `values`: parameters of ``claim_numbers``, to be put into the words; without them these keep the
+    names of the parameters. Raises ClaimsError, naming the dotted key of every problem in any
+    claim, one line each, and ConfigError if the words name a parameter that there is not.
     """
     found, problems = {}, []
     for key, entry in load(path).items():
@@ -269,7 +271,8 @@ def read_claims(path: Path | str) -> dict[str, Claim]:
             problems.append(f"{key}: {entry!r} must be a mapping")
             continue
         try:
-            found[key] = build(Claim, {"id": str(key), **entry})
+            words = entry if values is None else filled(entry, values, str(key))
+            found[key] = build(Claim, {"id": str(key), **words})
         except ValidationError as error:
             # The field cannot bear the name of its key, a word of the language.
             problems += [
