@@ -152,7 +152,8 @@ def validator(name):
 
 def test_shipped_files_meet_the_schemas():
     validator("config.schema.json").validate(BASE)
-    validator("figures.schema.json").validate(load(ROOT / "config/figures.yaml"))
+    for name in ("figures", "claims", "equations"):
+        validator(f"{name}.schema.json").validate(load(ROOT / f"config/{name}.yaml"))
     overlays = [ROOT / "config/ci.yaml", *(ROOT / "config/examples").glob("*.yaml")]
     assert len(overlays) > 3
     for path in overlays:

@@ -74,6 +74,10 @@ rule equations:
         "<results>/benchmarks/equations.tsv"
     params:
         rows=SETTINGS.tables.of_pair("stainless-steel-316", "silicon"),
-        code=code_of("microimpact.ledgers.equations", script="judge_ledger.py"),
+        code=code_of(
+            "microimpact.ledgers.equations",
+            script="judge_ledger.py",
+            files=[PROJECT / "config/equations.yaml"],
+        ),
     script:
         "../scripts/judge_ledger.py"

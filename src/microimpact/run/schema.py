@@ -1,4 +1,4 @@
-"""JSON schemas (draft 2020-12) of the configuration, the figure registry and the claims.
+"""JSON schemas (draft 2020-12) of the configuration, figures, claims and equations.
 
 They are generated from the same dataclasses that check the files, for editors and for readers:
 
@@ -27,6 +27,7 @@ from microimpact.figures.registry import FIGURE_NAME, FigureSpec
 from microimpact.lab.laboratory import Laboratory
 from microimpact.ledgers.claims.criteria import CLAIM_NAME, DIGITISED, Claim
 from microimpact.ledgers.claims.digitised import DigitisedCriteria
+from microimpact.ledgers.equations.records import EQUATION_NAME, ERRATA, Equation
 from microimpact.run.config import General
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -40,11 +41,13 @@ def schemas() -> dict[str, Schema]:
     """Return the schemas by file name."""
     claims = _registry("Claims of the article", CLAIM_NAME, Claim, "id")
     criteria = _without_titles(adapter(DigitisedCriteria).json_schema())
+    equations = _registry("Relations of the article", EQUATION_NAME, Equation, "id")
     return {
         "config.schema.json": config_schema(),
         "figures.schema.json": _registry("Figure registry", FIGURE_NAME, FigureSpec, "name"),
         "claims.schema.json": claims
         | {"properties": {DIGITISED: criteria}, "required": [DIGITISED]},
+        "equations.schema.json": equations | {"properties": {ERRATA: {"type": "array"}}},
     }
 
 

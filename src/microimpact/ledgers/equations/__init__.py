@@ -1,8 +1,9 @@
 """Ledger of equations: every relation of the article, proved by a check of its own.
 
-A row says what is printed and what is used. Both are checked when the ledger is judged: the
-dimensions of all parts by Pint, and a proof from first principles by SymPy, or by numbers. The
-verdict follows from these checks alone; only where a slip comes from is declared.
+``config/equations.yaml`` says what is printed and what is used; the proofs are here, by section.
+Both forms are checked when the ledger is judged: the dimensions of all parts by Pint, and a proof
+from first principles by SymPy, or by numbers. The verdict follows from these checks alone; only
+where a slip comes from is declared.
 """
 
 from __future__ import annotations
@@ -13,6 +14,9 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
+from microimpact.core.materials import declared_file
+from microimpact.declared.documents import load
+from microimpact.declared.parameters import build
 from microimpact.ledgers.equations import (
     contact,
     empirical,
@@ -23,19 +27,25 @@ from microimpact.ledgers.equations import (
     roughness,
 )
 from microimpact.ledgers.equations.case import reference_case
-from microimpact.ledgers.equations.errata import errata as errata
 from microimpact.ledgers.equations.forms import DimensionError, check_dimensions, parse
-from microimpact.ledgers.equations.records import At, Case, Equation, Outcome
+from microimpact.ledgers.equations.records import ERRATA, At, Case, Equation, Outcome, Proof
 
-EQUATIONS: tuple[Equation, ...] = (
-    *laboratory.EQUATIONS,
-    *impulses.EQUATIONS,
-    *energies.EQUATIONS,
-    *contact.EQUATIONS,
-    *motion.EQUATIONS,
-    *empirical.EQUATIONS,
-    *roughness.EQUATIONS,
-)
+_DECLARED = load(declared_file("equations.yaml"))
+
+EQUATIONS = {
+    name: build(Equation, {"id": name, **entry})
+    for name, entry in _DECLARED.items()
+    if name != ERRATA
+}
+PROOFS: dict[str, Proof] = {
+    **laboratory.PROOFS,
+    **impulses.PROOFS,
+    **energies.PROOFS,
+    **contact.PROOFS,
+    **motion.PROOFS,
+    **empirical.PROOFS,
+    **roughness.PROOFS,
+}
 
 # A formula and the function that implements it differ by rounding only.
 AGREEMENT = 1e-9
@@ -54,13 +64,12 @@ class Checks(NamedTuple):
         return self.dimension == "passed" and self.derivation != "failed"
 
 
-def check(equation: Equation, text: str, case: Case) -> Checks:
+def check(equation: Equation, proof: Proof, text: str, case: Case) -> Checks:
     """Check the dimensions of a form, and prove it.
 
-    `equation`: whose symbols and derivation count; `case`: the impact for numeric proofs.
+    `equation`: whose symbols count; `case`: the impact for numeric proofs.
     """
-    proof = equation.derivation
-    derivation = "none" if proof is None else proof.check(parse(text), case)
+    derivation = proof.derivation.check(parse(text), case) if proof.derivation else "none"
     try:
         check_dimensions(text, equation.units)
     except DimensionError as error:
@@ -68,12 +77,12 @@ def check(equation: Equation, text: str, case: Case) -> Checks:
     return Checks("passed", derivation)
 
 
-def agreement(equation: Equation, case: Case) -> float | None:
+def agreement(equation: Equation, proof: Proof, case: Case) -> float | None:
     """Return the relative difference between the used form and the function, if there is one."""
-    if equation.implementation is None:
+    if proof.computed is None:
         return None
     at = At(equation, case)
-    formula, computed = at.used(), equation.implementation(at.values())
+    formula, computed = at.used(), proof.computed(at.values())
     difference = abs(computed - formula)
     return difference / max(abs(formula), abs(computed)) if difference else 0.0
 
@@ -98,16 +107,26 @@ def judge(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
     `tables`: ``materials`` and ``contacts``, declared rows of one pair, steel on silicon.
     """
     case = reference_case(tables)
-    return pd.DataFrame([row(equation, case) for equation in EQUATIONS])
+    return pd.DataFrame([row(each, proof_of(each), case) for each in EQUATIONS.values()])
 
 
-def row(equation: Equation, case: Case) -> dict[str, Any]:
+def proof_of(equation: Equation) -> Proof:
+    """Return the proof of a relation; an empty one of a definition."""
+    return PROOFS.get(equation.id, Proof())
+
+
+def errata() -> pd.DataFrame:
+    """Return the slips of the article outside its equations, one row each."""
+    return pd.DataFrame(_DECLARED[ERRATA])
+
+
+def row(equation: Equation, proof: Proof, case: Case) -> dict[str, Any]:
     """Return one judged relation."""
-    printed = check(equation, equation.printed, case)
-    used = check(equation, equation.form_used, case) if equation.used else printed
-    apart = agreement(equation, case)
+    printed = check(equation, proof, equation.printed, case)
+    used = check(equation, proof, equation.used, case) if equation.used else printed
+    apart = agreement(equation, proof, case)
     judged = verdict(equation, printed, used, apart)
-    consequence = equation.consequence
+    follows = proof.consequence
     return {
         "equation": equation.id,
         "section": equation.section,
@@ -121,16 +140,16 @@ def row(equation: Equation, case: Case) -> dict[str, Any]:
         "kind_of_slip": equation.slip if judged in {"typographical slip", "corrected"} else "none",
         "reason": equation.reason,
         "function": equation.function,
-        "consequence": consequence.text if consequence else "",
-        "consequence_value": consequence.value(At(equation, case)) if consequence else math.nan,
-        "consequence_unit": consequence.unit if consequence else "",
-        "evidence": _evidence(equation, printed, apart),
+        "consequence": equation.consequence,
+        "consequence_value": follows(At(equation, case)) if follows else math.nan,
+        "consequence_unit": equation.unit if follows else "",
+        "evidence": _evidence(proof, printed, apart),
     }
 
 
-def _evidence(equation: Equation, printed: Checks, apart: float | None) -> str:
+def _evidence(proof: Proof, printed: Checks, apart: float | None) -> str:
     """Say how the row was checked."""
-    parts = [equation.derivation.method if equation.derivation else "dimensions alone"]
+    parts = [proof.derivation.method if proof.derivation else "dimensions alone"]
     if printed.remark:
         parts.append(f"printed: {printed.remark}")
     if apart is not None:

@@ -9,10 +9,8 @@ import sympy
 
 from microimpact.ledgers.equations.forms import symbols
 from microimpact.ledgers.equations.records import (
-    At,
-    Consequence,
-    Equation,
     Facts,
+    Proof,
     Values,
     follows,
     where_one,
@@ -110,116 +108,36 @@ def _over_unit(name: str, x: Values) -> Any:
     return getattr(x["contact"], name) / x["contact"].damping_unit
 
 
-def _damping_of_unit_zeta(at: At) -> float:
-    return 1.0 / at.printed(c_H=1.0, c_A=1.0, v_n=at.values()["v"])
-
-
-_GROUP = "(r**3*K*sqrt(Abs(v_n))/m)**(2/5)"
-_ADVICE = (
-    "Eqs. (23), (24) and (25) all print 5/2, but only 2/5 makes the group dimensionless and the"
-    " expression equal to the time scale."
-)
-
-EQUATIONS = (
-    Equation(
-        "19",
-        "m*n_ddot = sqrt(r*K)*n**(3/2) - sqrt(r*K)*n**(3/2)*c_H*n_dot"
-        " - 2*pi*a*f_0 - 2*pi*a*f_0*c_A*n_dot",
-        used=(
-            "scan or article",
-            "m*n_ddot = sqrt(r)*K*Abs(n)**(3/2) - sqrt(r)*K*Abs(n)**(3/2)*c_H*n_dot"
-            " - 2*pi*a*f_0 - 2*pi*a*f_0*c_A*n_dot",
-        ),
-        derivation=follows("Hertz, ring force, damping that costs energy", newton),
-        reason="The root covers r alone, and n < 0 in contact requires its absolute value; "
-        "all signs are correct.",
-        function="microimpact.model.dynamics.trajectory.trajectory",
-        implementation=lambda x: traced(x).normal_force[TRACED_MOMENT],
-        consequence=Consequence(
-            "factor on the Hertz force from the root over K, which has a dimension",
-            lambda at: at.values()["K"] ** -0.5,
-            "Pa**-0.5",
-        ),
+PROOFS = {
+    "19": Proof(
+        follows("Hertz, ring force, damping that costs energy", newton),
+        lambda x: traced(x).normal_force[TRACED_MOMENT],
+        lambda at: at.values()["K"] ** -0.5,
     ),
-    Equation(
-        "3.2 contact radius",
-        "a**2 = r_n",
-        used=("scan or article", "a**2 = r*Abs(n)"),
-        derivation=follows("pressure of Hertz", hertz),
-        reason="The index is a factor; n < 0 in contact.",
-        function="microimpact.model.contact.Contact.equilibrium_contact_radius",
+    "3.2 contact radius": Proof(follows("pressure of Hertz", hertz)),
+    "20": Proof(
+        follows("pressure of Hertz", hertz),
+        lambda x: hertz_stiffness(x["contact"].particle, x["contact"].surface),
+        lambda at: at.printed() / at.used(),
     ),
-    Equation(
-        "20",
-        "K = 4/(3*pi*(k_1 + k_2)**2)",
-        used=("scan or article", "K = 4/(3*pi*(k_1 + k_2))"),
-        derivation=follows("pressure of Hertz", hertz),
-        reason="The square would make K the square of a pressure.",
-        function="microimpact.model.contact.hertz_stiffness",
-        implementation=lambda x: hertz_stiffness(x["contact"].particle, x["contact"].surface),
-        consequence=Consequence(
-            "factor on K of steel on silicon, which has a dimension",
-            lambda at: at.printed() / at.used(),
-            "Pa",
-        ),
+    "22": Proof(
+        follows("gap between two paraboloids", curvature),
+        lambda x: x["contact"].replace(surface_radius=x["r_S"]).hertz_radius,
     ),
-    Equation(
-        "21",
-        "k_i = (1 - nu_i**2)/(pi*E_i)",
-        reason="Defines the compliance of each body for Eq. (20).",
-        function="microimpact.model.contact.hertz_stiffness",
-    ),
-    Equation(
-        "22",
-        "r = R_S*r_S/(R_S + r_S)",
-        derivation=follows("gap between two paraboloids", curvature),
-        reason="On a plane r is the radius of the sphere.",
-        function="microimpact.model.contact.Contact.hertz_radius",
-        implementation=lambda x: x["contact"].replace(surface_radius=x["r_S"]).hertz_radius,
-    ),
-    *(
-        Equation(
-            number,
-            f"zeta_{of} = c_{of}*(R**3*K*sqrt(v_n)/m)**(5/2)",
-            used=("scan or article", f"zeta_{of} = c_{of}*{_GROUP}"),
-            derivation=follows("time scale of Hertz impact", damping),
-            reason=_ADVICE,
-            function="microimpact.model.contact.Contact.damping_unit",
-            implementation=partial(_over_unit, name),
-            consequence=Consequence(
-                f"c_{of} that zeta_{of} = 1 would mean at 1.66 m/s",
-                _damping_of_unit_zeta,
-                "(s/m)**6.25",
-            ),
+    **{
+        number: Proof(
+            follows("time scale of Hertz impact", damping),
+            partial(_over_unit, name),
+            lambda at: 1.0 / at.printed(c_H=1.0, c_A=1.0, v_n=at.values()["v"]),
         )
-        for number, of, name in (("23", "H", "hertz_damping"), ("24", "A", "adhesion_damping"))
+        for number, name in (("23", "hertz_damping"), ("24", "adhesion_damping"))
+    },
+    "23 period": Proof(
+        follows("period of Hertz contact", lambda: {T_H: period()}),
+        consequence=lambda _: sympy.powdenest(period() / time_scale(), force=True).evalf(),
     ),
-    Equation(
-        "23 period",
-        f"r*c_H/T_H = c_H*{_GROUP}",
-        used=("article", f"r*c_H/T_H = c_H*{_GROUP}/(4/5*(5/4)**(2/5)*beta(2/5, 1/2))"),
-        derivation=follows("period of Hertz contact", lambda: {T_H: period()}),
-        reason="T_H is called the period, which is 3.218 times the time scale in the group. Which "
-        "of both expressions gave the article's numbers is open; here it is the group.",
-        function="microimpact.model.contact.Contact.damping_unit",
-        consequence=Consequence(
-            "factor between both expressions of every zeta",
-            lambda _: sympy.powdenest(period() / time_scale(), force=True).evalf(),
-        ),
+    "25": Proof(
+        follows("Eq. (19) with zeta of Eqs. (23), (24)", scaled_newton),
+        lambda x: traced(x).normal_force[TRACED_MOMENT],
     ),
-    Equation(
-        "25",
-        "m*w_ddot = sqrt(f)*K*pi**(3/2)*(1 - zeta_H*(m/(R**3*K*sqrt(v_n)))**(5/2)*w_dot)"
-        " - 2*pi*sqrt(m)*w_dot*(1 + zeta_A*(m/(R**3*K*sqrt(v_n)))**(5/2)*w_dot)",
-        used=(
-            "scan or article",
-            f"m*n_ddot = sqrt(r)*K*Abs(n)**(3/2)*(1 - zeta_H/{_GROUP}*n_dot)"
-            f" - 2*pi*sqrt(r*Abs(n))*f_0*(1 + zeta_A/{_GROUP}*n_dot)",
-        ),
-        derivation=follows("Eq. (19) with zeta of Eqs. (23), (24)", scaled_newton),
-        reason="Eq. (19) with zeta. The scan is garbled, but 5/2 is the exponent of Eqs. (23) "
-        "and (24), too.",
-        function="microimpact.model.dynamics.trajectory.trajectory",
-        implementation=lambda x: traced(x).normal_force[TRACED_MOMENT],
-    ),
-)
+}

@@ -9,7 +9,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 from microimpact.ledgers.equations.forms import Form, symbols
-from microimpact.ledgers.equations.records import At, Case, Consequence, Derivation, Equation
+from microimpact.ledgers.equations.records import At, Case, Derivation, Proof
 from microimpact.model.empirical.equations import (
     adhesion_coefficient,
     body_restitution,
@@ -56,42 +56,19 @@ def _by_speed(at: At) -> float:
     return at.printed(v_n=-speed, q=1.0, **constants)
 
 
-EQUATIONS = (
-    Equation(
-        "32",
-        "R = k_1**p/(k_2**p + Abs(v_n)**p)",
-        derivation=Derivation("numeric: limits at rest and at high speed", _body),
-        reason="With k_1 = k_2, as for Eq. (34); otherwise R would not be 1 at rest.",
-        function="microimpact.model.empirical.equations.body_restitution",
-        implementation=lambda x: body_restitution(-x["v_n"], x["k_1"], x["p"]),
+PROOFS = {
+    "32": Proof(
+        Derivation("numeric: limits at rest and at high speed", _body),
+        lambda x: body_restitution(-x["v_n"], x["k_1"], x["p"]),
     ),
-    Equation(
-        "33",
-        "rho = kappa_1**q/(kappa_2**q + Abs(v_n - v_c)**q)",
-        derivation=Derivation("numeric: capture at v_c, rebound above", _captures),
-        reason="With v_c < 0, of the sign of v_n, which the text does not say, and kappa_1 = "
-        "kappa_2. Below v_c, where the form would fall again, rho stays 1 here.",
-        function="microimpact.model.empirical.equations.adhesion_coefficient",
-        implementation=lambda x: adhesion_coefficient(-x["v_n"], x["kappa_1"], x["q"], -x["v_c"]),
-        consequence=Consequence(
-            "rho at the capture velocity, in place of 1, if v_c were a speed, with kappa = v_c and "
-            "q = 1",
-            _by_speed,
-        ),
+    "33": Proof(
+        Derivation("numeric: capture at v_c, rebound above", _captures),
+        lambda x: adhesion_coefficient(-x["v_n"], x["kappa_1"], x["q"], -x["v_c"]),
+        _by_speed,
     ),
-    Equation(
-        "34",
-        "e = k**p/(k**p + Abs(v_n)**p)*(1 - kappa**q/(kappa**q + Abs(v_n - v_c)**q))",
-        derivation=Derivation("numeric: capture at v_c, rebound above", _captures),
-        reason="The product R (1 - rho), with the sign of v_c as in Eq. (33).",
-        function="microimpact.model.empirical.equations.restitution",
-        implementation=lambda x: restitution(
-            *(-x["v_n"], x["k"], x["p"], x["kappa"], x["q"], -x["v_c"])
-        ),
-        consequence=Consequence(
-            "e at the capture velocity, in place of 0, if v_c were a speed, with kappa = v_c and "
-            "q = 1",
-            _by_speed,
-        ),
+    "34": Proof(
+        Derivation("numeric: capture at v_c, rebound above", _captures),
+        lambda x: restitution(*(-x["v_n"], x["k"], x["p"], x["kappa"], x["q"], -x["v_c"])),
+        _by_speed,
     ),
-)
+}

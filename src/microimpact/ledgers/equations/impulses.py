@@ -8,9 +8,8 @@ import sympy
 
 from microimpact.ledgers.equations.forms import symbols
 from microimpact.ledgers.equations.records import (
-    Consequence,
-    Equation,
     Facts,
+    Proof,
     Values,
     follows,
     solve,
@@ -80,110 +79,35 @@ def _after(x: Values) -> algebra.RigidBodyRebound:
     return algebra.rigid_body_rebound(x["v_n"], x["v_t"], x["omega"], x["r"], x["e"], x["f"])
 
 
-EQUATIONS = (
-    Equation(
-        "4",
-        "mu = P_t/P_n",
-        reason="Defines the impulse ratio; Eq. (2) follows from it.",
-        function="microimpact.model.rigid_body.algebra.rigid_body_rebound",
+PROOFS = {
+    "5": Proof(
+        follows("momentum of rebound R (1 - rho)", adhesion),
+        consequence=lambda at: 0.9 + at.printed(rho=0.5, P_D_A=1.0),
     ),
-    Equation(
-        "5",
-        "P_A_R = -rho*P_D_A",
-        used=("article", "P_A_R = -rho*P_D_R"),
-        derivation=follows("momentum of rebound R (1 - rho)", adhesion),
-        reason="Eqs. (10), (16) and (34) need the deformation impulse of rebound, not of approach.",
-        function="microimpact.model.rigid_body.algebra.adhesion_impulse",
-        consequence=Consequence(
-            "restitution at R = 0.9, rho = 0.5, in place of 0.45",
-            lambda at: 0.9 + at.printed(rho=0.5, P_D_A=1.0),
-        ),
+    "6": Proof(follows("impulse and momentum", newton), lambda x: _after(x).V_n),
+    "7": Proof(follows("impulse and momentum", newton), lambda x: _after(x).V_t),
+    "8": Proof(
+        follows("angular momentum", newton),
+        lambda x: _after(x).Omega,
+        lambda at: at.printed(omega=0.0) / at.used(omega=0.0),
     ),
-    Equation(
-        "6",
-        "V_n = -e*v_n",
-        derivation=follows("impulse and momentum", newton),
-        reason="Eq. (1) solved for the final velocity.",
-        function="microimpact.model.rigid_body.algebra.rigid_body_rebound",
-        implementation=lambda x: _after(x).V_n,
+    "9": Proof(
+        follows("deformation impulses of approach and rebound", adhesion),
+        lambda x: x["m"] * algebra.deformation_impulse(x["v_n"], x["R"]),
     ),
-    Equation(
-        "7",
-        "V_t = v_t - mu*(1 + e)*v_n",
-        derivation=follows("impulse and momentum", newton),
-        reason="Tangential momentum with the impulse mu P_n.",
-        function="microimpact.model.rigid_body.algebra.rigid_body_rebound",
-        implementation=lambda x: _after(x).V_t,
+    "10": Proof(
+        follows("momentum of rebound R (1 - rho)", adhesion),
+        lambda x: x["m"] * algebra.adhesion_impulse(x["v_n"], x["R"], x["rho"]),
     ),
-    Equation(
-        "8",
-        "Omega = omega + 5*mu*(1 + e)*v_n/(2*k**2)",
-        used=("scan or article", "Omega = omega + 5*mu*(1 + e)*v_n/(2*r)"),
-        derivation=follows("angular momentum", newton),
-        reason="5/2 already contains the inertia of a solid sphere, so only one radius may divide.",
-        function="microimpact.model.rigid_body.algebra.rigid_body_rebound",
-        implementation=lambda x: _after(x).Omega,
-        consequence=Consequence(
-            "factor on the change of spin of a 62 um sphere, which has a dimension",
-            lambda at: at.printed(omega=0.0) / at.used(omega=0.0),
-            "1/m",
-        ),
+    "3.1.2 contact velocity": Proof(follows("kinematics of a rigid body", contact_velocity)),
+    "11": Proof(
+        follows("momentum and kinematics", newton),
+        lambda x: _after(x).V_t - x["r"] * _after(x).Omega,
+        lambda at: (at.printed(v_t=0.0, omega=0.0)) / at.used(v_t=0.0, omega=0.0),
     ),
-    Equation(
-        "9",
-        "P_D = -m*(1 + R)*v_n",
-        derivation=follows("deformation impulses of approach and rebound", adhesion),
-        reason="Sum over approach and rebound.",
-        function="microimpact.model.rigid_body.algebra.deformation_impulse",
-        implementation=lambda x: x["m"] * algebra.deformation_impulse(x["v_n"], x["R"]),
+    "12": Proof(
+        follows("V_Ct = 0", newton),
+        lambda x: algebra.rolling_impulse_ratio(x["v_n"], x["v_t"] - x["r"] * x["omega"], x["e"]),
+        lambda at: (1.0 + at.values()["e"]) ** 2,
     ),
-    Equation(
-        "10",
-        "P_A_R = rho*R*m*v_n",
-        derivation=follows("momentum of rebound R (1 - rho)", adhesion),
-        reason="Agrees with Eqs. (6), (9) and (16), unlike Eq. (5); it defines rho here.",
-        function="microimpact.model.rigid_body.algebra.adhesion_impulse",
-        implementation=lambda x: x["m"] * algebra.adhesion_impulse(x["v_n"], x["R"], x["rho"]),
-    ),
-    Equation(
-        "3.1.2 contact velocity",
-        "V_Ct = V_t - r*Omega",
-        derivation=follows("kinematics of a rigid body", contact_velocity),
-        reason="Spin is positive in the sense of rolling along +t.",
-        function="microimpact.model.dynamics.trajectory.trajectory",
-    ),
-    Equation(
-        "11",
-        "V_Ct = v_t - r*omega - 7*mu*(1 + e)/(2*v_n)",
-        used=("scan", "V_Ct = v_t - r*omega - 7*mu*(1 + e)*v_n/2"),
-        derivation=follows("momentum and kinematics", newton),
-        reason="The velocity belongs to the numerator: the sum of the changes in Eqs. (7) and (8).",
-        function="microimpact.model.rigid_body.algebra.rigid_body_rebound",
-        implementation=lambda x: _after(x).V_t - x["r"] * _after(x).Omega,
-        consequence=Consequence(
-            "change of slip as read literally over the right one, sliding at 30 degrees",
-            lambda at: (at.printed(v_t=0.0, omega=0.0)) / at.used(v_t=0.0, omega=0.0),
-            "s**2/m**2",
-        ),
-    ),
-    Equation(
-        "12",
-        "mu_0 = 2*eta/(7*(1 + e))",
-        derivation=follows("V_Ct = 0", newton),
-        reason="Sliding ends if |mu_0| is below f; its sign is that of eta.",
-        function="microimpact.model.rigid_body.algebra.rolling_impulse_ratio",
-        implementation=lambda x: algebra.rolling_impulse_ratio(
-            x["v_n"], x["v_t"] - x["r"] * x["omega"], x["e"]
-        ),
-        consequence=Consequence(
-            "read as (2/7) eta (1 + e): factor on mu_0 at e = 0.70",
-            lambda at: (1.0 + at.values()["e"]) ** 2,
-        ),
-    ),
-    Equation(
-        "13",
-        "eta = (v_t - r*omega)/v_n",
-        reason="Defines the ratio of slip to normal velocity before impact.",
-        function="microimpact.model.rigid_body.algebra.rolling_impulse_ratio",
-    ),
-)
+}

@@ -14,10 +14,9 @@ from microimpact.ledgers.equations.forms import Form, symbols
 from microimpact.ledgers.equations.impulses import _after, newton
 from microimpact.ledgers.equations.records import (
     Case,
-    Consequence,
     Derivation,
-    Equation,
     Facts,
+    Proof,
     Values,
     follows,
     where_one,
@@ -77,124 +76,43 @@ def _loss(x: Values) -> Any:
     return algebra.energy_loss(*given).translational
 
 
-EQUATIONS = (
-    Equation(
-        "2.1 fall",
-        "v = sqrt(2*g*h)",
-        derivation=follows("energy of free fall", lambda: {v: free_fall()[v].subs(v_probe, 0)}),
-        reason="Heights of 0.01 to 1.0 m give 0.44 to 4.4 m/s, as the text says.",
-        function="microimpact.lab.dispenser.drop_height",
+PROOFS = {
+    "2.1 fall": Proof(follows("energy of free fall", lambda: {v: free_fall()[v].subs(v_probe, 0)})),
+    "2.1 incident": Proof(
+        follows("energy of free fall", free_fall),
+        lambda x: -correct(-x["v_probe"], x["h"]),
+        lambda _: _restitution(1.6, 0.70),
     ),
-    Equation(
-        "2.1 incident",
-        "v = v_probe + sqrt(2*g*h)",
-        used=("article", "v = sqrt(v_probe**2 + 2*g*h)"),
-        derivation=follows("energy of free fall", free_fall),
-        reason="Gravity adds a constant to the square of a velocity, not to the velocity.",
-        function="microimpact.lab.pdpa.pairing.correct",
-        implementation=lambda x: -correct(-x["v_probe"], x["h"]),
-        consequence=Consequence(
-            "restitution found for 0.70 at 1.6 m/s, probe 1 mm above the surface",
-            lambda _: _restitution(1.6, 0.70),
+    "2.1 rebound": Proof(
+        follows("energy of free fall", free_fall),
+        lambda x: correct(x["V_probe"], x["h"]),
+        lambda _: _restitution(0.5, 0.40),
+    ),
+    "1": Proof(computed=lambda x: -_after(x).V_n / x["v_n"]),
+    "2": Proof(follows("impulse and momentum", newton)),
+    "3": Proof(
+        follows("kinetic energies", lambda: {T_L: (m * v**2 / 2 - m * V**2 / 2) / (m * v**2 / 2)}),
+        _loss,
+    ),
+    "2.3.1 normal loss": Proof(
+        follows("rolling loss at 90 degrees", normal_incidence),
+        lambda x: algebra.energy_loss(-x["v"], 0, 0, x["r"], x["e"], 0).translational,
+    ),
+    "2.4.2 rotational loss": Proof(
+        follows("loss 1 - e^2 at 90 degrees", normal_incidence),
+        _loss,
+        lambda at: at.printed(omega=0.0),
+    ),
+    "2.4.2 high angles": Proof(
+        follows("rolling loss, limit of 90 degrees", normal_incidence),
+        consequence=lambda at: (
+            at.printed()
+            - float(rolling_loss().subs({alpha: np.radians(50.0), e: at.values()["e"]}))
         ),
     ),
-    Equation(
-        "2.1 rebound",
-        "V = V_probe + sqrt(2*g*h)",
-        used=("article", "V = sqrt(V_probe**2 + 2*g*h)"),
-        derivation=follows("energy of free fall", free_fall),
-        reason="Gravity adds a constant to the square of the rebound velocity, too; rebounds "
-        "slower than sqrt(2gh) never reach the probe.",
-        function="microimpact.lab.pdpa.pairing.correct",
-        implementation=lambda x: correct(x["V_probe"], x["h"]),
-        consequence=Consequence(
-            "restitution found for 0.40 at 0.5 m/s, probe 1 mm above the surface",
-            lambda _: _restitution(0.5, 0.40),
-        ),
+    "2.4.2 eta": Proof(
+        follows("components of a velocity", lambda: {eta: -sympy.cos(alpha) / sympy.sin(alpha)}),
+        consequence=lambda at: at.printed(alpha=np.pi / 6),
     ),
-    Equation(
-        "1",
-        "e = -V_n/v_n",
-        reason="Defines the kinematic coefficient of restitution.",
-        function="microimpact.model.rigid_body.algebra.rigid_body_rebound",
-        implementation=lambda x: -_after(x).V_n / x["v_n"],
-    ),
-    Equation(
-        "2",
-        "mu = (V_t - v_t)/(V_n - v_n)",
-        derivation=follows("impulse and momentum", newton),
-        reason="Equals Eq. (4). It is negative where friction opposes v_t > 0; the plots show "
-        "its absolute value.",
-        function="microimpact.model.dynamics.impact.planar",
-    ),
-    Equation(
-        "3",
-        "T_L = (v**2 - V**2)/v**2",
-        derivation=follows(
-            "kinetic energies", lambda: {T_L: (m * v**2 / 2 - m * V**2 / 2) / (m * v**2 / 2)}
-        ),
-        reason="Dimensionless, and translational only; Eqs. (14) and (17) use the symbol for "
-        "an energy in joules.",
-        function="microimpact.model.rigid_body.algebra.energy_loss",
-        implementation=_loss,
-    ),
-    Equation(
-        "2.3.1 normal loss",
-        "T_L = 1 - e**2",
-        derivation=follows("rolling loss at 90 degrees", normal_incidence),
-        reason="Eq. (3) with V = e v.",
-        function="microimpact.model.rigid_body.algebra.energy_loss",
-        implementation=lambda x: (
-            algebra.energy_loss(-x["v"], 0, 0, x["r"], x["e"], 0).translational
-        ),
-    ),
-    Equation(
-        "2.4.2 rotational loss",
-        "T_L = I*(omega**2 - Omega**2)/(m*v**2)",
-        used=("article", "T_L = (v**2 - V**2)/v**2"),
-        derivation=follows("loss 1 - e^2 at 90 degrees", normal_incidence),
-        reason="The text calls it rotational, but its limit 1 - e^2 at high angles and the "
-        "caption belong to Eq. (3).",
-        function="microimpact.model.rigid_body.algebra.energy_loss",
-        implementation=_loss,
-        consequence=Consequence(
-            "rotational loss, a gain, of a sphere without initial spin that slides",
-            lambda at: at.printed(omega=0.0),
-        ),
-    ),
-    Equation(
-        "2.4.2 high angles",
-        "T_L = 1 - e**2",
-        derivation=follows("rolling loss, limit of 90 degrees", normal_incidence),
-        reason="The limit of rolling without spin, (1 - e^2) sin^2 + (24/49) cos^2 of the angle.",
-        function="microimpact.model.rigid_body.algebra.energy_loss",
-        consequence=Consequence(
-            "excess over the loss of a rolling sphere at 50 degrees",
-            lambda at: (
-                at.printed()
-                - float(rolling_loss().subs({alpha: np.radians(50.0), e: at.values()["e"]}))
-            ),
-        ),
-    ),
-    Equation(
-        "2.4.2 eta",
-        "eta = atan(alpha)",
-        used=("scan or article", "eta = -cot(alpha)"),
-        derivation=follows(
-            "components of a velocity", lambda: {eta: -sympy.cos(alpha) / sympy.sin(alpha)}
-        ),
-        reason="The raised -1 means 1/tan here, and the minus sign follows from v_n < 0.",
-        function="microimpact.model.dynamics.impact.velocity_components",
-        consequence=Consequence(
-            "in place of -1.73 at 30 degrees", lambda at: at.printed(alpha=np.pi / 6)
-        ),
-    ),
-    Equation(
-        "2.4.2 eta_s",
-        "eta_rate > eta_s_rate",
-        used=("scan or article", "eta_squared_rate > eta_rate"),
-        derivation=Derivation("numeric: slopes below 45 degrees", _growth),
-        reason="eta_s is not defined. Read as the square of eta, it grows faster than eta, as "
-        "the text says.",
-    ),
-)
+    "2.4.2 eta_s": Proof(Derivation("numeric: slopes below 45 degrees", _growth)),
+}

@@ -13,10 +13,9 @@ from microimpact.ledgers.equations.forms import Form, symbols, vanishes
 from microimpact.ledgers.equations.records import (
     At,
     Case,
-    Consequence,
     Derivation,
-    Equation,
     Facts,
+    Proof,
     follows,
     solve,
     where_one,
@@ -125,115 +124,39 @@ def _slip_left(at: At) -> float:
     return 1.0 + change
 
 
-EQUATIONS = (
-    Equation(
-        "26",
-        "m*w_ddot = F_t",
-        used=("scan", "m*t_ddot = F_t"),
-        derivation=follows("linear momentum", newton),
-        reason="The coordinate along the surface is t; w is not defined.",
-        function="microimpact.model.dynamics.trajectory.trajectory",
-    ),
-    Equation(
-        "27",
-        "F_t = -f*F_n*sign(w_dot - R*theta_dot)",
-        used=("article", "F_t = -f*Max(F_n, 0)*sign(t_dot - R*theta_dot)"),
-        derivation=Derivation("symbolic: friction takes energy from slip", _resists),
-        reason="Certainly wrong: under a net attractive force friction would accelerate the slip, "
-        "and mu could never exceed f. Which compressive force is meant the text leaves open; this "
-        "is one of them.",
-        function="microimpact.model.dynamics.trajectory.trajectory",
-        implementation=lambda x: traced(x).friction_force[TRACED_MOMENT],
-        consequence=Consequence(
-            "impulse ratio over f at 10 degrees and 1.66 m/s: adhesion cannot raise it",
-            lambda at: (
-                simulate(
-                    at.case.contact, at.values()["v"], 10.0, friction_basis="net"
-                ).impulse_ratio
-                / at.case.contact.friction
-            ),
+PROOFS = {
+    "26": Proof(follows("linear momentum", newton)),
+    "27": Proof(
+        Derivation("symbolic: friction takes energy from slip", _resists),
+        lambda x: traced(x).friction_force[TRACED_MOMENT],
+        lambda at: (
+            simulate(at.case.contact, at.values()["v"], 10.0, friction_basis="net").impulse_ratio
+            / at.case.contact.friction
         ),
     ),
-    Equation(
-        "28",
-        "F_t = 0",
-        derivation=follows("slip stays zero", rolling_force),
-        reason="Rolling on a plane needs no force.",
-        function="microimpact.model.dynamics.trajectory.trajectory",
+    "28": Proof(follows("slip stays zero", rolling_force)),
+    "29": Proof(
+        follows("angular momentum", newton),
+        lambda x: x["I"] * (planar(x["contact"], x["v_n"], x["v_t"], x["omega"]).spin - x["omega"]),
+        _slip_left,
     ),
-    Equation(
-        "29",
-        "I*theta_ddot = R*F_t",
-        used=("article", "I*theta_ddot = -R*F_t"),
-        derivation=follows("angular momentum", newton),
-        reason="With the spin of Eqs. (8) and (27) the moment must slow the slip, not feed it.",
-        function="microimpact.model.dynamics.impact.planar",
-        implementation=lambda x: (
-            x["I"] * (planar(x["contact"], x["v_n"], x["v_t"], x["omega"]).spin - x["omega"])
-        ),
-        consequence=Consequence(
-            "final over initial slip at 30 degrees with friction 0.15; above one, slip grows",
-            _slip_left,
-        ),
+    "30": Proof(
+        follows("contact radius of JKR at zero load", equilibrium),
+        lambda x: ring_force_from_work(x["w_A"], x["r"], x["K"]),
     ),
-    Equation(
-        "30",
-        "f_0 = (9*K*r*w_A**2/(2*pi))**(1/3)",
-        derivation=follows("contact radius of JKR at zero load", equilibrium),
-        reason="Exact for the contact radius at rest, but for no other property.",
-        function="microimpact.model.contact.ring_force_from_work",
-        implementation=lambda x: ring_force_from_work(x["w_A"], x["r"], x["K"]),
+    "31": Proof(
+        Derivation("symbolic: energy of attachment", _reduced),
+        lambda x: x["contact"].replace(stiffness_model="reduced").stiffness,
+        lambda at: at.printed() / at.values()["K"],
     ),
-    Equation(
-        "31",
-        "K_H = K - (5/2)*(5/9)**(3/2)*w_A*pi*R**2/a_c**3",
-        derivation=Derivation("symbolic: energy of attachment", _reduced),
-        reason="The structure follows, but 9/5 is 5/3 in the article's own potential; K_H and a_c "
-        "are K_R and a_e in its notation.",
-        function="microimpact.model.contact.Contact.stiffness",
-        implementation=lambda x: x["contact"].replace(stiffness_model="reduced").stiffness,
-        consequence=Consequence(
-            "reduced over Hertz stiffness at the contact radius of JKR",
-            lambda at: at.printed() / at.values()["K"],
-        ),
+    "3.2.1 softer": Proof(Derivation("symbolic: energy of attachment", _softer)),
+    "3.2.2 spin": Proof(
+        follows("impulse that just ends slip", rolling),
+        consequence=lambda at: at.printed(V_t=5.0 / 7.0 * 1.6 * np.cos(np.radians(50.0)), r=1e-5),
     ),
-    Equation(
-        "3.2.1 softer",
-        "K > K_H",
-        derivation=Derivation("symbolic: energy of attachment", _softer),
-        reason="Adhesion deforms the sphere further.",
-        function="microimpact.model.contact.Contact.stiffness",
+    "3.2.2 spin value": Proof(
+        Derivation("numeric: simulated impact, within 5 %", _printed_spin),
+        consequence=lambda at: float(simulate(at.case.contact, SPIN_SPEED, SPIN_ANGLE).spin),
     ),
-    Equation(
-        "3.2.2 spin",
-        "Omega = V_t/r",
-        derivation=follows("impulse that just ends slip", rolling),
-        reason="Correct where the sphere leaves the surface rolling.",
-        function="microimpact.model.dynamics.impact.planar",
-        consequence=Consequence(
-            "with the stated order of r, 10 um, at 1.6 m/s and 50 degrees",
-            lambda at: at.printed(V_t=5.0 / 7.0 * 1.6 * np.cos(np.radians(50.0)), r=1e-5),
-            "rad/s",
-        ),
-    ),
-    Equation(
-        "3.2.2 spin value",
-        "Omega = 23000/s",
-        derivation=Derivation("numeric: simulated impact, within 5 %", _printed_spin),
-        reason="Rolling at 50 degrees and 1.6 m/s with a diameter of 62 um.",
-        function="microimpact.model.dynamics.impact.simulate",
-        consequence=Consequence(
-            "spin simulated for 62 um",
-            lambda at: float(simulate(at.case.contact, SPIN_SPEED, SPIN_ANGLE).spin),
-            "rad/s",
-        ),
-    ),
-    Equation(
-        "3.2.2 strain rate",
-        "strain_rate = 100000*s",
-        used=("scan or article", "strain_rate = 100000/s"),
-        derivation=Derivation("numeric: a/r in half the contact time", _strain_rate),
-        reason="A rate has the unit 1/s; the printed size is that of contact radius over radius.",
-        function="microimpact.model.dynamics.normal.normal_impact",
-    ),
-)
+    "3.2.2 strain rate": Proof(Derivation("numeric: a/r in half the contact time", _strain_rate)),
+}

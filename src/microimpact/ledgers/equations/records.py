@@ -1,18 +1,25 @@
-"""A row of the equation ledger: a relation as printed and as used, its proof, what follows."""
+"""A row of the equation ledger: a relation as declared, and what proves it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import KW_ONLY, dataclass, field
+from dataclasses import dataclass, field
 from itertools import count, islice
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import sympy
+from pydantic import Field
 
+from microimpact.declared.parameters import Name
 from microimpact.ledgers.equations.forms import Form, evaluate, symbol, units_of, vanishes
 from microimpact.model.contact import Contact
 
-Slip = Literal["scan", "article", "scan or article"]
+# Number of an equation, or section, or number, and name of a relation within the text.
+EQUATION_NAME = r"^\d+(\.\d+)*( \w[\w ]*)?$"
+# The key of the file that is no relation.
+ERRATA = "errata"
+
+Slip = Literal["none", "scan", "article", "scan or article"]
 Outcome = Literal["passed", "failed", "open", "none"]
 Facts = dict[Any, Any]
 Values = Mapping[str, Any]
@@ -62,42 +69,38 @@ class Derivation:
 
 
 @dataclass(frozen=True, slots=True)
-class Consequence:
-    """What the printed form leads to: words, and a number with its unit."""
+class Proof:
+    """What shows that a relation holds, and what its printed form leads to."""
 
-    text: str
-    value: Callable[[At], Any]
+    derivation: Derivation | None = None  # None for a definition
+    # What implements the relation, called with the values of a case: must agree with the used form.
+    computed: Callable[[Values], Any] | None = None
+    consequence: Callable[[At], Any] | None = None  # Of using the printed form: a number
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Equation:
+    """One relation of the article, as ``config/equations.yaml`` declares it."""
+
+    id: Annotated[str, Field(pattern=EQUATION_NAME)]
+    printed: Name  # As printed in the article
+    used: str = ""  # Where the form used here is another: that form
+    slip: Slip = "none"  # Where the difference of both forms comes from
+    means: dict[str, str] = field(default_factory=dict)
+    reason: Name  # Why the verdict, in one sentence
+    function: str = ""  # Dotted path of what implements the relation; empty where nothing needs to
+    consequence: str = ""  # What the printed form leads to, and the unit of its number
     unit: str = "1"
 
-
-@dataclass(frozen=True, slots=True)
-class Equation:
-    """One relation of the article."""
-
-    id: str  # Number of the equation, or section and name of a relation within the text
-    printed: str  # As printed in the article; what follows a slash is its denominator
-    _: KW_ONLY
-    # Where the form used here is another: where the difference comes from, which is the scan or
-    # typesetting, the article itself, or one of them; and that form.
-    used: tuple[Slip, str] | None = None
-    # Units of symbols that have another meaning here than in `forms.units_of`.
-    means: Mapping[str, str] = field(default_factory=dict)
-    derivation: Derivation | None = None  # Proof; none for a definition
-    reason: str  # Why the verdict, in one sentence
-    function: str = ""  # Dotted path of what implements the relation; empty where nothing needs to
-    # The same, called with the values of a case: must agree with the used form.
-    implementation: Callable[[Values], Any] | None = None
-    consequence: Consequence | None = None  # Of using the printed form
-
-    @property
-    def slip(self) -> Slip | Literal["none"]:
-        """Where the difference of both forms comes from."""
-        return self.used[0] if self.used else "none"
+    def __post_init__(self) -> None:
+        """Refuse a slip without another form, or another form of nobody's making."""
+        if (self.slip == "none") != (not self.used):
+            raise ValueError("slip goes with used, and used with slip")
 
     @property
     def form_used(self) -> str:
         """The form used here."""
-        return self.used[1] if self.used else self.printed
+        return self.used or self.printed
 
     @property
     def section(self) -> str:
@@ -110,7 +113,7 @@ class Equation:
     @property
     def units(self) -> dict[str, str]:
         """Unit of every symbol."""
-        return units_of(self.section) | dict(self.means)
+        return units_of(self.section) | self.means
 
 
 @dataclass(frozen=True, slots=True)
