@@ -10,8 +10,8 @@ import pytest
 from PIL import Image
 from tests.docs.blocks import PAGES, ROOT
 
-from microimpact.ledgers.claims.deviations import verdict_counts
 from microimpact.ledgers.claims.words import computed_numbers
+from microimpact.report.documents import verdict_counts
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 TABLES = ROOT / "tests/reference/full/tables"

@@ -149,8 +149,8 @@ def deviations_command(
     """Tell as Markdown how RESULTS deviates from the article: equations, claims, criteria."""
     from microimpact.core.files import write_file
     from microimpact.core.materials import declared_file
-    from microimpact.ledgers.claims.deviations import deviations
     from microimpact.report.check.results import require_results
+    from microimpact.report.documents import deviations
 
     require_results(results, "tables/claims.csv", "tables/equations.csv")
     page = deviations(results, claims or declared_file("claims.yaml"), settings)

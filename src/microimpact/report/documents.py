@@ -1,6 +1,8 @@
 """Pages of the documentation whose numbers come from a full run, and the tables behind them.
 
-The tables that the pages read are kept in the repository: a test renders the pages from them.
+The tables that the pages read are kept in the repository: a test renders the pages from them. The
+page of deviations from the article takes all words and numbers from the two ledgers and the file of
+claims.
 """
 
 from __future__ import annotations
@@ -15,11 +17,13 @@ import pandas as pd
 
 from microimpact.core.files import write_file
 from microimpact.core.nearest import nearest
-from microimpact.ledgers.claims.deviations import deviations
+from microimpact.ledgers.claims.criteria import CLAIM_NAME, UNCOUNTED, read_claims
+from microimpact.ledgers.claims.words import article_value, by_quantity, readable
 from microimpact.report.site.record import read_record
 
 SETTINGS = "config/config.yaml"
 DEVIATIONS, SUFFIX = "deviations.md", ".jinja"
+TEMPLATE = Path(__file__).parent / f"{DEVIATIONS}{SUFFIX}"
 # Tables of the page of deviations and of the counts in the README.
 LEDGERS = ("claims", "equations")
 ABOUT = "<!-- Made by `make pages` from {template} and tables of a full run; do not edit. -->\n\n"
@@ -27,6 +31,23 @@ ABOUT = "<!-- Made by `make pages` from {template} and tables of a full run; do 
 
 class PageError(ValueError):
     """A template that asks for a number that no table contains."""
+
+
+def _fixed(value: float, digits: int) -> str:
+    """Return a number with so many digits after the point, and a true minus sign."""
+    text = f"{value:.{digits}f}"
+    text = text.removeprefix("-") if float(text) == 0.0 else text
+    return text.replace("-", "−")
+
+
+def _percent(value: float, digits: int = 0) -> str:
+    return f"{_fixed(100.0 * value, digits)} %"
+
+
+_ENVIRONMENT = jinja2.Environment(
+    undefined=jinja2.StrictUndefined, keep_trailing_newline=True, autoescape=False
+)
+_ENVIRONMENT.filters |= {"fixed": _fixed, "percent": _percent, "readable": readable}
 
 
 class Numbers:
@@ -91,11 +112,8 @@ def pages(results: Path, docs: Path, criteria: Path) -> tuple[dict[str, str], tu
             read[name] = Numbers(name, pd.read_csv(path))
         return read[name]
 
-    environment = jinja2.Environment(
-        undefined=jinja2.StrictUndefined, keep_trailing_newline=True, autoescape=False
-    )
-    environment.filters |= {"fixed": _fixed, "percent": _percent}
-    environment.globals["table"] = table
+    environment = _ENVIRONMENT.overlay()
+    environment.globals = {**_ENVIRONMENT.globals, "table": table}
     found = {DEVIATIONS: deviations(results, criteria, SETTINGS)}
     for template in sorted(docs.glob(f"*{SUFFIX}")):
         text = template.read_text(encoding="utf-8")
@@ -107,15 +125,58 @@ def pages(results: Path, docs: Path, criteria: Path) -> tuple[dict[str, str], tu
     return found, tuple(sorted({*LEDGERS, *read}))
 
 
-def _fixed(value: float, digits: int) -> str:
-    """Return a number with so many digits after the point, and a true minus sign."""
-    text = f"{value:.{digits}f}"
-    text = text.removeprefix("-") if float(text) == 0.0 else text
-    return text.replace("-", "−")
+def deviations(results: Path, criteria: Path, settings: str) -> str:
+    """Return the page of what was corrected, not reproduced or changed, in Markdown.
+
+    Parameters
+    ----------
+    results
+        Folder with ``tables/claims.csv`` and ``tables/equations.csv``.
+    criteria
+        The file of claims, see `read_claims`.
+    settings
+        The file of the run's settings, to be named at the top.
+
+    Raises
+    ------
+    ValueError
+        If the table and the file do not hold the same claims.
+    """
+    tables = results / "tables"
+    claims, equations = (
+        pd.read_csv(tables / f"{name}.csv", keep_default_na=False) for name in LEDGERS
+    )
+    # Rows after the claims are about digitised points of the user's own.
+    claims = claims[claims["id"].str.match(CLAIM_NAME)]
+    declared = read_claims(criteria)
+    strangers = set(claims["id"]) ^ set(declared)
+    if strangers:
+        raise ValueError(
+            f"{tables / 'claims.csv'} and {criteria} do not hold the same claims:"
+            f" {', '.join(sorted(strangers))} in one of them only; run the study again"
+        )
+    page = (
+        _ENVIRONMENT.overlay(trim_blocks=True, lstrip_blocks=True)
+        .from_string(TEMPLATE.read_text(encoding="utf-8"))
+        .render(
+            settings=settings,
+            equation_counts=equations["verdict"].value_counts().to_dict(),
+            claim_counts=verdict_counts(claims),
+            equations=equations.to_dict("records"),
+            claims=claims.to_dict("records"),
+            declared=declared,
+            amended=[claim for claim in declared.values() if claim.amendments],
+            article_value=article_value,
+            by_quantity=by_quantity,
+        )
+    )
+    return page.rstrip() + "\n"
 
 
-def _percent(value: float, digits: int = 0) -> str:
-    return f"{_fixed(100.0 * value, digits)} %"
+def verdict_counts(claims: pd.DataFrame) -> dict[str, int]:
+    """Return how many claims got each verdict; identities and own findings are not counted."""
+    counted = claims[~claims["kind"].isin(UNCOUNTED)]
+    return {str(name): int(count) for name, count in counted["verdict"].value_counts().items()}
 
 
 def renew(results: Path, docs: Path, criteria: Path, kept: Path) -> list[Path]:
