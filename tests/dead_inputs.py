@@ -54,9 +54,9 @@ from rich.progress import track
 from microimpact.core.tables import parse_table, read_figure_data, read_table
 from microimpact.declared.documents import load
 from microimpact.declared.parameters import build
-from microimpact.declared.provenance import as_text, is_declaration
+from microimpact.declared.provenance import as_text, finite_number, is_declaration
 from microimpact.declared.references import is_reference, merged
-from microimpact.declared.selection import DeclaredTable, NamedTables, read_all
+from microimpact.declared.selection import TABLES, DeclaredTable, NamedTables, read_all
 from microimpact.figures.registry import FigureSpec, figure_spec, filled
 from microimpact.figures.style import UNDATED, context
 from microimpact.ledgers import claims, equations
@@ -101,7 +101,6 @@ Rested = Mapping[str, Rests]
 
 # ---- What is known of the project: the declared document, what rests on it, and how to run that.
 
-TABLES = ("materials", "contacts", "printed_values", "external")
 NUMBERS = ("value", "low", "high", "at", "reading_error")
 # The columns that name a row of each table.
 NAMES = {
@@ -131,7 +130,9 @@ def declared() -> Document:
         rows = document[name] = {}
         for row in getattr(found, name).rows:
             label = ".".join(row[column] for column in NAMES[name])
-            rows[label] = {k: float(v) if k in NUMBERS and v else v for k, v in row.items()}
+            rows[label] = {
+                k: float(v) if k in NUMBERS and finite_number(v) else v for k, v in row.items()
+            }
     return document
 
 

@@ -16,7 +16,8 @@ EXTERNAL, ANALYSES = "external.csv", "analyses/analyses.yaml"
 
 RESTITUTION = "restitution: {value: 0.80, evidence: derived,"
 STEEL = "stainless-steel-316,youngs_modulus,193,GPa,,,found,maker's data sheets of AISI 316"
-DIAMETER = "stainless-steel-316,silicon,diameter,62,um,printed,"
+DIAMETER = "stainless-steel-316,silicon,diameter,from particles.SST76.mean_diameter_um,um,,"
+GIVEN = "stainless-steel-316,silicon,diameter,62,um,assumed,as told"
 ANCHOR = "capture_velocity_psl_quartz,0.967,,,m/s,"
 
 # File, text there, what replaces it, words of the one line.
@@ -122,13 +123,17 @@ CASES = [
     (MATERIALS, STEEL, STEEL.replace("GPa", "Pa"), ["config/materials.csv: stainless-steel-316: Young's modulus, 193 Pa, is not from 1 MPa to 2000 GPa"]),
     (MATERIALS, STEEL, STEEL.replace("193", "193000000000"), ["config/materials.csv: stainless-steel-316: Young's modulus", "is not from 1 MPa to 2000 GPa"]),
     (MATERIALS, "density,8000,kg/m3", "density,8,kg/m3", ["config/materials.csv: stainless-steel-316: the density, 8 kg/m3, is not from 10 to 30000 kg/m3"]),
-    (CONTACTS, DIAMETER, DIAMETER.replace("62,um", "0.000062,um"), ["config/contacts.csv: stainless-steel-316 on silicon: diameter 6.2e-11 m must be from 1e-09 to 0.005 m"]),
-    (CONTACTS, DIAMETER, DIAMETER.replace("62,um", "62,m"), ["config/contacts.csv: stainless-steel-316 on silicon: diameter 62 m must be"]),
-    (CONTACTS, DIAMETER, DIAMETER.replace("62", "sixty-two"), ["contacts.csv, line 2: value 'sixty-two' must be a finite number"]),
-    (CONTACTS, DIAMETER, DIAMETER.replace("um", "J/m2"), ["contact 'stainless-steel-316' on 'silicon', diameter"]),
-    (CONTACTS, DIAMETER, DIAMETER.replace("diameter", "diametre"), ["property 'diametre' unknown (did you mean 'diameter'?)"]),
-    (CONTACTS, "silicon,friction,0.15", "silicon,friction,-0.15", ["config/contacts.csv: stainless-steel-316 on silicon: friction must be", ">= 0", "-0.15"]),
-    (CONTACTS, DIAMETER, DIAMETER.replace("62", "0"), ["config/contacts.csv: stainless-steel-316 on silicon: diameter must be"]),
+    (CONTACTS, DIAMETER, GIVEN.replace("62,um", "0.000062,um"), ["config/contacts.csv: stainless-steel-316 on silicon: diameter 6.2e-11 m must be from 1e-09 to 0.005 m"]),
+    (CONTACTS, DIAMETER, GIVEN.replace("62,um", "62,m"), ["config/contacts.csv: stainless-steel-316 on silicon: diameter 62 m must be"]),
+    (CONTACTS, DIAMETER, GIVEN.replace("62", "sixty-two"), ["contacts.csv, line 2: value 'sixty-two' must be a finite number"]),
+    (CONTACTS, DIAMETER, GIVEN.replace(",um,", ",J/m2,"), ["contact 'stainless-steel-316' on 'silicon', diameter"]),
+    (CONTACTS, DIAMETER, GIVEN.replace("diameter", "diametre"), ["property 'diametre' unknown (did you mean 'diameter'?)"]),
+    (CONTACTS, DIAMETER, DIAMETER.replace("SST76", "SST67"), ["config/contacts.csv: stainless-steel-316 on silicon.diameter.from: 'particles.SST67.mean_diameter_um' is not declared"]),
+    (CONTACTS, DIAMETER, DIAMETER.replace(".mean_diameter_um", ""), ["config/contacts.csv: stainless-steel-316 on silicon.diameter.from: no SST76 in particles.SST76"]),
+    (CONTACTS, DIAMETER, DIAMETER.replace(".mean_diameter_um", ".particle"), ["contact 'stainless-steel-316' on 'silicon', diameter: value 'stainless-steel-316' must be a number"]),
+    (CONTACTS, DIAMETER, DIAMETER + "as told", ["contacts.csv, line 2: evidence '' must be one of"]),
+    (CONTACTS, "stainless-steel-316,silicon,friction,from frictions.steel on silicon,-,,", "stainless-steel-316,silicon,friction,-0.15,-,assumed,as told", ["config/contacts.csv: stainless-steel-316 on silicon: friction must be", ">= 0", "-0.15"]),
+    (CONTACTS, DIAMETER, GIVEN.replace("62", "0"), ["config/contacts.csv: stainless-steel-316 on silicon: diameter must be"]),
     (PRINTED, ANCHOR, ANCHOR.replace("0.967", ""), ["printed_values.csv, line 2: value '' must be a finite number"]),
     (PRINTED, ANCHOR, ANCHOR.replace("m/s", ""), ["printed_values.csv, line 2: unit is empty"]),
     (EXTERNAL, "A,1.84,", "A,steep,", ["external.csv, line 2: at 'steep' must be a finite number"]),

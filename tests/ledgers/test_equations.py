@@ -9,8 +9,9 @@ from importlib import import_module
 import numpy as np
 import pandas as pd
 import pytest
+from tests.shared import settings_as_shipped
 
-from microimpact.core.materials import declared_file
+from microimpact.core.tables import parse_table
 from microimpact.ledgers.equations import (
     EQUATIONS,
     PROOFS,
@@ -50,10 +51,8 @@ def sides(text):
 
 @pytest.fixture(scope="module")
 def tables():
-    pair = {"particle": "stainless-steel-316", "surface": "silicon"}
-    contacts = pd.read_csv(declared_file("contacts.csv"))
-    mine = (contacts["particle"] == pair["particle"]) & (contacts["surface"] == pair["surface"])
-    return {"materials": pd.read_csv(declared_file("materials.csv")), "contacts": contacts[mine]}
+    rows = settings_as_shipped().tables.of_pair("stainless-steel-316", "silicon")
+    return {name: parse_table(text) for name, text in rows.items()}
 
 
 @pytest.fixture(scope="module")

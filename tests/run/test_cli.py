@@ -115,7 +115,7 @@ def test_the_declared_pairs_are_the_calibrated_cases():
     )
     for row in calibrated.itertuples():
         case = row.source.removeprefix("table calibration, case ")
-        assert table[case, row.property] == pytest.approx(row.value, rel=4e-4)
+        assert table[case, row.property] == pytest.approx(float(row.value), rel=4e-4)
 
 
 def test_an_overdamped_contact_never_rebounds(microimpact):

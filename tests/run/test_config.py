@@ -131,6 +131,19 @@ def test_a_bare_number_and_a_changed_value_are_the_users():
     assert declared(changed(coulomb_friction={"spin_friction": own}), key).source == "mine"
 
 
+def test_a_contact_follows_the_place_that_it_names():
+    config = merged(BASE, {"particles": {"fluorescein": {"mean_diameter_um": 2.58}}})
+    told = {
+        (row["surface"], row["evidence"], row["source"], row["value"])
+        for row in validate(config, BASE).tables.contacts.rows
+        if (row["particle"], row["property"]) == ("ammonium-fluorescein", "diameter")
+    }
+    assert told == {
+        ("molybdenum", "user", "given without a source", "2.58"),
+        ("mica", "assumed", "not stated; taken as that of Fig. 20", "2.58"),
+    }
+
+
 def test_units_come_from_the_names():
     assert declared(BASE, "restitution_trends.capture_speed_m_per_s").unit == "m/s"
     assert declared(BASE, "coulomb_friction.friction[2]").unit == "-"

@@ -14,7 +14,8 @@ import numpy as np
 from microimpact.cli.output import Sweep, number, print_json, print_table, warn
 from microimpact.core.arrays import POSITIVE, checked
 from microimpact.core.materials import Material, declared_file, materials_from_rows
-from microimpact.declared.selection import CONTACT_COLUMNS, MATERIAL_COLUMNS, read_declared
+from microimpact.declared.documents import load
+from microimpact.declared.selection import TABLES, read_all, read_materials
 from microimpact.model.choices import FORMATS, FRICTION_BASES, STIFFNESS_MODELS, TANGENTIAL_LAWS
 
 if TYPE_CHECKING:
@@ -360,17 +361,18 @@ def _declared(
     own: str | None = None,
 ) -> tuple[dict[str, Material], Mapping[tuple[str, str], Mapping[str, float]]]:
     """Return the materials, those of a file of one's own in place of those shipped, and pairs."""
+    from microimpact.declared.references import Resolver
     from microimpact.model.pairs import pairs_from_rows
 
-    def rows(path: str, columns: tuple[str, ...], *numbers: str) -> Any:
-        return read_declared(path, columns, numbers).rows
-
-    materials: dict[str, Material] = {}
-    for path in (str(declared_file("materials.csv")), own):
-        if path is not None:
-            materials |= materials_from_rows(rows(path, MATERIAL_COLUMNS, "value", "low", "high"))
-    pairs = rows(str(declared_file("contacts.csv")), CONTACT_COLUMNS, "value")
-    return materials, pairs_from_rows(pairs)
+    tables = read_all(*(str(declared_file(f"{name}.csv")) for name in TABLES))
+    laboratory = load(declared_file("laboratory.yaml"))
+    resolver = Resolver(laboratory, laboratory, laboratory)
+    resolver.declare("printed", tables.printed())
+    tables = tables.resolved(resolver.at)
+    materials = materials_from_rows(tables.materials.rows)
+    if own is not None:
+        materials |= materials_from_rows(read_materials(own).rows)
+    return materials, pairs_from_rows(tables.contacts.rows)
 
 
 def contact_of(

@@ -9,14 +9,17 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from microimpact.declared.provenance import EVIDENCE, Declared, as_text, finite_number
 
 Row = dict[str, str]
+
+# Begins the value of a contact that stands in the laboratory: ``from particles.SST76.slope``.
+PLACED = "from "
 
 MATERIAL_COLUMNS = ("material", "property", "value", "unit", "low", "high", "evidence", "source")
 CONTACT_COLUMNS = ("particle", "surface", "property", "value", "unit", "evidence", "source")
@@ -25,6 +28,8 @@ EXTERNAL_COLUMNS = (
     *("name", "quantity", "reading", "at", "at_unit"),
     *("value", "low", "high", "unit", "reading_error", "evidence", "source"),
 )
+TABLES = ("materials", "contacts", "printed_values", "external")
+_BOUNDED = ("value", "low", "high")
 # Columns of numbers that may be empty; so may a value beside both ends.
 _OPTIONAL = {"low", "high", "at", "reading_error"}
 
@@ -108,15 +113,18 @@ def _problems(row: Mapping[Any, Any], numbers: Sequence[str]) -> Iterator[str]:
         yield f"must have {len([key for key in row if key is not None])} fields"
         return
     is_range = bool(row.get("low") and row.get("high"))
+    placed = "low" not in row and row["value"].startswith(PLACED)
     wrong = [
         f"{column} {row[column]!r} must be a finite number"
         for column in numbers
-        if not finite_number(row[column]) and (row[column] or not (is_range or column in _OPTIONAL))
+        if not (placed or finite_number(row[column]))
+        and (row[column] or not (is_range or column in _OPTIONAL))
     ]
     yield from wrong or _out_of_order(row, is_range=is_range)
-    if "evidence" in row and row["evidence"] not in EVIDENCE:
+    wordless = placed and not (row["evidence"] or row["source"])
+    if "evidence" in row and row["evidence"] not in EVIDENCE and not wordless:
         yield f"evidence {row['evidence']!r} must be one of {', '.join(EVIDENCE)}"
-    for column in ("source", "unit"):
+    for column in ("unit",) if wordless else ("source", "unit"):
         if column in row and not row[column].strip():
             yield f"{column} is empty"
 
@@ -152,8 +160,7 @@ class DeclaredTables:
         """Return the printed values to be referred to; a range by its ends, or as a list."""
         found: dict[str, Declared | dict[str, Declared]] = {}
         for row in self.printed_values.rows:
-            columns = ("value", "low", "high")
-            numbers: dict[str, Any] = {column: _number(row[column]) for column in columns}
+            numbers: dict[str, Any] = {column: _number(row[column]) for column in _BOUNDED}
             numbers["range"] = [numbers["low"], numbers["high"]]
             parts = {
                 name: Declared(value, "printed", row["where"], f"printed.{row['key']}")
@@ -161,6 +168,22 @@ class DeclaredTables:
             }
             found[row["key"]] = parts["value"] if row["value"] else parts
         return found
+
+    def resolved(self, at: Callable[[str, str], Declared]) -> DeclaredTables:
+        """Return the tables with what contacts name put in place, and its words if they have none.
+
+        `at`: returns the value of a place that is named under a key.
+        """
+        rows = []
+        for row in self.contacts.rows:
+            if row["value"].startswith(PLACED):
+                pair = f"{row['particle']} on {row['surface']}"
+                key = f"{self.contacts.path}: {pair}.{row['property']}"
+                one = at(row["value"].removeprefix(PLACED), key)
+                words = {} if row["evidence"] else {"evidence": one.evidence, "source": one.source}
+                row = {**row, "value": as_text(one.value), **words}  # noqa: PLW2901
+            rows.append(row)
+        return replace(self, contacts=replace(self.contacts, rows=tuple(rows)))
 
     def names(self) -> dict[str, tuple[str, set[str]]]:
         """Return what can be named, by its sort: the file it stands in, and its names."""
@@ -223,10 +246,14 @@ def read_all(materials: str, contacts: str, printed_values: str, external: str) 
 
     Raises SelectionError if one of them is not of the agreed form.
     """
-    bounded = ("value", "low", "high")
     return DeclaredTables(
-        read_declared(materials, MATERIAL_COLUMNS, bounded),
+        read_materials(materials),
         read_declared(contacts, CONTACT_COLUMNS),
-        read_declared(printed_values, PRINTED_COLUMNS, bounded),
-        read_declared(external, EXTERNAL_COLUMNS, (*bounded, "at", "reading_error")),
+        read_declared(printed_values, PRINTED_COLUMNS, _BOUNDED),
+        read_declared(external, EXTERNAL_COLUMNS, (*_BOUNDED, "at", "reading_error")),
     )
+
+
+def read_materials(path: str) -> DeclaredTable:
+    """Read a table of materials, see `read_declared`."""
+    return read_declared(path, MATERIAL_COLUMNS, _BOUNDED)

@@ -22,7 +22,7 @@ from microimpact.declared.documents import ConfigError, load
 from microimpact.declared.parameters import Count, Known, Name, build, explain
 from microimpact.declared.provenance import Declared
 from microimpact.declared.references import Resolver
-from microimpact.declared.selection import DeclaredTables, read_all
+from microimpact.declared.selection import TABLES, DeclaredTables, read_all
 from microimpact.lab.laboratory import Laboratory
 
 
@@ -63,7 +63,6 @@ class Settings:
     unused: tuple[str, ...]  # Places of the laboratory on which no analysis rests
 
 
-TABLES = ("materials", "contacts", "printed_values", "external")
 CALIBRATION = "calibration"
 GENERAL = tuple(f.name for f in fields(General))
 _BODIES = ("particle", "surface")
@@ -113,6 +112,7 @@ def validate(
     if tables is None:  # nothing can be named
         raise ConfigError("\n".join([*resolver.problems, *_others(found, resolver.problems)]))
     resolver.declare("printed", tables.printed())
+    tables = tables.resolved(resolver.at)
     cases = [*(config.get("cases") or ()), *tables.contacts.known("particle", "surface")]
     check.known = Known({**tables.names(), "cases": ("cases", cases)})
     laboratory = check.sections(Laboratory, SECTIONS)

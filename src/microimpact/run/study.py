@@ -14,8 +14,8 @@ from microimpact.core.nearest import nearest
 from microimpact.core.tables import parse_table, read_table
 from microimpact.declared.parameters import build
 from microimpact.declared.references import merged
-from microimpact.declared.selection import NamedTables
-from microimpact.run.config import TABLES, Settings, read_configuration, validate
+from microimpact.declared.selection import TABLES, NamedTables
+from microimpact.run.config import Settings, read_configuration, validate
 from microimpact.run.inputs import study_rows
 
 if TYPE_CHECKING:
