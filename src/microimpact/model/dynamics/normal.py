@@ -102,6 +102,11 @@ class Losses:
     bulk: FloatArray
     adhesion: FloatArray
 
+    @property
+    def adhesion_share(self) -> FloatArray:
+        """Share of all that is lost that is lost to adhesion."""
+        return np.asarray(self.adhesion / (self.bulk + self.adhesion))
+
 
 @dataclass(frozen=True, slots=True)
 class Ledger:
@@ -363,6 +368,18 @@ def normal_impact(contact: Contact, speed: Real, *, ledger: bool = False) -> Nor
         hertz_impulse=shaped(results[:, kernel.HERTZ_IMPULSE] * impulse) if ledger else None,
         ledger=_ledger(problems, results, scales, shape) if ledger else None,
     )
+
+
+def losses(contact: Contact, speed: Real) -> Losses:
+    """Return where the energy of normal impacts went, by the ring force or by another law.
+
+    `contact`, `speed`: as in `normal_impact`.
+    """
+    impact = normal_impact(contact, speed, ledger=contact.law is None)
+    if impact.ledger is not None:
+        return Losses(impact.ledger.hertz_work, impact.ledger.adhesion_work)
+    assert impact.losses is not None
+    return impact.losses
 
 
 def _by_law(contact: Contact, speed: Real) -> NormalImpact:

@@ -40,11 +40,11 @@ PRINTED, CORRECTED = FORMS = ("printed", "corrected")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SlopedImpacts:
-    """Impacts: angle and slope in radians, which broadcast; all else numbers."""
+    """Impacts: angle and slope in radians, and e, which broadcast; all else numbers."""
 
     angle: Real
     slope: Real
-    e: float
+    e: Real
     friction: float
     spin_ratio: float
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from microimpact.core.tables import Row
-from microimpact.studies.claims.claim_numbers.context import Context, Estimate
+from microimpact.studies.claims.claim_numbers.context import Context, Estimate, Numbers
 
 VIRTUAL, CALIBRATED = "virtual experiment", "calibrated"
 
@@ -16,10 +16,6 @@ VIRTUAL, CALIBRATED = "virtual experiment", "calibrated"
 NOT_COMPUTED = "not computed"
 # What the settings or the physics forbid. Errors of the program are none of these and end the run.
 UNCOMPUTABLE = (ValueError, ArithmeticError, RuntimeError)
-
-# Values, or `Estimate`, by quantity; by alternative and quantity, where the claim has alternatives
-# of its own.
-Numbers = Mapping[str, Any]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -105,8 +101,7 @@ def flat(numbers: Numbers, case: str) -> Iterator[tuple[str, str, Estimate, str]
         if isinstance(number, Mapping):
             yield from flat(number, f"{case}, {name}" if case else name)
             continue
-        exact = not isinstance(number, Estimate)
-        value, error = (number, math.nan) if exact else number
+        value, error = number if isinstance(number, Estimate) else (number, math.nan)
         if not math.isfinite(value):
             raise ArithmeticError(f"{name} = {value} is not a finite number")
         yield case, name, Estimate(float(value), float(error)), ""

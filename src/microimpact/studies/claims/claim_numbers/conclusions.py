@@ -15,7 +15,7 @@ from microimpact.model.dynamics.impact import planar, simulate, velocity_compone
 from microimpact.model.dynamics.rolling import gravity_ratio, rolling_distance
 from microimpact.statistics.distributions import generator
 from microimpact.studies.claims.claim_numbers.claim import VIRTUAL, claim
-from microimpact.studies.claims.claim_numbers.context import Context, without_adhesion
+from microimpact.studies.claims.claim_numbers.context import Context, Numbers, without_adhesion
 
 ANALYSIS = 98
 # Where normal speeds of capture are looked for, relative to the one known.
@@ -25,23 +25,22 @@ APPARENT = 1e-3
 
 
 @claim("C40", by_case=True, units={"largest_final_spin": "rad/s"})
-def c40(context: Context) -> dict[str, float]:
+def c40(context: Context) -> Numbers:
     """Spin after impact, the largest over all rebounds."""
     _, impact = context.rebounds()
     return {"largest_final_spin": np.max(np.abs(impact.spin))}
 
 
 @claim("C58", units={"yield_strength_for_no_yield": "MPa", "peak_hertz_pressure": "GPa"})
-def c58(context: Context) -> dict[str, dict[str, float]]:
+def c58(context: Context) -> Numbers:
     """Loss by plastic deformation (Thornton and Ning 1998) over the loss measured, by hardness.
 
     Beside it the greatest pressure by Hertz without adhesion and damping, ``p_0 = 3 F/(2 pi a^2)``
     with ``F = K a^3/r``, and the yield strength at which nothing yields.
     """
     elastic = without_adhesion(context.steel).replace(hertz_damping=0.0)
-    depth = float(simulate(elastic, context.speed).maximum_compression)
-    slope = np.sqrt(depth / float(elastic.hertz_radius))
-    pressure = 1.5 / np.pi * float(elastic.stiffness) * slope
+    depth = simulate(elastic, context.speed).maximum_compression
+    pressure = 1.5 / np.pi * elastic.stiffness * np.sqrt(depth / elastic.hertz_radius)
     measured = 1.0 - context.params.steel.restitution**2
     common = {
         "yield_strength_for_no_yield": pressure / YIELD_PRESSURE_RATIO * 1e-6,
@@ -59,7 +58,7 @@ def c58(context: Context) -> dict[str, dict[str, float]]:
 
 
 @claim("C59", by_case=True)
-def c59(context: Context) -> dict[str, float]:
+def c59(context: Context) -> Numbers:
     """Loss of energy, rotation included, with friction less that without; least of all rebounds."""
     angles = np.array(context.params.steel.angles_deg)
     rough = context.steel_impacts(context.speed, angles)
@@ -73,39 +72,37 @@ def c59(context: Context) -> dict[str, float]:
 
 
 @claim("C97", by_case=True)
-def c97(context: Context) -> dict[str, dict[str, float]]:
+def c97(context: Context) -> Numbers:
     """How far a captured sphere rolls, and the moment of its weight over that of adhesion.
 
     It comes at the steepest angle at which it is captured, and adhesion alone stops it: the weight,
     which would carry it further, is given, too.
     """
     capture, contact = context.params.capture, context.steel
-    sine = min(float(context.limits("C97", lambda steel: steel)) / context.speed, 1.0)
-    angle = float(np.degrees(np.arcsin(sine)))
+    angle = context.capture_angle()
     along = capture.kept_share * velocity_components(context.speed, angle)[1]
     found = {}
     for shift in capture.shifts_nm:
         lag = shift * 1e-9
         distance = rolling_distance(contact, along, lag) * 1e3
         found[f"shift {shift:g} nm"] = {
-            "distance_rolled_over_half_width_of_spot": float(distance / capture.spot_mm),
-            "gravity_moment_over_rolling_moment": float(gravity_ratio(contact, lag, 90.0 - angle)),
+            "distance_rolled_over_half_width_of_spot": distance / capture.spot_mm,
+            "gravity_moment_over_rolling_moment": gravity_ratio(contact, lag, 90.0 - angle),
         }
     return found
 
 
 @claim("C98", by_case=True, evidence=VIRTUAL)
-def c98(context: Context) -> dict[str, float]:
+def c98(context: Context) -> Numbers:
     """Normal speeds of capture without slopes, and where half are captured with them."""
     capture, contact = context.params.capture, context.steel
     *speeds, upright = decoupled_speeds(contact, np.array([*capture.decoupled_angles_deg, 90.0]))
     apparent, steep = (
         apparent_speed(context, contact, angle) for angle in (capture.oblique_angle_deg, 90.0)
     )
+    apart = np.max(np.abs(np.array(speeds) / upright - 1.0))
     return {
-        "largest_difference_of_normal_capture_speeds_over_angles": float(
-            np.max(np.abs(np.array(speeds) / upright - 1.0))
-        ),
+        "largest_difference_of_normal_capture_speeds_over_angles": apart,
         "apparent_capture_speed_10_over_90_deg_with_slopes": apparent / steep,
         "share_that_rolls_away_or_bounces_again": share_lost(context, contact, apparent),
     }
@@ -139,13 +136,11 @@ def on_slopes(context: Context, contact: Contact, angle: float, normal_speed: fl
     into, along = velocity_components(normal_speed / np.sin(np.radians(angle)), angle)
     velocity = np.tile([along, 0.0, into], (capture.spheres, 1))
     target = Target(contact=contact, surface=rough(capture.slope_sd))
-    diameter = np.full(capture.spheres, contact.diameter)
-    return target.hit(
-        diameter,
-        velocity,
-        np.zeros_like(velocity),
+    diameter, rng = (
+        np.full(capture.spheres, contact.diameter),
         generator(context.params.sampling.seed, ANALYSIS),
     )
+    return target.hit(diameter, velocity, np.zeros_like(velocity), rng)
 
 
 def share_lost(context: Context, contact: Contact, normal_speed: float) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, Self
 
@@ -27,12 +27,25 @@ from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import Impact, simulate
 from microimpact.studies.claims.claim_numbers.params import Params
 
+# Values, or `Estimate`, by quantity; by alternative and quantity, where the claim has alternatives
+# of its own.
+Numbers = Mapping[str, Any]
+Number = float | np.floating[Any]
+
 
 class Estimate(NamedTuple):
     """A number with its standard error, of sampling or of the computation."""
 
-    value: float
-    error: float
+    value: Number
+    error: Number
+
+    def __sub__(self, other: Estimate) -> Estimate:
+        """Return the difference of two independent numbers."""
+        return Estimate(self.value - other.value, np.hypot(self.error, other.error))
+
+    def __truediv__(self, width: Number) -> Estimate:
+        """Return the number over one that is known."""
+        return Estimate(self.value / width, self.error / width)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -121,11 +134,18 @@ class Context:
         found: Impact = self.of_steel(key, impacts)
         return found
 
+    def capture_angle(self, above: float = 0.0) -> float:
+        """Return the angle at and below which the impact meant is captured, degrees; at most 90.
+
+        `above`: how far above the capture velocity the normal speed is, relatively.
+        """
+        limit = float(self.limits("capture", lambda steel: steel))
+        return float(np.degrees(np.arcsin(min(limit * (1.0 + above) / self.speed, 1.0))))
+
     @property
     def calibrated_capture_velocity(self) -> float:
         """Capture velocity that the calibration met, m/s."""
-        wanted = {"role": "target", "quantity": "capture_velocity"}
-        return float(self.table("calibration", **wanted)["value"].iloc[0])
+        return self.number("calibration", "value", role="target", quantity="capture_velocity")
 
     @property
     def fluorescein(self) -> Contact:
@@ -187,6 +207,14 @@ class Context:
             self._seen[key] = seen(own, self.contact(own), angle, key[2])
         return self._seen[key]
 
+    def mean(
+        self, quantity: str, dropped: Dropped, angle: float, sampling: Sampling | None = None
+    ) -> Estimate:
+        """Return the mean over the rebounds of a sample; arguments as in `over_half_width`."""
+        sample = self.seen(dropped, angle, sampling)
+        of = sample.statistics[quantity]
+        return Estimate(of.mean, of.sd / np.sqrt(max(len(sample.measured), 1)))
+
     def over_half_width(
         self,
         quantity: str,
@@ -199,12 +227,9 @@ class Context:
         `quantity`: ``restitution``, ``impulse_ratio`` or ``energy_loss``; `one`, `other`: what is
         dropped, and the angle in degrees; `sampling`: how the samples are drawn.
         """
-        samples = [self.seen(*sample, sampling) for sample in (one, other)]
-        a, b = (sample.statistics[quantity] for sample in samples)
-        width = half_width(a, b, sampling or self.params.sampling)
-        counts = np.array([len(sample.measured) for sample in samples])
-        error = np.sqrt(np.sum(np.square([a.sd, b.sd]) / np.maximum(counts, 1)))
-        return Estimate((a.mean - b.mean) / width, float(error) / width)
+        a, b = (self.seen(*end, sampling).statistics[quantity] for end in (one, other))
+        apart = self.mean(quantity, *one, sampling) - self.mean(quantity, *other, sampling)
+        return apart / half_width(a, b, sampling or self.params.sampling)
 
     # Tables
 
@@ -229,6 +254,10 @@ class Context:
             wanted = ", ".join(f"{key} {value}" for key, value in where.items())
             raise ValueError(f"{name}: no row with {wanted}" if wanted else f"{name}: no row")
         return rows
+
+    def number(self, name: str, column: str, **where: object) -> float:
+        """Return a number of the first row of a table with these values; errors as in `table`."""
+        return float(self.table(name, **where)[column].iloc[0])
 
     def column(
         self, name: str, column: str, angles: ArrayLike | None = None, **where: object
@@ -256,9 +285,14 @@ def _at(found: Any, place: Any) -> Any:
     return found[..., place][()] if np.ndim(found) else found
 
 
-def of_share(share: float, drawn: int) -> Estimate:
+def of_share(share: Number, drawn: int) -> Estimate:
     """Return a share of so many independent draws with its standard error."""
-    return Estimate(share, float(np.sqrt(share * (1.0 - share) / drawn)))
+    return Estimate(share, np.sqrt(share * (1.0 - share) / drawn))
+
+
+def over_draws(values: Sequence[float]) -> Estimate:
+    """Return the mean of independent draws with its standard error."""
+    return Estimate(np.mean(values), np.std(values, ddof=1) / np.sqrt(len(values)))
 
 
 def without_adhesion(contact: Contact) -> Contact:

@@ -7,7 +7,7 @@ import pandas as pd
 
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.studies.claims.claim_numbers.claim import claim
-from microimpact.studies.claims.claim_numbers.context import Context
+from microimpact.studies.claims.claim_numbers.context import Context, Numbers
 from microimpact.studies.claims.claim_numbers.experiments import local_exponents
 
 REALISTIC, SMALL = "realistic", "uniform"
@@ -15,7 +15,7 @@ DIRECT, LOGARITHM = "v_c", "ln v_c"
 
 
 @claim("C53", by_case=True)
-def c53(context: Context) -> dict[str, dict[str, float]]:
+def c53(context: Context) -> Numbers:
     """Effects of radius and adhesion against all others, at two sets of levels.
 
     Beside them, how much wider the work of adhesion would have to vary to match the damping.
@@ -26,34 +26,28 @@ def c53(context: Context) -> dict[str, dict[str, float]]:
     }
 
 
-def ranking(context: Context, variation: str) -> dict[str, float]:
+def ranking(context: Context, variation: str) -> Numbers:
     """Return how the effects of radius and work of adhesion rank at one set of levels."""
     effects = fraction(context, variation)
     slope = context.table("doe_elasticities").set_index("factor")["at_fixed_zeta"]
-    margin = float(effects["margin_percent"].iloc[0])
-    size = effects["effect_percent"].abs()
+    levels = context.table("doe_levels", variation=variation).set_index("factor")
+    ranges = np.log(levels["high_multiple"] / levels["low_multiple"])
+    margin = effects["margin_percent"].iloc[0]
+    others = effects["effect_percent"].drop(["B", "C"], errors="ignore")
     return {
         "effect_of_radius_over_margin": effect(effects, "C") / margin,
         "effect_of_work_of_adhesion_over_margin": effect(effects, "B") / margin,
-        "smaller_of_both_over_largest_other_effect": leading(effects)
-        / float(size.drop(["B", "C"], errors="ignore").max()),
-        "log_range_of_work_of_adhesion_over_that_of_damping": log_range(context, variation, "B")
-        / log_range(context, variation, "D"),
-        "log_range_at_which_both_have_one_effect": float(slope["D"] / slope["B"]),
+        "smaller_of_both_over_largest_other_effect": leading(effects) / others.abs().max(),
+        "log_range_of_work_of_adhesion_over_that_of_damping": ranges["B"] / ranges["D"],
+        "log_range_at_which_both_have_one_effect": slope["D"] / slope["B"],
     }
 
 
-def log_range(context: Context, variation: str, letter: str) -> float:
-    """Return the logarithm of the high over the low level of a factor."""
-    levels = context.table("doe_levels", variation=variation, factor=letter).iloc[0]
-    return float(np.log(levels["high_multiple"] / levels["low_multiple"]))
-
-
 @claim("C54", by_case=True)
-def c54(context: Context) -> dict[str, float]:
+def c54(context: Context) -> Numbers:
     """Effects of stiffness and adhesion damping at small levels, over the margin."""
     effects = fraction(context, SMALL)
-    margin = float(effects["margin_percent"].iloc[0])
+    margin = effects["margin_percent"].iloc[0]
     stiffness, damping = (abs(effect(effects, letter)) for letter in "AD")
     return {
         "size_of_stiffness_effect_over_margin": stiffness / margin,
@@ -64,38 +58,34 @@ def c54(context: Context) -> dict[str, float]:
 
 
 @claim("C55", by_case=True, units={"largest_effect_taken_for_bd_by_a_quarter_of_the_design": "%"})
-def c55(context: Context) -> dict[str, float]:
+def c55(context: Context) -> Numbers:
     """Interaction BD at small levels over those of the same factors.
 
     Beside it, what quarters of the design that confound it with a factor take for it.
     """
     quarters = context.table("doe_bd_aliasing", variation=SMALL)
-    quarters = quarters[quarters["main_effect"] != "none"]
+    taken = quarters.loc[quarters["main_effect"] != "none", "apparent_percent"]
     effects, logarithm = (fraction(context, SMALL, kind) for kind in (DIRECT, LOGARITHM))
     size = {word: abs(effect(effects, word)) for word in ("BD", "BC", "CD")}
-    of_logarithm = abs(effect(logarithm, "BD")) / abs(effect(logarithm, "BC"))
     return {
         "size_of_bd_over_bc": size["BD"] / size["BC"],
         "size_of_bd_over_cd": size["BD"] / size["CD"],
-        "size_of_bd_over_margin": size["BD"] / float(effects["margin_percent"].iloc[0]),
-        "size_of_bd_over_bc_of_logarithm": of_logarithm,
-        "largest_effect_taken_for_bd_by_a_quarter_of_the_design": float(
-            quarters["apparent_percent"].abs().max()
-        ),
+        "size_of_bd_over_margin": size["BD"] / effects["margin_percent"].iloc[0],
+        "size_of_bd_over_bc_of_logarithm": abs(effect(logarithm, "BD") / effect(logarithm, "BC")),
+        "largest_effect_taken_for_bd_by_a_quarter_of_the_design": taken.abs().max(),
     }
 
 
 @claim("C56", by_case=True)
-def c56(context: Context) -> dict[str, float]:
+def c56(context: Context) -> Numbers:
     """Secondary effects over the smaller leading one, the larger of both sets of levels."""
     sets = [fraction(context, variation) for variation in (REALISTIC, SMALL)]
     stiffness, damping = (
         max(abs(effect(effects, letter)) / leading(effects) for effects in sets) for letter in "AE"
     )
+    larger = max(stiffness, damping)
     return {
-        "larger_of_stiffness_and_material_damping_over_smaller_leading_effect": max(
-            stiffness, damping
-        ),
+        "larger_of_stiffness_and_material_damping_over_smaller_leading_effect": larger,
         "size_of_material_damping_effect_over_smaller_leading_effect": damping,
     }
 
@@ -111,12 +101,13 @@ def effect(effects: pd.DataFrame, word: str) -> float:
 
     Raises ValueError if the word is constant over the runs.
     """
-    for name, row in effects.iterrows():
-        aliases = str(row["aliases"]).split()
-        if word == name or word in aliases:
-            return float(row["effect_percent"])
-        if f"-{word}" in aliases:
-            return -float(row["effect_percent"])
+    for name, size, aliases in zip(
+        effects.index, effects["effect_percent"], effects["aliases"].astype(str), strict=True
+    ):
+        if word in (name, *aliases.split()):
+            return float(size)
+        if f"-{word}" in aliases.split():
+            return -float(size)
     raise ValueError(f"doe_effects: {word} is constant over the runs of the design")
 
 
@@ -126,7 +117,7 @@ def leading(effects: pd.DataFrame) -> float:
 
 
 @claim("C57", by_case=True)
-def c57(context: Context) -> dict[str, float]:
+def c57(context: Context) -> Numbers:
     """Elasticities of the capture velocity at the nominal contact, damping held.
 
     Beside them, its mean over the realistic runs with small and adhesive spheres, over that of the
@@ -134,14 +125,13 @@ def c57(context: Context) -> dict[str, float]:
     """
     runs = context.table("doe_design", variation=REALISTIC)
     groups = runs[runs["run"] > 0].groupby(["B", "C"])["capture_velocity_m_per_s"].mean()
+    over_next = groups[1, -1] / groups.drop((1, -1)).max()
     contact = context.steel
     step = context.params.normal.exponent_step
     work = np.asarray(contact.work_of_adhesion) * np.exp([step, -step])
     limit = capture_velocity(contact.replace(work_of_adhesion=work))
     return {
-        "elasticity_to_work_of_adhesion": float(np.log(limit[0] / limit[1]) / (2.0 * step)),
-        "elasticity_to_diameter": float(local_exponents(context, contact, contact.diameter)),
-        "capture_velocity_of_small_and_adhesive_over_next_group": float(
-            groups[1, -1] / groups.drop((1, -1)).max()
-        ),
+        "elasticity_to_work_of_adhesion": np.log(limit[0] / limit[1]) / (2.0 * step),
+        "elasticity_to_diameter": local_exponents(context, contact, contact.diameter),
+        "capture_velocity_of_small_and_adhesive_over_next_group": over_next,
     }

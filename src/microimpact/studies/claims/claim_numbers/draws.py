@@ -73,4 +73,4 @@ def _of_draw(context: Context, row: pd.Series[Any]) -> Iterator[Row]:
             continue
         for alternative, quantity, number, _ in found:
             place = str(row["case"]), str(row["variant"]), int(row["draw"])
-            yield name, *place, alternative, quantity, number.value
+            yield name, *place, alternative, quantity, float(number.value)

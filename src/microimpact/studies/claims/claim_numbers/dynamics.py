@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.solve import root
@@ -16,14 +15,19 @@ from microimpact.lab.samples import statistics
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import Impact, simulate
-from microimpact.model.dynamics.normal import normal_impact
+from microimpact.model.dynamics.normal import losses, normal_impact
 from microimpact.model.rigid_body.algebra import INERTIA
 from microimpact.statistics.intervals import student_half_width
 from microimpact.studies.claims.claim_numbers.claim import CALIBRATED, VIRTUAL, claim
-from microimpact.studies.claims.claim_numbers.context import Context, between, without_adhesion
+from microimpact.studies.claims.claim_numbers.context import (
+    Context,
+    Numbers,
+    between,
+    without_adhesion,
+)
 from microimpact.studies.claims.claim_numbers.oblique import sampled
 from microimpact.studies.claims.claim_numbers.params import Normal
-from microimpact.studies.claims.claim_numbers.rigid_body import farthest, works
+from microimpact.studies.claims.claim_numbers.rigid_body import farthest
 
 # Factor by which each base unit (mass, length, time) is changed: a power of two is exact.
 UNIT_FACTOR = 2.0
@@ -48,7 +52,7 @@ REACH = 3.0
 
 
 @claim("C25")
-def c25(context: Context) -> dict[str, float]:
+def c25(context: Context) -> Numbers:
     """Exponents of the base units in zeta of Eqs. (23), (24), and the exponent that leaves none.
 
     Found by changing each base unit in all inputs of the contact.
@@ -58,8 +62,8 @@ def c25(context: Context) -> dict[str, float]:
     damping = unit_exponents(lambda c: c.adhesion_damping, steel)
     group = unit_exponents(damping_group, steel)
     return {
-        "largest_exponent_of_a_base_unit": float(zeta[np.argmax(np.abs(zeta))]),
-        "exponent_that_makes_zeta_dimensionless": float(-(damping @ group) / (group @ group)),
+        "largest_exponent_of_a_base_unit": zeta[np.argmax(np.abs(zeta))],
+        "exponent_that_makes_zeta_dimensionless": -(damping @ group) / (group @ group),
     }
 
 
@@ -102,7 +106,7 @@ def in_other_units(contact: Contact, mass: float, length: float, time: float) ->
 
 
 @claim("C26")
-def c26(context: Context) -> dict[str, float]:
+def c26(context: Context) -> Numbers:
     """Contact radius at rest with the ring force over that of JKR, ``a^3 = 6 pi w r^2/K``."""
     ratios = []
     for steel in (case.steel for case in context.cases()):
@@ -112,17 +116,14 @@ def c26(context: Context) -> dict[str, float]:
 
 
 @claim("C27", by_case=True)
-def c27(context: Context) -> dict[str, float]:
+def c27(context: Context) -> Numbers:
     """Share of the adhesion's damping in all that is lost, at multiples of the capture velocity.
 
     The capture velocity is that which the calibration met.
     """
     multiples = np.array(context.params.normal.capture_velocities)
-
-    def lost(steel: Contact) -> FloatArray:
-        return adhesion_share(steel, multiples[:, None] * context.calibrated_capture_velocity)
-
-    shares = context.of_steel(("C27",), lost)
+    speeds = multiples[:, None] * context.calibrated_capture_velocity
+    shares = context.of_steel(("C27",), lambda steel: losses(steel, speeds).adhesion_share)
     return {
         f"adhesion_share_at_{multiple:g}_capture_velocities": share
         for multiple, share in zip(multiples, shares, strict=True)
@@ -130,18 +131,18 @@ def c27(context: Context) -> dict[str, float]:
 
 
 @claim("C28", by_case=True, evidence=CALIBRATED, units={"residual_of_capture_velocity": "m/s"})
-def c28(context: Context) -> dict[str, float]:
+def c28(context: Context) -> Numbers:
     """Restitution at the high speed and capture velocity, less the printed ones."""
-    e = float(simulate(context.steel, context.speed).coefficient_of_restitution)
+    e = simulate(context.steel, context.speed).coefficient_of_restitution
+    limit = capture_velocity(context.steel)
     return {
         "residual_of_restitution": e - context.printed("restitution_sst_silicon_normal"),
-        "residual_of_capture_velocity": float(capture_velocity(context.steel))
-        - context.printed("capture_velocity_sst_silicon"),
+        "residual_of_capture_velocity": limit - context.printed("capture_velocity_sst_silicon"),
     }
 
 
 @claim("C29", by_case=True)
-def c29(context: Context) -> dict[str, float]:
+def c29(context: Context) -> Numbers:
     """Greatest compression with the ring force over that without: the least over speeds."""
     normal = context.params.normal
     speeds = between((normal.slow_speed_m_per_s, context.speed), normal.points)[:, None]
@@ -155,11 +156,10 @@ def c29(context: Context) -> dict[str, float]:
 
 
 @claim("C30")
-def c30(context: Context) -> dict[str, float]:
+def c30(context: Context) -> Numbers:
     """Least normal force before and after the greatest compression, over the greatest force."""
-    peak = force_ratio(context, "peak_normal_force")
-    first = force_ratio(context, "dip_on_approach")
-    second = force_ratio(context, "dip_on_rebound")
+    force = context.table("force_ratios").set_index("quantity")["value"]
+    peak, first, second = force[["peak_normal_force", "dip_on_approach", "dip_on_rebound"]]
     return {
         "first_dip_over_peak_force": first / peak,
         "second_dip_over_peak_force": second / peak,
@@ -167,44 +167,32 @@ def c30(context: Context) -> dict[str, float]:
     }
 
 
-def force_ratio(context: Context, quantity: str) -> float:
-    """Return a number of the force history of Fig. 20."""
-    return float(context.table("force_ratios", quantity=quantity)["value"].iloc[0])
-
-
 @claim("C31", evidence=CALIBRATED, units={"work_of_adhesion_by_eq_30": "J/m2"})
-def c31(context: Context) -> dict[str, float]:
+def c31(context: Context) -> Numbers:
     """Work of adhesion that gives the printed ring force by Eq. (30)."""
-    work = context.fluorescein.work_of_adhesion
-    assert work is not None
-    return {"work_of_adhesion_by_eq_30": float(work)}
+    return {"work_of_adhesion_by_eq_30": context.fluorescein.work_of_adhesion}
 
 
 @claim("C32")
-def c32(context: Context) -> dict[str, float]:
+def c32(context: Context) -> Numbers:
     """Greatest ring force over greatest Hertz force."""
-    ratio = force_ratio(context, "peak_adhesion_over_peak_hertz")
-    return {"peak_adhesion_over_peak_hertz": ratio}
+    ratio = "peak_adhesion_over_peak_hertz"
+    return {ratio: context.number("force_ratios", "value", quantity=ratio)}
 
 
 @claim("C33", evidence=CALIBRATED)
-def c33(context: Context) -> dict[str, float]:
+def c33(context: Context) -> Numbers:
     """Greatest damping force of adhesion over greatest ring force."""
-    ratio = force_ratio(context, "peak_adhesion_dissipation_over_adhesion")
-    return {"peak_adhesion_dissipation_over_adhesion": ratio}
+    ratio = "peak_adhesion_dissipation_over_adhesion"
+    return {ratio: context.number("force_ratios", "value", quantity=ratio)}
 
 
 @claim("C34", units={"least_capture_velocity": "m/s", "greatest_capture_velocity": "m/s"})
-def c34(context: Context) -> dict[str, float]:
+def c34(context: Context) -> Numbers:
     """Ends of the interval of capture velocities over the contacts that both ratios admit."""
-    table = context.table("molybdenum_capture")
-    rows = table[table["diameter_um"] == context.params.fluorescein.diameter_um]
-    if len(rows) != 1:
-        raise ValueError(
-            f"fluorescein.diameter_um: {context.params.fluorescein.diameter_um:g} is not among"
-            f" the diameters of molybdenum_capture, {sorted(table['diameter_um'])}"
-        )
-    low, high = float(rows["low_m_per_s"].iloc[0]), float(rows["high_m_per_s"].iloc[0])
+    diameter = context.params.fluorescein.diameter_um
+    rows = context.table("molybdenum_capture", diameter_um=diameter)
+    low, high = rows[["low_m_per_s", "high_m_per_s"]].iloc[0]
     return {
         "least_capture_velocity": low,
         "greatest_capture_velocity": high,
@@ -213,26 +201,24 @@ def c34(context: Context) -> dict[str, float]:
 
 
 @claim("C35", evidence=CALIBRATED, units={"capture_velocity": "m/s"})
-def c35(context: Context) -> dict[str, float]:
+def c35(context: Context) -> Numbers:
     """Capture velocity of the calibrated contact on mica, and its work over that on molybdenum."""
     mica = calibrated_contact(context.inputs, context.params.fluorescein.on_mica)
-    work, other = mica.work_of_adhesion, context.fluorescein.work_of_adhesion
-    assert work is not None
-    assert other is not None
+    work, other = (np.asarray(c.work_of_adhesion) for c in (mica, context.fluorescein))
     return {
-        "capture_velocity": float(capture_velocity(mica)),
-        "work_of_adhesion_over_that_on_molybdenum": float(work / other),
+        "capture_velocity": capture_velocity(mica),
+        "work_of_adhesion_over_that_on_molybdenum": work / other,
     }
 
 
 @claim("C36", by_case=True, evidence=CALIBRATED, units={"capture_velocity": "m/s"})
-def c36(context: Context) -> dict[str, float]:
+def c36(context: Context) -> Numbers:
     """Capture velocity of the calibrated contact."""
-    return {"capture_velocity": float(capture_velocity(context.steel))}
+    return {"capture_velocity": capture_velocity(context.steel)}
 
 
 @claim("C37", by_case=True, units="ns")
-def c37(context: Context) -> dict[str, dict[str, float]]:
+def c37(context: Context) -> Numbers:
     """Shortest and longest contact of the rebounds over a range of speeds, by size class."""
     normal = context.params.normal
     named = normal.lasting_diameters_um
@@ -267,29 +253,28 @@ def lasting(normal: Normal, spheres: Contact) -> FloatArray:
 
 
 @claim("C38", by_case=True, units="1/s")
-def c38(context: Context) -> dict[str, float]:
+def c38(context: Context) -> Numbers:
     """Strain of a normal impact over half its duration, by three measures of strain."""
     steel = context.steel
     impact = context.steel_impacts(context.speed)
-    half, compression = float(impact.contact_time) / 2.0, float(impact.maximum_compression)
-    radius = float(steel.radius)
-    contact_radius = np.sqrt(float(steel.hertz_radius) * compression)
+    compression, reach = impact.maximum_compression, steel.radius * impact.contact_time / 2.0
+    contact_radius = np.sqrt(steel.hertz_radius * compression)
     return {
-        "rate_of_radius_strain": contact_radius / radius / half,
-        "rate_of_tabor_strain": TABOR_STRAIN * contact_radius / radius / half,
-        "rate_of_compression_strain": compression / radius / half,
+        "rate_of_radius_strain": contact_radius / reach,
+        "rate_of_tabor_strain": TABOR_STRAIN * contact_radius / reach,
+        "rate_of_compression_strain": compression / reach,
     }
 
 
 @claim("C39", by_case=True, units={"final_spin_at_50_deg": "rad/s"})
-def c39(context: Context) -> dict[str, float]:
+def c39(context: Context) -> Numbers:
     """Spin after the impact at 50 deg."""
     angle = context.params.oblique.spin_angle_deg
-    return {"final_spin_at_50_deg": float(context.steel_impacts(context.speed, angle).spin)}
+    return {"final_spin_at_50_deg": context.steel_impacts(context.speed, angle).spin}
 
 
 @claim("C41", by_case=True, evidence=VIRTUAL)
-def c41(context: Context) -> dict[str, float]:
+def c41(context: Context) -> Numbers:
     """How far the loss without rotation lies above the true one, and what rotation holds.
 
     The gap of the means over the half-width of the 95 % interval that an experiment has for the
@@ -297,13 +282,12 @@ def c41(context: Context) -> dict[str, float]:
     rotation in the final energy at 50 deg, of the mean sphere.
     """
     steel, angles = context.steel, context.params.steel.angles_deg
-    oblique = np.array(angles)[np.array(angles) < 90.0]
+    oblique = np.array([angle for angle in angles if angle < 90.0])
+    gaps = [gap_over_half_width(context, float(angle)) for angle in oblique]
     _, impact = context.rebounds(oblique)
     at_50 = context.hit(steel, context.speed, context.params.oblique.spin_angle_deg)
     return {
-        "largest_gap_of_losses_over_half_width": max(
-            gap_over_half_width(context, float(angle)) for angle in oblique
-        ),
+        "largest_gap_of_losses_over_half_width": max(gaps),
         "least_gap_of_losses": np.min(impact.translational_energy_loss - impact.energy_loss),
         "rotational_share_of_final_energy_at_50_deg": rotational_share(steel, at_50),
     }
@@ -342,7 +326,7 @@ def rotational_share(contact: Contact, impact: Impact) -> float:
 
 
 @claim("C42", by_case=True)
-def c42(context: Context) -> dict[str, float]:
+def c42(context: Context) -> Numbers:
     """Greatest impulse of the moments that can arise in an impact over that of friction.
 
     Over all rebounds of the table; beside it what steady rolling would give and what no moment
@@ -352,56 +336,39 @@ def c42(context: Context) -> dict[str, float]:
     rows = table[table["captured"].astype(str) == "False"]
     if rows.empty:
         raise ValueError("rolling_dissipation: no rebound")
+    largest = rows.max(numeric_only=True)
     return {
-        "largest_rolling_moment_over_friction_moment": largest(rows[list(MOMENTS)]),
-        "largest_contact_radius_over_radius": largest(rows[["contact_radius_over_r"]]),
-        "largest_moment_of_steady_rolling_over_friction_moment": largest(
-            rows[["steady_over_friction"]]
-        ),
-        "largest_bound_of_moment_over_friction_moment": largest(rows[["bound_over_friction"]]),
-        "largest_distance_rolled_over_contact_radius": largest(
-            rows[["rolled_over_contact_radius"]]
-        ),
+        "largest_rolling_moment_over_friction_moment": largest[list(MOMENTS)].max(),
+        "largest_contact_radius_over_radius": largest["contact_radius_over_r"],
+        "largest_moment_of_steady_rolling_over_friction_moment": largest["steady_over_friction"],
+        "largest_bound_of_moment_over_friction_moment": largest["bound_over_friction"],
+        "largest_distance_rolled_over_contact_radius": largest["rolled_over_contact_radius"],
     }
-
-
-def largest(rows: pd.DataFrame) -> float:
-    """Return the greatest number of some columns."""
-    return float(rows.to_numpy(float).max())
 
 
 @claim("C70", by_case=True)
-def c70(context: Context) -> dict[str, float]:
+def c70(context: Context) -> Numbers:
     """Share of the loss at the nominal speed that goes into damped adhesion."""
-    share = context.of_steel(("C70",), lambda steel: adhesion_share(steel, context.speed))
-    return {"adhesion_share_of_normal_loss": float(share)}
-
-
-def adhesion_share(contact: Contact, speed: Real) -> FloatArray:
-    """Return the share of the adhesion's damping in what normal impacts lose."""
-    found = works(contact, speed)
-    return np.asarray(found.adhesion / (found.adhesion + found.material))
+    share = context.of_steel(("C70",), lambda steel: losses(steel, context.speed).adhesion_share)
+    return {"adhesion_share_of_normal_loss": share}
 
 
 @claim("C99", by_case=True)
-def c99(context: Context) -> dict[str, float]:
+def c99(context: Context) -> Numbers:
     """Error of e at speeds not fitted, and how far members of the family differ."""
-    contact, losses = context.steel, context.params.losses
-    e = simulate(contact, np.array(losses.held_out_speeds_m_per_s)).coefficient_of_restitution
-    at_open_speed = [
-        float(simulate(member, losses.open_speed_m_per_s).coefficient_of_restitution)
-        for member in flat_members(context, contact)
-    ]
+    contact, settings = context.steel, context.params.losses
+    e = simulate(contact, np.array(settings.held_out_speeds_m_per_s)).coefficient_of_restitution
+    members = flat_members(context, contact)
+    at_open_speed = simulate(members, settings.open_speed_m_per_s).coefficient_of_restitution
+    error = np.max(np.abs(e - context.params.steel.restitution))
     return {
-        "largest_error_at_0p75_1_and_3_m_per_s": float(
-            np.max(np.abs(e - context.params.steel.restitution))
-        ),
-        "spread_of_members_at_0p45_m_per_s": float(np.ptp(at_open_speed)),
+        "largest_error_at_0p75_1_and_3_m_per_s": error,
+        "spread_of_members_at_0p45_m_per_s": np.ptp(at_open_speed),
     }
 
 
-def flat_members(context: Context, contact: Contact) -> list[Contact]:
-    """Return the members of the family that keep e flat enough, of all rate exponents.
+def flat_members(context: Context, contact: Contact) -> Contact:
+    """Return the members (n,) of the family that keep e flat enough, of all rate exponents.
 
     Raises ValueError if there is none.
     """
@@ -409,31 +376,27 @@ def flat_members(context: Context, contact: Contact) -> list[Contact]:
     flat = table[table["deviation_from_plateau"] <= context.params.losses.flat_within]
     if flat.empty:
         raise ValueError("flat_within: no member of the calibrated family is so flat")
-    return [
-        contact.replace(
-            work_of_adhesion=float(row["work_of_adhesion_J_per_m2"]),
-            hertz_damping=float(row["hertz_damping_s_per_m"]),
-            adhesion_damping=float(row["adhesion_damping_s_per_m"]),
-            adhesion_rate_exponent=float(row["rate_exponent"]),
-        )
-        for _, row in flat.iterrows()
-    ]
+    return contact.replace(
+        work_of_adhesion=flat["work_of_adhesion_J_per_m2"].to_numpy(float),
+        hertz_damping=flat["hertz_damping_s_per_m"].to_numpy(float),
+        adhesion_damping=flat["adhesion_damping_s_per_m"].to_numpy(float),
+        adhesion_rate_exponent=flat["rate_exponent"].to_numpy(float),
+    )
 
 
 @claim("C100", by_case=True)
-def c100(context: Context) -> dict[str, float]:
+def c100(context: Context) -> Numbers:
     """What it changes to hold zeta at each impact's own speed, or at another nominal one."""
-    contact, losses = context.steel, context.params.losses
-    speed = np.geomspace(*losses.normalised_speeds_m_per_s, POINTS)
-    e = simulate(contact, speed).coefficient_of_restitution
-    own = simulate(at_own_speed(contact, speed), speed).coefficient_of_restitution
-    other = renormalised(contact, losses.other_speed_m_per_s)
-    again = simulate(other, speed).coefficient_of_restitution
+    contact, settings = context.steel, context.params.losses
+    speed = np.geomspace(*settings.normalised_speeds_m_per_s, POINTS)
+    other = renormalised(contact, settings.other_speed_m_per_s)
+    e, own, again = (
+        simulate(c, speed).coefficient_of_restitution
+        for c in (contact, at_own_speed(contact, speed), other)
+    )
     return {
-        "largest_change_of_restitution_with_each_speed": float(np.max(np.abs(own - e))),
-        "largest_change_of_restitution_with_another_nominal_speed": float(
-            np.max(np.abs(again - e))
-        ),
+        "largest_change_of_restitution_with_each_speed": np.max(np.abs(own - e)),
+        "largest_change_of_restitution_with_another_nominal_speed": np.max(np.abs(again - e)),
         "capture_velocity_ratio_with_each_speed": capture_ratio(contact),
     }
 
@@ -479,14 +442,16 @@ def capture_ratio(contact: Contact) -> float:
 
 
 @claim("C103")
-def c103(context: Context) -> dict[str, float]:
+def c103(context: Context) -> Numbers:
     """Ratio of r/T_H to the group of Eqs. (23) and (24), for an elastic sphere."""
-    speed = context.speed
     elastic = context.steel.replace(
-        work_of_adhesion=0.0, hertz_damping=0.0, adhesion_damping=0.0, reference_velocity=speed
+        work_of_adhesion=0.0,
+        hertz_damping=0.0,
+        adhesion_damping=0.0,
+        reference_velocity=context.speed,
     )
-    ratio = elastic.hertz_radius / hertz_period(elastic, speed) * elastic.damping_unit
-    return {"ratio_of_expressions": float(ratio)}
+    period = hertz_period(elastic, context.speed)
+    return {"ratio_of_expressions": elastic.hertz_radius / period * elastic.damping_unit}
 
 
 def hertz_period(elastic: Contact, speed: float) -> Real:

@@ -14,7 +14,7 @@ from microimpact.model.empirical.intervals import interval_batch
 from microimpact.model.empirical.search import DataSets, data_sets, fit_batch
 from microimpact.statistics.distributions import generator
 from microimpact.studies.claims.claim_numbers.claim import claim
-from microimpact.studies.claims.claim_numbers.context import Context, Estimate, between
+from microimpact.studies.claims.claim_numbers.context import Context, Estimate, Numbers, between
 
 ANALYSIS = 104
 CONFIDENCE = 0.95
@@ -23,7 +23,7 @@ MEDIAN_ERROR = 1.2533
 
 
 @claim("C43", by_case=True)
-def c43(context: Context) -> dict[str, float | Estimate]:
+def c43(context: Context) -> Numbers:
     """Capture velocity by Eq. (34) over the simulated one, less 1, exponents free.
 
     The rms over some sets of rebounds with the noise of the instrument; without noise from data
@@ -39,24 +39,23 @@ def c43(context: Context) -> dict[str, float | Estimate]:
     e = simulate(context.steel, ratios * steel_limit).coefficient_of_restitution
     later = fit_restitution(ratios * steel_limit, e).v_c
     errors = fit_batch(noisy_sets(context)).parameters[:, -1] / steel_limit - 1.0
-    rms = float(np.sqrt(np.mean(np.square(errors))))
+    rms = np.sqrt(np.mean(np.square(errors)))
+    scatter = np.std(np.square(errors)) / (2.0 * rms * np.sqrt(len(errors)))
     return {
-        "rms_relative_error_of_fitted_capture_velocity": Estimate(
-            rms, float(np.std(np.square(errors)) / (2.0 * rms * np.sqrt(len(errors))))
-        ),
+        "rms_relative_error_of_fitted_capture_velocity": Estimate(rms, scatter),
         "relative_error_without_noise": fitted / limit - 1.0,
         "relative_error_from_data_above_2_capture_velocities": later / steel_limit - 1.0,
     }
 
 
 @claim("C104", by_case=True)
-def c104(context: Context) -> dict[str, Estimate]:
+def c104(context: Context) -> Numbers:
     """Width of the interval of v_c by Eq. (34), over v_c; the median of some sets."""
     sets = noisy_sets(context)
     ends = interval_batch(sets, fit_batch(sets), scipy.special.chdtri(1, 1.0 - CONFIDENCE)).ends
     width = np.diff(ends) / float(capture_velocity(context.steel))
     error = MEDIAN_ERROR * np.std(width) / np.sqrt(width.size)
-    return {"relative_width_of_profile_interval": Estimate(float(np.median(width)), float(error))}
+    return {"relative_width_of_profile_interval": Estimate(np.median(width), error)}
 
 
 def noisy_sets(context: Context) -> DataSets:

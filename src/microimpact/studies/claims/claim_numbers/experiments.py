@@ -19,7 +19,13 @@ from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.rigid_body.algebra import energy_loss
 from microimpact.statistics.distributions import Distribution, generator
 from microimpact.studies.claims.claim_numbers.claim import CALIBRATED, VIRTUAL, claim
-from microimpact.studies.claims.claim_numbers.context import Context, Estimate, between, of_share
+from microimpact.studies.claims.claim_numbers.context import (
+    Context,
+    Estimate,
+    Numbers,
+    between,
+    of_share,
+)
 from microimpact.studies.experiments.pile_up import onset
 
 # Ends of an interval of 95 %, of which the lower decides.
@@ -31,7 +37,7 @@ ERROR_BAR = 1.96
 
 
 @claim("C01", units="m/s")
-def c01(context: Context) -> dict[str, float]:
+def c01(context: Context) -> Numbers:
     """Speeds after the shortest and longest fall, from a speed at the exit of the dispenser."""
     fall = context.params.fall
     shortest, longest = np.sqrt(
@@ -41,7 +47,7 @@ def c01(context: Context) -> dict[str, float]:
 
 
 @claim("C02")
-def c02(context: Context) -> dict[str, float]:
+def c02(context: Context) -> Numbers:
     """Largest error of restitution from speeds at the probe that are carried to the surface."""
     fall = context.params.fall
     height = 1e-3 * fall.probe_height_mm
@@ -56,7 +62,7 @@ def c02(context: Context) -> dict[str, float]:
 
 
 @claim("C03", by_case=True, evidence=VIRTUAL, units={"slowest_rebound_seen": "m/s"})
-def c03(context: Context) -> dict[str, float]:
+def c03(context: Context) -> Numbers:
     """Slowest rebound that climbs to the probe, and share of the rebounds that do not."""
     fall = context.params.fall
     slowest = np.sqrt(2.0 * gravity * 1e-3 * fall.probe_height_mm)
@@ -101,14 +107,14 @@ def restitutions(
 
 
 @claim("C04", units={"drop_height_for_0p3_m_per_s": "m"})
-def c04(context: Context) -> dict[str, float]:
+def c04(context: Context) -> Numbers:
     """Height of free fall that gives the faster end of the piling up."""
     speed = context.params.fall.pile_up_speed_m_per_s
     return {"drop_height_for_0p3_m_per_s": speed**2 / (2.0 * gravity)}
 
 
 @claim("C05", by_case=True, evidence=CALIBRATED)
-def c05(context: Context) -> dict[str, float]:
+def c05(context: Context) -> Numbers:
     """Restitution against that at 1.66 m/s: greatest change down to 0.75 m/s, fall at 0.3 m/s."""
     normal = context.params.normal
     speeds = between((normal.flat_from_m_per_s, context.speed), normal.points)
@@ -121,7 +127,7 @@ def c05(context: Context) -> dict[str, float]:
 
 
 @claim("C06")
-def c06(context: Context) -> dict[str, float]:
+def c06(context: Context) -> Numbers:
     """Loss at normal incidence against 1 - e^2: simulated, and by Eq. (14) at the same e."""
     largest = 0.0
     for case in context.cases():
@@ -143,7 +149,7 @@ def rebounding_speeds(case: Context) -> FloatArray:
 
 
 @claim("C07", by_case=True)
-def c07(context: Context) -> dict[str, float]:
+def c07(context: Context) -> Numbers:
     """Capture velocity, and speed at 0.9 of the plateau, of the larger mean size over the smaller.
 
     The plateau is each size's own restitution at 1.66 m/s. The work of adhesion is that of the
@@ -177,7 +183,7 @@ def speed_of_share(context: Context, contact: Contact) -> float:
 
 
 @claim("C08", by_case=True, evidence=CALIBRATED, units="m/s")
-def c08(context: Context) -> dict[str, float]:
+def c08(context: Context) -> Numbers:
     """Capture velocity of the mean sphere of the smaller sieve class."""
     diameter = context.params.sieves.named_diameter_um * 1e-6
     found = context.limits("C08", lambda steel: sized(context, steel, diameter))
@@ -193,7 +199,7 @@ def sized(context: Context, contact: Contact, diameter: Real) -> Contact:
 
 
 @claim("C61", evidence=VIRTUAL, units={"disk_speed_needed": "rev/min", "best_field_of_view": "mm"})
-def c61(context: Context) -> dict[str, float]:
+def c61(context: Context) -> Numbers:
     """Speeds that some field of view serves, and those that the best one does at its best angle.
 
     The disk speed is the greatest over the speeds that the best one serves.
@@ -219,7 +225,7 @@ def c61(context: Context) -> dict[str, float]:
 
 
 @claim("C62", evidence=VIRTUAL)
-def c62(context: Context) -> dict[str, Estimate]:
+def c62(context: Context) -> Numbers:
     """Largest change of precision and recall with the height of the probe, at any of the speeds.
 
     Over the half-width of the 95 % interval that two experiments have for it. Heights at which no
@@ -249,7 +255,7 @@ def c62(context: Context) -> dict[str, Estimate]:
     evidence=VIRTUAL,
     units={"speed_at_least_coverage": "m/s", "angle_at_least_coverage": "deg"},
 )
-def c63(context: Context) -> dict[str, float | Estimate]:
+def c63(context: Context) -> Numbers:
     """Share of intervals of restitution that hold either mean: the extremes over experiments."""
     table = context.table("interval_coverage", quantity="restitution")
     coverage = table["coverage_observable"]
@@ -271,7 +277,7 @@ def c63(context: Context) -> dict[str, float | Estimate]:
 
 
 @claim("C64", by_case=True, evidence=VIRTUAL)
-def c64(context: Context) -> dict[str, float]:
+def c64(context: Context) -> Numbers:
     """Ratio of the speeds at which restitution has fallen to a share of its plateau.
 
     Of both classes over their whole ranges, rebounds alone; its interval from experiments with
@@ -318,7 +324,7 @@ def fallen_speed(speed: FloatArray, restitution: FloatArray, share: float) -> Fl
 
 
 @claim("C65", by_case=True, evidence=VIRTUAL)
-def c65(context: Context) -> dict[str, float]:
+def c65(context: Context) -> Numbers:
     """Range of speeds over which capture sets in, over the capture velocity of the named sphere.
 
     Larger spheres have lower capture velocities, so that the share captured is a quantile of
@@ -337,13 +343,13 @@ def c65(context: Context) -> dict[str, float]:
 
 
 @claim("C66", evidence=VIRTUAL, units="m/s")
-def c66(context: Context) -> dict[str, dict[str, float]]:
+def c66(context: Context) -> Numbers:
     """Speeds below which a target piles up, for strong and weak capture, by share that stays."""
     shares = context.params.instruments.pile_shares
     return {f"{100.0 * share:g} % stay": piles(context, share) for share in shares}
 
 
-def piles(context: Context, share: float) -> dict[str, float]:
+def piles(context: Context, share: float) -> Numbers:
     """Return both onsets, and their largest and least difference over all targets and scatters."""
     params = context.params.instruments
     table = context.table("pile_up")
@@ -385,7 +391,7 @@ def first_pile(
 
 
 @claim("C105", by_case=True, evidence=VIRTUAL)
-def c105(context: Context) -> dict[str, float]:
+def c105(context: Context) -> Numbers:
     """How the mean e of a sieve class's rebounds changes from the nominal speed down."""
     sieves = context.params.sieves
     shares = (np.arange(sieves.plateau_sizes) + 0.5) / sieves.plateau_sizes
@@ -404,7 +410,7 @@ def c105(context: Context) -> dict[str, float]:
 
 
 @claim("C107")
-def c107(context: Context) -> dict[str, float]:
+def c107(context: Context) -> Numbers:
     """Local exponents of the capture velocity over the printed sizes on molybdenum."""
     fluorescein = context.params.fluorescein
     contact = calibrated_contact(context.inputs, fluorescein.case)

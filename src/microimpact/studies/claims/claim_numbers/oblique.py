@@ -19,7 +19,7 @@ from microimpact.model.dynamics.impact import Impact, simulate, velocity_compone
 from microimpact.model.rigid_body.roughness import measured_restitution
 from microimpact.statistics.distributions import generator
 from microimpact.studies.claims.claim_numbers.claim import VIRTUAL, claim
-from microimpact.studies.claims.claim_numbers.context import Context, Estimate, of_share
+from microimpact.studies.claims.claim_numbers.context import Context, Estimate, Numbers, of_share
 from microimpact.studies.experiments.mechanisms.impulse_regions import regions
 from microimpact.studies.experiments.mechanisms.spin import rolling_limit
 
@@ -37,7 +37,7 @@ ANALYSIS, SPREAD = 109, 0
 
 
 @claim("C09")
-def c09(context: Context) -> dict[str, float]:
+def c09(context: Context) -> Numbers:
     """Normal speed of capture at 30 deg over that at 90 deg, the larger ratio of all cases."""
     shallow, steep = context.params.oblique.captured_at_deg
     ratios = [
@@ -63,7 +63,7 @@ def normal_capture_speed(context: Context, angle: float) -> float:
 
 
 @claim("C10", by_case=True, units={"rolling_to_sliding_angle": "deg"})
-def c10(context: Context) -> dict[str, float]:
+def c10(context: Context) -> Numbers:
     """Angle at which the sphere that leaves begins to roll."""
     context.rebounds()  # or there is no limit
 
@@ -86,7 +86,7 @@ def c10(context: Context) -> dict[str, float]:
 
 
 @claim("C11")
-def c11(context: Context) -> dict[str, float]:
+def c11(context: Context) -> Numbers:
     """Greatest true and measured restitution over shallow angles and facets up to the angle.
 
     The impact with the facet is simulated; Eq. (35) gives what is measured about the nominal
@@ -114,7 +114,7 @@ def c11(context: Context) -> dict[str, float]:
 
 
 @claim("C12", by_case=True)
-def c12(context: Context) -> dict[str, float]:
+def c12(context: Context) -> Numbers:
     """Change of the translational loss between 85 and 50 deg, over its value at 85 deg."""
     steep, shallow = context.params.oblique.level_loss_deg
     loss = translational_loss(context, context.params.oblique.loss_speed_m_per_s, steep, shallow)
@@ -122,7 +122,7 @@ def c12(context: Context) -> dict[str, float]:
 
 
 @claim("C13", by_case=True)
-def c13(context: Context) -> dict[str, float]:
+def c13(context: Context) -> Numbers:
     """Translational loss at 10 deg, and its greatest rise above any value at a steeper angle."""
     loss = translational_loss(context, context.speed, *context.params.oblique.falling_loss_deg)
     return {
@@ -138,7 +138,7 @@ def translational_loss(context: Context, speed: float, steep: float, shallow: fl
 
 
 @claim("C14")
-def c14(context: Context) -> dict[str, float]:
+def c14(context: Context) -> Numbers:
     """Eta of Eq. (13) against the inverse tangent, and the latter and its square below 45 deg."""
     angles = context.all_angles()
     v_n, v_t = velocity_components(context.speed, angles)
@@ -159,7 +159,7 @@ def inverse_tangent(angle: FloatArray) -> FloatArray:
 
 
 @claim("C15", by_case=True)
-def c15(context: Context) -> dict[str, float]:
+def c15(context: Context) -> Numbers:
     """Impulse ratio of a slow oblique impact with the spin of a sphere that has rolled."""
     slow, contact = context.params.slow, context.steel
     speed = min(slow.speeds_m_per_s)
@@ -169,7 +169,7 @@ def c15(context: Context) -> dict[str, float]:
 
 
 @claim("C16", by_case=True, evidence=VIRTUAL)
-def c16(context: Context) -> dict[str, float | Estimate]:
+def c16(context: Context) -> Numbers:
     """Share captured, and mean restitution, of slow impacts below a normal speed.
 
     At the declared angles at which the nominal speed leads there. A captured sphere counts with the
@@ -202,7 +202,7 @@ def sampled(context: Context, dropped: Dropped, angle: float) -> Impacts:
 
 
 @claim("C67", by_case=True, evidence=VIRTUAL, units={"width_of_transition": "deg"})
-def c67(context: Context) -> dict[str, dict[str, float]]:
+def c67(context: Context) -> Numbers:
     """Kinds of regions of the mean impulse ratio, and the transition, with and without spins."""
     smooth = context.params.smooth
     spun = with_spin(smooth, mean=0.0, sd=context.params.regions.spin_sd)
@@ -212,7 +212,7 @@ def c67(context: Context) -> dict[str, dict[str, float]]:
     }
 
 
-def found_regions(context: Context, dropped: Dropped) -> dict[str, float]:
+def found_regions(context: Context, dropped: Dropped) -> Numbers:
     """Return the kinds of regions between change points, and the width of the transition."""
     wanted = context.params.regions
     samples = [context.seen(dropped, angle, context.series) for angle in wanted.angles_deg]
@@ -232,7 +232,7 @@ def found_regions(context: Context, dropped: Dropped) -> dict[str, float]:
 
 
 @claim("C68", by_case=True)
-def c68(context: Context) -> dict[str, float]:
+def c68(context: Context) -> Numbers:
     """How far e strays from the printed plateau, and e at the grazing angle."""
     oblique = context.params.oblique
     low, high = sorted(oblique.plateau_angles_deg)
@@ -255,7 +255,7 @@ def at_angles(context: Context, contact: Contact, angle: Real, basis: str | None
 
 
 @claim("C69", by_case=True)
-def c69(context: Context) -> dict[str, float]:
+def c69(context: Context) -> Numbers:
     """Ratios of impulse ratios between angles, friction following the declared force."""
     oblique = context.params.oblique
     rises = {
@@ -277,7 +277,7 @@ def quotient(context: Context, angles: tuple[float, float], basis: str = "") -> 
 
 
 @claim("C71", evidence=VIRTUAL)
-def c71(context: Context) -> dict[str, dict[str, Estimate]]:
+def c71(context: Context) -> Numbers:
     """Least difference of restitution above 20 deg, by slopes alone and with weaker adhesion."""
     named = context.params.mechanisms
     alternatives = {"slopes alone": named.slopes_alone, "half the adhesion": named.half_adhesion}
@@ -313,7 +313,7 @@ def pair(context: Context, name: str, column: str, angles: tuple[float, ...]) ->
 
 
 @claim("C72", evidence=VIRTUAL)
-def c72(context: Context) -> dict[str, float]:
+def c72(context: Context) -> Numbers:
     """Largest excess of the impulse ratio on the rough surface, at any angle."""
     excess = context.column(
         "surface_pairs",
@@ -324,7 +324,7 @@ def c72(context: Context) -> dict[str, float]:
 
 
 @claim("C73", evidence=VIRTUAL)
-def c73(context: Context) -> dict[str, float]:
+def c73(context: Context) -> Numbers:
     """Largest difference of the energy loss above 50 deg, with half the adhesion and without."""
     named = context.params.mechanisms
     column = "energy_loss_difference_over_half_width"
@@ -339,7 +339,7 @@ def c73(context: Context) -> dict[str, float]:
 
 
 @claim("C74", evidence=VIRTUAL)
-def c74(context: Context) -> dict[str, float | Estimate]:
+def c74(context: Context) -> Numbers:
     """Least difference of the losses on the mirror, and its error by squared restitutions."""
     named = context.params.mechanisms
     error = pair(context, named.mirror, "loss_less_squares_over_half_width", named.mirror_deg)
@@ -352,7 +352,7 @@ def c74(context: Context) -> dict[str, float | Estimate]:
 
 
 @claim("C75", by_case=True, evidence=VIRTUAL)
-def c75(context: Context) -> dict[str, float | Estimate]:
+def c75(context: Context) -> Numbers:
     """Falls of restitution with the speed and the angle: means of the rebounds of a class.
 
     Beside them the fall of the mean sphere between the two faster speeds.
@@ -395,7 +395,7 @@ def difference(one: Estimate, other: Estimate) -> Estimate:
 
 
 @claim("C76", by_case=True, evidence=VIRTUAL)
-def c76(context: Context) -> dict[str, Estimate]:
+def c76(context: Context) -> Numbers:
     """Fall of restitution from steep to shallow: means of the rebounds of the fastest class."""
     slow = context.params.slow
     fastest = next(iter(slow.classes))
@@ -404,7 +404,7 @@ def c76(context: Context) -> dict[str, Estimate]:
 
 
 @claim("C77", by_case=True, units="deg")
-def c77(context: Context) -> dict[str, dict[str, float]]:
+def c77(context: Context) -> Numbers:
     """How far the end of rolling moves towards steep angles as the speed falls, by spin."""
     slow = context.params.slow
     fast, middle, slowest = slow.speeds_m_per_s
@@ -420,7 +420,7 @@ def c77(context: Context) -> dict[str, dict[str, float]]:
 
 
 @claim("C111", by_case=True)
-def c111(context: Context) -> dict[str, float]:
+def c111(context: Context) -> Numbers:
     """Share of initial spins that narrow rolling visibly, that end friction, and that do both.
 
     Of spins of the mean sphere at the slowest speed, from back spin r omega = v to rolling.
@@ -443,7 +443,7 @@ def c111(context: Context) -> dict[str, float]:
 
 
 @claim("C78", by_case=True, evidence=VIRTUAL)
-def c78(context: Context) -> dict[str, dict[str, float | Estimate]]:
+def c78(context: Context) -> Numbers:
     """Least mean impulse ratio over spreads of spins about two means, and the spins needed.
 
     The mean spin needed brings the mean to zero. No spread about zero does; the spread needed is
@@ -454,7 +454,7 @@ def c78(context: Context) -> dict[str, dict[str, float | Estimate]]:
     return {name: low_ratios(context, mean) for name, mean in alternatives.items()}
 
 
-def low_ratios(context: Context, mean: float) -> dict[str, float | Estimate]:
+def low_ratios(context: Context, mean: float) -> Numbers:
     """Return the least mean impulse ratio over spreads about a mean spin, and what is needed."""
     slow = context.params.slow
     needed = context.table("spin_needed", angle_deg=slow.spin_deg).iloc[0]
@@ -488,7 +488,7 @@ def spread_needed(context: Context) -> float:
 
 
 @claim("C79", by_case=True, evidence=VIRTUAL, units="deg")
-def c79(context: Context) -> dict[str, float]:
+def c79(context: Context) -> Numbers:
     """First angle at which the loss differs from that at the steepest.
 
     Without such an angle there is no number.
@@ -503,7 +503,7 @@ def c79(context: Context) -> dict[str, float]:
 
 
 @claim("C80")
-def c80(context: Context) -> dict[str, Estimate]:
+def c80(context: Context) -> Numbers:
     """Share of angles, restitutions and frictions at which the loss falls towards shallow ones.
 
     Its error is that of a mean over as many pairs of restitution and friction drawn at random.
@@ -514,7 +514,7 @@ def c80(context: Context) -> dict[str, Estimate]:
 
 
 @claim("C106", by_case=True)
-def c106(context: Context) -> dict[str, float]:
+def c106(context: Context) -> Numbers:
     """Impulse ratio at the shallow angle less that at the steep one, at the slow speed."""
     oblique, slowest = context.params.oblique, context.params.slow.speeds_m_per_s[-1]
     angle = np.array(oblique.slow_angles_deg)[:, None]
@@ -530,7 +530,7 @@ def c106(context: Context) -> dict[str, float]:
 
 
 @claim("C109", evidence=VIRTUAL)
-def c109(context: Context) -> dict[str, Estimate]:
+def c109(context: Context) -> Numbers:
     """Mean half-width of -mu in experiments with spin over that in those without.
 
     Events are those that the imaging system reports, by the model of its errors.
@@ -559,7 +559,7 @@ def half_widths(context: Context, spin: InitialSpin) -> Estimate:
 
 
 @claim("C110", by_case=True, units="deg")
-def c110(context: Context) -> dict[str, float]:
+def c110(context: Context) -> Numbers:
     """Largest angle at which -mu of a rebound exceeds that at 40 deg by a share."""
     contact, oblique = context.steel, context.params.oblique
     start = oblique.from_angle_deg

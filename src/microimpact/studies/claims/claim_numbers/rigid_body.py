@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.model.choices import FRICTION_BASES
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import simulate
-from microimpact.model.dynamics.normal import normal_impact
+from microimpact.model.dynamics.normal import losses, normal_impact
 from microimpact.model.dynamics.trajectory import trajectory
 from microimpact.model.rigid_body.algebra import (
     adhesion_impulse,
@@ -19,7 +17,7 @@ from microimpact.model.rigid_body.algebra import (
     restitution_with_adhesion,
 )
 from microimpact.studies.claims.claim_numbers.claim import VIRTUAL, claim
-from microimpact.studies.claims.claim_numbers.context import Context, without_adhesion
+from microimpact.studies.claims.claim_numbers.context import Context, Numbers, without_adhesion
 from microimpact.studies.claims.claim_numbers.experiments import rebounding_speeds
 
 # Entries of the energy ledger that are lost.
@@ -29,7 +27,7 @@ INSTANTS = 4001
 
 
 @claim("C18")
-def c18(context: Context) -> dict[str, float]:
+def c18(context: Context) -> Numbers:
     """Restitution from momentum with the adhesion impulse of Eqs. (5) and (10), and by Eq. (16)."""
     R, rho = body_and_adhesion(context)
     v_n = -context.speed
@@ -58,7 +56,7 @@ def body_and_adhesion(context: Context) -> tuple[FloatArray, FloatArray]:
 
 
 @claim("C19", by_case=True)
-def c19(context: Context) -> dict[str, float]:
+def c19(context: Context) -> Numbers:
     """Impulse ratio over the coefficient of friction, the largest over all rebounds.
 
     Friction follows the declared force; beside it, that of Hertz.
@@ -74,7 +72,7 @@ def c19(context: Context) -> dict[str, float]:
 
 
 @claim("C20")
-def c20(context: Context) -> dict[str, float]:
+def c20(context: Context) -> Numbers:
     """Work of Eq. (18) at rho = 1 over the energy that deformation gives back; farthest from 1."""
     R = np.array(context.params.algebra.restitutions)
     given_back = 0.5 * np.square(restitution_with_adhesion(R, 0.0) * context.speed)
@@ -89,7 +87,7 @@ def farthest(ratios: Real) -> float:
 
 
 @claim("C21", by_case=True)
-def c21(context: Context) -> dict[str, float]:
+def c21(context: Context) -> Numbers:
     """Restitution and adhesion coefficient at a speed 1e-4 above that of capture, as calibrated.
 
     The adhesion coefficient by Eq. (16), 1 - e/R, R from the same impact without ring force.
@@ -97,17 +95,17 @@ def c21(context: Context) -> dict[str, float]:
     normal, steel = context.params.normal, context.steel
     speed = context.calibrated_capture_velocity * (1.0 + normal.above_capture)
     bare = without_adhesion(steel)
-    e, body = (float(simulate(c, speed).coefficient_of_restitution) for c in (steel, bare))
+    e, body = (simulate(c, speed).coefficient_of_restitution for c in (steel, bare))
     at_rest = simulate(bare, normal.rest_speed_m_per_s).coefficient_of_restitution
     return {
         "restitution_just_above_capture": e,
         "adhesion_coefficient_just_above_capture": 1.0 - e / body,
-        "restitution_without_adhesion_at_1_mm_per_s": float(at_rest),
+        "restitution_without_adhesion_at_1_mm_per_s": at_rest,
     }
 
 
 @claim("C22", by_case=True)
-def c22(context: Context) -> dict[str, float]:
+def c22(context: Context) -> Numbers:
     """Signed impulse ratio of Eq. (2) at normal incidence with spin of either sign and without."""
     spin_ratio = context.params.oblique.normal_spin_ratio * np.array([1.0, -1.0, 0.0])
     impact = context.steel_impacts(context.speed, 90.0, spin_ratio, "compressive")
@@ -120,7 +118,7 @@ def c22(context: Context) -> dict[str, float]:
 
 
 @claim("C23", by_case=True)
-def c23(context: Context) -> dict[str, float]:
+def c23(context: Context) -> Numbers:
     """Impulse ratio at the shallowest angle of adhesive rebound over that at 15 deg.
 
     With adhesion, and without at the same two angles.
@@ -128,10 +126,9 @@ def c23(context: Context) -> dict[str, float]:
     angles = np.append(context.all_angles(), context.params.oblique.plateau_deg)
 
     def ratios(steel: Contact) -> FloatArray:
+        impacts = context.speed, angles[:, None]
         both = steel, without_adhesion(steel)
-        return np.stack(
-            [context.hit(one, context.speed, angles[:, None]).impulse_ratio for one in both]
-        )
+        return np.stack([context.hit(one, *impacts).impulse_ratio for one in both])
 
     shallowest = np.argmax(angles == context.rebounds()[0].min())
     found = context.of_steel(("C23",), ratios)
@@ -143,7 +140,7 @@ def c23(context: Context) -> dict[str, float]:
 
 
 @claim("C24")
-def c24(context: Context) -> dict[str, float]:
+def c24(context: Context) -> Numbers:
     """What both works leave of the loss of kinetic energy: simulated rebounds, and Eq. (17)."""
     R, rho = body_and_adhesion(context)
     half = 0.5 * context.speed**2
@@ -160,49 +157,43 @@ def c24(context: Context) -> dict[str, float]:
 
 
 @claim("C91", units={"tilt_for_impulse_ratio_of_0p01": "deg"})
-def c91(context: Context) -> dict[str, float]:
+def c91(context: Context) -> Numbers:
     """Spin, or tilt, that gives a mean impulse ratio of 0.01 at normal incidence.
 
     Of the calibrated contacts the greatest spin, and the least tilt, over the uncertainty of the
     printed angles.
     """
     table = context.table("spin_or_tilt")
-    tilt = float(table["tilt_deg"].min())
+    tilt = table["tilt_deg"].min()
     return {
-        "spin_over_speed_for_impulse_ratio_of_0p01": float(table["spin_over_speed"].max()),
+        "spin_over_speed_for_impulse_ratio_of_0p01": table["spin_over_speed"].max(),
         "tilt_for_impulse_ratio_of_0p01": tilt,
         "tilt_over_its_uncertainty": tilt / context.params.slopes.printed_angle_error_deg,
     }
 
 
 @claim("C92", by_case=True, evidence=VIRTUAL)
-def c92(context: Context) -> dict[str, float]:
+def c92(context: Context) -> Numbers:
     """Rise by adhesion, and spread at equal normal speed of two speeds, by adhesion or slopes."""
-    adhesion, slopes = (
-        context.table("adhesion_or_roughness", cause=cause).iloc[0]
-        for cause in ("adhesion", "slopes")
-    )
-    spread = "spread_at_equal_normal_speed"
+    table = context.table("adhesion_or_roughness").set_index("cause")
+    spread, rise = table["spread_at_equal_normal_speed"], table["rise_at_shallowest_rebound"]
     return {
-        "spread_over_speeds_at_equal_normal_speed_by_adhesion": float(adhesion[spread]),
-        "spread_over_speeds_at_equal_normal_speed_by_slopes": float(slopes[spread]),
-        "rise_at_shallowest_rebound_at_1p66_m_per_s_by_adhesion": float(
-            adhesion["rise_at_shallowest_rebound"]
-        ),
+        "spread_over_speeds_at_equal_normal_speed_by_adhesion": spread["adhesion"],
+        "spread_over_speeds_at_equal_normal_speed_by_slopes": spread["slopes"],
+        "rise_at_shallowest_rebound_at_1p66_m_per_s_by_adhesion": rise["adhesion"],
     }
 
 
 @claim("C93", by_case=True)
-def c93(context: Context) -> dict[str, float]:
+def c93(context: Context) -> Numbers:
     """Impulse and impulse ratio at a vanishing angle without adhesion, by all measures."""
     contact, oblique = context.steel, context.params.oblique
     work = np.asarray(contact.work_of_adhesion) * oblique.share_without_adhesion
-    bare = contact.replace(work_of_adhesion=work)
-    angle = oblique.limit_angle_deg
-    limits = [simulate(bare, context.speed, angle, friction_basis=b) for b in FRICTION_BASES]
-    along = context.speed * np.cos(np.radians(angle))
-    momentum = max(float(along - i.tangential_velocity) / context.speed for i in limits)
-    difference = max(abs(float(i.impulse_ratio - contact.friction)) for i in limits)
+    impact = contact.replace(work_of_adhesion=work), context.speed, oblique.limit_angle_deg
+    limits = [simulate(*impact, friction_basis=basis) for basis in FRICTION_BASES]
+    along = context.speed * np.cos(np.radians(oblique.limit_angle_deg))
+    momentum = max((along - i.tangential_velocity) / context.speed for i in limits)
+    difference = max(abs(i.impulse_ratio - contact.friction) for i in limits)
     return {
         "tangential_impulse_over_momentum_at_0p1_deg": momentum,
         "largest_difference_of_impulse_ratio_from_friction": difference,
@@ -210,67 +201,53 @@ def c93(context: Context) -> dict[str, float]:
 
 
 @claim("C101", by_case=True)
-def c101(context: Context) -> dict[str, float]:
+def c101(context: Context) -> Numbers:
     """W_A of Eq. (18), R from impacts without adhesion, over the simulated adhesion loss."""
     speed = np.array(context.params.losses.speeds_m_per_s)[:, None]
 
     def ratios(steel: Contact) -> FloatArray:
         body = body_restitution(steel, speed)
         e = simulate(steel, speed).coefficient_of_restitution
-        return adhesion_work(speed, body, 1.0 - e / body) / works(steel, speed).adhesion
+        work = losses(steel, speed).adhesion / steel.mass
+        return np.asarray(adhesion_work(speed, body, 1.0 - e / body) / work)
 
     ratio = context.of_steel(("C101",), ratios)
-    return {
-        "least_ratio_of_works": float(ratio.min()),
-        "greatest_ratio_of_works": float(ratio.max()),
-    }
+    return {"least_ratio_of_works": ratio.min(), "greatest_ratio_of_works": ratio.max()}
 
 
 @claim("C102", by_case=True)
-def c102(context: Context) -> dict[str, float]:
+def c102(context: Context) -> Numbers:
     """Loss (1 - R^2) v^2/2, R from impacts without adhesion, over the simulated material loss."""
     speed = np.array(context.params.losses.speeds_m_per_s)[:, None]
 
     def ratios(steel: Contact) -> FloatArray:
         body = 0.5 * (1.0 - np.square(body_restitution(steel, speed))) * np.square(speed)
-        return np.asarray(body / works(steel, speed).material)
+        return np.asarray(body / (losses(steel, speed).bulk / steel.mass))
 
     ratio = context.of_steel(("C102",), ratios)
     return {
-        "least_ratio_of_material_losses": float(ratio.min()),
-        "greatest_ratio_of_material_losses": float(ratio.max()),
+        "least_ratio_of_material_losses": ratio.min(),
+        "greatest_ratio_of_material_losses": ratio.max(),
     }
 
 
 def body_restitution(contact: Contact, speed: FloatArray) -> FloatArray:
     """Return R, the restitution of the same contact without ring force."""
-    return simulate(contact.replace(work_of_adhesion=0.0), speed).coefficient_of_restitution
-
-
-class Works(NamedTuple):
-    """Energy lost per unit mass to the damping of adhesion and of the material, m2/s2."""
-
-    adhesion: FloatArray
-    material: FloatArray
-
-
-def works(contact: Contact, speed: Real) -> Works:
-    """Return the losses of normal impacts."""
-    ledger = normal_impact(contact, speed, ledger=True).ledger
-    assert ledger is not None
-    return Works(ledger.adhesion_work / contact.mass, ledger.hertz_work / contact.mass)
+    return simulate(without_adhesion(contact), speed).coefficient_of_restitution
 
 
 @claim("C108", by_case=True)
-def c108(context: Context) -> dict[str, float]:
+def c108(context: Context) -> Numbers:
     """Share of the loss to damped adhesion that falls on the rebound.
 
     As the model supposes, with damping on rebound alone, and with damping on approach as well.
     """
-    supposed = context.params.losses.attachment_damped
+    supposed, damped = (
+        rebound_share(context, damped=of) for of in (context.params.losses.attachment_damped, True)
+    )
     return {
-        "rebound_share_of_adhesion_loss": rebound_share(context, supposed),
-        "rebound_share_if_approach_is_damped": rebound_share(context, damped=True),
+        "rebound_share_of_adhesion_loss": supposed,
+        "rebound_share_if_approach_is_damped": damped,
     }
 
 

@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from microimpact.core.arrays import FloatArray
+from microimpact.core.arrays import FloatArray, Real
 from microimpact.lab.contacts import calibrated_contact
-from microimpact.lab.samples import Dropped, Sampling, rough, with_spin
+from microimpact.lab.samples import rough, with_spin
 from microimpact.model.calibration import damping_factor_for
 from microimpact.model.contact import Contact
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
 from microimpact.model.rigid_body.roughness import measured_impulse_ratio, measured_restitution
 from microimpact.statistics.distributions import Constant, mean
-from microimpact.studies.analyses.roughness_expansions import EQUATIONS, SlopedImpacts
+from microimpact.studies.analyses.roughness_expansions import EQUATIONS, FORMS, SlopedImpacts
 from microimpact.studies.claims.claim_numbers.claim import CALIBRATED, VIRTUAL, claim
-from microimpact.studies.claims.claim_numbers.context import Context, Estimate
+from microimpact.studies.claims.claim_numbers.context import Context, Numbers
 from microimpact.studies.claims.claim_numbers.oblique import at_angles
+from microimpact.studies.claims.claim_numbers.spores import rise
 
 SOURCES = ("slope", "diameter", "speed", "spin")
 # Steps in which a range of angles is walked, degrees.
@@ -25,7 +27,7 @@ COARSE = 1.0
 
 
 @claim("C44")
-def c44(context: Context) -> dict[str, float]:
+def c44(context: Context) -> Numbers:
     """Eqs. (35), (36) against velocities turned to the slope, rebounded there and turned back."""
     algebra, friction = context.params.algebra, context.params.steel.friction
     angle, slope, e = np.meshgrid(
@@ -48,14 +50,14 @@ def c44(context: Context) -> dict[str, float]:
 
 
 @claim("C45")
-def c45(context: Context) -> dict[str, float]:
+def c45(context: Context) -> Numbers:
     """Measured over true restitution on a facet as steep as the angle of incidence, by Eq. (35)."""
     true = context.params.steel.restitution
     return {"measured_over_true_restitution": steep_restitution(context) / true}
 
 
 @claim("C46")
-def c46(context: Context) -> dict[str, float]:
+def c46(context: Context) -> Numbers:
     """Measured restitution itself on that facet."""
     return {"measured_restitution": steep_restitution(context)}
 
@@ -63,201 +65,157 @@ def c46(context: Context) -> dict[str, float]:
 def steep_restitution(context: Context) -> float:
     """Return e_m by Eq. (35) on the facet as steep as the angle of incidence."""
     slopes = context.params.slopes
-    case = shallow(context, slopes.steep_slope_deg)
+    case = on_slope(context, slopes.angle_deg, slopes.steep_slope_deg)
     return float(EQUATIONS["35"].value(case, slopes.form))
 
 
 @claim("C47")
-def c47(context: Context) -> dict[str, float]:
+def c47(context: Context) -> Numbers:
     """By how much a facing slope changes the exact e_m, mu_m and -mu_m from no slope."""
     slopes = context.params.slopes
     facing, level = (
-        shallow(context, degrees).rebound for degrees in (slopes.facing_slope_deg, 0.0)
+        on_slope(context, slopes.angle_deg, degrees).rebound
+        for degrees in (slopes.facing_slope_deg, 0.0)
     )
-    change = float(facing.measured_impulse_ratio - level.measured_impulse_ratio)
+    change = facing.measured_impulse_ratio - level.measured_impulse_ratio
     return {
-        "change_of_restitution": float(facing.measured_restitution - level.measured_restitution),
+        "change_of_restitution": facing.measured_restitution - level.measured_restitution,
         "change_of_signed_impulse_ratio": change,
         "change_of_impulse_ratio_as_plotted": -change,
     }
 
 
 @claim("C48")
-def c48(context: Context) -> dict[str, float]:
+def c48(context: Context) -> Numbers:
     """Coefficient of phi^2 in the exact e_m at normal incidence over the printed one, less 1.
 
     The largest error over all restitutions, and that of the corrected expansion after Eq. (40).
     """
     slopes = context.params.slopes
-    squared = np.square(np.radians(slopes.small_slope_deg))
-    printed, corrected = [], []
-    for e in slopes.restitutions:
-        case = upright(context, slopes.small_slope_deg, context.params.steel.spin_ratio, e)
-        fall = e - exact(case)[0]
-        printed.append(fall / (e - EQUATIONS["after 40"].value(case, "printed")) - 1.0)
-        corrected.append((EQUATIONS["after 40"].value(case, "corrected") - e + fall) / squared)
+    e = np.array(slopes.restitutions)
+    case = on_slope(context, 90.0, slopes.small_slope_deg, e=e)
+    exact = case.rebound.measured_restitution
+    printed, corrected = (EQUATIONS["after 40"].value(case, form) for form in FORMS)
+    errors = (e - exact) / (e - printed) - 1.0, (corrected - exact) / np.square(case.slope)
     return {
-        "largest_relative_error_of_printed_coefficient": float(np.max(np.abs(printed))),
-        "largest_error_of_corrected_coefficient": float(np.max(np.abs(corrected))),
+        "largest_relative_error_of_printed_coefficient": np.max(np.abs(errors[0])),
+        "largest_error_of_corrected_coefficient": np.max(np.abs(errors[1])),
     }
 
 
 @claim("C49")
-def c49(context: Context) -> dict[str, float]:
+def c49(context: Context) -> Numbers:
     """Error of the coefficient of phi in mu_m (Eq. 41), and mu_m without a slope."""
     slopes = context.params.slopes
-    phi = float(np.radians(slopes.small_slope_deg))
-    errors, level = [], []
-    for e in slopes.restitutions:
-        sloped, flat = (
-            upright(context, degrees, context.params.steel.spin_ratio, e)
-            for degrees in (slopes.small_slope_deg, 0.0)
-        )
-        coefficient = EQUATIONS["41"].value(replace(sloped, spin_ratio=0.0), slopes.form) / phi
-        errors.append((exact(sloped)[1] - exact(flat)[1]) / phi - coefficient)
-        level.append(exact(flat)[1])
+    sloped, flat = (
+        on_slope(context, 90.0, degrees, e=np.array(slopes.restitutions))
+        for degrees in (slopes.small_slope_deg, 0.0)
+    )
+    exact, level = (case.rebound.measured_impulse_ratio for case in (sloped, flat))
+    first_order = EQUATIONS["41"].value(replace(sloped, spin_ratio=0.0), slopes.form)
+    errors = (exact - level - first_order) / sloped.slope
     return {
-        "largest_error_of_coefficient_of_slope": float(np.max(np.abs(errors))),
-        "impulse_ratio_without_slope": float(np.max(np.abs(level))),
+        "largest_error_of_coefficient_of_slope": np.max(np.abs(errors)),
+        "impulse_ratio_without_slope": np.max(np.abs(level)),
     }
 
 
 @claim("C50")
-def c50(context: Context) -> dict[str, float]:
+def c50(context: Context) -> Numbers:
     """Exact bias by spin over that of Eq. (41), and over (2/7) (r omega / v) phi."""
     slopes = context.params.slopes
     spun, bare = (
-        upright(context, slopes.small_slope_deg, spin, context.params.steel.restitution)
+        on_slope(context, 90.0, slopes.small_slope_deg, spin_ratio=spin)
         for spin in (slopes.biasing_spin_ratio, 0.0)
     )
-    of_e, of_mu = (
-        float(with_ - without) for with_, without in zip(exact(spun), exact(bare), strict=True)
-    )
-    by_41 = float(
-        EQUATIONS["41"].value(spun, slopes.form) - EQUATIONS["41"].value(bare, slopes.form)
-    )
-    first = 2.0 / 7.0 * slopes.biasing_spin_ratio * float(spun.slope)
+    exact, unbiased = spun.rebound, bare.rebound
+    of_mu = exact.measured_impulse_ratio - unbiased.measured_impulse_ratio
+    of_e = exact.measured_restitution - unbiased.measured_restitution
+    by_41, bare_41 = (EQUATIONS["41"].value(case, slopes.form) for case in (spun, bare))
     return {
-        "bias_of_impulse_ratio_over_that_of_eq_41": of_mu / by_41,
-        "bias_of_restitution_over_first_order": of_e / first,
+        "bias_of_impulse_ratio_over_that_of_eq_41": of_mu / (by_41 - bare_41),
+        "bias_of_restitution_over_first_order": of_e / (2.0 / 7.0 * spun.spin_ratio * spun.slope),
     }
 
 
-def shallow(context: Context, slope_deg: float) -> SlopedImpacts:
-    """Return a shallow impact on a slope."""
+def on_slope(
+    context: Context, angle_deg: float, slope_deg: float, **changes: Real
+) -> SlopedImpacts:
+    """Return an impact on a slope, angles in degrees; changed are ``e`` or ``spin_ratio``."""
     steel = context.params.steel
+    impact: dict[str, Any] = {"e": steel.restitution, "spin_ratio": steel.spin_ratio} | changes
     return SlopedImpacts(
-        angle=np.radians(context.params.slopes.angle_deg),
+        angle=np.radians(angle_deg),
         slope=np.radians(slope_deg),
-        e=steel.restitution,
         friction=steel.friction,
-        spin_ratio=steel.spin_ratio,
+        **impact,
     )
-
-
-def upright(context: Context, slope_deg: float, spin_ratio: float, e: float) -> SlopedImpacts:
-    """Return an impact at normal incidence on a slope."""
-    return SlopedImpacts(
-        angle=np.pi / 2,
-        slope=np.radians(slope_deg),
-        e=e,
-        friction=context.params.steel.friction,
-        spin_ratio=spin_ratio,
-    )
-
-
-def exact(case: SlopedImpacts) -> tuple[FloatArray, FloatArray]:
-    """Return e_m and the signed mu_m of the exact rotation."""
-    return case.rebound.measured_restitution, case.rebound.measured_impulse_ratio
 
 
 @claim("C51", evidence=VIRTUAL)
-def c51(context: Context) -> dict[str, float | Estimate]:
+def c51(context: Context) -> Numbers:
     """Rise of e_m on Formica, and the change of e on the smooth surface of Fig. 23."""
-    steep, shallow = context.params.formica.trend_deg
+    formica = context.params.formica
+    steep, shallow = (
+        context.number("monte_carlo", "smooth_relative_restitution", angle_deg=angle)
+        for angle in formica.trend_deg
+    )
+    risen = rise(context, "restitution", formica.steel)
     return {
-        "rise_on_rough_surface_45_to_15_deg_over_half_width": rise(context, "restitution"),
-        "change_on_smooth_surface_45_to_15_deg": smooth(
-            context, "smooth_relative_restitution", shallow
-        )
-        - smooth(context, "smooth_relative_restitution", steep),
+        "rise_on_rough_surface_45_to_15_deg_over_half_width": risen,
+        "change_on_smooth_surface_45_to_15_deg": shallow - steep,
     }
 
 
 @claim("C52", evidence=VIRTUAL)
-def c52(context: Context) -> dict[str, float | Estimate]:
+def c52(context: Context) -> Numbers:
     """Return -mu of the smooth surface of Fig. 23, and the rise of -mu_m on Formica."""
-    _, shallow = context.params.formica.trend_deg
+    formica, name = context.params.formica, "smooth_impulse_ratio"
+    smooth = context.number("monte_carlo", name, angle_deg=formica.trend_deg[1])
+    risen = rise(context, "impulse_ratio", formica.steel)
     return {
-        "impulse_ratio_of_smooth_surface_at_15_deg": smooth(
-            context, "smooth_impulse_ratio", shallow
-        ),
-        "rise_on_rough_surface_45_to_15_deg_over_half_width": rise(context, "impulse_ratio"),
+        "impulse_ratio_of_smooth_surface_at_15_deg": smooth,
+        "rise_on_rough_surface_45_to_15_deg_over_half_width": risen,
     }
-
-
-def rise(context: Context, quantity: str) -> Estimate:
-    """Return the rise of a mean on Formica towards the shallow angle, over its half-width."""
-    formica = context.params.formica
-    steep, shallow = formica.trend_deg
-    return context.over_half_width(quantity, (formica.steel, shallow), (formica.steel, steep))
-
-
-def smooth(context: Context, quantity: str, angle: float) -> float:
-    """Return a number of the smooth surface from the table of the Monte Carlo analysis.
-
-    Raises ValueError if the analysis has no such angle.
-    """
-    return float(context.column("monte_carlo", quantity, angle).iloc[0])
 
 
 @claim("C60", evidence=VIRTUAL, units="deg")
-def c60(context: Context) -> dict[str, float]:
+def c60(context: Context) -> Numbers:
     """Largest declared angle at which e_m exceeds that without slopes significantly."""
     samples = context.params.roughness
-    flat = rough(samples.silicon_back, samples.smooth_slope)
-    for angle in sorted(context.params.steel.angles_deg, reverse=True):
-        # nothing to compare with where the smooth surface keeps the spheres
-        bias = context.over_half_width("restitution", (samples.silicon_back, angle), (flat, angle))
-        if bias.value > 1.0:
-            return {"largest_angle_with_bias_of_restitution": angle}
-    return {"largest_angle_with_bias_of_restitution": 0.0}
+    back, flat = samples.silicon_back, rough(samples.silicon_back, samples.smooth_slope)
+    # nothing to compare with where the smooth surface keeps the spheres
+    biased = (
+        angle
+        for angle in sorted(context.params.steel.angles_deg, reverse=True)
+        if context.over_half_width("restitution", (back, angle), (flat, angle)).value > 1.0
+    )
+    return {"largest_angle_with_bias_of_restitution": next(biased, 0.0)}
 
 
 @claim("C94", evidence=CALIBRATED)
-def c94(context: Context) -> dict[str, float]:
+def c94(context: Context) -> Numbers:
     """Differences of relative e_m, Formica with slopes less the same without."""
     samples = context.params.roughness
-    apart = {
-        angle: abs(departure(context, angle))
-        for angle in (*samples.alike_angles_deg, samples.differ_angle_deg)
-    }
+    alike = [abs(departure(context, angle)) for angle in samples.alike_angles_deg]
     return {
-        "largest_difference_from_85_to_45_deg": max(apart[a] for a in samples.alike_angles_deg),
-        "difference_at_20_deg": apart[samples.differ_angle_deg],
+        "largest_difference_from_85_to_45_deg": max(alike),
+        "difference_at_20_deg": abs(departure(context, samples.differ_angle_deg)),
     }
 
 
 def departure(context: Context, angle: float) -> float:
     """Return e_m with slopes less that without, each less its value at the reference angle."""
     samples, sloped = context.params.roughness, context.params.formica.steel
-    flat = rough(sloped, samples.smooth_slope)
-    sloped_change, flat_change = (
-        restitution(context, one, angle) - restitution(context, one, samples.reference_angle_deg)
-        for one in (sloped, flat)
+    flat, angles = rough(sloped, samples.smooth_slope), (angle, samples.reference_angle_deg)
+    (e, start), (flat_e, flat_start) = (
+        [context.mean("restitution", one, at).value for at in angles] for one in (sloped, flat)
     )
-    return sloped_change - flat_change
-
-
-def restitution(
-    context: Context, dropped: Dropped, angle: float, sampling: Sampling | None = None
-) -> float:
-    """Return the mean measured restitution of a sample."""
-    return context.seen(dropped, angle, sampling).statistics["restitution"].mean
+    return float((e - start) - (flat_e - flat_start))
 
 
 @claim("C95", by_case=True)
-def c95(context: Context) -> dict[str, dict[str, float]]:
+def c95(context: Context) -> Numbers:
     """How far relative e of smooth silicon and smooth Formica differ after subtraction.
 
     With the contact supposed of Formica, and with that of silicon, its damping scaled to the
@@ -279,35 +237,29 @@ def c95(context: Context) -> dict[str, dict[str, float]]:
         left = relative(steel) - np.stack(others)
         return np.asarray(np.max(np.abs(left), axis=1))
 
-    found = context.of_steel(("C95",), residuals)
+    supposed, like_silicon = context.of_steel(("C95",), residuals)
+    quantity = "largest_residual_difference_of_relative_restitution"
     return {
-        name: {"largest_residual_difference_of_relative_restitution": residual}
-        for name, residual in zip(
-            ("Formica as supposed", "Formica like silicon"), found, strict=True
-        )
+        "Formica as supposed": {quantity: supposed},
+        "Formica like silicon": {quantity: like_silicon},
     }
 
 
 @claim("C96", evidence=CALIBRATED)
-def c96(context: Context) -> dict[str, float]:
+def c96(context: Context) -> Numbers:
     """Share of the departure of e_m that some sources explain, by angle.
 
     The departure is that of a sample in which slope, diameter, speed and spin vary from one in
     which none does; the others are at their means, or at none.
     """
-    samples = context.params.roughness
-    first, second = samples.explained_angles_deg
-    shares = {
-        f"share_explained_by_slope_and_diameter_at_{angle:g}_deg": share(
-            context, samples.pair, angle
-        )
-        for angle in (first, second)
+    pair, angles = context.params.roughness.pair, context.params.roughness.explained_angles_deg
+    wanted: list[tuple[str, tuple[str, ...], float]]
+    wanted = [("slope_and_diameter", pair, angle) for angle in angles]
+    wanted += [(source, (source,), angles[0]) for source in SOURCES]
+    return {
+        f"share_explained_by_{words}_at_{angle:g}_deg": share(context, sources, angle)
+        for words, sources, angle in wanted
     }
-    singles = {
-        f"share_explained_by_{source}_at_{first:g}_deg": share(context, (source,), first)
-        for source in SOURCES
-    }
-    return shares | singles
 
 
 def share(context: Context, sources: tuple[str, ...], angle: float) -> float:
@@ -329,4 +281,4 @@ def varied_restitution(context: Context, sources: tuple[str, ...], angle: float)
     if "speed" not in sources:
         still = replace(sampling.dispenser, exit_speed_m_per_s=0.0)
         sampling = replace(sampling, dispenser=still)
-    return restitution(context, dropped, angle, sampling)
+    return float(context.mean("restitution", dropped, angle, sampling).value)

@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from microimpact.lab.samples import Dropped, Seen
+from microimpact.lab.samples import Dropped, Sampling, Seen
 from microimpact.studies.claims.claim_numbers.claim import CALIBRATED, VIRTUAL, claim
-from microimpact.studies.claims.claim_numbers.context import Context, Estimate
+from microimpact.studies.claims.claim_numbers.context import Context, Estimate, Numbers
 from microimpact.studies.experiments.mechanisms.spore import as_imaged
 
 # Half-width of a 95 % interval over its standard error.
@@ -18,7 +18,7 @@ ERROR_BAR = 1.96
 
 
 @claim("C17", units="m/s")
-def c17(context: Context) -> dict[str, float]:
+def c17(context: Context) -> Numbers:
     """Total speeds that the two printed normal speeds of the spores mean."""
     angles = np.radians(context.params.formica.spore_angles_deg)
     keys = ("normal_speed_lycopodium_48deg", "normal_speed_lycopodium_38deg")
@@ -27,7 +27,7 @@ def c17(context: Context) -> dict[str, float]:
 
 
 @claim("C81", by_case=True, evidence=CALIBRATED)
-def c81(context: Context) -> dict[str, float]:
+def c81(context: Context) -> Numbers:
     """Largest difference of restitution, steel less spores, each calibrated at 85 deg alone."""
     found = context.column(
         "spore_comparison",
@@ -38,34 +38,31 @@ def c81(context: Context) -> dict[str, float]:
 
 
 @claim("C82", units={"angle_of_quoted_capture_velocity": "deg"})
-def c82(context: Context) -> dict[str, float]:
+def c82(context: Context) -> Numbers:
     """Printed normal speed over the quoted capture velocity; what the smooth spore does below."""
     first = context.table("smooth_spore").iloc[0]
     quoted = first["normal_speed_m_per_s"] / first["normal_speed_over_quoted_capture_velocity"]
+    printed = context.printed("normal_speed_lycopodium_38deg")
     restitution = context.column("smooth_spore", "restitution", (38.0, 10.0))
     return {
-        "normal_speed_at_38_deg_over_quoted_capture_velocity": (
-            context.printed("normal_speed_lycopodium_38deg") / quoted
-        ),
+        "normal_speed_at_38_deg_over_quoted_capture_velocity": printed / quoted,
         "fall_of_restitution_of_smooth_spore_38_to_10_deg": restitution[38.0] - restitution[10.0],
         "angle_of_quoted_capture_velocity": first["angle_of_quoted_capture_velocity_deg"],
     }
 
 
 @claim("C83", evidence=VIRTUAL)
-def c83(context: Context) -> dict[str, float | Estimate]:
+def c83(context: Context) -> Numbers:
     """Rise of restitution from 38 to 15 deg by each cause alone, and the greatest."""
     named = context.params.mechanisms
-    rises = {
-        words: trend(context, name, "restitution_rise_38_to_15")
-        for words, name in (
-            ("slopes", named.spore_slopes),
-            ("second_contacts", named.spore_second_contacts),
-            ("collisions_off_centre", named.spore_off_centre),
-        )
+    causes = {
+        "slopes": named.spore_slopes,
+        "second_contacts": named.spore_second_contacts,
+        "collisions_off_centre": named.spore_off_centre,
     }
+    rises = {w: trend(context, name, "restitution_rise_38_to_15") for w, name in causes.items()}
     return {"greatest_rise_38_to_15_deg_over_half_width": max(rises.values())} | {
-        f"rise_38_to_15_deg_by_{words}_over_half_width": rise.value for words, rise in rises.items()
+        f"rise_38_to_15_deg_by_{words}_over_half_width": of.value for words, of in rises.items()
     }
 
 
@@ -80,29 +77,26 @@ def trend(context: Context, mechanism: str, column: str) -> Estimate:
     found, rebounds = row[f"{column}_over_half_width"], row["rebounds_at_15_deg"]
     if not np.isfinite(found):
         raise ValueError(f"spore_trends: too few rebounds for {column}, {mechanism}")
-    return Estimate(
-        float(found), float(np.sqrt(context.params.sampling.events / rebounds) / ERROR_BAR)
-    )
+    return Estimate(found, np.sqrt(context.params.sampling.events / rebounds) / ERROR_BAR)
 
 
 @claim("C84", evidence=VIRTUAL)
-def c84(context: Context) -> dict[str, Estimate]:
+def c84(context: Context) -> Numbers:
     """Rises and fall of the impulse ratio as the camera sees them."""
     seen = context.params.mechanisms.spore_seen
+    trends = "rise_85_to_20", "rise_45_to_20", "fall_15_to_5"
     return {
-        "rise_85_to_20_deg_over_half_width": trend(context, seen, "impulse_ratio_rise_85_to_20"),
-        "rise_45_to_20_deg_over_half_width": trend(context, seen, "impulse_ratio_rise_45_to_20"),
-        "fall_15_to_5_deg_over_half_width": trend(context, seen, "impulse_ratio_fall_15_to_5"),
+        f"{name}_deg_over_half_width": trend(context, seen, f"impulse_ratio_{name}")
+        for name in trends
     }
 
 
 @claim("C85")
-def c85(context: Context) -> dict[str, float]:
+def c85(context: Context) -> Numbers:
     """Differences of the losses and of the printed restitutions at 40 deg, and their ratio."""
     row = context.table("loss_resolution").iloc[0]
     losses, restitutions = (
-        float(abs(row[f"difference_of_{name}_over_half_width"]))
-        for name in ("losses", "restitutions")
+        abs(row[f"difference_of_{name}_over_half_width"]) for name in ("losses", "restitutions")
     )
     return {
         "resolution_by_losses_over_that_by_restitutions_at_40_deg": losses / restitutions,
@@ -112,7 +106,7 @@ def c85(context: Context) -> dict[str, float]:
 
 
 @claim("C86", evidence=CALIBRATED, units={"slope_deviation_of_formica": "rad"})
-def c86(context: Context) -> dict[str, dict[str, float | Estimate]]:
+def c86(context: Context) -> Numbers:
     """Restitution of steel less that of spores, rises of both, and that of steel itself.
 
     With the slopes that are supposed of the spores, and without any.
@@ -125,30 +119,32 @@ def c86(context: Context) -> dict[str, dict[str, float | Estimate]]:
     return {name: on_formica(context, each) for name, each in alternatives.items()}
 
 
-def on_formica(context: Context, spore: Dropped) -> dict[str, float | Estimate]:
+def on_formica(context: Context, spore: Dropped) -> Numbers:
     """Return the numbers of C86 for one sort of spores."""
-    sample, series = context.params.formica.steel, context.series
-    angles = compared(context, "restitution_difference").index
     steel = formica(context, "steel_restitution", (20.0, 15.0))
     return {
         "least_difference_steel_less_spore_over_half_width": min(
-            context.over_half_width("restitution", (sample, angle), (spore, angle), series)
-            for angle in angles
+            compared(context, "restitution", spore)
         ),
-        "lesser_rise_45_to_15_deg_over_half_width": min(
-            rise_of_restitution(context, one) for one in (sample, spore)
-        ),
+        "lesser_rise_45_to_15_deg_over_half_width": lesser_rise(context, "restitution", spore),
         "measured_restitution_of_steel_at_20_deg": steel[20.0],
         "measured_restitution_of_steel_at_15_deg": steel[15.0],
-        "slope_deviation_of_formica": sample.surface_slope,
+        "slope_deviation_of_formica": context.params.formica.steel.surface_slope,
     }
 
 
-def rise_of_restitution(context: Context, dropped: Dropped) -> Estimate:
-    """Return the rise from the steep to the shallow angle on Formica, over its half-width."""
+def rise(
+    context: Context, quantity: str, dropped: Dropped, sampling: Sampling | None = None
+) -> Estimate:
+    """Return the rise of a mean on Formica from steep to shallow, over its half-width."""
     steep, shallow = context.params.formica.trend_deg
-    ends = (dropped, shallow), (dropped, steep)
-    return context.over_half_width("restitution", *ends, context.series)
+    return context.over_half_width(quantity, (dropped, shallow), (dropped, steep), sampling)
+
+
+def lesser_rise(context: Context, quantity: str, spore: Dropped) -> Estimate:
+    """Return the lesser rise of a mean, of steel and of one sort of spores."""
+    samples = context.params.formica.steel, spore
+    return min(rise(context, quantity, one, context.series) for one in samples)
 
 
 def formica(context: Context, column: str, angles: ArrayLike | None = None) -> pd.Series:
@@ -156,14 +152,17 @@ def formica(context: Context, column: str, angles: ArrayLike | None = None) -> p
     return context.column("formica_mechanism", column, angles)
 
 
-def compared(context: Context, column: str) -> pd.Series:
-    """Return a column of steel and spores on Formica at the angles that are compared."""
-    found = formica(context, column)
-    return found[found.index >= context.params.mechanisms.formica_from_deg]
+def compared(context: Context, quantity: str, spore: Dropped) -> list[Estimate]:
+    """Return differences of a mean at the angles compared, steel less spores, over half-widths."""
+    steel, angles = context.params.formica.steel, formica(context, f"{quantity}_difference").index
+    return [
+        context.over_half_width(quantity, (steel, angle), (spore, angle), context.series)
+        for angle in angles[angles >= context.params.mechanisms.formica_from_deg]
+    ]
 
 
 @claim("C87", evidence=VIRTUAL)
-def c87(context: Context) -> dict[str, dict[str, Estimate]]:
+def c87(context: Context) -> Numbers:
     """Largest difference of the impulse ratios over its half-width, and the lesser rise.
 
     With the friction of steel for the spores, and with less.
@@ -171,85 +170,68 @@ def c87(context: Context) -> dict[str, dict[str, Estimate]]:
     samples = context.params.formica
     less = replace(samples.spore, friction=samples.least_spore_friction)
     alternatives = {"friction of spores as of steel": samples.spore, "less friction": less}
-    return {name: compared_ratios(context, spore) for name, spore in alternatives.items()}
-
-
-def compared_ratios(context: Context, spore: Dropped) -> dict[str, Estimate]:
-    """Return the numbers of C87 for one sort of spores."""
-    steel, series, quantity = context.params.formica.steel, context.series, "impulse_ratio"
-    steep, shallow = context.params.formica.trend_deg
-    apart = [
-        context.over_half_width(quantity, (steel, angle), (spore, angle), series)
-        for angle in compared(context, "impulse_ratio_difference").index
-    ]
     return {
-        "largest_difference_of_impulse_ratios_over_half_width": max(
-            Estimate(abs(one.value), one.error) for one in apart
-        ),
-        "lesser_rise_45_to_15_deg_over_half_width": min(
-            context.over_half_width(quantity, (one, shallow), (one, steep), series)
-            for one in (steel, spore)
-        ),
+        name: {
+            "largest_difference_of_impulse_ratios_over_half_width": max(
+                Estimate(abs(one.value), one.error)
+                for one in compared(context, "impulse_ratio", spore)
+            ),
+            "lesser_rise_45_to_15_deg_over_half_width": lesser_rise(
+                context, "impulse_ratio", spore
+            ),
+        }
+        for name, spore in alternatives.items()
     }
 
 
 @claim("C88", evidence=VIRTUAL)
-def c88(context: Context) -> dict[str, float | Estimate]:
+def c88(context: Context) -> Numbers:
     """How far the difference of the losses shrinks from 80 to 30 deg, over its half-width.
 
     Beside it the ratio of both, and the difference of the restitutions at 30 deg.
     """
-    losses, over = (
-        formica(context, f"energy_loss_difference{ending}", (30.0, 80.0))
-        for ending in ("", "_over_half_width")
-    )
-    restitution = formica(context, "restitution_difference_over_half_width", 30.0)
-    sines = np.sin(np.radians([30.0, 80.0]))
-    width = float(np.hypot(*(losses / over)))
-    spread = [
-        formica(context, f"{name}_energy_loss_sd", (30.0, 80.0))
-        / np.sqrt(formica(context, f"{name}_rebounds", (30.0, 80.0)))
-        for name in ("steel", "spore")
-    ]
-    error = float(np.sqrt(sum(np.sum(np.square(of)) for of in spread)))
+    angles = [30.0, 80.0]
+    losses, widths, errors = differences(context, "energy_loss", angles)
+    change, restitution = losses.abs().diff()[80.0], differences(context, "restitution", [30.0])
+    apart, width, error = (of[30.0] for of in restitution)
+    sines = np.sin(np.radians(angles))
     return {
-        "shrinking_of_difference_of_losses_80_to_30_deg_over_half_width": Estimate(
-            float(losses.abs()[80.0] - losses.abs()[30.0]) / width, error / width
+        "shrinking_of_difference_of_losses_80_to_30_deg_over_half_width": (
+            Estimate(change, np.hypot(*errors)) / np.hypot(*widths)
         ),
         "difference_of_losses_30_over_80_deg": losses[30.0] / losses[80.0],
-        "difference_of_restitutions_at_30_deg_over_half_width": Estimate(
-            restitution[30.0], resolved(context, "restitution", 30.0)
-        ),
-        "squared_ratio_of_sines": float((sines[0] / sines[1]) ** 2),
+        "difference_of_restitutions_at_30_deg_over_half_width": Estimate(apart, error) / width,
+        "squared_ratio_of_sines": (sines[0] / sines[1]) ** 2,
     }
 
 
-def resolved(context: Context, quantity: str, angle: float) -> float:
-    """Return the error of a difference of means on Formica over its half-width."""
-    sd, n = (
-        np.array([formica(context, f"{who}_{what}", angle).iloc[0] for who in ("steel", "spore")])
-        for what in (f"{quantity}_sd", "rebounds")
-    )
+def differences(context: Context, quantity: str, angles: list[float]) -> list[pd.Series]:
+    """Return differences of means on Formica by angle, their half-widths, and their errors."""
     difference, over = (
-        formica(context, f"{quantity}_difference{ending}", angle).iloc[0]
+        formica(context, f"{quantity}_difference{ending}", angles)
         for ending in ("", "_over_half_width")
     )
-    return float(np.sqrt(np.sum(np.square(sd) / n)) / abs(difference / over))
+    squares = sum(
+        formica(context, f"{who}_{quantity}_sd", angles) ** 2
+        / formica(context, f"{who}_rebounds", angles)
+        for who in ("steel", "spore")
+    )
+    return [difference, (difference / over).abs(), squares**0.5]
 
 
 @claim("C89", evidence=VIRTUAL)
-def c89(context: Context) -> dict[str, float | Estimate]:
+def c89(context: Context) -> Numbers:
     """Share of spores captured, or not seen by the camera, while restitution rises."""
     spore, (_, shallow) = context.params.formica.spore, context.params.formica.trend_deg
-    at_shallow = {
-        column: float(formica(context, column, shallow).iloc[0])
-        for column in ("spore_captured_share", "spore_bias_of_conditional_mean")
-    }
+    captured, bias = (
+        formica(context, f"spore_{name}", shallow)[shallow]
+        for name in ("captured_share", "bias_of_conditional_mean")
+    )
     return {
-        "captured_share_at_15_deg": at_shallow["spore_captured_share"],
-        "rise_45_to_15_deg_over_half_width": rise_of_restitution(context, spore),
+        "captured_share_at_15_deg": captured,
+        "rise_45_to_15_deg_over_half_width": rise(context, "restitution", spore, context.series),
         "share_not_observed_at_15_deg": watched(context).captured_share,
-        "bias_of_conditional_mean_at_15_deg": at_shallow["spore_bias_of_conditional_mean"],
+        "bias_of_conditional_mean_at_15_deg": bias,
     }
 
 
