@@ -58,7 +58,7 @@ def c02(context: Context) -> Numbers:
         correct(sign * speed, height, fall.correction)
         for sign, speed in zip((-1.0, 1.0), at_probe, strict=True)
     )
-    return {"largest_error_of_restitution": float(np.max(np.abs(-rebound / incident - e)))}
+    return {"largest_error_of_restitution": np.max(np.abs(-rebound / incident - e))}
 
 
 @claim("C03", by_case=True, evidence=VIRTUAL, units={"slowest_rebound_seen": "m/s"})
@@ -155,14 +155,14 @@ def c07(context: Context) -> Numbers:
     The plateau is each size's own restitution at 1.66 m/s. The work of adhesion is that of the
     calibrated size times a power of the ratio of sizes, as a rule the power 0.
     """
-    captured, falling = [], []
-    for diameter in context.params.normal.compared_diameters_um:
-        contact = sized(context, context.steel, diameter * 1e-6)
-        captured.append(float(capture_velocity(contact)))
-        falling.append(speed_of_share(context, contact))
+    large, small = (
+        sized(context, context.steel, diameter * 1e-6)
+        for diameter in context.params.normal.compared_diameters_um
+    )
     return {
-        "capture_velocity_ratio_75_to_49_um": captured[0] / captured[1],
-        "speed_ratio_at_0p9_of_plateau_75_to_49_um": falling[0] / falling[1],
+        "capture_velocity_ratio_75_to_49_um": capture_velocity(large) / capture_velocity(small),
+        "speed_ratio_at_0p9_of_plateau_75_to_49_um": speed_of_share(context, large)
+        / speed_of_share(context, small),
     }
 
 
@@ -187,7 +187,7 @@ def c08(context: Context) -> Numbers:
     """Capture velocity of the mean sphere of the smaller sieve class."""
     diameter = context.params.sieves.named_diameter_um * 1e-6
     found = context.limits("C08", lambda steel: sized(context, steel, diameter))
-    return {"capture_velocity_49_um": float(found)}
+    return {"capture_velocity_49_um": found}
 
 
 def sized(context: Context, contact: Contact, diameter: Real) -> Contact:
@@ -208,12 +208,8 @@ def c61(context: Context) -> Numbers:
     pulses = context.params.instruments.most_pulses_per_s
     served = table[table["covered"] & (table["chop_per_s"] <= pulses)]
     views = [
-        (
-            own["speed_m_per_s"].nunique(),
-            float(own["view_width_mm"].iloc[0]),
-            float(own["disk_rev_per_min"].max()),
-        )
-        for _, own in served.groupby(["view_width_mm", "angle_deg"])
+        (own["speed_m_per_s"].nunique(), width, own["disk_rev_per_min"].max())
+        for (width, _), own in served.groupby(["view_width_mm", "angle_deg"])
     ]
     count, width, disk = max(views, default=(0, 0.0, 0.0))
     return {
@@ -245,7 +241,7 @@ def c62(context: Context) -> Numbers:
             variance = share[ends] * (1.0 - share[ends])
             width = ERROR_BAR * np.sqrt(max(variance.sum(), np.finfo(float).tiny) / events)
             error = np.sqrt(np.sum(variance / n[ends]))
-            changes.append(Estimate(float(np.ptp(share) / width), float(error / width)))
+            changes.append(Estimate(np.ptp(share), error) / width)
         found[f"largest_change_of_{name}_over_half_width"] = max(changes)
     return found
 
@@ -260,19 +256,16 @@ def c63(context: Context) -> Numbers:
     table = context.table("interval_coverage", quantity="restitution")
     coverage = table["coverage_observable"]
     least, greatest = (table.iloc[int(k)] for k in (coverage.argmin(), coverage.argmax()))
+    lowest, highest = (
+        of_share(of["coverage_observable"], of["experiments"]) for of in (least, greatest)
+    )
     return {
-        "least_coverage_of_mean_of_observable_events": of_share(
-            float(coverage.min()), int(least["experiments"])
-        ),
-        "greatest_coverage_of_mean_of_observable_events": of_share(
-            float(coverage.max()), int(greatest["experiments"])
-        ),
-        "speed_at_least_coverage": float(least["speed_m_per_s"]),
-        "angle_at_least_coverage": float(least["angle_deg"]),
-        "share_of_experiments_within_0p015": float(
-            ((coverage - LEVEL).abs() <= LEVEL_TOLERANCE).mean()
-        ),
-        "least_coverage_of_mean_of_all_impacts": float(table["coverage_all"].min()),
+        "least_coverage_of_mean_of_observable_events": lowest,
+        "greatest_coverage_of_mean_of_observable_events": highest,
+        "speed_at_least_coverage": least["speed_m_per_s"],
+        "angle_at_least_coverage": least["angle_deg"],
+        "share_of_experiments_within_0p015": ((coverage - LEVEL).abs() <= LEVEL_TOLERANCE).mean(),
+        "least_coverage_of_mean_of_all_impacts": table["coverage_all"].min(),
     }
 
 
@@ -300,8 +293,8 @@ def c64(context: Context) -> Numbers:
         ratio = ratio * fallen_speed(speed[rebounding], curve, sieves.plateau_share) ** power
         drawn = drawn * fallen_speed(speed[rebounding], sample, sieves.plateau_share) ** power
     return {
-        "speed_ratio_at_0p9_of_plateau_smaller_to_larger_class": float(ratio[0]),
-        "lower_end_of_its_interval": float(np.quantile(drawn, LOWER_END)),
+        "speed_ratio_at_0p9_of_plateau_smaller_to_larger_class": ratio[0],
+        "lower_end_of_its_interval": np.quantile(drawn, LOWER_END),
     }
 
 
@@ -334,12 +327,8 @@ def c65(context: Context) -> Numbers:
     ends = sieves.smaller_um.quantile(np.sort(sieves.captured_shares)) * 1e-6
     sizes = np.append(ends, sieves.named_diameter_um * 1e-6)[:, None]
     *found, named = context.limits("C65", lambda steel: resized(steel, sizes))
-    slow, fast = np.sort(found)
-    return {
-        "width_of_capture_10_to_90_percent_over_capture_velocity_49_um": float(
-            (fast - slow) / named
-        )
-    }
+    width = np.ptp(found) / named
+    return {"width_of_capture_10_to_90_percent_over_capture_velocity_49_um": width}
 
 
 @claim("C66", evidence=VIRTUAL, units="m/s")
@@ -353,23 +342,21 @@ def piles(context: Context, share: float) -> Numbers:
     """Return both onsets, and their largest and least difference over all targets and scatters."""
     params = context.params.instruments
     table = context.table("pile_up")
+    targets = table[["target_radius_mm", "slope_deg"]].drop_duplicates().to_numpy(float)
     found = {
         (radius, slope): [
             first_pile(context, radius, slope, velocity, share)
             for velocity in (params.strong_capture_m_per_s, params.weak_capture_m_per_s)
         ]
-        for radius, slope in table[["target_radius_mm", "slope_deg"]]
-        .drop_duplicates()
-        .itertuples(index=False)
+        for radius, slope in targets.tolist()
     }
-    near = min(
-        found,
-        key=lambda one: (abs(one[0] - params.pile_radius_mm), abs(one[1] - params.pile_slope_deg)),
-    )
+    meant = params.pile_radius_mm, params.pile_slope_deg
+    near = min(found, key=lambda one: np.abs(np.subtract(one, meant)).tolist())
+    strong, weak = found[near]
     difference = [abs(strong - weak) for strong, weak in found.values()]
     return {
-        "onset_speed_at_capture_velocity_0p18": found[near][0],
-        "onset_speed_at_capture_velocity_0p02": found[near][1],
+        "onset_speed_at_capture_velocity_0p18": strong,
+        "onset_speed_at_capture_velocity_0p02": weak,
         "largest_difference_of_onset_speeds": max(difference),
         "least_difference_of_onset_speeds": min(difference),
     }
@@ -400,12 +387,10 @@ def c105(context: Context) -> Numbers:
     impact = normal_impact(spheres, speed[:, None])
     rebounds = np.sum(~impact.captured, axis=1)
     average = np.sum(impact.coefficient_of_restitution, axis=1) / np.maximum(rebounds, 1)
-    change = average / average[-1] - 1.0
+    change = np.max(np.abs(average / average[-1] - 1.0))
     return {
-        "largest_relative_change_of_conditional_mean_above_0p75_m_per_s": float(
-            np.max(np.abs(change))
-        ),
-        "captured_share_at_0p75_m_per_s": float(np.mean(impact.captured[0])),
+        "largest_relative_change_of_conditional_mean_above_0p75_m_per_s": change,
+        "captured_share_at_0p75_m_per_s": np.mean(impact.captured[0]),
     }
 
 
@@ -417,8 +402,8 @@ def c107(context: Context) -> Numbers:
     sizes = np.array(fluorescein.sizes_um) * 1e-6
     exponents = local_exponents(context, contact, sizes)
     return {
-        "greatest_local_exponent": float(np.max(exponents)),
-        "relative_spread_of_local_exponent": float(np.ptp(exponents) / abs(np.mean(exponents))),
+        "greatest_local_exponent": np.max(exponents),
+        "relative_spread_of_local_exponent": np.ptp(exponents) / abs(np.mean(exponents)),
     }
 
 

@@ -19,7 +19,13 @@ from microimpact.model.dynamics.impact import Impact, simulate, velocity_compone
 from microimpact.model.rigid_body.roughness import measured_restitution
 from microimpact.statistics.distributions import generator
 from microimpact.studies.claims.claim_numbers.claim import VIRTUAL, claim
-from microimpact.studies.claims.claim_numbers.context import Context, Estimate, Numbers, of_share
+from microimpact.studies.claims.claim_numbers.context import (
+    Context,
+    Estimate,
+    Numbers,
+    of_share,
+    over_draws,
+)
 from microimpact.studies.experiments.mechanisms.impulse_regions import regions
 from microimpact.studies.experiments.mechanisms.spin import rolling_limit
 
@@ -116,8 +122,8 @@ def c11(context: Context) -> Numbers:
 @claim("C12", by_case=True)
 def c12(context: Context) -> Numbers:
     """Change of the translational loss between 85 and 50 deg, over its value at 85 deg."""
-    steep, shallow = context.params.oblique.level_loss_deg
-    loss = translational_loss(context, context.params.oblique.loss_speed_m_per_s, steep, shallow)
+    oblique = context.params.oblique
+    loss = translational_loss(context, oblique.loss_speed_m_per_s, *oblique.level_loss_deg)
     return {"largest_relative_change_of_energy_loss": np.max(np.abs(loss / loss[0] - 1.0))}
 
 
@@ -165,7 +171,7 @@ def c15(context: Context) -> Numbers:
     speed = min(slow.speeds_m_per_s)
     spin = slow.spin_ratio * speed / contact.radius
     impact = simulate(contact, speed, slow.spin_deg, spin)
-    return {"impulse_ratio_at_45_deg_with_greatest_spin": float(impact.impulse_ratio)}
+    return {"impulse_ratio_at_45_deg_with_greatest_spin": impact.impulse_ratio}
 
 
 @claim("C16", by_case=True, evidence=VIRTUAL)
@@ -180,17 +186,16 @@ def c16(context: Context) -> Numbers:
     limit = slow.normal_speed_below_m_per_s
     dropped = replace(slow.dropped, speed_m_per_s=slow.speeds_m_per_s[-1])
     below = angles[dropped.speed_m_per_s * np.sin(np.radians(angles)) < limit]
-    captured, restitution = [], []
+    stayed, restitution = [], []
     for angle in below:
         impacts = sampled(context, dropped, float(angle))
         chosen = impacts.select(-impacts.velocity[:, 2] < limit)
-        captured.append(chosen.captured)
+        stayed += chosen.captured.tolist()
         rebound = np.where(chosen.captured, 0.0, chosen.rebound_velocity[:, 2])
-        restitution.append(-rebound / chosen.velocity[:, 2])
-    stayed = np.concatenate(captured)
+        restitution += (-rebound / chosen.velocity[:, 2]).tolist()
     return {
-        "captured_share_below_0p2_m_per_s": of_share(float(np.mean(stayed)), stayed.size),
-        "mean_restitution_below_0p2_m_per_s": float(np.mean(np.concatenate(restitution))),
+        "captured_share_below_0p2_m_per_s": of_share(np.mean(stayed), len(stayed)),
+        "mean_restitution_below_0p2_m_per_s": np.mean(restitution),
     }
 
 
@@ -215,15 +220,13 @@ def c67(context: Context) -> Numbers:
 def found_regions(context: Context, dropped: Dropped) -> Numbers:
     """Return the kinds of regions between change points, and the width of the transition."""
     wanted = context.params.regions
-    samples = [context.seen(dropped, angle, context.series) for angle in wanted.angles_deg]
-    ratio = [sample.statistics["impulse_ratio"] for sample in samples]
-    mean, sd = (np.array([getattr(one, name) for one in ratio]) for name in ("mean", "sd"))
+    angle = np.array(wanted.angles_deg)
+    found_at = [context.mean("impulse_ratio", dropped, a, context.series) for a in angle.tolist()]
+    mean, error = np.array(found_at, dtype=float).T
     known = np.isfinite(mean)
     if not known.any():
         raise ValueError("regions.angles_deg: at none of them is there a mean of rebounds")
-    error = sd[known] / np.sqrt([len(s.measured) for s, k in zip(samples, known, strict=True) if k])
-    angle = np.array(wanted.angles_deg)[known]
-    found = regions(angle, mean[known], error, wanted.constant_within)
+    found = regions(angle[known], mean[known], error[known], wanted.constant_within)
     width = sum(one["width_deg"] for one in found if one["region"] == "transition")
     kinds = {one["region"] for one in found}
     if width < wanted.least_transition_deg:
@@ -243,8 +246,8 @@ def c68(context: Context) -> Numbers:
     )
     stray = np.max(np.abs(level.coefficient_of_restitution - context.params.steel.restitution))
     return {
-        "largest_difference_from_plateau_15_to_85_deg": float(stray),
-        "restitution_at_10_deg": float(grazing.coefficient_of_restitution),
+        "largest_difference_from_plateau_15_to_85_deg": stray,
+        "restitution_at_10_deg": grazing.coefficient_of_restitution,
     }
 
 
@@ -258,15 +261,11 @@ def at_angles(context: Context, contact: Contact, angle: Real, basis: str | None
 def c69(context: Context) -> Numbers:
     """Ratios of impulse ratios between angles, friction following the declared force."""
     oblique = context.params.oblique
-    rises = {
-        basis: quotient(context, oblique.rise_angles_deg, basis)
-        for basis in (context.params.steel.friction_basis, "hertz", "net")
-    }
     return {
         "impulse_ratio_15_over_40_deg": quotient(context, oblique.level_angles_deg),
-        "impulse_ratio_8_over_15_deg": rises[context.params.steel.friction_basis],
-        "impulse_ratio_8_over_15_deg_hertz": rises["hertz"],
-        "impulse_ratio_8_over_15_deg_net": rises["net"],
+        "impulse_ratio_8_over_15_deg": quotient(context, oblique.rise_angles_deg),
+        "impulse_ratio_8_over_15_deg_hertz": quotient(context, oblique.rise_angles_deg, "hertz"),
+        "impulse_ratio_8_over_15_deg_net": quotient(context, oblique.rise_angles_deg, "net"),
     }
 
 
@@ -281,14 +280,11 @@ def c71(context: Context) -> Numbers:
     """Least difference of restitution above 20 deg, by slopes alone and with weaker adhesion."""
     named = context.params.mechanisms
     alternatives = {"slopes alone": named.slopes_alone, "half the adhesion": named.half_adhesion}
-    return {
-        words: {
-            "least_difference_rough_less_smooth": least_difference(
-                context, name, "restitution", named.restitution_deg
-            )
-        }
+    found = {
+        words: least_difference(context, name, "restitution", named.restitution_deg)
         for words, name in alternatives.items()
     }
+    return {words: {"least_difference_rough_less_smooth": of} for words, of in found.items()}
 
 
 def least_difference(
@@ -304,22 +300,21 @@ def least_difference(
     )
     least = int(difference.argmin())
     error = sd.iloc[least] * np.sqrt(2.0 / n.iloc[least])
-    return Estimate(float(difference.iloc[least]), float(error))
+    return Estimate(difference.iloc[least], error)
 
 
-def pair(context: Context, name: str, column: str, angles: tuple[float, ...]) -> pd.Series:
-    """Return a column of a rough less a smooth surface at some angles."""
+def pair(
+    context: Context, name: str, column: str, angles: tuple[float, ...] | None = None
+) -> pd.Series:
+    """Return a column of a rough less a smooth surface at some angles, or at all."""
     return context.column("surface_pairs", column, angles, pair=name)
 
 
 @claim("C72", evidence=VIRTUAL)
 def c72(context: Context) -> Numbers:
     """Largest excess of the impulse ratio on the rough surface, at any angle."""
-    excess = context.column(
-        "surface_pairs",
-        "impulse_ratio_difference_over_half_width",
-        pair=context.params.mechanisms.slopes_alone,
-    )
+    name, column = context.params.mechanisms.slopes_alone, "impulse_ratio_difference"
+    excess = pair(context, name, f"{column}_over_half_width")
     return {"largest_excess_of_rough_surface_over_half_width": excess.max()}
 
 
@@ -343,10 +338,9 @@ def c74(context: Context) -> Numbers:
     """Least difference of the losses on the mirror, and its error by squared restitutions."""
     named = context.params.mechanisms
     error = pair(context, named.mirror, "loss_less_squares_over_half_width", named.mirror_deg)
+    least = least_difference(context, named.mirror, "energy_loss", named.mirror_deg)
     return {
-        "least_difference_of_losses_rough_less_smooth": least_difference(
-            context, named.mirror, "energy_loss", named.mirror_deg
-        ),
+        "least_difference_of_losses_rough_less_smooth": least,
         "largest_error_of_difference_over_half_width": error.abs().max(),
     }
 
@@ -359,15 +353,15 @@ def c75(context: Context) -> Numbers:
     """
     slow = context.params.slow
     e = [[class_mean(context, name, angle) for angle in slow.trend_deg] for name in slow.classes]
-    (fast, _), (middle, _), (slowest, _) = e
-    by_angle = [difference(*ends) for ends in (e[-1], e[0])]
+    (fast, fast_shallow), (middle, _), (slowest, slowest_shallow) = e
     speeds = np.array(slow.speeds_m_per_s[:2])
     sphere = simulate(context.steel, speeds, slow.trend_deg[0]).coefficient_of_restitution
     return {
-        "fall_at_85_deg_1p60_to_0p45_m_per_s": difference(fast, slowest),
-        "fall_85_to_25_deg_at_0p45_less_at_1p60_m_per_s": difference(*by_angle),
-        "fall_at_85_deg_1p60_to_1p05_m_per_s": difference(fast, middle),
-        "fall_at_85_deg_1p60_to_1p05_m_per_s_mean_sphere": float(sphere[0] - sphere[1]),
+        "fall_at_85_deg_1p60_to_0p45_m_per_s": fast - slowest,
+        "fall_85_to_25_deg_at_0p45_less_at_1p60_m_per_s": (slowest - slowest_shallow)
+        - (fast - fast_shallow),
+        "fall_at_85_deg_1p60_to_1p05_m_per_s": fast - middle,
+        "fall_at_85_deg_1p60_to_1p05_m_per_s_mean_sphere": sphere[0] - sphere[1],
     }
 
 
@@ -382,16 +376,9 @@ def class_mean(context: Context, name: str, angle: float) -> Estimate:
         speed_m_per_s=one.speed_m_per_s,
         speed_range_m_per_s=one.speed_range_m_per_s,
     )
-    sample = context.seen(dropped, angle)
-    if not sample.measured:
+    if not context.seen(dropped, angle).measured:
         raise ValueError(f"slow.classes.{name}: no sphere rebounds at {angle:g} deg")
-    of = sample.statistics["restitution"]
-    return Estimate(of.mean, of.sd / np.sqrt(len(sample.measured)))
-
-
-def difference(one: Estimate, other: Estimate) -> Estimate:
-    """Return the difference of two independent numbers."""
-    return Estimate(one.value - other.value, float(np.hypot(one.error, other.error)))
+    return context.mean("restitution", dropped, angle)
 
 
 @claim("C76", by_case=True, evidence=VIRTUAL)
@@ -399,8 +386,8 @@ def c76(context: Context) -> Numbers:
     """Fall of restitution from steep to shallow: means of the rebounds of the fastest class."""
     slow = context.params.slow
     fastest = next(iter(slow.classes))
-    ends = (class_mean(context, fastest, angle) for angle in slow.trend_deg)
-    return {"fall_of_restitution_85_to_25_deg": difference(*ends)}
+    steep, shallow = (class_mean(context, fastest, angle) for angle in slow.trend_deg)
+    return {"fall_of_restitution_85_to_25_deg": steep - shallow}
 
 
 @claim("C77", by_case=True, units="deg")
@@ -434,11 +421,11 @@ def c111(context: Context) -> Numbers:
     ratio = simulate(context.steel, slowest, slow.spin_deg, turning).impulse_ratio
     narrower, frictionless = shift >= slow.seen_shift_deg, ratio <= 0.0
     return {
-        "share_of_spins_that_do_both": float(np.mean(narrower & frictionless)),
-        "share_of_spins_that_narrow_rolling": float(np.mean(narrower)),
-        "share_of_spins_without_friction": float(np.mean(frictionless)),
-        "least_spin_over_speed_without_friction": float(spins[frictionless].min(initial=np.inf)),
-        "greatest_spin_over_speed_that_narrows": float(spins[narrower].max(initial=-np.inf)),
+        "share_of_spins_that_do_both": np.mean(narrower & frictionless),
+        "share_of_spins_that_narrow_rolling": np.mean(narrower),
+        "share_of_spins_without_friction": np.mean(frictionless),
+        "least_spin_over_speed_without_friction": spins[frictionless].min(initial=np.inf),
+        "greatest_spin_over_speed_that_narrows": spins[narrower].max(initial=-np.inf),
     }
 
 
@@ -458,15 +445,14 @@ def low_ratios(context: Context, mean: float) -> Numbers:
     """Return the least mean impulse ratio over spreads about a mean spin, and what is needed."""
     slow = context.params.slow
     needed = context.table("spin_needed", angle_deg=slow.spin_deg).iloc[0]
+    energy = "rotational_over_translational_energy"
     return {
         "least_mean_impulse_ratio": min(
             _with_spread(context, mean, sd).mean for sd in slow.spin_spreads
         ),
-        "mean_spin_over_speed_needed": float(needed["mean_spin_needed"]),
+        "mean_spin_over_speed_needed": needed["mean_spin_needed"],
         "spin_deviation_over_speed_needed": spread_needed(context),
-        "rotational_over_translational_energy_needed": float(
-            needed["rotational_over_translational_energy"]
-        ),
+        f"{energy}_needed": needed[energy],
     }
 
 
@@ -508,9 +494,8 @@ def c80(context: Context) -> Numbers:
 
     Its error is that of a mean over as many pairs of restitution and friction drawn at random.
     """
-    share = context.table("loss_slopes")["share_falling"]
-    error = float(share.std() / np.sqrt(len(share)))
-    return {"share_of_falling_slopes_below_45_deg": Estimate(float(share.mean()), error)}
+    shares = context.table("loss_slopes")["share_falling"].to_list()
+    return {"share_of_falling_slopes_below_45_deg": over_draws(shares)}
 
 
 @claim("C106", by_case=True)
@@ -526,7 +511,7 @@ def c106(context: Context) -> Numbers:
         return simulate(rubbing, slowest, angle, 0.0, basis).impulse_ratio
 
     ratio = context.of_steel(("C106",), ratios)
-    return {"impulse_ratio_30_less_50_deg_at_0p45_m_per_s": float(ratio[0] - ratio[1])}
+    return {"impulse_ratio_30_less_50_deg_at_0p45_m_per_s": ratio[0] - ratio[1]}
 
 
 @claim("C109", evidence=VIRTUAL)
@@ -550,22 +535,16 @@ def half_widths(context: Context, spin: InitialSpin) -> Estimate:
     dropped = replace(spread.dropped, spin=spin)
     drop = dropped.drop(context.contact(dropped), spread.angle_deg, sampling.dispenser)
     stop = StopRule(events=sampling.events, fewest_events=2, most_dropped=spread.most_dropped)
-    widths = []
-    for number in range(spread.experiments):
-        rng = generator(sampling.seed, ANALYSIS, SPREAD, number)
-        of = collect(drop, camera, stop, rng).means["impulse_ratio"]
-        widths.append(0.5 * (of.high - of.low))
-    return Estimate(float(np.mean(widths)), float(np.std(widths, ddof=1) / np.sqrt(len(widths))))
+    streams = (generator(sampling.seed, ANALYSIS, SPREAD, n) for n in range(spread.experiments))
+    means = [collect(drop, camera, stop, rng).means["impulse_ratio"] for rng in streams]
+    return over_draws([0.5 * (of.high - of.low) for of in means])
 
 
 @claim("C110", by_case=True, units="deg")
 def c110(context: Context) -> Numbers:
     """Largest angle at which -mu of a rebound exceeds that at 40 deg by a share."""
     contact, oblique = context.steel, context.params.oblique
-    start = oblique.from_angle_deg
-    limit = float(context.limits("C110", lambda steel: steel))
-    sine = limit * (1.0 + ABOVE_CAPTURE) / context.speed
-    least = max(float(np.degrees(np.arcsin(min(sine, 1.0)))), FINE)
+    start, least = oblique.from_angle_deg, max(context.capture_angle(ABOVE_CAPTURE), FINE)
     angle = np.append(np.arange(start, least, -FINE), least)
     level = (1.0 + oblique.rise_share) * at_angles(context, contact, start).impulse_ratio
 

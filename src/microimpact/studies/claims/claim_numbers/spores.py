@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
+from microimpact.core.arrays import FloatArray
 from microimpact.lab.samples import Dropped, Sampling, Seen
 from microimpact.studies.claims.claim_numbers.claim import CALIBRATED, VIRTUAL, claim
 from microimpact.studies.claims.claim_numbers.context import Context, Estimate, Numbers
@@ -192,31 +193,30 @@ def c88(context: Context) -> Numbers:
     """
     angles = [30.0, 80.0]
     losses, widths, errors = differences(context, "energy_loss", angles)
-    change, restitution = losses.abs().diff()[80.0], differences(context, "restitution", [30.0])
-    apart, width, error = (of[30.0] for of in restitution)
+    ((apart,), (width,), (error,)) = differences(context, "restitution", angles[:1])
+    shrinking = Estimate(np.diff(np.abs(losses))[0], np.hypot(*errors)) / np.hypot(*widths)
     sines = np.sin(np.radians(angles))
     return {
-        "shrinking_of_difference_of_losses_80_to_30_deg_over_half_width": (
-            Estimate(change, np.hypot(*errors)) / np.hypot(*widths)
-        ),
-        "difference_of_losses_30_over_80_deg": losses[30.0] / losses[80.0],
+        "shrinking_of_difference_of_losses_80_to_30_deg_over_half_width": shrinking,
+        "difference_of_losses_30_over_80_deg": losses[0] / losses[1],
         "difference_of_restitutions_at_30_deg_over_half_width": Estimate(apart, error) / width,
         "squared_ratio_of_sines": (sines[0] / sines[1]) ** 2,
     }
 
 
-def differences(context: Context, quantity: str, angles: list[float]) -> list[pd.Series]:
+def differences(context: Context, quantity: str, angles: list[float]) -> list[FloatArray]:
     """Return differences of means on Formica by angle, their half-widths, and their errors."""
-    difference, over = (
-        formica(context, f"{quantity}_difference{ending}", angles)
-        for ending in ("", "_over_half_width")
-    )
-    squares = sum(
-        formica(context, f"{who}_{quantity}_sd", angles) ** 2
-        / formica(context, f"{who}_rebounds", angles)
+
+    def column(name: str) -> FloatArray:
+        return formica(context, name, angles).to_numpy(float)
+
+    difference = column(f"{quantity}_difference")
+    width = np.abs(difference / column(f"{quantity}_difference_over_half_width"))
+    errors = (
+        column(f"{who}_{quantity}_sd") / np.sqrt(column(f"{who}_rebounds"))
         for who in ("steel", "spore")
     )
-    return [difference, (difference / over).abs(), squares**0.5]
+    return [difference, width, np.hypot(*errors)]
 
 
 @claim("C89", evidence=VIRTUAL)
