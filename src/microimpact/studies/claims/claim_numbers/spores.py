@@ -194,10 +194,11 @@ def c88(context: Context) -> Numbers:
     angles = [30.0, 80.0]
     losses, widths, errors = differences(context, "energy_loss", angles)
     ((apart,), (width,), (error,)) = differences(context, "restitution", angles[:1])
-    shrinking = Estimate(np.diff(np.abs(losses))[0], np.hypot(*errors)) / np.hypot(*widths)
+    change = Estimate(abs(losses[1]) - abs(losses[0]), np.hypot(*errors))
     sines = np.sin(np.radians(angles))
     return {
-        "shrinking_of_difference_of_losses_80_to_30_deg_over_half_width": shrinking,
+        "shrinking_of_difference_of_losses_80_to_30_deg_over_half_width": change
+        / np.hypot(*widths),
         "difference_of_losses_30_over_80_deg": losses[0] / losses[1],
         "difference_of_restitutions_at_30_deg_over_half_width": Estimate(apart, error) / width,
         "squared_ratio_of_sines": (sines[0] / sines[1]) ** 2,
