@@ -39,6 +39,10 @@ class Estimate(NamedTuple):
     value: Number
     error: Number
 
+    def __abs__(self) -> Estimate:
+        """Return the size of the number."""
+        return Estimate(abs(float(self.value)), self.error)
+
     def __sub__(self, other: Estimate) -> Estimate:
         """Return the difference of two independent numbers."""
         return Estimate(self.value - other.value, np.hypot(self.error, other.error))

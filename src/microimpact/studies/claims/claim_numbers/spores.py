@@ -174,8 +174,7 @@ def c87(context: Context) -> Numbers:
     return {
         name: {
             "largest_difference_of_impulse_ratios_over_half_width": max(
-                Estimate(abs(one.value), one.error)
-                for one in compared(context, "impulse_ratio", spore)
+                map(abs, compared(context, "impulse_ratio", spore))
             ),
             "lesser_rise_45_to_15_deg_over_half_width": lesser_rise(
                 context, "impulse_ratio", spore
@@ -193,9 +192,9 @@ def c88(context: Context) -> Numbers:
     """
     angles = [30.0, 80.0]
     losses, widths, errors = differences(context, "energy_loss", angles)
-    ((apart,), (width,), (error,)) = differences(context, "restitution", angles[:1])
+    apart, width, error = (of[0] for of in differences(context, "restitution", angles[:1]))
     change = Estimate(abs(losses[1]) - abs(losses[0]), np.hypot(*errors))
-    sines = np.sin(np.radians(angles))
+    sines: FloatArray = np.sin(np.radians(angles))
     return {
         "shrinking_of_difference_of_losses_80_to_30_deg_over_half_width": change
         / np.hypot(*widths),
