@@ -13,6 +13,7 @@ import json
 import os
 import runpy
 import select
+import shlex
 import signal
 import socket
 import subprocess
@@ -26,15 +27,18 @@ from pathlib import Path
 from typing import NoReturn
 
 IMPORTED = (
-    *("snakemake.cli", "snakemake.report", "grimp", "jinja2", "matplotlib.figure", "numba"),
-    *("pandas", "pydantic.dataclasses", "rich.table", "scipy.constants", "scipy.special"),
+    *("snakemake.cli", "snakemake.report", "click", "emcee", "grimp", "jinja2", "numba", "pandas"),
+    *("matplotlib.figure", "matplotlib.backends.backend_pdf", "pydantic.dataclasses"),
+    *("rich.table", "scipy.constants", "scipy.special"),
 )
 # Started for each call, so it does next to nothing.
-CLIENT = """
+CLIENT = """#!/bin/sh
+'''exec' {python} -IS "$0" "$@"
+'''
 import json, os, socket, sys
 server = socket.socket(socket.AF_UNIX)
-server.connect(sys.argv[1])
-call = json.dumps([os.getcwd(), dict(os.environ), sys.argv[2:]]).encode()
+server.connect(os.path.join(os.path.dirname(sys.argv[0]), "address"))
+call = json.dumps([sys.argv[0], os.getcwd(), dict(os.environ), sys.argv[1:]]).encode()
 socket.send_fds(server, [len(call).to_bytes(8, "big")], [0, 1, 2])
 server.sendall(call)
 (code,) = server.recv(1)
@@ -44,19 +48,24 @@ sys.exit(code)
 
 @contextmanager
 def forking() -> Iterator[tuple[str, ...]]:
-    """Yield what stands for ``python`` in ``python -m NAME ...`` as long as the server runs."""
+    """Yield what stands for ``python`` in ``python -m NAME ...`` as long as the server runs.
+
+    Jobs of a Snakemake that is started so are forked, too.
+    """
     environment = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
     # Threads would not survive a fork.
     environment |= {"OPENBLAS_NUM_THREADS": "1"}
     with tempfile.TemporaryDirectory() as folder:
-        address = Path(folder) / "address"
+        address, program = Path(folder) / "address", Path(folder) / "python"
+        program.write_text(CLIENT.format(python=shlex.quote(sys.executable)), encoding="utf-8")
+        program.chmod(0o755)
         command = [sys.executable, __file__, str(address)]
         server = subprocess.Popen(command, env=environment, stdin=subprocess.PIPE)
         try:
             while not address.exists():
                 assert server.poll() is None, "the server that forks has not started"
                 time.sleep(0.02)
-            yield (sys.executable, "-I", "-S", "-c", CLIENT, str(address))
+            yield (str(program),)
         finally:
             server.stdin.close()
             server.wait()
@@ -94,17 +103,20 @@ def attend(client: socket.socket) -> NoReturn:
     for number, stream in enumerate(streams):
         os.dup2(stream, number)
         os.close(stream)
-    folder, environment, (option, name, *arguments) = json.loads(call)
-    assert option == "-m"
+    sys.executable, folder, environment, arguments = json.loads(call)
     os.chdir(folder)
     os.environ.clear()
     os.environ.update(environment)
-    sys.argv[1:] = arguments
+    module = arguments.pop(0) if arguments[0] == "-m" else None
+    sys.argv[:] = arguments
     own = environment.get("PYTHONPATH", "").split(os.pathsep)
-    sys.path[:1] = [folder, *filter(None, own)]
+    sys.path[:1] = [folder if module else str(Path(arguments[0]).parent), *filter(None, own)]
     code = 0
     try:
-        runpy.run_module(name, run_name="__main__", alter_sys=True)
+        if module:
+            runpy.run_module(arguments[0], run_name="__main__", alter_sys=True)
+        else:
+            runpy.run_path(arguments[0], run_name="__main__")
     except SystemExit as end:
         code = end.code or 0
     # As at the end of Python, but for all that was imported: clearing that away takes time.

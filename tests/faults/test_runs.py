@@ -32,7 +32,7 @@ def test_two_runs_on_one_core_and_on_two_elsewhere(project, undisturbed, another
 
 
 def test_the_lock_of_a_run_and_what_it_leaves_when_it_is_killed(
-    project, undisturbed, elsewhere, forked
+    project, undisturbed, another, elsewhere, forked
 ):
     second = replace(elsewhere, python=forked)
     locks = project.root / ".snakemake/locks"
@@ -51,7 +51,7 @@ def test_the_lock_of_a_run_and_what_it_leaves_when_it_is_killed(
     for share in np.random.default_rng(20011).uniform(0.4, 0.9, 2):
         run = elsewhere.start("--nolock", *TARGETS)
         with suppress(subprocess.TimeoutExpired):
-            run.communicate(timeout=share * project.seconds)
+            run.communicate(timeout=share * another.seconds)
         kill(run)
         # Whatever a reader can see is whole.
         assert elsewhere.results().items() <= undisturbed.items()

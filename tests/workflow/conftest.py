@@ -126,7 +126,7 @@ def swap(old, new):
     return edit
 
 
-def copied(target):
+def copied(target, *python):
     target.mkdir(exist_ok=True)
     for part in PARTS:
         if (ROOT / part).is_dir():
@@ -134,11 +134,11 @@ def copied(target):
             shutil.copytree(ROOT / part, target / part)
         else:
             shutil.copy2(ROOT / part, target / part)
-    return Project(target)
+    return Project(target, *python)
 
 
 @pytest.fixture(scope="session")
-def built(tmp_path_factory):
+def built(forked, tmp_path_factory):
     """A project built small into build/ci, once for all workers; nobody edits it.
 
     Where the environment variable MICROIMPACT_BUILT is set, what stands in build/ci of this
@@ -146,7 +146,7 @@ def built(tmp_path_factory):
     """
 
     def build(place):
-        project = copied(place)
+        project = copied(place, forked)
         arguments = [*SMALL, "--cores", "2"]
         if "MICROIMPACT_BUILT" in os.environ:
             for folder in ("build/ci", ".snakemake/metadata"):
