@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from matplotlib import rc_context
 
+from microimpact.figures.style import save
+
 
 @pytest.fixture(scope="module")
 def tables(run_study):
@@ -70,7 +72,7 @@ def test_drawn(draw, tables, legend_texts):
 
 def test_the_users_own_settings_of_matplotlib_change_nothing(draw, tables, tmp_path):
     def drawn():
-        draw("fig14", tables)
+        save(draw("fig14", tables), tmp_path / "one.svg")
         return (tmp_path / "one.svg").read_bytes()
 
     plain = drawn()

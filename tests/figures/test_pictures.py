@@ -182,6 +182,7 @@ def faults(figure, *, schematic=False):
     figure.draw_without_rendering()
     point = figure.dpi / 72
     boxes, sheet = texts(figure, SLACK * point), figure.bbox
+    shown = [(ax, ax.get_window_extent(), list(data(ax))) for ax in figure.axes]
     for (one, a), (other, b) in combinations(boxes, 2):
         if a.overlaps(b):
             yield f"{one.get_text()!r} over {other.get_text()!r}"
@@ -190,14 +191,12 @@ def faults(figure, *, schematic=False):
             sheet.x0 <= box.x0 and box.x1 <= sheet.x1 and sheet.y0 <= box.y0 <= box.y1 <= sheet.y1
         ):
             yield f"{text.get_text()!r} off the sheet"
-        for ax in figure.axes:
-            if has_ground(text, box, ax):
-                continue
-            window = ax.get_window_extent()
-            if any(
+        for ax, window, parts in shown:
+            hidden = any(
                 covers(box, outline, joined, reach, window if clipped else None)
-                for outline, joined, reach, clipped in data(ax)
-            ):
+                for outline, joined, reach, clipped in parts
+            )
+            if hidden and not has_ground(text, box, ax):
                 yield f"{text.get_text()!r} over data"
     if not schematic:
         yield from (f"not named: {series}" for series in unnamed(figure))

@@ -72,7 +72,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say(contact, monkeypatch):
     Each rank is compared with that of the exact posterior, by quadrature over both parameters, too:
     that takes the chance of the data away.
     """
-    for name, value in {"SPREAD": 10, "WALKERS": 24}.items():
+    for name, value in {"SPREAD": 10, "WALKERS": 40}.items():
         monkeypatch.setattr(posterior, name, value)
     rng, sigma, draws = np.random.default_rng(3), 0.02, 200
     ranges = {"hertz_damping": (0.0, 0.3), "adhesion_damping": (0.3, 3.0)}
@@ -88,7 +88,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say(contact, monkeypatch):
         e = simulate(truth, SPEEDS).coefficient_of_restitution
         e = np.clip(e + rng.normal(0.0, sigma, SPEEDS.size), 0.0, 1.0)
         found = calibrate(
-            contact, SPEEDS, e, sigma, DAMPING, ranges=ranges, draws=draws, steps=90, seed=seed
+            contact, SPEEDS, e, sigma, DAMPING, ranges=ranges, draws=draws, steps=54, seed=seed
         )
         ranks.append([np.mean(getattr(found.contact, n) < getattr(truth, n)) for n in DAMPING])
         weight = np.exp(-0.5 * np.sum(np.square((on_grid - e[:, None]) / sigma), axis=0))
