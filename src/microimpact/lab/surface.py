@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import islice
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 import scipy
@@ -231,49 +231,65 @@ def rigid_sums(surface: Surface, law: Law, groups: Iterable[Spheres]) -> FloatAr
     ndarray
         Shape (parts of all groups, columns), see `model.passes.SUMS`.
     """
-    rules, slopes = surface.rules, hit_slopes(surface.slope).compiled
-    most, told = rules.most_contacts, (passes.FACETS.index(rules.facets), rules.must_leave)
-
-    def add(
-        rows: IntArray,
-        known: FloatArray,
-        states: tuple[FloatArray, ...],
-        facets: tuple[FloatArray, FloatArray],
-        steady: Steady,
-        sums: FloatArray,
-    ) -> tuple[IntArray, FloatArray, FloatArray]:
-        """Add events to sums; return which wait, their columns, and what they ask."""
-        asked, given = np.empty((rows.size, 4)), (slopes, steady, (*told, most), law.compiled)
-        number = passes.events(rows, known, states, *facets, *given, sums, asked)
-        who = asked[:number, 0].astype(np.int64)
-        columns = (*states, *facets[0], *facets[1])
-        own = np.stack([np.broadcast_to(one, rows.shape)[who] for one in columns])
-        return who, own, asked[:number, 1:].T.copy()
-
-    found: list[FloatArray] = []
-    waiting: list[tuple[IntArray, FloatArray, FloatArray]] = []
-    for drawn, shares, count, parts in groups:
-        along, across = (np.stack(one) for one in zip(*shares, strict=True))
-        if rules.facets != "seen":
-            along = surface.slope.quantile(along)
-        across = surface.cross_slope.quantile(across)
-        states = tuple(passes.flat(values, (count,)) for values in drawn)
-        one_angle = rules.facets == "seen" and states[1].size == 1
-        steady = _steady(surface.slope, float(states[1][0])) if one_angle else NOT_STEADY
-        rows, sums = np.arange(count) // (count // parts), np.zeros((parts, 2 * passes.LOST))
-        who, own, asked = add(rows, np.empty((0, most)), states, (along, across), steady, sums)
-        waiting.append((rows[who] + sum(len(one) for one in found), own, asked))
-        found.append(sums)
-    rows, own, asked = (np.concatenate(one, axis=-1) for one in zip(*waiting, strict=True))
-    sums, known = np.concatenate(found), np.full((rows.size, most), np.nan)
-    while rows.size:
-        contact, w, place = asked
-        known[np.arange(rows.size), contact.astype(np.int64)] = law.restitution(w, place)
-        states = tuple(passes.flat(one, rows.shape) for one in own[: -2 * most])
-        along, across = own[-2 * most :].reshape(2, most, -1)
-        who, own, asked = add(rows, known, states, (along, across), NOT_STEADY, sums)
-        rows, known = rows[who], known[who]
+    rules, most = surface.rules, surface.rules.most_contacts
+    told = passes.FACETS.index(rules.facets), rules.must_leave, most
+    given = hit_slopes(surface.slope).compiled, told, law.compiled
+    parts, waiting, nothing_known = [], [], np.empty((most, 0))
+    for spheres in groups:
+        sums = np.zeros((spheres.parts, 2 * passes.LOST))
+        _, late = _added(_events(surface, spheres), nothing_known, given, sums)
+        late[0] += sum(map(len, parts))
+        waiting.append(late)
+        parts.append(sums)
+    sums, late = np.concatenate(parts), np.concatenate(waiting, axis=1)
+    known = np.full((most, late.shape[1]), np.nan)
+    while late.size:
+        (rows, contact), (w, *own) = late[:2].astype(np.int64), late[2:]
+        drawn, along, across = own[: -2 * most], own[-2 * most : -most], own[-most:]
+        known[contact, np.arange(rows.size)] = law.restitution(w, drawn[-1])
+        events = _Events(rows, drawn, np.stack(along), np.stack(across), NOT_STEADY)
+        who, late = _added(events, known, given, sums)
+        known = known[:, who]
     return sums[:, : passes.LOST] + sums[:, passes.LOST :]
+
+
+class _Events(NamedTuple):
+    """Events as the compiled pass takes them, see `model.passes.events`."""
+
+    rows: IntArray
+    drawn: Sequence[Real]
+    along: FloatArray
+    across: FloatArray
+    steady: Steady
+
+
+def _events(surface: Surface, spheres: Spheres) -> _Events:
+    """Return the events of some spheres, their parts numbered from 0."""
+    along, across = (np.stack(one) for one in zip(*spheres.shares, strict=True))
+    steady, angle = NOT_STEADY, spheres.drawn[1]
+    if surface.rules.facets != "seen":
+        along = surface.slope.quantile(along)
+    elif np.size(angle) == 1:
+        steady = _steady(surface.slope, float(np.ravel(angle)[0]))
+    across = surface.cross_slope.quantile(across)
+    rows = np.repeat(np.arange(spheres.parts), spheres.number // spheres.parts)
+    return _Events(rows, spheres.drawn, along, across, steady)
+
+
+def _added(
+    events: _Events, known: FloatArray, given: tuple[Any, ...], sums: FloatArray
+) -> tuple[IntArray, FloatArray]:
+    """Add events to sums, and return which ask for e, and what they must have to come again.
+
+    That is in turn: row of the sums, contact, w, all that is drawn, slopes along and across.
+    """
+    rows, drawn, along, across, steady = events
+    flat = tuple(passes.flat(values, rows.shape) for values in drawn)
+    asked = np.empty((rows.size, len(passes.ASKED)))
+    number = passes.events(rows, known, flat, (along, across, steady), given, sums, asked)
+    who, (contact, w) = asked[:number, 0].astype(np.int64), asked[:number, 1:].T
+    own = [values.take(who, mode="wrap") for values in (*flat, *along, *across)]
+    return who, np.stack([rows[who], contact, w, *own])
 
 
 def facets(

@@ -58,7 +58,7 @@ def _use_model() -> None:
     simulate(CONTACT, speed)
     simulate(CONTACT, speed, tangential="mindlin")
     one = np.full(1, 0.5)
-    rigid_sums(rough(0.1), law, [Spheres([one] * 8, [(one, one)], 1, 1)])
+    rigid_sums(rough(0.1), law, [Spheres([one] * 8, [(one, one)] * 5, 1, 1)])
     speed = np.geomspace(1.0, 10.0, 8)
     normal_impact(Contact(**PAIR, work_of_adhesion=0.1, law=JKR(viscous_time=1e-9)), speed)
     fit_batch(data_sets(speed, 0.8 - 0.1 / speed, 100.0))

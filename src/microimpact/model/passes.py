@@ -52,6 +52,8 @@ TINY = float(np.finfo(float).tiny)
 SUMS = FACING_AWAY, CAPTURED, NOT_LEAVING, ACCEPTED, E, E_SQUARED, MU, MU_SQUARED = range(8)
 # What rounding has taken from a sum stands so many columns further on.
 LOST = len(SUMS)
+# Columns of what is asked: number of the event and of its contact, and w.
+ASKED = EVENT, CONTACT, W = range(3)
 # Rows of outcomes begin this many numbers further apart than they are long: in the same place of
 # every page of memory they would push each other out of the processor's first cache.
 APART = 24
@@ -447,26 +449,25 @@ def _facet(values, contact, i):  # type: ignore[no-untyped-def]
 
 
 @_jit_contract
-def events(  # type: ignore[no-untyped-def]
-    rows, known, drawn, along, across, slopes, steady, rules, law, sums, asked
-):
+def events(rows, known, drawn, facets, given, sums, asked):  # type: ignore[no-untyped-def]
     """Let spheres hit a rough surface as rigid bodies, and add what is observed.
 
-    Gives the number of rows of `asked`; events that ask are not counted. `rows`: of the sums, that
-    of each event's replicate, (n,), as integers; `known`: e of contacts in turn that were
-    integrated, (n, contacts), NaN for all others; where there are none, the law is asked; `drawn`:
-    of all events, (n,), or one for all, (1,): speed, angle of incidence (degrees), r omega over the
-    speed, friction, factor and offset of e; unit of the law's variable, m/s, and place in its
-    family; `along`, `across`: of the facets in turn, (contacts, n) or (contacts, 1): slopes
-    along the motion and across it, of facets that are seen shares in place of slopes along;
-    `slopes`: what `hit_slopes` takes; `steady`: the same for facets met first, made for the one
-    angle, empty if there is none; `rules`: number of the facets in ``FACETS``, whether a sphere
-    must leave, most contacts; `law`: as in `tabulated`; `sums`: of each replicate, (replicates, 2
-    columns), added to: ``SUMS``, and what they lost; `asked`: event, contact, w and place of
-    impacts that must be integrated, (n, 4).
+    Gives the number of rows of `asked`; events that ask are not counted.
+
+    `rows`: of the sums, that of each event's replicate, (n,), as integers; `known`: e of contacts
+    in turn that were integrated, (contacts, n), NaN for all others; where there are none, the law
+    is asked; `drawn`: of all events, (n,), or one for all, (1,): speed, angle of incidence
+    (degrees), r omega over the speed, friction, factor and offset of e; unit of the law's variable,
+    m/s, and place in its family; `facets`: those met in turn, (contacts, n) or (contacts, 1):
+    slopes along the motion, of facets that are seen shares in their place, and across it; and what
+    `hit_slopes` takes, made for the one angle of the first, empty if there is none; `given`: what
+    `hit_slopes` takes; number of the facets in ``FACETS``, whether a sphere must leave, most
+    contacts; law as in `tabulated`; `sums`: of each replicate, (replicates, 2 columns), added to:
+    ``SUMS``, and what they lost; `asked`: impacts that must be integrated, (n, ``ASKED``).
     """
     speeds, angles, spins, frictions, factors, offsets, units, places = drawn
-    facets, must_leave, most_contacts = rules
+    along, across, steady = facets
+    slopes, (kind, must_leave, most_contacts), law = given
     waiting = 0
     sine = cosine = math.nan
     for i in range(rows.size):
@@ -480,16 +481,15 @@ def events(  # type: ignore[no-untyped-def]
         while contacts < most_contacts and velocity[2] <= 0.0 and not kept:
             slope, sideways = _facet(along, contacts, i), _facet(across, contacts, i)
             guided = steady[0].size > 0 and contacts == 0
-            normal, into = _met(velocity, slope, sideways, slopes, steady, guided, facets)
+            normal, into = _met(velocity, slope, sideways, slopes, steady, guided, kind)
             if not into < 0.0:
                 break
-            bare = known[i, contacts] if known.size else math.nan
+            bare = known[contacts, i] if known.size else math.nan
             if math.isnan(bare):
                 w = -into / _of(units, i)
                 bare = _restitution(w, place, law)
                 if math.isnan(bare):
-                    asked[waiting, 0], asked[waiting, 1] = i, contacts
-                    asked[waiting, 2], asked[waiting, 3] = w, place
+                    asked[waiting, EVENT], asked[waiting, CONTACT], asked[waiting, W] = i, contacts, w
                     waiting, missing = waiting + 1, True
                     break
             e = min(max(_of(factors, i) * bare + _of(offsets, i), 0.0), 1.0)

@@ -242,7 +242,8 @@ Distribution = Annotated[AnyDistribution, Field(discriminator="kind")]
 
 def uniforms(rng: np.random.Generator, shape: int | tuple[int, ...]) -> FloatArray:
     """Return uniform numbers strictly inside (0, 1), whose quantiles are finite."""
-    return np.clip(rng.random(shape), SMALLEST_PROBABILITY, LARGEST_PROBABILITY)
+    drawn = rng.random(shape)
+    return np.clip(drawn, SMALLEST_PROBABILITY, LARGEST_PROBABILITY, out=drawn)
 
 
 def sample(

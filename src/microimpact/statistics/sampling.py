@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import accumulate
 from typing import Literal
 
 import numpy as np
@@ -110,14 +111,14 @@ def joint_shares(
     Returns
     -------
     dict
-        Arrays of shape (n,) in (0, 1), by name.
+        Arrays of shape (n,) in (0, 1), by name; (1,) those of constants.
     """
     varying = {k: d for k, d in distributions.items() if not isinstance(d, Constant)}
     columns = {k: SUMMANDS if _summed(d, generator) else 1 for k, d in varying.items()}
+    ends = dict(zip(columns, accumulate(columns.values()), strict=True))
     cube = unit_points(n, sum(columns.values()), rng, method)
-    parts = np.split(cube, np.cumsum(list(columns.values()))[:-1], axis=1) if columns else []
-    shares = dict.fromkeys(distributions, np.full(n, 0.5))
-    shares |= {name: _share(part) for name, part in zip(columns, parts, strict=True)}
+    shares = dict.fromkeys(distributions, np.full(1, 0.5))
+    shares |= {name: _share(cube[:, end - columns[name] : end]) for name, end in ends.items()}
     if correlation is not None and correlation.names:
         scores = np.stack([scipy.special.ndtri(shares[name]) for name in correlation.names], axis=1)
         for name, score in zip(correlation.names, (scores @ correlation.factor().T).T, strict=True):
@@ -148,7 +149,7 @@ def _summed(distribution: Distribution, generator: Generator) -> bool:
 def _share(part: FloatArray) -> FloatArray:
     """Return the uniform numbers of one parameter, from its one column or its twelve."""
     if part.shape[1] == 1:
-        return np.ascontiguousarray(part[:, 0])
+        return part[:, 0]
     return _inside(scipy.special.ndtr(part.sum(axis=1) - SUMMANDS / 2))
 
 

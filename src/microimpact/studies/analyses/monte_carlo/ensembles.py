@@ -14,10 +14,12 @@ from __future__ import annotations
 import math
 import sys
 from abc import ABC, abstractmethod
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 from itertools import islice
 from typing import Annotated, Any, Literal, NamedTuple, Protocol
 
@@ -68,7 +70,7 @@ class Inferred(Normal):
 Slope = Annotated[AnyDistribution | Inferred, Field(discriminator="kind")]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Process:
     """Process parameters and initial conditions, each any distribution."""
 
@@ -104,7 +106,7 @@ class Process:
                     "take a truncated or lognormal distribution"
                 )
 
-    @property
+    @cached_property
     def distributions(self) -> dict[str, Any]:
         """The distributions by name."""
         return {item.name: getattr(self, item.name) for item in fields(self)}
@@ -138,7 +140,7 @@ class Plan:
             raise ValueError(f"events must be a power of two (2, 4, 8, ...), got {self.events}")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Ensemble:
     """What is drawn, by which rules, and what an impact does."""
 
@@ -159,6 +161,28 @@ class Ensemble:
         process = self.process
         return Surface(slope=process.slope, cross_slope=process.cross_slope, rules=self.rules)
 
+    @cached_property
+    def drawn(self) -> dict[str, Distribution]:
+        """Distributions of all that is drawn: parameters, and slopes of the facets met later.
+
+        These are independent of all else.
+        """
+        further = {
+            _name(axis, contact): getattr(self.process, axis)
+            for contact in range(1, self.rules.most_contacts)
+            for axis in SLOPES
+        }
+        return self.process.distributions | further
+
+    @cached_property
+    def constants(self) -> Draws:
+        """Values of the parameters that do not vary, (1,)."""
+        return {
+            name: np.full(1, law.at)
+            for name, law in self.process.distributions.items()
+            if isinstance(law, Constant)
+        }
+
 
 def deterministic(ensemble: Ensemble) -> Ensemble:
     """Return the ensemble with every parameter at its mean: all events are one."""
@@ -173,8 +197,8 @@ def deterministic(ensemble: Ensemble) -> Ensemble:
 BLOCK = 2**14
 # Events of a task: the few so close to capture that they are integrated go side by side.
 TOGETHER = 4 * BLOCK
-# Tasks handed to threads at a time: enough to keep them busy, few enough to wait for.
-BATCH = 64
+# Tasks of each thread that wait: threads are never idle, and an error is told soon.
+AHEAD = 4
 
 # Columns of the shares that are told.
 REPORTED = passes.ACCEPTED, passes.FACING_AWAY, passes.CAPTURED, passes.NOT_LEAVING
@@ -251,10 +275,12 @@ def _shared(
     if threads == 1:
         yield from map(task, numbers)
         return
-    waiting = iter(numbers)
+    left = iter(numbers)
     with ThreadPoolExecutor(threads) as pool:
-        while batch := list(islice(waiting, BATCH)):
-            yield from pool.map(task, batch)
+        waiting = deque(pool.submit(task, one) for one in islice(left, AHEAD * threads))
+        while waiting:
+            yield waiting.popleft().result()
+            waiting.extend(pool.submit(task, one) for one in islice(left, 1))
 
 
 def summary(sums: FloatArray, events: int) -> Estimate:
@@ -278,7 +304,7 @@ def replicate_shares(ensemble: Ensemble, key: int, number: int) -> Draws:
     """Return the shares of one replicate's events of which the quantiles are their parameters."""
     plan = ensemble.plan
     return joint_shares(
-        ensemble.process.distributions | _further_slopes(ensemble),
+        ensemble.drawn,
         plan.events,
         generator(ensemble.seed[0], *ensemble.seed[1:], key, number),
         correlation=ensemble.correlation,
@@ -301,12 +327,13 @@ class Events:
     @property
     def draws(self) -> dict[str, FloatArray]:
         """Values of all parameters but the slopes; (1,) those of constants."""
-        distributions = self.ensemble.process.distributions
-        return {
+        constants = self.ensemble.constants
+        varying = {
             name: law.quantile(self.shares[name])
-            for name, law in distributions.items()
-            if name not in SLOPES
+            for name, law in self.ensemble.process.distributions.items()
+            if name not in SLOPES and name not in constants
         }
+        return constants | varying
 
     @property
     def facets(self) -> list[tuple[FloatArray, FloatArray]]:
@@ -360,11 +387,12 @@ def replicate_sums(ensemble: Ensemble, angle_deg: float, shares: Iterable[Draws]
 
 def _events(ensemble: Ensemble, angle_deg: float, shares: Sequence[Draws]) -> Events:
     """Return the events of the shares of some replicates."""
-    distributions = ensemble.process.distributions | _further_slopes(ensemble)
-    joined = {
-        name: one[:1] if isinstance(law, Constant) else np.concatenate([s[name] for s in shares])
-        for (name, law), one in zip(distributions.items(), shares[0].values(), strict=True)
-    }
+    joined = shares[0]
+    if len(shares) > 1:
+        joined = {
+            name: one if one.size == 1 else np.concatenate([s[name] for s in shares])
+            for name, one in joined.items()
+        }
     return Events(
         ensemble=ensemble,
         angle_deg=angle_deg,
@@ -381,15 +409,6 @@ def _approach(draws: Draws, angle_deg: float) -> tuple[FloatArray, FloatArray]:
     velocity = np.stack([speed * np.cos(angle), none, -speed * np.sin(angle)], axis=1)
     turn = draws["spin_ratio"] * speed / (0.5e-6 * draws["diameter_um"])
     return velocity, np.stack([none, turn, none], axis=1)
-
-
-def _further_slopes(ensemble: Ensemble) -> dict[str, Distribution]:
-    """Slopes of the facets after the first, independent of all else."""
-    return {
-        _name(axis, contact): getattr(ensemble.process, axis)
-        for contact in range(1, ensemble.rules.most_contacts)
-        for axis in SLOPES
-    }
 
 
 def _name(axis: str, contact: int) -> str:
