@@ -234,7 +234,9 @@ def rigid_sums(surface: Surface, law: Law, groups: Iterable[Spheres]) -> FloatAr
     rules, most = surface.rules, surface.rules.most_contacts
     told = passes.FACETS.index(rules.facets), rules.must_leave, most
     given = hit_slopes(surface.slope).compiled, told, law.compiled
-    parts, waiting, nothing_known = [], [], np.empty((most, 0))
+    parts: list[FloatArray] = []
+    waiting: list[FloatArray] = []
+    nothing_known = np.empty((most, 0))
     for spheres in groups:
         sums = np.zeros((spheres.parts, 2 * passes.LOST))
         _, late = _added(_events(surface, spheres), nothing_known, given, sums)
@@ -288,7 +290,7 @@ def _added(
     asked = np.empty((rows.size, len(passes.ASKED)))
     number = passes.events(rows, known, flat, (along, across, steady), given, sums, asked)
     who, (contact, w) = asked[:number, 0].astype(np.int64), asked[:number, 1:].T
-    own = [values.take(who, mode="wrap") for values in (*flat, *along, *across)]
+    own = [values[who % values.size] for values in (*flat, *along, *across)]
     return who, np.stack([rows[who], contact, w, *own])
 
 

@@ -489,7 +489,8 @@ def events(rows, known, drawn, facets, given, sums, asked):  # type: ignore[no-u
                 w = -into / _of(units, i)
                 bare = _restitution(w, place, law)
                 if math.isnan(bare):
-                    asked[waiting, EVENT], asked[waiting, CONTACT], asked[waiting, W] = i, contacts, w
+                    asked[waiting, EVENT], asked[waiting, CONTACT] = i, contacts
+                    asked[waiting, W] = w
                     waiting, missing = waiting + 1, True
                     break
             e = min(max(_of(factors, i) * bare + _of(offsets, i), 0.0), 1.0)

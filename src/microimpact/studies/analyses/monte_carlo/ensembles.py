@@ -5,8 +5,8 @@ is a pure function of the ensemble, the angle and its number, so that neither th
 replicates are computed nor the place matters. Each thread holds the draws of `BLOCK` events in
 memory, of one replicate or several small ones, and what rigid bodies do is added up in one compiled
 pass over them. The scatter of the replicates' means gives the error of every estimate, whatever the
-method of sampling. Sums over replicates are exact, so an estimate
-does not depend on the number of threads in its last digit either.
+method of sampling. Sums over replicates are exact, so an estimate does not depend on the number of
+threads in its last digit either.
 """
 
 from __future__ import annotations
@@ -175,7 +175,7 @@ class Ensemble:
         return self.process.distributions | further
 
     @cached_property
-    def constants(self) -> Draws:
+    def constants(self) -> dict[str, FloatArray]:
         """Values of the parameters that do not vary, (1,)."""
         return {
             name: np.full(1, law.at)
