@@ -7,7 +7,7 @@ as an interval; other pairs by their work of adhesion or by their damping alone.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
@@ -16,6 +16,7 @@ from typing import Annotated
 import numpy as np
 import pandas as pd
 
+from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.tables import Row, Tables, series_frame
 from microimpact.declared.parameters import (
     CaseName,
@@ -41,7 +42,7 @@ from microimpact.model.calibration import (
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
-from microimpact.model.dynamics.normal import normal_impact
+from microimpact.model.dynamics.normal import losses
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -133,29 +134,30 @@ def family(targets: TwoStageTargets, inputs: Tables) -> pd.DataFrame:
 def facts(member: Contact, targets: TwoStageTargets) -> Row:
     """Return the printed facts that were not fitted, as this member has them, and the verdicts."""
     wanted, speed = targets.facts, targets.speed_m_per_s
+
+    def e(speed: Real, angle: float = 90.0) -> FloatArray:
+        return simulate(member, speed, angle).coefficient_of_restitution
+
+    def quotient(angles: tuple[float, float]) -> float:
+        one, other = simulate(member, speed, np.array(angles)).impulse_ratio
+        return float(one / other)
+
     between = np.geomspace(wanted.flat_from_m_per_s, speed, 20)
-    e = simulate(member, between).coefficient_of_restitution
-    deviation = float(np.abs(e - targets.restitution).max())
-    shallow = simulate(member, wanted.shallow_speed_m_per_s, wanted.shallow_angle_deg)
-    grazing = simulate(member, speed, wanted.grazing_angle_deg)
-    plateau = simulate(member, speed, np.array(wanted.plateau_angles_deg)).impulse_ratio
-    rise = simulate(member, speed, np.array(wanted.rise_angles_deg)).impulse_ratio
-    ledger = normal_impact(member, speed, ledger=True).ledger
-    assert ledger is not None
-    share = float(ledger.adhesion_work / (ledger.adhesion_work + ledger.hertz_work))
-    times = simulate(member, np.array([1.2 * targets.capture_velocity_m_per_s, speed])).contact_time
-    shortest, longest = float(times.min()) * 1e9, float(times.max()) * 1e9
+    deviation = float(np.abs(e(between) - targets.restitution).max())
+    shallow = float(e(wanted.shallow_speed_m_per_s, wanted.shallow_angle_deg))
+    grazing = float(e(speed, wanted.grazing_angle_deg))
+    flat, raised = quotient(wanted.plateau_angles_deg), quotient(wanted.rise_angles_deg)
+    share = float(losses(member, speed).adhesion_share)
+    ends = np.array([1.2 * targets.capture_velocity_m_per_s, speed])
+    shortest, longest = np.sort(simulate(member, ends).contact_time * 1e9).tolist()
     low, high = wanted.contact_times_ns
-    e_shallow = float(shallow.coefficient_of_restitution)
-    e_grazing = float(grazing.coefficient_of_restitution)
-    flat, raised = float(plateau[0] / plateau[1]), float(rise[0] / rise[1])
     return {
         "deviation_from_plateau": deviation,
         "plateau_of_e_holds": deviation <= wanted.flat_within,
-        "e_shallow": e_shallow,
-        "e_shallow_holds": abs(e_shallow - wanted.shallow_restitution) <= wanted.shallow_within,
-        "e_grazing": e_grazing,
-        "e_grazing_holds": abs(e_grazing / wanted.grazing_restitution - 1.0) <= wanted.about,
+        "e_shallow": shallow,
+        "e_shallow_holds": abs(shallow - wanted.shallow_restitution) <= wanted.shallow_within,
+        "e_grazing": grazing,
+        "e_grazing_holds": abs(grazing / wanted.grazing_restitution - 1.0) <= wanted.about,
         "plateau_of_impulse_ratio": flat,
         "plateau_of_impulse_ratio_holds": abs(flat - 1.0) <= wanted.about,
         "rise_of_impulse_ratio": raised,
@@ -181,17 +183,17 @@ def ridge(members: pd.DataFrame, flat_within: float) -> pd.DataFrame:
     return pd.concat(frames, ignore_index=True)
 
 
-def curves(targets: TwoStageTargets, inputs: Tables) -> pd.DataFrame:
+def curves(targets: TwoStageTargets, members: Sequence[Contact], inputs: Tables) -> pd.DataFrame:
     """Return e against speed for the members that others use, with the targets."""
-    contact, frames = bare_contact(targets, inputs), []
+    frames = []
     speed = np.geomspace(targets.capture_velocity_m_per_s, 3.0, 200)
     frame = partial(series_frame, "curves", x_unit="m_per_s", y_unit="1")
-    for member in targets.members:
-        exponent, work = member.rate_exponent, member.work_of_adhesion_J_per_m2
-        e = simulate(solved(contact, targets, exponent, work), speed).coefficient_of_restitution
+    for one, member in zip(targets.members, members, strict=True):
+        e = simulate(member, speed).coefficient_of_restitution
         # At the capture velocity itself rounding decides between none and hardly any.
         e = np.where(speed > targets.capture_velocity_m_per_s, e, 0.0)
-        frames.append(frame(f"n = {exponent:g}, w = {work:g} J/m2", speed, e, "calibrated"))
+        name = f"n = {one.rate_exponent:g}, w = {one.work_of_adhesion_J_per_m2:g} J/m2"
+        frames.append(frame(name, speed, e, "calibrated"))
     printed = inputs["anchors"].set_index("key")["value"].astype(float)
     wanted = targets.capture_velocity_m_per_s, targets.restitution
     marks = (wanted[0], 0.0), (targets.speed_m_per_s, wanted[1])
@@ -284,21 +286,20 @@ def run(params: Params, inputs: Tables) -> Tables:
     the family drawn.
     """
     targets, ratios = params.two_stage, params.force_ratios
-    corners = _corners(ratios, inputs)
-    found = _members(targets, inputs) | dict(zip(CORNERS, corners, strict=True))
-    rows = [
-        *_member_rows(targets, found),
-        *_ratio_rows(ratios, corners),
-        *(row for each in params.by_work_of_adhesion for row in _work_rows(each, found, inputs)),
-        *(row for each in params.by_restitution for row in _damping_rows(each, found, inputs)),
+    bare, corners = bare_contact(targets, inputs), _corners(ratios, inputs)
+    members = [
+        solved(bare, targets, one.rate_exponent, one.work_of_adhesion_J_per_m2)
+        for one in targets.members
     ]
-    members = family(targets, inputs)
+    known = {one.case: contact for one, contact in zip(targets.members, members, strict=True)}
+    known |= dict(zip(CORNERS, corners, strict=True))
+    found = family(targets, inputs)
     return {
-        "calibration": pd.DataFrame(rows),
-        "calibration_family": members,
+        "calibration": pd.DataFrame(_rows(params, known, inputs)),
+        "calibration_family": found,
         "molybdenum_capture": capture_intervals(ratios, corners),
-        "ridge": ridge(members, targets.facts.flat_within),
-        "ridge_curves": curves(targets, inputs),
+        "ridge": ridge(found, targets.facts.flat_within),
+        "ridge_curves": curves(targets, members, inputs),
     }
 
 
@@ -309,24 +310,20 @@ def capture_intervals(ratios: ForceRatios, corners: Corners) -> pd.DataFrame:
     the band's end is met; the capture velocity grows with c_H and with the dissipation ratio, so
     the corners of the set give the interval. Material parameters are the same at every size.
     """
-    rows = []
-    for diameter in sorted({ratios.diameter_um, *ratios.other_diameters_um}):
-        low, nominal, high = (
-            float(capture_velocity(resized(contact, diameter * 1e-6))) for contact in corners
-        )
-        printed = ratios.capture_velocity_m_per_s
-        rows.append(
-            {
-                "diameter_um": diameter,
-                "capture_velocity_m_per_s": nominal,
-                "low_m_per_s": low,
-                "high_m_per_s": high,
-                "printed_m_per_s": printed,
-                "printed_inside": low <= printed <= high,
-                "evidence": "computed",
-            }
-        )
-    return pd.DataFrame(rows)
+    diameter = np.array(sorted({ratios.diameter_um, *ratios.other_diameters_um}))
+    low, nominal, high = (capture_velocity(resized(c, diameter * 1e-6)) for c in corners)
+    printed = ratios.capture_velocity_m_per_s
+    return pd.DataFrame(
+        {
+            "diameter_um": diameter,
+            "capture_velocity_m_per_s": nominal,
+            "low_m_per_s": low,
+            "high_m_per_s": high,
+            "printed_m_per_s": printed,
+            "printed_inside": (low <= printed) & (printed <= high),
+            "evidence": "computed",
+        }
+    )
 
 
 def _corners(ratios: ForceRatios, inputs: Tables) -> Corners:
@@ -345,7 +342,34 @@ def _corners(ratios: ForceRatios, inputs: Tables) -> Corners:
     )
 
 
-def _rows(case: str, contact: Contact, targets: Met) -> Iterator[Row]:
+def _rows(params: Params, known: Mapping[str, Contact], inputs: Tables) -> Iterator[Row]:
+    """Yield the rows of all cases; `known`: contacts of the members and of the corners."""
+    targets, ratios = params.two_stage, params.force_ratios
+    for one in targets.members:
+        e = _restitution(known[one.case], targets.speed_m_per_s, targets.restitution)
+        limit = _capture(known[one.case], targets.capture_velocity_m_per_s)
+        yield from _case_rows(one.case, known[one.case], e | limit)
+    wanted = {
+        "adhesion_over_hertz": ratios.adhesion_over_hertz,
+        "dissipation_over_adhesion": ratios.dissipation_over_adhesion,
+    }
+    for case in CORNERS:
+        peaks = peak_ratios(known[case], ratios.speed_m_per_s)
+        met = {n: (of, wanted[n], "-") for n, of in zip(wanted, peaks, strict=True)}
+        yield from _case_rows(case, known[case], met)
+    for work in params.by_work_of_adhesion:
+        contact = _damped_as(work, known, inputs).replace(diameter=work.diameter_um * 1e-6)
+        solution = work_of_adhesion_for(contact, work.capture_velocity_m_per_s)
+        limit = _capture(solution, work.capture_velocity_m_per_s)
+        yield from _case_rows(work.case, solution, limit)
+    for own in params.by_restitution:
+        contact = _damped_as(own, known, inputs)
+        solution = damping_factor_for(contact, own.speed_m_per_s, own.restitution)
+        e = _restitution(solution, own.speed_m_per_s, own.restitution)
+        yield from _case_rows(own.case, solution, e)
+
+
+def _case_rows(case: str, contact: Contact, targets: Met) -> Iterator[Row]:
     """Yield the rows of one case: targets, then parameters."""
     numbers = [("target", name, *of) for name, of in targets.items()]
     numbers += [
@@ -359,14 +383,6 @@ def _rows(case: str, contact: Contact, targets: Met) -> Iterator[Row]:
         yield {"case": case, **bodies, **own, "evidence": "calibrated"}
 
 
-def _members(targets: TwoStageTargets, inputs: Tables) -> dict[str, Contact]:
-    contact = bare_contact(targets, inputs)
-    return {
-        one.case: solved(contact, targets, one.rate_exponent, one.work_of_adhesion_J_per_m2)
-        for one in targets.members
-    }
-
-
 def _restitution(contact: Contact, speed: float, target: float) -> Met:
     e = float(simulate(contact, speed).coefficient_of_restitution)
     return {"coefficient_of_restitution": (e, target, "-")}
@@ -376,47 +392,15 @@ def _capture(contact: Contact, target: float) -> Met:
     return {"capture_velocity": (float(capture_velocity(contact)), target, "m/s")}
 
 
-def _member_rows(targets: TwoStageTargets, found: Mapping[str, Contact]) -> Iterator[Row]:
-    for one in targets.members:
-        member = found[one.case]
-        met = _restitution(member, targets.speed_m_per_s, targets.restitution)
-        yield from _rows(one.case, member, met | _capture(member, targets.capture_velocity_m_per_s))
-
-
 def _damped_as(
-    target: WorkTarget | RestitutionTarget, found: Mapping[str, Contact], inputs: Tables
+    target: WorkTarget | RestitutionTarget, known: Mapping[str, Contact], inputs: Tables
 ) -> Contact:
     """Return the declared contact of a pair with the damping of another case."""
-    if target.damped_as not in found:
+    if target.damped_as not in known:
         raise ValueError(
-            f"{target.case}.damped_as: {target.damped_as!r} must be one of {', '.join(found)}"
+            f"{target.case}.damped_as: {target.damped_as!r} must be one of {', '.join(known)}"
         )
-    other = found[target.damped_as]
+    other = known[target.damped_as]
     names = "hertz_damping", "adhesion_damping", "adhesion_rate_exponent", "reference_velocity"
     damping = {name: getattr(other, name) for name in names}
     return declared_contact(inputs, target.particle, target.surface).replace(**damping)
-
-
-def _ratio_rows(ratios: ForceRatios, corners: Corners) -> Iterator[Row]:
-    for case, contact in zip(CORNERS, corners, strict=True):
-        adhesion, dissipation = peak_ratios(contact, ratios.speed_m_per_s)
-        met = {
-            "adhesion_over_hertz": (adhesion, ratios.adhesion_over_hertz, "-"),
-            "dissipation_over_adhesion": (dissipation, ratios.dissipation_over_adhesion, "-"),
-        }
-        yield from _rows(case, contact, met)
-
-
-def _work_rows(target: WorkTarget, found: Mapping[str, Contact], inputs: Tables) -> Iterator[Row]:
-    contact = _damped_as(target, found, inputs).replace(diameter=target.diameter_um * 1e-6)
-    solution = work_of_adhesion_for(contact, target.capture_velocity_m_per_s)
-    return _rows(target.case, solution, _capture(solution, target.capture_velocity_m_per_s))
-
-
-def _damping_rows(
-    target: RestitutionTarget, found: Mapping[str, Contact], inputs: Tables
-) -> Iterator[Row]:
-    contact = _damped_as(target, found, inputs)
-    solution = damping_factor_for(contact, target.speed_m_per_s, target.restitution)
-    met = _restitution(solution, target.speed_m_per_s, target.restitution)
-    return _rows(target.case, solution, met)

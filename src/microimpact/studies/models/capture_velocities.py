@@ -10,13 +10,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import numpy as np
 import pandas as pd
 from pydantic import Field
 
-from microimpact.core.arrays import FloatArray
+from microimpact.core.arrays import Real
 from microimpact.core.tables import Row, Tables, result_evidence, series_frame
 from microimpact.declared.parameters import CaseName, Keyed, Name, Positive, PrintedName
 from microimpact.lab.contacts import calibrated_contact
@@ -92,15 +92,14 @@ class Params:
             )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Law:
+class Law(NamedTuple):
     """One law for one pair: capture velocity of a contact, and e at a speed above it.
 
     ``restitution`` is None where the law is a criterion of capture and nothing else.
     """
 
-    velocity: Callable[[Contact], FloatArray]
-    restitution: Callable[[float], float] | None
+    velocity: Callable[[Contact], Real]
+    restitution: Callable[[float], Real] | None
 
 
 def run(params: Params, inputs: Tables) -> Tables:
@@ -110,12 +109,18 @@ def run(params: Params, inputs: Tables) -> Tables:
     the printed one and to this model, the exponent of the diameter, and e at a compared speed.
     ``capture_law_curves``: capture velocity in m/s against diameter in um, one panel per pair.
     """
-    rows, frames = [], []
+    anchors = inputs["anchors"].set_index("key")["value"].astype(float)
+    rows: list[Row] = []
+    frames = []
     for pair in params.pairs:
-        contact = _contact(pair, inputs)
-        printed = _printed(pair, inputs)
+        contact = calibrated_contact(inputs, pair.case)
+        limit = float(capture_velocity(contact))
+        if not 0.0 < limit < np.inf:
+            told = f"a capture velocity of {limit:g} m/s has no law beside it"
+            raise ValueError(f"{pair.case}: {told}")
+        printed = float(anchors[pair.anchors[0]]) if pair.anchors else np.nan
         laws = laws_of(pair, contact, params.plateau_speed_ratio)
-        rows += _rows(params, pair, contact, laws, printed)
+        rows += [_row(params, pair, contact, name, laws, printed) for name in laws]
         frames += _curves(params, pair, contact, laws, printed)
     return {
         "capture_laws": pd.DataFrame(rows),
@@ -129,65 +134,35 @@ def laws_of(pair: PairCase, contact: Contact, plateau_speed_ratio: float) -> dic
     What the pair gives to a law, such as Dahneke's restitution, is taken at the pair's diameter.
     """
 
-    def modelled(speed: float) -> float:
-        return float(simulate(contact, speed).coefficient_of_restitution)
+    def modelled(speed: float) -> Real:
+        return simulate(contact, speed).coefficient_of_restitution
 
-    captured_below = float(capture_velocity(contact))
-    plateau = modelled(plateau_speed_ratio * captured_below)
-    dahneke = _dahneke(plateau)
+    plateau = float(modelled(plateau_speed_ratio * float(capture_velocity(contact))))
+
+    def dahneke(sphere: Contact) -> Real:
+        return dahneke_velocity(adhesion_energy(sphere), sphere.mass, plateau)
+
     laws = {
-        MODEL: Law(velocity=capture_velocity, restitution=modelled),
+        MODEL: Law(capture_velocity, modelled),
         JKR: Law(
-            velocity=lambda c: np.asarray(jkr_sticking_velocity(c)),
-            restitution=lambda v: float(sticking_restitution(v, jkr_sticking_velocity(contact))),
+            jkr_sticking_velocity,
+            lambda v: sticking_restitution(v, jkr_sticking_velocity(contact)),
         ),
-        BRACH_DUNN: Law(velocity=lambda c: np.asarray(brach_dunn_velocity(c)), restitution=None),
-        DAHNEKE: Law(
-            velocity=dahneke,
-            restitution=lambda v: float(sticking_restitution(v, dahneke(contact), plateau)),
-        ),
+        BRACH_DUNN: Law(brach_dunn_velocity, None),
+        DAHNEKE: Law(dahneke, lambda v: sticking_restitution(v, dahneke(contact), plateau)),
     }
     if pair.yield_strength_MPa is None:
         return laws
-    strength = pair.yield_strength_MPa * 1e6
-    yields = Law(
-        velocity=lambda c: np.asarray(yield_velocity(c, strength)),
-        restitution=lambda v: float(plastic_restitution(v, yield_velocity(contact, strength))),
-    )
-    return laws | {YIELD: yields}
+    yields = partial(yield_velocity, yield_strength=pair.yield_strength_MPa * 1e6)
+    return laws | {YIELD: Law(yields, lambda v: plastic_restitution(v, yields(contact)))}
 
 
-def local_exponent(
-    velocity: Callable[[Contact], FloatArray], contact: Contact, step: float
-) -> float:
+def local_exponent(velocity: Callable[[Contact], Real], contact: Contact, step: float) -> float:
     """Return d ln v_c / d ln d over a step in ln d to either side; NaN without a finite v_c."""
-    ends = velocity(resized(contact, contact.diameter * np.exp([-step, step])))
+    ends = np.asarray(velocity(resized(contact, contact.diameter * np.exp([-step, step]))))
     if not np.all(np.isfinite(ends) & (ends > 0.0)):
         return np.nan
     return float(np.diff(np.log(ends))[0] / (2.0 * step))
-
-
-def _dahneke(restitution: float) -> Callable[[Contact], FloatArray]:
-    def velocity(contact: Contact) -> FloatArray:
-        energy = adhesion_energy(contact)
-        return np.asarray(dahneke_velocity(energy, contact.mass, restitution))
-
-    return velocity
-
-
-def _contact(pair: PairCase, inputs: Tables) -> Contact:
-    contact = calibrated_contact(inputs, pair.case)
-    limit = float(capture_velocity(contact))
-    if not 0.0 < limit < np.inf:
-        raise ValueError(f"{pair.case}: a capture velocity of {limit:g} m/s has no law beside it")
-    return contact
-
-
-def _printed(pair: PairCase, inputs: Tables) -> float:
-    if not pair.anchors:
-        return np.nan
-    values = inputs["anchors"].set_index("key")["value"].astype(float)
-    return float(values[pair.anchors[0]])
 
 
 def _evidence(pair: PairCase, law: str) -> str:
@@ -196,34 +171,33 @@ def _evidence(pair: PairCase, law: str) -> str:
     return result_evidence("capture_velocity", targets)
 
 
-def _rows(
-    params: Params, pair: PairCase, contact: Contact, laws: Mapping[str, Law], printed: float
-) -> list[Row]:
-    modelled = float(laws[MODEL].velocity(contact))
-    compared = params.compared_speed_ratio * printed
-    rows: list[Row] = []
-    for name, law in laws.items():
-        velocity = float(law.velocity(contact))
-        gives_e = law.restitution if np.isfinite(compared) else None
-        rows.append(
-            {
-                "pair": pair.case,
-                "particle": contact.particle.name,
-                "surface": contact.surface.name,
-                "diameter_um": float(contact.diameter) * 1e6,
-                "law": name,
-                "capture_velocity_m_per_s": velocity,
-                "printed_m_per_s": printed,
-                "ratio_to_printed": velocity / printed,
-                "ratio_to_model": velocity / modelled,
-                "exponent": local_exponent(law.velocity, contact, params.exponent_step),
-                "compared_speed_m_per_s": compared,
-                "restitution_at_compared_speed": gives_e(compared) if gives_e else np.nan,
-                "evidence": _evidence(pair, name),
-                "note": NOTES[name],
-            }
-        )
-    return rows
+def _row(
+    params: Params,
+    pair: PairCase,
+    contact: Contact,
+    name: str,
+    laws: Mapping[str, Law],
+    printed: float,
+) -> Row:
+    law, compared = laws[name], params.compared_speed_ratio * printed
+    velocity, modelled = (float(laws[own].velocity(contact)) for own in (name, MODEL))
+    gives_e = law.restitution if np.isfinite(compared) else None
+    return {
+        "pair": pair.case,
+        "particle": contact.particle.name,
+        "surface": contact.surface.name,
+        "diameter_um": float(contact.diameter) * 1e6,
+        "law": name,
+        "capture_velocity_m_per_s": velocity,
+        "printed_m_per_s": printed,
+        "ratio_to_printed": velocity / printed,
+        "ratio_to_model": velocity / modelled,
+        "exponent": local_exponent(law.velocity, contact, params.exponent_step),
+        "compared_speed_m_per_s": compared,
+        "restitution_at_compared_speed": float(gives_e(compared)) if gives_e else np.nan,
+        "evidence": _evidence(pair, name),
+        "note": NOTES[name],
+    }
 
 
 def _curves(
@@ -235,10 +209,8 @@ def _curves(
     for name, law in laws.items():
         velocity = np.broadcast_to(law.velocity(sized), diameter.shape)
         finite = np.isfinite(velocity)
-        frames.append(
-            _frame(pair.case, name, diameter[finite], velocity[finite], _evidence(pair, name))
-        )
+        curve = diameter[finite], velocity[finite], _evidence(pair, name)
+        frames.append(_frame(pair.case, name, *curve))
     if np.isfinite(printed):
-        own = np.array([float(contact.diameter) * 1e6])
-        frames.append(_frame(pair.case, "printed", own, printed, "printed"))
+        frames.append(_frame(pair.case, "printed", contact.diameter * 1e6, printed, "printed"))
     return frames

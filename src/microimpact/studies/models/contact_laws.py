@@ -12,7 +12,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 import pandas as pd
@@ -26,28 +26,21 @@ from microimpact.model.contact import Contact, resized
 from microimpact.model.contact_laws import JKR, ContactLaw, Hysteresis, ThorntonNing
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import PULL_OFF, simulate
-from microimpact.model.dynamics.normal import normal_impact
+from microimpact.model.dynamics.normal import losses, normal_impact
 
 NEEDS = {"calibration": ("calibration",)}
 
 _frame = partial(series_frame, x_unit="m_per_s", y_unit="1")
 
+WORK = "work_of_adhesion_J_per_m2"
 # Free parameters of a law besides the work of adhesion, and the unit of each in a table.
 FREE = {
-    "ring force": ("hertz_damping_s_per_m", "adhesion_damping_s_per_m"),
-    "jkr": ("viscous_time_ns",),
-    "thornton-ning": ("yield_pressure_GPa",),
-    "hysteresis": ("unloading_over_loading_work",),
+    "ring force": {"hertz_damping_s_per_m": "s/m", "adhesion_damping_s_per_m": "s/m"},
+    "jkr": {"viscous_time_ns": "ns"},
+    "thornton-ning": {"yield_pressure_GPa": "GPa"},
+    "hysteresis": {"unloading_over_loading_work": "-"},
 }
-WORK = "work_of_adhesion_J_per_m2"
-UNITS = {
-    WORK: "J/m2",
-    "hertz_damping_s_per_m": "s/m",
-    "adhesion_damping_s_per_m": "s/m",
-    "viscous_time_ns": "ns",
-    "yield_pressure_GPa": "GPa",
-    "unloading_over_loading_work": "-",
-}
+UNITS = {WORK: "J/m2"} | {name: unit for free in FREE.values() for name, unit in free.items()}
 TARGETS = ("with v_c", "without v_c")
 
 # Relative step of elasticities, and steps of a logarithm: of a slope, and to the end of a range.
@@ -56,7 +49,7 @@ STEP, SLOPE_STEP, AT_END = 0.01, 1e-5, 0.01
 ANGLE_STEP = 0.125
 
 OpenShare = Annotated[float, Field(gt=0, lt=1)]
-Span = Annotated[tuple[Positive, Positive], Field()]
+Span = tuple[Positive, Positive]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -172,11 +165,10 @@ def run(params: Params, inputs: Tables) -> Tables:
     """
     base = calibrated_contact(inputs, params.case)
     fits = [fitted(params, base, law, targets) for targets in TARGETS for law in params.laws]
-    facts = pd.DataFrame([row for fit in fits for row in fact_rows(params, fit)])
+    facts = pd.concat([facts_of(params, fit) for fit in fits], ignore_index=True)
+    rows = [row for fit in fits for row in _fit_rows(fit)] + needed_works(params, inputs)
     return {
-        "contact_law_fits": pd.DataFrame(
-            [row for fit in fits for row in _fit_rows(fit)] + needed_works(params, inputs)
-        ),
+        "contact_law_fits": pd.DataFrame(rows),
         "contact_law_facts": facts,
         "contact_law_claims": by_claim(facts),
         "contact_law_curves": curves(params, fits),
@@ -185,30 +177,32 @@ def run(params: Params, inputs: Tables) -> Tables:
 
 def contact_of(base: Contact, law: Law, parameters: Mapping[str, Real]) -> Contact:
     """Return the contact of a law with these parameters, numbers or arrays."""
-    work = parameters[WORK]
-    fields: dict[str, Any] = {
-        "particle": base.particle,
-        "surface": base.surface,
-        "diameter": base.diameter,
-        "friction": base.friction,
-        "work_of_adhesion": work,
-    }
+    work, *free = (parameters[name] for name in (WORK, *FREE[law.law]))
     if law.law == "ring force":
-        fields |= {
-            "hertz_damping": parameters["hertz_damping_s_per_m"],
-            "adhesion_damping": parameters["adhesion_damping_s_per_m"],
-            "adhesion_rate_exponent": law.rate_exponent,
-            "reference_velocity": base.reference_velocity,
-        }
-    else:
-        (value,) = (parameters[name] for name in FREE[law.law])
-        records: dict[str, ContactLaw] = {
-            "jkr": JKR(viscous_time=value * 1e-9),
-            "thornton-ning": ThorntonNing(yield_pressure=value * 1e9),
-            "hysteresis": Hysteresis(unloading_work=work * np.maximum(value, 1.0)),
-        }
-        fields["law"] = records[law.law]
-    return Contact(**fields)
+        return base.replace(
+            work_of_adhesion=work,
+            hertz_damping=free[0],
+            adhesion_damping=free[1],
+            adhesion_rate_exponent=law.rate_exponent,
+        )
+    records: dict[str, ContactLaw] = {
+        "jkr": JKR(viscous_time=free[0] * 1e-9),
+        "thornton-ning": ThorntonNing(yield_pressure=free[0] * 1e9),
+        "hysteresis": Hysteresis(unloading_work=work * np.maximum(free[0], 1.0)),
+    }
+    return by_law(base, records[law.law], work)
+
+
+def by_law(base: Contact, law: ContactLaw, work: Real) -> Contact:
+    """Return a contact of the same bodies by another law than the ring force."""
+    return base.replace(
+        work_of_adhesion=work,
+        hertz_damping=0.0,
+        adhesion_damping=0.0,
+        adhesion_rate_exponent=0.0,
+        reference_velocity=None,
+        law=law,
+    )
 
 
 def fitted(params: Params, base: Contact, law: Law, targets: str) -> Fit:
@@ -219,16 +213,18 @@ def fitted(params: Params, base: Contact, law: Law, targets: str) -> Fit:
     low, high = np.log([getattr(params.ranges, name) for name in names]).T
 
     def off(logs: FloatArray) -> FloatArray:
-        values = dict(zip(names, np.exp(np.clip(logs, low, high)).T, strict=True))
-        return misfits(params, contact_of(base, law, values), targets)
+        values = np.exp(np.clip(logs, low, high)).T[..., None]
+        return misfits(
+            params, contact_of(base, law, dict(zip(names, values, strict=True))), targets
+        )
 
     def slopes(logs: FloatArray) -> FloatArray:
         steps = SLOPE_STEP * np.eye(len(names))
         ahead, behind = np.split(off(np.concatenate([logs + steps, logs - steps])), 2)
         return np.asarray((ahead - behind).T / (2.0 * SLOPE_STEP))
 
-    axes = [np.linspace(*ends, params.points) for ends in zip(low, high, strict=True)]
-    grid = np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
+    axes = np.meshgrid(*np.linspace(low, high, params.points).T, indexing="ij")
+    grid = np.stack([axis.ravel() for axis in axes], axis=1)
     starts = grid[np.argsort(np.sum(np.square(off(grid)), axis=1))[: params.starts]]
     inner = 1e-6 * (high - low)
 
@@ -253,25 +249,14 @@ def fitted(params: Params, base: Contact, law: Law, targets: str) -> Fit:
 
 
 def misfits(params: Params, contact: Contact, targets: str) -> FloatArray:
-    """Misfits (n, facts) of contacts (n,) in units of the errors."""
+    """Misfits (n, facts) of contacts (n, 1) in units of the errors."""
     speed, value, error = printed(params)
-    e = normal_impact(_with_axis(contact), speed).coefficient_of_restitution
-    off = (e - value) / error
+    off = (normal_impact(contact, speed).coefficient_of_restitution - value) / error
     if targets == TARGETS[0]:
         limit = np.minimum(np.asarray(capture_velocity(contact)), params.fastest_drawn_m_per_s)
         missed = (limit - params.capture_velocity_m_per_s) / params.capture_velocity_error_m_per_s
-        off = np.concatenate([off, missed[:, None]], axis=1)
+        off = np.concatenate([off, missed], axis=1)
     return np.asarray(off)
-
-
-def _with_axis(contact: Contact) -> Contact:
-    """Return contacts (n,) with an axis for speeds."""
-    law = contact.law
-    if law is None:
-        wide = ("work_of_adhesion", "hertz_damping", "adhesion_damping")
-        return contact.replace(**{name: getattr(contact, name)[:, None] for name in wide})
-    changed = type(law)(**{name: np.asarray(v)[:, None] for name, v in law.parameters.items()})
-    return contact.replace(work_of_adhesion=contact.work_of_adhesion[:, None], law=changed)  # type: ignore[index]
 
 
 def printed(params: Params) -> FloatArray:
@@ -306,83 +291,71 @@ def needed_works(params: Params, inputs: Tables) -> list[Row]:
     By JKR the bulk is elastic; by hysteresis the contact does not pull while it closes. Both
     capture velocities go with the power 5/6 of the work. Of the ring force it is that of the case.
     """
-    base = calibrated_contact(inputs, params.other_pair.case)
-    fields: dict[str, Any] = {
-        "particle": base.particle,
-        "surface": base.surface,
-        "diameter": base.diameter,
+    case, wanted = params.other_pair.case, params.other_pair.capture_velocity_m_per_s
+    base = calibrated_contact(inputs, case)
+    alone = {
+        "JKR, elastic": by_law(base, JKR(), 1.0),
+        "hysteresis": by_law(base, Hysteresis(unloading_work=1.0), 0.0),
     }
-    alone: dict[str, Contact] = {
-        "JKR, elastic": Contact(**fields, work_of_adhesion=1.0, law=JKR()),
-        "hysteresis": Contact(**fields, work_of_adhesion=0.0, law=Hysteresis(unloading_work=1.0)),
+    works = {"ring force": np.asarray(base.work_of_adhesion)} | {
+        name: (wanted / capture_velocity(contact)) ** 1.2 for name, contact in alone.items()
     }
-    wanted = params.other_pair.capture_velocity_m_per_s
-    works = {"ring force": float(base.work_of_adhesion)} | {  # type: ignore[arg-type]
-        name: float(wanted / capture_velocity(contact)) ** 1.2 for name, contact in alone.items()
-    }
-    case = params.other_pair.case
-    return [_row(name, case, WORK, work, UNITS[WORK]) for name, work in works.items()]
+    return [_row(name, case, WORK, float(work), UNITS[WORK]) for name, work in works.items()]
 
 
-def fact_rows(params: Params, fit: Fit) -> list[Row]:
+def facts_of(params: Params, fit: Fit) -> pd.DataFrame:
     """Return what a fitted law gives for every fact and criterion, and whether it meets it."""
     contact, asked = fit.contact, params.criteria
     limit = float(capture_velocity(contact))
-    rows: list[Row] = []
-
-    def add(fact: str, claim: str, unit: str, value: float, low: float, high: float) -> None:
-        rows.append(
-            {
-                "law": fit.law.name,
-                "targets": fit.targets,
-                "fact": fact,
-                "claim": claim,
-                "value": value,
-                "unit": unit,
-                "low": low,
-                "high": high,
-                "met": "yes" if low <= value <= high else "no",
-            }
-        )
-
-    def e(speed: float) -> float:
-        return float(normal_impact(contact, speed).coefficient_of_restitution)
-
-    for fact in params.facts:
-        low, high = fact.restitution - fact.error, fact.restitution + fact.error
-        add(f"restitution, {fact.name}", "-", "-", e(_normal_speed(fact)), low, high)
-    fastest = max(_normal_speed(fact) for fact in params.facts)
+    speed, value, error = printed(params)
+    fastest = float(speed.max())
     plateau = np.geomspace(params.plateau_speed_m_per_s, fastest, 20)
-    flat = normal_impact(contact, plateau).coefficient_of_restitution
-    add("relative change above the plateau speed", "C05", "-",
-        float(np.max(np.abs(flat / flat[-1] - 1.0))), 0.0, asked.about)  # fmt: skip
-    add("relative fall at a low speed", "C05", "-",
-        1.0 - e(asked.fall_speed_m_per_s) / float(flat[-1]), asked.about, 1.0)  # fmt: skip
-    error, printed = params.capture_velocity_error_m_per_s, params.capture_velocity_m_per_s
-    add("capture velocity", "C36", "m/s", limit, printed - error, printed + error)
-    small, large = (
-        float(capture_velocity(resized(contact, d * 1e-6))) for d in asked.compared_diameters_um
+    e, flat, slow = (
+        normal_impact(contact, v).coefficient_of_restitution
+        for v in (speed, plateau, asked.fall_speed_m_per_s)
     )
-    add("capture velocity of large over small", "C07", "-", large / small, 0.0, 0.999)
-    add("elasticity of v_c to work of adhesion", "C57", "-",
-        _elasticity(contact, "work_of_adhesion"), 0.001, math.inf)  # fmt: skip
-    add("elasticity of v_c to diameter", "C57", "-",
-        _elasticity(contact, "diameter"), -math.inf, -0.001)  # fmt: skip
-    for ratio in asked.share_speeds_in_v_c:
-        share = adhesion_share(contact, ratio * limit)
-        add(f"adhesion's share of the loss at {ratio:g} v_c", "C27", "-", share, 0.0,
-            asked.negligible_share)  # fmt: skip
-    share = adhesion_share(contact, fastest)
-    add("adhesion's share of the loss at normal incidence", "C70", "-", share, 0.5, 1.0)
-    times = durations(params, contact)
-    low, high = asked.durations_ns
-    add("shortest contact", "C37", "ns", float(times.min()), low, math.inf)
-    add("longest contact", "C37", "ns", float(times.max()), 0.0, high)
+    fall = 1.0 - slow / flat[-1]
+    small, large = (
+        capture_velocity(resized(contact, d * 1e-6)) for d in asked.compared_diameters_um
+    )
+    shares = {f"{ratio:g} v_c": ratio * limit for ratio in asked.share_speeds_in_v_c}
+    times, (shortest, longest) = durations(params, contact), asked.durations_ns
     bases = ("compressive",) if contact.law is None else ("compressive", PULL_OFF)
-    for basis in bases:
-        add(f"rise of the impulse ratio, {basis} force", "C23", "-",
-            rise(contact, fastest, asked.plateau_angle_deg, basis), 1.001, math.inf)  # fmt: skip
-    return rows
+    off, v_c = params.capture_velocity_error_m_per_s, params.capture_velocity_m_per_s
+    facts = [
+        *(
+            (f"restitution, {fact.name}", "-", "-", *numbers)
+            for fact, *numbers in zip(params.facts, e, value - error, value + error, strict=True)
+        ),
+        ("relative change above the plateau speed", "C05", "-",
+         np.max(np.abs(flat / flat[-1] - 1.0)), 0.0, asked.about),
+        ("relative fall at a low speed", "C05", "-", fall, asked.about, 1.0),
+        ("capture velocity", "C36", "m/s", limit, v_c - off, v_c + off),
+        ("capture velocity of large over small", "C07", "-", large / small, 0.0, 0.999),
+        ("elasticity of v_c to work of adhesion", "C57", "-",
+         _elasticity(contact, "work_of_adhesion"), 0.001, math.inf),
+        ("elasticity of v_c to diameter", "C57", "-",
+         _elasticity(contact, "diameter"), -math.inf, -0.001),
+        *(
+            (f"adhesion's share of the loss at {words}", "C27", "-",
+             losses(contact, v).adhesion_share, 0.0, asked.negligible_share)
+            for words, v in shares.items()
+        ),
+        ("adhesion's share of the loss at normal incidence", "C70", "-",
+         losses(contact, fastest).adhesion_share, 0.5, 1.0),
+        ("shortest contact", "C37", "ns", times.min(), shortest, math.inf),
+        ("longest contact", "C37", "ns", times.max(), 0.0, longest),
+        *(
+            (f"rise of the impulse ratio, {basis} force", "C23", "-",
+             rise(contact, fastest, asked.plateau_angle_deg, basis), 1.001, math.inf)
+            for basis in bases
+        ),
+    ]  # fmt: skip
+    table = pd.DataFrame(facts, columns=["fact", "claim", "unit", "value", "low", "high"])
+    table["value"] = table["value"].astype(float)
+    met = table["value"].between(table["low"], table["high"])
+    table = table.assign(law=fit.law.name, targets=fit.targets, met=np.where(met, "yes", "no"))
+    return table[["law", "targets", "fact", "claim", "value", "unit", "low", "high", "met"]]
 
 
 def _elasticity(contact: Contact, name: str) -> float:
@@ -400,24 +373,12 @@ def _elasticity(contact: Contact, name: str) -> float:
     return math.log(ends[1] / ends[0]) / math.log((1.0 + STEP) / (1.0 - STEP))
 
 
-def adhesion_share(contact: Contact, speed: float) -> float:
-    """Share of the energy lost that is lost to adhesion."""
-    impact = normal_impact(contact, speed, ledger=contact.law is None)
-    if impact.ledger is not None:
-        bulk, adhesion = impact.ledger.hertz_work, impact.ledger.adhesion_work
-    else:
-        assert impact.losses is not None
-        bulk, adhesion = impact.losses.bulk, impact.losses.adhesion
-    return float(adhesion / (bulk + adhesion))
-
-
 def durations(params: Params, contact: Contact) -> FloatArray:
     """Contact times in ns of all rebounds over the sizes and speeds of the criterion."""
-    asked, times = params.criteria, []
-    for diameter in asked.diameters_um:
-        speed = np.array(asked.duration_speeds_m_per_s)
-        times.append(normal_impact(resized(contact, diameter * 1e-6), speed).contact_time)
-    found = np.concatenate(times) * 1e9
+    asked = params.criteria
+    spheres = [resized(contact, diameter * 1e-6) for diameter in asked.diameters_um]
+    speed = np.array(asked.duration_speeds_m_per_s)
+    found = np.concatenate([normal_impact(of, speed).contact_time for of in spheres]) * 1e9
     return np.asarray(found[np.isfinite(found)])
 
 
@@ -433,18 +394,10 @@ def by_claim(facts: pd.DataFrame) -> pd.DataFrame:
     """Return, per fact and targets, which laws meet it, and whether that hangs on the law."""
     rows = []
     for (targets, claim, fact), part in facts.groupby(["targets", "claim", "fact"], sort=False):
-        met = part.loc[part["met"] == "yes", "law"].tolist()
-        rest = part.loc[part["met"] == "no", "law"].tolist()
-        rows.append(
-            {
-                "targets": targets,
-                "claim": claim,
-                "fact": fact,
-                "met_by": "; ".join(met) or "none",
-                "not_met_by": "; ".join(rest) or "none",
-                "hangs_on_the_law": "yes" if met and rest else "no",
-            }
-        )
+        met, rest = (part.loc[part["met"] == word, "law"].tolist() for word in ("yes", "no"))
+        row: Row = {"targets": targets, "claim": claim, "fact": fact}
+        row |= {"met_by": "; ".join(met) or "none", "not_met_by": "; ".join(rest) or "none"}
+        rows.append(row | {"hangs_on_the_law": "yes" if met and rest else "no"})
     return pd.DataFrame(rows)
 
 
