@@ -48,6 +48,11 @@ class PrintedImpact(PrintedPair):
     speed_m_per_s: Positive
 
 
+def all_printed(inputs: Tables) -> pd.Series:
+    """Return the printed values that a study names, by key; `inputs`: ``anchors``, declared rows."""
+    return inputs["anchors"].set_index("key")["value"].astype(float)
+
+
 def printed_values(
     inputs: Tables, of: PrintedImpact, case: str, diameter_um: float, speed_m_per_s: float
 ) -> pd.Series:
@@ -56,7 +61,7 @@ def printed_values(
     `inputs`: ``anchors``, declared rows, and what `calibrated_contact` takes; `of`: what the values
     are of; `case`, `diameter_um`, `speed_m_per_s`: what is computed.
     """
-    values = inputs["anchors"].set_index("key")["value"].astype(float)
+    values = all_printed(inputs)
     own, theirs = (diameter_um, speed_m_per_s), (of.diameter_um, of.speed_m_per_s)
     return values if own == theirs and of.is_of(inputs, case) else values.iloc[:0]
 

@@ -18,6 +18,7 @@ from pydantic import Field
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.tables import Row, Tables, series_frame
 from microimpact.declared.parameters import Fraction, Positive, PrintedName
+from microimpact.lab.contacts import all_printed
 from microimpact.model.separation import (
     PLACEMENTS,
     CoatedParticle,
@@ -184,7 +185,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     charge does not fit on the particle at the density that breakdown allows.
     """
     case = combinations(params)
-    stated = inputs["anchors"].set_index("key")["value"].astype(float)
+    stated = all_printed(inputs)
     silica = np.linspace(0.0, params.largest_silica_fraction, params.points)
     return {
         "separation": curves(params, case, silica, stated),

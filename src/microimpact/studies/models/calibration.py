@@ -29,7 +29,7 @@ from microimpact.declared.parameters import (
     Positive,
     PrintedName,
 )
-from microimpact.lab.contacts import declared_contact
+from microimpact.lab.contacts import all_printed, declared_contact
 from microimpact.model.calibration import (
     NoSolutionError,
     damping_factor_for,
@@ -194,7 +194,7 @@ def curves(targets: TwoStageTargets, members: Sequence[Contact], inputs: Tables)
         e = np.where(speed > targets.capture_velocity_m_per_s, e, 0.0)
         name = f"n = {one.rate_exponent:g}, w = {one.work_of_adhesion_J_per_m2:g} J/m2"
         frames.append(frame(name, speed, e, "calibrated"))
-    printed = inputs["anchors"].set_index("key")["value"].astype(float)
+    printed = all_printed(inputs)
     wanted = targets.capture_velocity_m_per_s, targets.restitution
     marks = (wanted[0], 0.0), (targets.speed_m_per_s, wanted[1])
     for (x, y), target, anchor in zip(marks, wanted, targets.anchors, strict=True):

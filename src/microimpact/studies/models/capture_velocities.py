@@ -19,7 +19,7 @@ from pydantic import Field
 from microimpact.core.arrays import Real
 from microimpact.core.tables import Row, Tables, result_evidence, series_frame
 from microimpact.declared.parameters import CaseName, Keyed, Name, Positive, PrintedName
-from microimpact.lab.contacts import calibrated_contact
+from microimpact.lab.contacts import all_printed, calibrated_contact
 from microimpact.model.closed_forms import (
     adhesion_energy,
     brach_dunn_velocity,
@@ -109,7 +109,6 @@ def run(params: Params, inputs: Tables) -> Tables:
     the printed one and to this model, the exponent of the diameter, and e at a compared speed.
     ``capture_law_curves``: capture velocity in m/s against diameter in um, one panel per pair.
     """
-    anchors = inputs["anchors"].set_index("key")["value"].astype(float)
     rows: list[Row] = []
     frames = []
     for pair in params.pairs:
@@ -118,7 +117,7 @@ def run(params: Params, inputs: Tables) -> Tables:
         if not 0.0 < limit < np.inf:
             told = f"a capture velocity of {limit:g} m/s has no law beside it"
             raise ValueError(f"{pair.case}: {told}")
-        printed = float(anchors[pair.anchors[0]]) if pair.anchors else np.nan
+        printed = float(all_printed(inputs)[pair.anchors[0]]) if pair.anchors else np.nan
         laws = laws_of(pair, contact, params.plateau_speed_ratio)
         rows += [_row(params, pair, contact, name, laws, printed) for name in laws]
         frames += _curves(params, pair, contact, laws, printed)

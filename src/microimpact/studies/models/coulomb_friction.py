@@ -13,6 +13,7 @@ from pydantic import Field
 
 from microimpact.core.tables import Tables, series_frame
 from microimpact.declared.parameters import Finite, Fraction, NonNegative, Positive, PrintedName
+from microimpact.lab.contacts import all_printed
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
 
 _frame = partial(series_frame, x_unit="deg", y_unit="1")
@@ -45,8 +46,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     for friction in params.friction:
         ratio = impulse_ratio(angle, params.restitution, friction, 0.0)
         frames.append(_frame("friction", f"{friction:g}", angle, ratio))
-    printed = inputs["anchors"].set_index("key")["value"].astype(float)
-    for name, value in printed.items():
+    for name, value in all_printed(inputs).items():
         frames.append(_frame("friction", str(name), 90.0, value, "printed"))
     for spin_ratio in params.spin_ratio:
         ratio = impulse_ratio(angle, params.restitution, params.spin_friction, spin_ratio)

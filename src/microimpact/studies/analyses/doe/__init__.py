@@ -13,7 +13,7 @@ from pydantic import Field
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import Row, Tables
 from microimpact.declared.parameters import CaseName, Keyed, Name, Positive, PrintedName
-from microimpact.lab.contacts import calibrated_contact
+from microimpact.lab.contacts import all_printed, calibrated_contact
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
@@ -135,8 +135,7 @@ def run(params: Params, inputs: Tables) -> Tables:
 
 def _experiments(params: Params, inputs: Tables) -> Iterator[DesignedExperiment]:
     """Yield each case with each set of levels, its runs made."""
-    printed = inputs["anchors"].set_index("key")["value"]
-    share = float(printed[params.anchors[0]]) / 100.0
+    share = float(all_printed(inputs)[params.anchors[0]]) / 100.0
     small = Levels(**{name: (1.0 - share, 1.0 + share) for name, _ in FACTORS.values()})
     number = 0
     for case in params.cases:

@@ -11,7 +11,7 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import FloatArray, Real
-from microimpact.lab.contacts import calibrated_contact, single
+from microimpact.lab.contacts import all_printed, calibrated_contact, single
 from microimpact.lab.samples import (
     Dropped,
     Sampling,
@@ -239,7 +239,7 @@ class Context:
 
     def printed(self, key: str) -> float:
         """Return a printed value."""
-        rows = self.inputs["anchors"].set_index("key")["value"].astype(float)
+        rows = all_printed(self.inputs)
         if key not in rows:
             raise ValueError(f"anchors: {key!r} is not named")
         return float(rows[key])
