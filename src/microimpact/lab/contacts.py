@@ -49,7 +49,7 @@ class PrintedImpact(PrintedPair):
 
 
 def all_printed(inputs: Tables) -> pd.Series:
-    """Return the printed values that a study names, by key; `inputs`: ``anchors``, declared rows."""
+    """Return the printed values that a study names by key; `inputs`: ``anchors``, its rows."""
     return inputs["anchors"].set_index("key")["value"].astype(float)
 
 
