@@ -158,10 +158,9 @@ def test_compiled_sums_are_those_of_the_plain_curve():
     state = np.full((kernel.STATE_ROWS, kernel.LANES), np.nan)
     slopes = np.empty((kernel.GROUP * kernel.COLUMNS, kernel.LANES))
     for lane in range(kernel.LANES):
-        groups = kernel.enter(
-            v[lane], e[lane], weight[lane], end, x[lane], x[lane], x[lane], lane, room, state
-        )
-        assert groups == -(-np.count_nonzero(weight[lane]) // kernel.GROUP)
+        data = np.array([v[lane], np.log(v[lane]), e[lane], weight[lane]])
+        count = kernel.enter(data, end, x[lane], x[lane], x[lane], lane, room, state)
+        assert count == np.count_nonzero(weight[lane])
     state[kernel.TRIAL : kernel.TRIAL + 5] = x.T
     kernel.evaluate(room, 3, state, slopes)
     sums = state[kernel.NEW_SUMS : kernel.NEW_SUMS + 36].reshape(6, 6, -1)

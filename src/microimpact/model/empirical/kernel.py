@@ -1,10 +1,12 @@
-"""Compiled search for minima of Eq. (34) by Levenberg and Marquardt, many side by side.
+"""Compiled search for least squares by Levenberg and Marquardt, many side by side, of two curves.
+
+A curve is Eq. (34), of which `microimpact.model.empirical.search.model` is the plain form, or a law
+of contact by its table: the cubic through the four nearest places of each axis.
 
 ``LANES`` searches advance together; one that has ended gives its lane to the next. What a search
 finds does not depend on its neighbours. The loops over lanes compile to SIMD code, for they have a
 length known to the compiler, the rows of an array are a known distance apart, and `_exp` and
-`_log` are polynomials without branches. `microimpact.model.empirical.search.model` is the
-same curve in plain form.
+`_log` are polynomials without branches.
 """
 
 from __future__ import annotations
@@ -26,8 +28,6 @@ LIGHTEN = 1.0 / 3.0
 LEAST_DAMPING = 1e-9
 # The damping at which a small decrease means a minimum and not a small step.
 LIGHT_DAMPING = 0.1
-# Largest change of a logarithm in one step: beyond it the quadratic model says nothing.
-STRIDE = 2.0
 # Keeps a normal matrix of full rank in directions that the data do not determine.
 RIDGE = 1e-14
 
@@ -37,7 +37,7 @@ VARIABLES = 5
 Q, V_C = 3, 4
 
 # Points are evaluated some at a time, so that fewer sums go through memory. Rows of the points of
-# each lane, four to a point: v less the end of its range, ln v, e, 1/sigma.
+# each lane, four to a point: v less the end of its range, or place in a table; ln v, e, 1/sigma.
 GROUP = 4
 SPEED, LOG_SPEED, MEASURED, WEIGHT = range(4)
 POINT_ROWS = 4
@@ -46,6 +46,10 @@ POINT_ROWS = 4
 # products are the normal equations: matrix, half the gradient as last column, sum of squares.
 COLUMNS = VARIABLES + 1
 PRODUCTS = COLUMNS**2
+
+# Axes of a table before that of v/v_c, and the columns of the slopes along them and of the misfit.
+PARAMETERS = 3
+TABLED = (0, 1, 2, 5)
 
 # Rows of the state of each lane.
 X, LOW, HIGH, TRIAL, FREE = range(0, 5 * VARIABLES, VARIABLES)
@@ -98,14 +102,14 @@ def _log(x):  # type: ignore[no-untyped-def]
 
 
 @_jit_contract
-def enter(v, e, weight, end, low, high, x, lane, points, state):  # type: ignore[no-untyped-def]
-    """Put a search, without data that are missing, on a lane; return its number of groups."""
+def enter(data, end, low, high, x, lane, points, state):  # type: ignore[no-untyped-def]
+    """Put a search, without data that are missing, on a lane; return its number of points."""
     count = 0
-    for i in range(v.size):
-        if weight[i] > 0.0:
-            row = POINT_ROWS * count
-            points[row + SPEED, lane], points[row + LOG_SPEED, lane] = v[i] - end, _log(v[i])
-            points[row + MEASURED, lane], points[row + WEIGHT, lane] = e[i], weight[i]
+    for i in range(data.shape[1]):
+        if data[WEIGHT, i] > 0.0:
+            for row in range(POINT_ROWS):
+                points[POINT_ROWS * count + row, lane] = data[row, i]
+            points[POINT_ROWS * count + SPEED, lane] -= end
             count += 1
     for row in range(POINT_ROWS * count, len(points)):
         points[row, lane] = 0.0
@@ -116,7 +120,7 @@ def enter(v, e, weight, end, low, high, x, lane, points, state):  # type: ignore
         state[X + i, lane], state[LOW + i, lane], state[HIGH + i, lane] = x[i], low[i], high[i]
     state[CHI_SQUARE, lane], state[LEFT, lane] = np.inf, ITERATIONS + 1
     state[DAMPING, lane], state[HEAVIER, lane] = FIRST_DAMPING / LIGHTEN, 2.0
-    return -(-count // GROUP)
+    return count
 
 
 @_jit_contract
@@ -212,7 +216,7 @@ def _solve(state):  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912
 
 
 @_jit_contract
-def _propose(state):  # type: ignore[no-untyped-def]
+def _propose(state, stride):  # type: ignore[no-untyped-def]
     """Put a damped step within the box on trial, and note the decrease expected of it."""
     if state.shape[1] != LANES:
         return  # never
@@ -221,7 +225,8 @@ def _propose(state):  # type: ignore[no-untyped-def]
         state[EXPECTED, lane] = 0.0
     for i in range(VARIABLES):
         for lane in range(LANES):
-            x, step = state[X + i, lane], min(max(state[TRIAL + i, lane], -STRIDE), STRIDE)
+            x, step = state[X + i, lane], state[TRIAL + i, lane]
+            step = min(max(step, -stride[i]), stride[i])
             step = min(max(step, state[LOW + i, lane] - x), state[HIGH + i, lane] - x)
             state[TRIAL + i, lane] = step
             slope = 2.0 * state[GRADIENT + COLUMNS * i, lane]
@@ -266,20 +271,144 @@ def _judge(state, tolerance):  # type: ignore[no-untyped-def]
 
 
 @_jit
-def descend_all(  # type: ignore[no-untyped-def]
-    v, e, weight, owner, end, low, high, tolerance, start, x, chi_square, converged
+def _cubic(x, size, value, slope):  # type: ignore[no-untyped-def]
+    """Weights of four places from the first, returned, on, for a value and for its slope."""
+    if size == 1:
+        value[0], slope[0] = 1.0, 0.0
+        return 0
+    first = min(max(int(x) - 1, 0), size - 4)
+    t = x - first
+    a, b, c = t - 1.0, t - 2.0, t - 3.0
+    value[0], value[1] = -a * b * c / 6.0, t * b * c / 2.0
+    value[2], value[3] = -t * a * c / 2.0, t * a * b / 6.0
+    slope[0] = -(a * b + a * c + b * c) / 6.0
+    slope[1] = (t * b + t * c + b * c) / 2.0
+    slope[2] = -(t * a + t * c + a * c) / 2.0
+    slope[3] = (t * a + t * b + a * b) / 6.0
+    return first
+
+
+@_jit
+def _ratios(places, size, first, weights, unused):  # type: ignore[no-untyped-def]
+    """Put the first of the four places about every speed, and their weights (n, 4).
+
+    Returns the ends of all such places.
+    """
+    low, high = size, 0
+    for n in range(places.size):
+        first[n] = -1
+        if places[n] >= 0.0:
+            first[n] = _cubic(places[n], size, weights[n], unused)
+            low, high = min(low, first[n]), max(high, first[n] + 4)
+    return low, high
+
+
+@_jit_contract
+def _lines(grid, at, low, high, weights, lines) -> None:  # type: ignore[no-untyped-def]
+    """Put slopes along the parameters' axes, and e, at places of v/v_c (4, ratios).
+
+    ``weights`` (3, 2, 4) is room for those of values and slopes, zeros where an axis has one place.
+    """
+    i = _cubic(at[0], grid.shape[0], weights[0, 0], weights[0, 1])
+    j = _cubic(at[1], grid.shape[1], weights[1, 0], weights[1, 1])
+    k = _cubic(at[2], grid.shape[2], weights[2, 0], weights[2, 1])
+    last = grid.shape[2] - 1
+    a, b, c, d = weights[2, 0]
+    a_slope, b_slope, c_slope, d_slope = weights[2, 1]
+    # Slices from their own zero on, for compilers cannot tell that others are never negative.
+    by_rate, by_one, by_two, value = lines[:, low:high]
+    lines[:, low:high] = 0.0
+    for n in range(min(4, grid.shape[0])):
+        for p in range(min(4, grid.shape[1])):
+            rows = grid[i + n, j + p, :, low:high]
+            first, second = rows[k], rows[min(k + 1, last)]
+            third, fourth = rows[min(k + 2, last)], rows[min(k + 3, last)]
+            rate, along = weights[0, 1, n] * weights[1, 0, p], weights[0, 0, n] * weights[1, 1, p]
+            own = weights[0, 0, n] * weights[1, 0, p]
+            for m in range(high - low):
+                e = a * first[m] + b * second[m] + c * third[m] + d * fourth[m]
+                across = a_slope * first[m] + b_slope * second[m]
+                across += c_slope * third[m] + d_slope * fourth[m]
+                by_rate[m] += rate * e
+                by_one[m] += along * e
+                by_two[m] += own * across
+                value[m] += own * e
+
+
+@_jit
+def curves(grid, places, at, e) -> None:  # type: ignore[no-untyped-def]
+    """Put e (m, n) at places (m, n) of v/v_c in a table, at those of its parameters (m, 3)."""
+    size, many = grid.shape[PARAMETERS], e.shape[1]
+    near, ratios, lines = np.empty(many, np.intp), np.empty((many, 4)), np.empty((4, size))
+    weights = np.zeros((PARAMETERS, 2, 4))
+    for row in range(len(e)):
+        low, high = _ratios(places[row], size, near, ratios, lines[0])
+        _lines(grid, at[row], low, high, weights, lines)
+        for n in range(many):
+            e[row, n] = 0.0
+            if near[n] >= 0:
+                for k in range(4):
+                    e[row, n] += ratios[n, k] * lines[3, near[n] + k]
+
+
+@_jit
+def _tabled(grid, points, count, lane, ends, near, ratios, lines, weights, sums, state) -> None:  # type: ignore[no-untyped-def]
+    """Put sums as `evaluate` does, of a table, on one lane; ``lines`` to ``sums`` are room."""
+    _lines(grid, state[TRIAL : TRIAL + PARAMETERS, lane], ends[0], ends[1], weights, lines)
+    sums[:] = 0.0
+    for n in range(count):
+        point = POINT_ROWS * n
+        weight, misfit = points[point + WEIGHT, lane], -points[point + MEASURED, lane]
+        by_rate = by_one = by_two = 0.0
+        if near[n] >= 0:
+            for k in range(4):
+                share, place = ratios[n, k], near[n] + k
+                by_rate += share * lines[0, place]
+                by_one += share * lines[1, place]
+                by_two += share * lines[2, place]
+                misfit += share * lines[3, place]
+        found = (weight * by_rate, weight * by_one, weight * by_two, weight * misfit)
+        for i in range(PARAMETERS + 1):
+            for j in range(i, PARAMETERS + 1):
+                sums[i, j] += found[i] * found[j]
+    for i in range(PARAMETERS + 1):
+        for j in range(i, PARAMETERS + 1):
+            state[NEW_SUMS + COLUMNS * TABLED[i] + TABLED[j], lane] = sums[i, j]
+
+
+@_jit
+def descend_all(  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912
+    grid, data, owner, end, low, high, stride, tolerance, x, chi_square, converged
 ):
-    """Move every start to its minimum."""
-    points = np.zeros((POINT_ROWS * GROUP * -(-v.shape[1] // GROUP), LANES))
+    """Move every start to its minimum; ``grid``: a table, or of size 0 for Eq. (34)."""
+    many, size = data.shape[2], grid.shape[PARAMETERS]
+    points = np.zeros((POINT_ROWS * GROUP * -(-many // GROUP), LANES))
     state, slopes = np.zeros((STATE_ROWS, LANES)), np.zeros((COLUMNS * GROUP, LANES))
-    running, groups = np.zeros(LANES, np.intp) - 1, np.zeros(LANES, np.intp)
+    running, count = np.zeros(LANES, np.intp) - 1, np.zeros(LANES, np.intp)
+    ends, near = np.zeros((LANES, 2), np.intp), np.empty((LANES, many), np.intp)
+    ratios, lines = np.empty((LANES, many, 4)), np.empty((PARAMETERS + 1, size))
+    weights, sums = np.zeros((PARAMETERS, 2, 4)), np.empty((PARAMETERS + 1, PARAMETERS + 1))
     begun = ended = 0
-    while ended < start.size:
-        most = groups[0]
-        for lane in range(1, LANES):
-            most = max(most, groups[lane])
-        _propose(state)
-        evaluate(points, most, state, slopes)
+    while ended < len(x):
+        _propose(state, stride)
+        if size:
+            for lane in range(LANES):
+                if running[lane] >= 0:
+                    _tabled(
+                        grid,
+                        points,
+                        count[lane],
+                        lane,
+                        ends[lane],
+                        near[lane],
+                        ratios[lane],
+                        lines,
+                        weights,
+                        sums,
+                        state,
+                    )
+        else:
+            evaluate(points, -(-count.max() // GROUP), state, slopes)
         _judge(state, tolerance)
         for lane in range(LANES):
             if state[LEFT, lane] > 0.0:
@@ -291,19 +420,12 @@ def descend_all(  # type: ignore[no-untyped-def]
                 chi_square[done], converged[done] = state[CHI_SQUARE, lane], state[CONVERGED, lane]
                 ended += 1
                 running[lane] = -1
-            if begun < start.size:
-                i, row = start[begun], owner[start[begun]]
-                groups[lane] = enter(
-                    v[row],
-                    e[row],
-                    weight[row],
-                    end[i],
-                    low[i],
-                    high[i],
-                    x[begun],
-                    lane,
-                    points,
-                    state,
-                )
+            if begun < len(x):
+                i = begun % owner.size
+                own = data[owner[i]]
+                count[lane] = enter(own, end[i], low[i], high[i], x[begun], lane, points, state)
+                if size:
+                    places = points[SPEED : POINT_ROWS * count[lane] : POINT_ROWS, lane]
+                    ends[lane] = _ratios(places, size, near[lane], ratios[lane], weights[0, 0])
                 running[lane] = begun
                 begun += 1

@@ -37,6 +37,9 @@ ON_BOUND = 1e-3
 SAME_MINIMUM, SAME_AS_NONE = 1e-4, 1e-12
 # Tolerance of a search among many; further steps change v_c by a part in 10 million or less.
 TOLERANCE = 1e-9
+# Largest change of a logarithm in one step: beyond it the quadratic model says nothing.
+STRIDE = np.full(5, 2.0)
+NO_TABLE = np.empty((0, 0, 0, 0))
 # Starts, those first that most often lead to the minimum: k over the largest speed, p, q, and the
 # distance of v_c from the end of its piece as a share of the piece.
 STARTS = (
@@ -69,18 +72,18 @@ def model(v: FloatArray, logs: FloatArray, end: float, gap: float) -> tuple[Floa
 
 
 class Search(NamedTuple):
-    """Data (r, n); of m searches the data set (m,), upper end of v_c (m,), and the box (m, 5).
+    """What is fitted to what, and the box of d variables of each of m searches.
 
     A search ends where it lowers chi-square by less than the share ``tolerance`` of it.
     """
 
-    v: FloatArray
-    e: FloatArray
-    weight: FloatArray
-    owner: Places
-    end: FloatArray
-    low: FloatArray
+    table: FloatArray  # A law's, over three parameters and v/v_c; Eq. (34) where it is empty
+    points: FloatArray  # v or places of v/v_c, ln v, e and 1/sigma (r, 4, n)
+    owner: Places  # Data set of each search (m,)
+    end: FloatArray  # Upper end of v_c (m,)
+    low: FloatArray  # Bounds (m, d)
     high: FloatArray
+    stride: FloatArray  # Largest changes in one step (d,)
     tolerance: float
 
 
@@ -102,7 +105,7 @@ def descend(search: Search, x: FloatArray) -> Found:
     start = np.resize(np.arange(len(search.end)), len(x))
     x = np.clip(x, search.low[start], search.high[start])
     found = Found(x, np.empty(len(x)), np.zeros(len(x), bool))
-    descend_all(*search, start, *found)
+    descend_all(*search, *found)
     return found
 
 
@@ -204,7 +207,8 @@ def searches(
 ) -> Search:
     """One search per owner, with v_c below an end by a gap whose logarithm has these bounds."""
     low, high = _bounds(sets, owner, least_gap, largest_gap)
-    return Search(sets.v, sets.e, sets.weight, owner, end, low, high, tolerance)
+    points = np.stack([sets.v, np.log(sets.v), sets.e, sets.weight], axis=1)
+    return Search(NO_TABLE, points, owner, end, low, high, STRIDE, tolerance)
 
 
 def start_points(sets: DataSets, owner: Places, number: int, width: FloatArray) -> FloatArray:
