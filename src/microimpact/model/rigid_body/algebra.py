@@ -7,6 +7,7 @@ is negative where friction opposes v_t > 0.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +25,16 @@ from microimpact.core.arrays import (
 
 APPROACHING = Range(upper=0.0)
 UNIT_INTERVAL = Range(lower=0.0, upper=1.0, lower_closed=True, upper_closed=True)
+# What the arguments of the rigid body model may be, by their names.
+ADMISSIBLE: Mapping[str, Range] = {
+    "v_n": APPROACHING,
+    "radius": POSITIVE,
+    "friction": NON_NEGATIVE,
+    **dict.fromkeys(("e", "R", "rho"), UNIT_INTERVAL),
+    **dict.fromkeys(("v_t", "omega", "mu", "spin_ratio"), FINITE),
+    "angle": Range(lower=0.0, upper=np.pi / 2, upper_closed=True),
+    "slope": Range(lower=-np.pi / 2, upper=np.pi / 2),
+}
 
 # Moment of inertia of a solid sphere: I = INERTIA m r^2.
 INERTIA = 0.4
@@ -45,6 +56,17 @@ class EnergyLoss(NamedTuple):
 
     translational: FloatArray
     total: FloatArray
+
+
+def admitted(**given: object) -> list[Real]:
+    """Return arguments of the rigid body model, each checked by its name in `ADMISSIBLE`.
+
+    Raises TypeError, ValueError if one is not a number or out of range, or the shapes do not
+    broadcast.
+    """
+    values = {name: checked(name, value, ADMISSIBLE[name]) for name, value in given.items()}
+    common_shape(values)
+    return list(values.values())
 
 
 def rolling_impulse_ratio(v_n: Real, slip: Real, e: Real) -> Real:
@@ -83,20 +105,15 @@ def rigid_body_rebound(
     TypeError, ValueError
         If an argument is not a number or out of range, or the shapes do not broadcast.
     """
-    v_n = checked("v_n", v_n, APPROACHING)
-    v_t = checked("v_t", v_t, FINITE)
-    omega = checked("omega", omega, FINITE)
-    radius = checked("radius", radius, POSITIVE)
-    e = checked("e", e, UNIT_INTERVAL)
-    friction = checked("friction", friction, NON_NEGATIVE)
-    shape = common_shape(
-        {"v_n": v_n, "v_t": v_t, "omega": omega, "radius": radius, "e": e, "friction": friction}
+    v_n, v_t, omega, radius, e, friction = admitted(
+        v_n=v_n, v_t=v_t, omega=omega, radius=radius, e=e, friction=friction
     )
     mu_0 = rolling_impulse_ratio(v_n, v_t - radius * omega, e)
     mu = np.sign(mu_0) * np.minimum(friction, np.abs(mu_0))
     change = mu * (1.0 + e) * v_n
-    values = (-e * v_n, v_t - change, omega + change / (INERTIA * radius), mu)
-    return RigidBodyRebound(*(np.broadcast_to(value, shape)[()] for value in values))
+    spin = omega + change / (INERTIA * radius)
+    values = np.broadcast_arrays(-e * v_n, v_t - change, spin, mu)
+    return RigidBodyRebound(*(value[()] for value in values))
 
 
 def energy_loss(
@@ -108,12 +125,9 @@ def energy_loss(
     translational loss of a sphere without initial spin; here it holds for any spin, with v_t/v_n in
     place of eta. Arguments and errors as of `rigid_body_rebound`; `mu`: signed impulse ratio.
     """
-    v_n = checked("v_n", v_n, APPROACHING)
-    v_t = checked("v_t", v_t, FINITE)
-    omega = checked("omega", omega, FINITE)
-    radius = checked("radius", radius, POSITIVE)
-    e = checked("e", e, UNIT_INTERVAL)
-    mu = checked("mu", mu, FINITE)
+    v_n, v_t, omega, radius, e, mu = admitted(
+        v_n=v_n, v_t=v_t, omega=omega, radius=radius, e=e, mu=mu
+    )
     impulse = mu * (1.0 + e)
     tangent = v_t / v_n
     eta = (v_t - radius * omega) / v_n
@@ -138,28 +152,23 @@ def adhesion_work(v_n: object, R: object, rho: object) -> Real:
         Adhesion coefficient of Eq. (10).
     """
     v_n = checked("v_n", v_n, FINITE)
-    R = checked("R", R, UNIT_INTERVAL)
-    rho = checked("rho", rho, UNIT_INTERVAL)
+    R, rho = admitted(R=R, rho=rho)
     return 0.5 * np.square(v_n) * np.square(R) * rho * (2.0 - rho)
 
 
 def deformation_impulse(v_n: object, R: object) -> Real:
     """Total impulse of deformation per unit mass, Eq. (9): ``-(1 + R) v_n``, m/s."""
-    v_n = checked("v_n", v_n, APPROACHING)
-    R = checked("R", R, UNIT_INTERVAL)
+    v_n, R = admitted(v_n=v_n, R=R)
     return -(1.0 + R) * v_n
 
 
 def adhesion_impulse(v_n: object, R: object, rho: object) -> Real:
     """Rebound impulse of adhesion per unit mass, Eq. (10): ``rho R v_n``, m/s (negative)."""
-    v_n = checked("v_n", v_n, APPROACHING)
-    R = checked("R", R, UNIT_INTERVAL)
-    rho = checked("rho", rho, UNIT_INTERVAL)
+    v_n, R, rho = admitted(v_n=v_n, R=R, rho=rho)
     return rho * R * v_n
 
 
 def restitution_with_adhesion(R: object, rho: object) -> Real:
     """Coefficient of restitution, root of Eq. (16): ``e = R (1 - rho)``."""
-    R = checked("R", R, UNIT_INTERVAL)
-    rho = checked("rho", rho, UNIT_INTERVAL)
+    R, rho = admitted(R=R, rho=rho)
     return R * (1.0 - rho)

@@ -16,20 +16,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from microimpact.core.arrays import (
-    FINITE,
-    NON_NEGATIVE,
-    BoolArray,
-    FloatArray,
-    Range,
-    Real,
-    checked,
-    common_shape,
-)
-from microimpact.model.rigid_body.algebra import INERTIA, UNIT_INTERVAL, rigid_body_rebound
-
-ANGLE = Range(lower=0.0, upper=np.pi / 2, upper_closed=True)
-SLOPE = Range(lower=-np.pi / 2, upper=np.pi / 2)
+from microimpact.core.arrays import BoolArray, FloatArray, Range, Real, checked
+from microimpact.model.rigid_body.algebra import INERTIA, admitted, rigid_body_rebound
 
 # Share of its slip that a sphere has lost in tangential velocity when it rolls: 2/7.
 ROLLING_SHARE = INERTIA / (1.0 + INERTIA)
@@ -75,25 +63,14 @@ def rough_rebound(
         If an argument is not a number or out of range, the slope faces away from the sphere, or
         the shapes do not broadcast.
     """
-    angle, slope = _facing(angle, slope)
-    e = checked("e", e, UNIT_INTERVAL)
-    friction = checked("friction", friction, NON_NEGATIVE)
-    spin_ratio = checked("spin_ratio", spin_ratio, FINITE)
-    shape = common_shape(
-        {"angle": angle, "slope": slope, "e": e, "friction": friction, "spin_ratio": spin_ratio}
+    angle, slope, e, friction, spin_ratio = _facing(
+        angle=angle, slope=slope, e=e, friction=friction, spin_ratio=spin_ratio
     )
     local = angle + slope
     mu = rigid_body_rebound(-np.sin(local), np.cos(local), spin_ratio, 1.0, e, friction).mu
-
-    def shaped(values: Real) -> FloatArray:
-        return np.broadcast_to(np.asarray(values, dtype=np.float64), shape)[()]
-
-    return RoughRebound(
-        shaped(mu),
-        shaped(measured_restitution(angle, slope, e, mu)),
-        shaped(measured_impulse_ratio(slope, mu)),
-        np.broadcast_to(np.abs(mu) < friction, shape)[()],
-    )
+    measured = measured_restitution(angle, slope, e, mu), measured_impulse_ratio(slope, mu)
+    values = np.broadcast_arrays(mu, *measured, np.abs(mu) < friction)
+    return RoughRebound(*(value[()] for value in values))
 
 
 def measured_restitution(
@@ -107,8 +84,7 @@ def measured_restitution(
     ``sin(alpha + 2 phi)/sin(alpha + phi)``, which vanishes at phi = -alpha/2: there e_m is
     infinite.
     """
-    angle, slope = _facing(angle, slope)
-    e, mu = checked("e", e, UNIT_INTERVAL), checked("mu", mu, FINITE)
+    angle, slope, e, mu = _facing(angle=angle, slope=slope, e=e, mu=mu)
     local = angle + slope
     into = mu * (1.0 + e) * np.sin(local) + np.cos(local)
     after = e * np.cos(slope) * np.sin(local) + into * np.sin(slope)
@@ -120,7 +96,7 @@ def measured_restitution(
 
 def measured_impulse_ratio(slope: object, mu: object) -> Real:
     """Signed impulse ratio about the nominal normal, Eq. (36): the impulse turned by phi."""
-    slope, mu = checked("slope", slope, SLOPE), checked("mu", mu, FINITE)
+    slope, mu = admitted(slope=slope, mu=mu)
     return (mu - np.tan(slope)) / (1.0 + mu * np.tan(slope))
 
 
@@ -133,8 +109,7 @@ def shallow_restitution(
     last term, which is not printed, is the next order in the angles. Where phi > 0 it is less than
     ``f (1 + e) (alpha + phi)`` of the others: that must be small, not the printed f/alpha.
     """
-    angle, slope = _facing(angle, slope)
-    e, mu = checked("e", e, UNIT_INTERVAL), checked("mu", mu, FINITE)
+    angle, slope, e, mu = _facing(angle=angle, slope=slope, e=e, mu=mu)
     steeper = 1.0 + slope / angle
     leading = e * steeper + slope / angle
     return leading if printed else leading + mu * (1.0 + e) * slope * steeper
@@ -146,7 +121,7 @@ def sloped_impulse_ratio(slope: object, mu: object, *, printed: bool = False) ->
     Printed without mu^2. For v_t > 0 mu is -f, so ``|mu_m|`` is f + phi at first order: a slope
     that faces the sphere lowers the signed ratio and raises its size.
     """
-    slope, mu = checked("slope", slope, SLOPE), checked("mu", mu, FINITE)
+    slope, mu = admitted(slope=slope, mu=mu)
     return mu - slope * (1.0 if printed else 1.0 + np.square(mu))
 
 
@@ -157,8 +132,7 @@ def normal_restitution(slope: object, e: object, mu: object, *, printed: bool = 
     mu sin phi cos phi``; mu is mu_0 of Eq. (40) where the sphere rolls. Printed without the e phi^2
     that the denominator of Eq. (35) brings.
     """
-    slope, e = checked("slope", slope, SLOPE), checked("e", e, UNIT_INTERVAL)
-    mu = checked("mu", mu, FINITE)
+    slope, e, mu = admitted(slope=slope, e=e, mu=mu)
     bend = 1.0 if printed else 1.0 + e
     return e - bend * np.square(slope) + (1.0 + e) * mu * slope
 
@@ -172,8 +146,7 @@ def rolling_restitution(
     sin^2 phi + (2/7) (r omega/v) sin phi``. Without spin ``v'_t/v'_n = tan phi``, so that (1 + e)
     mu_0 is +2 phi/7; the article has -2 phi/7, hence e - 9 phi^2/7, and no number for the spin.
     """
-    slope, e = checked("slope", slope, SLOPE), checked("e", e, UNIT_INTERVAL)
-    spin_ratio = checked("spin_ratio", spin_ratio, FINITE)
+    slope, e, spin_ratio = admitted(slope=slope, e=e, spin_ratio=spin_ratio)
     if printed:
         return e - 9.0 / 7.0 * np.square(slope)
     bend = e + 1.0 - ROLLING_SHARE
@@ -188,9 +161,9 @@ def rolling_impulse_ratio_measured(
     ``mu_m = -phi (1 - c + s^2) + s`` with ``c = (2/7)/(1 + e)`` and ``s = c r omega/v``, the
     impulse ratio of the spin alone. Printed are -s (v'_n < 0 makes the term positive) and no s^2.
     """
-    slope, e = checked("slope", slope, SLOPE), checked("e", e, UNIT_INTERVAL)
+    slope, e, spin_ratio = admitted(slope=slope, e=e, spin_ratio=spin_ratio)
     share = ROLLING_SHARE / (1.0 + e)
-    spun = share * checked("spin_ratio", spin_ratio, FINITE)
+    spun = share * spin_ratio
     if printed:
         return -slope * (1.0 - share) - spun
     return -slope * (1.0 - share + np.square(spun)) + spun
@@ -202,7 +175,7 @@ def energy_bound(angle: object, spin_ratio: object = 0.0) -> Real:
     ``sqrt(1 + (2/5) (r omega/v)^2)/sin alpha``: all energy, that of the spin included, in the
     nominal normal velocity.
     """
-    angle, spin_ratio = checked("angle", angle, ANGLE), checked("spin_ratio", spin_ratio, FINITE)
+    angle, spin_ratio = admitted(angle=angle, spin_ratio=spin_ratio)
     return np.sqrt(1.0 + INERTIA * np.square(spin_ratio)) / np.sin(angle)
 
 
@@ -213,12 +186,12 @@ def greatest_restitution(angle: object, e: object) -> Real:
     slope ``phi = (pi/2 - alpha)/2``. On a slope that faces the sphere friction takes from e_m; on
     others e_m stays below e. Equal to the bound of energy at e = 1.
     """
-    angle, e = checked("angle", angle, ANGLE), checked("e", e, UNIT_INTERVAL)
+    angle, e = admitted(angle=angle, e=e)
     return 0.5 * ((1.0 + e) / np.sin(angle) - (1.0 - e))
 
 
-def _facing(angle: object, slope: object) -> tuple[Real, Real]:
-    angle, slope = checked("angle", angle, ANGLE), checked("slope", slope, SLOPE)
-    common_shape({"angle": angle, "slope": slope})
+def _facing(**given: object) -> list[Real]:
+    """Return checked arguments, of which angle and slope, the first, let the sphere arrive."""
+    angle, slope, *others = admitted(**given)
     checked("angle + slope", angle + slope, Range(lower=0.0, upper=np.pi))
-    return angle, slope
+    return [angle, slope, *others]
