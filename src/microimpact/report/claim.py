@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import math
-import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -23,6 +21,7 @@ from microimpact.ledgers.claims.criteria import Claim, read_claims
 from microimpact.ledgers.claims.shares import Share, shares
 from microimpact.ledgers.claims.words import article_value, by_quantity, readable
 from microimpact.report.check.results import ResultsError
+from microimpact.report.site.pages import render
 from microimpact.report.site.record import read_record
 from microimpact.run.inputs import study_rows
 from microimpact.run.study import Made
@@ -31,7 +30,6 @@ from microimpact.studies.claims.claim_numbers import CLAIMS, Params, numbers_of,
 from microimpact.studies.claims.claim_numbers.draws import COLUMNS as DRAW_COLUMNS
 
 STUDY = "claim_numbers"
-WIDTH = 96
 
 
 def tell(name: str, changes: Mapping[str, Any], results: Path) -> str:
@@ -48,12 +46,12 @@ def tell(name: str, changes: Mapping[str, Any], results: Path) -> str:
         raise ValueError(f"{name!r} is no claim{nearest(name, claims)}")
     claim = claims[name]
     if claim.positive is None:
-        return "\n".join([*_head(claim), f"Verdict: {claim.verdicts[0]}"])
+        return _page(claim, {"verdict": claim.verdicts[0]})
     folder = results if _shipped(results) else None
     if folder and not changes:
         table = read_table(folder / f"tables/{STUDY}.csv", NUMBER_COLUMNS)
         numbers = table[table["claim"] == name]
-        ledger = read_table(folder / "tables/claims.csv").set_index("id").loc[name].dropna()
+        ledger = read_table(folder / "tables/claims.csv").set_index("id").loc[name]
         claim = replace(claim, reason=str(ledger["reason"]))
     else:
         made = Made(STUDY, changes, folder)
@@ -61,8 +59,35 @@ def tell(name: str, changes: Mapping[str, Any], results: Path) -> str:
         claim = read_claims(file, branch)[name]
         numbers, drawn = _computed(claim, build(Params, branch), made)
         ledger = verdicts({name: claim}, numbers, drawn).iloc[0]
-    row = {str(key): value for key, value in ledger.items()}
-    return "\n".join([*_head(claim), *_body(claim, row, numbers, changes, folder)])
+    function = CLAIMS[name].of
+    place = f"{inspect.getsourcefile(function)}:{inspect.getsourcelines(function)[1]}"
+    makers = studies.needs(STUDY)
+    read = sorted({name for text in numbers["inputs"].dropna() for name in text.split()})
+    anew = "computed anew" if changes else "computed now"
+    rest = f"{anew}; what rests on no change from {folder}" if changes else str(folder)
+    return _page(
+        claim,
+        {key: value for key, value in ledger.dropna().items() if value != ""},
+        problems=[each for each in dict.fromkeys(numbers["problem"].dropna()) if each],
+        code=f"{function.__module__}.{function.__qualname__}, {place}",
+        inputs=[f"{name} (of {makers[name]})" if name in makers else name for name in read],
+        changes=changes and yaml.safe_dump(dict(changes), default_flow_style=True).strip(),
+        source=rest if folder else anew,
+    )
+
+
+def _page(claim: Claim, row: Mapping[Any, Any], **others: Any) -> str:
+    words = {"in_words": in_words, "article_value": article_value, "readable": readable}
+    page = render(
+        "claim.txt.jinja",
+        templates=Path(__file__).parent,
+        claim=claim,
+        row=row,
+        by_quantity=by_quantity,
+        **words,
+        **others,
+    )
+    return page.rstrip()
 
 
 def changed(settings: Sequence[str]) -> dict[str, Any]:
@@ -107,59 +132,3 @@ def _computed(claim: Claim, params: Params, made: Made) -> tuple[pd.DataFrame, d
         [row for _, own in part(alone, made, 0, 1) for row in own], columns=list(DRAW_COLUMNS)
     )
     return numbers, shares({claim.id: claim}, table, made["admissible_contacts"])
-
-
-def _head(claim: Claim) -> list[str]:
-    return [
-        f"{claim.id} ({claim.where}; {claim.kind})",
-        *_wrapped(claim.statement),
-        "",
-        f"The article: {article_value(claim)}",
-        *_wrapped(f"Reason of the criterion: {claim.reason}"),
-        *(line for one in claim.amendments for line in _wrapped(in_words(one))),
-        "",
-    ]
-
-
-def _body(
-    claim: Claim,
-    row: Mapping[str, Any],
-    numbers: pd.DataFrame,
-    changes: Mapping[str, Any],
-    results: Path | None,
-) -> list[str]:
-    lines = ["Numbers" + (" (- fails its criterion)" if row["verdict"] != claim.positive else "")]
-    for one in by_quantity(str(row["computed_value"]), claim) if row["computed_value"] else ():
-        bound = f" [{one.criterion}]" if one.criterion else ""
-        lines.append(f"  {one.words}{bound}")
-        lines += [
-            f"  {'  ' if cell.holds else '- '}  {cell.text}{f' ({case})' if case else ''}"
-            for case, cell in one.cells.items()
-        ]
-    for problem in dict.fromkeys(numbers["problem"].dropna()):
-        lines += _wrapped(f"  {problem}") if problem else []
-    lines += ["", f"Verdict: {row['verdict']}"]
-    if (share := float(row.get("share", math.nan))) == share:
-        by = f", decided by {row['decided_by']}" if row.get("decided_by") else ""
-        lines.append(f"Share: {100 * share:.0f} % of the admissible contacts{by}")
-    if (margin := row.get("margin")) is not None and math.isfinite(float(margin)):
-        lines.append(f"Margin: {readable(float(margin))} standard errors from the bound")
-    for told in str(row.get("independent") or "").split(" | ") if row.get("independent") else ():
-        lines += _wrapped(f"Independent data: {told}")
-    function = CLAIMS[claim.id].of
-    source, line = inspect.getsourcefile(function), inspect.getsourcelines(function)[1]
-    lines.append(f"Code: {function.__module__}.{function.__qualname__}, {source}:{line}")
-    makers = studies.needs(STUDY)
-    read = sorted({name for text in numbers["inputs"].dropna() for name in text.split()})
-    tables = [f"{name} (of {makers[name]})" if name in makers else name for name in read]
-    lines += _wrapped(f"Inputs: {', '.join([f'branch {STUDY}', *tables])}")
-    if changes:
-        lines.append(f"Changed: {yaml.safe_dump(dict(changes), default_flow_style=True).strip()}")
-    anew = "computed anew" if changes else "computed now"
-    rest = f"; what rests on no change from {results}" if changes else str(results)
-    lines.append(f"Numbers: {(anew + rest if changes else rest) if results else anew}")
-    return lines
-
-
-def _wrapped(text: str) -> list[str]:
-    return textwrap.wrap(text, WIDTH)

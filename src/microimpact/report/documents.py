@@ -19,11 +19,11 @@ from microimpact.core.files import write_file
 from microimpact.core.nearest import nearest
 from microimpact.ledgers.claims.criteria import CLAIM_NAME, UNCOUNTED, read_claims
 from microimpact.ledgers.claims.words import article_value, by_quantity, readable
+from microimpact.report.site.pages import render
 from microimpact.report.site.record import read_record
 
 SETTINGS = "config/config.yaml"
 DEVIATIONS, SUFFIX = "deviations.md", ".jinja"
-TEMPLATE = Path(__file__).parent / f"{DEVIATIONS}{SUFFIX}"
 # Tables of the page of deviations and of the counts in the README.
 LEDGERS = ("claims", "equations")
 ABOUT = "<!-- Made by `make pages` from {template} and tables of a full run; do not edit. -->\n\n"
@@ -47,7 +47,7 @@ def _percent(value: float, digits: int = 0) -> str:
 _ENVIRONMENT = jinja2.Environment(
     undefined=jinja2.StrictUndefined, keep_trailing_newline=True, autoescape=False
 )
-_ENVIRONMENT.filters |= {"fixed": _fixed, "percent": _percent, "readable": readable}
+_ENVIRONMENT.filters |= {"fixed": _fixed, "percent": _percent}
 
 
 class Numbers:
@@ -155,20 +155,19 @@ def deviations(results: Path, criteria: Path, settings: str) -> str:
             f"{tables / 'claims.csv'} and {criteria} do not hold the same claims:"
             f" {', '.join(sorted(strangers))} in one of them only; run the study again"
         )
-    page = (
-        _ENVIRONMENT.overlay(trim_blocks=True, lstrip_blocks=True)
-        .from_string(TEMPLATE.read_text(encoding="utf-8"))
-        .render(
-            settings=settings,
-            equation_counts=equations["verdict"].value_counts().to_dict(),
-            claim_counts=verdict_counts(claims),
-            equations=equations.to_dict("records"),
-            claims=claims.to_dict("records"),
-            declared=declared,
-            amended=[claim for claim in declared.values() if claim.amendments],
-            article_value=article_value,
-            by_quantity=by_quantity,
-        )
+    page = render(
+        f"{DEVIATIONS}{SUFFIX}",
+        templates=Path(__file__).parent,
+        settings=settings,
+        equation_counts=equations["verdict"].value_counts().to_dict(),
+        claim_counts=verdict_counts(claims),
+        equations=equations.to_dict("records"),
+        claims=claims.to_dict("records"),
+        declared=declared,
+        amended=[claim for claim in declared.values() if claim.amendments],
+        article_value=article_value,
+        by_quantity=by_quantity,
+        readable=readable,
     )
     return page.rstrip() + "\n"
 

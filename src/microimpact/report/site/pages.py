@@ -10,7 +10,8 @@ Another module's page uses the same base. Its template, in a folder of its own, 
 * ``here`` names the entry of `NAVIGATION` that is marked as the present page.
 * ``root`` is the way from the page to the report's folder: ``""``, or ``"../"`` in a folder below.
 * ``wide=True`` lets the page use the whole width of the window.
-* Variables are escaped. Text becomes markup only through the filter ``safe``: never for data.
+* In ``.html`` variables are escaped. Text becomes markup only through the filter ``safe``: never
+  for data.
 * The policy in the base allows scripts, styles and pictures of the report's own folder (and
   ``data:`` pictures) and nothing else: no inline ``<script>``, no ``style`` attribute, no request
   (``fetch`` included). Numbers for a script go into a ``.js`` file, or into the page as
@@ -26,7 +27,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 
 HERE = Path(__file__).parent
 TEMPLATES = HERE / "templates"
@@ -64,7 +65,7 @@ def _environment(templates: Path | None) -> Environment:
     folders = [TEMPLATES] if templates is None else [templates, TEMPLATES]
     environment = Environment(
         loader=FileSystemLoader(folders),
-        autoescape=True,
+        autoescape=select_autoescape(["html"], default=False),
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
