@@ -20,7 +20,6 @@ from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate, velocity_components
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.report.explorer.build import page_files
-from microimpact.report.site.font import style_sheet
 from microimpact.report.site.pages import ASSETS
 
 pytestmark = pytest.mark.slow
@@ -56,7 +55,6 @@ def page(files, tmp_path_factory):
     for name, text in files.items():
         write_file(folder / name, text)
     shutil.copytree(ASSETS, folder / "assets")
-    write_file(folder / "assets/formula.css", style_sheet())
     return folder / "explorer.html"
 
 

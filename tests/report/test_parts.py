@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import base64
+import io
 import re
 from html import unescape
 
 import pandas as pd
 import pytest
+from fontTools.ttLib import TTFont
 
-from microimpact.report.site import font
+from microimpact.ledgers.equations import EQUATIONS
 from microimpact.report.site.code import modules, place
 from microimpact.report.site.figures import joined
 from microimpact.report.site.formula import mathml, prose
@@ -20,6 +23,7 @@ from microimpact.report.site.ledgers import (
     failures,
     parts,
 )
+from microimpact.report.site.pages import ASSETS
 from microimpact.report.site.reached import reached
 from microimpact.report.site.record import Rule
 from microimpact.studies.claims.claim_numbers import CLAIMS
@@ -200,11 +204,12 @@ def test_code_has_a_page_with_a_place_for_every_function():
     assert sum(line.ends for line in module.lines) == sum(len(x.begins) for x in module.lines)
 
 
-def test_the_font_is_small_and_always_the_same():
-    sheet = font.style_sheet()
-    font.style_sheet.cache_clear()
-    assert font.style_sheet() == sheet
-    assert len(sheet) < 60_000
+def test_the_font_has_the_signs_of_all_formulas():
+    sheet = (ASSETS / "formula.css").read_text(encoding="utf-8")
+    data = base64.b64decode(re.search(r"base64,([^)]*)", sheet)[1])
+    known = set(map(chr, TTFont(io.BytesIO(data)).getBestCmap()))
+    forms = [form for each in EQUATIONS.values() for form in (each.printed, each.form_used)]
+    assert set("".join(map(text, forms))) <= known
 
 
 def test_names_of_quantities_as_words():

@@ -15,7 +15,7 @@ from zipfile import ZipFile, ZipInfo
 
 from microimpact.core.files import write_file
 from microimpact.figures.registry import FORMATS
-from microimpact.report.site import PAGES, code, font, ledgers
+from microimpact.report.site import PAGES, code, ledgers
 from microimpact.report.site.figures import Figure, departures, figures, label, studies_behind
 from microimpact.report.site.formula import prose
 from microimpact.report.site.graph import needs, picture
@@ -95,7 +95,6 @@ def write_site(results: Path, record: Record) -> list[Path]:
         shutil.rmtree(report / folder, ignore_errors=True)
     for source, target in _copies(results):
         write_file(report / target, source.read_bytes())
-    write_file(report / "assets/formula.css", font.style_sheet())
     write_file(report / ARCHIVE, _archive(results))
     for name, text in pages.items():
         write_file(report / name, text)
