@@ -6,17 +6,17 @@ number from one side; what the words leave open is a declared criterion.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
-from microimpact.core.tables import Row, Tables
+from microimpact.core.tables import Tables
 from microimpact.declared.parameters import (
     AngleDegrees,
     CaseName,
@@ -39,10 +39,19 @@ NEEDS = {
 
 AGREES, DISAGREES = "agrees with independent data", "disagrees with independent data"
 
-COLUMNS = [
-    *("fact", "source", "quantity", "contact", "unit"),
-    *("measured", "low", "high", "computed", "agreement"),
-]
+
+class Compared(NamedTuple):
+    """One fact beside the number that the model gives; every quantity is a pure number."""
+
+    fact: str
+    source: str
+    quantity: str
+    contact: str
+    unit: str = "-"
+    measured: float = np.nan
+    low: float = np.nan
+    high: float = np.nan
+    computed: float = np.nan
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -112,8 +121,7 @@ def run(params: Params, inputs: Tables) -> Tables:
         *_factors(inputs["doe_levels"], inputs["doe_effects"], facts),
         *_spin_and_roughness(params.spin, inputs, facts),
     ]
-    # Every quantity is a pure number.
-    table = pd.DataFrame(rows).assign(unit="-").reindex(columns=COLUMNS)
+    table = pd.DataFrame(rows, columns=Compared._fields)
     order = {fact: i for i, fact in enumerate(dict.fromkeys(table["fact"]))}
     table = table.sort_values("fact", key=lambda facts: facts.map(order), kind="stable")
     table["agreement"] = _agreement(table)
@@ -126,7 +134,7 @@ def _agreement(table: pd.DataFrame) -> Any:
     return np.where(np.isfinite(value), np.where(outside, DISAGREES, AGREES), "not computed")
 
 
-def _oblique(residuals: pd.DataFrame) -> Iterator[Row]:
+def _oblique(residuals: pd.DataFrame) -> Iterator[Compared]:
     """Yield the relative rms of each law, within the error of reading.
 
     The spin and the velocity that were measured contradict each other by more than that; the spin
@@ -139,29 +147,29 @@ def _oblique(residuals: pd.DataFrame) -> Iterator[Row]:
         quantity, branch = row["quantity"], row["branch"]
         if quantity in {"tangential_restitution", "spin"}:
             known = own["relative_rms"].get((quantity, branch), 0.0)
-            yield {
-                "fact": f"{quantity.replace('_', ' ')} where a rigid sphere would be {branch}",
-                "source": "Kharaz, Gorham and Salman 2001, Powder Technology 120:281",
-                "quantity": "relative rms of all points",
-                "contact": f"aluminium oxide on glass, {row['law']}",
-                "high": max(row["reading_error"], known),
-                "computed": row["relative_rms"],
-            }
+            yield Compared(
+                f"{quantity.replace('_', ' ')} where a rigid sphere would be {branch}",
+                "Kharaz, Gorham and Salman 2001, Powder Technology 120:281",
+                "relative rms of all points",
+                f"aluminium oxide on glass, {row['law']}",
+                high=max(row["reading_error"], known),
+                computed=row["relative_rms"],
+            )
 
 
-def _fast_rebounds(params: Params, inputs: Tables, facts: Facts) -> Iterator[Row]:
+def _fast_rebounds(params: Params, inputs: Tables, facts: Facts) -> Iterator[Compared]:
     """Yield the energy lost at the highest speed, and the difference that the target makes."""
     lost = facts.row("wall1990", "greatest_energy_loss")
     for case in params.fluorescein:
         e = simulate(calibrated_contact(inputs, case), float(lost["at"])).coefficient_of_restitution
-        yield {
-            "fact": "up to half the energy is lost at the highest speeds",
-            "source": lost["source"],
-            "quantity": f"energy lost at {lost['at']:g} m/s",
-            "contact": case,
-            "high": lost["value"],
-            "computed": float(1.0 - e**2),
-        }
+        yield Compared(
+            "up to half the energy is lost at the highest speeds",
+            lost["source"],
+            f"energy lost at {lost['at']:g} m/s",
+            case,
+            high=lost["value"],
+            computed=float(1.0 - e**2),
+        )
     free = facts.row("wall1990", "speed_without_influence_of_target")
     fastest = facts.row("wall1990", "greatest_speed")["value"]
     speed = np.geomspace(free["value"], fastest, params.points)
@@ -169,14 +177,14 @@ def _fast_rebounds(params: Params, inputs: Tables, facts: Facts) -> Iterator[Row
         simulate(calibrated_contact(inputs, case), speed).coefficient_of_restitution
         for case in (params.molybdenum, params.mica)
     )
-    yield {
-        "fact": f"no influence of the target above {free['value']:g} m/s",
-        "source": free["source"],
-        "quantity": "largest difference of e",
-        "contact": f"{params.molybdenum}; {params.mica}",
-        "high": params.same_restitution_within,
-        "computed": float(np.max(np.abs(one - other))),
-    }
+    yield Compared(
+        f"no influence of the target above {free['value']:g} m/s",
+        free["source"],
+        "largest difference of e",
+        f"{params.molybdenum}; {params.mica}",
+        high=params.same_restitution_within,
+        computed=float(np.max(np.abs(one - other))),
+    )
 
 
 def fall(contact: Contact, exponent: float, diameter: FloatArray) -> float:
@@ -192,7 +200,7 @@ def fall(contact: Contact, exponent: float, diameter: FloatArray) -> float:
     return float(slope)
 
 
-def _sizes(params: Params, inputs: Tables, facts: Facts) -> Iterator[Row]:
+def _sizes(params: Params, inputs: Tables, facts: Facts) -> Iterator[Compared]:
     """Yield the power of the diameter with which the capture velocity falls.
 
     The damping of silver is not known, and that of a contact of this study would hold every sphere
@@ -214,28 +222,30 @@ def _sizes(params: Params, inputs: Tables, facts: Facts) -> Iterator[Row]:
     for name in dict.fromkeys((*params.fluorescein, *params.silver)):
         contact = calibrated_contact(inputs, name)
         for exponent in params.rate_exponents:
-            words = {"contact": f"{name.partition(', n =')[0]}, n = {exponent:g}"}
+            words = f"{name.partition(', n =')[0]}, n = {exponent:g}"
             if name in params.fluorescein:
-                yield words | {
-                    "fact": "capture velocity falls with size by more than the classical power",
-                    "source": least["source"],
-                    "quantity": f"power from {span['low']:g} to {span['high']:g} um",
-                    "low": least["value"] + params.exponent_within,
-                    "computed": fall(contact, exponent, microns),
-                }
+                yield Compared(
+                    "capture velocity falls with size by more than the classical power",
+                    least["source"],
+                    f"power from {span['low']:g} to {span['high']:g} um",
+                    words,
+                    low=least["value"] + params.exponent_within,
+                    computed=fall(contact, exponent, microns),
+                )
             if name in params.silver:
-                yield words | {
-                    "fact": "capture velocity of silver falls with size by this power",
-                    "source": power["source"],
-                    "quantity": f"power over a range of 1 to {other['high'] / other['low']:g}",
-                    "measured": power["value"],
-                    "low": min(bounds),
-                    "high": max(bounds),
-                    "computed": fall(contact, exponent, contact.diameter * wide),
-                }
+                yield Compared(
+                    "capture velocity of silver falls with size by this power",
+                    power["source"],
+                    f"power over a range of 1 to {other['high'] / other['low']:g}",
+                    words,
+                    measured=power["value"],
+                    low=min(bounds),
+                    high=max(bounds),
+                    computed=fall(contact, exponent, contact.diameter * wide),
+                )
 
 
-def _factors(levels: pd.DataFrame, effects: pd.DataFrame, facts: Facts) -> Iterator[Row]:
+def _factors(levels: pd.DataFrame, effects: pd.DataFrame, facts: Facts) -> Iterator[Compared]:
     """Yield the lead of surface energy and radius, and the rank of one interaction, by design."""
     lead = facts.row("brach2000", "lead_of_surface_energy_and_radius")
     rank = facts.row("brach2000", "rank_of_their_interaction")
@@ -250,27 +260,27 @@ def _factors(levels: pd.DataFrame, effects: pd.DataFrame, facts: Facts) -> Itera
         # factors without which a contact does without, as c_H = 0, have no effect
         pairs = [pair for pair in pairs if pair in size]
         contact = f"{case}; {variation} levels"
-        yield {
-            "fact": "surface energy and radius play by far the greatest part",
-            "source": lead["source"],
-            "quantity": "lesser effect of the two over the greatest other",
-            "contact": contact,
-            "low": lead["value"],
-            "computed": float(size[sorted(first)].min() / size[others].max()),
-        }
-        yield {
-            "fact": "one interaction plays a small part: surface energy with adhesion damping",
-            "source": rank["source"],
-            "quantity": "its rank among the interactions of two",
-            "contact": contact,
-            "measured": rank["value"],
-            "high": rank["value"],
-            "computed": float(1 + (size[pairs] > size[both]).sum()),
-        }
+        yield Compared(
+            "surface energy and radius play by far the greatest part",
+            lead["source"],
+            "lesser effect of the two over the greatest other",
+            contact,
+            low=lead["value"],
+            computed=float(size[sorted(first)].min() / size[others].max()),
+        )
+        yield Compared(
+            "one interaction plays a small part: surface energy with adhesion damping",
+            rank["source"],
+            "its rank among the interactions of two",
+            contact,
+            measured=rank["value"],
+            high=rank["value"],
+            computed=float(1 + (size[pairs] > size[both]).sum()),
+        )
 
 
-def _spin_and_roughness(spin: Spin, inputs: Tables, facts: Facts) -> Iterable[Row]:
-    """Return the change that spin makes, and the apparent restitution of a rough surface."""
+def _spin_and_roughness(spin: Spin, inputs: Tables, facts: Facts) -> Iterator[Compared]:
+    """Yield the change that spin makes, and the apparent restitution of a rough surface."""
     above = facts.row("li1996", "apparent_restitution")
     contact = calibrated_contact(inputs, spin.case)
     omega = spin.ratio * spin.speed_m_per_s / contact.radius
@@ -280,21 +290,19 @@ def _spin_and_roughness(spin: Spin, inputs: Tables, facts: Facts) -> Iterable[Ro
     table = inputs["monte_carlo"]
     shallow = table[table["angle_deg"] == table["angle_deg"].min()]
     least = shallow.loc[shallow["restitution"].idxmin()]
-    return (
-        {
-            "fact": "spin before impact matters significantly",
-            "source": above["source"].rpartition(": ")[0],
-            "quantity": f"change of the impulse ratio at {spin.angle_deg:g} deg, over friction",
-            "contact": f"{spin.case}, rim at {spin.ratio:g} of the speed",
-            "low": spin.significant,
-            "computed": float(np.abs(spun - still) / contact.friction),
-        },
-        {
-            "fact": "roughness gives an apparent restitution above one at shallow angles",
-            "source": above["source"],
-            "quantity": f"mean apparent restitution at {least['angle_deg']:g} deg",
-            "contact": f"Monte Carlo, {least['variant']}",
-            "low": above["value"],
-            "computed": float(least["restitution"]),
-        },
+    yield Compared(
+        "spin before impact matters significantly",
+        above["source"].rpartition(": ")[0],
+        f"change of the impulse ratio at {spin.angle_deg:g} deg, over friction",
+        f"{spin.case}, rim at {spin.ratio:g} of the speed",
+        low=spin.significant,
+        computed=float(np.abs(spun - still) / contact.friction),
+    )
+    yield Compared(
+        "roughness gives an apparent restitution above one at shallow angles",
+        above["source"],
+        f"mean apparent restitution at {least['angle_deg']:g} deg",
+        f"Monte Carlo, {least['variant']}",
+        low=above["value"],
+        computed=float(least["restitution"]),
     )

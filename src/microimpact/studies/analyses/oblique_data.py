@@ -9,6 +9,7 @@ it is turned into the article's, from the surface.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 from typing import Annotated, Any
 
 import numpy as np
@@ -37,6 +38,8 @@ from microimpact.model.rigid_body.algebra import INERTIA, SLIP_PER_IMPULSE
 NEEDS = {"calibration": ("calibration",)}
 
 QUANTITIES = {"tangential_restitution": "-", "spin": "rad/s", "rebound_angle_centre": "deg"}
+# Panels of the figure, and the units of their axes.
+UNITS = {"velocity": ("deg", "1"), "spin": ("deg", "rad_per_s"), "contact point": ("1", "1")}
 SLIDING, STICKING = "sliding", "sticking"
 # A column beside those of the laws: the spin that the measured velocity asks for.
 FROM_VELOCITY = "spin of the measured velocity"
@@ -98,32 +101,25 @@ def run(params: Params, inputs: Tables) -> Tables:
     contact = hertz_damping_for(bare, params.speed_m_per_s, params.restitution)
     own = params.microspheres
     small = calibrated_contact(inputs, own.case, friction=own.friction)
-    points = inputs["external"]
-    compared = comparison(points, contact, params.speed_m_per_s)
+    compared = comparison(inputs["external"], contact, params.speed_m_per_s)
     figures = [*curves(params, contact, small), *marks(compared, params, contact)]
-    is_printed = own.printed_for.is_of(inputs, own.case)
-    if is_printed:
-        figures.append(printed_mark(own))
-    shown = [f for f in figures if f["panel"].iloc[0] != "contact point"]
-    slips = [f[f["x_1"] <= params.largest_slip] for f in figures if "x_1" in f]
-    figures = [f for f in (*shown, *slips) if len(f)]
+    found = bounds(params, compared, contact, small)
+    if own.printed_for.is_of(inputs, own.case):
+        mark, bound = printed_transition(own)
+        figures.append(mark)
+        found = pd.concat([bound, found], ignore_index=True)
+    panels = {
+        panel: pd.concat([f for f in figures if (f["panel"] == panel).any()], ignore_index=True)
+        for panel in UNITS
+    }
+    slips = panels["contact point"]
     return {
-        name: pd.concat([f for f in figures if set(f["panel"]) == {panel}], ignore_index=True)
-        for name, panel in (
-            ("oblique_velocity", "velocity"),
-            ("oblique_spin", "spin"),
-            ("contact_point", "contact point"),
-        )
-    } | {
+        "oblique_velocity": panels["velocity"],
+        "oblique_spin": panels["spin"],
+        "contact_point": slips[slips["x_1"] <= params.largest_slip].reset_index(drop=True),
         "oblique_comparison": compared,
         "oblique_residuals": residuals(compared),
-        "tangential_bounds": pd.concat(
-            [
-                *([printed_bound(own)] if is_printed else []),
-                bounds(params, compared, contact, small),
-            ],
-            ignore_index=True,
-        ),
+        "tangential_bounds": found,
     }
 
 
@@ -169,29 +165,27 @@ def comparison(points: pd.DataFrame, contact: Contact, speed: float) -> pd.DataF
 def residuals(compared: pd.DataFrame) -> pd.DataFrame:
     """Return the rms of each law by quantity, branch and reading, as it is and relative."""
     rows = []
-    for law in (*TANGENTIAL_LAWS, FROM_VELOCITY):
-        for reading in ("all", *sorted(set(compared["reading"]))):
-            some = compared if reading == "all" else compared[compared["reading"] == reading]
-            for (quantity, branch), part in some.groupby(["quantity", "branch"], sort=False):
-                known = part[part[law].notna()]
-                if known.empty:
-                    continue
-                off = known[law] - known["measured"]
-                rows.append(
-                    {
-                        "quantity": quantity,
-                        "branch": branch,
-                        "reading": reading,
-                        "law": law,
-                        "points": len(known),
-                        "rms": np.sqrt(np.mean(off**2)),
-                        "unit": QUANTITIES[str(quantity)],
-                        "relative_rms": np.sqrt(np.mean((off / known["measured"]) ** 2)),
-                        "mean_relative": np.mean(off / known["measured"]),
-                        "reading_error": known["reading_error"].max(),
-                        "evidence": "computed",
-                    }
-                )
+    readings = {"all": compared} | dict(iter(compared.groupby("reading")))
+    for law, (reading, some) in product((*TANGENTIAL_LAWS, FROM_VELOCITY), readings.items()):
+        known = some[some[law].notna()]
+        for (quantity, branch), part in known.groupby(["quantity", "branch"], sort=False):
+            off = part[law] - part["measured"]
+            relative = off / part["measured"]
+            rows.append(
+                {
+                    "quantity": quantity,
+                    "branch": branch,
+                    "reading": reading,
+                    "law": law,
+                    "points": len(part),
+                    "rms": np.sqrt(np.mean(off**2)),
+                    "unit": QUANTITIES[str(quantity)],
+                    "relative_rms": np.sqrt(np.mean(relative**2)),
+                    "mean_relative": np.mean(relative),
+                    "reading_error": part["reading_error"].max(),
+                    "evidence": "computed",
+                }
+            )
     return pd.DataFrame(rows)
 
 
@@ -206,9 +200,13 @@ def relative_slip(friction: float, e: Real, angle: FloatArray) -> FloatArray:
     return np.asarray(1.0 / (SLIP_PER_IMPULSE * friction * (1.0 + e) * np.tan(np.radians(angle))))
 
 
+def turned(tangential_restitution: FloatArray) -> FloatArray:
+    """Return that of the contact point from that of the centre, if friction alone turns it."""
+    return SLIP_PER_IMPULSE * (1.0 - tangential_restitution) - 1.0
+
+
 def _frame(panel: str, series: str, x: Real, y: Real, **more: object) -> pd.DataFrame:
-    units = {"velocity": ("deg", "1"), "spin": ("deg", "rad_per_s"), "contact point": ("1", "1")}
-    x_unit, y_unit = units[panel]
+    x_unit, y_unit = UNITS[panel]
     return series_frame(panel, series, x, y, x_unit=x_unit, y_unit=y_unit, **more)  # type: ignore[arg-type]
 
 
@@ -219,24 +217,18 @@ def curves(params: Params, contact: Contact, small: Contact) -> list[pd.DataFram
     for law in TANGENTIAL_LAWS:
         impact = simulate(contact, params.speed_m_per_s, angle, tangential=law)
         found = values(impact, params.speed_m_per_s, angle)
-        e = impact.coefficient_of_restitution
+        slip = relative_slip(params.friction, impact.coefficient_of_restitution, angle)
+        left = contact_point(impact, contact, params.speed_m_per_s, angle)
         frames += [
             _frame("velocity", law, angle, found["tangential_restitution"]),
             _frame("spin", law, angle, found["spin"]),
-            _frame(
-                "contact point",
-                law,
-                relative_slip(params.friction, e, angle),
-                contact_point(impact, contact, params.speed_m_per_s, angle),
-            ),
+            _frame("contact point", law, slip, left),
         ]
     own = params.microspheres
     impact = simulate(small, own.speed_m_per_s, angle, tangential="mindlin")
-    e = impact.coefficient_of_restitution
-    place = relative_slip(own.friction, e, angle)
-    left = contact_point(impact, small, own.speed_m_per_s, angle)
-    free = ~impact.captured
-    return [*frames, _frame("contact point", "microspheres", place[free], left[free])]
+    slip = relative_slip(own.friction, impact.coefficient_of_restitution, angle)
+    left, free = contact_point(impact, small, own.speed_m_per_s, angle), ~impact.captured
+    return [*frames, _frame("contact point", "microspheres", slip[free], left[free])]
 
 
 def marks(compared: pd.DataFrame, params: Params, contact: Contact) -> list[pd.DataFrame]:
@@ -245,38 +237,26 @@ def marks(compared: pd.DataFrame, params: Params, contact: Contact) -> list[pd.D
     for (quantity, reading), part in compared.groupby(["quantity", "reading"], sort=False):
         series = points_series("measured", f"Kharaz et al. 2001, reading {reading}")
         angle, y = part["angle_deg"].to_numpy(float), part["measured"].to_numpy(float)
-        if quantity == "spin":
-            frames.append(_frame("spin", series, angle, y, evidence="measured"))
-        elif quantity == "tangential_restitution":
-            frames.append(_frame("velocity", series, angle, y, evidence="measured"))
+        panel = {"spin": "spin", "tangential_restitution": "velocity"}.get(str(quantity))
+        if panel:
+            frames.append(_frame(panel, series, angle, y, evidence="measured"))
+        if panel == "velocity":
             e = simulate(contact, params.speed_m_per_s, angle).coefficient_of_restitution
-            place = relative_slip(params.friction, e, angle)
-            turned = SLIP_PER_IMPULSE * (1.0 - y) - 1.0
-            frames.append(_frame("contact point", series, place, turned, evidence="measured"))
+            slip = relative_slip(params.friction, e, angle)
+            frames.append(_frame("contact point", series, slip, turned(y), evidence="measured"))
     return frames
 
 
-def printed_mark(own: Microspheres) -> pd.DataFrame:
-    """Return the article's angle as a mark with its range."""
-    low, middle, high = transition(own)
-    mark = {"evidence": "printed", "y_low": low, "y_high": high}
-    return _frame("contact point", "article", 1.0 / (1.0 + middle), middle, **mark)
+def printed_transition(own: Microspheres) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Return the mark of the article's angle with its range, and its row of `bounds`.
 
-
-def transition(own: Microspheres) -> FloatArray:
-    """Return the contact point's restitution where sliding ends: at most, printed, at least angle.
-
-    There the impulse that friction gives, f (1 + e) v_n, is the one that leaves -e_t times the
-    slip, 2/7 (1 + e_t) v_t.
+    Where sliding ends the impulse that friction gives, f (1 + e) v_n, is the one that leaves -e_t
+    times the slip, 2/7 (1 + e_t) v_t.
     """
     within = own.transition_within_deg * np.array([-1.0, 0.0, 1.0])
     slip = relative_slip(own.friction, own.restitution, own.transition_deg + within)
-    return np.asarray(1.0 / slip - 1.0)
-
-
-def printed_bound(own: Microspheres) -> pd.DataFrame:
-    """Return the row of `bounds` that the article's angle gives."""
-    low, middle, high = transition(own)
+    low, middle, high = 1.0 / slip - 1.0
+    ends: dict[str, object] = {"evidence": "printed", "y_low": low, "y_high": high}
     row = {
         "spheres": f"article, sliding from {own.transition_deg:g} deg",
         "quantity": "at the transition",
@@ -286,7 +266,8 @@ def printed_bound(own: Microspheres) -> pd.DataFrame:
         "high": high,
         "evidence": "printed",
     }
-    return pd.DataFrame([row])
+    mark = _frame("contact point", "article", 1.0 / (1.0 + middle), middle, **ends)
+    return mark, pd.DataFrame([row])
 
 
 def bounds(
@@ -302,24 +283,17 @@ def bounds(
     ):
         for law in TANGENTIAL_LAWS:
             impact = simulate(which, speed, angle, tangential=law)
-            turned = contact_point(impact, which, speed, angle)
+            left = contact_point(impact, which, speed, angle)
             # None slides where friction is high or all are captured: then nothing is said of it.
             places = [("at the transition", i) for i in np.flatnonzero(~impact.rolling)[-1:]]
-            for quantity, i in [*places, ("greatest", int(np.argmax(turned)))]:
+            for quantity, i in [*places, ("greatest", int(np.argmax(left)))]:
                 place = {"spheres": f"{name}, {law}", "quantity": quantity}
-                found = {"angle_deg": angle[i], "value": turned[i], "evidence": "computed"}
+                found = {"angle_deg": angle[i], "value": left[i], "evidence": "computed"}
                 rows.append(place | found)
     seen = compared[compared["quantity"] == "tangential_restitution"]
-    turned = SLIP_PER_IMPULSE * (1.0 - seen["measured"].to_numpy(float)) - 1.0
-    top = int(np.argmax(turned))
-    rows.append(
-        {
-            "spheres": params.external,
-            "quantity": "greatest",
-            "angle_deg": float(seen["angle_deg"].iloc[top]),
-            "value": turned[top],
-            "evidence": "measured",
-        }
-    )
+    left = turned(seen["measured"].to_numpy(float))
+    top = int(np.argmax(left))
+    greatest = {"spheres": params.external, "quantity": "greatest", "evidence": "measured"}
+    rows.append(greatest | {"angle_deg": float(seen["angle_deg"].iloc[top]), "value": left[top]})
     columns = ["spheres", "quantity", "angle_deg", "value", "low", "high", "evidence"]
     return pd.DataFrame(rows, columns=columns)
