@@ -131,7 +131,7 @@ def verdict_of(claims, name, numbers):
 
 def test_every_number_of_every_testable_claim_is_there_in_its_unit(claims, numbers):
     assert list(numbers.columns) == list(NUMBER_COLUMNS)
-    assert set(CLAIMS) == {name for name, claim in claims.items() if claim.positive}
+    assert set(CLAIMS) == {name for name, claim in claims.items() if claim.testable}
     assert (numbers["problem"] == "").all()
     # verdicts refuses a number that is missing, not finite, twice there or of another unit
     assert list(verdicts(claims, numbers)["id"]) == list(claims)
@@ -140,7 +140,7 @@ def test_every_number_of_every_testable_claim_is_there_in_its_unit(claims, numbe
 def test_evidence_says_what_was_sampled_and_what_was_fitted(claims, numbers):
     evidence = numbers.groupby("claim")["evidence"].unique()
     for name, (found,) in evidence.items():
-        kind, fitted = claims[name].kind, claims[name].positive == "calibrated"
+        kind, fitted = claims[name].kind, claims[name].if_met == "calibrated"
         assert (kind == "virtual experiment") <= (found != "computed")
         # where an input was fitted to the figure, agreement proves nothing
         assert (found == "calibrated") <= fitted

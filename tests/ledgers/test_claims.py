@@ -22,7 +22,6 @@ def claim(**changes):
         "quantities": {"e": "-", "v": "m/s"},
         "criteria": [{"quantity": "e", "test": "within", "value": 0.7, "tolerance": 0.05}],
         "reason": "because",
-        "verdicts": ["reproduced", "not reproduced"],
         "break": {"change": "x", "expect": "not reproduced"},
     }
     return build(Claim, entry | changes)
@@ -46,7 +45,7 @@ def numbers(*rows):
 
 
 GOOD = (("C01", "", "e", 0.72, "-"), ("C01", "", "v", 1.0, "m/s"))
-TWO = {"cases": ["a", "b"], "verdicts": ["reproduced", "not reproduced", "not identified"]}
+TWO = {"cases": ["a", "b"]}
 CONDITION = [{"quantity": "v", "test": "at_least", "value": 0.5}]
 
 
@@ -69,7 +68,7 @@ CONDITION = [{"quantity": "v", "test": "at_least", "value": 0.5}]
             "not reproduced",
         ),
         (
-            {"verdicts": ["calibrated", "not reproduced"]},
+            {"if_met": "calibrated"},
             {"": {"e": 0.7, "v": 1.0}},
             "calibrated",
         ),
@@ -190,12 +189,12 @@ def test_a_claim_that_could_not_be_computed_says_why_and_leaves_the_others_alone
 
 
 def test_no_claim_can_declare_that_it_is_not_computed():
-    with pytest.raises(ValueError, match="verdicts"):
-        claim(verdicts=["reproduced", "not reproduced", "not computed"])
+    with pytest.raises(ValueError, match="if_met"):
+        claim(if_met="not computed")
 
 
 def test_a_claim_that_is_not_testable_needs_no_numbers():
-    untestable = claim(quantities={}, criteria=[], verdicts=["not testable"], **{"break": None})
+    untestable = claim(quantities={}, criteria=[], testable=False, **{"break": None})
     other = claim(id="C02")
     rows = numbers(*((("C02", *row[1:])) for row in GOOD))
     table = verdicts({"C01": untestable, "C02": other}, rows)
@@ -219,7 +218,6 @@ C01:
   quantities: {e: "-"}
   criteria: [{quantity: e, test: at_least, value: 0.5}]
   reason: r
-  verdicts: [reproduced, not reproduced]
   break: {change: x, expect: not reproduced}
 """
     )

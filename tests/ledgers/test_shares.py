@@ -9,7 +9,7 @@ from microimpact.ledgers.claims import verdicts
 from microimpact.ledgers.claims.shares import NUMBERS, Share, separation, shares
 
 COLUMNS = ["claim", "contact", "variant", "draw", "alternative", "quantity", "value"]
-CASES = {"cases": ["a", "b"], "verdicts": ["reproduced", "not reproduced", "not identified"]}
+CASES = {"cases": ["a", "b"]}
 
 
 def drawn(values, variant="with", alternative="", quantity="e"):

@@ -45,7 +45,7 @@ def tell(name: str, changes: Mapping[str, Any], results: Path) -> str:
     if name not in claims:
         raise ValueError(f"{name!r} is no claim{nearest(name, claims)}")
     claim = claims[name]
-    if claim.positive is None:
+    if not claim.testable:
         return _page(claim, {"verdict": claim.verdicts[0]})
     folder = results if _shipped(results) else None
     if folder and not changes:

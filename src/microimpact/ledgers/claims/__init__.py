@@ -118,22 +118,20 @@ def verdict(
         Numbers by quantity, by case, and standard errors; the only case of a claim without
         alternatives is ``""``.
     """
-    positive = claim.positive
-    if positive is None:
-        return claim.verdicts[0], []
+    if not claim.testable:
+        return "not testable", []
     unidentified = failures(claim.identified_if, values)
     if unidentified:
         return "not identified", unidentified
-    return judged(positive, claim.criteria, values, errors)
+    return judged(claim.if_met, claim.criteria, values, errors)
 
 
 def _problems(claim: Claim, numbers: pd.DataFrame) -> list[str]:
     own = numbers[(numbers["claim"] == claim.id) & (numbers["problem"] == "")]
     whole = len(own) == (numbers["claim"] == claim.id).sum()
     cases = claim.cases or ("",)
-    wanted = {(case, name) for case in cases for name in claim.quantities}
-    if claim.positive is None:
-        wanted = set()
+    names = claim.quantities if claim.testable else ()
+    wanted = {(case, name) for case in cases for name in names}
     given = list(zip(own["case"], own["quantity"], strict=True))
     missing = sorted(wanted - set(given)) if whole else []
     lines = [f"{claim.id}: {place(*key)} is missing" for key in missing]
@@ -162,8 +160,8 @@ def _row(claim: Claim, numbers: pd.DataFrame, share: Share | None) -> dict[str, 
     found: Finding
     if len(computed) == len(own):
         found, failed = verdict(claim, values, errors)
-        if share and claim.positive:
-            found, failed = share.verdict(claim.positive), [share.in_words(), *failed]
+        if share and claim.testable:
+            found, failed = share.verdict(claim.if_met), [share.in_words(), *failed]
     else:
         lacking = own[own["problem"] != ""]
         found = NOT_COMPUTED

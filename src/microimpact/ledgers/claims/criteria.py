@@ -48,7 +48,7 @@ Equation = Annotated[str, Field(pattern=r"^([1-9]|[1-3]\d|4[01])$")]
 UNCOUNTED: tuple[Kind, ...] = ("arithmetic", "finding")
 
 # What a claim gets if all its criteria hold: a property of the claim, not of the result.
-POSITIVE: tuple[Verdict, ...] = ("reproduced", "reproduced with a correction", "calibrated")
+Positive = Literal["reproduced", "reproduced with a correction", "calibrated"]
 
 # Bounds that each test takes.
 BOUNDS: Mapping[Test, tuple[str, ...]] = {
@@ -145,15 +145,17 @@ class Claim:
         What the test is; rows `arithmetic` (an identity, or what a model assumes) and `finding`
         (of this study, not of the article) are listed but not counted.
     article_value, unit
-        The printed number, or the shape, sign or order claimed.
+        The printed number, or the shape, sign or order claimed; its unit, ``-`` for none.
     quantities
         Numbers to compute, with their units.
     criteria
         All must hold.
     reason
         Why these bounds decide.
-    verdicts
-        What can come out: at most one of `POSITIVE`, and what comes if it fails.
+    if_met
+        What comes out if all criteria hold.
+    testable
+        Whether anything was published to test; else there are no criteria.
     cases
         Alternatives that the published facts leave open. The criteria are judged in each;
         if some cases meet them and others do not, the claim is `not identified`.
@@ -175,11 +177,12 @@ class Claim:
     statement: Name
     kind: Kind
     article_value: Name
-    unit: Name
+    unit: Name = "-"
     quantities: dict[Quantity, Name] = field(default_factory=dict)
     criteria: tuple[Criterion, ...] = ()
     reason: Name
-    verdicts: tuple[Verdict, ...]
+    if_met: Positive = "reproduced"
+    testable: bool = True
     cases: tuple[Name, ...] = ()
     identified_if: tuple[Criterion, ...] = ()
     figures: tuple[Figure, ...] = ()
@@ -190,54 +193,29 @@ class Claim:
 
     def __post_init__(self) -> None:
         """Refuse a claim whose parts do not fit together."""
-        for problem in (
-            self._unknown_quantity(),
-            self._verdicts_problem(),
-            self._identification_problem(),
-            self._break_problem(),
-        ):
-            if problem:
-                raise ValueError(problem)
+        for criterion in (*self.criteria, *self.identified_if):
+            if (name := criterion.quantity) not in self.quantities:
+                known = nearest(name, self.quantities)
+                raise ValueError(f"'{name}' is not among the quantities{known}")
+        if self.criteria and not self.testable:
+            raise ValueError("a claim that is not testable has no criteria")
+        if self.testable and not self.criteria:
+            raise ValueError("criteria: at least one is needed")
+        if len(self.cases) == 1:
+            raise ValueError("cases: one alone is no alternative")
+        if self.testable and self.break_ is None:
+            raise ValueError("a claim that can be reproduced needs a break")
+        if self.break_ and self.break_.expect not in self.verdicts:
+            told = f"'{self.break_.expect}', which is not among the verdicts"
+            raise ValueError(f"break expects {told}: {', '.join(self.verdicts)}")
 
     @property
-    def positive(self) -> Verdict | None:
-        """The verdict if all criteria hold; none if the claim cannot be tested."""
-        return next((verdict for verdict in self.verdicts if verdict in POSITIVE), None)
-
-    def _unknown_quantity(self) -> str:
-        for criterion in (*self.criteria, *self.identified_if):
-            if criterion.quantity not in self.quantities:
-                name = criterion.quantity
-                return f"'{name}' is not among the quantities{nearest(name, self.quantities)}"
-        return ""
-
-    def _verdicts_problem(self) -> str:
-        if len(set(self.verdicts)) != len(self.verdicts):
-            return "verdicts must differ"
-        if self.verdicts == ("not testable",):
-            return "a claim that is not testable has no criteria" if self.criteria else ""
-        if "not testable" in self.verdicts:
-            return "'not testable' must be the only one"
-        if sum(verdict in POSITIVE for verdict in self.verdicts) != 1:
-            return f"verdicts need exactly one of {', '.join(POSITIVE)}"
-        if "not reproduced" not in self.verdicts:
-            return "verdicts need 'not reproduced': a check must be able to fail"
-        return "" if self.criteria else "criteria: at least one is needed"
-
-    def _identification_problem(self) -> str:
-        open_facts = bool(self.cases or self.identified_if)
-        if len(self.cases) == 1:
-            return "cases: one alone is no alternative"
-        if open_facts != ("not identified" in self.verdicts):
-            return "'not identified' goes with cases or identified_if, and they with it"
-        return ""
-
-    def _break_problem(self) -> str:
-        if self.break_ is None:
-            return "a claim that can be reproduced needs a break" if self.positive else ""
-        if self.break_.expect not in self.verdicts:
-            return f"break expects '{self.break_.expect}', which is not among the verdicts"
-        return ""
+    def verdicts(self) -> tuple[Verdict, ...]:
+        """What can come out."""
+        if not self.testable:
+            return ("not testable",)
+        is_open: tuple[Verdict, ...] = ("not identified",)
+        return (self.if_met, "not reproduced", *is_open * bool(self.cases or self.identified_if))
 
 
 def holds(criterion: Criterion, value: float) -> bool:
