@@ -10,9 +10,9 @@ if those that do not give the same tables, to the last bit. The values are those
 configuration with the small settings merged, the numbers of the declared tables, and those of the
 criteria of the claims, which must decide a verdict. Changes are tried in turn until one moves
 something: a few per cent or one more, then a tenth and ten times, since a bound may lie far off; a
-flag turned; another name that stands under the same key. A change that is refused counts for
-nothing; a value all of whose changes are refused is told as not tested. One whose changes stop the
-study is needed.
+flag turned; another name that stands under the same key; in place of a reference a number, then
+another place. A change that is refused counts for nothing; a value all of whose changes are
+refused, or leave it as it is, is told as not tested. One whose changes stop the study is needed.
 
 Left out are evidence and sources, paths, and words of figures that pages show as they stand. A
 figure is drawn anew where its entry changed; words that show a parameter count as an output of it.
@@ -60,8 +60,7 @@ from microimpact.declared.selection import TABLES, DeclaredTable, NamedTables, r
 from microimpact.figures.registry import FigureSpec, figure_spec, filled
 from microimpact.figures.style import UNDATED, context
 from microimpact.ledgers import claims, equations
-from microimpact.run.config import read_configuration, validate
-from microimpact.run.inputs import read_inputs
+from microimpact.run.config import read_configuration, read_inputs, validate
 from microimpact.studies import homes, needs, study
 from microimpact.studies.claims import claim_numbers
 
@@ -307,6 +306,7 @@ TRIED = 3
 MANY = 30
 # A criterion decides if any bound whatever would give another verdict.
 EXTREMES = (1e9, -1e9, 0.0)
+NUMBER = r"-?\d+(?:\.\d+)?"
 OTHER_END = {"low": "high", "high": "low"}
 SECONDS = 180
 
@@ -341,7 +341,7 @@ def changes(each: Value, world: World, refused: Sequence[str]) -> Iterator[tuple
     """
     value, document = each.value, world.document
     if each.place[-1] == "from":  # a number of the user's, as another place may have the same
-        for number in _named(each, world.rests):
+        for number in _named(each, world.rests, refused):
             yield 1, merged(at(document, each.place[:-1]), number)
     if isinstance(value, bool):
         others: Iterator[Any] = iter([not value])
@@ -372,22 +372,26 @@ def _numbers(each: Value, document: Document, refused: Sequence[str]) -> Iterato
         yield from (factor * value for factor in FACTORS)
     else:
         yield from (0.05, 1.0, -0.05)
-    yield from (type(value)(float(name)) for name in _allowed(refused, r"-?\d+(?:\.\d+)?"))
+    yield from (type(value)(float(name)) for name in _allowed(refused, NUMBER))
     yield 2 * value  # where a power of two is asked for
     if each.place[0] == "claims":
         end = at(document, each.place[:-1]).get(OTHER_END.get(name_of(each.place)))
         yield from (*EXTREMES, *([] if end is None else [value + 0.999 * (end - value)]))
 
 
-def _named(each: Value, rests: Rested) -> Iterator[Any]:
-    """Yield numbers beside those that a study is given by a reference."""
-    with suppress(KeyError, IndexError, TypeError):
-        found = at(rests[str(each.place[1])].branch, each.place[2:-1])
+def _named(each: Value, rests: Rested, refused: Sequence[str]) -> Iterator[Any]:
+    """Yield numbers beside those that a study is given by a reference, and any that are allowed."""
+    with suppress(KeyError, IndexError, TypeError, StopIteration):
+        found: Any = rests[str(each.place[1])].branch
+        for part in each.place[2:-1]:  # items of a list may stand by their names
+            named = isinstance(found, list) and isinstance(part, str)
+            found = next(i for i in found if part in i.values()) if named else found[part]
         numbers = found if isinstance(found, list) else [found]
         if all(type(number) in {int, float} for number in numbers):
             for factor in FACTORS:
                 changed = [type(number)(factor * number) for number in numbers]
                 yield changed if isinstance(found, list) else changed[0]
+    yield from map(float, _allowed(refused, NUMBER))
 
 
 def _texts(each: Value, world: World, refused: Sequence[str]) -> Iterator[str]:
@@ -554,6 +558,7 @@ def tried(each: Value, world: World) -> Found:
     stopped: list[str] = []
     unmoved, most = 0, TRIED if each.place[0] != "claims" else sys.maxsize
     same = False  # nothing rests on a change: another place may have the same value
+    bound = False  # but no other number may stand in place of a reference
     verdict, by = "", ""
     for above, other in changes(each, world, refused):
         places = [place[: len(place) - above] for place in each.places]
@@ -564,6 +569,7 @@ def tried(each: Value, world: World) -> Found:
             after = world.resolve(document, each.place[0], world.rests)
         except Exception as error:  # noqa: BLE001  whatever is raised refuses the value
             refused.append(f"{other!r}: {error}")
+            bound = bound or (is_reference(other) and bool({"value", "values"} & {*other}))
             continue
         others = {name: after[name] for name in after if after[name] != world.rests[name]}
         same = same or not others
@@ -582,7 +588,7 @@ def tried(each: Value, world: World) -> Found:
             break
     if by:
         verdict = "moved"
-    elif unmoved or (same and not stopped):
+    elif unmoved or (same and not stopped and not bound):
         verdict = "dead"
     elif stopped:
         verdict, by = "needed", stopped[0]

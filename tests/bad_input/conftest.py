@@ -12,8 +12,7 @@ import pytest
 from tests.shared import shipped
 
 from microimpact.declared import documents
-from microimpact.run.config import read_configuration, validate
-from microimpact.run.inputs import read_inputs
+from microimpact.run.config import read_configuration, read_inputs, validate
 
 ROOT = Path(__file__).parents[2]
 

@@ -48,8 +48,7 @@ from microimpact.report import explorer, site
 from microimpact.report.site import record as site_record
 from microimpact.declared.documents import load
 from microimpact.declared.references import merged
-from microimpact.run.config import read_configuration, validate
-from microimpact.run.inputs import read_inputs
+from microimpact.run.config import read_configuration, read_inputs, validate
 from microimpact.run import stamp
 from microimpact.run.study import run_with
 from microimpact.run.summary import summary

@@ -23,7 +23,7 @@ from microimpact.ledgers.claims.words import article_value, by_quantity, readabl
 from microimpact.report.check.results import ResultsError
 from microimpact.report.site.pages import render
 from microimpact.report.site.record import read_record
-from microimpact.run.inputs import study_rows
+from microimpact.run.config import study_rows
 from microimpact.run.study import Made
 from microimpact.studies.claims import NUMBER_COLUMNS
 from microimpact.studies.claims.claim_numbers import CLAIMS, Params, numbers_of, part

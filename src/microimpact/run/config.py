@@ -1,15 +1,15 @@
-"""The configuration: its files read, overlays merged, references resolved, all of it checked.
+"""What is declared: files read, overlays merged, references resolved, all of it checked.
 
 A top-level key is one of `General`, a section of `lab.laboratory.Laboratory`, or the branch of an
 analysis: it bears the name of a module of `microimpact.studies` and is checked against that
-module's ``Params``. All problems of a configuration are reported together, one line each.
+module's ``Params``. All problems of a configuration are reported together, one line each;
+those of the files that it names after them.
 """
 
 from __future__ import annotations
 
-import json
-from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, fields, make_dataclass
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, fields, make_dataclass
 from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, get_type_hints
@@ -17,13 +17,18 @@ from typing import Annotated, Any, get_type_hints
 from pydantic import Field, ValidationError
 
 from microimpact import studies
+from microimpact.core.materials import Material, materials_from_rows
 from microimpact.core.nearest import nearest
 from microimpact.declared.documents import ConfigError, load
-from microimpact.declared.parameters import Count, Known, Name, build, explain
+from microimpact.declared.parameters import Count, Known, Name, adapter, build, explain
 from microimpact.declared.provenance import Declared
 from microimpact.declared.references import Resolver
-from microimpact.declared.selection import TABLES, DeclaredTables, read_all
+from microimpact.declared.selection import TABLES, DeclaredTable, DeclaredTables, read_all
+from microimpact.figures.registry import FigureSpec, filled, registry
 from microimpact.lab.laboratory import Laboratory
+from microimpact.model.pairs import Pair, Pairs, pair_contact, pairs_from_rows
+from microimpact.model.plausibility import LARGEST, SMALLEST, doubt_of_input, doubts_of_material
+from microimpact.run.digitised import Digitised, as_rows, read_folder
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -143,7 +148,9 @@ def validate(
     return Settings(
         general=general,
         tables=tables,
-        branches={name: json.loads(json.dumps(asdict(each))) for name, each in params.items()},
+        branches=adapter(branches).dump_python(  # type: ignore[arg-type]
+            branches(**params), mode="json"
+        ),
         rows={name: tables.named(each, bodies) for name, each in named.items()},
         # Where the results go is no input: the same study has the same table anywhere.
         declared=tuple(row for row in resolver.rows if not row.key.startswith("pathvars.")),
@@ -215,3 +222,89 @@ def _others(lines: Iterable[str], malformed: Sequence[str]) -> list[str]:
         return any(other.startswith((f"{key}.", f"{key}:")) for other in malformed)
 
     return [line for line in lines if not follows(line)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Inputs:
+    """What a run is made from besides its configuration."""
+
+    # Rows of the declared tables that each study is given, as CSV by table.
+    rows: Mapping[str, Mapping[str, str]]
+    # The figure registry with values filled in, plain and checked.
+    figure_entries: Mapping[str, Any]
+    figures: Mapping[str, FigureSpec]
+    digitised: Mapping[str, Digitised]  # Digitised points by figure
+
+
+def read_inputs(settings: Settings) -> Inputs:
+    """Read and check every file that a checked configuration names.
+
+    Raises ValueError: with one line per problem that names the key, or the file and its line or
+    column. Raises OSError if a file cannot be read.
+    """
+    general = settings.general
+    tables = settings.tables
+    materials = _materials(tables.materials)
+    pairs = pairs_from_rows(tables.contacts.rows)
+    for key in ("figures", "claims"):
+        if not Path(path := getattr(general, key)).is_file():
+            raise ValueError(f"{key}: {path!r} must be a file; there is none")
+    inputs = (doubt_of_input(row.key, row.value) for row in settings.declared)
+    wrong = [line for line in inputs if line]
+    wrong += [
+        f"{general.materials}: {name}: {line}"
+        for name, material in materials.items()
+        for line in doubts_of_material(material)
+    ]
+    wrong += [
+        f"{general.contacts}: {line}"
+        for pair in pairs
+        for line in _out_of_range(pair, materials, pairs)
+    ]
+    if wrong:
+        raise ValueError("\n".join(wrong))
+    entries = filled(load(general.figures), settings.branches)
+    figures = registry(entries)
+    digitised = read_folder(general.digitised, figures)
+    return Inputs(
+        rows={name: study_rows(name, settings, digitised) for name in settings.branches},
+        figure_entries=entries,
+        figures=figures,
+        digitised=digitised,
+    )
+
+
+def _materials(table: DeclaredTable) -> dict[str, Material]:
+    """Return the materials; those of the ends of what is uncertain must be possible, too."""
+    try:
+        for end in ("low", "high"):
+            materials_from_rows({**row, "value": row[end] or row["value"]} for row in table.rows)
+        return materials_from_rows(table.rows)
+    except ValueError as error:
+        raise ValueError(f"{table.path}: {error}") from None
+
+
+def study_rows(name: str, settings: Settings, digitised: Mapping[str, Digitised]) -> dict[str, str]:
+    """Return the declared rows that a study is given, as CSV by table.
+
+    That are the rows its branch names; but the study of all contacts has all, and the table of
+    declared inputs everything. Digitised points go to the studies that compare with them.
+    """
+    if name == "declared_inputs":
+        return settings.tables.everything(settings.declared)
+    if name == "contact_properties":
+        return settings.tables.contact_rows()
+    if name == "digitised_comparison":
+        return as_rows(digitised, digitised)
+    compared = ("fig15", "fig16") if name == "restitution_fits" else ()
+    return {**settings.rows[name], **as_rows(digitised, compared)}
+
+
+def _out_of_range(pair: Pair, materials: Mapping[str, Material], pairs: Pairs) -> Iterator[str]:
+    try:
+        contact = pair_contact(*pair, materials, pairs)
+        if not SMALLEST <= contact.diameter <= LARGEST:
+            allowed = f"from {SMALLEST:g} to {LARGEST:g} m"
+            raise ValueError(f"diameter {contact.diameter:.3g} m must be {allowed}")
+    except ValueError as error:
+        yield f"{pair[0]} on {pair[1]}: {error}"

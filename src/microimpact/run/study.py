@@ -15,8 +15,7 @@ from microimpact.core.tables import parse_table, read_table
 from microimpact.declared.parameters import build
 from microimpact.declared.references import merged
 from microimpact.declared.selection import TABLES, NamedTables
-from microimpact.run.config import Settings, read_configuration, validate
-from microimpact.run.inputs import study_rows
+from microimpact.run.config import Settings, read_configuration, study_rows, validate
 
 if TYPE_CHECKING:
     import pandas as pd
