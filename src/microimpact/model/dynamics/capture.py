@@ -21,8 +21,9 @@ from microimpact.model.dynamics.normal import (
 )
 
 # The exit at rest is a degenerate point of the regular form. On the branch that leaves it,
-# s = r^2 and u = r^3 y with y regular in r; at this r its neglected terms are below rounding.
-BRANCH_START = 1e-3
+# s = r^2 and u = r^3 y with y regular in r; at this r its neglected terms are below rounding, and
+# the small steps from nearer to the exit are spared.
+BRANCH_START = 1e-2
 
 # Logarithms of the speed, in velocity scales, and of a damping group, beyond which is nothing new.
 LARGEST_LOG_SPEED = 50.0
@@ -153,20 +154,15 @@ def _rated_threshold(
     def excess(log_w: FloatArray, *arguments: FloatArray) -> FloatArray:
         return np.maximum(log_w - log_limit(log_w, *arguments), -LARGEST_LOG_SPEED)
 
-    possible = np.isfinite(
-        np.where(hertz > 0.0, threshold(hertz, np.zeros_like(hertz), damped_attachment), 0.0)
-    )
-    found = np.full(hertz.size, np.inf)
-    if not np.any(possible):
-        return found
-    arguments = tuple(a[possible] for a in (hertz, adhesion, exponent, reference))
-    top = np.full(int(possible.sum()), LARGEST_LOG_SPEED)
+    arguments = hertz, adhesion, exponent, reference
+    top = np.full(hertz.size, LARGEST_LOG_SPEED)
     # As the right side falls, the solution lies between any w and the right side there.
-    start = np.log(arguments[-1])
+    start = np.log(reference)
     ends = start, np.clip(log_limit(start, *arguments), -top, top)
-    beyond = excess(top, *arguments) <= 0.0
-    search = [part[~beyond] for part in (*ends, *arguments)]
+    # Only where nothing rebounds at the one speed may there be no solution at all.
+    there = ends[1] < top
+    if not np.all(there):
+        there[~there] = excess(top[~there], *(a[~there] for a in arguments)) > 0.0
     limit = np.full(top.size, np.inf)
-    limit[~beyond] = np.exp(roots(excess, *search, **SEARCH))
-    found[possible] = limit
-    return found
+    limit[there] = np.exp(roots(excess, *(a[there] for a in (*ends, *arguments)), **SEARCH))
+    return limit
