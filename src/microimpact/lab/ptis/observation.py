@@ -7,7 +7,7 @@ the model is held against it.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.random import Generator
@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 from microimpact.core.arrays import FloatArray
 from microimpact.lab.events import Impacts, Measured
-from microimpact.lab.ptis.errors import theory
+from microimpact.lab.ptis.errors import Expected, theory
 from microimpact.lab.ptis.exposure import CAPTURED, MEASURED, UNMEASURABLE, exposures, unseen
 from microimpact.lab.ptis.frames import photographs
 from microimpact.lab.ptis.system import Setup, Systematics, draw_systematics, event_generator
-from microimpact.lab.ptis.tracks import Rejection, measure
+from microimpact.lab.ptis.tracks import Rejection, Track, find_spots, reduce_legs, sort_legs
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,6 +28,30 @@ class ImagedEvents:
 
     measured: Measured  # The events of which both legs were measured
     fates: tuple[str, ...]  # One word per impact: `MEASURED` or why not, n
+    expected: Expected | None = None  # Mean and spread of these events, by the error model
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Photographed:
+    """What the frames of n impacts show, before any reduction."""
+
+    fates: NDArray[np.object_]  # Why there is no frame, or nothing, n
+    legs: list[tuple[FloatArray, FloatArray] | Rejection]  # Of every frame, as from `sort_legs`
+
+    def reduced(self, setup: Setup, *, with_gravity: bool = True) -> ImagedEvents:
+        """Return what is measured, by paths under gravity or by straight lines."""
+        tracks = [
+            legs
+            if isinstance(legs, Rejection)
+            else reduce_legs(*legs, setup, with_gravity=with_gravity)
+            for legs in self.legs
+        ]
+        fates = self.fates.copy()
+        fates[fates == ""] = [
+            f"{UNMEASURABLE}: {of.reason}" if isinstance(of, Rejection) else MEASURED
+            for of in tracks
+        ]
+        return _observation(fates, [of.velocities for of in tracks if isinstance(of, Track)])
 
 
 def modelled(
@@ -54,7 +78,7 @@ def modelled(
     measured = np.flatnonzero(reasons == MEASURED)
     normal = [own[i].standard_normal((2, 2, 1)) for i in measured.tolist()]
     spread = np.linalg.cholesky(found.covariance) @ np.reshape(normal, (-1, 2, 2, 1))
-    return _observation(fates, found.velocities + spread[..., 0])
+    return replace(_observation(fates, found.velocities + spread[..., 0]), expected=found)
 
 
 def observe(
@@ -64,12 +88,24 @@ def observe(
     *,
     first: int = 0,
     errors: Systematics | None = None,
-    with_gravity: bool = True,
 ) -> ImagedEvents:
-    """Render and measure the frame of every impact that can be seen.
+    """Render and measure the frame of every impact that can be seen; arguments as in `modelled`."""
+    return photographed(impacts, setup, rng, first=first, errors=errors).reduced(setup)
+
+
+def photographed(
+    impacts: Impacts,
+    setup: Setup,
+    rng: Generator,
+    *,
+    first: int = 0,
+    errors: Systematics | None = None,
+) -> Photographed:
+    """Render the frame of every impact that can be seen, and sort its spots into legs.
 
     Of the events that are `unseen` a frame would give 1 in 400 a velocity, from dashes of which a
-    little is missing; they count as lost. Arguments as in `modelled` and `tracks.measure`.
+    little is missing; they count as lost. Arguments as in `modelled`; ``first`` is the number of
+    the first impact in its experiment.
     """
     errors = errors or draw_systematics(setup.instrument, rng)
     moving = np.flatnonzero(~impacts.captured)
@@ -78,13 +114,11 @@ def observe(
     reasons = unseen(exposure, setup)
     shown = np.flatnonzero(reasons == "")
     frames = photographs(exposure.select(shown), setup, errors, [draws[i] for i in shown.tolist()])
-    tracks = [measure(frame, setup, with_gravity=with_gravity) for frame in frames]
-    reasons[shown] = [
-        f"{UNMEASURABLE}: {of.reason}" if isinstance(of, Rejection) else MEASURED for of in tracks
-    ]
     fates = np.full(len(impacts), CAPTURED, dtype=object)
     fates[moving] = reasons
-    return _observation(fates, [of.velocities for of in tracks if not isinstance(of, Rejection)])
+    return Photographed(
+        fates=fates, legs=[sort_legs(find_spots(frame, setup), setup) for frame in frames]
+    )
 
 
 def _observation(

@@ -15,8 +15,9 @@ from pydantic import Field
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import Tables, series_frame
 from microimpact.declared.parameters import Count, Fraction, Keyed, Positive
+from microimpact.lab.events import Impacts
 from microimpact.lab.ptis.frames import render
-from microimpact.lab.ptis.observation import ImagedEvents, modelled, observe
+from microimpact.lab.ptis.observation import ImagedEvents, modelled, photographed
 from microimpact.lab.ptis.system import (
     ImagingSystem,
     Setup,
@@ -102,7 +103,9 @@ def _places(points: FloatArray, setup: Setup) -> FloatArray:
 
 Angle = Annotated[float, Field(gt=0, lt=90)]
 RANGE, ERRORS, FRAME = range(3)
-FRAMES, MODEL = "frames", "model"
+FRAMES, STRAIGHT, MODEL = "frames", "straight lines", "model"
+# Systematic errors would look like a bias of the reduction.
+EXACT = Systematics()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -182,9 +185,13 @@ def search(params: Params) -> Iterator[dict[str, Any]]:
     """Yield a row per angle, speed and field of view: the best setting of the chopper."""
     for angle in params.angles_deg:
         for speed in params.speeds_m_per_s:
+            true, rng = _arriving(params, speed, angle, params.modelled_events)
             for pixel in params.pixels_um:
-                settings = [_setup(params, speed, angle, pixel, p) for p in params.dash_pitches_px]
-                rows = [_row(params, setup, MODEL, params.modelled_events) for setup in settings]
+                rows = []
+                for pitch in params.dash_pitches_px:
+                    setup = _setup(params, speed, angle, pixel, pitch)
+                    seen = modelled(true, setup, rng, errors=EXACT)
+                    rows.append(_summary(params, setup, MODEL, seen, true))
                 yield max(rows, key=lambda row: float(row["fraction_observed"]))
 
 
@@ -194,28 +201,17 @@ def _setup(params: Params, speed: float, angle: float, pixel: float, pitch: floa
     return Setup(instrument=instrument, angle=angle, speed=speed, diameter=diameter)
 
 
-def _row(
-    params: Params, setup: Setup, method: str, events: int, *, with_gravity: bool = True
-) -> dict[str, Any]:
-    return _summary(params, setup, method, *_observed(params, setup, method, events, with_gravity))
-
-
-def _observed(
-    params: Params, setup: Setup, method: str, events: int, with_gravity: bool = True
-) -> tuple[ImagedEvents, FloatArray]:
-    """Observe without systematic errors, which would look like a bias of the reduction."""
-    speed, angle = setup.speed, setup.angle
+def _arriving(
+    params: Params, speed: float, angle: float, events: int
+) -> tuple[Impacts, np.random.Generator]:
+    """Return impacts at a speed and an angle, and the generator by which they are observed."""
     key = [RANGE, params.speeds_m_per_s.index(speed), params.angles_deg.index(angle)]
     true = impacts(params.particles, events, speed, angle, generator(params.seed, *key, 0))
-    rng = generator(params.seed, *key, 1)
-    if method == MODEL:
-        return modelled(true, setup, rng, errors=Systematics()), true_velocities(true)
-    seen = observe(true, setup, rng, errors=Systematics(), with_gravity=with_gravity)
-    return seen, true_velocities(true)
+    return true, generator(params.seed, *key, 1)
 
 
 def _summary(
-    params: Params, setup: Setup, method: str, observation: ImagedEvents, true: FloatArray
+    params: Params, setup: Setup, method: str, observation: ImagedEvents, true: Impacts
 ) -> dict[str, Any]:
     measured = observation.measured
     width, height = setup.instrument.frame_px
@@ -234,7 +230,9 @@ def _summary(
         "events": len(true),
         "fraction_observed": len(measured) / len(true),
     }
-    errors = speed_and_angle_errors(velocities(measured), true[measured.event])
+    errors = speed_and_angle_errors(
+        velocities(measured), true_velocities(true.select(measured.event))
+    )
     for k, leg in enumerate(LEGS):
         for error, name in zip(errors, ("speed_error", "direction_error_deg"), strict=True):
             of = error[:, k]
@@ -256,11 +254,13 @@ def rendered_range(params: Params, searched: pd.DataFrame) -> tuple[pd.DataFrame
     names = ["speed_m_per_s", "angle_deg", "pixel_um", "dash_pitch_px"]
     for chosen in best.loc[best["fraction_observed"] > 0.0, names].to_numpy(float).tolist():
         setup = _setup(params, *chosen)
-        seen = _observed(params, setup, FRAMES, params.rendered_events)
-        rows.append(_summary(params, setup, FRAMES, *seen))
-        lost.append(_fates(setup, FRAMES, seen[0].fates))
-        straight = _row(params, setup, FRAMES, params.rendered_events, with_gravity=False)
-        rows.append({**straight, "method": "straight lines"})
+        true, rng = _arriving(params, setup.speed, setup.angle, params.rendered_events)
+        frames = photographed(true, setup, rng, errors=EXACT)
+        for method, with_gravity in ((FRAMES, True), (STRAIGHT, False)):
+            seen = frames.reduced(setup, with_gravity=with_gravity)
+            rows.append(_summary(params, setup, method, seen, true))
+            if method == FRAMES:
+                lost.append(_fates(setup, method, seen.fates))
     if not rows:
         raise ValueError(
             f"drawn_angle_deg: at {params.drawn_angle_deg:g} deg no speed is measurable"
@@ -351,7 +351,7 @@ def accuracy(params: Params, ranges: pd.DataFrame) -> pd.DataFrame:
     rows = ranges[ranges["angle_deg"] == params.drawn_angle_deg]
     series = (
         (FRAMES, "path under gravity", "virtual experiment"),
-        ("straight lines", "straight line", "virtual experiment"),
+        (STRAIGHT, "straight line", "virtual experiment"),
         (MODEL, "error model", "computed"),
     )
     rendered = rows.loc[rows["method"] == FRAMES, ["speed_m_per_s", "pixel_um"]]

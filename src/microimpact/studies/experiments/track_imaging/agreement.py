@@ -12,10 +12,9 @@ from numpy.random import Generator
 from microimpact.core.arrays import FloatArray
 from microimpact.declared.parameters import Fraction, NonNegative, Positive
 from microimpact.lab.events import Impacts, Measured
-from microimpact.lab.ptis.errors import theory
 from microimpact.lab.ptis.exposure import MEASURED
 from microimpact.lab.ptis.observation import ImagedEvents, modelled, observe
-from microimpact.lab.ptis.system import Setup, draw_systematics, event_generator
+from microimpact.lab.ptis.system import Setup
 from microimpact.lab.reduction import quantities
 from microimpact.model.dynamics.impact import velocity_components
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
@@ -134,11 +133,10 @@ def compared(impacts: Impacts, setup: Setup, rng: Generator) -> Compared:
     `impacts`: which all rebound; `setup`: the instrument as set; `rng`: of the experiment.
     """
     frames, model = observe(impacts, setup, rng), modelled(impacts, setup, rng)
-    errors = draw_systematics(setup.instrument, rng)
-    draws = [event_generator(rng, i) for i in range(len(impacts))]
-    fates, expected = theory(impacts, setup, errors, draws)
+    expected = model.expected
+    assert expected is not None
     both, of_frames, of_model = np.intersect1d(
-        frames.measured.event, np.flatnonzero(fates == MEASURED), return_indices=True
+        frames.measured.event, model.measured.event, return_indices=True
     )
     seen, mean = velocities(frames.measured)[of_frames], expected.velocities[of_model]
     true = true_velocities(impacts)[both]
