@@ -153,7 +153,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     rows = []
     for series in params.series:
         for angle in params.angles_deg:
-            drop = series.drop(contacts[series.name], angle, params.dispenser)
+            drop = series.drop(contacts[series.name], angle, params.dispenser).tabulated()
             rng = generator(params.seed, *drop.key)
             outcome = collect(drop, params.instrument, params.stop, rng)
             truth = restitution_of_rebounds(params, series, drop, child(rng, UNSELECTED))
@@ -175,7 +175,7 @@ def restitution_of_rebounds(
 
     It is of more impacts than an experiment has, so that it shows what the imaging leaves out.
     """
-    impacts = drop.tabulated().impacts(params.unselected, rng)
+    impacts = drop.impacts(params.unselected, rng)
     rebounds = impacts.select(in_class(series, impacts) & ~impacts.captured).in_plane
     if len(rebounds) < params.stop.fewest_events:
         return np.nan
