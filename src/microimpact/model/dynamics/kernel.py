@@ -551,3 +551,32 @@ def record(
             u[0, 0] = 0.0
             damping_a[0] = problem[DAMPING_1] if approaching else problem[DAMPING_2]
     return -1
+
+
+@_jit
+def instants(series, steps, which, time, tau):  # type: ignore[no-untyped-def]
+    """Write ``tau`` at which so much contact time has passed in the step ``which``, each (n,).
+
+    ``series`` as from `record`, ``steps`` their lengths in tau. Contact time is the integral of s:
+    where s vanishes, at an end, it is flat, so that Newton's step is taken within a bracket.
+    """
+    for i in range(time.size):
+        s, lower, upper = series[which[i], 0], 0.0, steps[which[i]]
+        x = 2.0 * time[i] / (s[0] + math.sqrt(max(s[0] * s[0] + 2.0 * s[1] * time[i], 0.0)))
+        x = x if lower < x < upper else 0.5 * upper
+        for _ in range(80):
+            passed, slope = s[ORDER] * _INVERSE[ORDER], s[ORDER]
+            for k in range(ORDER - 1, -1, -1):
+                passed = passed * x + s[k] * _INVERSE[k]
+                slope = slope * x + s[k]
+            off = passed * x - time[i]
+            if off < 0.0:
+                lower = x
+            else:
+                upper = x
+            new = x - off / slope
+            if abs(new - x) <= ROOT_TOLERANCE * abs(new):
+                x = new
+                break
+            x = new if lower < new < upper else 0.5 * (lower + upper)
+        tau[i] = x

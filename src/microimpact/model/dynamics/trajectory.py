@@ -5,10 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from microimpact.core.arrays import FINITE, FloatArray, Numbers, Real, checked, choice
-from microimpact.core.solve import roots
 from microimpact.model.choices import FRICTION_BASES
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.dynamics import kernel
@@ -151,7 +149,12 @@ def _sample(problem: FloatArray, end: float, captured: bool, points: int, *, her
     local = time - (stops - ends[:, 1])[step]
     # Coefficients come first: Horner's scheme then runs over neighbours in memory.
     s_series, u_series = (np.ascontiguousarray(series[step, i].T) for i in (0, 1))
-    tau = _invert(s_series, ends[step, 0], ends[step, 1], local)
+    # The ends, at which the contact time may be flat, are met exactly.
+    tau = np.where(local <= 0.0, 0.0, ends[step, 0])
+    inner = np.flatnonzero((local > 0.0) & (local < (1.0 - ROUNDING) * ends[step, 1]))
+    within = np.empty(inner.size)
+    kernel.instants(series, ends[:, 0], step[inner], local[inner], within)
+    tau[inner] = within
     s, u = np.maximum(_value(s_series, tau), 0.0), _value(u_series, tau)
     if not captured:
         s[-1] = 0.0
@@ -173,25 +176,6 @@ def _value(series: FloatArray, tau: FloatArray) -> FloatArray:
     for coefficient in series[::-1]:
         value = value * tau + coefficient
     return value
-
-
-def _invert(
-    s_series: FloatArray, upper: FloatArray, duration: FloatArray, time: FloatArray
-) -> FloatArray:
-    """Find tau in [0, upper] at which the contact time, the integral of s, has the given value.
-
-    The ends, at which the integral may be flat, are met exactly.
-    """
-    orders = np.arange(1, len(s_series) + 1)
-    clock = np.concatenate([np.zeros((1, time.size)), s_series / orders[:, None]])
-    tau = np.where(time <= 0.0, 0.0, upper)
-    inner = np.flatnonzero((time > 0.0) & (time < (1.0 - ROUNDING) * duration))
-
-    def late(x: FloatArray, place: NDArray[np.intp]) -> FloatArray:
-        return _value(clock[:, place], x) - time[place]
-
-    tau[inner] = roots(late, 0.0, upper[inner], inner)
-    return tau
 
 
 def _dimensional(
