@@ -37,6 +37,9 @@ NEEDS = {
     "oblique_data": ("oblique_residuals",),
 }
 
+# Effects of factors that act as one, as radius and surface energy may, differ by rounding.
+TIED = 1e-9
+
 AGREES, DISAGREES = "agrees with independent data", "disagrees with independent data"
 
 
@@ -275,7 +278,7 @@ def _factors(levels: pd.DataFrame, effects: pd.DataFrame, facts: Facts) -> Itera
             contact,
             measured=rank["value"],
             high=rank["value"],
-            computed=float(1 + (size[pairs] > size[both]).sum()),
+            computed=float(1 + (size[pairs] > (1.0 + TIED) * size[both]).sum()),
         )
 
 
