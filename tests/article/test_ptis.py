@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 import pytest
 
 from microimpact.declared.parameters import build
 from microimpact.figures.experiments.imaging import grey_levels
 from microimpact.lab.ptis import errors
-from microimpact.lab.ptis.observation import observe
+from microimpact.lab.ptis.observation import photographed
 from microimpact.studies.experiments.track_imaging import Params, agreement, error_cases
 
 SMALL = {
@@ -103,7 +101,7 @@ def joined_from_afar(event, path, light, height, edge, alone=errors._alone):
         (
             agreement,
             "observe",
-            partial(observe, with_gravity=False),
+            lambda *given: photographed(*given).reduced(given[1], with_gravity=False),
             "largest bias of speed",
         ),
     ],

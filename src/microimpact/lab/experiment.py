@@ -79,7 +79,7 @@ class Target:
     law: Law | None = None
 
     def tabulated(self, diameter_um: Distribution) -> Target:
-        """Return the same with a table of normal impacts, which pays from some 100,000 on.
+        """Return the same with a table of normal impacts, which pays from some 20,000 on.
 
         It is made for a distribution of diameters, um, and serves all targets of its contact;
         outcomes differ by no more than its error, verdicts on capture not at all.

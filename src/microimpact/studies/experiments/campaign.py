@@ -345,10 +345,10 @@ def conducted(params: Params, one: Experiment, of: Contact, evidence: str) -> di
 
     `params`, `one`: settings, and which experiment; `of`, `evidence`: as from `contact`.
     """
-    drop = one.drop(of, params.dispenser)
+    drop = one.drop(of, params.dispenser).tabulated()
     rng = generator(params.seed, *drop.key)
     if one.angle == NORMAL:
-        outcome: Outcome = doppler.collect(drop.tabulated(), params.pdpa, params.stop, rng)
+        outcome: Outcome = doppler.collect(drop, params.pdpa, params.stop, rng)
     else:
         outcome = imaging.collect(drop, params.ptis, params.stop, rng)
     return experiment_row(one, evidence, outcome)
