@@ -9,7 +9,16 @@ from typing import Any
 
 from microimpact.core.arrays import POSITIVE, Range, Real, checked, common_shape
 from microimpact.core.nearest import nearest
-from microimpact.core.units import DENSITY, NUMBER, PRESSURE, si_factor
+
+# Units that declared values may be given in, with their SI factors.
+PRESSURE = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9}
+DENSITY = {"kg/m3": 1.0, "g/cm3": 1e3}
+LENGTH = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}
+SPEED = {"m/s": 1.0, "mm/s": 1e-3}
+ENERGY_PER_AREA = {"J/m2": 1.0, "mJ/m2": 1e-3}
+FORCE_PER_LENGTH = {"N/m": 1.0, "mN/m": 1e-3}
+SLOWNESS = {"s/m": 1.0}
+NUMBER = {"-": 1.0}
 
 POISSON_RANGE = Range(lower=-1.0, upper=0.5, upper_closed=True)
 
@@ -73,7 +82,9 @@ def quantity(row: Row, units: Mapping[str, dict[str, float]], where: str) -> flo
         value = float(row["value"])
     except ValueError:
         raise ValueError(f"{where}: value {row['value']!r} must be a number") from None
-    return value * si_factor(row["unit"], units[name], where)
+    if row["unit"] not in units[name]:
+        raise ValueError(f"{where}: unit {row['unit']!r} must be one of {', '.join(units[name])}")
+    return value * units[name][row["unit"]]
 
 
 def materials_from_rows(rows: Iterable[Row]) -> dict[str, Material]:

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from microimpact.core.arrays import FloatArray
+from microimpact.core.materials import SPEED
 from microimpact.core.nearest import nearest
-from microimpact.core.units import SPEED
 
 SPEED_UNITS = {**SPEED, "cm/s": 1e-2, "um/s": 1e-6, "km/h": 1.0 / 3.6}
 COLUMNS = {

@@ -5,16 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from microimpact.core.materials import Material, Row, find_material, quantity
-from microimpact.core.nearest import nearest
-from microimpact.core.units import (
+from microimpact.core.materials import (
     ENERGY_PER_AREA,
     FORCE_PER_LENGTH,
     LENGTH,
     NUMBER,
     SLOWNESS,
     SPEED,
+    Material,
+    Row,
+    find_material,
+    quantity,
 )
+from microimpact.core.nearest import nearest
 from microimpact.model.contact import Contact
 
 UNITS = {

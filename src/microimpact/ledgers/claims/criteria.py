@@ -1,8 +1,7 @@
 """Claims of the article and the criteria fixed for them beforehand, read from one file.
 
 ``config/claims.yaml`` says what the article states, which numbers decide it and within which
-bounds; it contains no result. `read_claims` checks it, `holds` applies one criterion to one number,
-`amendments` lists what was changed after the claims had first been judged.
+bounds; it contains no result. `read_claims` checks it, `holds` applies one criterion to one number.
 """
 
 from __future__ import annotations
@@ -39,10 +38,10 @@ NOT_COMPUTED: Literal["not computed"] = "not computed"
 # What it gets if the error of a number covers the bound that decides; none declares that, either.
 UNDECIDED: Literal["undecided"] = "undecided"
 Finding = Literal[Verdict, "not computed", "undecided"]
-Quantity = Annotated[str, Field(pattern=r"^[a-z][a-z0-9]*(_[a-z0-9]+)*$")]
+QuantityName = Annotated[str, Field(pattern=r"^[a-z][a-z0-9]*(_[a-z0-9]+)*$")]
 # A figure of the article, 01 to 25, or one of the project's own.
-Figure = Annotated[str, Field(pattern=r"^(fig(0[1-9]|1\d|2[0-5])|[a-z]+(_[a-z]+)*)$")]
-Equation = Annotated[str, Field(pattern=r"^([1-9]|[1-3]\d|4[01])$")]
+FigureName = Annotated[str, Field(pattern=r"^(fig(0[1-9]|1\d|2[0-5])|[a-z]+(_[a-z]+)*)$")]
+EquationNumber = Annotated[str, Field(pattern=r"^([1-9]|[1-3]\d|4[01])$")]
 
 # Kinds that are listed but not counted among the statements of the article.
 UNCOUNTED: tuple[Kind, ...] = ("arithmetic", "finding")
@@ -68,7 +67,7 @@ class ClaimsError(ValueError):
 class Criterion:
     """A test of one quantity; which bounds it takes is laid down in `BOUNDS`."""
 
-    quantity: Quantity
+    quantity: QuantityName
     test: Test
     value: Finite | None = None
     tolerance: NonNegative | None = None
@@ -178,15 +177,15 @@ class Claim:
     kind: Kind
     article_value: Name
     unit: Name = "-"
-    quantities: dict[Quantity, Name] = field(default_factory=dict)
+    quantities: dict[QuantityName, Name] = field(default_factory=dict)
     criteria: tuple[Criterion, ...] = ()
     reason: Name
     if_met: Positive = "reproduced"
     testable: bool = True
     cases: tuple[Name, ...] = ()
     identified_if: tuple[Criterion, ...] = ()
-    figures: tuple[Figure, ...] = ()
-    equations: tuple[Equation, ...] = ()
+    figures: tuple[FigureName, ...] = ()
+    equations: tuple[EquationNumber, ...] = ()
     external: tuple[Name, ...] = ()
     break_: Annotated[Break | None, Field(alias="break")] = None
     amendments: tuple[Amendment, ...] = ()
@@ -259,8 +258,3 @@ def read_claims(path: Path | str, values: Mapping[str, Any] | None = None) -> di
     if problems:
         raise ClaimsError("\n".join(problems))
     return dict(sorted(found.items(), key=lambda item: int(item[0][1:])))
-
-
-def amendments(path: Path | str) -> dict[str, tuple[Amendment, ...]]:
-    """Return what was changed in the claims of a file after they had first been judged, by id."""
-    return {name: claim.amendments for name, claim in read_claims(path).items() if claim.amendments}

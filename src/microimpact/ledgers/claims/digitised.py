@@ -12,7 +12,13 @@ from pydantic import ValidationError
 
 from microimpact.declared.documents import load
 from microimpact.declared.parameters import Name, Positive, build, explain
-from microimpact.ledgers.claims.criteria import DIGITISED, ClaimsError, Criterion, Figure, Finding
+from microimpact.ledgers.claims.criteria import (
+    DIGITISED,
+    ClaimsError,
+    Criterion,
+    FigureName,
+    Finding,
+)
 from microimpact.ledgers.claims.judging import Numbers, described, judged, place
 
 if TYPE_CHECKING:
@@ -29,7 +35,7 @@ class DigitisedCriteria:
     # Greatest rms of the differences over their standard uncertainties, if all points have bars.
     normalised_rms: Positive
     # Else the greatest rms of the differences, by figure, in the unit of its ordinate.
-    rms_difference: dict[Figure, Positive]
+    rms_difference: dict[FigureName, Positive]
     reason: Name  # Why these bounds decide
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,20 +24,13 @@ _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Cell:
-    """A number of a claim in words, and whether it meets the criteria about it."""
-
-    text: str
-    holds: bool
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Quantity:
-    """The numbers of one quantity by case; the only case of a claim without alternatives is ""."""
+class Computed:
+    """The numbers of one quantity of a claim in words, and the criteria about it."""
 
     words: str
     criterion: str
-    cells: Mapping[str, Cell]
+    # Case, which of a claim without alternatives is "", number, and whether that fails a criterion.
+    cells: tuple[tuple[str, str, bool], ...]
 
 
 def readable(value: float, unit: str = "-", rounding: float = 0.0, *, digits: int = DIGITS) -> str:
@@ -97,24 +90,33 @@ def computed_numbers(text: str) -> list[tuple[str, str, float, str]]:
     ]
 
 
-def by_quantity(computed: str, claim: Claim) -> list[Quantity]:
-    """Return the numbers in a cell of computed values, quantity by quantity."""
-    found: dict[str, dict[str, Cell]] = {}
+def tabled(
+    computed: str, bound: Callable[[str], str], fails: Callable[[str, str, float], bool]
+) -> list[Computed]:
+    """Return the numbers in a cell of computed values, quantity by quantity.
+
+    `bound`: gives the criteria about a quantity in words; `fails`: tells of quantity, case and
+    value whether they fail one.
+    """
+    found: dict[str, list[tuple[str, str, bool]]] = {}
     for quantity, case, value, unit in computed_numbers(computed):
-        met = all(holds(criterion, value) for criterion in about(quantity, claim))
-        found.setdefault(quantity, {})[case] = Cell(
-            text=readable(value, unit, ROUNDING, digits=DIGITS + (not met)), holds=met
-        )
+        failed = fails(quantity, case, value)
+        text = readable(value, unit, ROUNDING, digits=DIGITS + failed)
+        found.setdefault(quantity, []).append((case, text, failed))
     return [
-        Quantity(
-            words=in_words(name),
-            criterion="; ".join(map(described, about(name, claim))),
-            cells=cells,
-        )
+        Computed(words=in_words(name), criterion=bound(name), cells=tuple(cells))
         for name, cells in found.items()
     ]
 
 
-def about(quantity: str, claim: Claim) -> list[Criterion]:
-    """Return the criteria about a quantity."""
-    return [c for c in (*claim.criteria, *claim.identified_if) if c.quantity == quantity]
+def by_quantity(computed: str, claim: Claim) -> list[Computed]:
+    """Return the numbers in a cell of computed values beside the criteria of their claim."""
+
+    def about(quantity: str) -> list[Criterion]:
+        return [c for c in (*claim.criteria, *claim.identified_if) if c.quantity == quantity]
+
+    return tabled(
+        computed,
+        lambda quantity: "; ".join(map(described, about(quantity))),
+        lambda quantity, _, value: not all(holds(one, value) for one in about(quantity)),
+    )

@@ -28,7 +28,14 @@ from microimpact.ledgers.equations import (
 )
 from microimpact.ledgers.equations.case import reference_case
 from microimpact.ledgers.equations.forms import DimensionError, check_dimensions, parse
-from microimpact.ledgers.equations.records import ERRATA, At, Case, Equation, Outcome, Proof
+from microimpact.ledgers.equations.records import (
+    ERRATA,
+    At,
+    Checked,
+    Equation,
+    Proof,
+    ReferenceCase,
+)
 
 _DECLARED = load(declared_file("equations.yaml"))
 
@@ -54,8 +61,8 @@ AGREEMENT = 1e-9
 class Checks(NamedTuple):
     """Outcomes of the checks of one form; `remark` says what does not agree in dimension."""
 
-    dimension: Outcome
-    derivation: Outcome
+    dimension: Checked
+    derivation: Checked
     remark: str = ""
 
     @property
@@ -64,7 +71,7 @@ class Checks(NamedTuple):
         return self.dimension == "passed" and self.derivation != "failed"
 
 
-def check(equation: Equation, proof: Proof, text: str, case: Case) -> Checks:
+def check(equation: Equation, proof: Proof, text: str, case: ReferenceCase) -> Checks:
     """Check the dimensions of a form, and prove it.
 
     `equation`: whose symbols count; `case`: the impact for numeric proofs.
@@ -77,7 +84,7 @@ def check(equation: Equation, proof: Proof, text: str, case: Case) -> Checks:
     return Checks("passed", derivation)
 
 
-def agreement(equation: Equation, proof: Proof, case: Case) -> float | None:
+def agreement(equation: Equation, proof: Proof, case: ReferenceCase) -> float | None:
     """Return the relative difference between the used form and the function, if there is one."""
     if proof.computed is None:
         return None
@@ -120,7 +127,7 @@ def errata() -> pd.DataFrame:
     return pd.DataFrame(_DECLARED[ERRATA])
 
 
-def row(equation: Equation, proof: Proof, case: Case) -> dict[str, Any]:
+def row(equation: Equation, proof: Proof, case: ReferenceCase) -> dict[str, Any]:
     """Return one judged relation."""
     printed = check(equation, proof, equation.printed, case)
     used = check(equation, proof, equation.used, case) if equation.used else printed

@@ -11,7 +11,7 @@ import pandas as pd
 from microimpact.core.constants import gravity
 from microimpact.core.materials import Material, materials_from_rows
 from microimpact.ledgers.equations.contact import TRACED_MOMENT, TRACED_POINTS
-from microimpact.ledgers.equations.records import Case
+from microimpact.ledgers.equations.records import ReferenceCase
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import planar, velocity_components
 from microimpact.model.dynamics.trajectory import trajectory
@@ -44,7 +44,7 @@ CHOSEN: Numbers = {
 }
 
 
-def reference_case(tables: Mapping[str, pd.DataFrame]) -> Case:
+def reference_case(tables: Mapping[str, pd.DataFrame]) -> ReferenceCase:
     """Return the impact, of the declared contact.
 
     `tables`: ``materials`` and ``contacts``, declared rows of one pair, steel on silicon.
@@ -66,7 +66,9 @@ def reference_case(tables: Mapping[str, pd.DataFrame]) -> Case:
         friction=FRICTION,
         reference_velocity=float(-v_n),
     )
-    return Case(contact=contact, numbers={**CHOSEN, **_rigid(contact), **_elastic(contact)})
+    return ReferenceCase(
+        contact=contact, numbers={**CHOSEN, **_rigid(contact), **_elastic(contact)}
+    )
 
 
 def _rigid(contact: Contact) -> Numbers:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 from microimpact.ledgers.equations.forms import Form, symbols
-from microimpact.ledgers.equations.records import At, Case, Derivation, Proof
+from microimpact.ledgers.equations.records import At, Derivation, Proof, ReferenceCase
 from microimpact.model.empirical.equations import (
     adhesion_coefficient,
     body_restitution,
@@ -33,14 +33,14 @@ def _at(form: Form, speed: float) -> float:
     return float(form.right.subs(_CONSTANTS).subs(v_n, -speed).evalf())
 
 
-def _body(form: Form, _: Case) -> bool:
+def _body(form: Form, _: ReferenceCase) -> bool:
     """R must be 1 at rest and fall with speed, towards 0."""
     values = [_at(form, speed) for speed in (0.0, 0.5, 1.0, 30.0, 1e6)]
     falls = all(low < high for high, low in pairwise(values))
     return bool(form.left == R and values[0] == 1.0 and falls and values[-1] < 1e-3)
 
 
-def _captures(form: Form, _: Case) -> bool:
+def _captures(form: Form, _: ReferenceCase) -> bool:
     """No rebound at the capture velocity, ever more above, nearly that of the body far above."""
     k, p = (_CONSTANTS[name] for name in symbols("k p"))
     none, all_ = {rho: (1.0, 0.0), e: (0.0, float(body_restitution(1e3, k, p)))}[form.left]

@@ -11,10 +11,10 @@ import sympy
 from microimpact.ledgers.equations.forms import Form, symbols, vanishes
 from microimpact.ledgers.equations.impulses import INERTIA, adhesion, newton
 from microimpact.ledgers.equations.records import (
-    Case,
     Derivation,
     Facts,
     Proof,
+    ReferenceCase,
     Values,
     follows,
 )
@@ -63,7 +63,7 @@ def balance() -> Facts:
     return {W_A: (R**2 - kept) * m * v_n**2 / 2}
 
 
-def _power(form: Form, _: Case) -> bool:
+def _power(form: Form, _: ReferenceCase) -> bool:
     """Compare integrands per time: dx = v dtau, dp = F dtau."""
     rate = {x: v, p: F}
     left, right = (
@@ -73,7 +73,7 @@ def _power(form: Form, _: Case) -> bool:
     return bool(left == right)
 
 
-def _made_by_spin(form: Form, _: Case) -> bool:
+def _made_by_spin(form: Form, _: ReferenceCase) -> bool:
     """At normal incidence: absent without spin, present with it."""
     free, rolling = symbols("mu mu_0")
     impulse = form.residual.subs(newton()).subs(free, newton()[rolling]).subs(v_t, 0)

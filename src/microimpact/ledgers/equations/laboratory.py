@@ -13,10 +13,10 @@ from microimpact.lab.pdpa.pairing import correct
 from microimpact.ledgers.equations.forms import Form, symbols
 from microimpact.ledgers.equations.impulses import _after, newton
 from microimpact.ledgers.equations.records import (
-    Case,
     Derivation,
     Facts,
     Proof,
+    ReferenceCase,
     Values,
     follows,
     where_one,
@@ -54,7 +54,7 @@ def normal_incidence() -> Facts:
     return {T_L: rolling_loss().subs(alpha, sympy.pi / 2), omega: 0, Omega: 0, V: e * v}
 
 
-def _growth(form: Form, _: Case) -> bool:
+def _growth(form: Form, _: ReferenceCase) -> bool:
     """Compare how fast |eta| and its square grow as the angle falls, everywhere below 45 deg."""
     size = sympy.cot(alpha)
     rates = {eta_rate: -size.diff(alpha), eta_squared_rate: -(size**2).diff(alpha)}

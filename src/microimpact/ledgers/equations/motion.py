@@ -12,10 +12,10 @@ from microimpact.ledgers.equations.contact import TRACED_MOMENT, traced
 from microimpact.ledgers.equations.forms import Form, symbols, vanishes
 from microimpact.ledgers.equations.records import (
     At,
-    Case,
     Derivation,
     Facts,
     Proof,
+    ReferenceCase,
     follows,
     solve,
     where_one,
@@ -77,7 +77,7 @@ def attachment() -> tuple[sympy.Expr, sympy.Symbol, sympy.Expr]:
     return reduced.subs(b, a_c * sympy.sqrt(share)), share, turning / resting
 
 
-def _reduced(form: Form, _: Case) -> bool | None:
+def _reduced(form: Form, _: ReferenceCase) -> bool | None:
     """Compare structure, then the one number that the text leaves open."""
     reduced, share, own = attachment()
     number = sympy.cancel((K - form.right) / (K - reduced.subs(share, 1)))
@@ -86,13 +86,13 @@ def _reduced(form: Form, _: Case) -> bool | None:
     return vanishes(number ** sympy.Rational(-2, 3) - own) or None
 
 
-def _softer(form: Form, _: Case) -> bool:
+def _softer(form: Form, _: ReferenceCase) -> bool:
     reduced, share, _ = attachment()
     gap = sympy.expand(form.residual.subs(K_H, reduced.subs(share, 1)))
     return form.relation == ">" and bool(gap.is_positive)
 
 
-def _resists(form: Form, _: Case) -> bool:
+def _resists(form: Form, _: ReferenceCase) -> bool:
     """Friction must take f F_n of power from unit slip, and never give any."""
     way = sympy.Symbol("way", real=True)
     power = way * form.right.replace(sympy.sign, lambda slip: way)  # noqa: ARG005
@@ -100,14 +100,14 @@ def _resists(form: Form, _: Case) -> bool:
     return bool(form.left == F_t and max(at) <= 0 and at[:2] == [-1, -1])
 
 
-def _printed_spin(form: Form, case: Case) -> bool:
+def _printed_spin(form: Form, case: ReferenceCase) -> bool:
     """Compare with the simulated impact."""
     simulated = float(simulate(case.contact, SPIN_SPEED, SPIN_ANGLE).spin)
     stated = float(form.right.subs(s, 1))
     return form.left == Omega and abs(simulated - stated) < SPIN_TOLERANCE * stated
 
 
-def _strain_rate(form: Form, case: Case) -> bool:
+def _strain_rate(form: Form, case: ReferenceCase) -> bool:
     """Contact radius over radius, in half the contact time, must be of the order stated."""
     impact = normal_impact(case.contact, case.numbers["v"])
     radius = np.sqrt(case.contact.hertz_radius * impact.maximum_compression)

@@ -20,7 +20,7 @@ EQUATION_NAME = r"^\d+(\.\d+)*( \w[\w ]*)?$"
 ERRATA = "errata"
 
 Slip = Literal["none", "scan", "article", "scan or article"]
-Outcome = Literal["passed", "failed", "open", "none"]
+Checked = Literal["passed", "failed", "open", "none"]
 Facts = dict[Any, Any]
 Values = Mapping[str, Any]
 
@@ -40,7 +40,7 @@ SECTIONS = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Case:
+class ReferenceCase:
     """The impact at which formulas are compared and consequences computed, in SI units."""
 
     contact: Contact  # Steel sphere on silicon, as declared
@@ -60,9 +60,9 @@ class Derivation:
     """How a relation is proved, and the proof: whether a formula holds; None leaves it open."""
 
     method: str
-    proof: Callable[[Form, Case], bool | None]
+    proof: Callable[[Form, ReferenceCase], bool | None]
 
-    def check(self, form: Form, case: Case) -> Outcome:
+    def check(self, form: Form, case: ReferenceCase) -> Checked:
         """Return what the proof says of a formula."""
         holds = self.proof(form, case)
         return "open" if holds is None else "passed" if holds else "failed"
@@ -121,7 +121,7 @@ class At:
     """An equation at a case: numbers for its symbols, some of which may be changed."""
 
     equation: Equation
-    case: Case
+    case: ReferenceCase
 
     def values(self, **changes: float) -> dict[str, Any]:
         """Return the values of all symbols by name."""
@@ -143,7 +143,7 @@ class At:
 def follows(method: str, facts: Callable[[], Facts]) -> Derivation:
     """Proof that both sides are equal once what is known is put in for their symbols."""
 
-    def proof(form: Form, _: Case) -> bool:
+    def proof(form: Form, _: ReferenceCase) -> bool:
         return form.relation == "=" and vanishes(form.residual.subs(facts(), simultaneous=True))
 
     return Derivation(f"symbolic: {method}", proof)
@@ -152,7 +152,7 @@ def follows(method: str, facts: Callable[[], Facts]) -> Derivation:
 def expands(method: str, facts: Callable[[], Facts], small: str, order: int) -> Derivation:
     """Proof that the sides agree up to an order in the symbols that are small together."""
 
-    def proof(form: Form, _: Case) -> bool:
+    def proof(form: Form, _: ReferenceCase) -> bool:
         residual = form.residual.subs(facts(), simultaneous=True)
         return form.relation == "=" and vanishes(leading(residual, small, order))
 

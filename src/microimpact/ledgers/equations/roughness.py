@@ -10,10 +10,10 @@ import sympy
 from microimpact.ledgers.equations import impulses
 from microimpact.ledgers.equations.forms import Form, symbols, vanishes
 from microimpact.ledgers.equations.records import (
-    Case,
     Derivation,
     Facts,
     Proof,
+    ReferenceCase,
     expands,
     follows,
     leading,
@@ -105,7 +105,7 @@ def critical() -> Facts:
     return {mu_0: impulses.newton()[impulses.mu_0].subs(local), v_omega: omega}
 
 
-def _exceeds(form: Form, _: Case) -> bool:
+def _exceeds(form: Form, _: ReferenceCase) -> bool:
     """Leading order at phi = alpha, for every e."""
     measured = leading(sliding()[e_m], "alpha phi", 0).subs(phi, alpha)
     gap = sympy.cancel(form.residual.subs(e_m, measured))

@@ -63,8 +63,8 @@ class Problem(Columns):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Outcome:
-    """Outcome of scaled impacts, every field (n,); impulses and energies per unit mass.
+class ScaledOutcome:
+    """ScaledOutcome of scaled impacts, every field (n,); impulses and energies per unit mass.
 
     As in `microimpact.model.dynamics.normal.NormalImpact`; ``deepest`` is s at the turning point,
     ``bulk`` and ``adhesion`` are the energies lost to either (adhesion: all else, if captured).
@@ -136,18 +136,18 @@ def energy(s: FloatArray, b: FloatArray, flattening: Real = 1.0) -> FloatArray:
     return np.asarray(cube * s * (flat * (0.4 * flat - 4.0 * b) + 6.0 * b * b))
 
 
-def solve(problem: Problem) -> Outcome:
+def solve(problem: Problem) -> ScaledOutcome:
     """Solve scaled impacts: closed forms, or integration where the bulk is viscous."""
     return _integrated(problem) if np.any(problem.drag > 0.0) else _quasi_static(problem)
 
 
-def _integrated(problem: Problem) -> Outcome:
+def _integrated(problem: Problem) -> ScaledOutcome:
     closed, broken = np.cbrt(4.0 * problem.closing), np.cbrt(problem.opening)
     found = _followed(problem.closing, problem.drag, closed, problem.speed, broken)
     captured = found[:, viscous.STATUS] == viscous.CAPTURED
     speed = np.where(captured, 0.0, found[:, viscous.SPEED])
     bulk = found[:, viscous.WORK]
-    return Outcome(
+    return ScaledOutcome(
         captured=captured,
         speed=speed,
         time=np.where(captured, np.inf, found[:, viscous.TIME]),
@@ -275,7 +275,7 @@ class _Unloading(Columns):
         return np.asarray(self.pinned + first - last)
 
 
-def _quasi_static(problem: Problem) -> Outcome:
+def _quasi_static(problem: Problem) -> ScaledOutcome:
     v, b = problem.speed, problem.closing
     loading = _Loading.of(b, problem.pressure)
     top = loading.deepest(v)
@@ -298,7 +298,7 @@ def _quasi_static(problem: Problem) -> Outcome:
     back[gone] = _unloading_time(unloading.select(gone), end[gone])
     plastic = energy(loading.closed, b) + loading.work(top) - energy(top, b, unloading.flattening)
     bulk = np.where(top > loading.yields, plastic, 0.0)
-    return Outcome(
+    return ScaledOutcome(
         captured=captured,
         speed=speed,
         time=turning_time + back,

@@ -38,19 +38,19 @@ class PictureTolerance:
 
 
 @dataclass(frozen=True, slots=True)
-class Shape:
+class FigureShape:
     """The structure of a figure and its thumbnail in grey levels, shape (rows, 64)."""
 
     structure: Structure
     thumbnail: NDArray[np.uint8]
 
 
-def read_shape(svg: Path) -> Shape:
+def read_shape(svg: Path) -> FigureShape:
     """Return the shape of a figure from its SVG and the PNG beside it.
 
     Raises ResultsError if a file is missing or malformed.
     """
-    return Shape(structure(read_text(svg), str(svg)), thumbnail(svg.with_suffix(".png")))
+    return FigureShape(structure(read_text(svg), str(svg)), thumbnail(svg.with_suffix(".png")))
 
 
 def structure(svg: str, name: str = "figure") -> Structure:
@@ -128,27 +128,27 @@ def thumbnail(png: Path) -> NDArray[np.uint8]:
     return reduced
 
 
-def as_json(shape: Shape) -> str:
+def as_json(shape: FigureShape) -> str:
     """Return a shape as it is kept among the references."""
     rows = [bytes(row).hex() for row in shape.thumbnail]
     content = {"structure": shape.structure, "thumbnail": rows}
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
 
 
-def from_json(content: Mapping[str, Any], name: str) -> Shape:
+def from_json(content: Mapping[str, Any], name: str) -> FigureShape:
     """Return the shape that `as_json` has written.
 
     Raises ResultsError, naming the file, if it holds anything else.
     """
     try:
         rows = [list(bytes.fromhex(row)) for row in content["thumbnail"]]
-        return Shape(dict(content["structure"]), np.array(rows, dtype=np.uint8))
+        return FigureShape(dict(content["structure"]), np.array(rows, dtype=np.uint8))
     except (KeyError, TypeError, ValueError) as error:
         raise ResultsError(f"{name}: not a reference of a figure: {error!r}") from None
 
 
 def compare_shapes(
-    file: str, reference: Shape, found: Shape, tolerance: PictureTolerance
+    file: str, reference: FigureShape, found: FigureShape, tolerance: PictureTolerance
 ) -> list[Difference]:
     """Return the differences of two figures: what each alone is made of, and how they look."""
     differences = []

@@ -15,6 +15,7 @@ from zipfile import ZipFile, ZipInfo
 
 from microimpact.core.files import write_file
 from microimpact.figures.registry import FORMATS
+from microimpact.ledgers.claims.words import in_words
 from microimpact.report.site import PAGES, code, ledgers
 from microimpact.report.site.figures import Figure, departures, figures, label, studies_behind
 from microimpact.report.site.formula import prose
@@ -153,6 +154,7 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
         "first": [figure for figure in shown if figure.name in FIRST] or shown[: len(FIRST)],
         "place": code.place,
         "prose": prose,
+        "in_words": in_words,
         "names": {figure.name for figure in shown},
         "label": label,
         "evidence": sorted(evidence.items(), key=lambda item: (-item[1], item[0])),

@@ -14,14 +14,7 @@ from markupsafe import Markup
 from microimpact.ledgers.claims import CHANGED
 from microimpact.ledgers.claims.criteria import UNCOUNTED
 from microimpact.ledgers.claims.judging import REQUIRED
-from microimpact.ledgers.claims.words import (
-    DIGITS,
-    ROUNDING,
-    computed_numbers,
-    in_words,
-    readable,
-    with_unit,
-)
+from microimpact.ledgers.claims.words import Computed, readable, tabled, with_unit
 from microimpact.report.site.formula import mathml
 
 Row = dict[str, str]
@@ -121,32 +114,19 @@ def failed(claim: Row) -> int:
     return claim["note"].count(REQUIRED)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Computed:
-    """The numbers of one quantity of a claim: criterion; case, text and whether it failed."""
-
-    words: str
-    criterion: str
-    cells: tuple[tuple[str, str, bool], ...]
-
-
 def computed(claim: Row) -> list[Computed]:
     """Return the numbers of a claim, those first that a criterion is about; else its text."""
     text = claim["computed_value"]
     criteria = dict(part.partition(" ")[::2] for part in claim["criterion"].split("; "))
-    found: dict[str, list[tuple[str, str, bool]]] = {}
+
+    def fails(quantity: str, case: str, _: float) -> bool:
+        return f"{f'{case}: ' if case else ''}{quantity} = " in claim["note"]
+
     try:
-        numbers = computed_numbers(text) if text else []
+        found = tabled(text, lambda quantity: criteria.get(quantity, ""), fails) if text else []
     except ValueError:
         return [Computed(words=part, criterion="", cells=()) for part in parts(text)]
-    for quantity, case, value, unit in numbers:
-        failed = f"{f'{case}: ' if case else ''}{quantity} = " in claim["note"]
-        cell = (case, readable(value, unit, ROUNDING, digits=DIGITS + failed), failed)
-        found.setdefault(quantity, []).append(cell)
-    return [
-        Computed(words=in_words(name), criterion=criteria.get(name, ""), cells=tuple(found[name]))
-        for name in sorted(found, key=lambda name: name not in criteria)
-    ]
+    return sorted(found, key=lambda one: not one.criterion)
 
 
 def printed(claim: Row) -> str:
@@ -168,12 +148,6 @@ def failures(claim: Row) -> list[str]:
     """Return which criteria failed, or why there are no numbers; nothing where all hold."""
     first = claim["note"].split(" | ")[0]
     return [] if first in {claim["reason"], ""} else parts(first)
-
-
-def corrected(equations: Sequence[Row]) -> list[Row]:
-    """Return the equations that had to be corrected: errors of the article first."""
-    wrong = [row for row in equations if row["verdict"] == "corrected"]
-    return sorted(wrong, key=lambda row: row["kind_of_slip"] != "article")
 
 
 def anchor(prefix: str, name: str) -> str:
@@ -210,11 +184,6 @@ def measure(low: str, unit: str, high: str = "") -> str:
     return (
         readable(least, unit) if least == most else f"{readable(least)} to {readable(most, unit)}"
     )
-
-
-def percent(text: str) -> str:
-    """Return a share in per cent."""
-    return f"{100.0 * float(text):.0f} %"
 
 
 def number(text: str) -> str:
