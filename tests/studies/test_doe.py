@@ -27,6 +27,7 @@ from microimpact.statistics.effects import (
     words,
 )
 from microimpact.studies.analyses import doe
+from microimpact.studies.analyses.doe import alias_rows
 from microimpact.studies.analyses.doe.factors import (
     LETTERS,
     Levels,
@@ -35,7 +36,6 @@ from microimpact.studies.analyses.doe.factors import (
     factor_values,
     realistic_levels,
 )
-from microimpact.studies.analyses.doe.tables import alias_rows
 
 ROOT = Path(__file__).parents[2]
 # 2^(5-2) of resolution III, D = AB and E = AC, written by hand.

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated
+from functools import partial
+from itertools import product as combinations
+from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 from pydantic import Field
 
-from microimpact.core.arrays import FloatArray
-from microimpact.core.tables import Row, Tables
+from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.tables import Row, Tables, series_frame
 from microimpact.declared.parameters import CaseName, Keyed, Name, Positive, PrintedName
 from microimpact.lab.contacts import all_printed, calibrated_contact
 from microimpact.model.contact import Contact
@@ -19,13 +22,21 @@ from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.empirical.search import data_sets, fit_batch
 from microimpact.statistics.effects import (
+    aliases,
     defining_relation,
+    effects,
     fractional_factorial,
     full_factorial,
+    half_normal_positions,
+    lenth,
+    normal_positions,
+    product,
+    quarter_fractions,
 )
 from microimpact.studies.analyses.doe.factors import (
     FACTORS,
     LETTERS,
+    NAMES,
     Levels,
     at_levels,
     coded,
@@ -33,19 +44,14 @@ from microimpact.studies.analyses.doe.factors import (
     factor_values,
     realistic_levels,
 )
-from microimpact.studies.analyses.doe.tables import (
-    DesignedExperiment,
-    alias_rows,
-    bd_aliasing,
-    effect_rows,
-    figure_frame,
-)
 
 NEEDS = {"calibration": ("calibration", "calibration_family")}
 
 # Place of this study among the random draws of one seed.
 ANALYSIS = 24
 FIGURES = {"realistic": "fig24", "uniform": "fig25"}
+
+_frame = partial(series_frame, x_unit="percent", y_unit="1")
 
 OpenFraction = Annotated[float, Field(gt=0, lt=1)]
 
@@ -116,36 +122,57 @@ def run(params: Params, inputs: Tables) -> Tables:
     Raises ValueError, naming the first run without a finite capture velocity.
     """
     experiments = list(_experiments(params, inputs))
-    effects = pd.DataFrame([row for each in experiments for row in effect_rows(each)])
-    slopes = pd.DataFrame(_elasticity_rows(params, inputs))
+    found = pd.concat([effect_table(each) for each in experiments], ignore_index=True)
+    tables = {
+        "doe_levels": [_level_table(each) for each in experiments],
+        "doe_design": [_design_table(each) for each in experiments],
+        "doe_bd_aliasing": [pd.DataFrame(bd_aliasing(each)) for each in experiments],
+        "doe_elasticities": [_elasticity_table(case.case, inputs) for case in params.cases],
+    }
     drawn = {
-        FIGURES[each.variation]: figure_frame(each, effects)
+        FIGURES[each.variation]: figure_frame(each, found)
         for each in experiments
         if each.case == params.drawn_case
     }
-    return {
-        "doe_levels": pd.DataFrame([row for each in experiments for row in _level_rows(each)]),
-        "doe_design": pd.concat([_design_table(each) for each in experiments], ignore_index=True),
+    return {name: pd.concat(parts, ignore_index=True) for name, parts in tables.items()} | {
         "doe_aliases": pd.DataFrame(alias_rows(experiments[0].relation)),
-        "doe_effects": effects,
-        "doe_bd_aliasing": pd.DataFrame([r for each in experiments for r in bd_aliasing(each)]),
-        "doe_elasticities": slopes,
-    } | drawn
+        "doe_effects": found,
+        **drawn,
+    }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class DesignedExperiment:
+    """One case with one set of levels."""
+
+    # Which contact, and which set of levels.
+    case: str
+    variation: str
+    # The nominal contact, and those of all runs: the nominal one first, then the full design.
+    contact: Contact
+    contacts: Contact
+    levels: FloatArray  # Multiples of the nominal values, shape (2, 5)
+    relation: dict[str, int]  # Defining relation of the fraction
+    full: FloatArray  # Coded levels of the full design, shape (32, 5)
+    runs: NDArray[np.integer[Any]]  # Which of its runs are in the fraction
+    # Capture velocity of the nominal contact, and of all runs of the full design, m/s.
+    centre: float
+    response: FloatArray
+    # That of the runs in the fraction by fits of Eq. (34), shape (replicates, runs), m/s.
+    fitted: FloatArray
+    confidence: float  # Of the margins
 
 
 def _experiments(params: Params, inputs: Tables) -> Iterator[DesignedExperiment]:
     """Yield each case with each set of levels, its runs made."""
     share = float(all_printed(inputs)[params.anchors[0]]) / 100.0
     small = Levels(**{name: (1.0 - share, 1.0 + share) for name, _ in FACTORS.values()})
-    number = 0
-    for case in params.cases:
-        if not case.designed:
-            continue
-        contact = calibrated_contact(inputs, case.case)
+    designed = [case.case for case in params.cases if case.designed]
+    for turn, case in enumerate(designed):
+        contact = calibrated_contact(inputs, case)
         wide = realistic_levels(contact, params.diameters_um, inputs)
-        for variation, levels in {"realistic": wide, "uniform": small}.items():
-            yield _experiment(params, case.case, variation, contact, levels, number)
-            number += 1
+        yield _experiment(params, case, "realistic", contact, wide, 2 * turn)
+        yield _experiment(params, case, "uniform", contact, small, 2 * turn + 1)
 
 
 def _experiment(
@@ -209,42 +236,40 @@ def _fitted(
     return fit_batch(sets).v_c.reshape(len(seeds), -1).T
 
 
-def _level_rows(each: DesignedExperiment) -> Iterator[Row]:
-    nominal = factor_values(each.contact)
-    for column, (letter, (name, unit)) in enumerate(FACTORS.items()):
-        low, high = each.levels[:, column]
-        value = float(nominal[letter])
-        yield {
+def _level_table(each: DesignedExperiment) -> pd.DataFrame:
+    nominal = np.array([float(value) for value in factor_values(each.contact).values()])
+    low, high = each.levels
+    return pd.DataFrame(
+        {
             "case": each.case,
             "variation": each.variation,
-            "factor": letter,
-            "name": name,
+            "factor": list(LETTERS),
+            "name": NAMES,
             "low_multiple": low,
             "high_multiple": high,
-            "nominal": value,
-            "low": low * value,
-            "high": high * value,
-            "unit": unit,
+            "nominal": nominal,
+            "low": low * nominal,
+            "high": high * nominal,
+            "unit": [unit for _, unit in FACTORS.values()],
         }
+    )
 
 
 def _design_table(each: DesignedExperiment) -> pd.DataFrame:
     design = np.concatenate([np.zeros((1, len(LETTERS))), each.full]).astype(int)
     fits = np.full((2, len(design)), np.nan)
     fits[:, 1 + each.runs] = each.fitted.mean(axis=0), each.fitted.std(axis=0, ddof=1)
-    contacts = each.contacts
-    values = {
-        f"{name}_{unit.replace('/', '_per_').replace('-', '1')}": np.asarray(value)
-        for (name, unit), value in zip(
-            FACTORS.values(), factor_values(contacts).values(), strict=True
-        )
+    contacts, values = each.contacts, factor_values(each.contacts)
+    columns = {
+        f"{name}_{unit.replace('/', '_per_').replace('-', '1')}": values[letter]
+        for letter, (name, unit) in FACTORS.items()
     }
     response = np.concatenate([[each.centre], each.response])
     return pd.DataFrame(
         {"case": each.case, "variation": each.variation, "run": range(len(design))}
         | {"in_fraction": np.isin(np.arange(len(design)) - 1, each.runs)}
-        | {letter: design[:, i] for i, letter in enumerate(LETTERS)}
-        | values
+        | dict(zip(LETTERS, design.T, strict=True))
+        | columns
         | {
             "adhesion_damping_s_per_m": contacts.adhesion_damping,
             "hertz_damping_s_per_m": contacts.hertz_damping,
@@ -257,18 +282,146 @@ def _design_table(each: DesignedExperiment) -> pd.DataFrame:
     )
 
 
-def _elasticity_rows(params: Params, inputs: Tables) -> Iterator[Row]:
-    for case in params.cases:
-        contact = calibrated_contact(inputs, case.case)
-        found = elasticities(contact)
-        columns = zip(found.at_fixed_zeta, found.at_fixed_damping, strict=True)
-        for letter, (zeta, damping) in zip(LETTERS, columns, strict=True):
-            yield {
-                "case": case.case,
-                "factor": letter,
-                "name": FACTORS[letter][0],
-                "at_fixed_zeta": zeta,
-                "at_fixed_damping": damping,
-                "unit": "-",
-                "evidence": "computed",
-            }
+def _elasticity_table(case: str, inputs: Tables) -> pd.DataFrame:
+    found = elasticities(calibrated_contact(inputs, case))
+    return pd.DataFrame(
+        {
+            "case": case,
+            "factor": list(LETTERS),
+            "name": NAMES,
+            "at_fixed_zeta": found.at_fixed_zeta,
+            "at_fixed_damping": found.at_fixed_damping,
+            "unit": "-",
+            "evidence": "computed",
+        }
+    )
+
+
+def alias_rows(relation: Mapping[str, int]) -> list[Row]:
+    """Return, per effect the fraction estimates, what is added to it."""
+    resolution = min(map(len, relation), default=0)
+    return [
+        {
+            "effect": word,
+            "aliases": _signed(others),
+            "defining_relation": _identity(relation),
+            "resolution": resolution or "full",
+        }
+        for word, others in aliases(relation, LETTERS).items()
+    ]
+
+
+def _signed(words: Mapping[str, int], between: str = " ") -> str:
+    return between.join(("-" if sign < 0 else "") + word for word, sign in words.items())
+
+
+def _identity(relation: Mapping[str, int]) -> str:
+    return _signed({"I": 1, **relation}, " = ")
+
+
+def effect_table(each: DesignedExperiment) -> pd.DataFrame:
+    """Return the effects of each response over the fraction, and of exact ones over all runs.
+
+    They are in % of the mean response, or in hundredths of 1 in ln v_c. Beside them those of a pure
+    power law with the elasticities of the nominal contact, and the standard deviation over
+    replicates.
+    """
+    slopes = elasticities(each.contact).at_fixed_zeta
+    law = each.centre * np.exp(np.log(coded(each.levels, each.full)) @ slopes)
+    exact, everything = each.response, np.arange(len(law))
+    none: dict[str, int] = {}
+    fraction, full = ("fraction", each.runs, each.relation), ("full", everything, none)
+    cells = [
+        (fraction, "v_c", exact[None, each.runs], law),
+        (fraction, "ln v_c", np.log(exact[None, each.runs]), np.log(law)),
+        (fraction, "v_c by Eq. 34", each.fitted, law),
+        (full, "v_c", exact[None], law),
+        (full, "ln v_c", np.log(exact[None]), np.log(law)),
+    ]
+    tables = []
+    for (name, runs, relation), response, values, power in cells:
+        classes = aliases(relation, LETTERS)
+        percent, predicted = (
+            _percent(each.full[runs], list(classes), of, logarithmic=response == "ln v_c")
+            for of in (values, power[runs])
+        )
+        mean = percent.mean(axis=0)
+        margins = lenth(mean, each.confidence)
+        columns = {
+            "case": each.case,
+            "variation": each.variation,
+            "design": name,
+            "response": response,
+            "effect": list(classes),
+            "aliases": [_signed(others) for others in classes.values()],
+            "effect_percent": mean,
+            "power_law_percent": predicted,
+            "pseudo_error_percent": percent.std(axis=0, ddof=1) if len(percent) > 1 else np.nan,
+            "lenth_pseudo_error_percent": margins.pseudo_error,
+            "margin_percent": margins.margin,
+            "simultaneous_margin_percent": margins.simultaneous,
+            "normal_quantile": normal_positions(mean),
+            "half_normal_quantile": half_normal_positions(mean),
+            "evidence": "computed",
+        }
+        tables.append(pd.DataFrame(columns))
+    return pd.concat(tables, ignore_index=True)
+
+
+def _percent(
+    design: FloatArray, words: list[str], values: FloatArray, *, logarithmic: bool
+) -> FloatArray:
+    """Effects in % of the mean response; of a logarithm, in hundredths."""
+    found = effects(design, LETTERS, words, values)
+    return 100.0 * (found if logarithmic else found / values.mean(axis=-1, keepdims=True))
+
+
+def bd_aliasing(each: DesignedExperiment) -> Iterator[Row]:
+    """Yield what BD looks like in every quarter fraction, all choices of signs."""
+
+    def percent(runs: BoolArray) -> float:
+        response = each.response[runs]
+        (found,) = effects(each.full[runs], LETTERS, ["BD"], response) / response.mean()
+        return float(100.0 * found)
+
+    whole = percent(np.ones(len(each.full), bool))
+    for (first, second), (one, other) in combinations(
+        quarter_fractions(LETTERS), combinations((1, -1), repeat=2)
+    ):
+        relation = {first: one, second: other, product(first, second): one * other}
+        columns = {w: each.full[:, [LETTERS.index(c) for c in w]].prod(axis=1) for w in relation}
+        kept = np.all([columns[word] == sign for word, sign in relation.items()], axis=0)
+        others = {product("BD", word): sign for word, sign in relation.items()}
+        yield {
+            "case": each.case,
+            "variation": each.variation,
+            "defining_relation": _identity(relation),
+            "aliases_of_BD": _signed(others),
+            "main_effect": next((word for word in others if len(word) == 1), "none"),
+            "apparent_percent": percent(kept),
+            "BD_percent": whole,
+            "evidence": "computed",
+        }
+
+
+def figure_frame(each: DesignedExperiment, table: pd.DataFrame) -> pd.DataFrame:
+    """Return the effects of an experiment as drawn: panels by plot, series by response and word."""
+    own = table[
+        (table["case"] == each.case)
+        & (table["variation"] == each.variation)
+        & (table["design"] == "fraction")
+    ]
+    frames = []
+    for response, rows in own.groupby("response", sort=False):
+        for panel, column, x in (
+            ("normal", "normal_quantile", rows["effect_percent"]),
+            ("half_normal", "half_normal_quantile", rows["effect_percent"].abs()),
+        ):
+            for word, size, quantile in zip(rows["effect"], x, rows[column], strict=True):
+                series = f"{response}: {word}"
+                frames.append(_frame(panel, series, [size], [quantile]))
+            for name in ("margin", "simultaneous margin"):
+                margin = rows[f"{name.replace(' ', '_')}_percent"].iloc[0]
+                ends = [-margin, margin] if panel == "normal" else [margin]
+                frames.append(_frame(panel, f"{response}: {name}", ends, 0.0))
+    return pd.concat(frames, ignore_index=True)
