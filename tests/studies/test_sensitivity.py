@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -16,12 +17,12 @@ from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.statistics.sobol import saltelli_sample, sobol_indices
 from microimpact.studies.analyses import sensitivity
+from microimpact.studies.analyses.sensitivity import Draw, group_tables
 from microimpact.studies.analyses.sensitivity.ridge import (
     Targets,
     calibrated_sample,
     material_damping,
 )
-from microimpact.studies.analyses.sensitivity.tables import Bootstrap, Draw, group_rows, input_rows
 
 ROOT = Path(__file__).parents[2]
 
@@ -102,18 +103,17 @@ def test_groups_of_a_product():
     cube = 0.5 + saltelli_sample(3, 2048, generator(1))
     response = cube[..., 0] * (cube[..., 1] + cube[..., 2])
     draw = Draw(case="c", variation="v", response=response, truncated=0, uncalibrated=0)
-    options = Bootstrap(resamples=50, confidence=0.95)
-    groups = {row["input"]: row for row in group_rows(draw, 0, generator(3), options)}
+    find = partial(sobol_indices, draw=generator(3), resamples=50, confidence=0.95)
+    groups = pd.concat(group_tables(draw, 0, find)).set_index("input")
     radius, rest = 4.0 / 12.0, 2.0 / 12.0
     both = radius / 4.0 * rest
     variance = radius + rest + both
     wanted = {"variability": (radius, radius + both), "uncertainty": (rest, rest + both)}
     for name, (first, total) in wanted.items():
-        assert groups[name]["first"] == pytest.approx(first / variance, abs=0.015)
-        assert groups[name]["total"] == pytest.approx(total / variance, abs=0.015)
-    names = ("radius", "b", "c")
-    single = next(iter(input_rows(draw, names, generator(3), options)))
-    assert single["total"] == pytest.approx(groups["variability"]["total"], rel=1e-12)
+        assert groups["first"][name] == pytest.approx(first / variance, abs=0.015)
+        assert groups["total"][name] == pytest.approx(total / variance, abs=0.015)
+    single = find(draw.kept()).total[0]
+    assert single == pytest.approx(groups["total"]["variability"], rel=1e-12)
 
 
 def test_results_do_not_depend_on_what_was_drawn_before():

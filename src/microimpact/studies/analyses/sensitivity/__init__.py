@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Annotated
 
 import numpy as np
@@ -10,28 +12,29 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
-from microimpact.core.tables import Row, Tables
+from microimpact.core.tables import Row, Tables, series_frame
 from microimpact.declared.parameters import CaseName, Count, Positive
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.statistics.sobol import require_power_of_two, saltelli_sample
-from microimpact.studies.analyses.doe.factors import LETTERS, NAMES, at_levels, flat_family
+from microimpact.statistics.sobol import (
+    Indices,
+    require_power_of_two,
+    saltelli_sample,
+    sobol_indices,
+)
+from microimpact.studies.analyses.doe.factors import (
+    FACTORS,
+    LETTERS,
+    NAMES,
+    at_levels,
+    factor_values,
+    flat_family,
+)
 from microimpact.studies.analyses.sensitivity.ridge import (
     Targets,
     calibrated_sample,
     material_damping,
-)
-from microimpact.studies.analyses.sensitivity.tables import (
-    CALIBRATED_INPUTS,
-    Bootstrap,
-    Draw,
-    convergence_rows,
-    drawn,
-    group_rows,
-    index_rows,
-    input_rows,
-    parameter_rows,
 )
 
 NEEDS = {"calibration": ("calibration", "calibration_family"), "doe": ("doe_levels", "doe_effects")}
@@ -41,7 +44,14 @@ ANALYSIS = 25
 # Place among the draws of one case: after all sets of levels.
 CALIBRATED = 9
 
+# What is drawn with a calibration, in order: the first is variability, the others are uncertain.
+CALIBRATED_INPUTS = ("radius", "stiffness", "restitution", "capture_velocity", "ridge")
+# Factors that a calibration fixes, and the share of their draws that is told.
+CALIBRATED_FACTORS, CENTRAL = "ABDE", 0.9
+
 OpenFraction = Annotated[float, Field(gt=0, lt=1)]
+# Indices of responses at a Saltelli sample, with their intervals.
+Find = Callable[[FloatArray], Indices]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,10 +99,18 @@ def run(params: Params, inputs: Tables) -> Tables:
     ``sensitivity_parameters``: what is calibrated, and how it goes with w_A. ``sobol``: indices
     drawn.
     """
-    tables: dict[str, list[Row]] = {
+    parts: dict[str, list[pd.DataFrame]] = {
         name: [] for name in ("indices", "convergence", "groups", "parameters")
     }
-    options = Bootstrap(resamples=params.resamples, confidence=params.confidence)
+
+    def finder(*key: int) -> Find:
+        return partial(
+            sobol_indices,
+            draw=_generator(params, (*key, 1)),
+            resamples=params.resamples,
+            confidence=params.confidence,
+        )
+
     for number, case in enumerate(params.cases):
         contact = calibrated_contact(inputs, case)
         levels = inputs["doe_levels"]
@@ -102,22 +120,63 @@ def run(params: Params, inputs: Tables) -> Tables:
         by_variation = levels.groupby("variation", sort=False)
         for turn, (variation, rows) in enumerate(by_variation):
             draw = independent(params, case, str(variation), contact, rows, (number, turn))
-            numbers = _generator(params, (number, turn, 1))
-            tables["indices"] += index_rows(draw, inputs["doe_effects"], numbers, options)
+            find = finder(number, turn)
+            parts["indices"] += index_tables(draw, inputs["doe_effects"], find)
             if variation == "realistic":
-                tables["groups"] += group_rows(draw, NAMES.index("radius"), numbers, options)
-            tables["convergence"] += convergence_rows(draw, params.least_samples, numbers, options)
-        target = printed_targets(inputs["calibration"], case)
-        share = damping_share(contact, target[0], inputs)
-        wide = by_variation.get_group("realistic")
-        draw, sample = calibrated(params, case, contact, wide, target, share, (number, CALIBRATED))
-        numbers = _generator(params, (number, CALIBRATED, 1))
-        radius = CALIBRATED_INPUTS.index("radius")
-        tables["groups"] += group_rows(draw, radius, numbers, options)
-        tables["groups"] += input_rows(draw, CALIBRATED_INPUTS, numbers, options)
-        tables["parameters"] += parameter_rows(case, sample)
-    named = {f"sensitivity_{name}": pd.DataFrame(rows) for name, rows in tables.items()}
+                parts["groups"] += group_tables(draw, NAMES.index("radius"), find)
+            parts["convergence"] += convergence_tables(draw, params.least_samples, find)
+        wide, key = by_variation.get_group("realistic"), (number, CALIBRATED)
+        draw, sample = calibrated(params, case, contact, wide, inputs, key)
+        find = finder(*key)
+        parts["groups"] += group_tables(draw, CALIBRATED_INPUTS.index("radius"), find)
+        parts["groups"].append(_input_table(draw, "input", CALIBRATED_INPUTS, find(draw.kept())))
+        parts["parameters"].append(parameter_table(case, sample))
+    named = {
+        f"sensitivity_{name}": pd.concat(own, ignore_index=True) for name, own in parts.items()
+    }
     return named | {"sobol": drawn(named, params.drawn_case)}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Draw:
+    """One contact at the points of a Saltelli sample."""
+
+    # Which contact, and how it was varied.
+    case: str
+    variation: str
+    # Capture velocities in m/s, shape (samples, inputs + 2); NaN where there is no calibration.
+    response: FloatArray
+    # Points whose capture velocity was above the largest one that counts, infinite ones among them,
+    # and points whose calibration has no solution.
+    truncated: int
+    uncalibrated: int
+
+    def kept(self, samples: int | None = None) -> FloatArray:
+        """Return the first base samples, without those that lack a response.
+
+        Raises ValueError if fewer than two are left.
+        """
+        first = self.response[:samples]
+        kept: FloatArray = first[np.isfinite(first).all(axis=1)]
+        if len(kept) < 2:
+            raise ValueError(
+                f"sensitivity: {self.case!r}, {self.variation}: {len(kept)} of {len(first)} base"
+                " samples are calibrated throughout; two are needed"
+            )
+        return kept
+
+    @property
+    def label(self) -> Row:
+        """Case, variation and counts, for a row of a table."""
+        return {
+            "case": self.case,
+            "variation": self.variation,
+            "samples": len(self.response),
+            "samples_kept": len(self.kept()),
+            "points": self.response.size,
+            "points_truncated": self.truncated,
+            "points_without_calibration": self.uncalibrated,
+        }
 
 
 def independent(
@@ -175,8 +234,7 @@ def calibrated(
     case: str,
     contact: Contact,
     levels: pd.DataFrame,
-    target: tuple[float, float],
-    share: tuple[float, float],
+    inputs: Tables,
     key: tuple[int, int],
 ) -> tuple[Draw, Contact]:
     """Return capture velocities for a radius and a calibration drawn, and the contacts calibrated.
@@ -193,7 +251,8 @@ def calibrated(
     rows = levels.set_index("factor").loc[["C", "A"]]
     radius, stiffness = multiples_of(points[:, :2], rows, "realistic", params.level_quantile).T
     e, limit = ndtri(points[:, 2:4]).T
-    low, high = share
+    target = printed_targets(inputs["calibration"], case)
+    low, high = damping_share(contact, target[0], inputs)
     targets = Targets(
         high_speed=float(contact.reference_velocity),  # type: ignore[arg-type]
         restitution=target[0] + params.restitution_deviation * e,
@@ -255,3 +314,122 @@ def multiples_of(
 def _generator(params: Params, key: tuple[int, ...]) -> np.random.Generator:
     seed = np.random.SeedSequence(params.seed, spawn_key=(ANALYSIS, *key))
     return np.random.Generator(np.random.PCG64(seed))
+
+
+def index_tables(draw: Draw, effects: pd.DataFrame, find: Find) -> Iterator[pd.DataFrame]:
+    """Yield the indices of the five factors beside their effects over the full design."""
+    keys = ["case", "variation", "design"]
+    whole = effects[(effects[keys] == [draw.case, draw.variation, "full"]).all(axis=1)]
+    for response, values in {"v_c": draw.kept(), "ln v_c": np.log(draw.kept())}.items():
+        found = find(values)
+        size = whole[whole["response"] == response].set_index("effect")["effect_percent"]
+        square = size**2 / float((size**2).sum())
+        words = [[letter in word for word in square.index] for letter in LETTERS]
+        own = size[list(LETTERS)].to_numpy(float)
+        columns = {
+            "response": response,
+            "standard_deviation_percent": _spread(draw.kept()),
+            "factor": list(LETTERS),
+            "name": NAMES,
+            **asdict(found),
+            "effect_percent": own,
+            "effect_first": square[list(LETTERS)].to_numpy(float),
+            "effect_total": [float(square[of].sum()) for of in words],
+            "rank_by_total": _ranks(found.total),
+            "rank_by_effect": _ranks(np.abs(own)),
+            "evidence": "computed",
+        }
+        yield pd.DataFrame(draw.label | columns)
+
+
+def convergence_tables(draw: Draw, least: int, find: Find) -> Iterator[pd.DataFrame]:
+    """Yield the indices of v_c from the first base samples, doubled until all are in."""
+    samples = least
+    while samples <= len(draw.response):
+        start = {"case": draw.case, "variation": draw.variation, "samples": samples}
+        indices = {"factor": list(LETTERS), **asdict(find(draw.kept(samples)))}
+        yield pd.DataFrame(start | indices | {"evidence": "computed"})
+        samples *= 2
+
+
+def group_tables(draw: Draw, radius: int, find: Find) -> Iterator[pd.DataFrame]:
+    """Yield the indices of variability, the radius, and of uncertainty, all other inputs.
+
+    Points A and that with the radius of B differ in the radius alone; that point and B differ in
+    all else: the same responses serve both groups.
+    """
+    groups = {"variability": [0, 1 + radius, -1], "uncertainty": [-1, 1 + radius, 0]}
+    for name, columns in groups.items():
+        yield _input_table(draw, "group", [name], find(draw.kept()[:, columns]))
+
+
+def _input_table(draw: Draw, kind: str, names: Sequence[str], found: Indices) -> pd.DataFrame:
+    spread = {"standard_deviation_percent": _spread(draw.kept())}
+    indices = {"kind": kind, "input": names, **asdict(found), "evidence": "computed"}
+    return pd.DataFrame(draw.label | spread | indices)
+
+
+def parameter_table(case: str, sample: Contact) -> pd.DataFrame:
+    """Return medians, 90 % ranges and rank correlations of what is calibrated."""
+    of = factor_values(sample)
+    values = pd.DataFrame({letter: of[letter] for letter in CALIBRATED_FACTORS})
+    low, median, high = np.quantile(values, [0.5 - CENTRAL / 2, 0.5, 0.5 + CENTRAL / 2], axis=0)
+    ranks = values.rank()
+    return pd.DataFrame(
+        {
+            "case": case,
+            "factor": list(CALIBRATED_FACTORS),
+            "name": [FACTORS[letter][0] for letter in CALIBRATED_FACTORS],
+            "unit": [FACTORS[letter][1] for letter in CALIBRATED_FACTORS],
+            "low": low,
+            "median": median,
+            "high": high,
+            "rank_correlation_with_B": [np.corrcoef(ranks[of], ranks["B"])[0, 1] for of in ranks],
+            "evidence": "calibrated",
+        }
+    )
+
+
+def drawn(tables: Tables, case: str) -> pd.DataFrame:
+    """Return the figure's data: a panel per case and variation, the groups, the convergence."""
+    rows, groups, steps = (
+        tables[f"sensitivity_{name}"] for name in ("indices", "groups", "convergence")
+    )
+    frames = []
+    of_v_c = rows[rows["response"] == "v_c"]
+    for (name, variation), part in of_v_c.groupby(["case", "variation"], sort=False):
+        place = np.arange(len(part), dtype=float)
+        for series, column in (
+            ("total index", "total"),
+            ("first-order index", "first"),
+            ("share of squared effects", "effect_total"),
+        ):
+            frames.append(_frame(f"{variation}, {name}", series, place, part, column))
+    shown = groups[(groups["variation"] == "calibrated") & (groups["kind"] == "input")]
+    for name, part in shown.groupby("case", sort=False):
+        place = np.arange(len(part), dtype=float)
+        frames.append(_frame("calibrated", str(name), place, part, "total"))
+    chosen = steps[(steps["case"] == case) & (steps["variation"] == "realistic")]
+    for letter, part in chosen.groupby("factor"):
+        samples = part["samples"].to_numpy(float)
+        frames.append(_frame("convergence", str(letter), samples, part, "total"))
+    return pd.concat(frames, ignore_index=True)
+
+
+def _frame(
+    panel: str, series: str, place: FloatArray, rows: pd.DataFrame, column: str
+) -> pd.DataFrame:
+    ends = [rows[name] for end in ("low", "high") if (name := f"{column}_{end}") in rows]
+    y = rows[column]
+    return series_frame(panel, series, place, y, "computed", *ends, x_unit="1", y_unit="1")
+
+
+def _spread(kept: FloatArray) -> float:
+    """Return the standard deviation in % of the mean, over the points A and B."""
+    independent = kept[:, [0, -1]]
+    return float(100.0 * independent.std(ddof=1) / independent.mean())
+
+
+def _ranks(sizes: FloatArray) -> pd.Series:
+    """Return ranks from the largest; sizes equal but for rounding share one."""
+    return pd.Series(sizes).round(9).rank(ascending=False, method="min").astype(int)
