@@ -27,7 +27,8 @@ from microimpact.figures.registry import FIGURE_NAME, FigureSpec
 from microimpact.lab.laboratory import Laboratory
 from microimpact.ledgers.claims.criteria import CLAIM_NAME, DIGITISED, Claim
 from microimpact.ledgers.claims.digitised import DigitisedCriteria
-from microimpact.ledgers.equations.records import EQUATION_NAME, ERRATA, Equation
+from microimpact.ledgers.equations.forms import ERRATA, SYMBOLS
+from microimpact.ledgers.equations.records import EQUATION_NAME, Equation
 from microimpact.run.config import General
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -47,7 +48,8 @@ def schemas() -> dict[str, Schema]:
         "figures.schema.json": _registry("Figure registry", FIGURE_NAME, FigureSpec, "name"),
         "claims.schema.json": claims
         | {"properties": {DIGITISED: criteria}, "required": [DIGITISED]},
-        "equations.schema.json": equations | {"properties": {ERRATA: {"type": "array"}}},
+        "equations.schema.json": equations
+        | {"properties": {SYMBOLS: {"type": "object"}, ERRATA: {"type": "array"}}},
     }
 
 

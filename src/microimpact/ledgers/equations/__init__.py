@@ -14,8 +14,6 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from microimpact.core.materials import declared_file
-from microimpact.declared.documents import load
 from microimpact.declared.parameters import build
 from microimpact.ledgers.equations import (
     contact,
@@ -27,9 +25,15 @@ from microimpact.ledgers.equations import (
     roughness,
 )
 from microimpact.ledgers.equations.case import reference_case
-from microimpact.ledgers.equations.forms import DimensionError, check_dimensions, parse
-from microimpact.ledgers.equations.records import (
+from microimpact.ledgers.equations.forms import (
+    DECLARED,
     ERRATA,
+    SYMBOLS,
+    DimensionError,
+    check_dimensions,
+    parse,
+)
+from microimpact.ledgers.equations.records import (
     At,
     Checked,
     Equation,
@@ -37,12 +41,10 @@ from microimpact.ledgers.equations.records import (
     ReferenceCase,
 )
 
-_DECLARED = load(declared_file("equations.yaml"))
-
 EQUATIONS = {
     name: build(Equation, {"id": name, **entry})
-    for name, entry in _DECLARED.items()
-    if name != ERRATA
+    for name, entry in DECLARED.items()
+    if name not in {SYMBOLS, ERRATA}
 }
 PROOFS: dict[str, Proof] = {
     **laboratory.PROOFS,
@@ -124,7 +126,7 @@ def proof_of(equation: Equation) -> Proof:
 
 def errata() -> pd.DataFrame:
     """Return the slips of the article outside its equations, one row each."""
-    return pd.DataFrame(_DECLARED[ERRATA])
+    return pd.DataFrame(DECLARED[ERRATA])
 
 
 def row(equation: Equation, proof: Proof, case: ReferenceCase) -> dict[str, Any]:

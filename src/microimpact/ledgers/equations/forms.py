@@ -16,46 +16,20 @@ from typing import Any, NamedTuple
 import pint
 import sympy
 
+from microimpact.core.materials import declared_file
+from microimpact.declared.documents import load
+
 FUNCTIONS = frozenset(
     {"sqrt", "sin", "cos", "tan", "cot", "atan", "sign", "Abs", "Max", "Integral", "beta", "pi"}
 )
 RELATIONS = (" = ", " > ", " != ")
 
-# Signs that proofs may use: the sphere approaches (v_n < 0) and is pressed in (n < 0),
-# and the velocity that just captures it has the same sign.
-NEGATIVE = frozenset({"v_n", "vp_n", "v_c", "n"})
-_POSITIVE = (
-    "a a_c alpha c_A c_H e E_1 E_2 f f_0 g h I k k_1 k_2 kappa kappa_1 kappa_2 K m p q r r_S R R_S "
-    "rho T_H v V w_A zeta_A zeta_H"
-)
-POSITIVE = frozenset(_POSITIVE.split())
-
-# The unit of each symbol, and in some sections another meaning of it.
-UNITS = {
-    "": "alpha e e_m eta eta_rate eta_squared_rate f mu mu_0 mu_c mu_m nu_1 nu_2 nu_i phi R rho "
-    "small T_L zeta_A zeta_H",
-    "m": "a a_c h k n r r_n r_S R_S x",
-    "m/s": "n_dot t_dot v V v_c v_n V_n vp_n v_t V_t vp_t Vp_t V_Ct v_probe V_probe",
-    "m/s**2": "g n_ddot t_ddot",
-    "rad/s": "omega Omega theta_dot",
-    "rad/s**2": "theta_ddot",
-    "s": "s T_H",
-    "1/s": "strain_rate",
-    "s/m": "c_A c_H",
-    "kg": "m",
-    "kg*m**2": "I",
-    "N": "F F_n F_t",
-    "N/m": "f_0",
-    "N*s": "p P_n P_t P_D P_D_A P_D_R P_A_R",
-    "Pa": "E_1 E_2 E_i K K_H",
-    "1/Pa": "k_1 k_2 k_i",
-    "J": "W_A W_D W_n",
-    "J/m**2": "w_A",
-}
-MEANINGS = {
-    "3.1.3": {"J": "T_L"},
-    **{section: {"m": "R"} for section in ("3.2", "3.2.1", "3.2.2")},
-    "3.3": {"": "p q", "m/s": "k k_1 k_2 kappa kappa_1 kappa_2"},
+# All relations with their symbols, and the slips of the text.
+DECLARED: Mapping[str, Any] = load(declared_file("equations.yaml"))
+SYMBOLS, ERRATA = "symbols", "errata"
+_SYMBOLS = DECLARED[SYMBOLS]
+_SIGNS = {
+    name: {sign: True} for sign in ("negative", "positive") for name in _SYMBOLS[sign].split()
 }
 
 # Exponents without a value of their own: any number shows whether dimensions agree.
@@ -101,9 +75,7 @@ class Form(NamedTuple):
 @cache
 def symbol(name: str) -> Any:
     """Return the symbol of a name, with the sign it has throughout the article."""
-    if name in NEGATIVE:
-        return sympy.Symbol(name, negative=True)
-    return sympy.Symbol(name, positive=True) if name in POSITIVE else sympy.Symbol(name, real=True)
+    return sympy.Symbol(name, **_SIGNS.get(name, {"real": True}))
 
 
 def symbols(names: str) -> tuple[Any, ...]:
@@ -114,7 +86,7 @@ def symbols(names: str) -> tuple[Any, ...]:
 @cache
 def units_of(section: str) -> dict[str, str]:
     """Return the unit of each symbol in a section."""
-    given = chain(UNITS.items(), MEANINGS.get(section, {}).items())
+    given = chain(_SYMBOLS["units"].items(), _SYMBOLS["meanings"].get(section, {}).items())
     return {name: unit for unit, names in given for name in names.split()}
 
 

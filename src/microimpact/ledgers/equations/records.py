@@ -16,27 +16,11 @@ from microimpact.model.contact import Contact
 
 # Number of an equation, or section, or number, and name of a relation within the text.
 EQUATION_NAME = r"^\d+(\.\d+)*( \w[\w ]*)?$"
-# The key of the file that is no relation.
-ERRATA = "errata"
 
 Slip = Literal["none", "scan", "article", "scan or article"]
 Checked = Literal["passed", "failed", "open", "none"]
 Facts = dict[Any, Any]
 Values = Mapping[str, Any]
-
-# Sections of the numbered equations, each with its first number.
-SECTIONS = {
-    1: "2.2",
-    4: "3.1.1",
-    6: "3.1.2",
-    14: "3.1.3",
-    19: "3.2",
-    30: "3.2.1",
-    32: "3.3",
-    35: "4.1",
-    37: "4.1.1",
-    39: "4.1.2",
-}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,6 +67,7 @@ class Equation:
     """One relation of the article, as ``config/equations.yaml`` declares it."""
 
     id: Annotated[str, Field(pattern=EQUATION_NAME)]
+    section: Name  # In which it stands
     printed: Name  # As printed in the article
     used: str = ""  # Where the form used here is another: that form
     slip: Slip = "none"  # Where the difference of both forms comes from
@@ -101,14 +86,6 @@ class Equation:
     def form_used(self) -> str:
         """The form used here."""
         return self.used or self.printed
-
-    @property
-    def section(self) -> str:
-        """Section in which the relation stands: its name begins with it, or its number tells."""
-        first = self.id.partition(" ")[0]
-        if "." in first:
-            return first
-        return next(s for number, s in reversed(SECTIONS.items()) if number <= int(first))
 
     @property
     def units(self) -> dict[str, str]:
