@@ -45,6 +45,8 @@ from microimpact.studies.analyses.monte_carlo.tables import (
 
 NEEDS = {"calibration": ("calibration",)}
 
+# Fields of an estimate that are shares of all events.
+SHARES = ("accepted", "facing_away", "captured", "not_leaving")
 # First number of every stream's key; the second is the number of the variant.
 ESTIMATES, SAMPLING, ABLATION, INFERENCE, LONG_RUN = range(5)
 
@@ -238,35 +240,23 @@ def _stream(ensemble: Ensemble, analysis: int) -> Ensemble:
 def _means(params: Params, variant: str, found: list[Estimate], base: Ensemble) -> pd.DataFrame:
     """Estimates of a variant at every angle, ascending, beside the smooth surface's."""
     angles = sorted(params.angles_deg)
-    smooth = [estimate(base, angle) for angle in angles]
+    own, smooth = pd.DataFrame(found), pd.DataFrame([estimate(base, angle) for angle in angles])
     reference = angles.index(params.reference_angle_deg)
-    speed = mean(params.process.speed_m_per_s)
-    rows = []
-    for angle, one, bare in zip(angles, found, smooth, strict=True):
-        at = one is found[reference]
-        rows.append(
-            {
-                "variant": variant,
-                "angle_deg": angle,
-                **_named(one),
-                "relative_restitution": one.restitution - found[reference].restitution,
-                "relative_restitution_error": 0.0
-                if at
-                else float(np.hypot(one.restitution_error, found[reference].restitution_error)),
-                "smooth_restitution": bare.restitution,
-                "smooth_relative_restitution": bare.restitution - smooth[reference].restitution,
-                "smooth_impulse_ratio": bare.impulse_ratio,
-                "reference_angle_deg": params.reference_angle_deg,
-                "mean_speed_m_per_s": speed,
-                "events": params.plan.replicates * params.plan.events,
-            }
-        )
-    return pd.DataFrame(rows)
-
-
-def _named(one: Estimate) -> dict[str, float]:
-    shares = ("accepted", "facing_away", "captured", "not_leaving")
-    return {f"{k}_share" if k in shares else k: v for k, v in one._asdict().items()}
+    e, error, bare = own["restitution"], own["restitution_error"], smooth["restitution"]
+    relative_error = np.hypot(error, error[reference]).where(own.index != reference, 0.0)
+    table = own.rename(columns={name: f"{name}_share" for name in SHARES}).assign(
+        relative_restitution=e - e[reference],
+        relative_restitution_error=relative_error,
+        smooth_restitution=bare,
+        smooth_relative_restitution=bare - bare[reference],
+        smooth_impulse_ratio=smooth["impulse_ratio"],
+        reference_angle_deg=params.reference_angle_deg,
+        mean_speed_m_per_s=mean(params.process.speed_m_per_s),
+        events=params.plan.replicates * params.plan.events,
+    )
+    table.insert(0, "variant", variant)
+    table.insert(1, "angle_deg", angles)
+    return table
 
 
 def _slopes(params: Params, ensembles: Mapping[str, Ensemble]) -> pd.DataFrame:

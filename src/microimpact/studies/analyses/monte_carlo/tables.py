@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import product
 from typing import Annotated
 
 import numpy as np
@@ -17,7 +18,7 @@ from microimpact.declared.parameters import AngleDegrees, Keyed, Name
 from microimpact.statistics.distributions import Distribution
 from microimpact.statistics.intervals import student_half_width
 from microimpact.statistics.sampling import Correlation, Generator, Method
-from microimpact.studies.analyses.monte_carlo.ensembles import Ensemble, Estimate, Plan, estimate
+from microimpact.studies.analyses.monte_carlo.ensembles import Ensemble, Plan, estimate
 
 METHODS: tuple[tuple[Method, Generator], ...] = (
     ("plain", "exact"),
@@ -27,6 +28,7 @@ METHODS: tuple[tuple[Method, Generator], ...] = (
     ("quasi_random", "central_limit"),
 )
 CONFIDENCE = 0.95
+QUANTITIES = ("restitution", "impulse_ratio")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,41 +61,31 @@ def sampling_table(ensemble: Ensemble, settings: Comparison) -> pd.DataFrame:
 
     The interval of the variance ratio is that of a ratio of two sample variances.
     """
-    found: dict[tuple[Method, Generator], Estimate] = {}
-    for method, generator in METHODS:
-        plan = Plan(
-            replicates=settings.replicates,
-            events=settings.events,
-            method=method,
-            generator=generator,
-        )
-        found[method, generator] = estimate(replace(ensemble, plan=plan), settings.angle_deg)
-    plain = found["plain", "exact"]
-    degrees = settings.replicates - 1
-    # The inverse of F with equal degrees of freedom has the same distribution.
-    factor = float(scipy.special.fdtri(degrees, degrees, 0.5 * (1.0 + CONFIDENCE)))
+    size = {"replicates": settings.replicates, "events": settings.events}
     rows = []
-    for (method, generator), one in found.items():
-        for quantity, error in (
-            ("restitution", "restitution_error"),
-            ("impulse_ratio", "impulse_ratio_error"),
-        ):
-            ratio = (getattr(one, error) / getattr(plain, error)) ** 2
-            rows.append(
-                {
-                    "method": method,
-                    "generator": generator,
-                    "quantity": quantity,
-                    "angle_deg": settings.angle_deg,
-                    "events": settings.replicates * settings.events,
-                    "estimate": getattr(one, quantity),
-                    "standard_error": getattr(one, error),
-                    "variance_ratio": ratio,
-                    "variance_ratio_low": ratio / factor,
-                    "variance_ratio_high": ratio * factor,
-                }
-            )
-    return pd.DataFrame(rows)
+    for method, generator in METHODS:
+        plan = Plan(method=method, generator=generator, **size)
+        one = estimate(replace(ensemble, plan=plan), settings.angle_deg)
+        rows += [
+            {
+                "method": method,
+                "generator": generator,
+                "quantity": quantity,
+                "angle_deg": settings.angle_deg,
+                "events": settings.replicates * settings.events,
+                "estimate": getattr(one, quantity),
+                "standard_error": getattr(one, f"{quantity}_error"),
+            }
+            for quantity in QUANTITIES
+        ]
+    table = pd.DataFrame(rows)
+    # The first method is plain. The inverse of F with equal degrees of freedom is as F.
+    error = table["standard_error"]
+    ratio = (error / np.resize(error[: len(QUANTITIES)], len(error))) ** 2
+    degrees = settings.replicates - 1
+    factor = float(scipy.special.fdtri(degrees, degrees, 0.5 * (1.0 + CONFIDENCE)))
+    ends = {"variance_ratio_low": ratio / factor, "variance_ratio_high": ratio * factor}
+    return table.assign(variance_ratio=ratio, **ends)
 
 
 def ablation_table(
@@ -105,26 +97,24 @@ def ablation_table(
     angles and sources.
     """
     rows = []
-    for variant, ensemble in ensembles.items():
-        for angle in settings.angles_deg:
-            bare, full = (estimate(one, angle) for one in (base, ensemble))
-            singles = {s.parameter: _alone(ensemble, s) for s in settings.sources}
-            found = {name: estimate(one, angle) for name, one in singles.items()}
-            for name, one in {"all": full, **found}.items():
-                rows += [
-                    {
-                        "variant": variant,
-                        "angle_deg": angle,
-                        "source": name,
-                        "quantity": quantity,
-                        "smooth": getattr(bare, quantity),
-                        "estimate": getattr(one, quantity),
-                        "standard_error": getattr(one, f"{quantity}_error"),
-                        "share": (getattr(one, quantity) - getattr(bare, quantity))
-                        / (getattr(full, quantity) - getattr(bare, quantity)),
-                    }
-                    for quantity in ("restitution", "impulse_ratio")
-                ]
+    for (variant, ensemble), angle in product(ensembles.items(), settings.angles_deg):
+        sources = {"all": ensemble} | {s.parameter: _alone(ensemble, s) for s in settings.sources}
+        found = {name: estimate(one, angle) for name, one in sources.items()}
+        bare = estimate(base, angle)
+        for (name, one), quantity in product(found.items(), QUANTITIES):
+            smooth, value, full = (getattr(of, quantity) for of in (bare, one, found["all"]))
+            rows.append(
+                {
+                    "variant": variant,
+                    "angle_deg": angle,
+                    "source": name,
+                    "quantity": quantity,
+                    "smooth": smooth,
+                    "estimate": value,
+                    "standard_error": getattr(one, f"{quantity}_error"),
+                    "share": (value - smooth) / (full - smooth),
+                }
+            )
     return pd.DataFrame(rows)
 
 
