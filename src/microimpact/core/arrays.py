@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, ClassVar, Protocol, Self
+from dataclasses import dataclass, fields, is_dataclass, replace
+from typing import Any, ClassVar, Protocol, Self, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -159,6 +159,17 @@ def _plain(name: str, quantity: Any) -> Any:
 def _finite(allowed: Range) -> str:
     text = str(allowed)
     return text if text.startswith("finite") else f"finite and {text}"
+
+
+def part_of(record: Any, place: Any) -> Any:
+    """Return the part of an array, or of all arrays of a dataclass, at places of the last axis.
+
+    What is no array stays as it is.
+    """
+    if is_dataclass(record):
+        own = {f.name: part_of(getattr(record, f.name), place) for f in fields(record)}
+        return replace(cast("Any", record), **own)
+    return record[..., place][()] if np.ndim(record) else record
 
 
 def common_shape(named: Mapping[str, object]) -> tuple[int, ...]:

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from microimpact.core.arrays import FloatArray, Real
+from microimpact.core.arrays import FloatArray, Real, part_of
 from microimpact.lab.contacts import all_printed, calibrated_contact, single
 from microimpact.lab.samples import (
     Dropped,
@@ -102,11 +102,11 @@ class Context:
         """
         if self.drawn is None:
             one = self.steel
-            return _at(function(resized(one, np.atleast_1d(one.diameter))), 0)
+            return part_of(function(resized(one, np.atleast_1d(one.diameter))), 0)
         if key not in self.found_of_draws:
             drawn = resized(self.drawn, self.params.steel.diameter_um * 1e-6)
             self.found_of_draws[key] = function(drawn)
-        return _at(self.found_of_draws[key], self.place)
+        return part_of(self.found_of_draws[key], self.place)
 
     def limits(self, claim: str, sized: Callable[[Contact], Contact]) -> FloatArray:
         """Return capture velocities of the steel contact in several sizes, m/s.
@@ -185,7 +185,7 @@ class Context:
         free = ~impact.captured
         if not np.any(free):
             raise ValueError(f"steel.speed_m_per_s: at {self.speed:g} it rebounds at no angle")
-        return wanted[free], _at(impact, free)
+        return wanted[free], part_of(impact, free)
 
     # Samples of virtual impacts
 
@@ -279,14 +279,6 @@ class Context:
             raise ValueError(f"{name}: no row at {', '.join(missing)} deg")
         at: pd.Series = found.loc[wanted]
         return at
-
-
-def _at(found: Any, place: Any) -> Any:
-    """Return the part of an array or of an `Impact` at places of its last axis."""
-    if isinstance(found, Impact):
-        fields = Impact.__dataclass_fields__
-        return Impact(**{name: _at(getattr(found, name), place) for name in fields})
-    return found[..., place][()] if np.ndim(found) else found
 
 
 def of_share(share: Number, drawn: int) -> Estimate:

@@ -12,7 +12,9 @@ proportion to its likelihood.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Annotated
 
 import numpy as np
@@ -21,9 +23,9 @@ from pydantic import Field
 
 from microimpact.core import ensemble
 from microimpact.core.arrays import BoolArray, FloatArray
-from microimpact.core.tables import Row, Tables
+from microimpact.core.tables import Row, Tables, series_frame
 from microimpact.declared.parameters import Count, Keyed, Seed
-from microimpact.lab.contacts import BAND, calibrated_contact
+from microimpact.lab.contacts import BAND, admissible_contact, calibrated_contact
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
@@ -40,7 +42,6 @@ from microimpact.studies.models.admissible_contacts.case import (
     posterior,
     values,
 )
-from microimpact.studies.models.admissible_contacts.shown import bands, marginals
 from microimpact.studies.models.admissible_contacts.statements import Within
 
 NEEDS = {"calibration": ("calibration",)}
@@ -48,6 +49,10 @@ NEEDS = {"calibration": ("calibration",)}
 COLUMNS = ("low", "median", "high")
 # Columns that are told.
 TOLD = (*FIELDS, "restitution", "adhesion_share", "contact_time_ns", "pull_off_uN")
+# Densities are shown this factor beyond the outermost draws.
+BESIDE = 1.2
+# Series of other things than a variant.
+PRINTED, TWO_STAGE = "printed", "two-stage"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -176,11 +181,12 @@ def summary(found: Posterior, variant: Variant, chosen: Chosen, draws: pd.DataFr
         names | {"quantity": name} | dict(zip(COLUMNS, np.quantile(value, BAND), strict=True))
         for name, value in numbers.items()
     ]
-    for axis, kinds in (("diameter_um", case.classes_um), ("friction_basis", case.friction_bases)):
-        for kind in kinds:
-            share = float(np.mean(draws[axis] == kind))
-            rows.append(names | {"quantity": f"share of {axis} {kind}", "median": share})
-    return rows
+    kinds: list[tuple[str, object]] = [("diameter_um", size) for size in case.classes_um]
+    kinds += [("friction_basis", basis) for basis in case.friction_bases]
+    return rows + [
+        names | {"quantity": f"share of {axis} {kind}", "median": np.mean(draws[axis] == kind)}
+        for axis, kind in kinds
+    ]
 
 
 def two_stage(case: Case, inputs: Tables) -> list[Row]:
@@ -191,7 +197,7 @@ def two_stage(case: Case, inputs: Tables) -> list[Row]:
         limits = capture_velocity(resized(contact, np.array(case.classes_um) * 1e-6))
         numbers = {name: getattr(contact, field) for name, field in FIELDS.items()}
         numbers |= derived(case, contact) | limits_by_size(case, limits)
-        names = {"case": case.case, "estimate": f"two-stage, {other}"}
+        names = {"case": case.case, "estimate": f"{TWO_STAGE}, {other}"}
         rows += [names | {"quantity": n, "median": float(v)} for n, v in numbers.items()]
     return rows
 
@@ -243,3 +249,77 @@ def left_out(found: Posterior, variant: Variant, statement: str) -> dict[str, fl
     ends = np.interp(BAND, share, limits[order])
     told_of = {f"v_c_left_out_{n}_m_per_s": v for n, v in zip(COLUMNS, ends, strict=True)}
     return told_of | {"effective_size_left_out": ensemble.effective_number(weights)}
+
+
+def density(values: FloatArray, at: FloatArray) -> FloatArray:
+    """Return the density of draws at some places, its highest value 1 (Gaussian kernels)."""
+    from scipy.stats import gaussian_kde
+
+    found = gaussian_kde(values)(at)
+    return np.asarray(found / np.max(found))
+
+
+def marginals(
+    case: Case, variants: Iterable[Variant], draws: pd.DataFrame, summary: pd.DataFrame, points: int
+) -> dict[str, pd.DataFrame]:
+    """Return densities and pairs of the draws of one case, beside the two-stage estimates."""
+    shares = np.linspace(0.0, 1.0, points)
+    limits, others, works = [], [], []
+    limit = partial(series_frame, "limit", x_unit="m_per_s", y_unit="1")
+    share = partial(series_frame, "share", x_unit="1", y_unit="1")
+    rate = partial(series_frame, "rate", x_unit="1", y_unit="1")
+    work = partial(series_frame, "work", x_unit="J_per_m2", y_unit="m_per_s")
+    own = draws[draws["case"] == case.case].groupby("variant")
+    for variant in variants:
+        rows = own.get_group(variant.variant)
+        v_c, part = rows["v_c_derived_m_per_s"].to_numpy(), rows["adhesion_share"].to_numpy()
+        n, w = rows["rate_exponent"], rows["work_of_adhesion_J_per_m2"]
+        name, kind = variant.variant, "calibrated"
+        speeds = np.geomspace(v_c.min() / BESIDE, v_c.max() * BESIDE, points)
+        limits.append(limit(name, speeds, density(np.log(v_c), np.log(speeds)), kind))
+        others += [share(name, shares, density(part, shares), kind), rate(name, n, part, kind)]
+        works.append(work(name, w, v_c, kind))
+    table = summary[summary["case"] == case.case].pivot(
+        index="estimate", columns="quantity", values="median"
+    )
+    v_c_name = f"v_c_at_{case.diameter_um:g}_um_m_per_s"
+    for name, kind in ((f"{TWO_STAGE}, {other}", "calibrated") for other in case.compared):
+        row = table.loc[name]
+        others.append(share(name, row["adhesion_share"], 0.0, kind))
+        others.append(rate(name, row["rate_exponent"], row["adhesion_share"], kind))
+        works.append(work(name, row["work_of_adhesion_J_per_m2"], row[v_c_name], kind))
+    limits += [limit(PRINTED, value, 0.0, PRINTED) for value in case.printed_limits()]
+    return {
+        "admissible_limits": pd.concat(limits, ignore_index=True),
+        "admissible_shares": pd.concat(others, ignore_index=True),
+        "admissible_works": pd.concat(works, ignore_index=True),
+    }
+
+
+def bands(case: Case, variants: Iterable[Variant], inputs: Tables, points: int) -> pd.DataFrame:
+    """Return e against the normal speed: bands of the draws, single contacts, printed facts.
+
+    `case`: the pair; bands are of its diameter; `inputs`: ``admissible_contacts``, ``calibration``,
+    ``materials``.
+    """
+    frame = partial(series_frame, case.case, x_unit="m_per_s", y_unit="1")
+    speeds = np.geomspace(*case.shown_m_per_s, points)
+    table, frames = inputs["admissible_contacts"], []
+    own = table[table["case"] == case.case].groupby("variant")
+    for variant in variants:
+        contact = resized(
+            admissible_contact(inputs, case.case, variant.variant), case.diameter_um * 1e-6
+        )
+        e = normal_impact(contact, speeds[:, None]).coefficient_of_restitution
+        low, high = np.quantile(e, BAND[::2], axis=1)
+        single = e[:, int(np.argmax(own.get_group(variant.variant)["most_central"]))]
+        frames.append(frame(variant.variant, speeds, single, "calibrated", low, high))
+    for other in case.compared:
+        contact = resized(calibrated_contact(inputs, other), case.diameter_um * 1e-6)
+        e = normal_impact(contact, speeds).coefficient_of_restitution
+        frames.append(frame(f"{TWO_STAGE}, {other}", speeds, e, "calibrated"))
+    for size, speed, (low, high) in case.printed_restitutions():
+        name = f"{PRINTED}, {size:g} um"
+        frames.append(frame(name, speed, 0.5 * (low + high), PRINTED, low, high))
+    frames += [frame(PRINTED, value, 0.0, PRINTED) for value in case.printed_limits()]
+    return pd.concat(frames, ignore_index=True)

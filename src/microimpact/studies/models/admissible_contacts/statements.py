@@ -10,19 +10,19 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 import scipy
 from pydantic import Field
 
-from microimpact.core.arrays import FloatArray
+from microimpact.core.arrays import FloatArray, part_of
 from microimpact.declared.parameters import AngleDegrees, Count, Finite, Name, Positive
 from microimpact.model.calibration import peak_ratios
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import planar, velocity_components
-from microimpact.model.dynamics.normal import NormalImpact, normal_impact
+from microimpact.model.dynamics.normal import normal_impact
 from microimpact.statistics.distributions import Distribution
 
 # Far enough below all else, where a statement has no value: a captured sphere never leaves.
@@ -259,12 +259,9 @@ class Evaluation:
         diameter, v_n, v_t = np.concatenate(impacts).T
         # Impacts that differ along the surface alone share a normal one.
         events, place = np.unique(np.stack([diameter, v_n]), axis=1, return_inverse=True)
-        found = normal_impact(
-            self.contacts(points, events[0]), events[1], ledger="hertz" in self.bases
-        )
-        fields = {name: getattr(found, name) for name in NormalImpact.__dataclass_fields__}
-        each: Any = {k: of[:, place] for k, of in fields.items() if isinstance(of, np.ndarray)}
-        normal, contact = NormalImpact(**each), self.contacts(points, diameter)
+        contact = self.contacts(points, events[0])
+        found = normal_impact(contact, events[1], ledger="hertz" in self.bases)
+        normal, contact = part_of(found, place), self.contacts(points, diameter)
         ratios = [
             planar(contact, -v_n, v_t, 0.0, basis, law=lambda *_: normal).impulse_ratio
             for basis in self.bases
