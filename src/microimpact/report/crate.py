@@ -18,13 +18,13 @@ import hashlib
 import json
 import shutil
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from datetime import datetime
+from dataclasses import dataclass, fields
 from importlib.metadata import metadata
 from itertools import chain
 from pathlib import Path
 from typing import Any
 
+from pydantic import AwareDatetime
 from rocrate.model.contextentity import ContextEntity
 from rocrate.rocrate import ROCrate
 
@@ -32,6 +32,7 @@ from microimpact.core.files import require_unaltered, write_file
 from microimpact.report.check.results import (
     TABLE_FOLDERS,
     ResultsError,
+    built,
     read_json,
     require_current,
     require_results,
@@ -77,15 +78,28 @@ FORMATS = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Commit:
+    """The commit of a project; None where it was no git checkout."""
+
+    commit: str | None = None
+    dirty: bool | None = None
+
+    def __str__(self) -> str:
+        if self.commit is None:
+            return "no recorded commit"
+        state = {True: " with uncommitted changes", False: "", None: ", state unknown"}
+        return f"commit {self.commit}{state[self.dirty]}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Run:
     """What a crate takes from a run stamp."""
 
-    started: str  # ISO 8601, as is the end: when its last result was there
-    ended: str
-    commit: str | None  # None where the project was no git checkout
-    dirty: bool | None
-    packages: Mapping[str, str | None]  # Versions; None for a package that was not there
-    config: Mapping[str, Any]
+    started: AwareDatetime
+    ended: AwareDatetime  # When its last result was there
+    git: Commit
+    packages: dict[str, str | None]  # Versions; None for a package that was not there
+    config: dict[str, Any]
     identifier: str  # Begin of the stamp's SHA-256: names this run
 
 
@@ -144,34 +158,8 @@ def read_run(path: Path) -> Run:
     require_current(path, stamp)
     if stamp.get("ended", "") is None:
         raise ResultsError(f"{path}: the run has not ended well; finish it with `snakemake`")
-    git, packages, config = (_mapping(path, stamp, key) for key in ("git", "packages", "config"))
-    return Run(
-        started=_time(path, stamp, "started"),
-        ended=_time(path, stamp, "ended"),
-        commit=git.get("commit"),
-        dirty=git.get("dirty"),
-        packages=packages,
-        config=config,
-        identifier=hashlib.sha256(path.read_bytes()).hexdigest()[:12],
-    )
-
-
-def _time(path: Path, stamp: Mapping[str, Any], key: str) -> str:
-    value = stamp.get(key)
-    try:
-        zone = datetime.fromisoformat(value).tzinfo if isinstance(value, str) else None
-    except ValueError:
-        zone = None
-    if zone is None:
-        raise ResultsError(f"{path}: {key} must be ISO 8601 with a time zone, got {value!r}")
-    return str(value)
-
-
-def _mapping(path: Path, stamp: Mapping[str, Any], key: str) -> Mapping[str, Any]:
-    value = stamp.get(key)
-    if not isinstance(value, dict):
-        raise ResultsError(f"{path}: {key} must be an object, got {value!r}")
-    return value
+    told = stamp | {"identifier": hashlib.sha256(path.read_bytes()).hexdigest()[:12]}
+    return built(Run, {field.name: told.get(field.name) for field in fields(Run)}, str(path))
 
 
 def _require_same_project(run: Run, project: Path, results: Path) -> None:
@@ -179,10 +167,10 @@ def _require_same_project(run: Run, project: Path, results: Path) -> None:
         if not (project / name).is_file():
             raise ResultsError(f"{project}: not the project: it has no {name}")
     # Copies of other files than those that ran would be a false record.
-    present = git_state(project)["commit"]
-    if run.commit and present and run.commit != present:
+    own, present = run.git.commit, git_state(project)["commit"]
+    if own and present and own != present:
         raise ResultsError(
-            f"{results / STAMP}: the run is of commit {run.commit}, the project is at {present}: "
+            f"{results / STAMP}: the run is of commit {own}, the project is at {present}: "
             "check that one out, or run again"
         )
 
@@ -218,7 +206,7 @@ def _add_workflow(crate: Any, run: Run, project: Path) -> Any:
         properties={
             "name": "Workflow of the microimpact study",
             "alternateName": WORKFLOW,
-            "description": f"Project at {_commit(run)}.",
+            "description": f"Project at {run.git}.",
             "encodingFormat": "text/plain",
         },
     )
@@ -242,13 +230,6 @@ def _add_software(crate: Any, name: str, version: str) -> Any:
     return _add_context(crate, f"#{name}-{version}", properties)
 
 
-def _commit(run: Run) -> str:
-    if run.commit is None:
-        return "no recorded commit"
-    state = {True: " with uncommitted changes", False: "", None: ", state unknown"}
-    return f"commit {run.commit}{state[run.dirty]}"
-
-
 def _add_run(
     crate: Any, run: Run, workflow: Any, consumed: Iterable[Any], produced: Iterable[Any]
 ) -> Any:
@@ -259,14 +240,14 @@ def _add_run(
             "@type": "CreateAction",
             "name": "Run of the microimpact study",
             "description": (
-                f"snakemake, project at {_commit(run)}. {STAMP} holds the merged configuration, "
+                f"snakemake, project at {run.git}. {STAMP} holds the merged configuration, "
                 "with all that was changed by --configfile and --config."
             ),
             "instrument": workflow,
             "object": list(consumed),
             "result": list(produced),
-            "startTime": run.started,
-            "endTime": run.ended,
+            "startTime": run.started.isoformat(),
+            "endTime": run.ended.isoformat(),
             "actionStatus": "http://schema.org/CompletedActionStatus",
         },
     )
@@ -277,7 +258,7 @@ def _describe_root(crate: Any, run: Run, project: Path, action: Any) -> None:
     licence = about["License-Expression"]
     crate.name = "Results of the microimpact study"
     crate.description = about["Summary"]
-    crate.datePublished = run.ended
+    crate.datePublished = run.ended.isoformat()
     crate.license = _add_context(
         crate,
         f"https://spdx.org/licenses/{licence}",
