@@ -9,11 +9,10 @@ the claims, which register themselves and must be named as starts.
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from typing import TypeGuard
 
 PACKAGE = "microimpact"
 _ROOT = Path(__file__).parents[2]
@@ -26,6 +25,14 @@ class _Definition:
     chains: set[tuple[str, ...]] = field(default_factory=set)
     attributes: set[str] = field(default_factory=set)
     methods: set[str] = field(default_factory=set)
+
+    def collect(self, nodes: Iterable[ast.AST]) -> None:
+        """Add names and attributes in the text of some nodes."""
+        for part in (part for node in nodes for part in ast.walk(node)):
+            if isinstance(part, ast.Attribute):
+                self.attributes.add(part.attr)
+            if isinstance(part, ast.Attribute | ast.Name) and (chain := _chain(part)):
+                self.chains.add(chain)
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,72 +112,36 @@ def _definition(name: str) -> _Definition | None:
 
 @cache
 def _read(module: str) -> _Module | None:
-    if module.partition(".")[0] != PACKAGE:
-        return None
     path = source_file(module)
-    if not path.is_file():
+    if module.partition(".")[0] != PACKAGE or not path.is_file():
         return None
     tree = ast.parse(path.read_text(encoding="utf-8"))
-    definitions: dict[str, _Definition] = {}
+    imports = {
+        alias.asname or alias.name: f"{node.module}.{alias.name}"
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom)  # as the package imports its own
+        for alias in node.names
+    }
+    found: dict[str, _Definition] = {}
     for node in tree.body:
-        for name in _names_of(node):
-            _collect(definitions.setdefault(name, _Definition()), node)
         if isinstance(node, ast.ClassDef):
-            definitions |= _methods(node, definitions[node.name])
-    return _Module(dict(_imports(tree.body)), definitions)
-
-
-def _imports(body: Sequence[ast.stmt]) -> Iterator[tuple[str, str]]:
-    """Return the names that statements at any depth import, with their origins."""
-    for node in body:
-        if isinstance(node, ast.ImportFrom) and node.module:  # as the package imports its own
-            for alias in node.names:
-                yield alias.asname or alias.name, f"{node.module}.{alias.name}"
-        for part in ("body", "orelse", "finalbody", "handlers", "cases"):
-            yield from _imports(getattr(node, part, ()))
-
-
-def _names_of(node: ast.stmt) -> Iterator[str]:
-    if isinstance(node, ast.FunctionDef | ast.ClassDef):
-        yield node.name
-    elif isinstance(node, ast.Assign | ast.AnnAssign):
-        for target in node.targets if isinstance(node, ast.Assign) else [node.target]:
-            yield from (n.id for n in ast.walk(target) if isinstance(n, ast.Name))
-
-
-def _methods(node: ast.ClassDef, owner: _Definition) -> dict[str, _Definition]:
-    found = {}
-    for part in node.body:
-        if _is_method(part):
-            owner.methods.add(part.name)
-            found[f"{node.name}.{part.name}"] = _Definition()
-            _collect(found[f"{node.name}.{part.name}"], part)
-    return found
-
-
-def _collect(definition: _Definition, node: ast.AST) -> None:
-    """Add names and attributes in the text of a node, but for the methods of a class."""
-    for part in _walk(node):
-        if isinstance(part, ast.Name):
-            definition.chains.add((part.id,))
-        elif isinstance(part, ast.Attribute):
-            definition.attributes.add(part.attr)
-            definition.chains.add(_chain(part))
-    definition.chains.discard(())
-
-
-def _walk(node: ast.AST) -> Iterator[ast.AST]:
-    waiting = [node]
-    for part in waiting:
-        yield part
-        children = ast.iter_child_nodes(part)
-        is_class = isinstance(part, ast.ClassDef)
-        waiting += [c for c in children if not _is_method(c)] if is_class else children
-
-
-def _is_method(node: ast.AST) -> TypeGuard[ast.FunctionDef]:
-    """Tell whether a part of a class is a method called by name: not ``__post_init__``."""
-    return isinstance(node, ast.FunctionDef) and not node.name.startswith("__")
+            # Called by name: not ``__post_init__``.
+            methods = [
+                part
+                for part in node.body
+                if isinstance(part, ast.FunctionDef) and not part.name.startswith("__")
+            ]
+            for method in methods:
+                found.setdefault(f"{node.name}.{method.name}", _Definition()).collect([method])
+            own = found.setdefault(node.name, _Definition(methods={m.name for m in methods}))
+            own.collect(part for part in ast.iter_child_nodes(node) if part not in methods)
+        elif isinstance(node, ast.FunctionDef):
+            found.setdefault(node.name, _Definition()).collect([node])
+        elif isinstance(node, ast.Assign | ast.AnnAssign):
+            for target in node.targets if isinstance(node, ast.Assign) else [node.target]:
+                for name in (n.id for n in ast.walk(target) if isinstance(n, ast.Name)):
+                    found.setdefault(name, _Definition()).collect([node])
+    return _Module(imports, found)
 
 
 def _chain(node: ast.expr) -> tuple[str, ...]:
