@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable
 
 from markupsafe import Markup, escape
 
@@ -127,10 +126,32 @@ def _set(node: ast.expr) -> tuple[Markup, int]:
         case ast.UnaryOp(op=ast.USub(), operand=operand):
             return _row(_operator("−"), _within(operand, _PRODUCT)), _SIGN
         case ast.BinOp(left=left, op=operation, right=right):
-            return _BINARY[type(operation)](left, right)
+            return _binary(left, operation, right)
         case ast.Call(func=ast.Name(id=name), args=arguments):
             return _call(name, arguments), _ATOM
     raise KeyError(ast.unparse(node))
+
+
+def _binary(left: ast.expr, operation: ast.operator, right: ast.expr) -> tuple[Markup, int]:
+    match operation, left, right:
+        case ast.Add(), _, _:
+            return _row(_within(left, _SUM), _operator("+"), _within(right, _SUM)), _SUM
+        case ast.Sub(), _, _:
+            return _row(_within(left, _SUM), _operator("−"), _within(right, _PRODUCT)), _SUM
+        case ast.Mult(), _, _:
+            second = _within(right, _POWER if isinstance(right, ast.UnaryOp) else _PRODUCT)
+            between = _operator("·") if isinstance(right, ast.Constant) else SPACE
+            return _row(_within(left, _PRODUCT), between, second), _PRODUCT
+        case ast.Div(), ast.Constant(), ast.Constant():
+            # On one line, and in parentheses beside a factor: 2/7 a could be read as 2/(7a).
+            return _row(_set(left)[0], _operator("/"), _set(right)[0]), _SUM
+        case ast.Div(), _, _:
+            return _tag("mfrac", _set(left)[0], _set(right)[0]), _ATOM
+    if not isinstance(operation, ast.Pow):
+        raise KeyError(type(operation).__name__)
+    # A fraction binds like a product below an exponent.
+    base = _fenced(_set(left)[0]) if isinstance(left, ast.BinOp) else _within(left, _ATOM)
+    return _tag("msup", base, _flat(right)), _POWER
 
 
 def _within(node: ast.expr, least: int) -> Markup:
@@ -141,35 +162,6 @@ def _within(node: ast.expr, least: int) -> Markup:
 
 def _fenced(shown: Markup, left: str = "(", right: str = ")") -> Markup:
     return _row(_operator(left), shown, _operator(right))
-
-
-def _sum(sign: str) -> Callable[[ast.expr, ast.expr], tuple[Markup, int]]:
-    least = _SUM if sign == "+" else _PRODUCT
-
-    def shown(left: ast.expr, right: ast.expr) -> tuple[Markup, int]:
-        return _row(_within(left, _SUM), _operator(sign), _within(right, least)), _SUM
-
-    return shown
-
-
-def _product(left: ast.expr, right: ast.expr) -> tuple[Markup, int]:
-    second = _within(right, _POWER if isinstance(right, ast.UnaryOp) else _PRODUCT)
-    between = _operator("·") if isinstance(right, ast.Constant) else SPACE
-    return _row(_within(left, _PRODUCT), between, second), _PRODUCT
-
-
-def _quotient(left: ast.expr, right: ast.expr) -> tuple[Markup, int]:
-    if isinstance(left, ast.Constant) and isinstance(right, ast.Constant):
-        # On one line, and in parentheses beside a factor: 2/7 a could be read as 2/(7a).
-        return _row(_set(left)[0], _operator("/"), _set(right)[0]), _SUM
-    return _tag("mfrac", _set(left)[0], _set(right)[0]), _ATOM
-
-
-def _power(left: ast.expr, right: ast.expr) -> tuple[Markup, int]:
-    # A fraction binds like a product below an exponent.
-    base = _fenced(_set(left)[0]) if isinstance(left, ast.BinOp) else _within(left, _ATOM)
-    exponent = _flat(right)
-    return _tag("msup", base, exponent), _POWER
 
 
 def _flat(node: ast.expr) -> Markup:
@@ -212,12 +204,3 @@ def _symbol(name: str) -> Markup:
     if prime:
         return _tag("msubsup", shown, below, prime)
     return _tag("msub", shown, below) if marks else shown
-
-
-_BINARY: dict[type[ast.operator], Callable[[ast.expr, ast.expr], tuple[Markup, int]]] = {
-    ast.Add: _sum("+"),
-    ast.Sub: _sum("−"),
-    ast.Mult: _product,
-    ast.Div: _quotient,
-    ast.Pow: _power,
-}
