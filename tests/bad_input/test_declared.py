@@ -16,7 +16,7 @@ EXTERNAL, ANALYSES = "external.csv", "analyses/analyses.yaml"
 
 RESTITUTION = "restitution: {value: 0.80, evidence: derived,"
 STEEL = "stainless-steel-316,youngs_modulus,193,GPa,,,found,maker's data sheets of AISI 316"
-DIAMETER = "stainless-steel-316,silicon,diameter,from particles.SST76.mean_diameter_um,um,,"
+DIAMETER = "stainless-steel-316,silicon,diameter,from printed.d10_sst76,um,,"
 GIVEN = "stainless-steel-316,silicon,diameter,62,um,assumed,as told"
 ANCHOR = "capture_velocity_psl_quartz,0.967,,,m/s,"
 
@@ -128,11 +128,10 @@ CASES = [
     (CONTACTS, DIAMETER, GIVEN.replace("62", "sixty-two"), ["contacts.csv, line 2: value 'sixty-two' must be a finite number"]),
     (CONTACTS, DIAMETER, GIVEN.replace(",um,", ",J/m2,"), ["contact 'stainless-steel-316' on 'silicon', diameter"]),
     (CONTACTS, DIAMETER, GIVEN.replace("diameter", "diametre"), ["property 'diametre' unknown (did you mean 'diameter'?)"]),
-    (CONTACTS, DIAMETER, DIAMETER.replace("SST76", "SST67"), ["config/contacts.csv: stainless-steel-316 on silicon.diameter.from: 'particles.SST67.mean_diameter_um' is not declared"]),
-    (CONTACTS, DIAMETER, DIAMETER.replace(".mean_diameter_um", ""), ["config/contacts.csv: stainless-steel-316 on silicon.diameter.from: no SST76 in particles.SST76"]),
-    (CONTACTS, DIAMETER, DIAMETER.replace(".mean_diameter_um", ".particle"), ["contact 'stainless-steel-316' on 'silicon', diameter: value 'stainless-steel-316' must be a number"]),
+    (CONTACTS, DIAMETER, DIAMETER.replace("sst76", "sst67"), ["config/contacts.csv: stainless-steel-316 on silicon.diameter: 'printed.d10_sst67' is no single value that is declared (did you mean 'printed.d10_sst76'?)"]),
+    (CONTACTS, DIAMETER, DIAMETER.replace("d10_sst76", "drop_height"), ["config/contacts.csv: stainless-steel-316 on silicon.diameter: 'printed.drop_height' is no single value"]),
     (CONTACTS, DIAMETER, DIAMETER + "as told", ["contacts.csv, line 2: evidence '' must be one of"]),
-    (CONTACTS, "stainless-steel-316,silicon,friction,from frictions.steel on silicon,-,,", "stainless-steel-316,silicon,friction,-0.15,-,assumed,as told", ["config/contacts.csv: stainless-steel-316 on silicon: friction must be", ">= 0", "-0.15"]),
+    (CONTACTS, "stainless-steel-316,silicon,friction,from printed.impulse_ratio_plateau,-,,", "stainless-steel-316,silicon,friction,-0.15,-,assumed,as told", ["config/contacts.csv: stainless-steel-316 on silicon: friction must be", ">= 0", "-0.15"]),
     (CONTACTS, DIAMETER, GIVEN.replace("62", "0"), ["config/contacts.csv: stainless-steel-316 on silicon: diameter must be"]),
     (PRINTED, ANCHOR, ANCHOR.replace("0.967", ""), ["printed_values.csv, line 2: value '' must be a finite number"]),
     (PRINTED, ANCHOR, ANCHOR.replace("m/s", ""), ["printed_values.csv, line 2: unit is empty"]),

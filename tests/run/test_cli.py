@@ -141,6 +141,14 @@ def test_an_undeclared_pair_works_with_its_numbers_given(microimpact):
     assert microimpact("simulate", *UNDECLARED, *numbers, "--speed", "1").returncode == 0
 
 
+def test_a_contact_needs_no_package_of_the_study():
+    absent = "sys.modules |= dict.fromkeys(('pandas', 'pydantic', 'yaml', 'matplotlib'))"
+    command = ["microimpact", "capture", *STEEL]
+    code = f"import sys; {absent}; sys.argv = {command}; from microimpact.cli import main; main()"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "0.179983" in found.stdout
+
+
 def test_materials_lists_materials_and_pairs(microimpact):
     found = microimpact("materials")
     assert "ammonium-fluorescein" in found.stdout

@@ -14,7 +14,6 @@ import numpy as np
 from microimpact.cli.output import Sweep, number, print_json, print_table, warn
 from microimpact.core.arrays import POSITIVE, checked
 from microimpact.core.materials import Material, declared_file, materials_from_rows
-from microimpact.declared.documents import load
 from microimpact.declared.selection import TABLES, read_all, read_materials
 from microimpact.model.choices import FORMATS, FRICTION_BASES, STIFFNESS_MODELS, TANGENTIAL_LAWS
 
@@ -361,14 +360,9 @@ def _declared(
     own: str | None = None,
 ) -> tuple[dict[str, Material], Mapping[tuple[str, str], Mapping[str, float]]]:
     """Return the materials, those of a file of one's own in place of those shipped, and pairs."""
-    from microimpact.declared.references import Resolver
     from microimpact.model.pairs import pairs_from_rows
 
-    tables = read_all(*(str(declared_file(f"{name}.csv")) for name in TABLES))
-    laboratory = load(declared_file("laboratory.yaml"))
-    resolver = Resolver(laboratory, laboratory, laboratory)
-    resolver.declare("printed", tables.printed())
-    tables = tables.resolved(resolver.at)
+    tables = read_all(*(str(declared_file(f"{name}.csv")) for name in TABLES)).resolved()
     materials = materials_from_rows(tables.materials.rows)
     if own is not None:
         materials |= materials_from_rows(read_materials(own).rows)

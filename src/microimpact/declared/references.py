@@ -105,14 +105,6 @@ class Resolver:
         self._nodes[section] = dict(names)
         self._elsewhere.add(section)
 
-    def at(self, place: str, key: str) -> Declared:
-        """Return the one value of a place that something under a key elsewhere names."""
-        found = self._named(Shape(), _Reference((place,), None, key), place)
-        if isinstance(found, Declared):
-            return found
-        self.problems.append(f"{key}.{FROM}: {place!r} is no single value")
-        return _nothing(key)
-
     def unused(self) -> list[str]:
         """Return the places of the sections that nothing resolved so far rests on."""
         used = {row.place.partition("[")[0] for row in self.rows}

@@ -9,16 +9,17 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from microimpact.core.nearest import nearest
 from microimpact.declared.provenance import EVIDENCE, Declared, as_text, finite_number
 
 Row = dict[str, str]
 
-# Begins the value of a contact that stands in the laboratory: ``from particles.SST76.slope``.
+# Begins the value of a contact that is a printed one, or of another: ``from printed.d10_sst76``.
 PLACED = "from "
 
 MATERIAL_COLUMNS = ("material", "property", "value", "unit", "low", "high", "evidence", "source")
@@ -169,20 +170,39 @@ class DeclaredTables:
             found[row["key"]] = parts["value"] if row["value"] else parts
         return found
 
-    def resolved(self, at: Callable[[str, str], Declared]) -> DeclaredTables:
+    def pairs(self) -> dict[str, dict[str, Declared]]:
+        """Return the contacts to be referred to, by pair and property."""
+        found: dict[str, dict[str, Declared]] = {}
+        for row in self.contacts.rows:
+            pair, name = f"{row['particle']} on {row['surface']}", row["property"]
+            if finite_number(row["value"]):
+                words = _number(row["value"]), row["evidence"], row["source"]
+                found.setdefault(pair, {})[name] = Declared(*words, f"contacts.{pair}.{name}")
+        return found
+
+    def resolved(self) -> DeclaredTables:
         """Return the tables with what contacts name put in place, and its words if they have none.
 
-        `at`: returns the value of a place that is named under a key.
+        Raises SelectionError, one line per contact that names no printed value and no contact.
         """
-        rows = []
+        known = {one.place: one for own in self.pairs().values() for one in own.values()}
+        for one in self.printed().values():
+            if isinstance(one, Declared):
+                known[one.place] = one
+        rows, wrong = [], []
         for row in self.contacts.rows:
-            if row["value"].startswith(PLACED):
-                pair = f"{row['particle']} on {row['surface']}"
-                key = f"{self.contacts.path}: {pair}.{row['property']}"
-                one = at(row["value"].removeprefix(PLACED), key)
+            place = row["value"].removeprefix(PLACED)
+            if place in known:
+                one = known[place]
                 words = {} if row["evidence"] else {"evidence": one.evidence, "source": one.source}
                 row = {**row, "value": as_text(one.value), **words}  # noqa: PLW2901
+            elif place != row["value"]:
+                pair = f"{row['particle']} on {row['surface']}.{row['property']}"
+                told = f"{place!r} is no single value that is declared{nearest(place, known)}"
+                wrong.append(f"{self.contacts.path}: {pair}: {told}")
             rows.append(row)
+        if wrong:
+            raise SelectionError("\n".join(wrong))
         return replace(self, contacts=replace(self.contacts, rows=tuple(rows)))
 
     def names(self) -> dict[str, tuple[str, set[str]]]:

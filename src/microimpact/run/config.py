@@ -117,7 +117,7 @@ def validate(
     if tables is None:  # nothing can be named
         raise ConfigError("\n".join([*resolver.problems, *_others(found, resolver.problems)]))
     resolver.declare("printed", tables.printed())
-    tables = tables.resolved(resolver.at)
+    resolver.declare("contacts", tables.pairs())
     cases = [*(config.get("cases") or ()), *tables.contacts.known("particle", "surface")]
     check.known = Known({**tables.names(), "cases": ("cases", cases)})
     laboratory = check.sections(Laboratory, SECTIONS)
@@ -208,7 +208,7 @@ def _tables(resolver: Resolver, found: list[str]) -> DeclaredTables | None:
     found += missing
     try:
         usable = not missing and all(isinstance(path, str) for path in paths.values())
-        return read_all(*paths.values()) if usable else None
+        return read_all(*paths.values()).resolved() if usable else None
     except (ValueError, OSError) as error:
         found.append(str(error))
         return None
