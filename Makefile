@@ -51,10 +51,10 @@ endif
 help: ## list these targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1|\2/p' Makefile | column -t -s '|'
 
-reproduce: .venv/.run ## run the whole study into results/ (VERBOSE=1: say all)
+reproduce: .venv/.compiled ## run the whole study into results/ (VERBOSE=1: say all)
 	@$(ACTIVE) .venv/bin/snakemake $(SNAKEMAKE_ARGS) $(if $(VERBOSE),--verbose)
 
-check: .venv/.run ## compare RESULTS=..., or a new small run, with tests/reference
+check: .venv/.compiled ## compare RESULTS=..., or a new small run, with tests/reference
 ifeq ($(RESULTS),)
 	rm -rf build/ci
 	@$(ACTIVE) .venv/bin/snakemake $(SNAKEMAKE_ARGS) --configfile config/ci.yaml
@@ -69,7 +69,7 @@ pages: .venv/.run ## renew the pages with numbers, docs/deviations.md and others
 	@[ -n "$(RESULTS)" ] || $(call fail,which run? Say: make pages RESULTS=results)
 	@.venv/bin/microimpact pages $(RESULTS)
 
-test: .venv/.test ## run the tests, on all cores
+test: .venv/.test .venv/.compiled ## run the tests, on all cores
 	@$(ACTIVE) .venv/bin/pytest -n auto --dist loadfile --no-loadscope-reorder $(PYTEST_ARGS)
 
 lint: .venv/.test ## check style, workflow and the order of imports
@@ -156,31 +156,40 @@ fail = { echo "make: $(1)" >&2; exit 1; }
 # The stamps go first, lest an interrupted change pass for a finished one.
 ifneq ($(UV),)
 install = rm -f $(1)/.run $(1)/.test; \
-	"$(UV)" pip sync --python $(1)/bin/python --require-hashes --compile-bytecode \
+	"$(UV)" pip sync --python $(1)/bin/python --require-hashes \
 		--build-constraints requirements/build.txt requirements/bootstrap.txt requirements/$(2).txt; \
-	"$(UV)" pip install --quiet --python $(1)/bin/python --no-deps --compile-bytecode \
-		--build-constraints requirements/build.txt --editable .
+	"$(UV)" pip install --quiet --python $(1)/bin/python --no-deps \
+		--build-constraints requirements/build.txt --editable .; \
+	$(call bytecode,$(1))
 else
 install = rm -f $(1)/.run $(1)/.test; \
 	$(1)/bin/python -m pip install --require-hashes --no-deps -r requirements/build.txt; \
 	$(1)/bin/python -m pip install --require-hashes --no-deps --no-build-isolation \
 		-r requirements/$(2).txt; \
-	$(1)/bin/python -m pip install --quiet --no-deps --no-build-isolation --editable .
+	$(1)/bin/python -m pip install --quiet --no-deps --no-build-isolation --editable .; \
+	$(call bytecode,$(1))
 endif
 
-# Once, and not in every job; bytecode too, since some shells forbid Python to write any.
-warm = .venv/bin/python -m compileall -q src workflow/scripts; .venv/bin/python -m microimpact.lab.warm
+# Some shells forbid Python to write any. The packages' own tests, a third of all, need none.
+bytecode = $(1)/bin/python -m compileall -q -j 0 -x '/tests?/' $(1)/lib src workflow/scripts
 
 # The test group contains the run group: once there, it serves both and is kept.
 .venv/.run: $(LOCKED) | $(INSTALLER)
 	@if [ -e .venv/.test ]; then \
-		$(call install,.venv,test); $(warm); touch .venv/.run .venv/.test; \
+		$(call install,.venv,test); touch .venv/.run .venv/.test; \
 	else \
-		$(call install,.venv,run); $(warm); touch .venv/.run; \
+		$(call install,.venv,run); touch .venv/.run; \
 	fi
 
 .venv/.test: $(LOCKED) requirements/test.txt | $(INSTALLER)
-	@$(call install,.venv,test); $(warm); touch .venv/.run .venv/.test
+	@$(call install,.venv,test); touch .venv/.run .venv/.test
+
+# Compiled code for all jobs, once: those that start side by side would each compile the same.
+# Without it a job compiles what it needs.
+.venv/.compiled: .venv/.run
+	@echo "Compiling ..."
+	@.venv/bin/python -m microimpact.lab.warm
+	@touch $@
 
 .venv-benchmark/.benchmark: $(LOCKED) requirements/benchmark.txt | $(INSTALLER)
 	@.venv/bin/python -m venv --clear .venv-benchmark

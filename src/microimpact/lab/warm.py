@@ -5,6 +5,8 @@ Jobs that start side by side on a new machine would each compile the same functi
 
 from __future__ import annotations
 
+import gc
+from concurrent.futures import ProcessPoolExecutor
 from types import SimpleNamespace
 from typing import Any
 
@@ -37,18 +39,30 @@ IMAGING: Any = SimpleNamespace(
 
 
 def main() -> None:
-    """Use every compiled function of model and laboratory once; they stay in Numba's cache."""
-    _use_model()
+    """Use every compiled function of model and laboratory once; they stay in Numba's cache.
+
+    In two processes, neither of which needs what the other compiles.
+    """
+    with ProcessPoolExecutor(initializer=gc.disable) as pool:  # a seventh is the collector's
+        for part in [pool.submit(_use_impacts), pool.submit(_use_others)]:
+            part.result()
+
+
+def _use_others() -> None:
+    """Use fits, the other laws of contact and instruments."""
+    speed = np.geomspace(1.0, 10.0, 8)
+    normal_impact(Contact(**PAIR, work_of_adhesion=0.1, law=JKR(viscous_time=1e-9)), speed)
+    fit_batch(data_sets(speed, 0.8 - 0.1 / speed, 100.0))
+    compare_models(speed, 0.8 - 0.1 / speed, 0.01)
     impacts, rng = _impacts(8), np.random.default_rng(1)
-    target = Target(contact=CONTACT, surface=rough(0.1))
-    target.hit(impacts.diameter, impacts.velocity, impacts.spin, rng)
     pdpa.passages(impacts, 1e-3, ANALYSER)
     pdpa.through_probe(impacts.position, impacts.velocity, 1e-3, ANALYSER)
     setup = Setup(instrument=IMAGING, angle=60.0, speed=SPEED, diameter=6e-5)
     theory(impacts, setup, Systematics(), [rng] * 8)
 
 
-def _use_model() -> None:
+def _use_impacts() -> None:
+    """Use the integration of impacts, its tables, and passes over ensembles."""
     trajectory(CONTACT, 1.0)
     speed = np.array([0.5, 1.0])
     law = tabulate(CONTACT, *speed)
@@ -59,10 +73,9 @@ def _use_model() -> None:
     simulate(CONTACT, speed, tangential="mindlin")
     one = np.full(1, 0.5)
     rigid_sums(rough(0.1), law, [Spheres([one] * 8, [(one, one)] * 5, 1, 1)])
-    speed = np.geomspace(1.0, 10.0, 8)
-    normal_impact(Contact(**PAIR, work_of_adhesion=0.1, law=JKR(viscous_time=1e-9)), speed)
-    fit_batch(data_sets(speed, 0.8 - 0.1 / speed, 100.0))
-    compare_models(speed, 0.8 - 0.1 / speed, 0.01)
+    impacts, rng = _impacts(8), np.random.default_rng(1)
+    target = Target(contact=CONTACT, surface=rough(0.1))
+    target.hit(impacts.diameter, impacts.velocity, impacts.spin, rng)
 
 
 SPEED, ANGLE = 1.66, np.radians(60.0)
