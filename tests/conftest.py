@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -17,6 +18,9 @@ from tests.shared import settings_as_shipped, tables_made_once
 import microimpact
 from microimpact.core.materials import Material
 from microimpact.model.contact import Contact
+
+# What is imported stays: a collector that looks through it again and again takes time.
+gc.set_threshold(1_000_000)
 
 settings.register_profile("physics", deadline=None, max_examples=60, derandomize=True)
 settings.load_profile("physics")

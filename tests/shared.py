@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fcntl
 import os
+import shutil
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -19,6 +20,8 @@ from microimpact.model import passes
 from microimpact.run.config import Settings, read_configuration, validate
 
 ROOT = Path(__file__).parents[1]
+# What a copy needs to be run.
+PARTS = ("Snakefile", "config", "profiles", "src", "workflow")
 
 # A needle that lets spheres fall straight down from rest, and one like the declared.
 STILL = Dispenser(
@@ -62,6 +65,14 @@ def made_once(folders: pytest.TempPathFactory, name: str, make: Callable[[Path],
             make(place)
             finished.touch()
     return place
+
+
+def copy_project(target: Path) -> None:
+    """Copy what a run needs; compiled code comes along: dates are kept, so it stays valid."""
+    target.mkdir(parents=True, exist_ok=True)
+    for part in PARTS:
+        copy = shutil.copytree if (ROOT / part).is_dir() else shutil.copy2
+        copy(ROOT / part, target / part)
 
 
 def facet_rebound(velocity, spin_speed, normal, e, friction):

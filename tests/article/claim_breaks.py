@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from tests.article.conftest import ROOT
+from tests.shared import ROOT
 
 from microimpact.declared.parameters import build
 from microimpact.lab import experiment, surface

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from importlib import import_module
-from pathlib import Path
 
 import pandas as pd
 import pytest
+from tests.shared import ROOT
 
 import microimpact
 from microimpact.declared.documents import load
 from microimpact.figures.registry import filled, registry
 from microimpact.ledgers.claims.criteria import read_claims
-
-ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="session")

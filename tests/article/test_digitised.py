@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.colors import same_color
-from tests.article.conftest import ROOT
+from tests.shared import ROOT
 
 from microimpact.core.tables import parse_table, series_frame
 from microimpact.figures import style

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import itertools
-from pathlib import Path
 
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgba
 from matplotlib.patches import FancyArrowPatch
+from tests.shared import ROOT
 
 from microimpact.declared.selection import read_declared
 from microimpact.figures import style
 
-ROOT = Path(__file__).parents[2]
 NAMES = ("fig01", "fig02", "fig03", "fig13", "fig19", "fig22")
 PRINTED = {
     "disk_slots": ("ptis_disk_slots", "value"),

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 from matplotlib.collections import FillBetweenPolyCollection
-from tests.article.conftest import ROOT
+from tests.shared import ROOT
 
 from microimpact.declared.provenance import unit_of
 from microimpact.studies.analyses.particle_separation import distance_from_equality, first_crossing

@@ -9,12 +9,10 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from tests.shared import shipped
+from tests.shared import ROOT, shipped
 
 from microimpact.declared import documents
 from microimpact.run.config import read_configuration, read_inputs, validate
-
-ROOT = Path(__file__).parents[2]
 
 DIGITISED = """# source: made up
 # licence: CC0-1.0

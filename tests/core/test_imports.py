@@ -3,9 +3,13 @@
 import os
 import subprocess
 import sys
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
+from tests.shared import ROOT
+
+import microimpact
 
 WATCHED = (
     *("numpy", "numba", "llvmlite", "pandas", "scipy", "matplotlib", "pydantic", "sympy", "pint"),
@@ -67,7 +71,7 @@ def test_the_parameters_of_all_studies_load_nothing_heavy():
     (found,) = loaded_after(
         "from microimpact import studies\n"
         "from microimpact.report.site import record\n"
-        "from microimpact.run import inputs\n"
+        "from microimpact.run import config\n"
         "for name in studies.homes():\n    studies.study(name)"
     )
     assert "pandas" in found
@@ -145,7 +149,7 @@ for name in ("dynamics.kernel", "passes", "dynamics.tangential"):
 
 def test_compiled_code_of_a_module_calls_no_other_modules(tmp_path):
     # Numba's cache would keep stale code of the other module.
-    root = Path(__file__).parents[2] / "src/microimpact"
+    root = ROOT / "src/microimpact"
     users = [path for path in root.rglob("*.py") if "import jit\n" in path.read_text()]
     assert {path.stem for path in users} >= {"kernel", "passes", "tangential"}
     names = {path: ".".join(path.relative_to(root.parent).with_suffix("").parts) for path in users}
@@ -217,4 +221,4 @@ def test_the_physics_needs_none_of_the_studys_packages(tmp_path):
 
 
 def test_the_version_is_told():
-    assert run("import microimpact; print(microimpact.__version__)").strip()
+    assert microimpact.__version__ == version("microimpact")

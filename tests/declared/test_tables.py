@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 from pydantic import ValidationError
+from tests.shared import ROOT
 
 from microimpact.core import tables
 from microimpact.declared import selection
@@ -111,7 +111,7 @@ BODIES = {"steel-formica": ("stainless-steel-316", "formica")}
 
 @pytest.fixture(scope="module")
 def declared():
-    root = Path(__file__).parents[2] / "config"
+    root = ROOT / "config"
     files = ("materials.csv", "contacts.csv", "printed_values.csv", "external.csv")
     return selection.read_all(*(str(root / name) for name in files))
 

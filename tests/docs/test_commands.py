@@ -2,7 +2,8 @@
 
 A block is run by a shell as it stands. Only three programs are not those of the reader: `make`
 plans what it would do, and so does `snakemake` without a target, or without an input of the
-reader's own: what is made of those as shipped, the small build of all makes; `pytest` finds files.
+reader's own: what is made of those as shipped, the small build of all makes. It does so, too, with
+the input of the README, since the guide makes the same figure of another; `pytest` finds files.
 """
 
 from __future__ import annotations
@@ -36,7 +37,8 @@ PROGRAMS = {
     "python": 'exec "$PYTHON" "$@"',
     "microimpact": 'exec forked -m microimpact.cli "$@"',
     "cc": 'exec "$CC" "$@"',
-    "snakemake": 'case "$*" in ?*" --configfile "*|*digitised*);; *) set -- --dry-run "$@";; esac\n'
+    "snakemake": 'case "$*" in *my-run.yaml) set -- --dry-run "$@";; '
+    '?*" --configfile "*|*digitised*);; *) set -- --dry-run "$@";; esac\n'
     'exec forked -m snakemake --cores 1 "$@"',
     "make": 'exec "$MAKE" --dry-run -C "$ROOT" "$@"',
     "pytest": 'cd "$ROOT"; exec ls "$@"',

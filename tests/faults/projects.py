@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -11,8 +10,8 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-ROOT = Path(__file__).parents[2]
-PARTS = ("Snakefile", "config", "profiles", "src", "workflow")
+from tests.shared import copy_project
+
 OUT = "build/ci"
 
 # What starts and ends quickly: numbers come from equations, from random draws, and from the
@@ -89,14 +88,6 @@ def kill(process):
 
 
 def copied(target, **how):
-    """Copy the project and return the copy.
-
-    Compiled code comes along: dates are kept, so it stays valid.
-    """
-    for part in PARTS:
-        if (ROOT / part).is_dir():
-            shutil.copytree(ROOT / part, target / part)
-        else:
-            target.mkdir(parents=True, exist_ok=True)
-            shutil.copy2(ROOT / part, target / part)
+    """Copy the project and return the copy."""
+    copy_project(target)
     return Project(target, **how)

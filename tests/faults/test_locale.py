@@ -7,7 +7,7 @@ import subprocess
 import sys
 
 import pytest
-from tests.faults.projects import ROOT
+from tests.shared import ROOT
 
 # A table and a figure, from the declared numbers, in a program that takes on its user's locale.
 PROGRAM = """

@@ -10,7 +10,7 @@ import time
 
 import numpy as np
 from tests.faults.places import read_only
-from tests.faults.projects import ROOT
+from tests.shared import ROOT
 
 from microimpact.core.files import altered_files, write_checksums, write_file
 from microimpact.report.check.results import figure_files, table_files

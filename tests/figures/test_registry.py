@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import copy
-from pathlib import Path
 
 import pytest
+from tests.shared import ROOT
 
 from microimpact.declared.documents import ConfigError, load
 from microimpact.figures.registry import RegistryError, figure_spec, filled, registry
 
-ENTRIES = load(Path(__file__).parents[2] / "config/figures.yaml")
+ENTRIES = load(ROOT / "config/figures.yaml")
 
 
 def changed(**keys):

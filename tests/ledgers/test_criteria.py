@@ -5,11 +5,10 @@ from __future__ import annotations
 import copy
 import math
 import re
-from pathlib import Path
 
 import pytest
 import yaml
-from tests.shared import settings_as_shipped
+from tests.shared import ROOT, settings_as_shipped
 
 from microimpact.declared.documents import ConfigError
 from microimpact.ledgers.claims.criteria import (
@@ -21,7 +20,7 @@ from microimpact.ledgers.claims.criteria import (
 )
 from microimpact.ledgers.claims.digitised import read_digitised
 
-SHIPPED = Path(__file__).parents[2] / "config/claims.yaml"
+SHIPPED = ROOT / "config/claims.yaml"
 CLAIMS = read_claims(SHIPPED)
 FIGURE = re.compile(r"fig(0[1-9]|1[0-9]|2[0-5])|[a-z]+(_[a-z]+)*")
 REMOVED = object()

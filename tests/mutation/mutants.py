@@ -46,8 +46,8 @@ MISPRINTS = (
     Mutant(
         "Eq. 8: k^2 where r belongs",
         f"{MODEL}/rigid_body/algebra.py",
-        "values = (-e * v_n, v_t - change, omega + change / (INERTIA * radius), mu)",
-        "values = (-e * v_n, v_t - change, omega + change / (INERTIA * radius**2), mu)",
+        "spin = omega + change / (INERTIA * radius)",
+        "spin = omega + change / (INERTIA * radius**2)",
         ("model/rigid_body/test_rigid_body",),
     ),
     Mutant(

@@ -6,9 +6,9 @@ import base64
 import os
 import shutil
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
+from tests.shared import ROOT
 
 from microimpact.declared.documents import load
 from microimpact.figures.registry import filled
@@ -16,7 +16,6 @@ from microimpact.report.check.results import read_text, table_files
 from microimpact.report.site.build import write_site
 from microimpact.report.site.record import Change, Record, Rule, write_record
 
-ROOT = Path(__file__).parents[2]
 REFERENCE = ROOT / "tests/reference"
 SVG = (
     '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 160 90" width="160" height="90">'

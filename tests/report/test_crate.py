@@ -13,6 +13,7 @@ from urllib.parse import unquote
 import pytest
 from rocrate.rocrate import ROCrate
 from tests.report.results_roots import results, run
+from tests.shared import ROOT
 
 from microimpact.report.check.results import ResultsError
 from microimpact.report.crate import declared_inputs, write_crate
@@ -327,6 +328,6 @@ def test_the_command_writes_a_crate_or_says_in_one_line_why_not(tmp_path):
 def test_the_project_s_own_declared_inputs_are_found():
     from microimpact.run.config import read_configuration
 
-    project = Path(__file__).parents[2]
+    project = ROOT
     found = declared_inputs(read_configuration(project / "config"), project)
     assert {Path("config/config.yaml"), Path("config/materials.csv")} <= set(found)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 import re
 import shutil
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from tests.shared import ROOT
 
 from microimpact.core.files import write_file
 from microimpact.core.materials import Material
@@ -24,7 +24,6 @@ from microimpact.report.site.pages import ASSETS
 
 pytestmark = pytest.mark.slow
 
-ROOT = Path(__file__).parents[2]
 BY_KERNEL = """
 return arguments[0].map((c) => {
   const found = Explorer.impact(c);

@@ -13,6 +13,7 @@ import pytest
 from click.testing import CliRunner
 from tests.report.conftest import REFERENCE
 from tests.report.pages import Page
+from tests.shared import ROOT
 
 from microimpact.cli import commands
 from microimpact.figures.registry import FORMATS
@@ -111,7 +112,7 @@ def test_a_claim_and_an_equation_lead_to_their_code(pages, results):
 
 def test_every_table_has_a_sentence(results, registry):
     """Its figure's entry or the rule that makes it tells what a table contains."""
-    folder = REFERENCE.parents[1] / "workflow/rules"
+    folder = ROOT / "workflow/rules"
     rules = "".join(path.read_text(encoding="utf-8") for path in sorted(folder.glob("*.smk")))
     told = {f"tables/{name}" for entry in registry.values() for name in entry.get("tables", {})}
     told |= {f"data/{name}" for entry in registry.values() for name in entry["data"]}

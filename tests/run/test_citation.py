@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import re
 import tomllib
-from pathlib import Path
 
 import yaml
+from tests.shared import ROOT
 
 from microimpact.run.config import read_configuration
 
-PROJECT = Path(__file__).parents[2]
-PACKAGE = tomllib.loads((PROJECT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-TEXT = (PROJECT / "CITATION.cff").read_text(encoding="utf-8")
+PACKAGE = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+TEXT = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
 CITATION = yaml.safe_load(TEXT)
 
 # Citation File Format 1.2.0: keys of the root, of a person and of an entity (those of use here).
@@ -73,7 +72,7 @@ def test_the_article_is_referred_to():
 
 
 def test_the_catalogue_entry_has_its_form():
-    path = PROJECT / ".snakemake-workflow-catalog.yml"
+    path = ROOT / ".snakemake-workflow-catalog.yml"
     usage = yaml.safe_load(path.read_text(encoding="utf-8"))["usage"]
     assert set(usage) == {"mandatory-flags", "software-stack-deployment"}
     assert all(isinstance(usage["mandatory-flags"][key], str) for key in ("desc", "flags"))
@@ -81,30 +80,30 @@ def test_the_catalogue_entry_has_its_form():
     assert set(deployment) == {"conda", "apptainer", "apptainer+conda", "report"}
     assert all(isinstance(flag, bool) for flag in deployment.values())
     # A method of deployment may be promised only where rules declare environments.
-    rules = "".join(path.read_text("utf-8") for path in (PROJECT / "workflow/rules").glob("*.smk"))
+    rules = "".join(path.read_text("utf-8") for path in (ROOT / "workflow/rules").glob("*.smk"))
     assert deployment["conda"] == bool(re.search(r"^\s+conda:", rules, re.MULTILINE))
 
 
 def test_the_catalogue_finds_what_standardised_usage_demands():
     # main workflow definition, how it is configured, and what to show of it
     for path in ("workflow/Snakefile", "config/README.md", ".snakemake-workflow-catalog.yml"):
-        assert (PROJECT / path).is_file()
-    words = (PROJECT / "README.md").read_text(encoding="utf-8").lower()
+        assert (ROOT / path).is_file()
+    words = (ROOT / "README.md").read_text(encoding="utf-8").lower()
     assert "snakemake" in words
     assert "workflow" in words
 
 
 def test_the_guide_to_the_configuration_names_every_key_and_every_file():
-    text = (PROJECT / "config/README.md").read_text(encoding="utf-8")
-    for key in read_configuration(PROJECT / "config"):
+    text = (ROOT / "config/README.md").read_text(encoding="utf-8")
+    for key in read_configuration(ROOT / "config"):
         assert f"`{key}`" in text
-    files = [path for path in (PROJECT / "config").iterdir() if path.name != "README.md"]
+    files = [path for path in (ROOT / "config").iterdir() if path.name != "README.md"]
     for path in files:
         assert f"`{path.name}{'/' if path.is_dir() else ''}`" in text
 
 
 def test_the_changelog_has_sections_of_the_agreed_names():
-    lines = (PROJECT / "CHANGELOG.md").read_text(encoding="utf-8").splitlines()
+    lines = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8").splitlines()
     assert lines[0] == "# Changelog"
     versions = [line for line in lines if line.startswith("## ")]
     assert versions[0] == "## [Unreleased]"

@@ -12,11 +12,11 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
+from tests.shared import ROOT
 
 from microimpact import Contact, Material, cli, simulate
 from microimpact.core.materials import declared_file
 
-ROOT = Path(__file__).parents[2]
 STEEL = ("--particle", "stainless-steel-316", "--surface", "silicon")
 FLUORESCEIN = ("--particle", "ammonium-fluorescein", "--surface", "molybdenum")
 UNDECLARED = ("--particle", "stainless-steel-316", "--surface", "mica", "--diameter-um", "10")

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import copy
 import json
-from pathlib import Path
 
 import jsonschema
 import pytest
-from tests.shared import shipped
+from tests.shared import ROOT, shipped
 
 from microimpact import studies
 from microimpact.declared.documents import ConfigError, load
@@ -16,7 +15,6 @@ from microimpact.declared.references import merged
 from microimpact.run.config import validate
 from microimpact.run.schema import schemas, text
 
-ROOT = Path(__file__).parents[2]
 BASE = shipped()
 
 

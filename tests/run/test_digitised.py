@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.shared import ROOT
 
 from microimpact.core.tables import parse_table, points_series, series_frame
 from microimpact.declared.documents import load
 from microimpact.figures.registry import registry
 from microimpact.run.digitised import DigitisedError, as_rows, overlaid, read_folder, read_points
 
-CONFIG = Path(__file__).parents[2] / "config"
+CONFIG = ROOT / "config"
 HEADER = "# source: made up\n# licence: CC0-1.0\n# digitised_by: nobody\n"
 NAMES = "series,x,y,y_low,y_high\n"
 TOP = HEADER + NAMES

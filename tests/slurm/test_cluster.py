@@ -12,7 +12,8 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 import pytest
-from tests.faults.projects import ROOT, copied, finished, kill
+from tests.faults.projects import copied, finished, kill
+from tests.shared import ROOT
 from tests.slurm.cluster import slurm_cluster
 from tests.slurm.test_profile import PROFILE
 

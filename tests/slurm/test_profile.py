@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 import yaml
-from tests.faults.projects import ROOT
+from tests.shared import ROOT
 
 PROFILE = yaml.safe_load((ROOT / "profiles/slurm/config.yaml").read_text(encoding="utf-8"))
 

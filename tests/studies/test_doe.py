@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 from pydantic import ValidationError
+from tests.shared import ROOT
 
 from microimpact.core.tables import parse_table
 from microimpact.declared.parameters import build, explain
@@ -37,7 +37,6 @@ from microimpact.studies.analyses.doe.factors import (
     realistic_levels,
 )
 
-ROOT = Path(__file__).parents[2]
 # 2^(5-2) of resolution III, D = AB and E = AC, written by hand.
 QUARTER = {
     "A": {"BD", "CE", "ABCDE"},

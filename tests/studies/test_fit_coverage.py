@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from pydantic import ValidationError
@@ -24,7 +22,6 @@ from microimpact.studies.models.fit_coverage.truths import (
     standard_noise,
 )
 
-ROOT = Path(__file__).parents[2]
 TRUE = {"k": 60.0, "p": 1.0, "kappa": 0.4, "q": 0.5, "v_c": 1.0}
 ONE_SIZE = Variant(
     variant="one size",

@@ -8,14 +8,13 @@ import sys
 import tracemalloc
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 from pydantic import ValidationError
 from scipy import integrate, special, stats
-from tests.shared import STILL, facet_rebound
+from tests.shared import ROOT, STILL, facet_rebound
 
 from microimpact.declared.parameters import build, explain
 from microimpact.lab.dispenser import NO_SPIN
@@ -843,7 +842,7 @@ def test_bad_parameters_of_the_study_are_refused_in_one_line(branch, changes, me
 
 @pytest.fixture(scope="module")
 def inputs():
-    root = Path(__file__).parents[2]
+    root = ROOT
     return {
         "calibration": pd.read_csv(root / "tests/reference/tables/calibration.csv"),
         "materials": pd.read_csv(root / "config/materials.csv", comment="#"),
@@ -855,7 +854,7 @@ def test_a_stream_of_events_estimates_what_the_study_does(branch, inputs):
     arguments = {"variant": "facets by area seen", "angle_deg": 25.0, "events": 3 * BLOCK}
     found = stream(params, inputs, **arguments)
     assert stream(params, inputs, **arguments, threads=2) == found
-    table = pd.read_csv(Path(__file__).parents[2] / "tests/reference/tables/monte_carlo.csv")
+    table = pd.read_csv(ROOT / "tests/reference/tables/monte_carlo.csv")
     row = table[(table["variant"] == "facets by area seen") & (table["angle_deg"] == 25.0)].iloc[0]
     for name in ("restitution", "impulse_ratio"):
         error = np.hypot(getattr(found, f"{name}_error"), row[f"{name}_error"])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -23,8 +22,6 @@ from microimpact.studies.analyses.sensitivity.ridge import (
     calibrated_sample,
     material_damping,
 )
-
-ROOT = Path(__file__).parents[2]
 
 
 def generator(*key):

@@ -13,12 +13,10 @@ from pathlib import Path
 
 import pytest
 import yaml
-from tests.shared import made_once
+from tests.shared import ROOT, copy_project, made_once
 
 from microimpact.declared.references import merged
 
-ROOT = Path(__file__).parents[2]
-PARTS = ("Snakefile", "config", "profiles", "src", "workflow")
 SMALL = ("--configfile", "config/ci.yaml")
 # Smaller still than the small reproduction: some parts are left with nothing, or nearly so.
 TINY = {
@@ -127,13 +125,7 @@ def swap(old, new):
 
 
 def copied(target, *python):
-    target.mkdir(exist_ok=True)
-    for part in PARTS:
-        if (ROOT / part).is_dir():
-            # Compiled code comes along: dates are kept, so it stays valid and saves half a minute.
-            shutil.copytree(ROOT / part, target / part)
-        else:
-            shutil.copy2(ROOT / part, target / part)
+    copy_project(target)
     return Project(target, *python)
 
 

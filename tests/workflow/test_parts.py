@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from tests.shared import ROOT
 from tests.workflow.conftest import TINY
 from workflow.scripts.parts import part_from_text, part_text
 
@@ -19,7 +20,6 @@ from microimpact.declared.references import merged
 from microimpact.lab.contacts import DRAWN, calibrated_contact
 from microimpact.run.config import read_configuration, validate
 
-ROOT = Path(__file__).parents[2]
 STUDIES = (
     "campaign",
     "claim_numbers",

@@ -11,6 +11,7 @@ from contextlib import ExitStack
 
 import pytest
 import yaml
+from tests.shared import PARTS
 from tests.workflow.conftest import SMALL, Project, swap
 
 OUT = "build/ci"
@@ -315,7 +316,7 @@ def test_one_target_with_other_inputs_leaves_nothing_that_tells_the_old_ones(pro
     assert json.loads((out / "run.json").read_text())["outdated"] == []
     assert (out / "report/run.html").exists()
     # A second call does nothing, whatever the dates.
-    for part in ("Snakefile", "config", "profiles", "src", "workflow"):
+    for part in PARTS:
         path = project.root / part
         for file in [path, *path.rglob("*")]:
             os.utime(file)

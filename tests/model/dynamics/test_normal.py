@@ -2,7 +2,6 @@
 
 import csv
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +10,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.optimize import brentq
 from scipy.special import gamma, lambertw
+from tests.shared import ROOT
 
 from microimpact.model.dynamics import normal
 from microimpact.model.dynamics.capture import capture_velocity
@@ -22,7 +22,7 @@ from microimpact.model.dynamics.normal import (
 )
 
 EPSILON = np.finfo(float).eps
-TABLE = Path(__file__).parents[2] / "reference" / "restitution.csv"
+TABLE = ROOT / "tests/reference/restitution.csv"
 REFERENCE = [
     {name: float(value) for name, value in row.items()}
     for row in csv.DictReader(TABLE.read_text(encoding="utf-8").splitlines())
