@@ -19,9 +19,6 @@ import microimpact
 from microimpact.core.materials import Material
 from microimpact.model.contact import Contact
 
-# What is imported stays: a collector that looks through it again and again takes time.
-gc.set_threshold(1_000_000)
-
 settings.register_profile("physics", deadline=None, max_examples=60, derandomize=True)
 settings.load_profile("physics")
 
@@ -155,7 +152,12 @@ def forked():
 
 
 def pytest_collection_modifyitems(items):
-    """Put the longest files first: workers, given files, then end at about the same time."""
+    """Put the longest files first: workers, given files, then end at about the same time.
+
+    What is imported by now stays; a collector that looks through it again and again takes time.
+    """
+    gc.freeze()
+    gc.set_threshold(1_000_000)
 
     def order(item):
         return [item.get_closest_marker(mark) is None for mark in ("workflow", "slow")]

@@ -161,10 +161,7 @@ def test_an_interval_with_normal_tails():
             "interval must ascend",
         ),
         ({"cases": {STEEL: {"statements": {"piles": {"diameter_um": 50.0}}}}}, "one of classes_um"),
-        (
-            {"cases": {STEEL: {"statements": {"piles": {"quantity": "restituton"}}}}},
-            "quantity",
-        ),
+        ({"cases": {STEEL: {"statements": {"piles": {"quantity": "restituton"}}}}}, "quantity"),
     ],
 )
 def test_bad_declarations_are_refused(run_study, calibration, changes, message):

@@ -15,10 +15,7 @@ FEW_ANGLES = [85, 60, 45, 30, 20, 10]
 @pytest.fixture(scope="module")
 def normal(run_study, calibration):
     return run_study(
-        "normal_experiments",
-        calibration,
-        speeds_m_per_s=[0.3, 0.45, 0.75, 1.25],
-        points=60,
+        "normal_experiments", calibration, speeds_m_per_s=[0.3, 0.45, 0.75, 1.25], points=60
     )
 
 

@@ -345,11 +345,7 @@ def test_a_slope_that_turns_away_is_drawn(run_study, parameters, draw):
         ("set_ups", {"receiver_angle_deg": 75.0, "detectors": 2}, "fig02"),
         (
             "contact",
-            {
-                "case": "steel-silicon, n = 1",
-                "diameter_um": 62.0,
-                "speed_m_per_s": 1.66,
-            },
+            {"case": "steel-silicon, n = 1", "diameter_um": 62.0, "speed_m_per_s": 1.66},
             "fig19",
         ),
     ],

@@ -69,35 +69,6 @@ def test_rows_become_a_material_in_si_units():
     assert steel.density == 8000.0
 
 
-@pytest.mark.parametrize(
-    ("changed", "said"),
-    [
-        (
-            {"density": ("8000", "GPa")},
-            "material 'steel', density: unit 'GPa' must be one of kg/m3",
-        ),
-        ({"youngs_modulus": ("193", "gpa")}, "youngs_modulus: unit 'gpa' must be one of"),
-        ({"youngs_modulus": ("much", "GPa")}, "youngs_modulus: value 'much' must be a number"),
-        ({"density": ("-1", "kg/m3")}, "material 'steel': density must be .* got -1"),
-        ({"density": ("nan", "kg/m3")}, "material 'steel': density must be .* got nan"),
-        ({"densty": ("1", "kg/m3")}, r"property 'densty' unknown \(did you mean 'density'\?\)"),
-    ],
-)
-def test_a_wrong_row_is_a_value_error_that_names_it(changed, said):
-    with pytest.raises(ValueError, match=said):
-        materials_from_rows(rows(**changed))
-
-
-def test_a_missing_property_is_named():
-    with pytest.raises(ValueError, match="material 'steel': density not declared"):
-        materials_from_rows(rows()[:2])
-
-
-def test_a_property_declared_twice_is_named():
-    with pytest.raises(ValueError, match="material 'steel': density is declared twice"):
-        materials_from_rows(rows() + rows()[-1:])
-
-
 def test_an_unknown_material_is_an_error_that_names_the_nearest():
     known = materials_from_rows(rows())
     assert find_material("steel", known) is known["steel"]

@@ -55,10 +55,7 @@ def texts(figure, slack):
             for axis in (ax.xaxis, ax.yaxis):
                 low, high = sorted(axis.get_view_interval())
                 ticks = [t for t in axis.get_major_ticks() if low <= t.get_loc() <= high]
-                found += [
-                    axis.label,
-                    *(label for t in ticks for label in (t.label1, t.label2)),
-                ]
+                found += [axis.label, *(label for t in ticks for label in (t.label1, t.label2))]
         found += [child for child in ax.get_children() if child in titles(ax)]
     boxes = [(text, text.get_window_extent()) for text in found if shows(text)]
     for legend in legends(figure):

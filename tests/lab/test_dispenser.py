@@ -31,9 +31,7 @@ def test_particles_fall_along_gravity_and_meet_the_target_at_its_angle(angle):
     speed = np.sqrt(2 * constants.g * 0.05)
     a = np.radians(angle)
     np.testing.assert_allclose(
-        falling.velocity,
-        np.tile([speed * np.cos(a), 0.0, -speed * np.sin(a)], (10, 1)),
-        atol=1e-14,
+        falling.velocity, np.tile([speed * np.cos(a), 0.0, -speed * np.sin(a)], (10, 1)), atol=1e-14
     )
     assert np.all(falling.position == 0.0)
     assert np.all(falling.spin == 0.0)

@@ -67,11 +67,7 @@ CONDITION = [{"quantity": "v", "test": "at_least", "value": 0.5}]
             {"": {"e": 0.1, "v": 0.6}},
             "not reproduced",
         ),
-        (
-            {"if_met": "calibrated"},
-            {"": {"e": 0.7, "v": 1.0}},
-            "calibrated",
-        ),
+        ({"if_met": "calibrated"}, {"": {"e": 0.7, "v": 1.0}}, "calibrated"),
     ],
 )
 def test_verdict_follows_from_criteria_and_cases(changes, values, expected):
@@ -125,8 +121,7 @@ def test_cases_with_errors(first, second, expected):
 
 
 @pytest.mark.parametrize(
-    ("e", "error", "margin"),
-    [(0.72, 0.01, 3.0), (0.78, 0.01, -3.0), (0.72, float("nan"), None)],
+    ("e", "error", "margin"), [(0.72, 0.01, 3.0), (0.78, 0.01, -3.0), (0.72, float("nan"), None)]
 )
 def test_the_margin_is_the_distance_to_the_bound_in_errors(e, error, margin):
     table = numbers(("C01", "", "e", e, "-", error), GOOD[1])

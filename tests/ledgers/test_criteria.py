@@ -11,13 +11,7 @@ import yaml
 from tests.shared import ROOT, settings_as_shipped
 
 from microimpact.declared.documents import ConfigError
-from microimpact.ledgers.claims.criteria import (
-    BOUNDS,
-    ClaimsError,
-    Criterion,
-    holds,
-    read_claims,
-)
+from microimpact.ledgers.claims.criteria import BOUNDS, ClaimsError, Criterion, holds, read_claims
 from microimpact.ledgers.claims.digitised import read_digitised
 
 SHIPPED = ROOT / "config/claims.yaml"

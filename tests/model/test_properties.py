@@ -11,7 +11,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from microimpact import Contact, Material, capture_velocity, simulate, spatial, trajectory
+from microimpact import Contact, Material, capture_velocity, simulate, trajectory
 from microimpact.model.dynamics.normal import normal_impact
 
 settings.register_profile("interface", deadline=None, max_examples=60, derandomize=True)
@@ -176,24 +176,6 @@ def test_similar_contacts_have_similar_impacts(contact, ratio, size):
         assert two.contact_time == pytest.approx(one.contact_time * size, rel=1e-9)
 
 
-@given(contact=contacts(), ratio=ratios, impact=impacts)
-def test_the_mirror_image_is_an_impact(contact, ratio, impact):
-    speed, spin, found = outcome(contact, ratio, impact)
-    angle = np.radians(impact["angle"])
-    along, down = speed * np.cos(angle), -speed * np.sin(angle)
-    basis = impact["friction_basis"]
-    there = spatial(contact, [along, 0.0, down], [0.0, spin, 0.0], basis)
-    back = spatial(contact, [-along, 0.0, down], [0.0, -spin, 0.0], basis)
-    assert back.velocity * [-1.0, 1.0, 1.0] == pytest.approx(there.velocity, rel=1e-12, abs=1e-300)
-    assert -back.spin == pytest.approx(there.spin, rel=1e-12, abs=1e-300)
-    # In its plane the impact in space is the planar one.
-    size = 1e-9 * speed
-    assert there.velocity == pytest.approx(
-        [found.tangential_velocity, 0.0, found.normal_velocity], rel=1e-9, abs=size
-    )
-    assert there.spin[1] == pytest.approx(found.spin, rel=1e-9, abs=size / contact.radius)
-
-
 @settings(max_examples=25)
 @given(contact=contacts(), ratio=decades(-1.0, 2.0), impact=impacts)
 def test_a_path_ends_where_the_impact_does(contact, ratio, impact):
@@ -207,13 +189,3 @@ def test_a_path_ends_where_the_impact_does(contact, ratio, impact):
     assert path.time[-1] == pytest.approx(found.contact_time, rel=1e-9)
     assert path.velocity[-1] == pytest.approx(found.normal_velocity, rel=1e-8, abs=1e-10 * speed)
     assert path.spin[-1] == pytest.approx(found.spin, rel=1e-6, abs=1e-8 * speed / contact.radius)
-
-
-@given(contact=contacts(), ratio=ratios)
-def test_an_impact_does_not_depend_on_its_neighbours(contact, ratio):
-    speed = speed_of(contact, ratio)
-    assume(speed < 1e4)
-    alone = simulate(contact, speed)
-    among = simulate(contact, speed * np.array([0.5, 1.0, 3.0]))
-    assert among.coefficient_of_restitution[1] == alone.coefficient_of_restitution
-    assert among.maximum_compression[1] == alone.maximum_compression

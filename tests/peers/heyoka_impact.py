@@ -52,10 +52,7 @@ def _integrator(adhesive: bool) -> hy.taylor_adaptive_ldbl:
         b * c_a * p * u * u,
     ]
     kind = {"fp_type": Number}
-    events = [
-        hy.t_event(u, **kind),
-        hy.t_event(s, direction=hy.event_direction.negative, **kind),
-    ]
+    events = [hy.t_event(u, **kind), hy.t_event(s, direction=hy.event_direction.negative, **kind)]
     if adhesive:
         events.append(hy.t_event(p * (1.0 + c_h * u) - b * (1.0 - c_a * u), **kind))
     return hy.taylor_adaptive(

@@ -16,13 +16,7 @@ from microimpact.report.site.code import modules, place
 from microimpact.report.site.figures import joined
 from microimpact.report.site.formula import mathml, prose
 from microimpact.report.site.graph import needs, picture, upstream
-from microimpact.report.site.ledgers import (
-    changed_later,
-    computed,
-    counts,
-    failures,
-    parts,
-)
+from microimpact.report.site.ledgers import changed_later, computed, counts, failures, parts
 from microimpact.report.site.pages import ASSETS
 from microimpact.report.site.reached import reached
 from microimpact.report.site.record import Rule

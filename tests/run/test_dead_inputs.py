@@ -212,14 +212,8 @@ FOUND = [
     [
         ({"a.dead*": "reason"}, []),
         ({"a.dead[0]": "reason"}, ["a.dead[1]: 2 moves no output"]),
-        (
-            {"a.*": "reason"},
-            [f"{EXCEPTIONS.name}, a.*: a.moved is moved, not dead"],
-        ),
-        (
-            {"a.dead*": "reason", "a.gone": "reason"},
-            [f"{EXCEPTIONS.name}, a.gone: no such value"],
-        ),
+        ({"a.*": "reason"}, [f"{EXCEPTIONS.name}, a.*: a.moved is moved, not dead"]),
+        ({"a.dead*": "reason", "a.gone": "reason"}, [f"{EXCEPTIONS.name}, a.gone: no such value"]),
     ],
 )
 def test_faults_are_dead_values_without_reason_and_reasons_without_dead_value(meant, expected):

@@ -49,8 +49,7 @@ def test_a_file_is_read(read):
         points_series("digitised", "fast"),
     ]
     np.testing.assert_array_equal(
-        table[["x", "y", "y_low", "y_high"]],
-        [[0.5, 0.1, np.nan, np.nan], [1.0, 0.25, 0.2, 0.4]],
+        table[["x", "y", "y_low", "y_high"]], [[0.5, 0.1, np.nan, np.nan], [1.0, 0.25, 0.2, 0.4]]
     )
 
 

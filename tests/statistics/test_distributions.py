@@ -39,10 +39,7 @@ U = np.linspace(0.0005, 0.9995, 1999)
             stats.truncnorm(-40.0 / 9.0, 15.0 / 9.0, 50.0, 9.0),
         ),
         # Far in a tail: the naive form would lose all digits.
-        (
-            TruncatedNormal(mean=0.0, sd=1.0, low=9.0, high=12.0),
-            stats.truncnorm(9.0, 12.0),
-        ),
+        (TruncatedNormal(mean=0.0, sd=1.0, low=9.0, high=12.0), stats.truncnorm(9.0, 12.0)),
         (HalfNormal(sd=0.15), stats.halfnorm(0.0, 0.15)),
         (LogNormal(median=3.0, geometric_sd=1.5), stats.lognorm(np.log(1.5), 0.0, 3.0)),
     ],

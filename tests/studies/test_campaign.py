@@ -35,10 +35,7 @@ CLASSES = (
 )
 ANGLES = 90.0, 45.0, 10.0
 BLOCK = Block(
-    particles=("small", "large"),
-    surfaces=("front", "back"),
-    case="any",
-    speeds=("middle", "fast"),
+    particles=("small", "large"), surfaces=("front", "back"), case="any", speeds=("middle", "fast")
 )
 WANTED = Counts(experiments=24, diameter_ranges=2, surfaces=2, angles=3, speed_ranges=2)
 

@@ -99,12 +99,7 @@ def test_the_full_design_has_no_aliases():
     relation = defining_relation("a b c d e", LETTERS)
     assert relation == {}
     (row, *others) = alias_rows(relation)
-    assert row == {
-        "effect": "A",
-        "aliases": "",
-        "defining_relation": "I",
-        "resolution": "full",
-    }
+    assert row == {"effect": "A", "aliases": "", "defining_relation": "I", "resolution": "full"}
     assert len(others) == 30
 
 

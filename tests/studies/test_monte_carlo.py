@@ -52,11 +52,7 @@ from microimpact.studies.analyses.monte_carlo.ensembles import (
     replicate_sums,
     summary,
 )
-from microimpact.studies.analyses.monte_carlo.impacts import (
-    RigidBody,
-    Simulation,
-    require_meaning,
-)
+from microimpact.studies.analyses.monte_carlo.impacts import RigidBody, Simulation, require_meaning
 from microimpact.studies.analyses.monte_carlo.slope_inference import SlopeInference, infer_slope
 
 N = 2**16
@@ -64,13 +60,7 @@ SEED = 20011
 
 
 def constants(**changes):
-    names = (
-        "angle_offset_deg",
-        "slope",
-        "cross_slope",
-        "spin_ratio",
-        "restitution_offset",
-    )
+    names = ("angle_offset_deg", "slope", "cross_slope", "spin_ratio", "restitution_offset")
     ones = ("restitution_factor", "work_of_adhesion_factor", "hertz_damping_factor")
     fixed = {name: Constant(at=0.0) for name in names}
     fixed |= {name: Constant(at=1.0) for name in (*ones, "adhesion_damping_factor")}

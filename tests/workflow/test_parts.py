@@ -20,13 +20,7 @@ from microimpact.declared.references import merged
 from microimpact.lab.contacts import DRAWN, calibrated_contact
 from microimpact.run.config import read_configuration, validate
 
-STUDIES = (
-    "campaign",
-    "claim_numbers",
-    "fit_coverage",
-    "interval_coverage",
-    "monte_carlo",
-)
+STUDIES = ("campaign", "claim_numbers", "fit_coverage", "interval_coverage", "monte_carlo")
 
 
 @pytest.fixture(scope="module")

@@ -104,11 +104,7 @@ RULES_OF = {name: {name, f"{name}_figures"} for name in ("coulomb_friction", "re
             {*RULES_OF["coulomb_friction"], "restitution_trends_figures", *TOLD},
         ),
         # Words of provenance: the table of inputs, and the report that shows it.
-        (
-            [(MODELS, swap("schematic: R level at low speed", "schematic"))],
-            {},
-            TOLD,
-        ),
+        ([(MODELS, swap("schematic: R level at low speed", "schematic"))], {}, TOLD),
     ],
 )
 def test_changes_rerun_their_chains_and_nothing_else(project, tmp_path, edits, overlay, expected):
@@ -208,11 +204,7 @@ def test_a_wrong_unit_is_one_clear_error_and_writes_nothing(project):
 
 
 @pytest.mark.parametrize(
-    ("target", "near"),
-    [
-        ("rigde", "did you mean 'ridge'?"),
-        ("results/tables/x.csv", ""),
-    ],
+    ("target", "near"), [("rigde", "did you mean 'ridge'?"), ("results/tables/x.csv", "")]
 )
 def test_an_unknown_target_is_told_with_the_nearest_name(project, target, near):
     done = project.snakemake(target, check=False)

@@ -343,11 +343,9 @@ class TestBadInput:
     @pytest.mark.parametrize(("basis", "error"), [("Net", ValueError), ("", ValueError)])
     @pytest.mark.parametrize("function", [simulate, planar, spatial])
     def test_an_unknown_basis_names_the_known_ones(self, contact, function, basis, error):
-        arguments = {
-            simulate: (1.0, 45.0),
-            planar: (-1.0, 1.0),
-            spatial: ([1.0, 0.0, -1.0],),
-        }[function]
+        arguments = {simulate: (1.0, 45.0), planar: (-1.0, 1.0), spatial: ([1.0, 0.0, -1.0],)}[
+            function
+        ]
         with pytest.raises(error, match=f"friction_basis must be one of .* got {basis!r}"):
             function(contact, *arguments, friction_basis=basis)
         with pytest.raises(TypeError, match=r"friction_basis must be one of .* got None"):
@@ -446,10 +444,7 @@ class TestSpatial:
             return np.array([velocity[0] - radius * spin[1], velocity[1] + radius * spin[0]])
 
         impact = spatial(contact, **state)
-        before, after = (
-            slip(state["velocity"], state["spin"]),
-            slip(impact.velocity, impact.spin),
-        )
+        before, after = (slip(state["velocity"], state["spin"]), slip(impact.velocity, impact.spin))
         scale = 1e-12 * (1 + np.abs(before).max())
         assert abs(before[0] * after[1] - before[1] * after[0]) <= 10 * scale
         assert before @ after >= -scale
