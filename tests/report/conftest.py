@@ -8,7 +8,7 @@ import shutil
 from dataclasses import replace
 
 import pytest
-from tests.shared import ROOT
+from tests.shared import ROOT, made_once
 
 from microimpact.declared.documents import load
 from microimpact.figures.registry import filled
@@ -108,25 +108,31 @@ def record(registry):
 
 @pytest.fixture(scope="session")
 def results(tmp_path_factory, registry):
-    """Results without a report: reference tables, figure data, pictures."""
-    root = tmp_path_factory.mktemp("run") / "results"
-    for file, path in table_files(REFERENCE).items():
-        (root / file).parent.mkdir(parents=True, exist_ok=True)
-        (root / file).write_text(read_text(path), encoding="utf-8", newline="")
-    (root / "figures").mkdir()
-    for name in registry:
-        (root / f"figures/{name}.svg").write_text(SVG, encoding="utf-8")
-        (root / f"figures/{name}.png").write_bytes(PNG)
-        (root / f"figures/{name}.pdf").write_bytes(b"%PDF-1.4\n")
-    return root
+    """Results without a report: reference tables, figure data, pictures; nobody changes them."""
+
+    def make(root):
+        for file, path in table_files(REFERENCE).items():
+            (root / file).parent.mkdir(parents=True, exist_ok=True)
+            (root / file).write_text(read_text(path), encoding="utf-8", newline="")
+        (root / "figures").mkdir()
+        for name in registry:
+            (root / f"figures/{name}.svg").write_text(SVG, encoding="utf-8")
+            (root / f"figures/{name}.png").write_bytes(PNG)
+            (root / f"figures/{name}.pdf").write_bytes(b"%PDF-1.4\n")
+
+    return made_once(tmp_path_factory, "results", make)
 
 
 @pytest.fixture(scope="session")
-def site(results, record):
+def site(results, record, tmp_path_factory):
     """The folder of a site with all pages."""
-    write_record(results, record)
-    write_site(results, record)
-    return results / "report"
+
+    def make(place):
+        shutil.copytree(results, place)
+        write_record(place, record)
+        write_site(place, record)
+
+    return made_once(tmp_path_factory, "site", make) / "report"
 
 
 @pytest.fixture
