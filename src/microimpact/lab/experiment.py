@@ -212,7 +212,8 @@ class Drop:
         Those that arrive further than ``within`` (m) from the middle are out of sight of any
         instrument and left out.
         """
-        return self.hit(self.release(n, rng).within(within), rng)
+        falling = self.release(n, rng)
+        return self.hit(falling.within(within) if np.isfinite(within) else falling, rng)
 
     def in_class(self, speed: FloatArray) -> BoolArray:
         """Tell which speeds (m/s) are accepted."""

@@ -187,6 +187,15 @@ class Context:
             raise ValueError(f"steel.speed_m_per_s: at {self.speed:g} it rebounds at no angle")
         return wanted[free], part_of(impact, free)
 
+    def shallowest_rebound(self, steel: Contact) -> FloatArray:
+        """Return the least of all steps of the angle at which each contact rebounds, degrees.
+
+        90, if it does at none.
+        """
+        angles = self.all_angles()[:, None]
+        captured = self.hit(steel, self.speed, angles).captured
+        return np.asarray(np.where(captured, 90.0, angles).min(axis=0))
+
     # Samples of virtual impacts
 
     @property

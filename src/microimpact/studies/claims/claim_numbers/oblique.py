@@ -77,9 +77,7 @@ def c10(context: Context) -> Numbers:
         def rolls(angle: FloatArray) -> BoolArray:
             return context.hit(steel, context.speed, angle).rolling
 
-        angles = context.all_angles()[:, None]
-        captured = context.hit(steel, context.speed, angles).captured
-        low = np.where(captured, 90.0, angles).min(axis=0)
+        low = context.shallowest_rebound(steel)
         high = np.full(low.shape, 90.0)
         known = ~rolls(low) & rolls(high)
 

@@ -123,16 +123,16 @@ def c23(context: Context) -> Numbers:
 
     With adhesion, and without at the same two angles.
     """
-    angles = np.append(context.all_angles(), context.params.oblique.plateau_deg)
+    context.rebounds()  # or there is no shallowest one
 
-    def ratios(steel: Contact) -> FloatArray:
-        impacts = context.speed, angles[:, None]
+    def rises(steel: Contact) -> FloatArray:
+        shallowest = context.shallowest_rebound(steel)
+        angles = shallowest, np.full_like(shallowest, context.params.oblique.plateau_deg)
         both = steel, without_adhesion(steel)
-        return np.stack([context.hit(one, *impacts).impulse_ratio for one in both])
+        ratios = [context.hit(one, context.speed, np.stack(angles)).impulse_ratio for one in both]
+        return np.stack([shallow / level for shallow, level in ratios])
 
-    shallowest = np.argmax(angles == context.rebounds()[0].min())
-    found = context.of_steel(("C23",), ratios)
-    adhesive, bare = found[:, shallowest] / found[:, -1]
+    adhesive, bare = context.of_steel(("C23",), rises)
     return {
         "rise_to_shallowest_rebound_with_adhesion": adhesive,
         "rise_to_shallowest_rebound_without_adhesion": bare,

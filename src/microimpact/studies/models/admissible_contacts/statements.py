@@ -17,6 +17,7 @@ import scipy
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray, part_of
+from microimpact.core.solve import IntArray
 from microimpact.declared.parameters import AngleDegrees, Count, Finite, Name, Positive
 from microimpact.model.calibration import peak_ratios
 from microimpact.model.contact import Contact
@@ -109,6 +110,22 @@ def impacts_of(statement: Within, classes_um: tuple[float, ...]) -> FloatArray:
     velocities = np.column_stack(np.broadcast_arrays(-v_n, v_t))
     sizes = classes_um if statement.diameter_um is None else (statement.diameter_um,)
     return np.vstack([np.insert(velocities, 0, size, axis=1) for size in sizes])
+
+
+@cache
+def shared_impacts(
+    statements: tuple[Within, ...], classes_um: tuple[float, ...]
+) -> tuple[FloatArray, FloatArray, list[IntArray]]:
+    """Impacts of statements (k, 3) as of `impacts_of`, and the normal ones among them, once each.
+
+    The latter as diameter and normal speed (m, 2), and per statement, which of them its own are:
+    impacts that differ along the surface alone share one.
+    """
+    parts = [impacts_of(statement, classes_um) for statement in statements]
+    impacts = np.concatenate(parts)
+    normal, place = np.unique(impacts[:, :2], axis=0, return_inverse=True)
+    ends = np.cumsum([len(part) for part in parts])
+    return impacts, normal, np.split(place.ravel(), ends[:-1])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -230,13 +247,11 @@ class Evaluation:
         """Quantities of normal motion."""
         if not statements:
             return {}
-        impacts = [impacts_of(statement, self.classes_um) for statement in statements]
-        events, place = np.unique(np.concatenate(impacts)[:, :2], axis=0, return_inverse=True)
+        _, events, places = shared_impacts(tuple(statements), self.classes_um)
         contact = self.contacts(points, events[:, 0])
         outcome = normal_impact(contact, events[:, 1])
-        ends = np.cumsum([len(part) for part in impacts])
         found = {}
-        for statement, own in zip(statements, np.split(place.ravel(), ends[:-1]), strict=True):
+        for statement, own in zip(statements, places, strict=True):
             if statement.quantity == "contact time in ns":
                 value = outcome.contact_time[:, own] * 1e9
             elif statement.quantity == "adhesion over hertz":
@@ -255,18 +270,17 @@ class Evaluation:
         self, points: FloatArray, statements: Sequence[Within]
     ) -> dict[str, FloatArray]:
         """Quantities of oblique impacts (n, bases)."""
-        impacts = [impacts_of(statement, self.classes_um) for statement in statements]
-        diameter, v_n, v_t = np.concatenate(impacts).T
-        # Impacts that differ along the surface alone share a normal one.
-        events, place = np.unique(np.stack([diameter, v_n]), axis=1, return_inverse=True)
-        contact = self.contacts(points, events[0])
-        found = normal_impact(contact, events[1], ledger="hertz" in self.bases)
-        normal, contact = part_of(found, place), self.contacts(points, diameter)
+        impacts, events, places = shared_impacts(tuple(statements), self.classes_um)
+        diameter, v_n, v_t = impacts.T
+        contact = self.contacts(points, events[:, 0])
+        found = normal_impact(contact, events[:, 1], ledger="hertz" in self.bases)
+        normal = part_of(found, np.concatenate(places))
+        contact = self.contacts(points, diameter)
         ratios = [
             planar(contact, -v_n, v_t, 0.0, basis, law=lambda *_: normal).impulse_ratio
             for basis in self.bases
         ]
-        ends = np.cumsum([len(part) for part in impacts])
+        ends = np.cumsum([len(own) for own in places])
         parts = np.split(np.stack(ratios, axis=1), ends[:-1], axis=2)
         return {
             statement.statement: statement.value(part, 0)
