@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from itertools import product
 from typing import Annotated
 
@@ -101,6 +101,7 @@ def bare_contact(targets: TwoStageTargets, inputs: Tables) -> Contact:
     )
 
 
+@cache
 def solved(contact: Contact, targets: TwoStageTargets, exponent: float, work: float) -> Contact:
     """Return the member of the family at one rate exponent and work of adhesion."""
     changed = contact.replace(adhesion_rate_exponent=exponent, work_of_adhesion=work)
