@@ -204,6 +204,8 @@ def matched(incident: IntArray, rebound: IntArray, worth: FloatArray) -> IntArra
     ends = incident, rebound
     alone = np.all([np.bincount(of)[of] == 1 for of in ends], axis=0)
     contested = np.flatnonzero(~alone)
+    if not contested.size:
+        return np.flatnonzero(alone)
     (n, row), (m, column) = (
         (len(own), place)
         for own, place in (np.unique(of[contested], return_inverse=True) for of in ends)
