@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -15,7 +15,13 @@ from microimpact.cli.output import Sweep, number, print_json, print_table, warn
 from microimpact.core.arrays import POSITIVE, checked
 from microimpact.core.materials import Material, declared_file, materials_from_rows
 from microimpact.declared.selection import TABLES, read_all, read_materials
-from microimpact.model.choices import FORMATS, FRICTION_BASES, STIFFNESS_MODELS, TANGENTIAL_LAWS
+from microimpact.model.choices import (
+    CALIBRATED,
+    FORMATS,
+    FRICTION_BASES,
+    STIFFNESS_MODELS,
+    TANGENTIAL_LAWS,
+)
 
 if TYPE_CHECKING:
     from microimpact.core.arrays import FloatArray
@@ -37,14 +43,6 @@ _IMPACT = {
     "energy_loss": ("energy loss, total", "", 1.0),
     "translational_energy_loss": ("energy loss, translational", "", 1.0),
 }
-# What makes a contact of two materials: adhesion, damping, and how damping goes with the rate.
-_CALIBRATED = (
-    "work_of_adhesion",
-    "hertz_damping",
-    "adhesion_damping",
-    "adhesion_rate_exponent",
-    "reference_velocity",
-)
 # Options that replace a number of the declared pair.
 _NUMBERS = {
     "diameter-um": "Diameter, um; default: the pair's.",
@@ -103,7 +101,7 @@ class Asked:
             f"{name} {float(getattr(contact, name)):.4g} in place of {value:.4g}"
             for name, value in self.replaced.items()
         )
-        kept = ", ".join(name for name in _CALIBRATED[:4] if name not in self.replaced)
+        kept = ", ".join(name for name in CALIBRATED[:4] if name not in self.replaced)
         left = f"; {kept} kept as declared" if kept else ""
         return (
             f"{title}\nNo longer the declared contact, nor what it was calibrated to: "
@@ -113,18 +111,13 @@ class Asked:
     def inputs(self) -> dict[str, Any]:
         """Return all parameters in SI units: with them the answer can be had again."""
         contact = self.contact if self.draws else self.best
-        numbers = ("diameter", "friction", "ring_force", *_CALIBRATED)
+        numbers = ("diameter", "friction", "ring_force", *CALIBRATED)
         values = {name: getattr(contact, name) for name in numbers}
         return (
-            {role: _body(getattr(contact, role)) for role in ("particle", "surface")}
+            {role: asdict(getattr(contact, role)) for role in ("particle", "surface")}
             | {name: None if of is None else np.squeeze(of) for name, of in values.items()}
             | {"stiffness_model": contact.stiffness_model, "in_place_of": dict(self.replaced)}
         )
-
-
-def _body(material: Material) -> dict[str, Any]:
-    names = ("name", "youngs_modulus", "poissons_ratio", "density")
-    return {name: getattr(material, name) for name in names}
 
 
 def contact_options(command: Command) -> Command:
@@ -415,7 +408,7 @@ def contact_of(
     own = pairs.get((particle, surface), {})
     if changes["ring_force"] is not None and "work_of_adhesion" in own:
         changes["work_of_adhesion"] = float(contact.work_of_adhesion)  # type: ignore[arg-type]
-    replaced = {name: own[name] for name in _CALIBRATED if own.get(name) is not None}
+    replaced = {name: own[name] for name in CALIBRATED if own.get(name) is not None}
     replaced = {n: v for n, v in replaced.items() if changes[n] not in {None, v}}
     return Asked(contact=contact, best=contact, replaced=replaced)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import fields
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -12,19 +12,10 @@ import numpy as np
 from microimpact.core.files import write_file
 from microimpact.core.materials import Material
 from microimpact.core.nearest import nearest
+from microimpact.model.choices import NUMBERS
 from microimpact.model.contact import Contact
 
-NUMBERS = (
-    "diameter",
-    "work_of_adhesion",
-    "hertz_damping",
-    "adhesion_damping",
-    "adhesion_rate_exponent",
-    "reference_velocity",
-    "friction",
-)
 TEXTS = ("stiffness_model",)
-BODY = tuple(field.name for field in fields(Material))
 
 
 def write_contacts(path: Path | str, contact: Contact, best: Contact) -> None:
@@ -33,8 +24,7 @@ def write_contacts(path: Path | str, contact: Contact, best: Contact) -> None:
     Raises OSError if the file cannot be written.
     """
     record: dict[str, Any] = {
-        role: {name: getattr(getattr(contact, role), name) for name in BODY}
-        for role in ("particle", "surface")
+        role: asdict(getattr(contact, role)) for role in ("particle", "surface")
     }
     for name in NUMBERS:
         value = getattr(contact, name)

@@ -1,4 +1,4 @@
-"""Words that choose between forms of the model, in calls, configuration and command line alike."""
+"""Words for forms and numbers of the model, in calls, files and on the command line alike."""
 
 from __future__ import annotations
 
@@ -9,6 +9,13 @@ FrictionBasis = Literal["compressive", "hertz", "net"]
 FRICTION_BASES: tuple[str, ...] = get_args(FrictionBasis)
 # Compliance along the surface.
 TANGENTIAL_LAWS = ("rigid", "mindlin", "spring")
+# What makes a contact of two materials: adhesion, damping, and how damping goes with the rate.
+CALIBRATED = (
+    *("work_of_adhesion", "hertz_damping", "adhesion_damping"),
+    *("adhesion_rate_exponent", "reference_velocity"),
+)
+# All numbers of a contact beside those of its materials.
+NUMBERS = ("diameter", *CALIBRATED, "friction")
 STIFFNESS_MODELS = ("hertz", "reduced")
 # Forms in which a rebound law is written.
 FORMATS = ("c", "csv", "npz", "fluent", "openfoam", "lammps")

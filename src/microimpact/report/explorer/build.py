@@ -9,6 +9,7 @@ from typing import Any
 import pandas as pd
 
 from microimpact.lab.contacts import calibrated_contact, declared
+from microimpact.model.choices import NUMBERS
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.normal import (
     ALWAYS_CAPTURED_ADHESION_GROUP,
@@ -22,10 +23,6 @@ from microimpact.report.site.pages import render
 HERE = Path(__file__).parent
 
 MATERIAL = ("youngs_modulus", "poissons_ratio", "density")
-CONTACT = (
-    *("diameter", "work_of_adhesion", "hertz_damping", "adhesion_damping"),
-    *("adhesion_rate_exponent", "reference_velocity", "friction"),
-)
 
 
 def page_files(inputs: Mapping[str, pd.DataFrame]) -> dict[str, str]:
@@ -82,5 +79,5 @@ def numbers(inputs: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
 
 def _row(origin: str, name: str, contact: Contact) -> dict[str, Any]:
     bodies = {"particle": contact.particle.name, "surface": contact.surface.name}
-    values = {field: getattr(contact, field) for field in CONTACT}
+    values = {field: getattr(contact, field) for field in NUMBERS}
     return {"origin": origin, "contact": name} | bodies | values
