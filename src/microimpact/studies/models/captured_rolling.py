@@ -73,18 +73,18 @@ def run(params: Params, inputs: Tables) -> Tables:
     }
 
 
-def fastest_captured(params: Params, limit: float, angle: float) -> float:
-    """Return the greatest speed in m/s at which a sphere is captured, as far as looked at.
+def fastest_captured(params: Params, limit: float, angle: float) -> tuple[float, float]:
+    """Return the greatest speed at which a sphere is captured, as far as looked at, and it rolls.
 
-    `limit`: the capture velocity, m/s; `angle`: of incidence, degrees.
+    In m/s; `limit`: the capture velocity, m/s; `angle`: of incidence, degrees.
     """
-    return float(min(limit / np.sin(np.radians(angle)), params.largest_speed_m_per_s))
+    speed = float(min(limit / np.sin(np.radians(angle)), params.largest_speed_m_per_s))
+    return speed, KEPT * float(velocity_components(speed, angle)[1])
 
 
 def distances(params: Params, contact: Contact, limit: float, angle: float, shift: float) -> Row:
     """Return one row of the table of distances, for a contact of that capture velocity."""
-    speed = fastest_captured(params, limit, angle)
-    along = KEPT * float(velocity_components(speed, angle)[1])
+    speed, along = fastest_captured(params, limit, angle)
     tilt, lag = 90.0 - angle, shift * 1e-9
     level = float(rolling_distance(contact, along, lag)) * 1e3
     tilted = float(rolling_distance(contact, along, lag, tilt)) * 1e3
@@ -109,8 +109,7 @@ def curves(params: Params, inputs: Tables) -> pd.DataFrame:
         contact = resized(calibrated_contact(inputs, case), params.drawn_diameter_um * 1e-6)
         limit = float(capture_velocity(contact))
         for angle in params.drawn_angles_deg:
-            speed = fastest_captured(params, limit, angle)
-            along = KEPT * float(velocity_components(speed, angle)[1])
+            _, along = fastest_captured(params, limit, angle)
             stops = float(gravity_ratio(contact, low * 1e-9, 90.0 - angle)) * low
             # nearly vertical where the curve comes down from infinity
             start = max(low, stops)

@@ -84,19 +84,18 @@ def run(params: Params, inputs: Tables) -> Tables:
     """
     rows: list[Row] = []
     summary: list[Row] = []
-    for case, diameter in product(params.cases, params.diameters_um):
+    impacts = product(params.cases, params.diameters_um, params.speeds_m_per_s)
+    for case, diameter, speed in impacts:
         contact = resized(calibrated_contact(inputs, case), diameter * 1e-6)
-        limit = float(capture_velocity(contact))
-        for speed in params.speeds_m_per_s:
-            start = {"case": case, "diameter_um": diameter, "speed_m_per_s": speed}
-            moments = _moments(params, contact, speed)
-            found = {a: moments(a) for a in _rebounding(limit, speed, params.angles_deg)}
-            rows += [
-                {**start, "angle_deg": angle, **_row(contact, speed, found.get(angle))}
-                for angle in params.angles_deg
-            ]
-            if len(found) > 1:
-                summary += [{**start, **row} for row in _summary(params, moments, found)]
+        start = {"case": case, "diameter_um": diameter, "speed_m_per_s": speed}
+        moments = _moments(params, contact, speed)
+        found = {a: moments(a) for a in _rebounding(contact, speed, np.array(params.angles_deg))}
+        rows += [
+            {**start, "angle_deg": angle, **_row(contact, speed, found.get(angle))}
+            for angle in params.angles_deg
+        ]
+        if len(found) > 1:
+            summary += [start | _summary(params, moments, found, grade) for grade in GRADES]
     return {
         "rolling_dissipation": pd.DataFrame(rows).assign(evidence="computed"),
         "rolling_ranges": pd.DataFrame(summary).assign(evidence="computed"),
@@ -115,11 +114,10 @@ def _moments(params: Params, contact: Contact, speed: float) -> Callable[[float]
     return cache(lambda angle: rolling_impulses(contact, speed, float(angle), shift))
 
 
-def _rebounding(limit: float, speed: float, angles: tuple[float, ...] | FloatArray) -> FloatArray:
-    """Return the angles at which a sphere rebounds whose capture velocity is the limit."""
-    degrees = np.asarray(angles, dtype=np.float64)
-    normal_speed = speed * np.sin(np.radians(degrees))
-    return np.extract(normal_speed > limit * (1.0 + ABOVE_CAPTURE), degrees)
+def _rebounding(contact: Contact, speed: float, angles: FloatArray) -> FloatArray:
+    """Return the angles at which a sphere rebounds."""
+    least = capture_velocity(contact) * (1.0 + ABOVE_CAPTURE)
+    return angles[speed * np.sin(np.radians(angles)) > least]
 
 
 def _row(contact: Contact, speed: float, moments: RollingImpulses | None) -> Row:
@@ -141,30 +139,27 @@ def _summary(
     params: Params,
     moments: Callable[[float], RollingImpulses],
     found: Mapping[float, RollingImpulses],
-) -> list[Row]:
+    grade: str,
+) -> Row:
+    """Return the row of one grade, from the moments at the angles of rebounds."""
     angles = np.array(list(found))
-    rows: list[Row] = []
-    for grade in GRADES:
-        ratios = np.array([ratio(c, grade) for c in found.values()])
+    ratios = np.array([ratio(of, grade) for of in found.values()])
 
-        def excess(angle: float, grade: str = grade) -> float:
-            return ratio(moments(angle), grade) - params.negligible
+    def excess(angle: float) -> float:
+        return ratio(moments(angle), grade) - params.negligible
 
-        low, high = around_least(excess, angles, ratios - params.negligible)
-        rows.append(
-            {
-                "grade": grade,
-                "least_ratio": ratios.min(),
-                "greatest_ratio": ratios.max(),
-                "greatest_at_deg": angles[np.argmax(ratios)],
-                "negligible_below": params.negligible,
-                "negligible_from_deg": low,
-                "negligible_to_deg": high,
-                "from_is_limit": low == angles[0],
-                "to_is_limit": high == angles[-1],
-            }
-        )
-    return rows
+    low, high = around_least(excess, angles, ratios - params.negligible)
+    return {
+        "grade": grade,
+        "least_ratio": ratios.min(),
+        "greatest_ratio": ratios.max(),
+        "greatest_at_deg": angles[np.argmax(ratios)],
+        "negligible_below": params.negligible,
+        "negligible_from_deg": low,
+        "negligible_to_deg": high,
+        "from_is_limit": low == angles[0],
+        "to_is_limit": high == angles[-1],
+    }
 
 
 def around_least(
@@ -193,7 +188,7 @@ def curves(params: Params, inputs: Tables) -> pd.DataFrame:
     angles = np.linspace(params.angles_deg[0], params.angles_deg[-1], params.points)
     for case, speed in product(params.cases, params.drawn_speeds_m_per_s):
         contact = resized(calibrated_contact(inputs, case), params.drawn_diameter_um * 1e-6)
-        rebounding = _rebounding(float(capture_velocity(contact)), speed, angles)
+        rebounding = _rebounding(contact, speed, angles)
         moments = [_moments(params, contact, speed)(angle) for angle in rebounding]
         for grade in GRADES:
             ratios = np.array([ratio(c, grade) for c in moments])
