@@ -200,6 +200,6 @@ class TestExternalEvidence:
         ]
 
     def test_a_missing_fact_is_named(self):
-        facts = external_evidence.Facts(pd.DataFrame({"name": [], "quantity": []}))
+        facts = pd.DataFrame({"name": [], "quantity": []})
         with pytest.raises(ValueError, match=r"wall1990\.greatest_energy_loss: 0 rows, must be 1"):
-            facts.row("wall1990", "greatest_energy_loss")
+            external_evidence.fact(facts, "wall1990", "greatest_energy_loss")

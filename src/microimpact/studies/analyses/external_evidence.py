@@ -93,19 +93,12 @@ class Params:
     spin: Spin
 
 
-@dataclass(frozen=True, slots=True)
-class Facts:
-    """Declared rows of external evidence."""
-
-    rows: pd.DataFrame
-
-    def row(self, name: str, quantity: str) -> dict[str, Any]:
-        """Return the row of one fact; its numbers are floats."""
-        rows = self.rows
-        found = rows[(rows["name"] == name) & (rows["quantity"] == quantity)]
-        if len(found) != 1:
-            raise ValueError(f"external evidence {name}.{quantity}: {len(found)} rows, must be 1")
-        return {str(column): value for column, value in found.iloc[0].items()}
+def fact(facts: pd.DataFrame, name: str, quantity: str) -> dict[str, Any]:
+    """Return one row of the declared external evidence; its numbers are floats."""
+    found = facts[(facts["name"] == name) & (facts["quantity"] == quantity)]
+    if len(found) != 1:
+        raise ValueError(f"external evidence {name}.{quantity}: {len(found)} rows, must be 1")
+    return {str(column): value for column, value in found.iloc[0].items()}
 
 
 def run(params: Params, inputs: Tables) -> Tables:
@@ -116,17 +109,17 @@ def run(params: Params, inputs: Tables) -> Tables:
     ``materials`` and ``calibration``: the contacts; ``doe_levels``, ``doe_effects``,
     ``monte_carlo``, ``oblique_residuals``: tables of those studies.
     """
-    facts = Facts(inputs["external"])
+    facts = inputs["external"]
     rows = [
         *_oblique(inputs["oblique_residuals"]),
         *_fast_rebounds(params, inputs, facts),
         *_sizes(params, inputs, facts),
-        *_factors(inputs["doe_levels"], inputs["doe_effects"], facts),
+        *_factors(inputs, facts),
         *_spin_and_roughness(params.spin, inputs, facts),
     ]
     table = pd.DataFrame(rows, columns=Compared._fields)
-    order = {fact: i for i, fact in enumerate(dict.fromkeys(table["fact"]))}
-    table = table.sort_values("fact", key=lambda facts: facts.map(order), kind="stable")
+    # Rows of one fact together.
+    table = table.iloc[np.argsort(pd.factorize(table["fact"])[0], kind="stable")]
     table["agreement"] = _agreement(table)
     return {"external_evidence": table}
 
@@ -160,9 +153,9 @@ def _oblique(residuals: pd.DataFrame) -> Iterator[Compared]:
             )
 
 
-def _fast_rebounds(params: Params, inputs: Tables, facts: Facts) -> Iterator[Compared]:
+def _fast_rebounds(params: Params, inputs: Tables, facts: pd.DataFrame) -> Iterator[Compared]:
     """Yield the energy lost at the highest speed, and the difference that the target makes."""
-    lost = facts.row("wall1990", "greatest_energy_loss")
+    lost = fact(facts, "wall1990", "greatest_energy_loss")
     for case in params.fluorescein:
         e = simulate(calibrated_contact(inputs, case), float(lost["at"])).coefficient_of_restitution
         yield Compared(
@@ -173,8 +166,8 @@ def _fast_rebounds(params: Params, inputs: Tables, facts: Facts) -> Iterator[Com
             high=lost["value"],
             computed=float(1.0 - e**2),
         )
-    free = facts.row("wall1990", "speed_without_influence_of_target")
-    fastest = facts.row("wall1990", "greatest_speed")["value"]
+    free = fact(facts, "wall1990", "speed_without_influence_of_target")
+    fastest = fact(facts, "wall1990", "greatest_speed")["value"]
     speed = np.geomspace(free["value"], fastest, params.points)
     one, other = (
         simulate(calibrated_contact(inputs, case), speed).coefficient_of_restitution
@@ -203,17 +196,16 @@ def fall(contact: Contact, exponent: float, diameter: FloatArray) -> float:
     return float(slope)
 
 
-def _sizes(params: Params, inputs: Tables, facts: Facts) -> Iterator[Compared]:
+def _sizes(params: Params, inputs: Tables, facts: pd.DataFrame) -> Iterator[Compared]:
     """Yield the power of the diameter with which the capture velocity falls.
 
     The damping of silver is not known, and that of a contact of this study would hold every sphere
     of 20 nm; so it is asked over as wide a range, about the contact's own diameter.
     """
-    least = facts.row("wall1990", "least_fall_of_capture_velocity")
-    power = facts.row("arffman2015", "fall_of_capture_velocity")
-    span, other = (facts.row(name, "diameter") for name in ("wall1990", "arffman2015"))
-    rows = facts.rows
-    ends = rows[(rows["name"] == "arffman2015") & (rows["quantity"] == "capture_velocity")]
+    least = fact(facts, "wall1990", "least_fall_of_capture_velocity")
+    power = fact(facts, "arffman2015", "fall_of_capture_velocity")
+    span, other = (fact(facts, name, "diameter") for name in ("wall1990", "arffman2015"))
+    ends = facts[(facts["name"] == "arffman2015") & (facts["quantity"] == "capture_velocity")]
     change = np.ptp(np.log(ends[["value", "at"]].to_numpy(float)), axis=0)
     bounds = [
         *(power["value"] + params.exponent_within * np.array([-1.0, 1.0])),
@@ -248,10 +240,11 @@ def _sizes(params: Params, inputs: Tables, facts: Facts) -> Iterator[Compared]:
                 )
 
 
-def _factors(levels: pd.DataFrame, effects: pd.DataFrame, facts: Facts) -> Iterator[Compared]:
+def _factors(inputs: Tables, facts: pd.DataFrame) -> Iterator[Compared]:
     """Yield the lead of surface energy and radius, and the rank of one interaction, by design."""
-    lead = facts.row("brach2000", "lead_of_surface_energy_and_radius")
-    rank = facts.row("brach2000", "rank_of_their_interaction")
+    lead = fact(facts, "brach2000", "lead_of_surface_energy_and_radius")
+    rank = fact(facts, "brach2000", "rank_of_their_interaction")
+    levels, effects = inputs["doe_levels"], inputs["doe_effects"]
     letters = dict(zip(levels["name"], levels["factor"], strict=True))
     first = {letters["work_of_adhesion"], letters["radius"]}
     both = "".join(sorted(letters[n] for n in ("work_of_adhesion", "adhesion_dissipation")))
@@ -282,9 +275,9 @@ def _factors(levels: pd.DataFrame, effects: pd.DataFrame, facts: Facts) -> Itera
         )
 
 
-def _spin_and_roughness(spin: Spin, inputs: Tables, facts: Facts) -> Iterator[Compared]:
+def _spin_and_roughness(spin: Spin, inputs: Tables, facts: pd.DataFrame) -> Iterator[Compared]:
     """Yield the change that spin makes, and the apparent restitution of a rough surface."""
-    above = facts.row("li1996", "apparent_restitution")
+    above = fact(facts, "li1996", "apparent_restitution")
     contact = calibrated_contact(inputs, spin.case)
     omega = spin.ratio * spin.speed_m_per_s / contact.radius
     still, spun = (

@@ -7,7 +7,7 @@ middles, and its band is what all combinations of low, middle and high span.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -32,25 +32,6 @@ from microimpact.model.separation import (
 )
 
 Span = tuple[Positive, Positive]
-
-
-def check_spans(spans: Mapping[str, Span]) -> None:
-    """Raise a ValueError for a range whose ends do not ascend."""
-    for name, (low, high) in spans.items():
-        if low > high:
-            raise ValueError(f"{name}: [{low:g}, {high:g}] must ascend")
-
-
-def open_mesh(spans: Mapping[str, Span], axes: int) -> dict[str, FloatArray]:
-    """Return low, geometric middle and high of each range along an axis of its own.
-
-    `spans`: ranges by name; their axes are the first, in this order; `axes`: number of all axes.
-    """
-    mesh = {}
-    for axis, (name, (low, high)) in enumerate(spans.items()):
-        shape = [3 if i == axis else 1 for i in range(axes)]
-        mesh[name] = np.array([low, np.sqrt(low * high), high]).reshape(shape)
-    return mesh
 
 
 def middle(values: FloatArray, axes: int) -> FloatArray:
@@ -148,7 +129,10 @@ class Params:
 
     def __post_init__(self) -> None:
         """Refuse a range upside down, and a comparison beyond the curves."""
-        check_spans({name: getattr(self, name) for name in SCALES})
+        for name in SCALES:
+            low, high = getattr(self, name)
+            if low > high:
+                raise ValueError(f"{name}: [{low:g}, {high:g}] must ascend")
         if self.patch_share[1] > 1.0:
             raise ValueError(f"patch_share: {self.patch_share[1]:g} must be at most 1")
         if self.compared_silica_fraction > self.largest_silica_fraction:
@@ -195,9 +179,12 @@ def run(params: Params, inputs: Tables) -> Tables:
 
 def combinations(params: Params) -> Combinations:
     """Return low, geometric middle and high of every range, each along an axis of its own."""
-    spans = {name: getattr(params, name) for name in SCALES}
-    mesh = open_mesh(spans, len(SHAPE) + 1)
-    mesh = {name: SCALES[name] * values for name, values in mesh.items()}
+    spans = [getattr(params, name) for name in SCALES]
+    ends = np.ix_(*([low, np.sqrt(low * high), high] for low, high in spans))
+    # The last two axes are those of the placement and of the weight of silica.
+    mesh = {
+        name: SCALES[name] * end[..., None, None] for name, end in zip(SCALES, ends, strict=True)
+    }
     particle = CoatedParticle(
         radius=0.5e-6 * params.diameter_um,
         density=mesh["particle_density_kg_per_m3"],
@@ -285,13 +272,15 @@ def summary(
     at = {name: full(force) for name, force in forces(case, np.array([0.0, x])).items()}
     bare, coated = ({name: force[..., i] for name, force in at.items()} for i in (0, 1))
     far, about = params.far_exceeds_factor, params.about_factor
-    excess = {name: bare[ADHESION] / bare[name] for name in (UNIFORM, PATCHES)}
-    without = [band_row(name, force * 1e9, "nN") for name, force in bare.items()]
-    within = [band_row(name, force * 1e9, "nN") for name, force in coated.items()]
-    for name, factor in excess.items():
-        label = f"{ADHESION} over {name}"
-        without.append(band_row(label, factor, low=far))
-        within.append(band_row(label, coated[ADHESION] / coated[name]))
+    excess, within_excess = (
+        {f"{ADHESION} over {name}": of[ADHESION] / of[name] for name in (UNIFORM, PATCHES)}
+        for of in (bare, coated)
+    )
+    without, within = (
+        [band_row(name, force * 1e9, "nN") for name, force in of.items()] for of in (bare, coated)
+    )
+    without += [band_row(name, factor, low=far) for name, factor in excess.items()]
+    within += [band_row(name, factor) for name, factor in within_excess.items()]
     left = coated[ADHESION] / bare[ADHESION]
     value = float(stated["separation_force_silica_over_bare"])
     equality = distance_from_equality(*coated.values())

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import product
 from typing import Annotated
 
 import numpy as np
@@ -202,7 +203,6 @@ def expansions(params: Params) -> pd.DataFrame:
             case = params.case(angle, slope, spin)
             exact = equation.exact(case)
             values = {form: equation.value(case, form) for form in FORMS}
-            errors = {f"{form}_error": equation.error(case, form) for form in FORMS}
             columns = {
                 "equation": equation.name,
                 "quantity": equation.quantity,
@@ -214,7 +214,7 @@ def expansions(params: Params) -> pd.DataFrame:
                 "local_impulse_ratio": case.mu,
                 "exact": exact,
                 **values,
-                **errors,
+                **{f"{form}_error": equation.error(case, form) for form in FORMS},
             }
             if equation.quantity == RESTITUTION:
                 bound = energy_bound(case.angle, spin)
@@ -231,18 +231,17 @@ def expansions(params: Params) -> pd.DataFrame:
 def ranges(params: Params) -> pd.DataFrame:
     """Return the table of ranges. Eq. (35) as corrected is exact and has no row."""
     rows: list[tuple[object, ...]] = []
-    forms = [(e, f) for e in EQUATIONS.values() for f in FORMS if e.name != "35" or f == PRINTED]
-    for equation, form in forms:
+    for equation, form in product(EQUATIONS.values(), FORMS):
+        if equation.name == "35" and form == CORRECTED:
+            continue
+        criteria = ["accuracy"] + ["energy"] * (equation.quantity == RESTITUTION)
         for spin in params.spins(equation):
-            start = (equation.name, equation.quantity, form, spin)
-            for angle in params.angles(equation):
-                found = slope_range(params, equation, form, angle, spin)
-                rows.append((*start, "accuracy", "slope", angle, *found))
-                if equation.quantity == RESTITUTION:
-                    found = slope_range(params, equation, form, angle, spin, energy=True)
-                    rows.append((*start, "energy", "slope", angle, *found))
+            start, given = (equation.name, equation.quantity, form, spin), (params, equation, form)
+            for angle, criterion in product(params.angles(equation), criteria):
+                found = slope_range(*given, angle, spin, energy=criterion == "energy")
+                rows.append((*start, criterion, "slope", angle, *found))
             for slope in params.range_slopes_deg:
-                found = angle_range(params, equation, form, slope, spin)
+                found = angle_range(*given, slope, spin)
                 rows.append((*start, "accuracy", "angle", slope, *found))
     table = pd.DataFrame(rows, columns=RANGE_COLUMNS)
     return table.assign(tolerance=params.tolerance, evidence="computed")
