@@ -6,16 +6,16 @@ from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from itertools import chain, product
+from itertools import chain, product, starmap
 from operator import itemgetter
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import numpy as np
 import pandas as pd
 import scipy
 from pydantic import Field
 
-from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import POINTS, Tables, series_frame
 from microimpact.declared.parameters import CaseName, Count, Keyed, Positive
 from microimpact.lab.contacts import calibrated_contact
@@ -43,6 +43,8 @@ from microimpact.studies.models.fit_coverage.truths import (
     standard_deviations,
     standard_noise,
 )
+
+NEEDS = {"calibration": ("calibration",), "restitution_fits": ("restitution_fits",)}
 
 AboveCapture = Annotated[float, Field(gt=1, allow_inf_nan=False)]
 
@@ -88,16 +90,16 @@ class Params:
             reference, levels = getattr(self, f"reference_{name}"), getattr(self, name)
             if reference not in levels:
                 raise ValueError(f"reference_{name}: {reference:g} must be one of {levels}")
-        for name in ("interval_replicates", "methods"):
-            value = getattr(self, name)
-            fewer = value.replicates if isinstance(value, Methods) else value
-            if fewer > self.replicates:
-                key = "methods.replicates" if isinstance(value, Methods) else name
-                raise ValueError(f"{key}: {fewer} must not exceed replicates, {self.replicates}")
+        fewer = {
+            "interval_replicates": self.interval_replicates,
+            "methods.replicates": self.methods.replicates,
+        }
+        for name, value in fewer.items():
+            if value > self.replicates:
+                raise ValueError(f"{name}: {value} must not exceed replicates, {self.replicates}")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Cell:
+class Cell(NamedTuple):
     """One combination of the factors; the exponent q is None where it is free."""
 
     truth: TruthName
@@ -122,41 +124,29 @@ class Cell:
 
 def cells(params: Params) -> Iterator[Cell]:
     """All cells, in pairs with q free and fixed."""
-    for number, variant in enumerate(params.variants):
-        noise = params.noise_of_e if number == 0 else (params.reference_noise_of_e,)
-        points = params.points if number == 0 else (params.reference_points,)
-        factors = (
-            TRUTHS,
-            noise,
-            points,
-            params.lowest_speeds_in_v_c,
-            (None, params.fixed_exponent),
-        )
-        for truth, sigma, count, lowest, q in product(*factors):
-            yield Cell(truth=truth, variant=variant, noise=sigma, points=count, lowest=lowest, q=q)
+    first, *others = params.variants
+    inner = params.lowest_speeds_in_v_c, (None, params.fixed_exponent)
+    yield from starmap(Cell, product(TRUTHS, (first,), params.noise_of_e, params.points, *inner))
+    for variant in others:
+        yield from starmap(Cell, product(TRUTHS, (variant,), *_reference(params), *inner))
+
+
+def _reference(params: Params) -> tuple[tuple[float], tuple[int]]:
+    return (params.reference_noise_of_e,), (params.reference_points,)
 
 
 def method_cells(params: Params) -> Iterator[Cell]:
     """Cells in which methods of intervals are compared."""
-    lowest = params.methods.lowest_speeds_in_v_c
-    for truth, speed, q in product(TRUTHS, lowest, (None, params.fixed_exponent)):
-        yield Cell(
-            truth=truth,
-            variant=params.variants[0],
-            noise=params.reference_noise_of_e,
-            points=params.reference_points,
-            lowest=speed,
-            q=q,
-        )
+    inner = params.methods.lowest_speeds_in_v_c, (None, params.fixed_exponent)
+    yield from starmap(Cell, product(TRUTHS, params.variants[:1], *_reference(params), *inner))
 
 
-Reference = tuple[str, float, int]
 QUANTITIES = {"bias": "bias", "rms_error": "rms", "coverage": "coverage"}
 
 
-def figure_data(table: pd.DataFrame, reference: Reference, confidence: float) -> pd.DataFrame:
+def figure_data(table: pd.DataFrame, params: Params) -> pd.DataFrame:
     """Bias, rms error and coverage over the lowest speed, by truth, for the first variant."""
-    variant, _, points = reference
+    variant, points = params.variants[0].variant, params.reference_points
     rows = table[(table["variant"] == variant) & (table["points"] == points)]
     frame = partial(series_frame, x_unit="1", y_unit="1")
     frames = []
@@ -173,23 +163,8 @@ def figure_data(table: pd.DataFrame, reference: Reference, confidence: float) ->
                 frames.append(frame(panel, series, x, y, "virtual experiment", *bounds))
             if quantity == "coverage":
                 x = own["lowest_speed_in_v_c"].agg(["min", "max"])
-                frames.append(frame(panel, "nominal", x, confidence))
+                frames.append(frame(panel, "nominal", x, params.confidence))
     return pd.concat(frames, ignore_index=True)
-
-
-NEEDS = {"calibration": ("calibration",), "restitution_fits": ("restitution_fits",)}
-
-__all__ = ["Params", "gather", "part", "run"]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Measurement:
-    """Speeds (n,) in v_c, measured e (r, n), which are there, and the deviations (n,) assumed."""
-
-    ratio: FloatArray
-    e: FloatArray
-    present: BoolArray
-    deviation: FloatArray
 
 
 Numbered = tuple[int, dict[str, object]]
@@ -237,13 +212,12 @@ def gather(params: Params, inputs: Tables, parts: Sequence[Part]) -> Tables:
         pd.DataFrame([row for _, row in sorted(chain(*rows), key=itemgetter(0))])
         for rows in zip(*parts, strict=True)
     )
-    reference = (params.variants[0].variant, params.reference_noise_of_e, params.reference_points)
     return {
         "fit_coverage": table,
         "fit_intervals": methods,
         "averaged_intervals": average,
         "averaged_coverage": averaged.figure_data(average, params.confidence),
-        "capture_recovery": figure_data(table, reference, params.confidence),
+        "capture_recovery": figure_data(table, params),
     }
 
 
@@ -286,7 +260,8 @@ def _coverage(params: Params, truths: Truths, mine: list[tuple[int, Cell]]) -> l
     return rows
 
 
-def _measured(params: Params, truths: Truths, cell: Cell, replicates: int) -> Measurement:
+def _sets(params: Params, truths: Truths, cell: Cell, replicates: int) -> DataSets:
+    """Measured data of a cell, as they are fitted."""
     ratio = np.geomspace(cell.lowest, params.highest_speed_in_v_c, cell.points)
     spheres = cell.variant.largest_size_ratio, cell.variant.selection
     curve = mean_restitution(truths, cell.truth, tuple(ratio), *spheres)
@@ -294,13 +269,8 @@ def _measured(params: Params, truths: Truths, cell: Cell, replicates: int) -> Me
     noise = standard_noise(params.seed, MEASUREMENTS, cell.points, replicates)
     e, present = observed(curve, deviation * noise, cell.variant.selection)
     assumed = deviation if cell.variant.weights == "true" else np.full(ratio.shape, cell.noise)
-    return Measurement(ratio=ratio, e=e, present=present, deviation=assumed)
-
-
-def _sets(params: Params, truths: Truths, cell: Cell, replicates: int) -> DataSets:
-    data = _measured(params, truths, cell, replicates)
     try:
-        return data_sets(data.ratio, data.e, data.present / data.deviation, cell.q)
+        return data_sets(ratio, e, present / assumed, cell.q)
     except ValueError as error:
         raise ValueError(f"noise_of_e: {cell.noise:g} hides too many rebounds: {error}") from None
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
-from itertools import product
-from typing import Annotated
+from itertools import product, starmap
+from typing import Annotated, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -46,8 +46,7 @@ class Averaged:
     sets: Count  # Data sets per truth and design
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Design:
+class Design(NamedTuple):
     """A true curve and the design of its data."""
 
     truth: str
@@ -60,8 +59,7 @@ def designs(params: Averaged) -> Iterator[Design]:
     """All designs."""
     names = ("Eq. 34", *params.cases, "viscous JKR", ANOTHER)
     levels = (names, params.noise_of_e, params.points, params.lowest_speeds_in_v_c)
-    for truth, noise, points, lowest in product(*levels):
-        yield Design(truth=truth, noise=noise, points=points, lowest=lowest)
+    return starmap(Design, product(*levels))
 
 
 def _contact(params: Averaged, inputs: Tables, truth: str) -> Contact:
