@@ -159,7 +159,7 @@ def test_compiled_sums_are_those_of_the_plain_curve():
     slopes = np.empty((kernel.GROUP * kernel.COLUMNS, kernel.LANES))
     for lane in range(kernel.LANES):
         data = np.array([v[lane], np.log(v[lane]), e[lane], weight[lane]])
-        count = kernel.enter(data, end, x[lane], x[lane], x[lane], lane, room, state)
+        count = kernel.enter(data, end, x[lane], x[lane], 0.0, x[lane], lane, room, state)
         assert count == np.count_nonzero(weight[lane])
     state[kernel.TRIAL : kernel.TRIAL + 5] = x.T
     kernel.evaluate(room, 3, state, slopes)
@@ -185,6 +185,17 @@ def test_profile_interval_covers_in_a_regular_cell(q):
     assert coverage(0.003) == pytest.approx(0.95, abs=4.0 * error)
     # half the noise assumed: the interval is half as wide, and the normal law gives 0.67
     assert coverage(0.0015) == pytest.approx(0.673, abs=4.0 * np.sqrt(0.67 * 0.33 / replicates))
+
+
+def test_a_chi_square_that_is_low_enough_ends_a_search():
+    v, e = measured(1.2, 0.01, 50)
+    sets = data_sets(v, e, 100.0)
+    fit = fit_batch(sets)
+    least, enough = profile_batch(sets, fit, 1.0), fit.chi_square + CHI_SQUARE_95
+    found = profile_batch(sets, fit, 1.0, enough)
+    np.testing.assert_array_equal(found <= enough, least <= enough)
+    assert np.all(found >= least * (1.0 - 1e-9))
+    assert np.any(found > 1.001 * least)
 
 
 def test_coverage_is_that_of_the_interval():

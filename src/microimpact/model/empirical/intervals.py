@@ -45,15 +45,17 @@ def profile_batch(sets: DataSets, fit: BatchFit, v_c: ArrayLike, enough: Real = 
 
     `sets`, `fit`: the data and their fit, from which the search starts; `v_c`: capture velocity,
     one number or (r,), m/s; infinite chi-square where it is above the slowest rebound; `enough`:
-    above this chi-square, one number or (r,), a second search is made from a start of its own.
+    chi-square, one number or (r,), below which the least does not matter; above it a second search
+    is made from a start of its own.
     """
     given = np.broadcast_to(checked("v_c", v_c, NON_NEGATIVE), sets.unit.shape) / sets.unit
     gap, logs = np.maximum(1.0 - given, CLOSEST), fit.logs(sets)[:, :V_C]
-    chi_square, _ = profile(sets, np.arange(len(gap)), gap, logs)
+    limit = np.broadcast_to(enough, gap.shape)
+    chi_square, _ = profile(sets, np.arange(len(gap)), gap, logs, enough=limit)
     chi_square[given > 1.0] = np.inf
-    more = np.flatnonzero((chi_square > enough) & (given <= 1.0))
+    more = np.flatnonzero((chi_square > limit) & (given <= 1.0))
     if more.size:
-        again, _ = profile(sets, more, gap[more], fresh=1)
+        again, _ = profile(sets, more, gap[more], fresh=1, enough=limit[more])
         chi_square[more] = np.minimum(chi_square[more], again)
     return chi_square
 

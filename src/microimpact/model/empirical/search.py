@@ -20,7 +20,15 @@ import numpy as np
 import numpy.typing as npt
 from numpy.typing import ArrayLike
 
-from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, BoolArray, Columns, FloatArray, checked
+from microimpact.core.arrays import (
+    NON_NEGATIVE,
+    POSITIVE,
+    BoolArray,
+    Columns,
+    FloatArray,
+    Real,
+    checked,
+)
 from microimpact.model.empirical.kernel import V_C, Q, descend_all
 
 Places = npt.NDArray[np.intp]
@@ -83,6 +91,7 @@ class Search(NamedTuple):
     end: FloatArray  # Upper end of v_c (m,)
     low: FloatArray  # Bounds (m, d)
     high: FloatArray
+    enough: FloatArray  # Chi-squares below which no search goes on (m,)
     stride: FloatArray  # Largest changes in one step (d,)
     tolerance: float
 
@@ -204,11 +213,13 @@ def searches(
     least_gap: FloatArray,
     largest_gap: FloatArray,
     tolerance: float = TOLERANCE,
+    enough: Real = 0.0,
 ) -> Search:
     """One search per owner, with v_c below an end by a gap whose logarithm has these bounds."""
     low, high = _bounds(sets, owner, least_gap, largest_gap)
     points = np.stack([sets.v, np.log(sets.v), sets.e, sets.weight], axis=1)
-    return Search(NO_TABLE, points, owner, end, low, high, STRIDE, tolerance)
+    limit = np.full(owner.shape, enough)
+    return Search(NO_TABLE, points, owner, end, low, high, limit, STRIDE, tolerance)
 
 
 def start_points(sets: DataSets, owner: Places, number: int, width: FloatArray) -> FloatArray:
@@ -316,16 +327,22 @@ def fit_batch(
 
 
 def profile(
-    sets: DataSets, owner: Places, gap: FloatArray, *starts: FloatArray, fresh: int = 0
+    sets: DataSets,
+    owner: Places,
+    gap: FloatArray,
+    *starts: FloatArray,
+    fresh: int = 0,
+    enough: Real = 0.0,
 ) -> tuple[FloatArray, FloatArray]:
     """Search with v_c held.
 
     Least chi-square (m,), and ln(k, p, kappa, q) (m, 4) there. `sets`: the data; `owner`: data set
     of each search (m,); `gap`: v_c is 1 - gap (m,), in units of the slowest rebounds; `starts`:
-    starts ln(k, p, kappa, q) (m, 4); `fresh`: how many of those that depend on no search are tried.
+    starts ln(k, p, kappa, q) (m, 4); `fresh`: how many of those that depend on no search are tried;
+    `enough`: chi-square (m,) below which no search goes on.
     """
     fixed = np.log(gap)
-    search = searches(sets, owner, np.ones(len(gap)), fixed, fixed)
+    search = searches(sets, owner, np.ones(len(gap)), fixed, fixed, enough=enough)
     points = [np.column_stack([start, fixed]) for start in starts]
     points += [start_points(sets, owner, number, gap) for number in range(fresh)]
     found, _ = lowest(search, points)

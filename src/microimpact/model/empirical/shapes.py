@@ -192,6 +192,6 @@ def profile(
     points[:, 0], points[:, 1:] = at, (np.zeros(v.size), e, weight)
     high = np.tile(last, (v_c.size, 1))
     owner, none = np.arange(v_c.size), np.zeros(v_c.size)
-    search = Search(grid, points, owner, none, 0.0 * high, high, LONGEST * last, SHORTEST)
+    search = Search(grid, points, owner, none, 0.0 * high, high, none, LONGEST * last, SHORTEST)
     found, _ = lowest(search, [np.pad(start, ((0, 0), (0, 2))) for start in starts])
     return Held(found.chi_square, found.x[:, :PARAMETERS])
