@@ -39,8 +39,9 @@ NEAR = 1.3
 TINY = 1e-300
 # v_c is sought between these shares of the smallest rebounding speed.
 LEAST, GREATEST = 1e-3, 1.0 - 1e-6
-# Values of v_c in a profile; it is drawn anew so many times, each about where chi-square is low.
-VALUES, ROUNDS = 24, 2
+# Values of v_c in a profile, at first every third of them, for then there are neighbours to start
+# from; it is drawn anew so many times, each about where chi-square is low.
+VALUES, APART, ROUNDS = 24, 3, 2
 _CLOSE = 1.0 - np.geomspace(1.0 - GREATEST, 0.05, VALUES // 3)
 FIRST_VALUES = np.append(
     np.linspace(LEAST, 0.95, VALUES - _CLOSE.size, endpoint=False), _CLOSE[::-1]
@@ -113,8 +114,7 @@ Profile = Callable[[Data, FloatArray, FloatArray], Held]
 def _empirical(q: float | None, data: Data, v_c: FloatArray, starts: FloatArray) -> Held:
     """Profile of Eq. (34)."""
     sets = in_own_units(data.v[None], data.e[None], data.weight[None], q)
-    # Once neighbours are known, one start beside them is enough.
-    fresh = 1 if len(starts) else len(STARTS)
+    fresh = 0 if len(starts) else len(STARTS)
     return Held(*profile(sets, np.zeros(v_c.size, np.intp), 1.0 - v_c, *starts, fresh=fresh))
 
 
@@ -325,14 +325,15 @@ class _Drawn:
 def _drawn(of: Callable[[FloatArray, FloatArray], Held], freedom: int, given: bool) -> _Drawn:
     """Draw a profile, closer and closer about its low part."""
     # v_c, chi-square and the others in columns.
-    rows = np.column_stack([FIRST_VALUES, *of(FIRST_VALUES, np.zeros((0, 0, 0)))])
-    for _ in range(ROUNDS):
+    first = np.append(FIRST_VALUES[:-1:APART], GREATEST)
+    rows = np.column_stack([first, *of(first, np.zeros((0, 0, 0)))])
+    for number in range(ROUNDS + 1):
         values, chi_square = rows.T[:2]
         lowest = float(chi_square.min())
         unit = max(1.0, lowest / freedom) if given else max(lowest / freedom, TINY)
         low = np.flatnonzero(chi_square - lowest < NEGLIGIBLE * unit)
         ends = values[max(low[0] - 1, 0)], values[min(low[-1] + 1, values.size - 1)]
-        fresh = np.linspace(*ends, VALUES)[1:-1]
+        fresh = np.linspace(*ends, VALUES)[1:-1] if number else FIRST_VALUES
         after = np.searchsorted(values, fresh)
         fresh, after = (of[values[after] != fresh] for of in (fresh, after))
         # Neighbours on both sides are close starts.
