@@ -24,6 +24,8 @@ from microimpact.studies.models.fit_coverage.truths import (
 
 # Most resamples drawn for each one wanted; those with too few different speeds do not serve.
 TRIES = 4
+# A rise of chi-square that the quantile of nearly every sample of rises exceeds.
+SMALL_RISE = 0.5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,11 +61,15 @@ def intervals(
     shape = (len(fit.v_c), methods.resamples)
 
     again = _from_curves(sample, methods, seed)
-    refit = fit_batch(again, starts=1)
-    rise = profile_batch(again, refit, np.repeat(fit.v_c, methods.resamples)) - refit.chi_square
-    # Above all rebounds of a resample no v_c is admissible, and the rise is infinite.
-    rise = np.clip(rise, np.finfo(float).tiny, np.finfo(float).max).reshape(shape)
-    rises = np.quantile(rise, confidence, axis=1, method="higher")
+    refit, true = fit_batch(again, starts=1), np.repeat(fit.v_c, methods.resamples)
+    # Where the quantile lies above them, it does not matter how small the small rises are.
+    for small in (SMALL_RISE, 0.0):
+        rise = profile_batch(again, refit, true, refit.chi_square + small) - refit.chi_square
+        # Above all rebounds of a resample no v_c is admissible, and the rise is infinite.
+        rise = np.clip(rise, np.finfo(float).tiny, np.finfo(float).max).reshape(shape)
+        rises = np.quantile(rise, confidence, axis=1, method="higher")
+        if np.all(rises > small):
+            break
 
     fewer = fit_batch(_from_data(sample, methods, seed), starts=1).v_c.reshape(shape)
     spread = np.sqrt(methods.share_of_points) * (fewer - fit.v_c[:, None])
