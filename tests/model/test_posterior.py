@@ -119,7 +119,7 @@ def test_chains_that_have_not_come_together_are_refused(contact, exact):
         ({"v": [0.0, 1.0], "e": [0.5, 0.7]}, "v must be finite and > 0"),
         ({"e": [0.7, 0.7, 1.2, 0.7, 0.7]}, r"e must be finite and in \[0, 1\], got 1.2 at index 2"),
         ({"sigma": 0.0}, "sigma must be finite and > 0"),
-        ({"sigma": [0.1, 0.1]}, r"sigma must be one number or 5, got shape \(2,\)"),
+        ({"sigma": [0.1, 0.1]}, r"sigma must be one number or of shape \(5,\), got \(2,\)"),
         ({"ranges": {"hertz_damping": (0.3, 0.1)}}, "two numbers that ascend"),
         ({"ranges": {"hertz_damping": (-0.3, 0.1)}}, "must be finite and >= 0"),
         ({"ranges": {"friction": (0.1, 0.2)}}, "'friction' is not free"),

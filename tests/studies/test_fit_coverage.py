@@ -8,7 +8,8 @@ from pydantic import ValidationError
 
 from microimpact import Contact, capture_velocity, restitution, simulate
 from microimpact.declared.parameters import build
-from microimpact.model.empirical.search import data_sets, fit_batch
+from microimpact.model.empirical.data import data_sets
+from microimpact.model.empirical.search import fit_batch
 from microimpact.studies.models.fit_coverage import Params
 from microimpact.studies.models.fit_coverage.intervals import Methods, Sample, intervals
 from microimpact.studies.models.fit_coverage.truths import (

@@ -25,7 +25,8 @@ from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.dynamics.trajectory import trajectory
 from microimpact.model.empirical.comparison import compare_models
-from microimpact.model.empirical.search import data_sets, fit_batch
+from microimpact.model.empirical.data import data_sets
+from microimpact.model.empirical.search import fit_batch
 from microimpact.model.law.table import tabulate
 
 BODY = Material(name="any", youngs_modulus=1e11, poissons_ratio=0.3, density=2e3)

@@ -17,6 +17,7 @@ from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, FloatArray, Numbers,
 from microimpact.core.nearest import nearest
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.dynamics.normal import normal_impact
+from microimpact.model.empirical.data import measurements
 
 # Ranges of what can be free; those of damping are of c v at the highest speed, a pure number.
 RANGES = {
@@ -205,15 +206,9 @@ def _free(free: Iterable[str], contact: Contact) -> tuple[str, ...]:
 
 
 def _data(v: Numbers, e: Numbers, sigma: Numbers) -> tuple[FloatArray, FloatArray, FloatArray]:
-    speed = np.atleast_1d(checked("v", v, POSITIVE))
-    target = np.atleast_1d(checked("e", e, RESTITUTION))
-    error = np.asarray(checked("sigma", sigma, POSITIVE))
-    if speed.ndim != 1 or target.shape != speed.shape:
-        raise ValueError(f"v and e must have one shape (m,), got {speed.shape} and {target.shape}")
+    speed, target, error = measurements(v, e, sigma, RESTITUTION, POSITIVE)
     if speed.size < 2:
         raise ValueError(f"v and e must hold two measurements or more, got {speed.size}")
-    if error.shape not in {(), speed.shape}:
-        raise ValueError(f"sigma must be one number or {speed.size}, got shape {error.shape}")
     return speed, target, error
 
 

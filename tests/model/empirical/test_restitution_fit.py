@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from microimpact import bootstrap_v_c, fit_restitution, restitution, simulate
+from microimpact.model.empirical.data import data_sets
 from microimpact.model.empirical.intervals import profile_batch
-from microimpact.model.empirical.search import data_sets, fit_batch, model
+from microimpact.model.empirical.search import fit_batch, model
 
 TRUE = {"k": 30.0, "p": 1.2, "kappa": 0.15, "q": 0.5, "v_c": 0.4}
 VALUES = np.array(list(TRUE.values()))

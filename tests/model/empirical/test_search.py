@@ -10,9 +10,10 @@ from scipy.optimize import least_squares
 
 from microimpact import fit_restitution, restitution
 from microimpact.model.empirical import kernel
+from microimpact.model.empirical.data import data_sets
 from microimpact.model.empirical.intervals import interval_batch, profile_batch
 from microimpact.model.empirical.kernel import V_C
-from microimpact.model.empirical.search import data_sets, fit_batch, model
+from microimpact.model.empirical.search import fit_batch, model
 
 TRUE = {"k": 60.0, "p": 1.0, "kappa": 0.4, "q": 0.5, "v_c": 1.0}
 CHI_SQUARE_95 = 3.841459

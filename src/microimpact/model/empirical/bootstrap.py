@@ -8,9 +8,10 @@ from numbers import Integral
 import numpy as np
 
 from microimpact.core.arrays import FloatArray
+from microimpact.model.empirical.data import in_own_units
 from microimpact.model.empirical.fit import CONFIDENCE, RestitutionFit, scalar
 from microimpact.model.empirical.kernel import V_C
-from microimpact.model.empirical.search import CLOSEST, fit_batch, in_own_units
+from microimpact.model.empirical.search import CLOSEST, fit_batch
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

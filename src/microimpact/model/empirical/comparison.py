@@ -12,7 +12,7 @@ The laws of contact need no material here: see `microimpact.model.empirical.shap
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations
 from typing import NamedTuple
@@ -20,11 +20,17 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from microimpact.core.arrays import POSITIVE, FloatArray, Numbers, Range, checked
+from microimpact.core.arrays import FloatArray, Numbers, Range, checked
 from microimpact.core.solve import root
 from microimpact.model.empirical import shapes
+from microimpact.model.empirical.data import (
+    DataSets,
+    in_own_units,
+    measurements,
+    require_telling,
+)
 from microimpact.model.empirical.equations import restitution
-from microimpact.model.empirical.search import STARTS, in_own_units, profile
+from microimpact.model.empirical.search import STARTS, profile
 from microimpact.model.empirical.shapes import Held
 
 CONFIDENCE = Range(lower=0.0, upper=1.0)
@@ -54,24 +60,6 @@ LIGHT = 0.05
 WEIGHTLESS = 1e-14
 # Shares by which tests reject: misfit, residuals in runs.
 REJECTED = 0.01
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Data:
-    """Restitutions in units of the smallest rebounding speed.
-
-    Attributes
-    ----------
-    v, e, weight
-        Speeds, restitutions (0: captured), and 1/sigma, shape (n,).
-    unit
-        The smallest rebounding speed, m/s.
-    """
-
-    v: FloatArray
-    e: FloatArray
-    weight: FloatArray
-    unit: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -107,20 +95,20 @@ class Model:
     law: Callable[[FloatArray], FloatArray]
 
 
-# Of the data, v_c (m,) in their unit, and other parameters (s, m, k) to start from, if any.
-Profile = Callable[[Data, FloatArray, FloatArray], Held]
+# Of one data set, v_c (m,) in its unit, and other parameters (s, m, k) to start from, if any.
+Profile = Callable[[DataSets, FloatArray, FloatArray], Held]
 
 
-def _empirical(q: float | None, data: Data, v_c: FloatArray, starts: FloatArray) -> Held:
+def _empirical(q: float | None, data: DataSets, v_c: FloatArray, starts: FloatArray) -> Held:
     """Profile of Eq. (34)."""
-    sets = in_own_units(data.v[None], data.e[None], data.weight[None], q)
+    sets = replace(data, q=q)
     fresh = 0 if len(starts) else len(STARTS)
     return Held(*profile(sets, np.zeros(v_c.size, np.intp), 1.0 - v_c, *starts, fresh=fresh))
 
 
-def _of_law(name: str, data: Data, v_c: FloatArray, starts: FloatArray) -> Held:
+def _of_law(name: str, data: DataSets, v_c: FloatArray, starts: FloatArray) -> Held:
     """Profile of a law of contact."""
-    return shapes.profile(name, data.v, data.e, data.weight, v_c, *starts)
+    return shapes.profile(name, data.v[0], data.e[0], data.weight[0], v_c, *starts)
 
 
 def _eq_34(logs: FloatArray, v_c: float, v: FloatArray) -> FloatArray:
@@ -212,7 +200,11 @@ def compare_models(
         depends on v in the way that a rebound does.
     """
     level = float(checked("confidence", confidence, CONFIDENCE))
-    data, given = _data(v, e, sigma)
+    given = sigma is not None
+    speed, measured, spread = measurements(v, e, 1.0 if sigma is None else sigma, FRACTION, SPREAD)
+    require_telling(speed, measured, FEWEST, FEWEST - 1)
+    order = np.argsort(speed, kind="stable")[None]
+    data = in_own_units(speed[order], measured[order], 1.0 / spread[order], None)
     count = int(np.sum(data.v >= 1.0))
     for name in models or ():
         if name not in CANDIDATES:
@@ -242,7 +234,7 @@ def compare_models(
         )
         for k, found in enumerate(drawn)
     ]
-    half, unit = 0.5 * (1.0 - level), data.unit
+    half, unit = 0.5 * (1.0 - level), float(data.unit[0])
 
     telling = [(w, of) for w, of in zip(weights, tails, strict=True) if w > WEIGHTLESS]
 
@@ -279,37 +271,6 @@ def compare_models(
 
 def _in_metres(of: Candidate, found: _Drawn, unit: float, v: FloatArray) -> FloatArray:
     return of.restitution(found.others, found.v_c, np.asarray(v) / unit)
-
-
-def _data(v: Numbers, e: Numbers, sigma: Numbers | None) -> tuple[Data, bool]:
-    """Return checked data, and whether sigma is given."""
-    speed = np.atleast_1d(checked("v", v, POSITIVE))
-    measured = np.atleast_1d(checked("e", e, FRACTION))
-    spread = np.asarray(checked("sigma", 1.0 if sigma is None else sigma, SPREAD))
-    if speed.ndim != 1 or speed.shape != measured.shape:
-        raise ValueError(
-            f"v and e must be of one shape (n,), got {speed.shape} and {measured.shape}"
-        )
-    if spread.shape not in {(), speed.shape}:
-        raise ValueError(f"sigma must be one number or of shape {speed.shape}, got {spread.shape}")
-    if not np.any(measured > 0.0):
-        raise ValueError("e must be positive somewhere: no sphere rebounds")
-    unit = float(speed[measured > 0.0].min())
-    if (telling := int(np.sum(speed >= unit))) < FEWEST:
-        raise ValueError(
-            f"v must hold at least {FEWEST} points from the smallest rebounding speed {unit:g} m/s "
-            f"upwards, got {telling}"
-        )
-    if (different := np.unique(speed[speed >= unit]).size) < FEWEST - 1:
-        raise ValueError(
-            f"v must hold at least {FEWEST - 1} different speeds from the smallest rebounding "
-            f"one upwards, got {different}"
-        )
-    order = np.argsort(speed, kind="stable")
-    weight = np.broadcast_to(1.0 / spread, speed.shape)[order]
-    return Data(v=speed[order] / unit, e=measured[order], weight=weight, unit=unit), (
-        sigma is not None
-    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -397,14 +358,14 @@ def _criterion(least: FloatArray, free: FloatArray, count: int, given: bool) -> 
     return np.asarray(loss + 2.0 * numbers * count / (count - numbers - 1.0))
 
 
-def _missed(data: Data, model: Model) -> tuple[FloatArray, FloatArray]:
+def _missed(data: DataSets, model: Model) -> tuple[FloatArray, FloatArray]:
     """Return e from the slowest rebound upwards, and what the model leaves of it."""
-    telling = data.v >= 1.0
-    e = data.e[telling]
-    return e, e - model.law(data.unit * data.v[telling])
+    telling = data.v[0] >= 1.0
+    e = data.e[0, telling]
+    return e, e - model.law(data.unit * data.v[0, telling])
 
 
-def _require_a_curve(data: Data, model: Model) -> None:
+def _require_a_curve(data: DataSets, model: Model) -> None:
     """Refuse data that no model describes better than chance would."""
     e, missed = _missed(data, model)
     scatter = float(np.sqrt(np.mean(missed**2)))
@@ -416,7 +377,7 @@ def _require_a_curve(data: Data, model: Model) -> None:
 
 
 def _warnings(
-    data: Data, models: list[Model], v_c: float, interval: tuple[float, float]
+    data: DataSets, models: list[Model], v_c: float, interval: tuple[float, float]
 ) -> Iterator[str]:
     yield from _about_the_fit(data, models[0])
     heavy = [model for model in models if model.weight >= LIGHT]
@@ -428,24 +389,25 @@ def _warnings(
             f"one model alone, {models[0].name}, carries the interval, which supposes it true: of "
             "another curve such an interval is too narrow"
         )
-    captured = data.unit * data.v[data.e == 0.0]
-    if data.unit > NEAR * v_c and not (captured > v_c / NEAR).any():
+    slowest = float(data.unit[0])
+    captured = slowest * data.v[data.e == 0.0]
+    if slowest > NEAR * v_c and not (captured > v_c / NEAR).any():
         yield (
-            f"no speed is near capture: the slowest rebound has {data.unit:.3g} m/s"
-            f"{f', {data.unit / v_c:.2g} times v_c' if v_c > 0.0 else ', v_c is 0'}"
+            f"no speed is near capture: the slowest rebound has {slowest:.3g} m/s"
+            f"{f', {slowest / v_c:.2g} times v_c' if v_c > 0.0 else ', v_c is 0'}"
         )
-    if (nearest := max(captured, default=0.0)) > data.unit:
+    if (nearest := max(captured, default=0.0)) > slowest:
         yield (
-            f"captures up to {nearest:.3g} m/s and rebounds from {data.unit:.3g} m/s on overlap: "
+            f"captures up to {nearest:.3g} m/s and rebounds from {slowest:.3g} m/s on overlap: "
             "the spheres or the places do not share one v_c"
         )
     if interval[0] == 0.0:
         yield "the data do not bound v_c from below"
-    if interval[1] == data.unit:
+    if interval[1] == slowest:
         yield "the upper end is the slowest rebound itself"
 
 
-def _about_the_fit(data: Data, best: Model) -> Iterator[str]:
+def _about_the_fit(data: DataSets, best: Model) -> Iterator[str]:
     _, missed = _missed(data, best)
     if best.chi_square is None:
         yield "sigma is not given, so that no misfit can be told from noise"

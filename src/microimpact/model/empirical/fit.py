@@ -14,18 +14,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import POSITIVE, FloatArray, Range, checked
+from microimpact.model.empirical.data import DataSets, data_sets, measurements, require_telling
 from microimpact.model.empirical.equations import restitution
 from microimpact.model.empirical.intervals import Intervals, interval_batch
 from microimpact.model.empirical.kernel import V_C
-from microimpact.model.empirical.search import (
-    CLOSEST,
-    STARTS,
-    BatchFit,
-    DataSets,
-    data_sets,
-    fit_batch,
-    model,
-)
+from microimpact.model.empirical.search import CLOSEST, STARTS, BatchFit, fit_batch, model
 
 NAMES = ("k", "p", "kappa", "q", "v_c")
 UNITS = ("m/s", "", "m/s", "", "m/s")
@@ -249,11 +242,12 @@ def fit_restitution(
         from the smallest rebounding speed upwards, there are fewer points than free parameters
         and one more or fewer different speeds than free parameters.
     """
-    speed, measured = _checked_data(v, e)
+    given = 1.0 if sigma is None else sigma
+    speed, measured, spread = measurements(v, e, given, MEASURED_E, SIGMA)
     fixed = None if q is None else scalar("q", q)
     level = scalar("confidence", confidence, CONFIDENCE)
-    _require_enough(speed, measured, 5 if fixed is None else 4)
-    spread = _spread(sigma, speed.shape)
+    free = 5 if fixed is None else 4
+    require_telling(speed, measured, free + 1, free)
     # Relative weights: the tolerances of the search are absolute in part.
     least = float(spread.min())
     sets = data_sets(speed, measured, least / spread, fixed)
@@ -282,41 +276,6 @@ def scalar(name: str, value: object, allowed: Range = POSITIVE) -> float:
     if not isinstance(number, float):
         raise TypeError(f"{name} must be one real number, got {value!r}")
     return number
-
-
-def _checked_data(v: ArrayLike, e: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    speed = np.atleast_1d(checked("v", v, POSITIVE))
-    measured = np.atleast_1d(checked("e", e, MEASURED_E))
-    if speed.ndim != 1 or speed.shape != measured.shape:
-        raise ValueError(f"v and e must be of one shape (n,), got {np.shape(v)} and {np.shape(e)}")
-    return speed, measured
-
-
-def _require_enough(v: FloatArray, e: FloatArray, free: int) -> None:
-    """Refuse data that do not suffice for so many free parameters."""
-    if not np.any(e > 0.0):
-        raise ValueError("e must be positive somewhere: no sphere rebounds")
-    slowest = float(v[e > 0.0].min())
-    telling = v[v >= slowest]
-    if telling.size <= free:
-        raise ValueError(
-            f"v must hold at least {free + 1} points from the smallest rebounding speed upwards, "
-            f"for {free} free parameters and one more, got {telling.size}"
-        )
-    different = np.unique(telling).size
-    if different < free:
-        raise ValueError(
-            f"v must hold at least {free} different speeds from the smallest rebounding one "
-            f"upwards, one for each free parameter, got {different}"
-        )
-
-
-def _spread(sigma: ArrayLike | None, shape: tuple[int, ...]) -> FloatArray:
-    """Standard deviations of all points; ones where they are to be estimated."""
-    spread = np.asarray(checked("sigma", 1.0 if sigma is None else sigma, SIGMA))
-    if spread.shape not in {(), shape}:
-        raise ValueError(f"sigma must be one number or of shape {shape}, got {spread.shape}")
-    return np.broadcast_to(spread, shape)
 
 
 def _search(

@@ -10,14 +10,9 @@ from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, BoolArray, FloatArray, Real, checked
 from microimpact.core.solve import roots
+from microimpact.model.empirical.data import DataSets, Places
 from microimpact.model.empirical.kernel import V_C
-from microimpact.model.empirical.search import (
-    CLOSEST,
-    BatchFit,
-    DataSets,
-    Places,
-    profile,
-)
+from microimpact.model.empirical.search import CLOSEST, BatchFit, profile
 
 # An end of v_c nearer than this to the smallest rebounding speed is set by that speed.
 AT_REBOUND = 1e-3

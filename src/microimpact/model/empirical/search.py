@@ -17,21 +17,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
-from numpy.typing import ArrayLike
 
-from microimpact.core.arrays import (
-    NON_NEGATIVE,
-    POSITIVE,
-    BoolArray,
-    Columns,
-    FloatArray,
-    Real,
-    checked,
-)
+from microimpact.core.arrays import BoolArray, Columns, FloatArray, Real
+from microimpact.model.empirical.data import DataSets, Places
 from microimpact.model.empirical.kernel import V_C, Q, descend_all
-
-Places = npt.NDArray[np.intp]
 
 # Bounds of k and kappa over the smallest and the largest speed, and of the exponents.
 K_BOUNDS = (1e-3, 1e6)
@@ -118,78 +107,12 @@ def descend(search: Search, x: FloatArray) -> Found:
     return found
 
 
-ARRAYS = ("v", "e", "weight", "unit", "top")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DataSets:
-    """Data sets (r, n), checked, in units of the slowest rebounding speed of each."""
-
-    # Speeds, coefficients of restitution and 1/sigma; weight 0 for a datum that is not there.
-    v: FloatArray
-    e: FloatArray
-    weight: FloatArray
-    # The slowest rebounding speed (r,), m/s, and the largest speed in its units.
-    unit: FloatArray
-    top: FloatArray
-    q: float | None  # Exponent of Eq. (33), or None where it is free.
-
-    def select(self, rows: slice | Places) -> DataSets:
-        """Return some of the data sets."""
-        return DataSets(**{name: getattr(self, name)[rows] for name in ARRAYS}, q=self.q)
-
-    @property
-    def free(self) -> int:
-        """Number of free parameters."""
-        return 5 if self.q is None else 4
-
-
 class Ranges(NamedTuple):
     """Ranges of v_c in units of the slowest rebound, and the data set that each belongs to."""
 
     owner: Places
     lower: FloatArray
     upper: FloatArray
-
-
-def data_sets(v: ArrayLike, e: ArrayLike, weight: ArrayLike, q: float | None = None) -> DataSets:
-    """Return data sets ready to be fitted.
-
-    `v`: normal impact speeds, (n,) or (r, n), m/s; positive; `e`: coefficients of restitution (r,
-    n), 0 or more; 0 for a captured sphere; `weight`: 1/sigma, of a shape that broadcasts to (r, n);
-    0 leaves a datum out; `q`: exponent of Eq. (33), positive; None: free. Raises TypeError if an
-    argument does not hold real numbers. Raises ValueError if a number is out of range, or a data
-    set has too few points from its smallest rebounding speed upwards: fewer than free parameters
-    and one more.
-    """
-    measured = np.array(checked("e", e, NON_NEGATIVE), ndmin=2)
-    speed = np.broadcast_to(checked("v", v, POSITIVE), measured.shape)
-    weights = np.array(np.broadcast_to(checked("weight", weight, NON_NEGATIVE), measured.shape))
-    if q is not None:
-        checked("q", q, POSITIVE)
-    sets = in_own_units(speed, measured, weights, q)
-    telling = np.sum((weights > 0.0) & (sets.v >= 1.0), axis=1)
-    if np.any(telling <= sets.free):
-        few = int(np.argmin(telling))
-        raise ValueError(
-            f"e: data set {few} must hold at least {sets.free + 1} points from the smallest "
-            f"rebounding speed upwards, one more than free parameters, got {telling[few]}"
-        )
-    return sets
-
-
-def in_own_units(v: FloatArray, e: FloatArray, weight: FloatArray, q: float | None) -> DataSets:
-    """Return checked data sets, all arrays (r, n), in units of their slowest rebounds."""
-    unit = np.where((weight > 0.0) & (e > 0.0), v, np.inf).min(axis=1)
-    ratio = v / unit[:, None]
-    top = np.where(weight > 0.0, ratio, 0.0).max(axis=1)
-    return DataSets(v=ratio, e=e, weight=weight, unit=unit, top=top, q=q)
-
-
-def stacked_sets(parts: Sequence[DataSets]) -> DataSets:
-    """Return data sets of one number of points and one q as those of one batch."""
-    arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in ARRAYS}
-    return DataSets(**arrays, q=parts[0].q)
 
 
 def ranges(sets: DataSets) -> Ranges:

@@ -21,7 +21,7 @@ from microimpact.model.contact import Contact
 from microimpact.model.contact_laws import JKR, Hysteresis, ThorntonNing
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
-from microimpact.model.empirical.kernel import PARAMETERS, VARIABLES, curves
+from microimpact.model.empirical.kernel import PARAMETERS, curves
 from microimpact.model.empirical.search import Search, lowest
 
 # Places over v/v_c, up to a ratio of 10,000, and over each parameter of a law with two, or one; a
@@ -151,7 +151,7 @@ def places(ratio: FloatArray) -> FloatArray:
 
 
 def restitution(name: str, at: FloatArray, ratio: FloatArray) -> FloatArray:
-    """Return e (n,) of a law at the places of its parameters (3 or more,), by its table."""
+    """Return e (n,) of a law at the places of its parameters (3,), by its table."""
     e = np.empty(ratio.size)
     curves(table(name), places(ratio)[None], at[None], e[None])
     return e
@@ -176,14 +176,12 @@ def profile(
     v_c
         Capture velocities held (m,), in units of v.
     starts
-        Places (m, 5) to start from, of which three count; none: from those of the law.
+        Places (m, 3) to start from; none: from those of the law.
     """
     grid, at, count = table(name), places(v / v_c[:, None]), v_c.size
-    last = np.zeros(VARIABLES)
-    last[:PARAMETERS] = np.array(grid.shape[:PARAMETERS]) - 1.0
+    last, none = np.array(grid.shape[:PARAMETERS]) - 1.0, np.zeros(count)
     if not starts:
-        shares = np.zeros((len(LAWS[name].starts), VARIABLES))
-        shares[:, :PARAMETERS] = LAWS[name].starts
+        shares = np.array(LAWS[name].starts)
         every = np.repeat(shares * last, count, axis=0)
         begun = np.empty((len(every), v.size))
         curves(grid, np.tile(at, (len(shares), 1)), every, begun)
@@ -192,7 +190,9 @@ def profile(
         starts = tuple(every[nearest])
     points = np.empty((count, 4, v.size))
     points[:, 0], points[:, 1:] = at, (np.zeros(v.size), e, weight)
-    high, owner, none = np.tile(last, (count, 1)), np.arange(count), np.zeros(count)
+    # The search knows two variables more.
+    last = np.append(last, [0.0, 0.0])
+    high, owner = np.tile(last, (count, 1)), np.arange(count)
     search = Search(grid, points, owner, none, 0.0 * high, high, none, LONGEST * last, SHORTEST)
-    found, _ = lowest(search, starts)
-    return Held(found.chi_square, found.x)
+    found, _ = lowest(search, [np.column_stack([start, none, none]) for start in starts])
+    return Held(found.chi_square, found.x[:, :PARAMETERS])

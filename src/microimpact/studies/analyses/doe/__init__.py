@@ -20,7 +20,8 @@ from microimpact.lab.contacts import all_printed, calibrated_contact
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
-from microimpact.model.empirical.search import data_sets, fit_batch
+from microimpact.model.empirical.data import data_sets
+from microimpact.model.empirical.search import fit_batch
 from microimpact.statistics.effects import (
     aliases,
     defining_relation,

@@ -9,9 +9,10 @@ from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import POINTS
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
+from microimpact.model.empirical.data import DataSets, data_sets
 from microimpact.model.empirical.fit import fit_restitution
 from microimpact.model.empirical.intervals import interval_batch
-from microimpact.model.empirical.search import DataSets, data_sets, fit_batch
+from microimpact.model.empirical.search import fit_batch
 from microimpact.statistics.distributions import generator
 from microimpact.studies.claims.claim_numbers.claim import claim
 from microimpact.studies.claims.claim_numbers.context import Context, Estimate, Numbers, between

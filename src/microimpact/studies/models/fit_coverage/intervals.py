@@ -12,9 +12,10 @@ from pydantic import Field
 
 from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.declared.parameters import Count
+from microimpact.model.empirical.data import DataSets, data_sets
 from microimpact.model.empirical.equations import restitution
 from microimpact.model.empirical.intervals import interval_batch, profile_batch
-from microimpact.model.empirical.search import BatchFit, DataSets, data_sets, fit_batch
+from microimpact.model.empirical.search import BatchFit, fit_batch
 from microimpact.studies.models.fit_coverage.truths import (
     CURVE_RESAMPLES,
     DATA_RESAMPLES,
@@ -62,14 +63,14 @@ def intervals(
 
     again = _from_curves(sample, methods, seed)
     refit, true = fit_batch(again, starts=1), np.repeat(fit.v_c, methods.resamples)
-    # Where the quantile lies above them, it does not matter how small the small rises are.
+    rises = np.zeros(len(fit.v_c))
     for small in (SMALL_RISE, 0.0):
-        rise = profile_batch(again, refit, true, refit.chi_square + small) - refit.chi_square
-        # Above all rebounds of a resample no v_c is admissible, and the rise is infinite.
-        rise = np.clip(rise, np.finfo(float).tiny, np.finfo(float).max).reshape(shape)
-        rises = np.quantile(rise, confidence, axis=1, method="higher")
-        if np.all(rises > small):
-            break
+        # Where the quantile lies above them, it does not matter how small the small rises are.
+        if np.any(rises <= SMALL_RISE):
+            rise = profile_batch(again, refit, true, refit.chi_square + small) - refit.chi_square
+            # Above all rebounds of a resample no v_c is admissible, and the rise is infinite.
+            rise = np.clip(rise, np.finfo(float).tiny, np.finfo(float).max).reshape(shape)
+            rises = np.quantile(rise, confidence, axis=1, method="higher")
 
     fewer = fit_batch(_from_data(sample, methods, seed), starts=1).v_c.reshape(shape)
     spread = np.sqrt(methods.share_of_points) * (fewer - fit.v_c[:, None])

@@ -1,0 +1,132 @@
+"""Restitutions to be fitted: one data set checked, and many in units of their slowest rebounds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from numpy.typing import ArrayLike
+
+from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, FloatArray, Numbers, Range, checked
+
+Places = npt.NDArray[np.intp]
+Given = Numbers | ArrayLike
+
+
+def measurements(
+    v: Given, e: Given, sigma: Given, e_range: Range, sigma_range: Range
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return speeds, restitutions and their standard deviations, checked, each (n,).
+
+    Parameters
+    ----------
+    v
+        Normal impact speeds (n,), m/s; positive.
+    e
+        Coefficients of restitution (n,), within ``e_range``.
+    sigma
+        Standard deviation of e, one number or (n,), within ``sigma_range``.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument does not hold real numbers, or they are out of range, or shapes differ.
+    """
+    speed = np.atleast_1d(checked("v", v, POSITIVE))
+    measured = np.atleast_1d(checked("e", e, e_range))
+    spread = np.asarray(checked("sigma", sigma, sigma_range))
+    if speed.ndim != 1 or speed.shape != measured.shape:
+        raise ValueError(
+            f"v and e must be of one shape (n,), got {speed.shape} and {measured.shape}"
+        )
+    if spread.shape not in {(), speed.shape}:
+        raise ValueError(f"sigma must be one number or of shape {speed.shape}, got {spread.shape}")
+    return speed, measured, np.broadcast_to(spread, speed.shape)
+
+
+def require_telling(v: FloatArray, e: FloatArray, points: int, different: int) -> None:
+    """Refuse data with fewer points, or different speeds, from the slowest rebound upwards.
+
+    Raises ValueError, also if no sphere rebounds.
+    """
+    if not np.any(e > 0.0):
+        raise ValueError("e must be positive somewhere: no sphere rebounds")
+    slowest = float(v[e > 0.0].min())
+    telling = v[v >= slowest]
+    for least, found, what in (
+        (points, telling.size, "points"),
+        (different, np.unique(telling).size, "different speeds"),
+    ):
+        if found < least:
+            raise ValueError(
+                f"v must hold at least {least} {what} from the smallest rebounding speed "
+                f"{slowest:g} m/s upwards, got {found}"
+            )
+
+
+ARRAYS = ("v", "e", "weight", "unit", "top")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DataSets:
+    """Data sets (r, n), checked, in units of the slowest rebounding speed of each."""
+
+    # Speeds, coefficients of restitution and 1/sigma; weight 0 for a datum that is not there.
+    v: FloatArray
+    e: FloatArray
+    weight: FloatArray
+    # The slowest rebounding speed (r,), m/s, and the largest speed in its units.
+    unit: FloatArray
+    top: FloatArray
+    q: float | None  # Exponent of Eq. (33), or None where it is free.
+
+    def select(self, rows: slice | Places) -> DataSets:
+        """Return some of the data sets."""
+        return DataSets(**{name: getattr(self, name)[rows] for name in ARRAYS}, q=self.q)
+
+    @property
+    def free(self) -> int:
+        """Number of free parameters."""
+        return 5 if self.q is None else 4
+
+
+def data_sets(v: ArrayLike, e: ArrayLike, weight: ArrayLike, q: float | None = None) -> DataSets:
+    """Return data sets ready to be fitted.
+
+    `v`: normal impact speeds, (n,) or (r, n), m/s; positive; `e`: coefficients of restitution (r,
+    n), 0 or more; 0 for a captured sphere; `weight`: 1/sigma, of a shape that broadcasts to (r, n);
+    0 leaves a datum out; `q`: exponent of Eq. (33), positive; None: free. Raises TypeError if an
+    argument does not hold real numbers. Raises ValueError if a number is out of range, or a data
+    set has too few points from its smallest rebounding speed upwards: fewer than free parameters
+    and one more.
+    """
+    measured = np.array(checked("e", e, NON_NEGATIVE), ndmin=2)
+    speed = np.broadcast_to(checked("v", v, POSITIVE), measured.shape)
+    weights = np.array(np.broadcast_to(checked("weight", weight, NON_NEGATIVE), measured.shape))
+    if q is not None:
+        checked("q", q, POSITIVE)
+    sets = in_own_units(speed, measured, weights, q)
+    telling = np.sum((weights > 0.0) & (sets.v >= 1.0), axis=1)
+    if np.any(telling <= sets.free):
+        few = int(np.argmin(telling))
+        raise ValueError(
+            f"e: data set {few} must hold at least {sets.free + 1} points from the smallest "
+            f"rebounding speed upwards, one more than free parameters, got {telling[few]}"
+        )
+    return sets
+
+
+def in_own_units(v: FloatArray, e: FloatArray, weight: FloatArray, q: float | None) -> DataSets:
+    """Return checked data sets, all arrays (r, n), in units of their slowest rebounds."""
+    unit = np.where((weight > 0.0) & (e > 0.0), v, np.inf).min(axis=1)
+    ratio = v / unit[:, None]
+    top = np.where(weight > 0.0, ratio, 0.0).max(axis=1)
+    return DataSets(v=ratio, e=e, weight=weight, unit=unit, top=top, q=q)
+
+
+def stacked_sets(parts: Sequence[DataSets]) -> DataSets:
+    """Return data sets of one number of points and one q as those of one batch."""
+    arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in ARRAYS}
+    return DataSets(**arrays, q=parts[0].q)
