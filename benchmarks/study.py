@@ -69,7 +69,7 @@ def _measured(folder: Path, cores: int, rounds: int) -> str:
         figure.unlink()
         drawn.append(_run(changed[-1], cores, FIGURE))
     costs["one figure drawn anew"] = _least(drawn)
-    memory = max(timing.memory or 0.0 for timing in timings)
+    memory = max(timing.memory for timing in timings)
     return "\n".join(
         [
             f"| on {cores} cores | time / s | processor time / s |",
@@ -127,7 +127,7 @@ def _by_kind(timings: Sequence[Timing]) -> list[str]:
             (k for k, words in KINDS.items() if any(word in timing.rule for word in words.split())),
             "all others",
         )
-        kinds[kind].append(timing.processor if timing.processor is not None else timing.wall)
+        kinds[kind].append(timing.processor)
     total = sum(map(sum, kinds.values()))
     return [
         f"| {kind} | {len(own)} | {sum(own):.0f} | {sum(own) / total:.0%} |".replace("%", " %")

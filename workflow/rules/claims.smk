@@ -44,8 +44,6 @@ rule claims:
         ),
     log:
         "<results>/logs/claims.log",
-    benchmark:
-        "<results>/benchmarks/claims.tsv"
     params:
         rows={},
         branch=SETTINGS.branches["claim_numbers"],
@@ -70,8 +68,6 @@ rule equations:
         errata="<results>/tables/errata.csv",
     log:
         "<results>/logs/equations.log",
-    benchmark:
-        "<results>/benchmarks/equations.tsv"
     params:
         rows=SETTINGS.tables.of_pair("stainless-steel-316", "silicon"),
         code=code_of(

@@ -27,8 +27,6 @@ for job, drawn in FIGURE_JOBS.items():
             [f"<results>/figures/{figure}.{kind}" for figure in drawn for kind in ("png", "pdf")],
         log:
             f"<results>/logs/{job}.log",
-        benchmark:
-            f"<results>/benchmarks/{job}.tsv"
         # Nothing but the report waits for a figure; studies wait for studies.
         priority: -1
         params:

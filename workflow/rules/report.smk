@@ -13,8 +13,6 @@ rule explorer:
         page="<results>/report/explorer.html",
     log:
         "<results>/logs/explorer.log",
-    benchmark:
-        "<results>/benchmarks/explorer.tsv"
     params:
         rows=SETTINGS.tables.contact_rows(),
         rests_on=inputs_behind("contact_properties", "calibration"),
@@ -36,8 +34,6 @@ rule report:
         record="<results>/report/record.json",
     log:
         "<results>/logs/report.log",
-    benchmark:
-        "<results>/benchmarks/report.tsv"
     params:
         record=lambda wildcards: site_record.record_of(
             config=config,

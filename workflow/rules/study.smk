@@ -5,8 +5,6 @@ rule study:
     """No file: what the rules of all studies have in common."""
     log:
         "<results>/logs/<name>.log",
-    benchmark:
-        "<results>/benchmarks/<name>.tsv"
     pathvars:
         name="study",
     script:
@@ -19,8 +17,6 @@ rule study_part:
         temp("<results>/chunks/<name>-{chunk}.json"),
     log:
         "<results>/logs/<name>-{chunk}.log",
-    benchmark:
-        "<results>/benchmarks/<name>-{chunk}.tsv"
     pathvars:
         name="study",
     script:

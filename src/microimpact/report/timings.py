@@ -1,4 +1,4 @@
-"""What each job of a run has cost: time, processor time and memory, as the workflow measured it."""
+"""What each job of a run has cost: time, processor time and memory, as each measured itself."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ class Timing:
 
     job: str  # Name of its rule, with the part where the rule comes in parts
     wall: float  # Time from beginning to end, s
-    processor: float | None  # Time of processors, s; None where the job was too short to be sampled
-    memory: float | None  # Largest resident memory, MB; None likewise
+    processor: float  # Time of processors, s
+    memory: float  # Largest resident memory, MB
 
     @property
     def rule(self) -> str:
@@ -48,12 +48,8 @@ def _timing(path: Path) -> Timing:
         rows = list(csv.DictReader(file, delimiter="\t"))
     try:
         (row,) = rows
-        wall = float(row["s"])
-        processor, memory = (
-            None if row[name] in {"NA", "-", ""} else float(row[name])
-            for name in ("cpu_time", "max_rss")
-        )
-    except (ValueError, KeyError):
+        wall, processor, memory = (float(row[name]) for name in ("s", "cpu_time", "max_rss"))
+    except (ValueError, KeyError, TypeError):
         raise ValueError(f"{path}: not a file of measured times") from None
     return Timing(job=path.stem, wall=wall, processor=processor, memory=memory)
 
@@ -94,11 +90,10 @@ def as_text(results: Path) -> str:
     timings = read_timings(results)
     lines = [f"{'job':32}{'time, s':>10}{'CPU, s':>10}{'memory, MB':>12}"]
     lines += [
-        f"{timing.job:32}{timing.wall:10.1f}{_shown(timing.processor):>10}"
-        f"{_shown(timing.memory, 0):>12}"
+        f"{timing.job:32}{timing.wall:10.1f}{timing.processor:10.1f}{timing.memory:12.0f}"
         for timing in timings
     ]
-    processor = sum(timing.processor or 0.0 for timing in timings)
+    processor = sum(timing.processor for timing in timings)
     lines.append(f"{f'all {len(timings)} jobs':32}{_wall(timings):10.1f}{processor:10.1f}")
     rules: Sequence[Rule] = ()
     with suppress(OSError, ValueError):  # a run may keep no record of its rules
@@ -108,7 +103,3 @@ def as_text(results: Path) -> str:
         names = ", ".join(timing.job for timing in path)
         lines.append(f"\nCritical path, {_wall(path):.1f} s: {names}")
     return "\n".join(lines)
-
-
-def _shown(value: float | None, digits: int = 1) -> str:
-    return "-" if value is None else f"{value:.{digits}f}"
