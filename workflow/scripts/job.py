@@ -40,8 +40,9 @@ def run(main: Callable[[Any], str], job: Any) -> NoReturn:
 def logged(main: Callable[[Any], str], job: Any) -> int:
     """Run a job and log the line it returns; a failure leaves its full account in the log.
 
-    Beside the log stands what the job has cost (see `microimpact.report.timings`). Results that the job reads must be as they were written, and what it writes is recorded, so
-    that a table that lost its last lines is not taken for a whole one.
+    Results that the job reads must be as they were written, and what it writes is recorded, so
+    that a table that lost its last lines is not taken for a whole one. What the job has cost is
+    written beside the logs (see `microimpact.report.timings`).
 
     Parameters
     ----------
