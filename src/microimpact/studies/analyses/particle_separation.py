@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import reduce
 from typing import Annotated
 
 import numpy as np
@@ -53,8 +54,9 @@ def first_crossing(x: FloatArray, ratio: FloatArray) -> FloatArray:
 
 def distance_from_equality(*values: FloatArray) -> FloatArray:
     """Return the factor by which the farthest of some values misses their geometric mean."""
-    logarithms = np.log(np.stack(np.broadcast_arrays(*values)))
-    return np.asarray(np.exp(np.abs(logarithms - logarithms.mean(axis=0)).max(axis=0)))
+    logarithms = [np.log(each) for each in values]
+    mean = sum(logarithms) / len(values)
+    return np.asarray(np.exp(reduce(np.maximum, (np.abs(one - mean) for one in logarithms))))
 
 
 def band_row(

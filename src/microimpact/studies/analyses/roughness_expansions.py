@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from itertools import product
 from typing import Annotated
 
@@ -39,7 +39,7 @@ RESTITUTION, IMPULSE = "restitution", "impulse ratio"
 PRINTED, CORRECTED = FORMS = ("printed", "corrected")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class SlopedImpacts:
     """Impacts: angle and slope in radians, and e, which broadcast; all else numbers."""
 
@@ -49,9 +49,9 @@ class SlopedImpacts:
     friction: float
     spin_ratio: float
 
-    @property
+    @cached_property
     def rebound(self) -> RoughRebound:
-        """The exact rebound."""
+        """The exact rebound, computed once for all that is asked of it."""
         return rough_rebound(self.angle, self.slope, self.e, self.friction, self.spin_ratio)
 
     @property
