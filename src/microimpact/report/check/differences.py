@@ -80,18 +80,13 @@ def number(cell: str) -> float | None:
         return None
 
 
-def default_tolerance(column: str) -> Tolerance:  # noqa: ARG001
-    """Return the tolerance of every column that has none of its own."""
-    return Tolerance()
-
-
 def compare_tables(
     file: str,
     reference: pd.DataFrame,
     found: pd.DataFrame,
     *,
     keys: Sequence[str] = (),
-    tolerance: Callable[[str], Tolerance] = default_tolerance,
+    tolerance: Callable[[str], Tolerance] = lambda _: Tolerance(),
     renamed: bool = True,
 ) -> list[Difference]:
     """Return all differences of two tables.
@@ -110,16 +105,9 @@ def compare_tables(
         c for c in columns if _has_words(reference[c]) or _has_words(found[c])
     ]
     rows = _match(_named_rows(reference, by), _named_rows(found, by), renamed=renamed)
-    sides: tuple[tuple[Kind, pd.DataFrame], ...] = (
-        ("missing column", reference),
-        ("extra column", found),
-    )
-    differences = [
-        Difference(file=file, kind=kind, column=c)
-        for kind, table in sides
-        for c in table.columns
-        if c not in columns
-    ]
+    gone, new = ([c for c in table.columns if c not in columns] for table in (reference, found))
+    differences = [Difference(file=file, kind="missing column", column=c) for c in gone]
+    differences += [Difference(file=file, kind="extra column", column=c) for c in new]
     for label, place in rows.missing:
         told = _told(reference, place, by)
         differences.append(Difference(file=file, kind="missing row", row=label, reference=told))

@@ -17,7 +17,7 @@ import pandas as pd
 
 from microimpact.core.files import altered_files, write_file
 from microimpact.declared.documents import load
-from microimpact.declared.parameters import Name, NonNegative
+from microimpact.declared.parameters import Name
 from microimpact.report.check.differences import Difference, Tolerance, compare_tables, number
 from microimpact.report.check.results import (
     INPUTS,
@@ -53,13 +53,11 @@ PLAIN_BYTES = 100_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ColumnTolerance:
+class ColumnTolerance(Tolerance):
     """A wider tolerance of some columns of some tables (patterns with ``*``), and why."""
 
     file: Name
     column: Name
-    rtol: NonNegative = 1e-8
-    atol: NonNegative = 0.0
     reason: Name
 
 
@@ -74,14 +72,9 @@ class Tolerances:
     def of(self, file: str) -> Callable[[str], Tolerance]:
         """Return the tolerance of each column of a table, by the column's name."""
         rules = [rule for rule in self.columns if fnmatchcase(file, rule.file)]
-
-        def tolerance(column: str) -> Tolerance:
-            for rule in rules:
-                if fnmatchcase(column, rule.column):
-                    return Tolerance(rtol=rule.rtol, atol=rule.atol)
-            return self.default
-
-        return tolerance
+        return lambda column: next(
+            (rule for rule in rules if fnmatchcase(column, rule.column)), self.default
+        )
 
     def require_use(self, columns: Mapping[str, Iterable[str]], name: str) -> None:
         """Refuse a tolerance that fits no column of any table: it has outlived its reason.
