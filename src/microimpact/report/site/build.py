@@ -19,7 +19,7 @@ from microimpact.ledgers.claims.words import in_words
 from microimpact.report.site import PAGES, code, ledgers
 from microimpact.report.site.figures import Figure, departures, figures, label, studies_behind
 from microimpact.report.site.formula import prose
-from microimpact.report.site.graph import needs, picture
+from microimpact.report.site.graph import needs, picture, users
 from microimpact.report.site.ledgers import read_rows
 from microimpact.report.site.pages import ASSETS, EXPLORER, NAVIGATION, render
 from microimpact.report.site.record import Record, Rule
@@ -249,8 +249,4 @@ def _graph(record: Record) -> dict[str, Any]:
         for name in needed
         if name in record.figures
     }
-    used: dict[str, list[str]] = {name: [] for name in needed}
-    for name, others in needed.items():
-        for other in others:
-            used[other].append(name)
-    return {"needed": needed, "used": used, "picture": picture(needed, drawn)}
+    return {"needed": needed, "used": users(needed), "picture": picture(needed, drawn)}

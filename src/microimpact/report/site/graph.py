@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from graphlib import TopologicalSorter
 
 from microimpact.report.site.record import Rule
 
@@ -21,6 +22,11 @@ def needs(rules: Sequence[Rule]) -> dict[str, tuple[str, ...]]:
         rule.name: tuple(dict.fromkeys(makers[file] for file in rule.inputs if file in makers))
         for rule in rules
     }
+
+
+def users(needed: Mapping[str, Sequence[str]]) -> dict[str, list[str]]:
+    """Return for each rule the rules that need it."""
+    return {name: [other for other in needed if name in needed[other]] for name in needed}
 
 
 def upstream(name: str, needed: Mapping[str, Sequence[str]]) -> tuple[str, ...]:
@@ -98,28 +104,21 @@ def picture(needed: Mapping[str, Sequence[str]], figures: Mapping[str, str]) -> 
 
 
 def _layers(needed: Mapping[str, Sequence[str]], figures: set[str]) -> list[list[str]]:
-    depth: dict[str, int] = {}
-
-    def of(name: str) -> int:
-        if name not in depth:
-            depth[name] = max((of(other) + 1 for other in needed[name]), default=0)
-        return depth[name]
-
-    inner = [name for name in needed if name not in figures]
-    last = max((of(name) for name in inner), default=-1) + 1
-    layers: list[list[str]] = [[] for _ in range(last)]
-    for name in inner:
-        layers[of(name)].append(name)
+    """Return the rules by the longest way to them from one that needs none."""
+    sorter = TopologicalSorter({name: needed[name] for name in needed if name not in figures})
+    sorter.prepare()
+    layers = []
+    while ready := sorter.get_ready():
+        layers.append([name for name in needed if name in ready])
+        sorter.done(*ready)
     drawn = [name for name in needed if name in figures]
     return [*layers, drawn] if drawn else layers
 
 
 def _ordered(layers: list[list[str]], needed: Mapping[str, Sequence[str]]) -> list[list[str]]:
     """Order each layer by the mean place of a rule's neighbours, so that curves cross less."""
-    neighbours: dict[str, list[str]] = {name: list(needed[name]) for name in needed}
-    for name, others in needed.items():
-        for other in others:
-            neighbours[other].append(name)
+    used = users(needed)
+    neighbours = {name: [*needed[name], *used[name]] for name in needed}
     place = {name: (i + 0.5) / len(layer) for layer in layers for i, name in enumerate(layer)}
 
     def middle(name: str) -> float:
