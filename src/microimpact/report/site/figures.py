@@ -104,53 +104,29 @@ def figures(
         for study in dict.fromkeys(s for name in own for s in (name, *upstream(name, needed)))
     }
     there = [name for name in record.figures if (results / f"figures/{name}.svg").is_file()]
-    return [
-        _figure(
-            name,
-            record.figures[name],
-            results,
-            ledgers["claims"],
-            behind,
-            needed,
-            declared,
-            calibration,
+
+    def figure(name: str) -> Figure:
+        entry = record.figures[name]
+        study, data = entry["study"], tuple(f"data/{table}.csv" for table in entry["data"])
+        tables = {f"tables/{table}.csv": words for table, words in entry.get("tables", {}).items()}
+        return Figure(
+            name=name,
+            label=label(name),
+            title=entry["title"],
+            caption=_MICROMETRE.sub("µm", " ".join(entry["caption"].split())),
+            article=" ".join(entry.get("article", "").split()),
+            study=study,
+            data=data,
+            tables={file: words for file, words in tables.items() if (results / file).is_file()},
+            marks=_marks([results / file for file in data], entry.get("panels", {})),
+            inputs=tuple(behind[s] for s in (study, *upstream(study, needed))),
+            departures=departures(declared, [study], needed),
+            contacts=_named(contacts(study, declared, calibration), entry),
+            claims=tuple(row for row in ledgers["claims"] if name in row["figures"].split()),
+            is_narrow=entry.get("width", "single") == "single",
         )
-        for name in sorted(there, key=lambda name: (not ARTICLE.fullmatch(name), name))
-    ]
 
-
-def _figure(
-    name: str,
-    entry: Mapping[str, Any],
-    results: Path,
-    claims: Sequence[Row],
-    behind: Mapping[str, Inputs],
-    needed: Mapping[str, Sequence[str]],
-    declared: Sequence[Row],
-    calibration: Sequence[Row],
-) -> Figure:
-    study = entry["study"]
-    data = tuple(f"data/{table}.csv" for table in entry["data"])
-    return Figure(
-        name=name,
-        label=label(name),
-        title=entry["title"],
-        caption=_MICROMETRE.sub("µm", " ".join(entry["caption"].split())),
-        article=" ".join(entry.get("article", "").split()),
-        study=study,
-        data=data,
-        tables={
-            f"tables/{table}.csv": words
-            for table, words in entry.get("tables", {}).items()
-            if (results / f"tables/{table}.csv").is_file()
-        },
-        marks=_marks([results / file for file in data], entry.get("panels", {})),
-        inputs=tuple(behind[s] for s in (study, *upstream(study, needed))),
-        departures=departures(declared, [study], needed),
-        contacts=_named(contacts(study, declared, calibration), entry),
-        claims=tuple(row for row in claims if name in row["figures"].split()),
-        is_narrow=entry.get("width", "single") == "single",
-    )
+    return [figure(n) for n in sorted(there, key=lambda n: (not ARTICLE.fullmatch(n), n))]
 
 
 def _marks(paths: Iterable[Path], panels: Mapping[str, Mapping[str, Any]]) -> tuple[Marks, ...]:
