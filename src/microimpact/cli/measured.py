@@ -13,7 +13,6 @@ from microimpact.cli.output import number, print_json, print_table, warn
 if TYPE_CHECKING:
     from microimpact.core.arrays import FloatArray
     from microimpact.measured.rebounds import Rebounds
-    from microimpact.model.posterior import Calibration
 
 _unit_option = click.option(
     "--unit", help="Unit of the speeds where the header says none; default m/s."
@@ -137,6 +136,7 @@ def calibrate_command(
     """
     from microimpact.measured.contacts import write_contacts
     from microimpact.model.dynamics.capture import capture_velocity as captured_below
+    from microimpact.model.posterior import calibrate
 
     numbers = {"--restitution": restitution, "--at-speed": at_speed}
     numbers["--capture-velocity"] = capture_velocity
@@ -154,7 +154,13 @@ def calibrate_command(
         targets: Any = (at_speed, restitution, capture_velocity)
         contact = best = two_stage(start, *targets).contact
     else:
-        found = _drawn(data, unit, sigma, start, wanted, draws, seed)
+        measured, spread = _measured(data, unit, sigma)
+        if spread is None:
+            raise ValueError(
+                "sigma is needed, as a column or as --sigma: without it all contacts fit"
+            )
+        v, e = measured.v, measured.e
+        found = calibrate(start, v, e, spread, wanted, draws=draws, seed=seed)
         contact, best = found.contact, found.best
     if output:
         write_contacts(output, contact, best)
@@ -183,23 +189,6 @@ def _measured(
     if sigma is not None and measured.sigma is not None:
         raise ValueError("sigma stands in the file; leave out --sigma")
     return measured, measured.sigma if sigma is None else sigma
-
-
-def _drawn(
-    data: str,
-    unit: str | None,
-    sigma: float | None,
-    contact: Any,
-    wanted: list[str],
-    draws: int,
-    seed: int,
-) -> Calibration:
-    from microimpact.model.posterior import calibrate
-
-    measured, spread = _measured(data, unit, sigma)
-    if spread is None:
-        raise ValueError("sigma is needed, as a column or as --sigma: without it all contacts fit")
-    return calibrate(contact, measured.v, measured.e, spread, wanted, draws=draws, seed=seed)
 
 
 def _wanted(free: str) -> list[str]:
