@@ -488,6 +488,40 @@ def integrate(problems: FloatArray, mode: int, results: FloatArray) -> None:
                 active -= 1
 
 
+@_jit_inline
+def _own(values, i):  # type: ignore[no-untyped-def]
+    """Return the value of one impact; a single one is that of all."""
+    return values[i] if values.size > 1 else values[0]
+
+
+@_jit
+def outcomes(
+    problems: FloatArray,
+    results: FloatArray,
+    length: FloatArray,
+    velocity: FloatArray,
+    mass: FloatArray,
+    found: FloatArray,
+) -> None:
+    """Write outcomes (7, n) in SI units of impacts whose scales are (n,), or (1,) for all.
+
+    In turn e, contact and compression time, greatest compression, compressive and greatest net
+    impulse, and that of the Hertz term.
+    """
+    for i in range(found.shape[1]):
+        unit, speed = _own(length, i), _own(velocity, i)
+        time, impulse = unit / speed, _own(mass, i) * speed
+        captured = results[i, STATUS] == CAPTURED
+        start = problems[i, START_U]
+        found[0, i] = 0.0 if captured else -results[i, END_U] / start
+        found[1, i] = math.inf if captured else results[i, DURATION] * time
+        found[2, i] = results[i, TURNING_TIME] * time
+        found[3, i] = results[i, TURNING_S] ** 2 * unit
+        found[4, i] = results[i, COMPRESSIVE_IMPULSE] * impulse
+        found[5, i] = (start - results[i, LOWEST_U]) * impulse
+        found[6, i] = results[i, HERTZ_IMPULSE] * impulse
+
+
 @_jit
 def record(
     problem: FloatArray, shallow: bool, end_time: float, series: FloatArray, ends: FloatArray

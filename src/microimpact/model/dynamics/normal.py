@@ -6,12 +6,14 @@ scale (V, equilibrium compression) below the velocity scale V, by the impact's o
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
 from microimpact.core.arrays import BoolArray, FloatArray, Real, common_shape
+from microimpact.model import passes
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.dynamics import kernel, laws
 
@@ -34,13 +36,24 @@ STIFF = 1e4
 # Far beyond this c_H v the series of the approach leave double precision.
 LARGEST_DAMPING = 1e15
 
+# Fields of a `NormalImpact` in the order of `kernel.outcomes`.
+OUTCOMES = (
+    "coefficient_of_restitution",
+    "contact_time",
+    "compression_time",
+    "maximum_compression",
+    "compressive_impulse",
+    "peak_net_impulse",
+    "hertz_impulse",
+)
+
 # Depth of the well of Hertz and ring force, in the adhesive scale.
 WELL_DEPTH = 4.0 / 15.0
 
 
 @dataclass(frozen=True, slots=True)
 class Scales:
-    """Scales of length, velocity and mass of each impact (flat arrays, SI)."""
+    """Scales of length, velocity and mass of each impact (flat arrays, or one for all, SI)."""
 
     length: FloatArray
     velocity: FloatArray
@@ -146,20 +159,20 @@ class Ledger:
 def scaled_problems(contact: Contact, speed: Real) -> tuple[FloatArray, Scales, tuple[int, ...]]:
     """Write each impact as a problem of the kernel.
 
-    Problems (n, columns), their scales (n,), and the shape the flat results go back to. Raises
+    Problems (n, columns), their scales (n,) or (1,), and the shape the flat results go back to. Raises
     ValueError if shapes do not broadcast, or a speed is too small or damped too heavily for double
     precision.
     """
     shape = common_shape({"contact": np.empty(contact.shape), "speed": speed})
 
     def flat(value: Real) -> FloatArray:
-        return np.full(shape, value, dtype=np.float64).ravel()
+        return passes.flat(value, shape)
 
     v, own_scale, mass = flat(speed), flat(contact.velocity_scale), flat(contact.mass)
-    if np.any(v < SMALLEST_SPEED * own_scale):
+    if np.any(slow := v < SMALLEST_SPEED * own_scale):
         raise ValueError(
             f"speed must be at least {SMALLEST_SPEED:g} of the contact's velocity scale, "
-            f"got {v[v < SMALLEST_SPEED * own_scale][0]:g} m/s"
+            f"got {np.broadcast_to(v, slow.shape)[slow][0]:g} m/s"
         )
     hertz = flat(np.sqrt(contact.hertz_radius) * contact.stiffness)
     equilibrium = flat(contact.equilibrium_compression)
@@ -176,7 +189,7 @@ def scaled_problems(contact: Contact, speed: Real) -> tuple[FloatArray, Scales, 
         damping * own_scale > ALWAYS_CAPTURED_ADHESION_GROUP
     )
     always_captured &= equilibrium > 0.0
-    problems = np.zeros((v.size, kernel.PROBLEM_COLUMNS))
+    problems = np.zeros((math.prod(shape), kernel.PROBLEM_COLUMNS))
     problems[:, kernel.START_U] = v / velocity
     problems[:, kernel.ADHESION] = equilibrium / length
     problems[:, kernel.HERTZ_DAMPING] = flat(contact.hertz_damping) * velocity
@@ -350,24 +363,14 @@ def normal_impact(contact: Contact, speed: Real, *, ledger: bool = False) -> Nor
         return _by_law(contact, speed)
     problems, scales, shape = scaled_problems(contact, speed)
     results = integrate(problems, ledger=ledger)
+    found = np.empty((len(OUTCOMES), len(results)))
+    kernel.outcomes(problems, results, scales.length, scales.velocity, scales.mass, found)
+    fields = {name: values.reshape(shape) for name, values in zip(OUTCOMES, found, strict=True)}
     captured = results[:, kernel.STATUS] == kernel.CAPTURED
-    start, end = problems[:, kernel.START_U], results[:, kernel.END_U]
-    time, impulse = scales.length / scales.velocity, scales.mass * scales.velocity
-
-    def shaped(values: FloatArray) -> FloatArray:
-        return values.reshape(shape)
-
-    return NormalImpact(
-        captured=captured.reshape(shape),
-        coefficient_of_restitution=shaped(np.where(captured, 0.0, -end / start)),
-        contact_time=shaped(np.where(captured, np.inf, results[:, kernel.DURATION] * time)),
-        compression_time=shaped(results[:, kernel.TURNING_TIME] * time),
-        maximum_compression=shaped(results[:, kernel.TURNING_S] ** 2 * scales.length),
-        compressive_impulse=shaped(results[:, kernel.COMPRESSIVE_IMPULSE] * impulse),
-        peak_net_impulse=shaped((start - results[:, kernel.LOWEST_U]) * impulse),
-        hertz_impulse=shaped(results[:, kernel.HERTZ_IMPULSE] * impulse) if ledger else None,
-        ledger=_ledger(problems, results, scales, shape) if ledger else None,
-    )
+    if not ledger:
+        return NormalImpact(captured=captured.reshape(shape), **fields | {"hertz_impulse": None})
+    balance = _ledger(problems, results, scales, shape)
+    return NormalImpact(captured=captured.reshape(shape), ledger=balance, **fields)
 
 
 def losses(contact: Contact, speed: Real) -> Losses:
