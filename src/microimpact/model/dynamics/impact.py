@@ -207,6 +207,20 @@ def planar(
     shape = common_shape(
         {"contact": np.empty(contact.shape), "v_n": v_n, "v_t": v_t, "omega": omega}
     )
+    return _planar(contact, v_n, v_t, omega, shape, basis, law, tangential)
+
+
+def _planar(
+    contact: Contact,
+    v_n: Real,
+    v_t: Real,
+    omega: Real,
+    shape: tuple[int, ...],
+    basis: str,
+    law: NormalLaw | None,
+    tangential: str,
+) -> Impact:
+    """Return planar impacts of a shape, of arguments that are checked; see `planar`."""
     speed, radius = np.abs(v_n), contact.radius
     normal = _normal(contact, speed, basis, law)
     slip = np.asarray(v_t - radius * omega)
@@ -268,9 +282,10 @@ def simulate(
     RuntimeError
         If an integration failed.
     """
-    given, _ = incident(contact, speed, angle, spin, friction_basis, tangential)
+    given, shape = incident(contact, speed, angle, spin, friction_basis, tangential)
     v_n, v_t = velocity_components(given["speed"], given["angle"])
-    return planar(contact, v_n, v_t, given["spin"], friction_basis, tangential=tangential)
+    v_n = checked("v_n", v_n, APPROACHING)  # may have vanished
+    return _planar(contact, v_n, v_t, given["spin"], shape, friction_basis, None, tangential)
 
 
 def incident(

@@ -213,16 +213,17 @@ def integrate(problems: FloatArray, *, ledger: bool) -> FloatArray:
     Raises RuntimeError if an integration did not come to an end.
     """
     start, adhesion = problems[:, kernel.START_U], problems[:, kernel.ADHESION]
-    shallow = is_shallow(problems)
     stiff = problems[:, kernel.HERTZ_DAMPING] * start > STIFF
+    shallow = is_shallow(problems) & ~stiff
+    plain = ~(shallow | stiff)
     mode = kernel.LEDGER if ledger else kernel.PLAIN
     results = np.zeros((problems.shape[0], kernel.RESULT_COLUMNS))
-    _run(problems, shallow & ~stiff, kernel.SHALLOW, results)
-    _run(problems, ~shallow & ~stiff, mode, results)
+    _run(problems, shallow, kernel.SHALLOW, results)
+    _run(problems, plain, mode, results)
     if np.any(stiff):
         results[stiff] = _stiff(problems[stiff], mode)
-    slow = (results[:, kernel.STATUS] == kernel.REBOUND) & (adhesion == 1.0)
-    slow &= ~shallow & ~stiff & (-results[:, kernel.END_U] < SLOW_REBOUND * start)
+    slow = plain & (adhesion == 1.0) & (results[:, kernel.STATUS] == kernel.REBOUND)
+    slow &= -results[:, kernel.END_U] < SLOW_REBOUND * start
     _run(problems, slow, kernel.SHALLOW, results)
     failed = np.flatnonzero(results[:, kernel.STATUS] == kernel.FAILED)
     if failed.size:
