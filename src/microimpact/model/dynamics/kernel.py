@@ -72,6 +72,7 @@ PROBLEM_COLUMNS = 7
     STEPS,
 ) = range(13)
 RESULT_COLUMNS = 13
+OUTCOMES = 7
 
 REBOUND, CAPTURED, ESCAPED, FAILED = 0.0, 1.0, 2.0, 3.0
 
@@ -503,7 +504,7 @@ def outcomes(
     mass: FloatArray,
     found: FloatArray,
 ) -> None:
-    """Write outcomes (7, n) in SI units of impacts whose scales are (n,), or (1,) for all.
+    """Write outcomes (``OUTCOMES``, n) in SI units of impacts whose scales are (n,), or (1,) for all.
 
     In turn e, contact and compression time, greatest compression, compressive and greatest net
     impulse, and that of the Hertz term.

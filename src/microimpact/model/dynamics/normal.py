@@ -36,17 +36,6 @@ STIFF = 1e4
 # Far beyond this c_H v the series of the approach leave double precision.
 LARGEST_DAMPING = 1e15
 
-# Fields of a `NormalImpact` in the order of `kernel.outcomes`.
-OUTCOMES = (
-    "coefficient_of_restitution",
-    "contact_time",
-    "compression_time",
-    "maximum_compression",
-    "compressive_impulse",
-    "peak_net_impulse",
-    "hertz_impulse",
-)
-
 # Depth of the well of Hertz and ring force, in the adhesive scale.
 WELL_DEPTH = 4.0 / 15.0
 
@@ -159,9 +148,9 @@ class Ledger:
 def scaled_problems(contact: Contact, speed: Real) -> tuple[FloatArray, Scales, tuple[int, ...]]:
     """Write each impact as a problem of the kernel.
 
-    Problems (n, columns), their scales (n,) or (1,), and the shape the flat results go back to. Raises
-    ValueError if shapes do not broadcast, or a speed is too small or damped too heavily for double
-    precision.
+    Problems (n, columns), their scales (n,) or (1,), and the shape the flat results go back to.
+    Raises ValueError if shapes do not broadcast, or a speed is too small or damped too heavily for
+    double precision.
     """
     shape = common_shape({"contact": np.empty(contact.shape), "speed": speed})
 
@@ -364,26 +353,20 @@ def normal_impact(contact: Contact, speed: Real, *, ledger: bool = False) -> Nor
         return _by_law(contact, speed)
     problems, scales, shape = scaled_problems(contact, speed)
     results = integrate(problems, ledger=ledger)
-    found = np.empty((len(OUTCOMES), len(results)))
+    found = np.empty((kernel.OUTCOMES, len(results)))
     kernel.outcomes(problems, results, scales.length, scales.velocity, scales.mass, found)
-    fields = {name: values.reshape(shape) for name, values in zip(OUTCOMES, found, strict=True)}
-    captured = results[:, kernel.STATUS] == kernel.CAPTURED
-    if not ledger:
-        return NormalImpact(captured=captured.reshape(shape), **fields | {"hertz_impulse": None})
-    balance = _ledger(problems, results, scales, shape)
-    return NormalImpact(captured=captured.reshape(shape), ledger=balance, **fields)
-
-
-def losses(contact: Contact, speed: Real) -> Losses:
-    """Return where the energy of normal impacts went, by the ring force or by another law.
-
-    `contact`, `speed`: as in `normal_impact`.
-    """
-    impact = normal_impact(contact, speed, ledger=contact.law is None)
-    if impact.ledger is not None:
-        return Losses(impact.ledger.hertz_work, impact.ledger.adhesion_work)
-    assert impact.losses is not None
-    return impact.losses
+    e, time, turning, depth, compressive, peak, hertz = (row.reshape(shape) for row in found)
+    return NormalImpact(
+        captured=(results[:, kernel.STATUS] == kernel.CAPTURED).reshape(shape),
+        coefficient_of_restitution=e,
+        contact_time=time,
+        compression_time=turning,
+        maximum_compression=depth,
+        compressive_impulse=compressive,
+        peak_net_impulse=peak,
+        hertz_impulse=hertz if ledger else None,
+        ledger=_ledger(problems, results, scales, shape) if ledger else None,
+    )
 
 
 def _by_law(contact: Contact, speed: Real) -> NormalImpact:
