@@ -504,7 +504,7 @@ def outcomes(
     mass: FloatArray,
     found: FloatArray,
 ) -> None:
-    """Write outcomes (``OUTCOMES``, n) in SI units of impacts whose scales are (n,), or (1,) for all.
+    """Write outcomes (``OUTCOMES``, n) in SI units; scales are (n,), or (1,) for all impacts.
 
     In turn e, contact and compression time, greatest compression, compressive and greatest net
     impulse, and that of the Hertz term.

@@ -369,6 +369,18 @@ def normal_impact(contact: Contact, speed: Real, *, ledger: bool = False) -> Nor
     )
 
 
+def losses(contact: Contact, speed: Real) -> Losses:
+    """Return where the energy of normal impacts went, by the ring force or by another law.
+
+    `contact`, `speed`: as in `normal_impact`.
+    """
+    impact = normal_impact(contact, speed, ledger=contact.law is None)
+    if impact.ledger is not None:
+        return Losses(impact.ledger.hertz_work, impact.ledger.adhesion_work)
+    assert impact.losses is not None
+    return impact.losses
+
+
 def _by_law(contact: Contact, speed: Real) -> NormalImpact:
     problem, units, shape = laws.scaled(contact, speed)
     found = laws.solve(problem)
