@@ -7,21 +7,25 @@ The first form measures times per event from a thousand events to ``--most`` and
 a plot: a flat line is a cost that is linear in the events. Times are the least over the rounds; the
 processor's time is given beside the clock's, which other work on the machine lengthens. Impacts are
 oblique, with friction and spin and all their outcomes; restitution is e of normal ones alone. Monte
-Carlo comes first, so that the greatest memory of the process until then is its own. The second
-form makes one long Monte Carlo run on a rough surface, with a bar on the terminal, and says its
-rate and the memory it took.
+Carlo comes first, so that the greatest memory of the process until then is its own. How many times
+faster two or more threads are than one is told apart, beside as many separate processes, which is
+the limit of the machine: of runs in turn, the median of ratios within each round, so that a machine
+whose speed drifts does not matter. The second form makes one long Monte Carlo run on a rough
+surface, with a bar on the terminal, and says its rate and the memory it took.
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
+import multiprocessing
 import resource
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import astuple, dataclass, fields
-from functools import partial
+from functools import cache, partial
 from itertools import product
 from pathlib import Path
 
@@ -49,6 +53,8 @@ ANGLE_DEG = 20.0
 SEED = 20011
 FEWEST = 1000
 ROUNDS, ROUNDS_QUICK = 3, 1
+# Of runs on one thread, on more, and in processes, in turn.
+TURNS, TURNS_QUICK = 10, 3
 # Monte Carlo draws whole replicates. More direct impacts would tell nothing new, and there is the
 # long run for Monte Carlo.
 FEWEST_OF = {"direct": FEWEST, "table": FEWEST, "restitution": FEWEST, "Monte Carlo": 10**5}
@@ -84,6 +90,17 @@ def main(arguments: Sequence[str] | None = None) -> None:
     rows = measure(most, options.threads, ROUNDS_QUICK if options.quick else ROUNDS)
     options.output.mkdir(parents=True, exist_ok=True)
     write(options.output / "scaling.csv", rows)
+    for threads in filter(lambda n: n > 1, options.threads):
+        turns = TURNS_QUICK if options.quick else TURNS
+        ratios = np.array([*sharing(most, threads, turns)])
+        shared, apart = np.median(ratios, axis=0)
+        print(
+            f"Monte Carlo on {threads} threads {shared:.2f} times as fast as on one, "
+            f"{threads} processes {apart:.2f} times: median of {turns} rounds of {most:.0e} events"
+        )
+        head = f"ratio_{threads}_threads,ratio_{threads}_processes"
+        path = options.output / f"sharing_{threads}.csv"
+        np.savetxt(path, ratios, delimiter=",", header=head, comments="", fmt="%.3f")
     plot(options.output / "scaling.png", rows)
     report(rows)
     print(f"\n{options.output / 'scaling.csv'}\n{options.output / 'scaling.png'}")
@@ -147,6 +164,7 @@ def memory() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit / 1024.0
 
 
+@cache
 def monte_carlo(events: int, threads: int) -> tuple[int, Callable[[], object]]:
     rough = long_run(rough_surface(), events)
     run = partial[Estimate](estimate, rough, ANGLE_DEG, threads=threads)
@@ -182,6 +200,31 @@ def measure(most: int, threads: Sequence[int], rounds: int) -> list[Row]:
         for n, (events, _), best in zip(numbers, runs, times, strict=True):
             rows.append(Row(method, n, events, *(best / events * 1e9).tolist(), memory()))
     return rows
+
+
+def sharing(events: int, threads: int, turns: int) -> Iterator[tuple[float, float]]:
+    """Yield the rate on threads, and that of as many processes, by the rate on one thread.
+
+    One of each turn; the rate on one thread is the mean of a run before and a run after.
+    """
+    (_, one), (_, more) = monte_carlo(events, 1), monte_carlo(events, threads)
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(threads, context, monte_carlo_alone, (events,)) as pool:
+
+        def apart() -> object:
+            return list(pool.map(monte_carlo_alone, [events] * threads))
+
+        for run in (one, more, apart):
+            run()
+        for _ in range(turns):
+            before, together, processes, after = (timed(run)[0] for run in (one, more, apart, one))
+            alone = 0.5 * (before + after)
+            yield alone / together, threads * alone / processes
+
+
+def monte_carlo_alone(events: int) -> None:
+    """Run Monte Carlo on one thread; of a process of its own."""
+    monte_carlo(events, 1)[1]()
 
 
 def timed(run: Callable[[], object]) -> tuple[float, float]:
