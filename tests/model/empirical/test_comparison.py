@@ -92,7 +92,7 @@ def test_the_ring_force_is_fitted_as_another_search_fits_it(contact):
     # Values of v_c in a profile are some way apart.
     assert model.chi_square == pytest.approx(2.0 * best.cost, abs=0.05)
     assert model.v_c == pytest.approx(v_c[0], rel=2e-3)
-    own = shapes.restitution("ring force", held.others[0], v / v_c)
+    own = shapes.restitution("ring force", held.x[0], v / v_c)
     assert np.allclose(own - e, best.fun * NOISE, atol=2e-3)
     assert found.v_c_interval[0] < limit < found.v_c_interval[1]
 

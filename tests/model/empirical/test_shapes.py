@@ -66,9 +66,7 @@ def test_a_rate_exponent_between_places_is_found(contact):
     found = shapes.profile("ring force", ratio, e, np.full(20, 1e3), np.array([1.0]))
     assert found.chi_square[0] < 0.1
     rates = shapes.LAWS["ring force"].values[0]
-    assert np.interp(found.others[0, 0], np.arange(rates.size), rates) == pytest.approx(
-        1.4, abs=0.01
-    )
+    assert np.interp(found.x[0, 0], np.arange(rates.size), rates) == pytest.approx(1.4, abs=0.01)
 
 
 def test_a_search_ends_where_no_place_nearby_is_better(contact):
@@ -80,8 +78,8 @@ def test_a_search_ends_where_no_place_nearby_is_better(contact):
     def chi_square(at):
         return np.sum(np.square((shapes.restitution(name, at, ratio / 0.99) - e) * 50.0))
 
-    best = chi_square(found.others[0])
+    best = chi_square(found.x[0, :3])
     assert best == pytest.approx(found.chi_square[0])
     ends = np.array(shapes.table(name).shape[:3]) - 1.0
     for step in 0.05 * np.concatenate([np.eye(3), -np.eye(3)]):
-        assert chi_square(np.clip(found.others[0] + step, 0.0, ends)) >= best * (1.0 - 1e-6)
+        assert chi_square(np.clip(found.x[0, :3] + step, 0.0, ends)) >= best * (1.0 - 1e-6)

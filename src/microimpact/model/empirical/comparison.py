@@ -30,8 +30,8 @@ from microimpact.model.empirical.data import (
     require_telling,
 )
 from microimpact.model.empirical.equations import restitution
-from microimpact.model.empirical.search import STARTS, profile
-from microimpact.model.empirical.shapes import Held
+from microimpact.model.empirical.kernel import V_C
+from microimpact.model.empirical.search import STARTS, Found, profile
 
 CONFIDENCE = Range(lower=0.0, upper=1.0)
 FRACTION = Range(lower=0.0, upper=1.0, lower_closed=True, upper_closed=True)
@@ -95,35 +95,34 @@ class Model:
     law: Callable[[FloatArray], FloatArray]
 
 
-# Of one data set, v_c (m,) in its unit, and other parameters (s, m, k) to start from, if any.
-Profile = Callable[[DataSets, FloatArray, FloatArray], Held]
+# Of one data set, v_c (m,) in its unit, and variables (s, m, 5) to start from, if any.
+Profile = Callable[[DataSets, FloatArray, FloatArray], Found]
 
 
-def _empirical(q: float | None, data: DataSets, v_c: FloatArray, starts: FloatArray) -> Held:
+def _empirical(q: float | None, data: DataSets, v_c: FloatArray, starts: FloatArray) -> Found:
     """Profile of Eq. (34)."""
-    sets = replace(data, q=q)
-    fresh = 0 if len(starts) else len(STARTS)
-    return Held(*profile(sets, np.zeros(v_c.size, np.intp), 1.0 - v_c, *starts, fresh=fresh))
+    fresh, owner = 0 if len(starts) else len(STARTS), np.zeros(v_c.size, np.intp)
+    return profile(replace(data, q=q), owner, 1.0 - v_c, *starts, fresh=fresh)
 
 
-def _of_law(name: str, data: DataSets, v_c: FloatArray, starts: FloatArray) -> Held:
+def _of_law(name: str, data: DataSets, v_c: FloatArray, starts: FloatArray) -> Found:
     """Profile of a law of contact."""
     return shapes.profile(name, data.v[0], data.e[0], data.weight[0], v_c, *starts)
 
 
-def _eq_34(logs: FloatArray, v_c: float, v: FloatArray) -> FloatArray:
-    """Return Eq. (34) at speeds (n,), with v_c, of logarithms of k, p, kappa and q."""
-    k, p, kappa, q = np.exp(logs)
+def _eq_34(x: FloatArray, v_c: float, v: FloatArray) -> FloatArray:
+    """Return Eq. (34) at speeds (n,), of logarithms of k, p, kappa and q."""
+    k, p, kappa, q = np.exp(x[:V_C])
     return restitution(v, k, p, kappa, q, v_c)
 
 
-def _by_law(name: str, places: FloatArray, v_c: float, v: FloatArray) -> FloatArray:
+def _by_law(name: str, x: FloatArray, v_c: float, v: FloatArray) -> FloatArray:
     """Return e of a law of contact at speeds (n,)."""
-    return shapes.restitution(name, places, v / v_c)
+    return shapes.restitution(name, x, v / v_c)
 
 
 class Candidate(NamedTuple):
-    """A model to be tried: free parameters with v_c, profile, e of the others, v_c and v."""
+    """A model to be tried: free parameters with v_c, profile, e of its variables, v_c and v."""
 
     free: int
     profile: Profile
@@ -227,13 +226,10 @@ def compare_models(
     weights = np.exp(-0.5 * (criterion - criterion[best]))
     weights /= weights.sum()
     widened = max(1.0, float(leftover[best]))
-    freedom = None if given and widened == 1.0 else count - free
-    tails = [
-        _Tail(
-            found, widened if given else float(leftover[k]), None if freedom is None else freedom[k]
-        )
-        for k, found in enumerate(drawn)
-    ]
+    # With sigma known the signed roots are normal; else, of Student's distribution.
+    freedom = np.full(free.size, np.inf) if given and widened == 1.0 else count - free
+    variances = np.full(free.size, widened) if given else leftover
+    tails = [_Tail(*each) for each in zip(drawn, variances, freedom, strict=True)]
     half, unit = 0.5 * (1.0 - level), float(data.unit[0])
 
     telling = [(w, of) for w, of in zip(weights, tails, strict=True) if w > WEIGHTLESS]
@@ -270,24 +266,24 @@ def compare_models(
 
 
 def _in_metres(of: Candidate, found: _Drawn, unit: float, v: FloatArray) -> FloatArray:
-    return of.restitution(found.others, found.v_c, np.asarray(v) / unit)
+    return of.restitution(found.x, found.v_c, np.asarray(v) / unit)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Drawn:
-    """A profile: v_c in the data's unit and chi-square (g,); at the best v_c, the others (k,)."""
+    """A profile: v_c in the data's unit, chi-square (g,); the variables (5,) at the best v_c."""
 
     values: FloatArray
     chi_square: FloatArray
     v_c: float
-    others: FloatArray
+    x: FloatArray
 
 
-def _drawn(of: Callable[[FloatArray, FloatArray], Held], freedom: int, given: bool) -> _Drawn:
+def _drawn(of: Callable[[FloatArray, FloatArray], Found], freedom: int, given: bool) -> _Drawn:
     """Draw a profile, closer and closer about its low part."""
-    # v_c, chi-square and the others in columns.
+    # v_c, chi-square and the variables in columns.
     first = np.append(FIRST_VALUES[:-1:APART], GREATEST)
-    rows = np.column_stack([first, *of(first, np.zeros((0, 0, 0)))])
+    rows = np.column_stack([first, *of(first, np.zeros((0, 0, 0)))[:2]])
     for number in range(ROUNDS + 1):
         values, chi_square = rows.T[:2]
         lowest = float(chi_square.min())
@@ -299,16 +295,16 @@ def _drawn(of: Callable[[FloatArray, FloatArray], Held], freedom: int, given: bo
         fresh, after = (of[values[after] != fresh] for of in (fresh, after))
         # Neighbours on both sides are close starts.
         found = of(fresh, rows[[after - 1, after], 2:])
-        rows = np.insert(rows, after, np.column_stack([fresh, *found]), axis=0)
+        rows = np.insert(rows, after, np.column_stack([fresh, *found[:2]]), axis=0)
     values, chi_square = np.ascontiguousarray(rows.T[:2])
     at = int(np.argmin(chi_square))
-    return _Drawn(values=values, chi_square=chi_square, v_c=float(values[at]), others=rows[at, 2:])
+    return _Drawn(values=values, chi_square=chi_square, v_c=float(values[at]), x=rows[at, 2:])
 
 
 class _Tail:
     """Share of the probability of v_c below a value, by the signed root of chi-square's rise."""
 
-    def __init__(self, drawn: _Drawn, variance: float, freedom: int | None) -> None:
+    def __init__(self, drawn: _Drawn, variance: float, freedom: float) -> None:
         at = int(np.searchsorted(drawn.values, drawn.v_c))
         rise = np.sqrt((drawn.chi_square - drawn.chi_square.min()) / max(variance, TINY))
         # Beyond a valley counts what lies lower further out: the profile of a missed minimum.
@@ -318,20 +314,11 @@ class _Tail:
         self.roots = np.concatenate([-below[:-1], above])
 
     def __call__(self, v_c: float) -> float:
-        root_here = float(np.interp(v_c, self.values, self.roots))
-        return float(
-            scipy.special.ndtr(root_here)
-            if self.freedom is None
-            else scipy.special.stdtr(self.freedom, root_here)
-        )
+        return float(scipy.special.stdtr(self.freedom, np.interp(v_c, self.values, self.roots)))
 
     def quantile(self, level: float) -> float:
         """Return the v_c below which so large a share lies; 0 or 1 where the range sets it."""
-        here = float(
-            scipy.special.ndtri(level)
-            if self.freedom is None
-            else scipy.special.stdtrit(self.freedom, level)
-        )
+        here = float(scipy.special.stdtrit(self.freedom, level))
         if not self.roots[0] < here < self.roots[-1]:
             return float(here >= self.roots[-1])
         return float(np.interp(here, self.roots, self.values))

@@ -44,14 +44,15 @@ def profile_batch(sets: DataSets, fit: BatchFit, v_c: ArrayLike, enough: Real = 
     is made from a start of its own.
     """
     given = np.broadcast_to(checked("v_c", v_c, NON_NEGATIVE), sets.unit.shape) / sets.unit
-    gap, logs = np.maximum(1.0 - given, CLOSEST), fit.logs(sets)[:, :V_C]
+    gap = np.maximum(1.0 - given, CLOSEST)
     limit = np.broadcast_to(enough, gap.shape)
-    chi_square, _ = profile(sets, np.arange(len(gap)), gap, logs, enough=limit)
+    every = np.arange(len(gap))
+    chi_square = profile(sets, every, gap, fit.logs(sets), enough=limit).chi_square
     chi_square[given > 1.0] = np.inf
     more = np.flatnonzero((chi_square > limit) & (given <= 1.0))
     if more.size:
-        again, _ = profile(sets, more, gap[more], fresh=1, enough=limit[more])
-        chi_square[more] = np.minimum(chi_square[more], again)
+        again = profile(sets, more, gap[more], fresh=1, enough=limit[more])
+        chi_square[more] = np.minimum(chi_square[more], again.chi_square)
     return chi_square
 
 
@@ -106,7 +107,8 @@ class _Way:
         """Root of the rise of chi-square, which is nearly linear in v_c, less that of the limit."""
         rows = rows.astype(np.intp)
         owner = rows % len(self.sets.unit)
-        chi_square, logs = profile(self.sets, owner, gap, self.logs[rows], fresh=int(fresh))
+        found = profile(self.sets, owner, gap, self.logs[rows], fresh=int(fresh))
+        chi_square, logs = found.chi_square, found.x[:, :V_C]
         value = np.sqrt(np.maximum(chi_square - self.minimum[rows], 0.0)) - self.limit[rows]
         within, lower = value <= 0.0, chi_square < self.least[rows]
         self.logs[rows[within]] = logs[within]

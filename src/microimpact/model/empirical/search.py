@@ -86,37 +86,36 @@ class Search(NamedTuple):
 
 
 class Found(NamedTuple):
-    """Variables ln(k, p, kappa, q, gap) (m, 5), chi-square (m,), whether the searches converged."""
+    """Of m searches the lowest minima (m,), their variables (m, d), and whether they converged.
 
-    x: FloatArray
-    chi_square: FloatArray
-    converged: BoolArray
-
-
-def descend(search: Search, x: FloatArray) -> Found:
-    """Lower the sums of squares from x as far as possible within the box.
-
-    `search`: the data, and the box of ln(k, p, kappa, q, gap); a variable whose bounds are equal is
-    fixed; `x`: starts ln(k, p, kappa, q, gap), (s, 5), s a multiple of m: those of all searches
-    once, then again.
+    The last field is the chi-square (s, m) that each of s starts led to.
     """
-    start = np.resize(np.arange(len(search.end)), len(x))
-    x = np.clip(x, search.low[start], search.high[start])
-    found = Found(x, np.empty(len(x)), np.zeros(len(x), bool))
-    descend_all(*search, *found)
-    return found
+
+    chi_square: FloatArray
+    x: FloatArray
+    converged: BoolArray
+    each: FloatArray
 
 
-class Ranges(NamedTuple):
-    """Ranges of v_c in units of the slowest rebound, and the data set that each belongs to."""
+def lowest(search: Search, starts: Sequence[FloatArray]) -> Found:
+    """Lower the sums of squares from several starts (m, d) each as far as possible within the box.
 
-    owner: Places
-    lower: FloatArray
-    upper: FloatArray
+    A variable whose bounds are equal is fixed.
+    """
+    x = np.concatenate([np.clip(start, search.low, search.high) for start in starts])
+    chi_square, converged = np.empty(len(x)), np.zeros(len(x), bool)
+    descend_all(*search, x, chi_square, converged)
+    each = chi_square.reshape(len(starts), -1)
+    rows = np.arange(len(search.end))
+    best = rows + len(rows) * np.argmin(each, axis=0)
+    return Found(chi_square[best], x[best], converged[best], each)
 
 
-def ranges(sets: DataSets) -> Ranges:
-    """Ranges of v_c between captured speeds: the clip bends the sum of squares at each."""
+def ranges(sets: DataSets) -> tuple[Places, FloatArray, FloatArray]:
+    """Ranges of v_c between captured speeds: the clip bends the sum of squares at each.
+
+    The data set that each belongs to, and its ends, in units of the slowest rebound.
+    """
     captured = (sets.e == 0.0) & (sets.weight > 0.0) & (sets.v < 1.0 - CLOSEST)
     several = captured.any(axis=1)
     split, whole = np.flatnonzero(several), np.flatnonzero(~several)
@@ -126,7 +125,7 @@ def ranges(sets: DataSets) -> Ranges:
         owner.append(np.full(len(edges) - 1, row))
         lower.append(edges[:-1])
         upper.append(edges[1:])
-    return Ranges(np.concatenate(owner), np.concatenate(lower), np.concatenate(upper))
+    return np.concatenate(owner), np.concatenate(lower), np.concatenate(upper)
 
 
 def searches(
@@ -139,9 +138,14 @@ def searches(
     enough: Real = 0.0,
 ) -> Search:
     """One search per owner, with v_c below an end by a gap whose logarithm has these bounds."""
-    low, high = _bounds(sets, owner, least_gap, largest_gap)
+    top, ends = sets.top[owner], []
+    for side, scale, gap in ((0, np.ones_like(top), least_gap), (1, top, largest_gap)):
+        q = EXPONENT_BOUNDS[side] if sets.q is None else sets.q
+        sides = (K_BOUNDS[side] * scale, EXPONENT_BOUNDS[side], KAPPA_BOUNDS[side] * scale, q)
+        ends.append(np.stack(np.broadcast_arrays(*np.log(np.broadcast_arrays(*sides)), gap), 1))
     points = np.stack([sets.v, np.log(sets.v), sets.e, sets.weight], axis=1)
     limit = np.full(owner.shape, enough)
+    low, high = ends
     return Search(NO_TABLE, points, owner, end, low, high, limit, STRIDE, tolerance)
 
 
@@ -151,19 +155,6 @@ def start_points(sets: DataSets, owner: Places, number: int, width: FloatArray) 
     natural = (k * sets.top[owner], p, 0.3, sets.q or q, share * width)
     points: FloatArray = np.log(np.stack(np.broadcast_arrays(*natural), axis=1))
     return points
-
-
-def _bounds(
-    sets: DataSets, owner: Places, least_gap: FloatArray, largest_gap: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Bounds (m, 5) of ln(k, p, kappa, q, gap), equal where a variable is fixed."""
-    top = sets.top[owner]
-    ends = []
-    for side, scale, gap in ((0, np.ones_like(top), least_gap), (1, top, largest_gap)):
-        q = EXPONENT_BOUNDS[side] if sets.q is None else sets.q
-        sides = (K_BOUNDS[side] * scale, EXPONENT_BOUNDS[side], KAPPA_BOUNDS[side] * scale, q)
-        ends.append(np.stack(np.broadcast_arrays(*np.log(np.broadcast_arrays(*sides)), gap), 1))
-    return ends[0], ends[1]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -215,15 +206,15 @@ def fit_batch(
     """
     if not 1 <= starts <= len(STARTS):
         raise ValueError(f"starts must be 1 to {len(STARTS)}, got {starts}")
-    pieces = ranges(sets)
-    owner, width = pieces.owner, pieces.upper - pieces.lower
+    owner, lower, upper = ranges(sets)
+    width = upper - lower
     gaps = np.log(CLOSEST * width), np.log(width)
-    search = searches(sets, owner, pieces.upper, *gaps, tolerance)
+    search = searches(sets, owner, upper, *gaps, tolerance)
     points = [start_points(sets, owner, i, width) for i in range(starts)]
     if guess is not None:
-        gap = np.clip(pieces.upper - np.exp(guess[owner, V_C]), CLOSEST * width, width)
+        gap = np.clip(upper - np.exp(guess[owner, V_C]), CLOSEST * width, width)
         points.append(np.column_stack([guess[owner, :V_C], np.log(gap)]))
-    found, each = lowest(search, points)
+    found = lowest(search, points)
     # The lowest of all pieces of each data set.
     order = np.lexsort((found.chi_square, owner))
     piece = order[np.unique(owner[order], return_index=True)[1]]
@@ -236,7 +227,7 @@ def fit_batch(
     parameters = np.exp(x)
     if sets.q is not None:
         parameters[:, Q] = sets.q
-    parameters[:, V_C] = np.maximum(pieces.upper[piece] - gap, pieces.lower[piece])
+    parameters[:, V_C] = np.maximum(upper[piece] - gap, lower[piece])
     parameters[:, [0, 2, V_C]] *= sets.unit[:, None]
     data = np.sum(np.square(sets.weight * sets.e), axis=1)
     same = chi_square * (1.0 + SAME_MINIMUM) + SAME_AS_NONE * data
@@ -245,7 +236,7 @@ def fit_batch(
         chi_square=chi_square,
         at_bound=near,
         converged=found.converged[piece] | (chi_square <= SAME_AS_NONE * data),
-        agreeing=np.sum(each[:, piece] <= same, axis=0),
+        agreeing=np.sum(found.each[:, piece] <= same, axis=0),
     )
 
 
@@ -256,26 +247,16 @@ def profile(
     *starts: FloatArray,
     fresh: int = 0,
     enough: Real = 0.0,
-) -> tuple[FloatArray, FloatArray]:
-    """Search with v_c held.
+) -> Found:
+    """Search with v_c held, for ln(k, p, kappa, q).
 
-    Least chi-square (m,), and ln(k, p, kappa, q) (m, 4) there. `sets`: the data; `owner`: data set
-    of each search (m,); `gap`: v_c is 1 - gap (m,), in units of the slowest rebounds; `starts`:
-    starts ln(k, p, kappa, q) (m, 4); `fresh`: how many of those that depend on no search are tried;
-    `enough`: chi-square (m,) below which no search goes on.
+    `sets`: the data; `owner`: data set of each search (m,); `gap`: v_c is 1 - gap (m,), in units of
+    the slowest rebounds; `starts`: starts (m, 4 or more), of which what follows ln q does not
+    count; `fresh`: how many of those that depend on no search are tried; `enough`: chi-square (m,)
+    below which no search goes on.
     """
     fixed = np.log(gap)
     search = searches(sets, owner, np.ones(len(gap)), fixed, fixed, enough=enough)
-    points = [np.column_stack([start, fixed]) for start in starts]
+    points = [np.column_stack([start[:, :V_C], fixed]) for start in starts]
     points += [start_points(sets, owner, number, gap) for number in range(fresh)]
-    found, _ = lowest(search, points)
-    return found.chi_square, found.x[:, :V_C]
-
-
-def lowest(search: Search, starts: Sequence[FloatArray]) -> tuple[Found, FloatArray]:
-    """Of searches from several starts each, what the lowest found; all chi-squares (s, m)."""
-    rows = np.arange(len(search.end))
-    found = descend(search, np.concatenate(starts))
-    each = found.chi_square.reshape(len(starts), -1)
-    best = rows + len(rows) * np.argmin(each, axis=0)
-    return Found(*(field[best] for field in found)), each
+    return lowest(search, points)

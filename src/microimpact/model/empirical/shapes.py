@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from typing import NamedTuple
 
 import numpy as np
 
@@ -21,8 +20,8 @@ from microimpact.model.contact import Contact
 from microimpact.model.contact_laws import JKR, Hysteresis, ThorntonNing
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
-from microimpact.model.empirical.kernel import PARAMETERS, curves
-from microimpact.model.empirical.search import Search, lowest
+from microimpact.model.empirical.kernel import PARAMETERS, VARIABLES, curves
+from microimpact.model.empirical.search import Found, Search, lowest
 
 # Places over v/v_c, up to a ratio of 10,000, and over each parameter of a law with two, or one; a
 # law that begins to yield has a kink.
@@ -113,13 +112,6 @@ LAWS = {
 }
 
 
-class Held(NamedTuple):
-    """Searches with v_c held: chi-square (m,) and the other parameters (m, k)."""
-
-    chi_square: FloatArray
-    others: FloatArray
-
-
 @cache
 def table(name: str) -> FloatArray:
     """Return e at all places of a law, (n, first parameter, second, v/v_c)."""
@@ -151,7 +143,7 @@ def places(ratio: FloatArray) -> FloatArray:
 
 
 def restitution(name: str, at: FloatArray, ratio: FloatArray) -> FloatArray:
-    """Return e (n,) of a law at the places of its parameters (3,), by its table."""
+    """Return e (n,) of a law at the places of its parameters (3 or more,), by its table."""
     e = np.empty(ratio.size)
     curves(table(name), places(ratio)[None], at[None], e[None])
     return e
@@ -164,7 +156,7 @@ def profile(
     weight: FloatArray,
     v_c: FloatArray,
     *starts: FloatArray,
-) -> Held:
+) -> Found:
     """Search for a law's parameters with v_c held.
 
     Parameters
@@ -176,12 +168,14 @@ def profile(
     v_c
         Capture velocities held (m,), in units of v.
     starts
-        Places (m, 3) to start from; none: from those of the law.
+        Places (m, 5) to start from, the last two 0; none: from those of the law.
     """
     grid, at, count = table(name), places(v / v_c[:, None]), v_c.size
-    last, none = np.array(grid.shape[:PARAMETERS]) - 1.0, np.zeros(count)
+    last, none = np.zeros(VARIABLES), np.zeros(count)
+    last[:PARAMETERS] = np.array(grid.shape[:PARAMETERS]) - 1.0
     if not starts:
-        shares = np.array(LAWS[name].starts)
+        shares = np.zeros((len(LAWS[name].starts), VARIABLES))
+        shares[:, :PARAMETERS] = LAWS[name].starts
         every = np.repeat(shares * last, count, axis=0)
         begun = np.empty((len(every), v.size))
         curves(grid, np.tile(at, (len(shares), 1)), every, begun)
@@ -190,9 +184,6 @@ def profile(
         starts = tuple(every[nearest])
     points = np.empty((count, 4, v.size))
     points[:, 0], points[:, 1:] = at, (np.zeros(v.size), e, weight)
-    # The search knows two variables more.
-    last = np.append(last, [0.0, 0.0])
     high, owner = np.tile(last, (count, 1)), np.arange(count)
     search = Search(grid, points, owner, none, 0.0 * high, high, none, LONGEST * last, SHORTEST)
-    found, _ = lowest(search, [np.column_stack([start, none, none]) for start in starts])
-    return Held(found.chi_square, found.x[:, :PARAMETERS])
+    return lowest(search, starts)
