@@ -177,7 +177,9 @@ def simulate_command(
     from microimpact.model.plausibility import doubts
 
     asked = contact_of(**pair)
-    before = dict(zip(("speed", "angle", "spin"), _grid(speed, angle, spin), strict=True))
+    # All combinations, the last axis the fastest.
+    grid = (axis.ravel() for axis in np.meshgrid(speed, angle, spin, indexing="ij"))
+    before = dict(zip(("speed", "angle", "spin"), grid, strict=True))
     laws: dict[str, Any] = {"friction_basis": friction_basis, "tangential": tangential}
     outcome = simulate(asked.contact, before["speed"], before["angle"], before["spin"], **laws)
     limit = None
@@ -213,11 +215,6 @@ def simulate_command(
             rows.append((label, of["value"], unit))
     ranges = ["5 to 95 %"] if asked.draws else []
     print_table(title, ("", "median" if asked.draws else "value", *ranges, "unit"), rows)
-
-
-def _grid(*axes: FloatArray) -> list[FloatArray]:
-    """Return all combinations, the last axis the fastest, as flat arrays."""
-    return [axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")]
 
 
 def _summary(values: Any, draws: int) -> dict[str, Any]:

@@ -56,6 +56,10 @@ def warn(sentences: Iterable[str]) -> None:
         click.echo(f"Warning: {sentence}.", err=True)
 
 
+# Numbers of a sweep.
+MOST = 1_000_000
+
+
 class Sweep(click.ParamType):  # type: ignore[type-arg]
     """One number, or ``first:last:count`` in equal steps."""
 
@@ -68,17 +72,9 @@ class Sweep(click.ParamType):  # type: ignore[type-arg]
         try:
             if ":" in value:
                 first, last, count = value.split(":")
-                return np.linspace(float(first), float(last), _count(count))
+                if 1 <= int(count) <= MOST:
+                    return np.linspace(float(first), float(last), int(count))
+                raise ValueError(count)
             return np.array([float(value)])
         except ValueError:
             self.fail(f"{value!r} is neither a number nor first:last:count", param, ctx)
-
-
-def _count(text: str) -> int:
-    count = int(text)
-    if not 1 <= count <= MOST:
-        raise ValueError(text)
-    return count
-
-
-MOST = 1_000_000
