@@ -39,6 +39,19 @@ def microimpact(capsys, monkeypatch):
     return run
 
 
+@pytest.fixture
+def answered(microimpact):
+    """Return a function that runs the command and returns its answer in JSON."""
+    return lambda *arguments: json.loads(microimpact(*arguments, "--json").stdout)
+
+
+def require_refusal(done, message):
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert message in done.stderr
+    assert "Traceback" not in done.stderr
+
+
 def test_it_is_installed_as_a_command():
     command = Path(sys.executable).with_name("microimpact")
     done = subprocess.run([command, "--version"], capture_output=True, text=True, check=True)
@@ -58,11 +71,9 @@ def test_simulate_as_table_and_as_json_agree(microimpact):
     assert values["rolling"] is True
 
 
-def test_capture_uses_the_declared_pair_and_its_overrides(microimpact):
-    declared = json.loads(microimpact("capture", *STEEL, "--json").stdout)
-    weaker = json.loads(
-        microimpact("capture", *STEEL, "--work-of-adhesion", "0.2", "--json").stdout
-    )
+def test_capture_uses_the_declared_pair_and_its_overrides(microimpact, answered):
+    declared = answered("capture", *STEEL)
+    weaker = answered("capture", *STEEL, "--work-of-adhesion", "0.2")
     limits = [found["outputs"]["capture_velocity"] for found in (weaker, declared)]
     assert 0 < limits[0] < limits[1]
     weaker, declared = weaker["inputs"], declared["inputs"]
@@ -73,12 +84,9 @@ def test_capture_uses_the_declared_pair_and_its_overrides(microimpact):
     assert "work_of_adhesion 0.2 in place of 0.7; hertz_damping, adhesion_damping," in words
 
 
-def test_the_answer_names_the_contact_and_repeats_all_inputs(microimpact):
+def test_the_answer_names_the_contact_and_repeats_all_inputs(microimpact, answered):
     arguments = ("simulate", *STEEL, "--speed", "1.66", "--angle", "50", "--spin", "5000")
-    text, found = (
-        microimpact(*arguments).stdout,
-        json.loads(microimpact(*arguments, "--json").stdout),
-    )
+    text, found = microimpact(*arguments).stdout, answered(*arguments)
     assert "62 um: w_A = 0.7 J/m2, c_H = 0.2148 s/m, c_A = 1.612 s/m, n = 1" in text
     found, after = found["inputs"], found["outputs"]
     assert (found["spin"], found["speed"], found["angle"]) == (5000.0, 1.66, 50.0)
@@ -93,11 +101,10 @@ def test_the_answer_names_the_contact_and_repeats_all_inputs(microimpact):
     assert float(again.spin) == after["spin"]
 
 
-def test_compliance_along_the_surface_is_an_option(microimpact):
+def test_compliance_along_the_surface_is_an_option(microimpact, answered):
     arguments = ("simulate", *STEEL, "--speed", "1.66", "--angle", "60")
     rigid, compliant = (
-        json.loads(microimpact(*arguments, "--tangential", law, "--json").stdout)["outputs"]
-        for law in ("rigid", "mindlin")
+        answered(*arguments, "--tangential", law)["outputs"] for law in ("rigid", "mindlin")
     )
     assert compliant["coefficient_of_restitution"] == rigid["coefficient_of_restitution"]
     assert compliant["spin"] > 1.1 * rigid["spin"]
@@ -129,9 +136,8 @@ def test_an_overdamped_contact_never_rebounds(microimpact):
     assert "overdamped" in as_json.stderr
 
 
-def test_captured_impact_prints_an_infinite_contact_time(microimpact):
-    found = microimpact("simulate", *STEEL, "--speed", "0.05", "--json")
-    values = json.loads(found.stdout)["outputs"]
+def test_captured_impact_prints_an_infinite_contact_time(answered):
+    values = answered("simulate", *STEEL, "--speed", "0.05")["outputs"]
     assert values["captured"] is True
     assert values["contact_time"] is None
 
@@ -149,10 +155,10 @@ def test_a_contact_needs_no_package_of_the_study():
     assert "0.179983" in found.stdout
 
 
-def test_materials_lists_materials_and_pairs(microimpact):
+def test_materials_lists_materials_and_pairs(microimpact, answered):
     found = microimpact("materials")
     assert "ammonium-fluorescein" in found.stdout
-    listed = json.loads(microimpact("materials", "--json").stdout)
+    listed = answered("materials")
     assert listed["materials"]["silicon"]["density"] == 2330.0
     assert {"particle", "surface", "friction"} <= set(listed["pairs"][0])
 
@@ -206,17 +212,12 @@ def test_materials_lists_materials_and_pairs(microimpact):
     ],
 )
 def test_bad_input_ends_with_one_clear_line(microimpact, arguments, words):
-    found = microimpact(*arguments)
-    assert found.returncode == 2
-    assert found.stdout == ""
-    assert words in found.stderr
-    assert "Traceback" not in found.stderr
+    require_refusal(microimpact(*arguments), words)
 
 
-def test_export_writes_what_it_names(microimpact, tmp_path):
+def test_export_writes_what_it_names(microimpact, answered, tmp_path):
     folder = tmp_path / "law"
-    done = microimpact("export", *STEEL, "--format", "openfoam", "-o", str(folder), "--json")
-    written = json.loads(done.stdout)["files"]
+    written = answered("export", *STEEL, "--format", "openfoam", "-o", str(folder))["files"]
     assert sorted(written) == sorted(str(path) for path in folder.iterdir())
     assert written[0] in microimpact("export", *STEEL, "-o", str(folder)).stdout
 
@@ -232,9 +233,7 @@ def test_export_writes_what_it_names(microimpact, tmp_path):
     ],
 )
 def test_export_refuses_and_writes_nothing(microimpact, tmp_path, options, message):
-    done = microimpact("export", *STEEL, "-o", str(tmp_path / "law"), *options)
-    assert done.returncode == 2
-    assert message in done.stderr
+    require_refusal(microimpact("export", *STEEL, "-o", str(tmp_path / "law"), *options), message)
     assert not (tmp_path / "law").exists()
 
 
@@ -249,10 +248,10 @@ def own_data(tmp_path):
     return path
 
 
-def test_fit_prints_draws_and_writes_json(microimpact, own_data, tmp_path):
+def test_fit_prints_draws_and_writes_json(microimpact, answered, own_data, tmp_path):
     plot = tmp_path / "own.svg"
     text = microimpact("fit", str(own_data), "--plot", str(plot)).stdout
-    found = json.loads(microimpact("fit", str(own_data), "--json").stdout)
+    found = answered("fit", str(own_data))
     low, high = found["v_c_interval"]
     assert low < 0.8 < high
     assert set(found["models"]) >= {"fixed loss", "Eq. 34, q free", "ring force"}
@@ -272,18 +271,15 @@ def test_fit_prints_draws_and_writes_json(microimpact, own_data, tmp_path):
 )
 def test_fit_refuses_in_one_line(microimpact, own_data, options, message):
     done = microimpact("fit", str(own_data), *options)
-    assert done.returncode == 2
-    assert message in done.stderr
+    require_refusal(done, message)
     assert done.stderr.count("\n") == 1
 
 
-def test_a_sweep_is_a_table(microimpact):
+def test_a_sweep_is_a_table(microimpact, answered):
     done = microimpact("simulate", *STEEL, "--speed", "0.1:1.66:3", "--angle", "20:50:2")
     table = pd.read_csv(io.StringIO(done.stdout))
     assert table["speed_m_per_s"].tolist() == np.repeat(np.linspace(0.1, 1.66, 3), 2).tolist()
-    one = json.loads(
-        microimpact("simulate", *STEEL, "--speed", "1.66", "--angle", "50", "--json").stdout
-    )
+    one = answered("simulate", *STEEL, "--speed", "1.66", "--angle", "50")
     last = table.iloc[-1]
     assert last["coefficient_of_restitution"] == one["outputs"]["coefficient_of_restitution"]
     assert last["spin_after_rad_per_s"] == one["outputs"]["spin"]
@@ -310,7 +306,7 @@ def test_doubtful_numbers_are_told(microimpact, options, words):
     assert microimpact("simulate", *STEEL, "--speed", "1").stderr == ""
 
 
-def test_materials_of_ones_own(microimpact, tmp_path):
+def test_materials_of_ones_own(microimpact, answered, tmp_path):
     own = tmp_path / "own.csv"
     rows = ("youngs_modulus,70,GPa", "poissons_ratio,0.22,-", "density,2500,kg/m3")
     lines = [f"my-glass,{row},,,assumed,mine" for row in rows]
@@ -318,48 +314,42 @@ def test_materials_of_ones_own(microimpact, tmp_path):
     own.write_text("\n".join([head, *lines]) + "\n", encoding="utf-8")
     contact = ("--work-of-adhesion", "0.1", "--hertz-damping", "0", "--adhesion-damping", "1")
     pair = ("--particle", "my-glass", "--surface", "silicon", "--diameter-um", "20", *contact)
-    by_file = json.loads(microimpact("capture", *pair, "--materials", str(own), "--json").stdout)
+    by_file = answered("capture", *pair, "--materials", str(own))
     options = ("--particle-youngs-modulus-gpa", "70", "--particle-poissons-ratio", "0.22",
                "--particle-density", "2500")  # fmt: skip
-    by_option = json.loads(microimpact("capture", *pair, *options, "--json").stdout)
+    by_option = answered("capture", *pair, *options)
     assert by_file == by_option
     assert by_file["inputs"]["particle"]["density"] == 2500.0
     assert "my-glass" in microimpact("materials", "--materials", str(own)).stdout
 
 
-def test_calibrated_contacts_go_from_command_to_command(microimpact, tmp_path):
+def test_calibrated_contacts_go_from_command_to_command(microimpact, answered, tmp_path):
     """From what the declared contact does, without noise, to contacts like it."""
     sweep = microimpact("simulate", *STEEL, "--speed", "0.1:1.66:12").stdout
     table = pd.read_csv(io.StringIO(sweep))
     data, file = tmp_path / "data.csv", tmp_path / "contacts.json"
     names = {"speed_m_per_s": "v", "coefficient_of_restitution": "e"}
     table[list(names)].rename(columns=names).assign(sigma=0.02).to_csv(data, index=False)
-    found = json.loads(
-        microimpact(
-            "calibrate", str(data), *STEEL, "--draws", "50", "-o", str(file), "--json"
-        ).stdout
-    )
+    found = answered("calibrate", str(data), *STEEL, "--draws", "50", "-o", str(file))
     limits = found["contacts"]["v_c (m/s)"]
     assert limits["low"] < 0.18 < limits["high"]
     best = json.loads(file.read_text(encoding="utf-8"))["best"]
     assert found["contacts"]["c_H"]["best"] == best["hertz_damping"]  # every digit
-    answer = json.loads(
-        microimpact("simulate", "--contact", str(file), "--speed", "1:1.5:2", "--json").stdout
-    )
+    answer = answered("simulate", "--contact", str(file), "--speed", "1:1.5:2")
     e = answer["outputs"]["coefficient_of_restitution"]
     assert np.all(np.less_equal(e["low"], e["value"]))
     assert np.all(np.less(np.subtract(e["high"], e["low"]), 0.2))
     assert len(answer["inputs"]["hertz_damping"]) == 50
-    capture = json.loads(microimpact("capture", "--contact", str(file), "--json").stdout)
+    capture = answered("capture", "--contact", str(file))
     assert len(capture["outputs"]["capture_velocity"]) == 50
     assert "5 to 95 %" in microimpact("simulate", "--contact", str(file), "--speed", "1").stdout
     folder = tmp_path / "law"
     assert "best of 50" in microimpact("export", "--contact", str(file), "-o", str(folder)).stdout
 
 
-def test_two_numbers_calibrate_too(microimpact):
+def test_two_numbers_calibrate_too(answered):
     targets = ("--restitution", "0.7", "--at-speed", "1.66", "--capture-velocity", "0.18")
-    found = json.loads(microimpact("calibrate", *STEEL, *targets, "--json").stdout)["contacts"]
+    found = answered("calibrate", *STEEL, *targets)["contacts"]
     assert found["c_H"]["best"] == pytest.approx(0.2148, rel=1e-3)
     assert found["c_A"]["best"] == pytest.approx(1.612, rel=1e-3)
 
@@ -380,10 +370,7 @@ def test_two_numbers_calibrate_too(microimpact):
     ],
 )  # fmt: skip
 def test_calibrate_refuses_in_one_line(microimpact, arguments, message):
-    done = microimpact("calibrate", *arguments)
-    assert done.returncode == 2
-    assert message in done.stderr
-    assert "Traceback" not in done.stderr
+    require_refusal(microimpact("calibrate", *arguments), message)
 
 
 @pytest.mark.parametrize("content", ["", "[]", "{}", '{"particle": {}}', "v,e"])
@@ -391,5 +378,4 @@ def test_a_wrong_file_of_contacts_is_refused(microimpact, tmp_path, content):
     file = tmp_path / "wrong.json"
     file.write_text(content, encoding="utf-8")
     done = microimpact("simulate", "--contact", str(file), "--speed", "1")
-    assert done.returncode == 2
-    assert "wrong.json must be a file that 'microimpact calibrate -o' wrote" in done.stderr
+    require_refusal(done, "wrong.json must be a file that 'microimpact calibrate -o' wrote")
