@@ -7,7 +7,7 @@ from typing import get_args, get_type_hints
 import numpy as np
 import pytest
 
-from microimpact import Contact, Material, ThorntonNing, simulate
+from microimpact import Contact, ThorntonNing, simulate
 from microimpact.model.contact_laws import NAMES
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.studies.models import contact_laws
@@ -31,10 +31,8 @@ def facts(tables):
     return tables["contact_law_facts"].set_index(["law", "targets", "fact"])
 
 
-def test_pure_plasticity_has_no_plateau():
+def test_pure_plasticity_has_no_plateau(steel, silicon):
     """Yield strength 1000 MPa: yield pressure 1.6 times that, materials as declared."""
-    steel = Material(name="steel", youngs_modulus=193e9, poissons_ratio=0.28, density=8000.0)
-    silicon = Material(name="silicon", youngs_modulus=169e9, poissons_ratio=0.25, density=2330.0)
     law = ThorntonNing(yield_pressure=1.6e9)
     bare = Contact(particle=steel, surface=silicon, diameter=62e-6, work_of_adhesion=0.0, law=law)
     e = simulate(bare, [0.45, 0.75, 1.66]).coefficient_of_restitution

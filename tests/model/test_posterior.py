@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from microimpact import Contact, Material, calibrate, capture_velocity, simulate
+from microimpact import Contact, calibrate, capture_velocity, simulate
 from microimpact.model import posterior
 from microimpact.model.posterior import NoConvergenceError
 
@@ -14,9 +14,7 @@ DAMPING = ("hertz_damping", "adhesion_damping")
 
 
 @pytest.fixture(scope="module")
-def contact():
-    steel = Material(name="steel", youngs_modulus=193e9, poissons_ratio=0.28, density=8000.0)
-    silicon = Material(name="silicon", youngs_modulus=169e9, poissons_ratio=0.25, density=2330.0)
+def contact(steel, silicon):
     return Contact(
         particle=steel,
         surface=silicon,
