@@ -56,14 +56,13 @@ def require_fit(chromium, size, page):
 def test_no_page_has_an_error_or_a_warning_or_is_wider_than_a_phone(show, site, chromium):
     said(chromium)
     for path in sorted(site.rglob("*.html")):
-        show(path.relative_to(site))
+        show(path.relative_to(site), PHONE)
         assert said(chromium) == [], path.name
         broken = chromium.execute_script(
             "return [...document.images].filter(i => i.loading !== 'lazy' && !i.naturalWidth)"
             ".map(i => i.src)"
         )
         assert broken == [], path.name
-        resize(chromium, PHONE)
         require_fit(chromium, PHONE, path.name)
 
 
@@ -96,6 +95,7 @@ def test_the_policy_forbids_the_network(show, chromium):
 )
 def test_axe_finds_nothing_serious_and_the_page_fits_its_window(show, page, scheme):
     chromium = show(page, scheme=scheme)
+    assert said(chromium) == []
     for size in ((768, 1024), (1024, 768), DESK):
         resize(chromium, size)
         require_fit(chromium, size, page)
