@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.markers import TICKDOWN, TICKLEFT, TICKRIGHT, TICKUP
 from matplotlib.patheffects import Normal, Stroke
-from matplotlib.ticker import FuncFormatter, Locator, NullLocator
+from matplotlib.ticker import FuncFormatter, Locator, NullFormatter, NullLocator
 from numpy.typing import NDArray
 
 from microimpact.core.files import write_file
@@ -365,9 +365,10 @@ def log_x(ax: Axes, _: str) -> None:
 
 
 def plain_numbers(*axes: Axis) -> None:
-    """Write the ticks of logarithmic axes as plain numbers."""
+    """Write the major ticks of logarithmic axes as plain numbers, and nothing at the minor ones."""
     for axis in axes:
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−")))
+        axis.set_minor_formatter(NullFormatter())
 
 
 def _entries(axes: Iterable[Axes]) -> dict[str, Any]:

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter, NullLocator, ScalarFormatter
+from matplotlib.ticker import LogLocator, NullLocator
 
 from microimpact.core.tables import Tables
 from microimpact.figures import style
@@ -70,8 +70,7 @@ def _draw_convergence(ax: Axes, rows: pd.DataFrame, panel: PanelSpec) -> None:
         look = {"marker": shape, "linestyle": "solid", "markersize": 3.0, "linewidth": 0.9}
         _marks(ax, rows[rows["series"] == name], panel, name, look, 0.0)
     ax.xaxis.set_major_locator(LogLocator(base=2, subs=(1.0,)))
-    ax.xaxis.set_major_formatter(ScalarFormatter())
-    ax.xaxis.set_minor_formatter(NullFormatter())
+    style.plain_numbers(ax.xaxis)
     ax.xaxis.set_minor_locator(NullLocator())
     ax.legend(loc="upper right", ncols=len(panel.series) // 2 + 1)
 

@@ -6,7 +6,6 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter
 
 from microimpact.core.tables import Tables
 from microimpact.figures import style
@@ -62,8 +61,7 @@ def draw_accuracy(tables: Tables, spec: FigureSpec) -> Figure:
         ax.set_xscale("log")
         # Linear about zero, so that errors of either sign and any size show.
         ax.set_yscale("symlog", linthresh=LINEAR_PERCENT)
-        for axis in (ax.xaxis, ax.yaxis):
-            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−")))
+        style.plain_numbers(ax.xaxis, ax.yaxis)
         ax.axhline(0.0, color="0.6", linewidth=0.6, zorder=1)
 
     names = list(next(iter(spec.panels.values())).series)

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from matplotlib.ticker import LogLocator
 
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec, PanelSpec
@@ -115,5 +114,4 @@ def draw_bands(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
 def _plain(axis: Any) -> None:
     """Mark a logarithmic axis in plain numbers."""
     axis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{np.round(value, 6):g}"))
-    axis.set_minor_formatter(NullFormatter())
+    style.plain_numbers(axis)

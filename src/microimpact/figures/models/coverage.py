@@ -8,7 +8,6 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter
 
 from microimpact.core.tables import Tables
 from microimpact.figures import style
@@ -43,7 +42,6 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
         _guide(ax, rows, panel)
         ax.set_xticks(np.array(panel.x_ticks))
         style.plain_numbers(ax.xaxis)
-        ax.xaxis.set_minor_formatter(NullFormatter())
     style.legend_above(figure, axes.values(), 4)
     style.evidence_key(figure, table["evidence"])
     return figure

@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter
+from matplotlib.ticker import LogLocator
 
 from microimpact.core.tables import Tables
 from microimpact.figures import style
@@ -130,6 +130,5 @@ def draw_distances(tables: Tables, spec: FigureSpec) -> Figure:
     style.legend_above(figure, axes.values(), 7)
     for ax in axes.values():
         ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        ax.xaxis.set_minor_formatter(NullFormatter())
         style.plain_numbers(ax.xaxis, ax.yaxis)
     return figure

@@ -9,7 +9,7 @@ from dataclasses import replace
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter
+from matplotlib.ticker import LogLocator
 
 from microimpact.core.tables import Tables
 from microimpact.figures import style
@@ -76,5 +76,4 @@ def draw_fits(tables: Tables, spec: FigureSpec) -> Figure:
         else:
             ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         style.plain_numbers(ax.xaxis)
-        ax.xaxis.set_minor_formatter(NullFormatter())
     return figure
