@@ -139,7 +139,8 @@ def validate(
     for name, own in params.items():
         disagreements = getattr(studies.study(name), "disagreements", None)
         if own and disagreements:
-            found += [f"{name}.{line}" for line in disagreements(own, params)]
+            others = {maker: params.get(maker) for maker in studies.needs(name).values()}
+            found += [f"{name}.{line}" for line in disagreements(own, others)]
     found = [*resolver.problems, *_others(found, resolver.problems)]
     if found:
         raise ConfigError("\n".join(dict.fromkeys(found)))

@@ -6,8 +6,8 @@ parts are its own, that is directly in one of the folders here, and defines a fr
 tables of earlier studies, ``NEEDS`` names them by the study that makes them. They are among the
 inputs by their names, and so are declared rows: ``materials`` and ``contacts`` of what the
 parameters name, and as ``anchors`` the printed values. If its parameters must agree with those of
-another study, ``disagreements(params, others)`` yields a line for each that does not, which is told
-before anything is made. Studies are found by name; nothing is registered here.
+a study that it needs, ``disagreements(params, others)`` yields a line for each that does not, which
+is told before anything is made. Studies are found by name; nothing is registered here.
 """
 
 from __future__ import annotations
