@@ -17,7 +17,7 @@ import numpy as np
 from microimpact.core.arrays import POSITIVE, BoolArray, Range, Real, checked, common_shape
 from microimpact.core.solve import root, threshold
 from microimpact.model.contact import Contact
-from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.capture import capture_velocity, scaled_capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.dynamics.trajectory import trajectory
 
@@ -181,15 +181,20 @@ def adhesion_damping_for(contact: Contact, capture_speed: float) -> Contact:
     exponent: that damping is sought, and referred back to the reference velocity. Raises
     NoSolutionError if the material damping alone captures faster spheres already.
     """
-    rateless = contact.replace(adhesion_rate_exponent=0.0)
+    scale = float(contact.velocity_scale)
+    hertz, rateless = np.array([contact.hertz_damping * scale]), (np.zeros(1), np.ones(1))
+
+    def limit(damping: float) -> float:
+        groups = hertz, np.array([damping * scale]), *rateless
+        found = scaled_capture_velocity(*groups, damped_attachment=contact.damped_attachment)
+        return float(found[0]) * scale
 
     def shortfall(damping: float) -> float:
-        return _capture_shortfall(rateless.replace(adhesion_damping=damping), capture_speed)
+        return _capture_shortfall(limit(damping), capture_speed)
 
     if shortfall(0.0) < 0.0:
         raise NoSolutionError(
-            f"without adhesion damping the capture velocity is already "
-            f"{float(capture_velocity(rateless.replace(adhesion_damping=0.0))):.4g} m/s, "
+            f"without adhesion damping the capture velocity is already {limit(0.0):.4g} m/s, "
             f"above the target {capture_speed:g}: lower the work of adhesion"
         )
     growth = contact.replace(adhesion_damping=1.0).adhesion_damping_at(capture_speed)
@@ -205,7 +210,8 @@ def work_of_adhesion_for(contact: Contact, capture_speed: float) -> Contact:
     """
 
     def shortfall(work: float) -> float:
-        return _capture_shortfall(contact.replace(work_of_adhesion=work), capture_speed)
+        found = float(capture_velocity(contact.replace(work_of_adhesion=work)))
+        return _capture_shortfall(found, capture_speed)
 
     if shortfall(1e3) > 0.0:
         raise NoSolutionError(
@@ -270,9 +276,8 @@ def peak_ratios(contact: Contact, speed: float, points: int = 2000) -> tuple[flo
     return adhesion / float(path.hertz_force.max()), dissipation / adhesion
 
 
-def _capture_shortfall(contact: Contact, capture_speed: float) -> float:
-    """How far the capture velocity is below a wanted one: 1 for none, -1 for an infinite one."""
-    found = float(capture_velocity(contact))
+def _capture_shortfall(found: float, capture_speed: float) -> float:
+    """How far a capture velocity is below a wanted one: 1 for none, -1 for an infinite one."""
     return (capture_speed - found) / (capture_speed + found) if found < float("inf") else -1.0
 
 
