@@ -122,8 +122,12 @@ def c27(context: Context) -> Numbers:
     The capture velocity is that which the calibration met.
     """
     multiples = np.array(context.params.normal.capture_velocities)
-    speeds = multiples[:, None] * context.calibrated_capture_velocity
-    shares = context.of_steel(("C27",), lambda steel: losses(steel, speeds).adhesion_share)
+
+    def lost(steel: Contact) -> FloatArray:  # the table is looked into once for all draws
+        speeds = multiples[:, None] * context.calibrated_capture_velocity
+        return losses(steel, speeds).adhesion_share
+
+    shares = context.of_steel(("C27",), lost)
     return {
         f"adhesion_share_at_{multiple:g}_capture_velocities": share
         for multiple, share in zip(multiples, shares, strict=True)
