@@ -140,7 +140,7 @@ def test_changes_rerun_their_chains_and_nothing_else(project, tmp_path, edits, o
         ),
         (
             "config/contacts.csv",
-            row_changed("stainless-steel-316,silicon,friction", "0.2"),
+            row_changed("stainless-steel-316,silicon,work_of_adhesion", "0.71"),
             {"calibration", "contact_properties", "oblique_impact", "oblique_impact_figures"},
             {*RULES_OF["coulomb_friction"], "roughness_expansions"},
         ),
