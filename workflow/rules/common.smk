@@ -9,7 +9,6 @@ import gc
 import json
 import os
 import sys
-import threading
 import time
 import traceback
 from functools import cache
@@ -228,10 +227,6 @@ def end_run(ended):
     made = [file for file in map(relative, everything()) if recorded_since(RESULTS, file, BEGAN)]
     if ended:
         logger.info(summary(RESULTS, made, found), extra={"summary": True})
-    # Nothing is left to be done in the scheduler's next turn (`max-jobs-per-timespan`).
-    for turn in threading.enumerate():
-        if isinstance(turn, threading.Timer):
-            turn.cancel()
 
 
 def write_inputs():
