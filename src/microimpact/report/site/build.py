@@ -95,8 +95,7 @@ def write_site(results: Path, record: Record) -> list[Path]:
     for folder in FOLDERS:
         shutil.rmtree(report / folder, ignore_errors=True)
     for source, target in _copies(results):
-        (report / target).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(source, report / target)
+        write_file(report / target, source.read_bytes())
     write_file(report / ARCHIVE, _archive(results))
     for name, text in pages.items():
         write_file(report / name, text)
