@@ -212,8 +212,7 @@ class Drop:
         Those that arrive further than ``within`` (m) from the middle are out of sight of any
         instrument and left out.
         """
-        falling = self.release(n, rng)
-        return self.hit(falling.within(within) if np.isfinite(within) else falling, rng)
+        return self.hit(self.release(n, rng).within(within), rng)
 
     def in_class(self, speed: FloatArray) -> BoolArray:
         """Tell which speeds (m/s) are accepted."""

@@ -64,7 +64,7 @@ class Problem(Columns):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ScaledOutcome:
-    """ScaledOutcome of scaled impacts, every field (n,); impulses and energies per unit mass.
+    """Outcome of scaled impacts, every field (n,); impulses and energies per unit mass.
 
     As in `microimpact.model.dynamics.normal.NormalImpact`; ``deepest`` is s at the turning point,
     ``bulk`` and ``adhesion`` are the energies lost to either (adhesion: all else, if captured).
