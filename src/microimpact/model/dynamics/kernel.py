@@ -595,21 +595,19 @@ def instants(series, steps, which, time, tau):  # type: ignore[no-untyped-def]
     ``series`` as from `record`, ``steps`` their lengths in tau. Contact time is the integral of s:
     where s vanishes, at an end, it is flat, so that Newton's step is taken within a bracket.
     """
+    s = series[:, 0].T
     for i in range(time.size):
-        s, lower, upper = series[which[i], 0], 0.0, steps[which[i]]
-        x = 2.0 * time[i] / (s[0] + math.sqrt(max(s[0] * s[0] + 2.0 * s[1] * time[i], 0.0)))
+        step, lower, upper = which[i], 0.0, steps[which[i]]
+        first, second = s[0, step], s[1, step]
+        x = 2.0 * time[i] / (first + math.sqrt(max(first * first + 2.0 * second * time[i], 0.0)))
         x = x if lower < x < upper else 0.5 * upper
         for _ in range(80):
-            passed, slope = s[ORDER] * _INVERSE[ORDER], s[ORDER]
-            for k in range(ORDER - 1, -1, -1):
-                passed = passed * x + s[k] * _INVERSE[k]
-                slope = slope * x + s[k]
-            off = passed * x - time[i]
+            off = _contact_time(s, step, x) - time[i]
             if off < 0.0:
                 lower = x
             else:
                 upper = x
-            new = x - off / slope
+            new = x - off / _value(s, step, x)
             if abs(new - x) <= ROOT_TOLERANCE * abs(new):
                 x = new
                 break
