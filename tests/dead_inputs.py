@@ -669,8 +669,13 @@ def report(found: Sequence[Found], seconds: float) -> str:
     for verdict in VERDICTS[1:]:
         unmoved = [one for one in found if one.verdict == verdict]
         lines += ["", f"{verdict.capitalize()}: {len(unmoved)}"]
-        lines += [f"{o.key}: {o.value!r}{f'  ({o.by})' if o.by else ''}" for o in unmoved]
+        lines += map(line, unmoved)
     return "\n".join(lines) + "\n"
+
+
+def line(one: Found) -> str:
+    """Return what is told of one value."""
+    return f"{one.key}: {one.value!r}{f'  ({one.by})' if one.by else ''}"
 
 
 # Workers are forked with it.
@@ -703,10 +708,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     rests = resolved(document)
     _WORLD[:] = [World(document=document, results=given.results, rests=rests)]
     wanted = [each for each in values(document) if given.only in each.key]
-    bar: dict[str, Any] = {"total": len(wanted), "console": Console(stderr=True)}
+    found: list[Found] = []
+    console = Console(stderr=True, soft_wrap=True, highlight=False, markup=False)
+    bar: dict[str, Any] = {"total": len(wanted), "console": console}
     try:
         with multiprocessing.get_context("fork").Pool(given.processes, _begin) as pool:
-            found = list(track(pool.imap(_tried, wanted), "one change at a time", **bar))
+            for one in track(pool.imap(_tried, wanted), "one change at a time", **bar):
+                found.append(one)
+                if one.verdict != "moved":  # told at once: a long search may be broken off
+                    console.print(f"{one.verdict}: {line(one)}")
     except StaleRunError as error:
         sys.stderr.write(f"{error}\n")
         return 2
