@@ -185,8 +185,10 @@ bytecode = $(1)/bin/python -m compileall -q -j 0 -x '/tests?/' $(1)/lib src work
 	@$(call install,.venv,test); touch .venv/.run .venv/.test
 
 # Compiled code for all jobs, once: those that start side by side would each compile the same.
-# Without it a job compiles what it needs.
-.venv/.compiled: .venv/.run
+# Without it a job compiles what it needs, in whatever order; then last digits may differ.
+COMPILED := $(shell grep -rl --include='*.py' 'core.compiled import jit' src)
+
+.venv/.compiled: .venv/.run $(COMPILED)
 	@echo "Compiling ..."
 	@.venv/bin/python -m microimpact.lab.warm
 	@touch $@
