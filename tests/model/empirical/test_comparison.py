@@ -7,7 +7,8 @@ from scipy.optimize import least_squares
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.empirical import shapes
-from microimpact.model.empirical.comparison import compare_models
+from microimpact.model.empirical.comparison import compare_models, compare_sets
+from microimpact.model.empirical.data import in_own_units
 from microimpact.model.empirical.fit import fit_restitution
 
 NOISE, POINTS = 0.02, 24
@@ -87,7 +88,8 @@ def test_the_ring_force_is_fitted_as_another_search_fits_it(contact):
     bounds = [-np.inf] * 3 + [0.0], [np.inf] * 3 + [2.0]
     best = least_squares(missed, start, diff_step=1e-4, bounds=bounds)
     v_c = np.atleast_1d(capture_velocity(changed(best.x)))
-    held = shapes.profile("ring force", v, e, np.full(POINTS, 1.0 / NOISE), v_c)
+    data = in_own_units(v[None], e[None], np.full((1, POINTS), 1.0 / NOISE), None)
+    held = shapes.profile("ring force", data, np.zeros(1, int), v_c / data.unit)
     assert held.chi_square[0] == pytest.approx(2.0 * best.cost, abs=0.02)
     # Values of v_c in a profile are some way apart.
     assert model.chi_square == pytest.approx(2.0 * best.cost, abs=0.05)
@@ -101,6 +103,20 @@ def test_the_unit_of_speed_does_not_matter(compared):
     _, v, e, found = compared
     slower = compare_models(0.1 * v, e, NOISE)
     assert np.allclose(slower.v_c_interval, 0.1 * np.array(found.v_c_interval), rtol=1e-6)
+
+
+def test_data_sets_side_by_side_are_compared_as_each_alone(compared, rated):
+    _, v, e, found = compared
+    _, other, fewer = measured(rated, 5, slowest=1.2)
+    sets = [(v, e, NOISE), (other[2:], fewer[2:], NOISE), (v, e, None), (2.0 * v, e, 2.0 * NOISE)]
+    together = compare_sets(sets)
+    assert together[0].v_c_interval == pytest.approx(found.v_c_interval, rel=1e-9)
+    for one, own in zip(together, sets, strict=True):
+        alone = compare_models(*own)
+        assert one.v_c_interval == pytest.approx(alone.v_c_interval, rel=1e-9)
+        assert one.warnings == alone.warnings
+        weights = [(model.name, pytest.approx(model.weight, rel=1e-9)) for model in alone.models]
+        assert [(model.name, model.weight) for model in one.models] == weights
 
 
 def test_a_sigma_too_small_widens_and_warns(compared):

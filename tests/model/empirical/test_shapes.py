@@ -8,6 +8,7 @@ from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.empirical import shapes
 from microimpact.model.empirical.comparison import compare_models
+from microimpact.model.empirical.data import in_own_units
 
 RATIO = np.geomspace(1.001, 300.0, 40)
 OTHERS = {
@@ -43,6 +44,12 @@ def test_a_fixed_loss_is_its_closed_form_and_nothing_leaves_below_v_c():
     assert np.allclose(e, kept * np.sqrt(1.0 - np.maximum(ratio, 1.0) ** -2), atol=1e-5)
 
 
+def held(name, v, e, weight, v_c):
+    """Search with these v_c held, in the unit of v."""
+    data = in_own_units(v[None], e[None], np.full((1, v.size), weight), None)
+    return shapes.profile(name, data, np.zeros(v_c.size, int), v_c / data.unit)
+
+
 @pytest.mark.parametrize("name", OTHERS)
 def test_materials_and_size_do_not_matter(contact, name):
     """A law found again from impacts of quite another sphere, without noise."""
@@ -50,7 +57,7 @@ def test_materials_and_size_do_not_matter(contact, name):
     limit = float(capture_velocity(other))
     ratio = np.geomspace(1.05, 15.0, 20)
     e = simulate(other, limit * ratio).coefficient_of_restitution
-    found = shapes.profile(name, ratio, e, np.full(20, 1e2), np.array([0.98, 1.0, 1.02]))
+    found = held(name, ratio, e, 1e2, np.array([0.98, 1.0, 1.02]))
     assert found.chi_square.argmin() == 1
     assert found.chi_square[1] < 0.1
     compared = compare_models(limit * ratio, e, 0.01)
@@ -63,7 +70,7 @@ def test_a_rate_exponent_between_places_is_found(contact):
     rated = contact.replace(adhesion_rate_exponent=1.4, reference_velocity=limit)
     ratio = np.geomspace(1.05, 15.0, 20)
     e = simulate(rated, limit * ratio).coefficient_of_restitution
-    found = shapes.profile("ring force", ratio, e, np.full(20, 1e3), np.array([1.0]))
+    found = held("ring force", ratio, e, 1e3, np.array([1.0]))
     assert found.chi_square[0] < 0.1
     rates = shapes.LAWS["ring force"].values[0]
     assert np.interp(found.x[0, 0], np.arange(rates.size), rates) == pytest.approx(1.4, abs=0.01)
@@ -73,7 +80,7 @@ def test_a_search_ends_where_no_place_nearby_is_better(contact):
     name = "ring force"
     ratio = np.geomspace(1.1, 12.0, 15)
     e = np.clip(0.8 * np.sqrt(1.0 - ratio**-2) + 0.02 * np.cos(5.0 * ratio), 0.0, 1.0)
-    found = shapes.profile(name, ratio, e, np.full(15, 50.0), np.array([0.99]))
+    found = held(name, ratio, e, 50.0, np.array([0.99]))
 
     def chi_square(at):
         return np.sum(np.square((shapes.restitution(name, at, ratio / 0.99) - e) * 50.0))

@@ -11,6 +11,7 @@ The laws of contact need no material here: see `microimpact.model.empirical.shap
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -21,13 +22,15 @@ import numpy as np
 import scipy
 
 from microimpact.core.arrays import FloatArray, Numbers, Range, checked
-from microimpact.core.solve import root
+from microimpact.core.solve import roots
 from microimpact.model.empirical import shapes
 from microimpact.model.empirical.data import (
     DataSets,
+    Places,
     in_own_units,
     measurements,
     require_telling,
+    stacked_sets,
 )
 from microimpact.model.empirical.equations import restitution
 from microimpact.model.empirical.kernel import V_C
@@ -56,8 +59,6 @@ FIRST_VALUES = np.append(
 NEGLIGIBLE = 30.0
 # Models lighter than this are left out of words.
 LIGHT = 0.05
-# Models lighter than this change no digit.
-WEIGHTLESS = 1e-14
 # Shares by which tests reject: misfit, residuals in runs.
 REJECTED = 0.01
 
@@ -95,19 +96,22 @@ class Model:
     law: Callable[[FloatArray], FloatArray]
 
 
-# Of one data set, v_c (m,) in its unit, and variables (s, m, 5) to start from, if any.
-Profile = Callable[[DataSets, FloatArray, FloatArray], Found]
+# Data sets, the one of each search (m,), v_c (m,) in its unit, and variables (s, m, 5) to start
+# from, if any.
+Profile = Callable[[DataSets, Places, FloatArray, FloatArray], Found]
 
 
-def _empirical(q: float | None, data: DataSets, v_c: FloatArray, starts: FloatArray) -> Found:
+def _empirical(
+    q: float | None, data: DataSets, owner: Places, v_c: FloatArray, starts: FloatArray
+) -> Found:
     """Profile of Eq. (34)."""
-    fresh, owner = 0 if len(starts) else len(STARTS), np.zeros(v_c.size, np.intp)
+    fresh = 0 if len(starts) else len(STARTS)
     return profile(replace(data, q=q), owner, 1.0 - v_c, *starts, fresh=fresh)
 
 
-def _of_law(name: str, data: DataSets, v_c: FloatArray, starts: FloatArray) -> Found:
+def _of_law(name: str, data: DataSets, owner: Places, v_c: FloatArray, starts: FloatArray) -> Found:
     """Profile of a law of contact."""
-    return shapes.profile(name, data.v[0], data.e[0], data.weight[0], v_c, *starts)
+    return shapes.profile(name, data, owner, v_c, *starts)
 
 
 def _eq_34(x: FloatArray, v_c: float, v: FloatArray) -> FloatArray:
@@ -198,17 +202,46 @@ def compare_models(
         If a model is unknown, numbers are out of range or too few, no sphere rebounds, or e hardly
         depends on v in the way that a rebound does.
     """
+    return compare_sets([(v, e, sigma)], confidence=confidence, models=models)[0]
+
+
+def compare_sets(
+    sets: Sequence[tuple[Numbers, Numbers, Numbers | None]],
+    *,
+    confidence: float = 0.95,
+    models: Sequence[str] | None = None,
+) -> list[Comparison]:
+    """Return what `compare_models` does of many data sets, each speeds, restitutions and sigma.
+
+    Those with as many points, and as many of them from the slowest rebound upwards, are searched
+    side by side. For arguments and errors see there.
+    """
     level = float(checked("confidence", confidence, CONFIDENCE))
-    given = sigma is not None
-    speed, measured, spread = measurements(v, e, 1.0 if sigma is None else sigma, FRACTION, SPREAD)
-    require_telling(speed, measured, FEWEST, FEWEST - 1)
-    order = np.argsort(speed, kind="stable")[None]
-    data = in_own_units(speed[order], measured[order], 1.0 / spread[order], None)
-    count = int(np.sum(data.v >= 1.0))
+    alike: dict[tuple[int, int, bool], list[tuple[int, DataSets]]] = defaultdict(list)
+    for number, (v, e, sigma) in enumerate(sets):
+        given = sigma is not None
+        spread = 1.0 if sigma is None else sigma
+        speed, measured, spread = measurements(v, e, spread, FRACTION, SPREAD)
+        require_telling(speed, measured, FEWEST, FEWEST - 1)
+        order = np.argsort(speed, kind="stable")[None]
+        data = in_own_units(speed[order], measured[order], 1.0 / spread[order], None)
+        alike[speed.size, int(np.sum(data.v >= 1.0)), given].append((number, data))
     for name in models or ():
         if name not in CANDIDATES:
             raise ValueError(f"models: {name!r} must be one of {'; '.join(CANDIDATES)}")
     asked = {name: CANDIDATES[name] for name in models or CANDIDATES}
+    found: dict[int, Comparison] = {}
+    for (_, count, given), members in alike.items():
+        numbers, parts = zip(*members, strict=True)
+        compared = _compared(stacked_sets(parts), count, given, level, asked)
+        found |= zip(numbers, compared, strict=True)
+    return [found[number] for number in range(len(sets))]
+
+
+def _compared(
+    sets: DataSets, count: int, given: bool, level: float, asked: dict[str, Candidate]
+) -> list[Comparison]:
+    """Compare models of data sets that each hold ``count`` points from the slowest rebound up."""
     spare = 0 if given else 2  # AICc divides by what is left
     tried = {name: of for name, of in asked.items() if count > of.free + spare}
     if not tried:
@@ -217,120 +250,158 @@ def compare_models(
             f"v must hold at least {fewest} points from the smallest rebounding speed upwards for "
             f"these models, got {count}"
         )
-    free = np.array([of.free for of in tried.values()])
-    drawn = [_drawn(partial(of.profile, data), count - of.free, given) for of in tried.values()]
-    least = np.array([found.chi_square.min() for found in drawn])
+    free = np.array([of.free for of in tried.values()])[:, None]
+    drawn = [_drawn(of.profile, sets, count - of.free, given) for of in tried.values()]
+    profiles, v_c = np.stack([found.rows for found in drawn]), np.stack([of.v_c for of in drawn])
+    least = profiles[..., 1].min(axis=2)
     leftover = least / (count - free)  # variance of e in units of sigma squared
     criterion = _criterion(least, free, count, given)
-    best = int(np.argmin(criterion))
-    weights = np.exp(-0.5 * (criterion - criterion[best]))
-    weights /= weights.sum()
-    widened = max(1.0, float(leftover[best]))
+    best, every = np.argmin(criterion, axis=0), np.arange(len(sets.unit))
+    criterion = criterion - criterion[best, every]
+    weights = np.exp(-0.5 * criterion)
+    weights /= weights.sum(axis=0)
+    scatter = leftover[best, every]
+    widened = np.maximum(1.0, scatter)
     # With sigma known the signed roots are normal; else, of Student's distribution.
-    freedom = np.full(free.size, np.inf) if given and widened == 1.0 else count - free
-    variances = np.full(free.size, widened) if given else leftover
-    tails = [_Tail(*each) for each in zip(drawn, variances, freedom, strict=True)]
-    half, unit = 0.5 * (1.0 - level), float(data.unit[0])
-
-    telling = [(w, of) for w, of in zip(weights, tails, strict=True) if w > WEIGHTLESS]
-
-    def averaged(v_c: float) -> float:
-        return float(sum(w * tail(v_c) for w, tail in telling))
-
-    fitted = [
-        Model(
-            name=name,
-            free=of.free,
-            v_c=unit * found.v_c,
-            interval=(unit * tails[k].quantile(half), unit * tails[k].quantile(1.0 - half)),
-            chi_square=float(least[k]) if given else None,
-            criterion=float(criterion[k] - criterion[best]),
-            weight=float(weights[k]),
-            law=partial(_in_metres, of, found, unit),
-        )
-        for k, ((name, of), found) in enumerate(zip(tried.items(), drawn, strict=True))
-    ]
-    fitted.sort(key=lambda model: model.criterion)
-    _require_a_curve(data, fitted[0])
-    low, v_c, high = (unit * _quantile(averaged, level) for level in (half, 0.5, 1.0 - half))
-    interval = low, high
-    return Comparison(
-        models=tuple(fitted),
-        v_c=v_c,
-        v_c_interval=interval,
-        confidence=level,
-        sigma=float(np.sqrt(leftover[best])) if not given else None,
-        scatter=float(np.sqrt(leftover[best])) if given else 1.0,
-        warnings=tuple(_warnings(data, fitted, v_c, interval)),
+    freedom = np.where(given & (widened == 1.0), np.inf, count - free)
+    tails = _Tails(profiles, v_c, widened if given else leftover, freedom)
+    half = 0.5 * (1.0 - level)
+    alone = sets.unit * np.stack([tails.quantiles(half), tails.quantiles(1.0 - half)])
+    low, middle, high = (
+        sets.unit * _averaged(weights, tails, share) for share in (half, 0.5, 1.0 - half)
     )
+    compared = []
+    for i, unit in enumerate(sets.unit):
+        fitted = [
+            Model(
+                name=name,
+                free=of.free,
+                v_c=float(unit * v_c[k, i]),
+                interval=(float(alone[0, k, i]), float(alone[1, k, i])),
+                chi_square=float(least[k, i]) if given else None,
+                criterion=float(criterion[k, i]),
+                weight=float(weights[k, i]),
+                law=partial(_in_metres, of, drawn[k].x[i], float(v_c[k, i]), float(unit)),
+            )
+            for k, (name, of) in enumerate(tried.items())
+        ]
+        fitted.sort(key=lambda model: model.criterion)
+        data, interval = sets.select(slice(i, i + 1)), (float(low[i]), float(high[i]))
+        e, missed = _missed(data, fitted[0])
+        _require_a_curve(e, missed)
+        compared.append(
+            Comparison(
+                models=tuple(fitted),
+                v_c=float(middle[i]),
+                v_c_interval=interval,
+                confidence=level,
+                sigma=float(np.sqrt(scatter[i])) if not given else None,
+                scatter=float(np.sqrt(scatter[i])) if given else 1.0,
+                warnings=tuple(_warnings(data, fitted, missed, float(middle[i]), interval)),
+            )
+        )
+    return compared
 
 
-def _in_metres(of: Candidate, found: _Drawn, unit: float, v: FloatArray) -> FloatArray:
-    return of.restitution(found.x, found.v_c, np.asarray(v) / unit)
+def _in_metres(of: Candidate, x: FloatArray, v_c: float, unit: float, v: FloatArray) -> FloatArray:
+    return of.restitution(x, v_c, np.asarray(v) / unit)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Drawn:
-    """A profile: v_c in the data's unit, chi-square (g,); the variables (5,) at the best v_c."""
+class _Drawn(NamedTuple):
+    """Profiles of r data sets: v_c in their units and chi-square, and where that is least."""
 
-    values: FloatArray
-    chi_square: FloatArray
-    v_c: float
-    x: FloatArray
+    rows: FloatArray  # v_c and chi-square (r, g, 2)
+    v_c: FloatArray  # The best (r,)
+    x: FloatArray  # The variables there (r, 5)
 
 
-def _drawn(of: Callable[[FloatArray, FloatArray], Found], freedom: int, given: bool) -> _Drawn:
-    """Draw a profile, closer and closer about its low part."""
-    # v_c, chi-square and the variables in columns.
+def _drawn(of: Profile, sets: DataSets, freedom: int, given: bool) -> _Drawn:
+    """Draw profiles, closer and closer about their low parts."""
+    every = np.arange(len(sets.unit))
+
+    def searched(owner: Places, v_c: FloatArray, starts: FloatArray) -> FloatArray:
+        """v_c, chi-square and the variables of each search (m, 7)."""
+        return np.column_stack([v_c, *of(sets, owner, v_c, starts)[:2]])
+
     first = np.append(FIRST_VALUES[:-1:APART], GREATEST)
-    rows = np.column_stack([first, *of(first, np.zeros((0, 0, 0)))[:2]])
-    for number in range(ROUNDS + 1):
-        values, chi_square = rows.T[:2]
-        lowest = float(chi_square.min())
-        unit = max(1.0, lowest / freedom) if given else max(lowest / freedom, TINY)
-        low = np.flatnonzero(chi_square - lowest < NEGLIGIBLE * unit)
-        ends = values[max(low[0] - 1, 0)], values[min(low[-1] + 1, values.size - 1)]
-        fresh = np.linspace(*ends, VALUES)[1:-1] if number else FIRST_VALUES
-        after = np.searchsorted(values, fresh)
-        fresh, after = (of[values[after] != fresh] for of in (fresh, after))
-        # Neighbours on both sides are close starts.
-        found = of(fresh, rows[[after - 1, after], 2:])
-        rows = np.insert(rows, after, np.column_stack([fresh, *found[:2]]), axis=0)
-    values, chi_square = np.ascontiguousarray(rows.T[:2])
-    at = int(np.argmin(chi_square))
-    return _Drawn(values=values, chi_square=chi_square, v_c=float(values[at]), x=rows[at, 2:])
+    owner, v_c = np.repeat(every, first.size), np.tile(first, every.size)
+    rows = searched(owner, v_c, np.zeros((0, 0, 0))).reshape(every.size, first.size, -1)
+    between = np.tile(np.setdiff1d(FIRST_VALUES, first), (every.size, 1))
+    for _ in range(ROUNDS + 1):
+        # Neighbours on both sides are close starts; a value that is there already stays as it is.
+        after = np.sum(rows[:, None, :, 0] < between[..., None], axis=2)
+        before, own = (rows[every[:, None], at] for at in (after - 1, after))
+        new = own[..., 0] != between
+        starts = np.stack([before[new, 2:], own[new, 2:]])
+        own[new] = searched(np.nonzero(new)[0], between[new], starts)
+        rows = np.concatenate([rows, own], axis=1)
+        rows = np.take_along_axis(rows, np.argsort(rows[..., :1], axis=1, kind="stable"), axis=1)
+        rise = rows[..., 1] - (lowest := rows[..., 1].min(axis=1, keepdims=True))
+        unit = np.maximum(lowest / freedom, 1.0 if given else TINY)
+        low, last = rise < NEGLIGIBLE * unit, rows.shape[1] - 1
+        ends = low.argmax(axis=1) - 1, last - low[:, ::-1].argmax(axis=1) + 1
+        start, stop = (rows[every, np.clip(end, 0, last), 0] for end in ends)
+        between = np.linspace(start, stop, VALUES, axis=1)[:, 1:-1]
+    at = rows[every, np.argmin(rows[..., 1], axis=1)]
+    return _Drawn(rows=rows[..., :2], v_c=at[:, 0], x=at[:, 2:])
 
 
-class _Tail:
-    """Share of the probability of v_c below a value, by the signed root of chi-square's rise."""
+class _Tails:
+    """Shares of the probability of v_c below a value, by the signed root of chi-square's rise.
 
-    def __init__(self, drawn: _Drawn, variance: float, freedom: float) -> None:
-        at = int(np.searchsorted(drawn.values, drawn.v_c))
-        rise = np.sqrt((drawn.chi_square - drawn.chi_square.min()) / max(variance, TINY))
+    Of k models and r data sets: profiles (k, r, g, 2), the best v_c (k, r), and variance and
+    degrees of freedom, of shapes that broadcast to (k, r).
+    """
+
+    def __init__(
+        self, profiles: FloatArray, v_c: FloatArray, variance: FloatArray, freedom: FloatArray
+    ) -> None:
+        self.values, chi_square = np.moveaxis(profiles, -1, 0)
+        self.freedom = np.broadcast_to(freedom, v_c.shape)
+        rise = chi_square - chi_square.min(axis=-1, keepdims=True)
+        rise = np.sqrt(rise / np.maximum(variance, TINY)[..., None])
         # Beyond a valley counts what lies lower further out: the profile of a missed minimum.
-        below = np.minimum.accumulate(rise[: at + 1])
-        above = np.minimum.accumulate(rise[at:][::-1])[::-1]
-        self.values, self.freedom = drawn.values, freedom
-        self.roots = np.concatenate([-below[:-1], above])
+        below = self.values < v_c[..., None]
+        outer = np.minimum.accumulate(np.where(below, rise, np.inf), axis=-1)
+        inner = np.minimum.accumulate(np.where(below, np.inf, rise)[..., ::-1], axis=-1)
+        self.roots = np.where(below, -outer, inner[..., ::-1])
 
-    def __call__(self, v_c: float) -> float:
-        return float(scipy.special.stdtr(self.freedom, np.interp(v_c, self.values, self.roots)))
+    def below(self, v_c: FloatArray, rows: Places) -> FloatArray:
+        """Return the shares (k, m) below v_c (m,) in data sets (m,)."""
+        root = _interpolated(v_c, self.values[:, rows], self.roots[:, rows])
+        return np.asarray(scipy.special.stdtr(self.freedom[:, rows], root))
 
-    def quantile(self, level: float) -> float:
-        """Return the v_c below which so large a share lies; 0 or 1 where the range sets it."""
-        here = float(scipy.special.stdtrit(self.freedom, level))
-        if not self.roots[0] < here < self.roots[-1]:
-            return float(here >= self.roots[-1])
-        return float(np.interp(here, self.roots, self.values))
+    def quantiles(self, level: float) -> FloatArray:
+        """Return v_c (k, r) below which so large a share lies; 0 or 1 where the range sets it."""
+        here = np.asarray(scipy.special.stdtrit(self.freedom, level), float)
+        found = _interpolated(here, self.roots, self.values)
+        found = np.where(here > self.roots[..., 0], found, 0.0)
+        return np.where(here < self.roots[..., -1], found, 1.0 * (here >= self.roots[..., -1]))
 
 
-def _quantile(share: Callable[[float], float], level: float) -> float:
-    """Return the v_c below which so large a share lies; 0 or 1 where the range sets it."""
-    if share(LEAST) >= level:
-        return 0.0
-    if share(GREATEST) <= level:
-        return 1.0
-    return root(lambda v_c: share(v_c) - level, LEAST, GREATEST, absolute=1e-9)
+def _interpolated(x: FloatArray, places: FloatArray, values: FloatArray) -> FloatArray:
+    """Return the values (...) at x (...) between places that grow along the last axis."""
+    after = np.sum(places < x[..., None], axis=-1, keepdims=True).clip(1, places.shape[-1] - 1)
+    (x_0, x_1), (y_0, y_1) = (
+        [np.take_along_axis(of, at, axis=-1)[..., 0] for at in (after - 1, after)]
+        for of in (places, values)
+    )
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(y_0 + (x - x_0) * ((y_1 - y_0) / (x_1 - x_0)))
+
+
+def _averaged(weights: FloatArray, tails: _Tails, level: float) -> FloatArray:
+    """Return v_c (r,) below which so large an averaged share lies; 0 or 1 where the range ends."""
+
+    def excess(v_c: FloatArray, rows: Places) -> FloatArray:
+        return np.asarray(np.sum(weights[:, rows] * tails.below(v_c, rows), axis=0) - level)
+
+    every = np.arange(weights.shape[1])
+    bottom, top = (excess(np.full(every.size, end), every) for end in (LEAST, GREATEST))
+    found = np.where(bottom >= 0.0, 0.0, 1.0)
+    within = np.flatnonzero((bottom < 0.0) & (top > 0.0))
+    found[within] = roots(excess, LEAST, GREATEST, within, absolute=1e-9)
+    return found
 
 
 def _criterion(least: FloatArray, free: FloatArray, count: int, given: bool) -> FloatArray:
@@ -339,7 +410,8 @@ def _criterion(least: FloatArray, free: FloatArray, count: int, given: bool) -> 
     With sigma too small for every model, chi-square counts in units of what the best leaves.
     """
     if given:
-        return np.asarray(least / max(1.0, float(np.min(least / (count - free)))) + 2.0 * free)
+        unit = np.maximum(1.0, np.min(least / (count - free), axis=0))
+        return np.asarray(least / unit + 2.0 * free)
     numbers = free + 1
     loss = count * np.log(np.maximum(least, TINY) / count)
     return np.asarray(loss + 2.0 * numbers * count / (count - numbers - 1.0))
@@ -352,9 +424,8 @@ def _missed(data: DataSets, model: Model) -> tuple[FloatArray, FloatArray]:
     return e, e - model.law(data.unit * data.v[0, telling])
 
 
-def _require_a_curve(data: DataSets, model: Model) -> None:
+def _require_a_curve(e: FloatArray, missed: FloatArray) -> None:
     """Refuse data that no model describes better than chance would."""
-    e, missed = _missed(data, model)
     scatter = float(np.sqrt(np.mean(missed**2)))
     if scatter > WILD and np.sum(missed**2) > 0.5 * np.sum((e - e.mean()) ** 2):
         raise ValueError(
@@ -364,9 +435,13 @@ def _require_a_curve(data: DataSets, model: Model) -> None:
 
 
 def _warnings(
-    data: DataSets, models: list[Model], v_c: float, interval: tuple[float, float]
+    data: DataSets,
+    models: list[Model],
+    missed: FloatArray,
+    v_c: float,
+    interval: tuple[float, float],
 ) -> Iterator[str]:
-    yield from _about_the_fit(data, models[0])
+    yield from _about_the_fit(models[0], missed)
     heavy = [model for model in models if model.weight >= LIGHT]
     for one, other in combinations(heavy, 2):
         if one.interval[0] > other.interval[1] or other.interval[0] > one.interval[1]:
@@ -394,8 +469,7 @@ def _warnings(
         yield "the upper end is the slowest rebound itself"
 
 
-def _about_the_fit(data: DataSets, best: Model) -> Iterator[str]:
-    _, missed = _missed(data, best)
+def _about_the_fit(best: Model, missed: FloatArray) -> Iterator[str]:
     if best.chi_square is None:
         yield "sigma is not given, so that no misfit can be told from noise"
     elif scipy.special.chdtrc(freedom := missed.size - best.free, best.chi_square) < REJECTED:

@@ -20,6 +20,7 @@ from microimpact.model.contact import Contact
 from microimpact.model.contact_laws import JKR, Hysteresis, ThorntonNing
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
+from microimpact.model.empirical.data import DataSets, Places
 from microimpact.model.empirical.kernel import PARAMETERS, VARIABLES, curves
 from microimpact.model.empirical.search import Found, Search, lowest
 
@@ -150,12 +151,7 @@ def restitution(name: str, at: FloatArray, ratio: FloatArray) -> FloatArray:
 
 
 def profile(
-    name: str,
-    v: FloatArray,
-    e: FloatArray,
-    weight: FloatArray,
-    v_c: FloatArray,
-    *starts: FloatArray,
+    name: str, sets: DataSets, owner: Places, v_c: FloatArray, *starts: FloatArray
 ) -> Found:
     """Search for a law's parameters with v_c held.
 
@@ -163,27 +159,27 @@ def profile(
     ----------
     name
         One of `LAWS`.
-    v, e, weight
-        Speeds, restitutions and 1/sigma, (n,).
+    sets, owner
+        The data, and the data set of each search (m,).
     v_c
-        Capture velocities held (m,), in units of v.
+        Capture velocities held (m,), in units of the slowest rebounds.
     starts
         Places (m, 5) to start from, the last two 0; none: from those of the law.
     """
-    grid, at, count = table(name), places(v / v_c[:, None]), v_c.size
+    grid, at, count = table(name), places(sets.v[owner] / v_c[:, None]), v_c.size
+    e, weight = sets.e[owner], sets.weight[owner]
     last, none = np.zeros(VARIABLES), np.zeros(count)
     last[:PARAMETERS] = np.array(grid.shape[:PARAMETERS]) - 1.0
     if not starts:
         shares = np.zeros((len(LAWS[name].starts), VARIABLES))
         shares[:, :PARAMETERS] = LAWS[name].starts
         every = np.repeat(shares * last, count, axis=0)
-        begun = np.empty((len(every), v.size))
-        curves(grid, np.tile(at, (len(shares), 1)), every, begun)
-        missed = np.sum(np.square(weight * (begun - e)), axis=1).reshape(len(shares), -1)
+        begun = np.empty((len(shares), *at.shape))
+        curves(grid, np.tile(at, (len(shares), 1)), every, begun.reshape(-1, at.shape[1]))
+        missed = np.sum(np.square(weight * (begun - e)), axis=2)
         nearest = np.argsort(missed, axis=0)[:TRIED] * count + np.arange(count)
         starts = tuple(every[nearest])
-    points = np.empty((count, 4, v.size))
-    points[:, 0], points[:, 1:] = at, (np.zeros(v.size), e, weight)
-    high, owner = np.tile(last, (count, 1)), np.arange(count)
-    search = Search(grid, points, owner, none, 0.0 * high, high, none, LONGEST * last, SHORTEST)
+    points, high = np.stack([at, np.zeros_like(at), e, weight], axis=1), np.tile(last, (count, 1))
+    each = np.arange(count)
+    search = Search(grid, points, each, none, 0.0 * high, high, none, LONGEST * last, SHORTEST)
     return lowest(search, starts)

@@ -192,12 +192,10 @@ def part(params: Params, inputs: Tables, index: int, count: int) -> Part:
         for row in _method_rows(params, truths, cell)
     ]
     shared = (truths.constants, params.highest_speed_in_v_c, params.seed, params.confidence)
-    average = [
-        (number, averaged.row(params.averaged, inputs, *shared, design))
-        for number, design in enumerate(averaged.designs(params.averaged))
-        if number % count == index
-    ]
-    return coverage, methods, average
+    designs = list(enumerate(averaged.designs(params.averaged)))[index::count]
+    average = averaged.rows(params.averaged, inputs, *shared, [design for _, design in designs])
+    numbers = (number for number, _ in designs)
+    return coverage, methods, list(zip(numbers, average, strict=True))
 
 
 def gather(params: Params, inputs: Tables, parts: Sequence[Part]) -> Tables:

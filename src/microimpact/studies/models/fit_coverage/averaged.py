@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from itertools import product, starmap
+from itertools import islice, product, starmap
 from typing import Annotated, NamedTuple
 
 import numpy as np
 import pandas as pd
 from pydantic import Field
 
+from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import Row, Tables, series_frame
 from microimpact.declared.parameters import CaseName, Count, NonNegative, Positive
 from microimpact.lab.contacts import calibrated_contact
@@ -19,7 +20,7 @@ from microimpact.model.contact import Contact
 from microimpact.model.contact_laws import JKR
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
-from microimpact.model.empirical.comparison import compare_models
+from microimpact.model.empirical.comparison import Comparison, compare_sets
 from microimpact.model.empirical.equations import restitution
 from microimpact.statistics.intervals import wilson_interval
 from microimpact.studies.models.fit_coverage.truths import MEASUREMENTS, observed, standard_noise
@@ -83,42 +84,47 @@ def _contact(params: Averaged, inputs: Tables, truth: str) -> Contact:
     )
 
 
-def row(
+def rows(
     params: Averaged,
     inputs: Tables,
     constants: tuple[float, ...],
     highest: float,
     seed: int,
     confidence: float,
-    design: Design,
-) -> Row:
-    """Fit the data sets of a design; v_c in units of the true one.
+    chosen: Sequence[Design],
+) -> list[Row]:
+    """Fit the data sets of some designs, a row each; v_c in units of the true one.
 
     `constants`: k, p, kappa, q, v_c of Eq. (34), m/s; `highest`: speed in v_c.
     """
-    ratio = np.geomspace(design.lowest, highest, design.points)
-    if design.truth == "Eq. 34":
-        curve = restitution(ratio * constants[-1], *constants)
-    else:
-        contact = _contact(params, inputs, design.truth)
-        curve = simulate(contact, ratio * capture_velocity(contact)).coefficient_of_restitution
-    noise = design.noise * standard_noise(seed, MEASUREMENTS, design.points, params.sets)
-    e, seen = observed(curve, noise, "rebounds")
-    # Nobody reports more than all.
-    found = [
-        compare_models(ratio[of], np.minimum(own[of], 1.0), design.noise, confidence=confidence)
-        for own, of in zip(e, seen, strict=True)
-    ]
+    measured: list[tuple[FloatArray, FloatArray, float]] = []
+    for design in chosen:
+        ratio = np.geomspace(design.lowest, highest, design.points)
+        if design.truth == "Eq. 34":
+            curve = restitution(ratio * constants[-1], *constants)
+        else:
+            contact = _contact(params, inputs, design.truth)
+            curve = simulate(contact, ratio * capture_velocity(contact)).coefficient_of_restitution
+        noise = design.noise * standard_noise(seed, MEASUREMENTS, design.points, params.sets)
+        e, seen = observed(curve, noise, "rebounds")
+        # Nobody reports more than all.
+        e = np.minimum(e, 1.0)
+        measured += [(ratio[of], own[of], design.noise) for own, of in zip(e, seen, strict=True)]
+    found = iter(compare_sets(measured, confidence=confidence))
+    return [_row(design, list(islice(found, params.sets))) for design in chosen]
+
+
+def _row(design: Design, found: list[Comparison]) -> Row:
     ends = np.array([of.v_c_interval for of in found])
     holds = (ends[:, 0] <= 1.0) & (ends[:, 1] >= 1.0)
     warned = np.array([bool(of.warnings) for of in found])
-    low, high = wilson_interval(int(holds.sum()), params.sets)
+    low, high = wilson_interval(int(holds.sum()), len(found))
     return {
         "truth": design.truth,
         "noise_of_e": design.noise,
         "points": design.points,
         "lowest_speed_in_v_c": design.lowest,
-        "sets": params.sets,
+        "sets": len(found),
         "held": int(holds.sum()),
         "coverage": float(holds.mean()),
         "coverage_low": low,
