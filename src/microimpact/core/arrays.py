@@ -63,10 +63,8 @@ class Columns:
     def __len__(self) -> int:
         return len(getattr(self, next(iter(self.__dataclass_fields__))))
 
-    def select(
-        self, which: slice | npt.NDArray[np.integer] | BoolArray | tuple[slice, None]
-    ) -> Self:
-        """Return some of the events, all in another order, or with a further axis."""
+    def select(self, which: slice | npt.NDArray[np.integer] | BoolArray | tuple[Any, ...]) -> Self:
+        """Return some of the events, all in another order, or as several axes are indexed."""
         return type(self)(**{k: getattr(self, k)[which] for k in self.__dataclass_fields__})
 
     @classmethod

@@ -62,13 +62,8 @@ class Impacts(Falling):
     def in_plane(self) -> Measured:
         """What an instrument without errors would report of all; captured ones at rest."""
         after = np.where(self.captured[:, None], 0.0, self.rebound_velocity)
-        return Measured(
-            event=np.arange(len(self)),
-            incident_normal=self.velocity[:, 2],
-            incident_tangential=self.velocity[:, 0],
-            rebound_normal=after[:, 2],
-            rebound_tangential=after[:, 0],
-        )
+        legs = self.velocity[:, ::2], after[:, ::2]
+        return Measured(event=np.arange(len(self)), velocities=np.stack(legs, axis=1))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,51 +75,48 @@ class Measured(Columns):
     event
         Which impact each was, shape (k,); -1 where the two records are of different impacts. An
         experimenter does not know this: it serves to judge the instrument.
-    incident_normal, incident_tangential, rebound_normal, rebound_tangential
-        Velocity components at the surface, m/s, shape (k,), with the signs of `Impacts`.
+    velocities
+        At the surface, m/s, shape (k, 2, 2), with the signs of `Impacts`: incident and rebound
+        velocity are rows, their tangential and normal components columns.
     """
 
     event: IntArray
-    incident_normal: FloatArray
-    incident_tangential: FloatArray
-    rebound_normal: FloatArray
-    rebound_tangential: FloatArray
+    velocities: FloatArray
 
     @classmethod
-    def of(cls, event: IntArray, velocities: FloatArray) -> Measured:
-        """Return events by their numbers and velocities, m/s, shape (..., 2, 2).
+    def of_normal(cls, event: IntArray, normal: FloatArray) -> Measured:
+        """Return events by their normal velocities before and after impact, m/s, shape (k, 2)."""
+        return cls(event=event, velocities=np.stack([np.zeros(normal.shape), normal], axis=-1))
 
-        Incident and rebound velocity are rows, their tangential and normal components columns.
-        """
-        return cls(
-            event=event,
-            incident_normal=velocities[..., 0, 1],
-            incident_tangential=velocities[..., 0, 0],
-            rebound_normal=velocities[..., 1, 1],
-            rebound_tangential=velocities[..., 1, 0],
-        )
+    @property
+    def tangential(self) -> FloatArray:
+        """Before and after impact, m/s, shape (2, k)."""
+        return np.moveaxis(self.velocities[..., 0], -1, 0)
+
+    @property
+    def normal(self) -> FloatArray:
+        """Before and after impact, m/s, shape (2, k)."""
+        return np.moveaxis(self.velocities[..., 1], -1, 0)
 
     @property
     def coefficient_of_restitution(self) -> FloatArray:
         """Ratio e of Eq. (1)."""
-        return -self.rebound_normal / self.incident_normal
+        before, after = self.normal
+        return np.asarray(-after / before)
 
     @property
     def impulse_ratio(self) -> FloatArray:
         """-mu of Eq. (2), positive where friction acts against the motion."""
-        return -(self.rebound_tangential - self.incident_tangential) / (
-            self.rebound_normal - self.incident_normal
-        )
+        change = np.diff(self.velocities, axis=-2)[..., 0, :]
+        return np.asarray(-change[..., 0] / change[..., 1])
 
     @property
     def translational_energy_loss(self) -> FloatArray:
         """T_L of Eq. (3)."""
-        before = np.square(self.incident_normal) + np.square(self.incident_tangential)
-        after = np.square(self.rebound_normal) + np.square(self.rebound_tangential)
-        loss: FloatArray = 1.0 - after / before
-        return loss
+        before, after = np.square(self.normal) + np.square(self.tangential)
+        return np.asarray(1.0 - after / before)
 
     @property
     def speed(self) -> FloatArray:
         """Speed before impact in the plane of measurement, m/s."""
-        return np.asarray(np.hypot(self.incident_normal, self.incident_tangential))
+        return np.asarray(np.hypot(self.normal[0], self.tangential[0]))

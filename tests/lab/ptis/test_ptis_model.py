@@ -42,17 +42,6 @@ def theory(events, setup, rng, shared):
     return [One(*next(measured)) if fate == MEASURED else fate for fate in fates]
 
 
-def velocities(measured):
-    return np.moveaxis(
-        [
-            [measured.incident_tangential, measured.incident_normal],
-            [measured.rebound_tangential, measured.rebound_normal],
-        ],
-        -1,
-        0,
-    )
-
-
 @pytest.mark.parametrize(("speed", "angle"), [(1.66, 60.0), (0.45, 45.0), (0.45, 20.0)])
 def test_expected_velocities_are_the_true_ones(speed, angle):
     events, setup = impacts(speed, angle, 20), setup_for(speed, angle)
@@ -92,7 +81,7 @@ def test_frames_scatter_about_the_model_as_it_says(speed, angle, seed):
     ]
     assert np.mean(agree) > 0.94
     z = []
-    for event, found in zip(seen.measured.event, velocities(seen.measured), strict=True):
+    for event, found in zip(seen.measured.event, seen.measured.velocities, strict=True):
         one = model[event]
         if isinstance(one, One):
             root = np.linalg.cholesky(one.covariance)
@@ -112,7 +101,7 @@ def test_modelled_events_scatter_as_their_covariance_says():
     model = theory(events, setup, generator(), EXACT)
     assert tuple(f == MEASURED for f in drawn.fates) == tuple(isinstance(t, One) for t in model)
     z = []
-    for event, found in zip(drawn.measured.event, velocities(drawn.measured), strict=True):
+    for event, found in zip(drawn.measured.event, drawn.measured.velocities, strict=True):
         root = np.linalg.cholesky(model[event].covariance)
         off = (found - model[event].velocities)[..., None]
         z.append(np.linalg.solve(root, off).ravel())
@@ -159,5 +148,5 @@ def test_the_model_does_not_depend_on_chunks():
         for a, b in ((0, 5), (5, 12))
     ]
     assert whole.fates == sum((part.fates for part in parts), ())
-    joined = np.concatenate([part.measured.incident_normal for part in parts])
-    assert np.array_equal(whole.measured.incident_normal, joined)
+    joined = np.concatenate([part.measured.velocities for part in parts])
+    assert np.array_equal(whole.measured.velocities, joined)

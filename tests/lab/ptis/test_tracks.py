@@ -250,8 +250,8 @@ def test_observation_does_not_depend_on_chunks():
         for a, b in ((0, 2), (2, 7), (7, 9))
     ]
     assert whole.fates == sum((part.fates for part in parts), ())
-    joined = np.concatenate([part.measured.rebound_normal for part in parts])
-    assert np.array_equal(whole.measured.rebound_normal, joined)
+    joined = np.concatenate([part.measured.velocities for part in parts])
+    assert np.array_equal(whole.measured.velocities, joined)
     assert len(whole.measured) == whole.fates.count(MEASURED) > 4
 
 
@@ -266,8 +266,5 @@ def test_shared_errors_scale_and_turn_all_velocities_alike():
     a, b = pick[: len(common)], pick[len(common) :]
     # A faster chopper and larger pixels than believed both make particles seem slower.
     assert off.speed[b] / exact.speed[a] == pytest.approx(1 / (1.02 * 0.97), rel=2e-3)
-    angles = [
-        np.degrees(np.arctan2(-one.incident_normal, one.incident_tangential))
-        for one in (exact, off)
-    ]
+    angles = [np.degrees(np.arctan2(-one.normal[0], one.tangential[0])) for one in (exact, off)]
     assert angles[1][b] - angles[0][a] == pytest.approx(0.5, abs=0.1)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.random import Generator
 
-from microimpact.core.arrays import FloatArray, Real
+from microimpact.core.arrays import Real
 from microimpact.core.constants import gravity
 from microimpact.lab.bounces import with_later_impacts
 from microimpact.lab.events import Impacts, Measured
@@ -95,13 +95,6 @@ def moved(measured: Measured, shift: Real) -> Measured:
 
     v dv = g dh; the shift broadcasts with the events.
     """
-
-    def corrected(velocity: FloatArray) -> FloatArray:
-        square = np.square(velocity) + 2.0 * gravity * np.asarray(shift)
-        return np.sign(velocity) * np.sqrt(np.maximum(square, 0.0))
-
-    return replace(
-        measured,
-        incident_normal=corrected(measured.incident_normal),
-        rebound_normal=corrected(measured.rebound_normal),
-    )
+    velocities = measured.velocities
+    square = np.square(velocities) + 2.0 * gravity * np.asarray(shift)[..., None, None]
+    return replace(measured, velocities=np.sign(velocities) * np.sqrt(np.maximum(square, 0.0)))

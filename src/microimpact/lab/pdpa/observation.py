@@ -121,15 +121,9 @@ def at_surface(
     stream: RecordStream, pairing: Pairing, truth: GroundTruth, form: Form = "exact"
 ) -> Measured:
     """Reduce accepted pairs to normal velocities at the surface, with the height found."""
-    velocities = (stream.velocity[index] for index in (pairing.incident, pairing.rebound))
-    incident, rebound = (np.asarray(correct(v, pairing.height, form)) for v in velocities)
-    return Measured(
-        event=pair_events(pairing, truth),
-        incident_normal=incident,
-        incident_tangential=np.zeros(len(incident)),
-        rebound_normal=rebound,
-        rebound_tangential=np.zeros(len(rebound)),
-    )
+    normal = stream.velocity[np.stack([pairing.incident, pairing.rebound], axis=-1)]
+    at_surface = np.asarray(correct(normal, pairing.height, form))
+    return Measured.of_normal(pair_events(pairing, truth), at_surface)
 
 
 def pair_events(pairing: Pairing, truth: GroundTruth) -> IntArray:

@@ -106,17 +106,6 @@ def turned(measured: Measured, angle: Real) -> Measured:
 
     The angle broadcasts with the events.
     """
-    cos, sin = np.cos(np.radians(angle)), np.sin(np.radians(angle))
-
-    def both(normal: FloatArray, tangential: FloatArray) -> tuple[FloatArray, FloatArray]:
-        return cos * normal - sin * tangential, cos * tangential + sin * normal
-
-    incident = both(measured.incident_normal, measured.incident_tangential)
-    rebound = both(measured.rebound_normal, measured.rebound_tangential)
-    return replace(
-        measured,
-        incident_normal=incident[0],
-        incident_tangential=incident[1],
-        rebound_normal=rebound[0],
-        rebound_tangential=rebound[1],
-    )
+    turn, velocities = np.radians(np.asarray(angle))[..., None, None], measured.velocities
+    across = velocities[..., ::-1] * [1.0, -1.0]
+    return replace(measured, velocities=np.cos(turn) * velocities + np.sin(turn) * across)

@@ -126,5 +126,5 @@ def _observation(
 ) -> ImagedEvents:
     """Return the fates of all events with the velocities of those measured, as in `Track`."""
     events = np.flatnonzero(fates == MEASURED)
-    measured = Measured.of(events, np.reshape(velocities, (-1, 2, 2)))
+    measured = Measured(event=events, velocities=np.reshape(velocities, (-1, 2, 2)))
     return ImagedEvents(measured=measured, fates=tuple(fates))

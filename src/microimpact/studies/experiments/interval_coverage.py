@@ -104,7 +104,9 @@ def by_imaging(
     rate, scale, angle = draw.standard_normal((3, experiments, 1))
     stretch = 1.0 / (1.0 + instrument.rate_error * rate) / (1.0 + instrument.scale_error * scale)
     velocity = (found.velocities[chosen] + noise[..., 0]) * stretch[..., None, None]
-    seen = turned(Measured.of(pool[chosen], velocity), instrument.angle_error_deg * angle)
+    seen = turned(
+        Measured(event=pool[chosen], velocities=velocity), instrument.angle_error_deg * angle
+    )
     measured = _first(seen, drop.in_class(seen.speed), events)
     return Repeated(
         measured=measured,
@@ -167,28 +169,20 @@ def _doppler_experiments(
     chosen = rng.integers(len(pool), size=(height.size, number))
     stream, pairs = _recorded(pool, chosen, height, instrument, rng)
     paired = (pairs >= 0).all(axis=0)
-    falling, rising = np.where(paired, stream.velocity[pairs], np.nan)
+    at_probe = np.where(paired, stream.velocity[pairs], np.nan)
     usual = 1e-3 * instrument.probe_height_mm
-    seen = Measured(
-        event=np.arange(paired.size).reshape(paired.shape),
-        incident_normal=falling,
-        incident_tangential=np.zeros(paired.shape),
-        rebound_normal=rising,
-        rebound_tangential=np.zeros(paired.shape),
-    )
-    speed = np.abs(np.asarray(correct(falling, usual)))
+    event = np.arange(paired.size).reshape(paired.shape)
+    seen = Measured.of_normal(event, np.moveaxis(at_probe, 0, -1))
+    speed = np.abs(np.asarray(correct(at_probe[0], usual)))
     # A rebound that seems to fall, by its noise, is no candidate in the search for pairs.
-    kept = _first(seen, drop.in_class(speed) & (rising > 0.0), events)
+    kept = _first(seen, drop.in_class(speed) & (at_probe[1] > 0.0), events)
     estimate = usual * (1.0 + instrument.initial_estimate_error)
     used = pairs.reshape(2, -1)[:, kept.event]
     found = np.array([estimate, np.nan])[:, None]
     for _ in range(ROUNDS):
         found = np.stack(heights(stream, used, found[0], instrument))
-    measured = replace(
-        kept,
-        incident_normal=np.asarray(correct(kept.incident_normal, found[0, :, None])),
-        rebound_normal=np.asarray(correct(kept.rebound_normal, found[0, :, None])),
-    )
+    corrected = np.asarray(correct(kept.velocities, found[0, :, None, None, None]))
+    measured = replace(kept, velocities=corrected)
     return measured, pool.in_plane.select(chosen.ravel()[kept.event]), found[1, :, None]
 
 
@@ -239,8 +233,7 @@ def _first(measured: Measured, good: BoolArray, events: int) -> Measured:
     if np.any(good.sum(axis=1) < events):
         raise ValueError(f"too few events in some experiments: {events} are wanted")
     order = np.argsort(~good, axis=1, kind="stable")[:, :events]
-    names = Measured.__dataclass_fields__
-    return Measured(**{k: np.take_along_axis(getattr(measured, k), order, 1) for k in names})
+    return measured.select((np.arange(len(order))[:, None], order))
 
 
 NEEDS = {"calibration": ("calibration",)}

@@ -14,7 +14,7 @@ from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import Tables
 from microimpact.declared.parameters import Count, Keyed, Name, NonNegative, Positive
 from microimpact.lab.dispenser import Dispenser
-from microimpact.lab.events import Impacts, Measured
+from microimpact.lab.events import Impacts
 from microimpact.lab.ptis.experiment import turned
 from microimpact.lab.reduction import QUANTITIES, quantities
 from microimpact.lab.samples import (
@@ -171,10 +171,9 @@ def sample(setting: Setting, impacts: Impacts, params: Params) -> dict[str, Floa
     true = turned(impacts.in_plane.select(np.flatnonzero(free)), setting.angle_error)
     noise = generator(params.seed, 3).standard_normal((4, len(impacts)))[:, true.event]
     noise *= setting.velocity_noise * true.speed
-    components = ("incident_normal", "incident_tangential", "rebound_normal", "rebound_tangential")
-    measured: Measured = replace(
-        true, **{name: getattr(true, name) + noise[k] for k, name in enumerate(components)}
-    )
+    # In turn of incident and rebound velocity the normal and the tangential component.
+    legs = np.moveaxis(noise.reshape(2, 2, -1)[:, ::-1], -1, 0)
+    measured = replace(true, velocities=true.velocities + legs)
     values = {name: np.full(len(impacts), np.nan) for name in QUANTITIES}
     for name, of in quantities(measured).items():
         values[name][measured.event] = of

@@ -127,7 +127,7 @@ def experiment_row(population: Population, speed: float, outcome: Session) -> di
     return {
         "population": population.name,
         "nominal_speed_m_per_s": speed,
-        "speed_m_per_s": float(np.mean(-measured.incident_normal)) if len(measured) else np.nan,
+        "speed_m_per_s": float(np.mean(-measured.normal[0])) if len(measured) else np.nan,
         "dropped": outcome.dropped,
         "near_the_probe": len(truth),
         "events": len(measured),

@@ -346,8 +346,8 @@ def _measured(
     for form in FORMS:
         events = at_surface(found.stream, found.pairing, found.truth, form)
         reduced[form] = {
-            "v": -events.incident_normal[chosen],
-            "V": events.rebound_normal[chosen],
+            "v": -events.normal[0, chosen],
+            "V": events.normal[1, chosen],
             "e": events.coefficient_of_restitution[chosen],
         }
     return reduced

@@ -213,5 +213,5 @@ def tilted_ratio(contact: Contact, speed: float, tilt: float) -> float:
     impact, turn = simulate(contact, speed, 90.0 - tilt), np.radians(tilt)
     before = [speed * np.sin(turn), -speed * np.cos(turn)]
     after = [float(impact.tangential_velocity), float(impact.normal_velocity)]
-    true = Measured.of(np.zeros(1, dtype=np.int64), np.array([[before, after]]))
+    true = Measured(event=np.zeros(1, dtype=np.int64), velocities=np.array([[before, after]]))
     return float(quantities(turned(true, tilt))["impulse_ratio"][0])

@@ -76,13 +76,8 @@ def off_centre(
         contact.friction * pressed / ((1.0 + e) * -v[:, 2]),
     )
     free = ~normal.captured & (after.V_n > 0.0)
-    measured = Measured(
-        event=inside[free],
-        incident_normal=v[free, 2],
-        incident_tangential=v[free, 0],
-        rebound_normal=after.V_n[free],
-        rebound_tangential=after.V_t[free],
-    )
+    legs = v[:, ::2], np.stack([after.V_t, after.V_n], axis=1)
+    measured = Measured(event=inside[free], velocities=np.stack(legs, axis=1)[free])
     return reduce_to(measured, inside.size, sampling)
 
 

@@ -35,8 +35,6 @@ from microimpact.studies.experiments.track_imaging.agreement import (
     impacts,
     residual_rows,
     speed_and_angle_errors,
-    true_velocities,
-    velocities,
     verdicts,
 )
 
@@ -230,9 +228,8 @@ def _summary(
         "events": len(true),
         "fraction_observed": len(measured) / len(true),
     }
-    errors = speed_and_angle_errors(
-        velocities(measured), true_velocities(true.select(measured.event))
-    )
+    exact = true.in_plane.velocities[measured.event]
+    errors = speed_and_angle_errors(measured.velocities, exact)
     for k, leg in enumerate(LEGS):
         for error, name in zip(errors, ("speed_error", "direction_error_deg"), strict=True):
             of = error[:, k]

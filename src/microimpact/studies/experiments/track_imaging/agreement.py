@@ -11,7 +11,7 @@ from numpy.random import Generator
 
 from microimpact.core.arrays import FloatArray
 from microimpact.declared.parameters import Fraction, NonNegative, Positive
-from microimpact.lab.events import Impacts, Measured
+from microimpact.lab.events import Impacts
 from microimpact.lab.ptis.exposure import MEASURED
 from microimpact.lab.ptis.observation import ImagedEvents, modelled, observe
 from microimpact.lab.ptis.system import Setup
@@ -69,20 +69,6 @@ def impacts(
     )
 
 
-def velocities(measured: Measured) -> FloatArray:
-    """Return incident and rebound velocity, tangential and normal, (k, 2, 2), m/s."""
-    rows = [
-        [measured.incident_tangential, measured.incident_normal],
-        [measured.rebound_tangential, measured.rebound_normal],
-    ]
-    return np.moveaxis(np.array(rows), -1, 0)
-
-
-def true_velocities(events: Impacts) -> FloatArray:
-    """Return what `velocities` should be of every impact, (n, 2, 2), m/s."""
-    return np.stack([events.velocity[:, [0, 2]], events.rebound_velocity[:, [0, 2]]], axis=1)
-
-
 def speed_and_angle_errors(found: FloatArray, true: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return relative errors of the speed and errors of its direction (degrees), each (k, 2)."""
     speed = np.linalg.norm(found, axis=2) / np.linalg.norm(true, axis=2) - 1.0
@@ -138,8 +124,8 @@ def compared(impacts: Impacts, setup: Setup, rng: Generator) -> Compared:
     both, of_frames, of_model = np.intersect1d(
         frames.measured.event, model.measured.event, return_indices=True
     )
-    seen, mean = velocities(frames.measured)[of_frames], expected.velocities[of_model]
-    true = true_velocities(impacts)[both]
+    seen, mean = frames.measured.velocities[of_frames], expected.velocities[of_model]
+    true = impacts.in_plane.velocities[both]
     along = mean / np.linalg.norm(mean, axis=-1, keepdims=True)
     axes = np.stack([along, np.stack([-along[..., 1], along[..., 0]], axis=-1)], axis=-2)
     turned = axes @ expected.covariance[of_model] @ np.swapaxes(axes, -1, -2)
