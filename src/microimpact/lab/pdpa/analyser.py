@@ -92,6 +92,11 @@ class Analyser:
             if low >= high:
                 raise ValueError(f"{name}: [{low:g}, {high:g}] must ascend")
 
+    @property
+    def initial_height(self) -> float:
+        """Height from which the search for pairs starts, m."""
+        return 1e-3 * self.probe_height_mm * (1.0 + self.initial_estimate_error)
+
     def velocity_noise(self, velocity: FloatArray) -> FloatArray:
         """Return the standard deviation of recorded velocities, m/s."""
         return np.hypot(self.velocity_noise_relative * velocity, self.velocity_noise_floor_m_per_s)

@@ -76,8 +76,8 @@ def _observed(
     # A second more, for the last sphere to bounce.
     duration = float(np.max(impacts.time[:first], initial=0.0)) + 1.0
     seen = observe(impacts, first, duration, instrument, rng, drop_height=drop.height)
-    inside = np.flatnonzero(drop.in_class(seen.measured.speed))
-    measured = seen.measured.select(inside[: stop.events])
+    events = seen.at_surface()
+    measured = events.select(np.flatnonzero(drop.in_class(events.speed))[: stop.events])
     enough = len(measured) >= stop.fewest_events
     return Session(
         measured=measured,

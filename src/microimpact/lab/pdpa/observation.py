@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.random import Generator
 
-from microimpact.core.arrays import BoolArray
 from microimpact.lab.events import Impacts, IntArray, Measured
 from microimpact.lab.pdpa.analyser import (
     INCIDENT,
@@ -47,11 +46,6 @@ class Quality:
     later_pairs: int
     recorded_pairs: int  # Impacts of which both records exist
     unpaired_incidents: int  # Falling records without a rebound: captured, or lost
-    # Of the probe volume: true, found from the pairs, its standard error, m.
-    height: float
-    estimated_height: float
-    estimated_height_error: float
-    converged: bool  # Whether the search came to rest
     # First impacts with a rebound, and those of them with an incident record.
     rebounds: int
     seen_rebounds: int
@@ -72,14 +66,54 @@ class Quality:
 class Observation:
     """All that one experiment leaves."""
 
-    measured: Measured  # Events, at the surface; `event` counts in `impacts`
-    quality: Quality  # Against the ground truth
     impacts: Impacts  # First and later impacts
+    first: int  # Number of first impacts
+    height: float  # True height of the probe volume, m
     # Passages through the probe volume, the records, what they are of, and the pairs found.
     crossing: Passages
     stream: RecordStream
     truth: GroundTruth
     pairing: Pairing
+
+    def at_surface(self, form: Form = "exact") -> Measured:
+        """Reduce accepted pairs to normal velocities at the surface, with the height found.
+
+        Events are numbers of `impacts`.
+        """
+        pairs = np.stack([self.pairing.incident, self.pairing.rebound], axis=-1)
+        normal = np.asarray(correct(self.stream.velocity[pairs], self.pairing.height, form))
+        return Measured.of_normal(pair_events(self.pairing, self.truth), normal)
+
+    @property
+    def quality(self) -> Quality:
+        """Compare the pairs with the ground truth."""
+        event, recorded = pair_events(self.pairing, self.truth), self.truth.recorded
+        rebounds = ~self.impacts.captured[: self.first]
+        return Quality(
+            pairs=len(event),
+            true_pairs=int(np.sum(event >= 0)),
+            later_pairs=int(np.sum(event >= self.first)),
+            recorded_pairs=int(np.sum(np.all(recorded, axis=0))),
+            unpaired_incidents=int(np.sum(self.stream.velocity < 0.0)) - len(event),
+            rebounds=int(np.sum(rebounds)),
+            seen_rebounds=int(np.sum(recorded[INCIDENT, : self.first] & rebounds)),
+            fates=self._fates(event),
+        )
+
+    def _fates(self, event: IntArray) -> dict[str, int]:
+        (falls, rises), (enters, returns) = self.crossing.reached, self.crossing.inside
+        conditions = [
+            ~falls,
+            ~enters,
+            self.impacts.captured,
+            ~rises,
+            ~returns,
+            np.any(self.truth.overlapped, axis=0),
+            np.any(self.truth.dropped, axis=0),
+            ~np.isin(np.arange(len(falls)), event),
+        ]
+        fate = np.select(conditions, list(range(len(conditions))), len(conditions))[: self.first]
+        return dict(zip(FATES, np.bincount(fate, minlength=len(FATES)).tolist(), strict=True))
 
 
 def observe(
@@ -104,26 +138,15 @@ def observe(
     fall[:first] = drop_height
     crossing = passages(impacts, height, instrument, fall)
     stream, truth = records(crossing, duration, instrument, rng)
-    estimate = 1e-3 * instrument.probe_height_mm * (1.0 + instrument.initial_estimate_error)
-    pairing = search(stream, estimate, instrument)
     return Observation(
-        measured=at_surface(stream, pairing, truth),
-        quality=judge(pairing, stream, truth, crossing, impacts.captured[:first], height),
         impacts=impacts,
+        first=first,
+        height=height,
         crossing=crossing,
         stream=stream,
         truth=truth,
-        pairing=pairing,
+        pairing=search(stream, instrument.initial_height, instrument),
     )
-
-
-def at_surface(
-    stream: RecordStream, pairing: Pairing, truth: GroundTruth, form: Form = "exact"
-) -> Measured:
-    """Reduce accepted pairs to normal velocities at the surface, with the height found."""
-    normal = stream.velocity[np.stack([pairing.incident, pairing.rebound], axis=-1)]
-    at_surface = np.asarray(correct(normal, pairing.height, form))
-    return Measured.of_normal(pair_events(pairing, truth), at_surface)
 
 
 def pair_events(pairing: Pairing, truth: GroundTruth) -> IntArray:
@@ -131,50 +154,6 @@ def pair_events(pairing: Pairing, truth: GroundTruth) -> IntArray:
     first, second = truth.impact[pairing.incident], truth.impact[pairing.rebound]
     legs = (truth.leg[pairing.incident] == INCIDENT) & (truth.leg[pairing.rebound] == REBOUND)
     return np.where((first == second) & legs, first, -1)
-
-
-def judge(
-    pairing: Pairing,
-    stream: RecordStream,
-    truth: GroundTruth,
-    crossing: Passages,
-    captured: BoolArray,
-    height: float,
-) -> Quality:
-    """Compare pairs with the ground truth; ``captured`` is of the first impacts, height in m."""
-    event, first = pair_events(pairing, truth), len(captured)
-    return Quality(
-        pairs=len(event),
-        true_pairs=int(np.sum(event >= 0)),
-        later_pairs=int(np.sum(event >= first)),
-        recorded_pairs=int(np.sum(np.all(truth.recorded, axis=0))),
-        unpaired_incidents=int(np.sum(stream.velocity < 0.0)) - len(event),
-        height=height,
-        estimated_height=pairing.height,
-        estimated_height_error=pairing.height_error,
-        converged=pairing.converged,
-        rebounds=int(np.sum(~captured)),
-        seen_rebounds=int(np.sum(truth.recorded[INCIDENT, :first] & ~captured)),
-        fates=_fates(crossing, truth, captured, event),
-    )
-
-
-def _fates(
-    crossing: Passages, truth: GroundTruth, captured: BoolArray, event: IntArray
-) -> dict[str, int]:
-    (falls, rises), (enters, returns) = crossing.reached, crossing.inside
-    conditions = [
-        ~falls,
-        ~enters,
-        np.pad(captured, (0, len(falls) - len(captured))),
-        ~rises,
-        ~returns,
-        np.any(truth.overlapped, axis=0),
-        np.any(truth.dropped, axis=0),
-        ~np.isin(np.arange(len(falls)), event),
-    ]
-    fate = np.select(conditions, list(range(len(conditions))), len(conditions))[: len(captured)]
-    return dict(zip(FATES, np.bincount(fate, minlength=len(FATES)).tolist(), strict=True))
 
 
 def ratio(part: float, whole: float) -> float:

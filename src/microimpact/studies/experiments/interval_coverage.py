@@ -176,9 +176,8 @@ def _doppler_experiments(
     speed = np.abs(np.asarray(correct(at_probe[0], usual)))
     # A rebound that seems to fall, by its noise, is no candidate in the search for pairs.
     kept = _first(seen, drop.in_class(speed) & (at_probe[1] > 0.0), events)
-    estimate = usual * (1.0 + instrument.initial_estimate_error)
     used = pairs.reshape(2, -1)[:, kept.event]
-    found = np.array([estimate, np.nan])[:, None]
+    found = np.array([instrument.initial_height, np.nan])[:, None]
     for _ in range(ROUNDS):
         found = np.stack(heights(stream, used, found[0], instrument))
     corrected = np.asarray(correct(kept.velocities, found[0, :, None, None, None]))

@@ -120,7 +120,8 @@ def experiment(params: Params, population: Population, speed: float, contact: Co
 
 def experiment_row(population: Population, speed: float, outcome: Session) -> dict[str, Any]:
     """Return one experiment as a row of the table: what was seen, measured, and true."""
-    quality, fates, measured = outcome.observation.quality, outcome.fates, outcome.measured
+    observation, fates, measured = outcome.observation, outcome.fates, outcome.measured
+    quality = observation.quality
     first = outcome.first_impacts.in_plane
     truth = first.coefficient_of_restitution
     rebounds = truth[truth > 0.0]
@@ -136,8 +137,8 @@ def experiment_row(population: Population, speed: float, outcome: Session) -> di
         "missed_the_probe": fates["incident missed probe"] + fates["rebound missed probe"],
         "precision": quality.precision,
         "recall": quality.recall,
-        "probe_height_found_mm": 1e3 * quality.estimated_height,
-        "probe_height_true_mm": 1e3 * quality.height,
+        "probe_height_found_mm": 1e3 * observation.pairing.height,
+        "probe_height_true_mm": 1e3 * observation.height,
         **interval_columns(outcome.means, *QUANTITIES),
         "true_restitution_of_rebounds": float(np.mean(rebounds)) if rebounds.size else np.nan,
         "true_restitution_of_all": float(np.mean(truth)),

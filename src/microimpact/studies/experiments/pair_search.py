@@ -8,7 +8,7 @@ and what becomes of rebounds too slow to reach the probe volume?
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Annotated
@@ -24,24 +24,10 @@ from microimpact.declared.parameters import CaseName, Count, Positive
 from microimpact.lab.bounces import generations, with_later_impacts
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.dispenser import Dispenser, Paths, arrivals
-from microimpact.lab.events import Impacts, IntArray
+from microimpact.lab.events import Impacts, IntArray, Measured
 from microimpact.lab.experiment import Drop, Target
-from microimpact.lab.pdpa.analyser import (
-    REBOUND,
-    Analyser,
-    GroundTruth,
-    RecordStream,
-    through_probe,
-)
-from microimpact.lab.pdpa.observation import (
-    FATES,
-    Observation,
-    Quality,
-    at_surface,
-    judge,
-    observe,
-    ratio,
-)
+from microimpact.lab.pdpa.analyser import REBOUND, Analyser, through_probe
+from microimpact.lab.pdpa.observation import FATES, Observation, observe, ratio
 from microimpact.lab.pdpa.pairing import Form, correct, search
 from microimpact.lab.surface import Rebound
 from microimpact.model.contact import Contact
@@ -163,7 +149,7 @@ class Control:
     crowding: Annotated[float, Field(gt=1)]
 
 
-Change = Callable[[Observation, np.random.Generator], tuple[RecordStream, GroundTruth]]
+Change = Callable[[Observation, np.random.Generator], Observation]
 
 
 def pairing_controls(
@@ -189,61 +175,56 @@ def pairing_controls(
     )
     rows = []
     for name, observations, change in cases:
-        found = list(_judged(setup, observations, change, particles, key))
-        total = {
-            count: sum(getattr(quality, count) for quality in found)
-            for count in ("pairs", "true_pairs", "recorded_pairs", "unpaired_incidents")
-        }
+        found = [
+            _searched(change(one, generator(setup.seed, key, i, 2)), setup.instrument)
+            for i, one in enumerate(observations)
+        ]
+        total = _total(found)
         rows.append(
             {
                 "stream": name,
                 "speed_m_per_s": speed,
                 "probe_height_mm": setup.instrument.probe_height_mm,
                 "experiments": experiments,
-                **total,
+                **{name: total[name] for name in CONTROLLED},
                 "precision": ratio(total["true_pairs"], total["pairs"]),
                 "recall": ratio(total["true_pairs"], total["recorded_pairs"]),
                 "pairs_per_incident": ratio(
                     total["pairs"], total["pairs"] + total["unpaired_incidents"]
                 ),
-                "converged": sum(quality.converged for quality in found) / experiments,
+                "converged": sum(one.pairing.converged for one in found) / experiments,
             }
         )
     return pd.DataFrame(rows)
 
 
-def _judged(
-    setup: Apparatus, observations: list[Observation], change: Change, particles: int, key: int
-) -> Iterator[Quality]:
-    instrument = setup.instrument
-    estimate = 1e-3 * instrument.probe_height_mm * (1.0 + instrument.initial_estimate_error)
-    for i, found in enumerate(observations):
-        stream, truth = change(found, generator(setup.seed, key, i, 2))
-        pairing = search(stream, estimate, instrument)
-        captured = found.impacts.captured[:particles]
-        yield judge(pairing, stream, truth, found.crossing, captured, found.quality.height)
+def _searched(changed: Observation, instrument: Analyser) -> Observation:
+    return replace(changed, pairing=search(changed.stream, instrument.initial_height, instrument))
 
 
-def _as_recorded(found: Observation, _: np.random.Generator) -> tuple[RecordStream, GroundTruth]:
-    return found.stream, found.truth
+def _total(found: list[Observation]) -> dict[str, int]:
+    """Return all counts of some experiments, and their fates."""
+    qualities = [observation.quality for observation in found]
+    total = {name: sum(getattr(quality, name) for quality in qualities) for name in COUNTS}
+    return total | {name: sum(quality.fates[name] for quality in qualities) for name in FATES}
 
 
-def _times_permuted(
-    found: Observation, rng: np.random.Generator
-) -> tuple[RecordStream, GroundTruth]:
+def _as_recorded(found: Observation, _: np.random.Generator) -> Observation:
+    return found
+
+
+def _times_permuted(found: Observation, rng: np.random.Generator) -> Observation:
     rising = np.flatnonzero(found.stream.velocity > 0.0)
     time = found.stream.time.copy()
     time[rising] = time[rng.permutation(rising)]
-    return replace(found.stream, time=time), found.truth
+    return replace(found, stream=replace(found.stream, time=time))
 
 
-def _without_rebounds(
-    found: Observation, _: np.random.Generator
-) -> tuple[RecordStream, GroundTruth]:
+def _without_rebounds(found: Observation, _: np.random.Generator) -> Observation:
     """Leave out what rose; false records stay, and rise as often as they fall."""
     stays: BoolArray = (found.truth.impact < 0) | (found.stream.velocity < 0.0)
     truth = replace(found.truth, leg=found.truth.leg[stays], impact=found.truth.impact[stays])
-    return found.stream.select(stays), truth
+    return replace(found, stream=found.stream.select(stays), truth=truth)
 
 
 _frame = partial(series_frame, x_unit="m_per_s", y_unit="1")
@@ -341,16 +322,18 @@ def _measured(
     duration, rng = float(np.max(impacts.time)), generator(setup.seed, *key, 1)
     followed = with_later_impacts(impacts, bounce, setup.instrument.later_impacts)
     found = observe(followed, particles, duration, setup.instrument, rng)
-    chosen = (found.measured.event >= 0) & (found.measured.event < particles)
     reduced: dict[Form, dict[str, FloatArray]] = {}
     for form in FORMS:
-        events = at_surface(found.stream, found.pairing, found.truth, form)
-        reduced[form] = {
-            "v": -events.normal[0, chosen],
-            "V": events.normal[1, chosen],
-            "e": events.coefficient_of_restitution[chosen],
-        }
+        events = _of_first(found, form)
+        v, V = events.normal
+        reduced[form] = {"v": -v, "V": V, "e": events.coefficient_of_restitution}
     return reduced
+
+
+def _of_first(found: Observation, form: Form = "exact") -> Measured:
+    """Return the events that are first impacts, and known to be."""
+    events = found.at_surface(form)
+    return events.select((events.event >= 0) & (events.event < found.first))
 
 
 DRAWN_SHARES = {"precision": "precision", "recall": "recall", "seen": "recall_of_seen_rebounds"}
@@ -397,7 +380,9 @@ NEEDS = {"calibration": ("calibration",)}
 
 # Places of the parts among the draws of the study.
 PARTICLES, ANALYSER, CONTROLS, CORRECTION, SLOW, SHOWN = range(6)
-COUNTS = ("pairs", "true_pairs", "later_pairs", "recorded_pairs", "rebounds", "seen_rebounds")
+POOLED = ("pairs", "true_pairs", "later_pairs", "recorded_pairs", "rebounds", "seen_rebounds")
+CONTROLLED = ("pairs", "true_pairs", "recorded_pairs", "unpaired_incidents")
+COUNTS = {*POOLED, *CONTROLLED}
 # Shares with their interval: found of what.
 SHARES = {
     "precision": ("true_pairs", "pairs"),
@@ -492,10 +477,9 @@ def pairing_quality(params: Params, setup: Apparatus) -> tuple[pd.DataFrame, pd.
             impacts = dropped(placed, speed, *size)
             found = observed(placed, impacts, speed, (ANALYSER, i, j), params.experiments)
             place = {"probe_height_mm": height, "speed_m_per_s": speed}
-            fates = {name: sum(o.quality.fates[name] for o in found) for name in FATES}
-            number = params.experiments * params.particles
-            rows.append({**place, "impacts": number, **_pooled(found, fates)})
-            losses += [{**place, "fate": name, "impacts": n} for name, n in fates.items()]
+            total, number = _total(found), params.experiments * params.particles
+            rows.append({**place, "impacts": number, **_pooled(found, total)})
+            losses += [{**place, "fate": name, "impacts": total[name]} for name in FATES]
     table = pd.DataFrame(rows)
     for share in ("precision", "recall"):
         over_heights = table.groupby("speed_m_per_s")[share].transform
@@ -503,23 +487,20 @@ def pairing_quality(params: Params, setup: Apparatus) -> tuple[pd.DataFrame, pd.
     return table, pd.DataFrame(losses)
 
 
-def _pooled(found: list[Observation], fates: Mapping[str, int]) -> Row:
+def _pooled(found: list[Observation], total: Mapping[str, int]) -> Row:
     """Pool the experiments of one height and speed."""
-    qualities = [observation.quality for observation in found]
-    total = {name: sum(getattr(quality, name) for quality in qualities) for name in COUNTS}
-    row: Row = dict(total)
+    row: Row = {name: total[name] for name in POOLED}
     for share, (part, whole) in SHARES.items():
-        row |= _share(share, (total | dict(fates))[part], total[whole])
-    crossing = fates["captured"] + sum(fates[name] for name in FATES[3:])
-    rebounding = crossing - fates["captured"]
-    settled = [quality for quality in qualities if quality.converged]
-    error = np.array([q.estimated_height - q.height for q in settled])
-    stated = np.array([q.estimated_height_error for q in settled])
+        row |= _share(share, total[part], total[whole])
+    rebounding = sum(total[name] for name in FATES[3:])
+    settled = [one for one in found if one.pairing.converged]
+    error = np.array([one.pairing.height - one.height for one in settled])
+    stated = np.array([one.pairing.height_error for one in settled])
     bias, bias_error = mean_and_error(1e6 * error)
     return row | {
-        "captured_fraction": ratio(fates["captured"], crossing),
-        "censored_fraction": ratio(fates["rebound below probe"], rebounding),
-        "converged": len(settled) / len(qualities),
+        "captured_fraction": ratio(total["captured"], total["captured"] + rebounding),
+        "censored_fraction": ratio(total["rebound below probe"], rebounding),
+        "converged": len(settled) / len(found),
         "height_bias_um": bias,
         "height_bias_standard_error_um": bias_error,
         "height_error_rms_in_standard_errors": _rms(error / stated),
@@ -551,11 +532,10 @@ def slow_rebounds(setup: Apparatus, params: Slow) -> pd.DataFrame:
         n, rebounds = len(impacts), ~impacts.captured
         e = np.abs(impacts.rebound_velocity[:, 2] / impacts.velocity[:, 2])
         seen = rebounds & found.crossing.reached[REBOUND, :n]
-        event = found.measured.event
-        first = (event >= 0) & (event < n)
+        first = _of_first(found).coefficient_of_restitution
         mean = mean_and_error(e[rebounds])[0]
         visible = mean_and_error(e[seen])[0]
-        measured, error = mean_and_error(found.measured.coefficient_of_restitution[first])
+        measured, error = mean_and_error(first)
         rows.append(
             {
                 "speed_m_per_s": speed,
@@ -569,7 +549,7 @@ def slow_rebounds(setup: Apparatus, params: Slow) -> pd.DataFrame:
                 "mean_e_rebounds": mean,
                 "mean_e_observable": visible,
                 "bias_observable": visible - mean,
-                "events": int(first.sum()),
+                "events": len(first),
                 "mean_e_measured": measured,
                 "mean_e_measured_standard_error": error,
                 "bias_measured": measured - mean,
