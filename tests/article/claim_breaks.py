@@ -15,7 +15,7 @@ from tests.shared import ROOT
 from microimpact.declared.parameters import build
 from microimpact.lab import experiment, surface
 from microimpact.lab.contacts import calibrated_contact
-from microimpact.lab.samples import Sampling, contact_of
+from microimpact.lab.samples import Sample, Sampling, contact_of
 from microimpact.lab.surface import simulated
 from microimpact.model import contact as contact_module
 from microimpact.model.calibration import (
@@ -318,11 +318,8 @@ def classes(world):
     params, sampling = world.mechanisms()
     rows = []
     for case in STEEL:
-        base = replace(params.speed.dropped, case=case)
-        contact = contact_of(base, world.inputs())
-        rows += [
-            class_row(params.speed, base, contact, one, sampling) for one in params.speed.classes
-        ]
+        sample = Sample.of(replace(params.speed.dropped, case=case), sampling, world.inputs())
+        rows += [class_row(params.speed, sample, one) for one in params.speed.classes]
     return {"speed_and_angle": pd.DataFrame(rows)}
 
 
@@ -378,10 +375,11 @@ def strong_spore(claim, world):
     """Twice the work of adhesion after the calibration, so that the damping stays as it is."""
     plain = spore_mechanism.met_at
 
-    def doubled(restitution, dropped, contact, angle, sampling):
-        found = plain(restitution, dropped, contact, angle, sampling)
-        factor = 2.0 if dropped.case.startswith("lycopodium") else 1.0
-        return found.replace(work_of_adhesion=factor * found.work_of_adhesion)
+    def doubled(restitution, sample, angle):
+        found = plain(restitution, sample, angle)
+        factor = 2.0 if sample.dropped.case.startswith("lycopodium") else 1.0
+        work = factor * found.contact.work_of_adhesion
+        return found.on(found.contact.replace(work_of_adhesion=work))
 
     world.patch.setattr(spore_mechanism, "met_at", doubled)
     params, sampling = world.mechanisms()

@@ -7,17 +7,15 @@ import pytest
 from tests.shared import STILL
 
 from microimpact.lab.bounces import resting
-from microimpact.lab.dispenser import NO_SPIN
+from microimpact.lab.dispenser import NO_SPIN, InitialSpin
 from microimpact.lab.events import Falling
 from microimpact.lab.samples import (
     Dropped,
+    Sample,
     Sampling,
     Statistic,
     difference_columns,
     half_width,
-    rough,
-    seen,
-    with_spin,
 )
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
@@ -43,9 +41,13 @@ STEEL = Dropped(
 )
 
 
+def on(contact):
+    return Sample(dropped=STEEL, contact=contact, sampling=SAMPLING)
+
+
 @pytest.mark.parametrize("angle", [85.0, 60.0, 30.0])
 def test_a_sample_without_spreads_is_the_single_impact(contact, angle):
-    one = seen(STEEL, contact, angle, SAMPLING)
+    one = on(contact).seen(angle)
     sphere = simulate(contact, 1.66, angle)
     e, mu, loss = (one.statistics[q] for q in ("restitution", "impulse_ratio", "energy_loss"))
     assert e.mean == pytest.approx(float(sphere.coefficient_of_restitution), abs=1e-4)
@@ -64,31 +66,24 @@ def test_a_sample_without_spreads_is_the_single_impact(contact, angle):
 def test_spin_without_a_mean_never_turns_the_mean_impulse_ratio(contact):
     for sd in (0.3, 1.0, 3.0):
         for angle in (85.0, 45.0, 25.0):
-            spun = seen(with_spin(STEEL, mean=0.0, sd=sd), contact, angle, SAMPLING)
+            spun = on(contact).but(spin=InitialSpin(mean=0.0, sd=sd)).seen(angle)
             mu = spun.statistics["impulse_ratio"]
             assert mu.mean > -2.0 * mu.sd / np.sqrt(SAMPLING.impacts)
 
 
 def test_a_mean_spin_makes_the_ratio_lowest_at_steep_angles(contact):
-    mu = [
-        seen(with_spin(STEEL, mean=0.5, sd=0.0), contact, a, SAMPLING)
-        .statistics["impulse_ratio"]
-        .mean
-        for a in (85.0, 60.0, 30.0)
-    ]
+    spun = on(contact).but(spin=InitialSpin(mean=0.5, sd=0.0))
+    mu = [spun.mean("impulse_ratio", angle) for angle in (85.0, 60.0, 30.0)]
     assert mu[0] < -0.05
     assert mu[1] == pytest.approx(0.0, abs=1e-6)  # cos 60 deg = 0.5: no slip
     assert mu[2] > 0.1
 
 
 def test_slopes_lower_restitution_at_steep_angles_and_raise_it_at_shallow_ones(contact):
+    smooth = on(contact)
+    rough = smooth.but(surface_slope=0.1)
     steep, shallow = (
-        difference_columns(
-            seen(rough(STEEL, 0.1), contact, a, SAMPLING),
-            seen(STEEL, contact, a, SAMPLING),
-            SAMPLING,
-        )
-        for a in (85.0, 15.0)
+        difference_columns(rough.seen(a), smooth.seen(a), SAMPLING) for a in (85.0, 15.0)
     )
     e = float(simulate(contact, 1.66, 85.0).coefficient_of_restitution)
     # Exact at normal incidence: e - (e + 5/7) phi^2, over both axes of slopes.
@@ -105,16 +100,16 @@ def test_half_width_of_a_difference():
 
 
 def test_bodies_without_offset_are_spheres(contact):
-    body = off_centre(STEEL, contact, 40.0, 0.0, SAMPLING)
-    sphere = seen(STEEL, contact, 40.0, SAMPLING)
+    body = off_centre(on(contact), 40.0, 0.0)
+    sphere = on(contact).seen(40.0)
     for name, of in sphere.statistics.items():
         assert body.statistics[name].mean == pytest.approx(of.mean, abs=1e-9), name
 
 
 def test_offsets_lower_restitution_at_every_angle(contact):
     for angle in (85.0, 38.0, 15.0):
-        body = off_centre(STEEL, contact, angle, 0.2, SAMPLING)
-        sphere = seen(STEEL, contact, angle, SAMPLING)
+        body = off_centre(on(contact), angle, 0.2)
+        sphere = on(contact).seen(angle)
         less = body.statistics["restitution"].mean - sphere.statistics["restitution"].mean
         assert less < -0.02
 

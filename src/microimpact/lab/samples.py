@@ -18,8 +18,7 @@ from microimpact.lab.events import Impacts, Measured
 from microimpact.lab.experiment import Drop, Target, in_range
 from microimpact.lab.ptis.experiment import turned
 from microimpact.lab.reduction import QUANTITIES, quantities, shared_error
-from microimpact.lab.surface import LABORATORY, combined_slope
-from microimpact.lab.surface import rough as rough_surface
+from microimpact.lab.surface import LABORATORY, combined_slope, rough
 from microimpact.model.contact import Contact, resized
 from microimpact.statistics.distributions import Distribution, generator, mean
 from microimpact.statistics.intervals import student_half_width
@@ -57,7 +56,7 @@ class Dropped:
     def drop(self, contact: Contact, angle: float, dispenser: Dispenser) -> Drop:
         """Return what is dropped, on a contact and at an angle of incidence in degrees."""
         return Drop(
-            target=Target(contact=contact, surface=rough_surface(self.slope_sd)),
+            target=Target(contact=contact, surface=rough(self.slope_sd)),
             diameter_um=self.diameter_um,
             angle=angle,
             speed=self.speed_m_per_s,
@@ -107,37 +106,58 @@ def contact_of(dropped: Dropped, inputs: Tables) -> Contact:
     return resized(contact, mean(dropped.diameter_um) * 1e-6)
 
 
-@lru_cache(maxsize=KEPT_SAMPLES)
-def impacts_of(
-    dropped: Dropped, contact: Contact, angle: float, sampling: Sampling, n: int | None = None
-) -> Impacts:
-    """Return the true impacts of a sample; other settings, the same random numbers.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sample:
+    """Particles dropped on a contact, at any angle; all settings share the random numbers."""
 
-    Not to be changed: the last samples are kept, for several mechanisms look at the same ones.
-    """
-    drop = dropped.drop(contact, angle, sampling.dispenser)
+    dropped: Dropped
+    contact: Contact  # At the mean diameter
+    sampling: Sampling
+
+    @classmethod
+    def of(cls, dropped: Dropped, sampling: Sampling, inputs: Tables) -> Sample:
+        """Return a sample on the calibrated contact of its case."""
+        return cls(dropped=dropped, contact=contact_of(dropped, inputs), sampling=sampling)
+
+    def but(self, **changes: Any) -> Sample:
+        """Return the same with other fields of what is dropped; the contact stays."""
+        return replace(self, dropped=replace(self.dropped, **changes))
+
+    def on(self, contact: Contact) -> Sample:
+        """Return the same on another contact."""
+        return replace(self, contact=contact)
+
+    def impacts(self, angle: float) -> Impacts:
+        """Return the true impacts at an angle of incidence in degrees.
+
+        Not to be changed: the last ones are kept, for several mechanisms look at the same.
+        """
+        return _impacts(self, angle)
+
+    def seen(self, angle: float, most_contacts: int = LABORATORY.most_contacts) -> Seen:
+        """Average the rebounds; after more contacts than the most a particle is captured."""
+        impacts = self.impacts(angle)
+        inside = in_class(self.dropped, impacts)
+        free = ~impacts.captured & (impacts.contacts <= most_contacts)
+        measured = impacts.in_plane.select(np.flatnonzero(inside & free))
+        return reduce_to(measured, int(np.sum(inside)), self.sampling)
+
+    def mean(self, quantity: str, angle: float) -> float:
+        """Return the mean of a quantity over the rebounds; nan with too few."""
+        return self.seen(angle).statistics[quantity].mean
+
+
+@lru_cache(maxsize=KEPT_SAMPLES)
+def _impacts(sample: Sample, angle: float) -> Impacts:
+    sampling = sample.sampling
+    drop = sample.dropped.drop(sample.contact, angle, sampling.dispenser)
     drop = drop.tabulated() if sampling.tabulated else drop
-    return drop.impacts(n or sampling.impacts, generator(sampling.seed, 0))
+    return drop.impacts(sampling.impacts, generator(sampling.seed, 0))
 
 
 def in_class(dropped: Dropped, impacts: Impacts) -> BoolArray:
     """Tell which particles arrive with a speed of the class."""
     return in_range(impacts.in_plane.speed, dropped.speed_range_m_per_s)
-
-
-def seen(
-    dropped: Dropped,
-    contact: Contact,
-    angle: float,
-    sampling: Sampling,
-    most_contacts: int = LABORATORY.most_contacts,
-) -> Seen:
-    """Drop a sample and average its rebounds; after more contacts than the most it is captured."""
-    impacts = impacts_of(dropped, contact, angle, sampling)
-    inside = in_class(dropped, impacts)
-    free = ~impacts.captured & (impacts.contacts <= most_contacts)
-    measured = impacts.in_plane.select(np.flatnonzero(inside & free))
-    return reduce_to(measured, int(np.sum(inside)), sampling)
 
 
 def reduce_to(measured: Measured, arrived: int, sampling: Sampling) -> Seen:
@@ -195,13 +215,3 @@ def difference_columns(one: Seen, other: Seen, sampling: Sampling) -> dict[str, 
         columns[difference] = a.mean - b.mean
         columns[f"{difference}_over_half_width"] = (a.mean - b.mean) / half_width(a, b, sampling)
     return columns
-
-
-def with_spin(dropped: Dropped, *, mean: float, sd: float) -> Dropped:
-    """Return the same with another initial spin, as shares of the speed."""
-    return replace(dropped, spin=InitialSpin(sd=sd, mean=mean))
-
-
-def rough(dropped: Dropped, surface_slope: float) -> Dropped:
-    """Return the same on a surface of another slope."""
-    return replace(dropped, surface_slope=surface_slope)

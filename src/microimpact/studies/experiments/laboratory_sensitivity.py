@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal
 
@@ -14,18 +14,9 @@ from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import Tables
 from microimpact.declared.parameters import Count, Keyed, Name, NonNegative, Positive
 from microimpact.lab.dispenser import Dispenser
-from microimpact.lab.events import Impacts
 from microimpact.lab.ptis.experiment import turned
 from microimpact.lab.reduction import QUANTITIES, quantities
-from microimpact.lab.samples import (
-    FEWEST_REBOUNDS,
-    Dropped,
-    Sampling,
-    contact_of,
-    impacts_of,
-    in_class,
-)
-from microimpact.model.contact import Contact
+from microimpact.lab.samples import FEWEST_REBOUNDS, Dropped, Sample, Sampling, in_class
 from microimpact.statistics.distributions import TruncatedNormal, generator
 
 NEEDS = {"calibration": ("calibration",)}
@@ -41,8 +32,18 @@ Spread = Literal[
     "velocity_noise",
     "angle_error",
 ]
-# Errors of measurement, which leave the true impacts alone.
-LAID_OVER = ("velocity_noise", "angle_error")
+# Where each stands in a `Setting`.
+SPREADS: Mapping[Spread, tuple[str, ...]] = {
+    "exit_speed": ("sample", "sampling", "dispenser", "exit_speed_m_per_s"),
+    "lateral_speed": ("sample", "sampling", "dispenser", "lateral_speed_m_per_s"),
+    "lateral_position": ("sample", "sampling", "dispenser", "lateral_position_mm"),
+    "diameter_sd": ("sample", "dropped", "diameter_um", "sd"),
+    "spin_sd": ("sample", "dropped", "spin", "sd"),
+    "surface_slope": ("sample", "dropped", "surface_slope"),
+    "particle_slope": ("sample", "dropped", "particle_slope"),
+    "velocity_noise": ("velocity_noise",),
+    "angle_error": ("angle_error",),
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -77,34 +78,18 @@ class Params:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Setting:
-    """All spreads of one sample."""
+    """All spreads: those of a sample, and errors of measurement, which leave its impacts alone."""
 
-    dropped: Dropped
-    dispenser: Dispenser
+    sample: Sample
     velocity_noise: float
     angle_error: float
 
-    def scaled(self, spread: Spread, factor: float) -> Setting:
-        """Return the setting with one spread multiplied."""
-        dropped, dispenser = self.dropped, self.dispenser
-        sizes = dropped.diameter_um
-        assert isinstance(sizes, TruncatedNormal)
-        changes: dict[str, Any] = {
-            "exit_speed": {"exit_speed_m_per_s": factor * dispenser.exit_speed_m_per_s},
-            "lateral_speed": {"lateral_speed_m_per_s": factor * dispenser.lateral_speed_m_per_s},
-            "lateral_position": {"lateral_position_mm": factor * dispenser.lateral_position_mm},
-            "diameter_sd": {"diameter_um": replace(sizes, sd=factor * sizes.sd)},
-            "spin_sd": {"spin": replace(dropped.spin, sd=factor * dropped.spin.sd)},
-            "surface_slope": {"surface_slope": factor * dropped.surface_slope},
-            "particle_slope": {"particle_slope": factor * dropped.particle_slope},
-            "velocity_noise": {"velocity_noise": factor * self.velocity_noise},
-            "angle_error": {"angle_error": factor * self.angle_error},
-        }
-        if spread in LAID_OVER:
-            return replace(self, **changes[spread])
-        if spread in {"exit_speed", "lateral_speed", "lateral_position"}:
-            return replace(self, dispenser=replace(dispenser, **changes[spread]))
-        return replace(self, dropped=replace(dropped, **changes[spread]))
+
+def scaled(record: Any, path: Sequence[str], factor: float) -> Any:
+    """Return a dataclass with one number, in a field or in fields of fields, multiplied."""
+    name, *rest = path
+    own = getattr(record, name)
+    return replace(record, **{name: scaled(own, rest, factor) if rest else factor * own})
 
 
 def run(params: Params, inputs: Tables) -> Tables:
@@ -117,23 +102,24 @@ def run(params: Params, inputs: Tables) -> Tables:
 
 
 def _rows(params: Params, inputs: Tables) -> Iterator[dict[str, Any]]:
+    sampling = Sampling(
+        seed=params.seed,
+        impacts=params.impacts,
+        events=params.impacts,
+        angle_error_deg=params.angle_error_deg,
+        dispenser=params.dispenser,
+    )
     for series in params.series:
         base = Setting(
-            dropped=series.dropped,
-            dispenser=params.dispenser,
+            sample=Sample.of(series.dropped, sampling, inputs),
             velocity_noise=params.velocity_noise_relative,
             angle_error=params.angle_error_deg,
         )
-        contact = contact_of(series.dropped, inputs)
         for angle in params.angles_deg:
-            true = true_sample(base, contact, angle, params)
-            reference = sample(base, true, params)
+            reference = measured(base, angle)
             for spread in series.spreads:
                 for factor in params.factors:
-                    setting = base.scaled(spread, factor)
-                    same = spread in LAID_OVER
-                    own = true if same else true_sample(setting, contact, angle, params)
-                    other = sample(setting, own, params)
+                    other = measured(scaled(base, SPREADS[spread], factor), angle)
                     for name in QUANTITIES:
                         yield {
                             "series": series.name,
@@ -146,37 +132,24 @@ def _rows(params: Params, inputs: Tables) -> Iterator[dict[str, Any]]:
                         }
 
 
-def true_sample(setting: Setting, contact: Contact, angle: float, params: Params) -> Impacts:
-    """Return the true impacts of a sample; settings share their random numbers.
-
-    Works of adhesion and damping are those of `contact`, whatever the sizes.
-    """
-    sampling = Sampling(
-        seed=params.seed,
-        impacts=params.impacts,
-        events=params.impacts,
-        angle_error_deg=setting.angle_error,
-        dispenser=setting.dispenser,
-    )
-    return impacts_of(setting.dropped, contact, angle, sampling)
-
-
-def sample(setting: Setting, impacts: Impacts, params: Params) -> dict[str, FloatArray]:
+def measured(setting: Setting, angle: float) -> dict[str, FloatArray]:
     """Return the measured quantities of n impacts, nan where captured or outside the class.
 
-    The target's tilt and the noise of the velocities are laid over them.
+    Settings share their random numbers. The target's tilt and the noise of the velocities are laid
+    over the true impacts.
     """
-    dropped = setting.dropped
-    free = ~impacts.captured & in_class(dropped, impacts)
+    sample = setting.sample
+    impacts = sample.impacts(angle)
+    free = ~impacts.captured & in_class(sample.dropped, impacts)
     true = turned(impacts.in_plane.select(np.flatnonzero(free)), setting.angle_error)
-    noise = generator(params.seed, 3).standard_normal((4, len(impacts)))[:, true.event]
+    noise = generator(sample.sampling.seed, 3).standard_normal((4, len(impacts)))[:, true.event]
     noise *= setting.velocity_noise * true.speed
     # In turn of incident and rebound velocity the normal and the tangential component.
     legs = np.moveaxis(noise.reshape(2, 2, -1)[:, ::-1], -1, 0)
-    measured = replace(true, velocities=true.velocities + legs)
+    noisy = replace(true, velocities=true.velocities + legs)
     values = {name: np.full(len(impacts), np.nan) for name in QUANTITIES}
-    for name, of in quantities(measured).items():
-        values[name][measured.event] = of
+    for name, of in quantities(noisy).items():
+        values[name][noisy.event] = of
     return values
 
 

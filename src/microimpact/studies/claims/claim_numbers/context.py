@@ -12,16 +12,8 @@ from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import FloatArray, Real, part_of
 from microimpact.lab.contacts import all_printed, calibrated_contact, single
-from microimpact.lab.samples import (
-    Dropped,
-    Sampling,
-    Seen,
-    contact_of,
-    half_width,
-    rough,
-    seen,
-    with_spin,
-)
+from microimpact.lab.dispenser import NO_SPIN
+from microimpact.lab.samples import Dropped, Sample, Sampling, Seen, contact_of, half_width
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import Impact, simulate
@@ -207,7 +199,7 @@ class Context:
         """Return the contact of what is dropped, at the mean diameter."""
         # Made once, but read for every sample.
         _ = self.inputs["calibration"], self.inputs["materials"]
-        key = rough(with_spin(dropped, mean=0.0, sd=0.0), 0.0)
+        key = replace(dropped, spin=NO_SPIN, surface_slope=0.0)
         if key not in self._contacts:
             self._contacts[key] = contact_of(dropped, self.inputs)
         return self._contacts[key]
@@ -217,7 +209,8 @@ class Context:
         own = replace(dropped, case=self.case or dropped.case)
         key = (own, angle, sampling or self.params.sampling)
         if key not in self._seen:
-            self._seen[key] = seen(own, self.contact(own), angle, key[2])
+            sample = Sample(dropped=own, contact=self.contact(own), sampling=key[2])
+            self._seen[key] = sample.seen(angle)
         return self._seen[key]
 
     def mean(

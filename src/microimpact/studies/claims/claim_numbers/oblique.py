@@ -13,7 +13,7 @@ from microimpact.lab.dispenser import NO_SPIN, InitialSpin
 from microimpact.lab.events import Impacts
 from microimpact.lab.experiment import StopRule
 from microimpact.lab.ptis.experiment import collect
-from microimpact.lab.samples import Dropped, Statistic, half_width, impacts_of, in_class, with_spin
+from microimpact.lab.samples import Dropped, Sample, Statistic, half_width, in_class
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import Impact, simulate, velocity_components
 from microimpact.model.rigid_body.roughness import measured_restitution
@@ -200,7 +200,8 @@ def c16(context: Context) -> Numbers:
 def sampled(context: Context, dropped: Dropped, angle: float) -> Impacts:
     """Return the impacts of the speed class at one angle, of the context's case."""
     own = replace(dropped, case=context.case)
-    impacts = impacts_of(own, context.contact(own), angle, context.params.sampling)
+    sampling = context.params.sampling
+    impacts = Sample(dropped=own, contact=context.contact(own), sampling=sampling).impacts(angle)
     return impacts.select(in_class(own, impacts))
 
 
@@ -208,10 +209,10 @@ def sampled(context: Context, dropped: Dropped, angle: float) -> Impacts:
 def c67(context: Context) -> Numbers:
     """Kinds of regions of the mean impulse ratio, and the transition, with and without spins."""
     smooth = context.params.smooth
-    spun = with_spin(smooth, mean=0.0, sd=context.params.regions.spin_sd)
+    spin = InitialSpin(mean=0.0, sd=context.params.regions.spin_sd)
     return {
         "no spin": found_regions(context, smooth),
-        "spins of either sense": found_regions(context, spun),
+        "spins of either sense": found_regions(context, replace(smooth, spin=spin)),
     }
 
 
@@ -456,7 +457,7 @@ def low_ratios(context: Context, mean: float) -> Numbers:
 
 def _with_spread(context: Context, mean: float, sd: float) -> Statistic:
     slow = context.params.slow
-    spun = with_spin(slow.dropped, mean=mean, sd=sd)
+    spun = replace(slow.dropped, spin=InitialSpin(mean=mean, sd=sd))
     return context.seen(spun, slow.spin_deg, context.series).statistics["impulse_ratio"]
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.lab.contacts import calibrated_contact
-from microimpact.lab.samples import rough, with_spin
+from microimpact.lab.dispenser import InitialSpin
 from microimpact.model.calibration import damping_factor_for
 from microimpact.model.contact import Contact
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
@@ -183,7 +183,8 @@ def c52(context: Context) -> Numbers:
 def c60(context: Context) -> Numbers:
     """Largest declared angle at which e_m exceeds that without slopes significantly."""
     samples = context.params.roughness
-    back, flat = samples.silicon_back, rough(samples.silicon_back, samples.smooth_slope)
+    back = samples.silicon_back
+    flat = replace(back, surface_slope=samples.smooth_slope)
     # nothing to compare with where the smooth surface keeps the spheres
     biased = (
         angle
@@ -207,7 +208,8 @@ def c94(context: Context) -> Numbers:
 def departure(context: Context, angle: float) -> float:
     """Return e_m with slopes less that without, each less its value at the reference angle."""
     samples, sloped = context.params.roughness, context.params.formica.steel
-    flat, angles = rough(sloped, samples.smooth_slope), (angle, samples.reference_angle_deg)
+    flat = replace(sloped, surface_slope=samples.smooth_slope)
+    angles = (angle, samples.reference_angle_deg)
     (e, start), (flat_e, flat_start) = (
         [context.mean("restitution", one, at).value for at in angles] for one in (sloped, flat)
     )
@@ -271,11 +273,12 @@ def share(context: Context, sources: tuple[str, ...], angle: float) -> float:
 def varied_restitution(context: Context, sources: tuple[str, ...], angle: float) -> float:
     """Return the mean measured restitution with only some sources of scatter."""
     samples, sampling = context.params.roughness, context.params.sampling
-    dropped = with_spin(
-        context.params.formica.steel, mean=0.0, sd=samples.spin_sd if "spin" in sources else 0.0
+    dropped = replace(
+        context.params.formica.steel,
+        spin=InitialSpin(mean=0.0, sd=samples.spin_sd if "spin" in sources else 0.0),
     )
     if "slope" not in sources:
-        dropped = rough(dropped, samples.smooth_slope)
+        dropped = replace(dropped, surface_slope=samples.smooth_slope)
     if "diameter" not in sources:
         dropped = replace(dropped, diameter_um=Constant(at=mean(dropped.diameter_um)))
     if "speed" not in sources:

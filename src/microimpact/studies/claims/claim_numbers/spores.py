@@ -9,7 +9,7 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import FloatArray
-from microimpact.lab.samples import Dropped, Sampling, Seen
+from microimpact.lab.samples import Dropped, Sample, Sampling, Seen
 from microimpact.studies.claims.claim_numbers.claim import CALIBRATED, VIRTUAL, claim
 from microimpact.studies.claims.claim_numbers.context import Context, Estimate, Numbers
 from microimpact.studies.experiments.mechanisms.spore import as_imaged
@@ -238,12 +238,7 @@ def c89(context: Context) -> Numbers:
 def watched(context: Context) -> Seen:
     """Return the spores on Formica at the shallow angle, as the camera sees them."""
     params = context.params.formica
-    return as_imaged(
-        params.spore,
-        context.contact(params.spore),
-        params.trend_deg[1],
-        context.series,
-        context.params.camera,
-        events=params.seen_events,
-        most_dropped=params.seen_dropped,
-    )
+    contact, camera = context.contact(params.spore), context.params.camera
+    sample = Sample(dropped=params.spore, contact=contact, sampling=context.series)
+    events, most = params.seen_events, params.seen_dropped
+    return as_imaged(sample, params.trend_deg[1], camera, events=events, most_dropped=most)

@@ -18,9 +18,8 @@ from microimpact.declared.parameters import (
     NonNegative,
     Positive,
 )
-from microimpact.lab.samples import Dropped, Sampling, contact_of, rough, seen
+from microimpact.lab.samples import Dropped, Sample, Sampling
 from microimpact.model.calibration import hertz_damping_for
-from microimpact.model.contact import Contact
 
 FEWEST_MEANS = 2
 
@@ -60,22 +59,18 @@ def shallow_curves(
     """Return the curves at both speeds, by case and cause (``adhesion`` or ``slopes``)."""
     curves = {}
     for case in params.cases:
-        dropped = replace(params.dropped, case=case)
-        contact = contact_of(dropped, inputs)
+        sample = Sample.of(replace(params.dropped, case=case), sampling, inputs)
         bare = hertz_damping_for(
-            contact.replace(work_of_adhesion=0.0, adhesion_damping=0.0),
+            sample.contact.replace(work_of_adhesion=0.0, adhesion_damping=0.0),
             max(params.speeds_m_per_s),
             params.restitution,
         )
-        sloped = rough(dropped, params.slope_sd)
-        curves[case, "adhesion"] = _both(params, dropped, contact, sampling)
-        curves[case, "slopes"] = _both(params, sloped, bare, sampling)
+        curves[case, "adhesion"] = _both(params, sample)
+        curves[case, "slopes"] = _both(params, sample.on(bare).but(surface_slope=params.slope_sd))
     return curves
 
 
-def _both(
-    params: Shallow, dropped: Dropped, contact: Contact, sampling: Sampling
-) -> tuple[Curve, Curve]:
+def _both(params: Shallow, sample: Sample) -> tuple[Curve, Curve]:
     """Curves at the slower and the faster speed, at the same normal speeds where both slide."""
     slow, fast = params.speeds_m_per_s
     shallowest, steepest = np.radians(np.array([4.0, params.steepest_deg]))
@@ -83,22 +78,15 @@ def _both(
     below = np.linspace(fast * np.sin(shallowest), top, number)
     normal = np.union1d(below, np.linspace(top, fast * np.sin(steepest), number))
     both = (slow, normal[normal <= top]), (fast, normal)
-    slower, faster = (_curve(params, dropped, contact, sampling, *one) for one in both)
+    slower, faster = (_curve(params, sample, *one) for one in both)
     return slower, faster
 
 
-def _curve(
-    params: Shallow,
-    dropped: Dropped,
-    contact: Contact,
-    sampling: Sampling,
-    speed: float,
-    normal_speed: FloatArray,
-) -> Curve:
+def _curve(params: Shallow, sample: Sample, speed: float, normal_speed: FloatArray) -> Curve:
     width = params.half_width_m_per_s
-    own = replace(dropped, speed_m_per_s=speed, speed_range_m_per_s=(speed - width, speed + width))
+    own = sample.but(speed_m_per_s=speed, speed_range_m_per_s=(speed - width, speed + width))
     angle = np.degrees(np.arcsin(np.minimum(normal_speed / speed, 1.0)))
-    samples = [seen(own, contact, float(a), sampling) for a in angle]
+    samples = [own.seen(float(a)) for a in angle]
     free = [one.captured_share <= params.most_captured for one in samples]
     ratio = np.where(free, [one.statistics["impulse_ratio"].mean for one in samples], np.nan)
     if np.sum(np.isfinite(ratio)) < FEWEST_MEANS:

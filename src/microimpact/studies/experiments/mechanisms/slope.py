@@ -21,16 +21,12 @@ from microimpact.declared.parameters import (
 )
 from microimpact.lab.samples import (
     Dropped,
+    Sample,
     Sampling,
-    Seen,
-    contact_of,
     difference_columns,
     half_width,
     mean_columns,
-    rough,
-    seen,
 )
-from microimpact.model.contact import Contact
 
 # A measured restitution is sought between these slopes.
 SLOPE_RANGE = (0.0, 0.6)
@@ -77,12 +73,11 @@ def slope_tables(params: Slope, sampling: Sampling, inputs: Tables) -> dict[str,
 def sweep_rows(params: Slope, sampling: Sampling, inputs: Tables) -> Iterator[dict[str, Any]]:
     """Means over slopes and angles, and their differences from the smooth surface."""
     for case in params.cases:
-        dropped = replace(params.swept, case=case)
-        contact = contact_of(dropped, inputs)
+        sample = Sample.of(replace(params.swept, case=case), sampling, inputs)
         for angle in params.angles_deg:
-            smooth = seen(rough(dropped, 0.0), contact, angle, sampling)
+            smooth = sample.but(surface_slope=0.0).seen(angle)
             for slope in params.slope_sds:
-                found = seen(rough(dropped, slope), contact, angle, sampling)
+                found = sample.but(surface_slope=slope).seen(angle)
                 yield (
                     {"case": case, "slope_sd": slope, "angle_deg": angle}
                     | mean_columns(found)
@@ -94,13 +89,12 @@ def sweep_rows(params: Slope, sampling: Sampling, inputs: Tables) -> Iterator[di
 def pair_rows(params: Slope, sampling: Sampling, inputs: Tables) -> Iterator[dict[str, Any]]:
     """Rough less smooth surface at every angle, and the loss that squared restitutions predict."""
     for pair in params.pairs:
-        contacts = [contact_of(dropped, inputs) for dropped in (pair.smooth, pair.rough)]
-        work = contacts[1].work_of_adhesion
+        flat, sloped = (Sample.of(of, sampling, inputs) for of in (pair.smooth, pair.rough))
+        work = sloped.contact.work_of_adhesion
         assert work is not None
-        contacts[1] = contacts[1].replace(work_of_adhesion=work * pair.adhesion_factor)
+        sloped = sloped.on(sloped.contact.replace(work_of_adhesion=work * pair.adhesion_factor))
         for angle in params.angles_deg:
-            smooth = seen(pair.smooth, contacts[0], angle, sampling)
-            found = seen(pair.rough, contacts[1], angle, sampling)
+            smooth, found = flat.seen(angle), sloped.seen(angle)
             e, loss = (
                 [one.statistics[name] for one in (smooth, found)]
                 for name in ("restitution", "energy_loss")
@@ -125,27 +119,23 @@ def pair_rows(params: Slope, sampling: Sampling, inputs: Tables) -> Iterator[dic
 def needed_rows(params: Slope, sampling: Sampling, inputs: Tables) -> Iterator[dict[str, Any]]:
     """Slope at which the measured restitution is as sought."""
     for dropped in (*(replace(params.swept, case=c) for c in params.cases), params.formica_steel):
-        contact = contact_of(dropped, inputs)
+        sample = Sample.of(dropped, sampling, inputs)
         for angle in params.needed_angles_deg:
-            slope = slope_for(params.needed_restitution, dropped, contact, angle, sampling)
             yield {
                 "case": dropped.case,
                 "angle_deg": angle,
                 "restitution": params.needed_restitution,
-                "slope_sd_needed": slope,
+                "slope_sd_needed": slope_for(params.needed_restitution, sample, angle),
                 "declared_slope_sd": dropped.slope_sd,
                 "evidence": "virtual experiment",
             }
 
 
-def slope_for(
-    restitution: float, dropped: Dropped, contact: Contact, angle: float, sampling: Sampling
-) -> float:
+def slope_for(restitution: float, sample: Sample, angle: float) -> float:
     """Return the standard deviation of slopes that gives a measured mean restitution."""
 
     def excess(slope: float) -> float:
-        found: Seen = seen(rough(dropped, slope), contact, angle, sampling)
-        return found.statistics["restitution"].mean - restitution
+        return sample.but(surface_slope=slope).mean("restitution", angle) - restitution
 
     return root(excess, *SLOPE_RANGE, absolute=1e-4)
 
@@ -153,11 +143,10 @@ def slope_for(
 def formica_comparison(params: Slope, sampling: Sampling, inputs: Tables) -> pd.DataFrame:
     """Return steel and spores on one rough surface: means, differences, captured and biased."""
     rows = []
-    steel, spore = params.formica_steel, params.formica_spore
-    contacts = contact_of(steel, inputs), contact_of(spore, inputs)
+    both = (params.formica_steel, params.formica_spore)
+    steel, spore = (Sample.of(dropped, sampling, inputs) for dropped in both)
     for angle in params.angles_deg:
-        one = seen(steel, contacts[0], angle, sampling)
-        other = seen(spore, contacts[1], angle, sampling)
+        one, other = steel.seen(angle), spore.seen(angle)
         free = other.statistics["restitution"].mean
         rows.append(
             {"angle_deg": angle}

@@ -14,8 +14,7 @@ from pydantic import Field
 from microimpact.core.tables import Tables
 from microimpact.declared.parameters import AngleDegrees, CaseName, Fraction, Keyed, NonNegative
 from microimpact.lab.experiment import SpeedClass
-from microimpact.lab.samples import Dropped, Sampling, Statistic, contact_of, half_width, seen
-from microimpact.model.contact import Contact
+from microimpact.lab.samples import Dropped, Sample, Sampling, Statistic, half_width
 from microimpact.model.dynamics.impact import simulate, velocity_components
 from microimpact.model.rigid_body.algebra import energy_loss, rigid_body_rebound
 from microimpact.studies.experiments.mechanisms.impulse_regions import regions
@@ -59,10 +58,9 @@ def speed_tables(
     """Return the tables, by name."""
     rows, found = [], []
     for case in params.cases:
-        base = replace(params.dropped, case=case)
-        contact = contact_of(base, inputs)
-        rows += [class_row(params, base, contact, one, sampling) for one in params.classes]
-        found += region_rows(params, base, contact, sampling)
+        sample = Sample.of(replace(params.dropped, case=case), sampling, inputs)
+        rows += [class_row(params, sample, one) for one in params.classes]
+        found += region_rows(params, sample)
     return {
         "speed_and_angle": pd.DataFrame(rows),
         "impulse_regions": pd.DataFrame(found),
@@ -71,34 +69,26 @@ def speed_tables(
     }
 
 
-def class_row(
-    params: SpeedAndAngle, base: Dropped, contact: Contact, one: SpeedClass, sampling: Sampling
-) -> dict[str, Any]:
+def class_row(params: SpeedAndAngle, sample: Sample, one: SpeedClass) -> dict[str, Any]:
     """Restitution of the mean sphere and of the sieve class, and where the loss departs."""
-    dropped = replace(base, **asdict(one))
+    own = sample.but(**asdict(one))
     steep, shallow = sorted(params.trend_deg, reverse=True)
-    sphere = simulate(contact, one.speed_m_per_s, np.array([steep, shallow]))
+    sphere = simulate(sample.contact, one.speed_m_per_s, np.array([steep, shallow]))
     e = sphere.coefficient_of_restitution
-    conditional = [
-        seen(dropped, contact, angle, sampling).statistics["restitution"].mean
-        for angle in (steep, shallow)
-    ]
-    losses = [
-        seen(dropped, contact, a, sampling).statistics["energy_loss"] for a in params.angles_deg
-    ]
+    losses = [own.seen(angle).statistics["energy_loss"] for angle in params.angles_deg]
     departed = (
         angle
         for angle, loss in zip(params.angles_deg[1:], losses[1:], strict=True)
-        if abs(loss.mean - losses[0].mean) > half_width(loss, losses[0], sampling)
+        if abs(loss.mean - losses[0].mean) > half_width(loss, losses[0], sample.sampling)
     )
     return {
-        "case": base.case,
+        "case": own.dropped.case,
         "speed_m_per_s": one.speed_m_per_s,
         "restitution_steep": e[0],
         "restitution_shallow": e[1],
         "fall_of_restitution": e[0] - e[1],
-        "conditional_mean_steep": conditional[0],
-        "conditional_mean_shallow": conditional[1],
+        "conditional_mean_steep": own.mean("restitution", steep),
+        "conditional_mean_shallow": own.mean("restitution", shallow),
         "steep_deg": steep,
         "shallow_deg": shallow,
         "energy_loss_steep": losses[0].mean,
@@ -107,27 +97,24 @@ def class_row(
     }
 
 
-def region_rows(
-    params: SpeedAndAngle, base: Dropped, contact: Contact, sampling: Sampling
-) -> list[dict[str, Any]]:
+def region_rows(params: SpeedAndAngle, sample: Sample) -> list[dict[str, Any]]:
     """Regions of the mean impulse ratio of the fastest class."""
-    one = params.classes[0]
-    dropped = replace(base, **asdict(one))
-    samples = [seen(dropped, contact, a, sampling) for a in params.region_angles_deg]
+    own = sample.but(**asdict(params.classes[0]))
+    samples = [own.seen(angle) for angle in params.region_angles_deg]
     means = np.array([s.statistics["impulse_ratio"].mean for s in samples])
     known = np.isfinite(means)
     ratio = [s.statistics["impulse_ratio"] for s, k in zip(samples, known, strict=True) if k]
     counts = np.array([len(s.measured) for s in samples])[known]
     # The interval of one mean: that of its difference from an exactly known number.
     exact = Statistic(mean=0.0, sd=0.0, systematic=0.0)
-    width = np.array([half_width(of, exact, sampling) for of in ratio])
-    sample = np.array([of.sd for of in ratio]) / np.sqrt(counts)
+    width = np.array([half_width(of, exact, own.sampling) for of in ratio])
+    scatter = np.array([of.sd for of in ratio]) / np.sqrt(counts)
     angles, means = np.array(params.region_angles_deg)[known], means[known]
     return [
-        {"case": base.case, "speed_m_per_s": one.speed_m_per_s, "errors": name}
+        {"case": own.dropped.case, "speed_m_per_s": own.dropped.speed_m_per_s, "errors": name}
         | row
         | {"evidence": "virtual experiment"}
-        for name, error in (("sample", sample), ("experiment", width / ERROR_BAR))
+        for name, error in (("sample", scatter), ("experiment", width / ERROR_BAR))
         for row in regions(angles, means, error, params.constant_within)
     ]
 
@@ -159,7 +146,7 @@ def resolution(params: SpeedAndAngle, sampling: Sampling, inputs: Tables) -> dic
     """Differences of printed restitutions and of their losses against what 40 events resolve."""
     angle = params.resolved_deg
     one, other = (
-        seen(dropped, contact_of(dropped, inputs), angle, sampling).statistics
+        Sample.of(dropped, sampling, inputs).seen(angle).statistics
         for dropped in (params.resolved_steel, params.resolved_spore)
     )
     e = params.resolved_restitutions

@@ -13,22 +13,14 @@ from microimpact.core.arrays import BoolArray, Real
 from microimpact.core.solve import root, threshold
 from microimpact.core.tables import Tables
 from microimpact.declared.parameters import AngleDegrees, CaseName, Finite, NonNegative, Positive
+from microimpact.lab.dispenser import InitialSpin
 from microimpact.lab.events import Measured
 from microimpact.lab.ptis.experiment import turned
 from microimpact.lab.reduction import quantities
-from microimpact.lab.samples import (
-    Dropped,
-    Sampling,
-    Seen,
-    contact_of,
-    mean_columns,
-    seen,
-    with_spin,
-)
-from microimpact.model.contact import Contact, resized
+from microimpact.lab.samples import Dropped, Sample, Sampling, mean_columns
+from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.rigid_body.algebra import INERTIA
-from microimpact.statistics.distributions import mean
 
 # Halvings of a search that are simulated together: so many impacts fill the lanes of the kernel.
 HALVINGS = 5
@@ -61,35 +53,30 @@ def spin_tables(params: Spin, sampling: Sampling, inputs: Tables) -> dict[str, p
     """Return the tables of the spin mechanism, by name."""
     rows: defaultdict[str, list[dict[str, Any]]] = defaultdict(list)
     for case in params.cases:
-        dropped = replace(params.dropped, case=case)
-        contact = contact_of(dropped, inputs)
-        grid = _grid(params, dropped, contact, sampling)
+        sample = Sample.of(replace(params.dropped, case=case), sampling, inputs)
+        grid = _grid(params, sample)
         rows["spin_mechanism"] += grid
         zero = [row["impulse_ratio"] for row in grid if row["spin_mean"] == 0.0]
-        needed = needed_rows(params, dropped, contact, sampling)
-        rows["spin_needed"] += [
-            row | {"least_without_mean": float(np.nanmin(zero))} for row in needed
-        ]
-        rows["rolling_limits"] += limit_rows(params, dropped, contact)
-        rows["spin_or_tilt"].append(bias_row(params, dropped, contact, sampling))
+        least = {"least_without_mean": float(np.nanmin(zero))}
+        rows["spin_needed"] += [row | least for row in needed_rows(params, sample)]
+        rows["rolling_limits"] += limit_rows(params, case, sample.contact)
+        rows["spin_or_tilt"].append(bias_row(params, sample))
     return {name: pd.DataFrame(part) for name, part in rows.items()}
 
 
-def _grid(
-    params: Spin, dropped: Dropped, contact: Contact, sampling: Sampling
-) -> list[dict[str, Any]]:
+def _grid(params: Spin, sample: Sample) -> list[dict[str, Any]]:
     """Means over all spins and angles, with the trend over the angles of each spin."""
     spins = [(0.0, sd) for sd in params.spreads]
     spins += [(m, params.spread_about_mean) for m in params.means]
     rows = []
     for spin_mean, sd in spins:
-        turning = with_spin(dropped, mean=spin_mean, sd=sd)
-        found = [seen(turning, contact, a, sampling) for a in params.angles_deg]
+        turning = sample.but(spin=InitialSpin(mean=spin_mean, sd=sd))
+        found = [turning.seen(angle) for angle in params.angles_deg]
         mu = np.array([one.statistics["impulse_ratio"].mean for one in found])
         known = np.isfinite(mu)
         trend = float(np.corrcoef(np.array(params.angles_deg)[known], mu[known])[0, 1])
         rows += [
-            {"case": dropped.case, "spin_mean": spin_mean, "spin_sd": sd, "angle_deg": angle}
+            {"case": sample.dropped.case, "spin_mean": spin_mean, "spin_sd": sd, "angle_deg": angle}
             | mean_columns(one)
             | {"correlation_of_impulse_ratio_with_angle": trend, "evidence": "virtual experiment"}
             for angle, one in zip(params.angles_deg, found, strict=True)
@@ -97,24 +84,21 @@ def _grid(
     return rows
 
 
-def needed_rows(
-    params: Spin, dropped: Dropped, contact: Contact, sampling: Sampling
-) -> list[dict[str, Any]]:
+def needed_rows(params: Spin, sample: Sample) -> list[dict[str, Any]]:
     """Mean spin that brings the mean impulse ratio to zero; empty with too few rebounds."""
     rows = []
     for angle in params.angles_deg:
 
         def ratio(spin: float, angle: float = angle) -> float:
-            turning = with_spin(dropped, mean=spin, sd=params.spread_about_mean)
-            of: Seen = seen(turning, contact, angle, sampling)
-            return of.statistics["impulse_ratio"].mean
+            turning = InitialSpin(mean=spin, sd=params.spread_about_mean)
+            return sample.but(spin=turning).mean("impulse_ratio", angle)
 
         # Spin does not decide on capture: too few rebounds without it are too few with it.
         enough = np.isfinite(ratio(0.0))
         spin = root(ratio, 0.0, LARGEST_SPIN, absolute=1e-4) if enough else np.nan
         rows.append(
             {
-                "case": dropped.case,
+                "case": sample.dropped.case,
                 "angle_deg": angle,
                 "mean_spin_needed": spin,
                 "spin_sd": params.spread_about_mean,
@@ -126,7 +110,7 @@ def needed_rows(
     return rows
 
 
-def limit_rows(params: Spin, dropped: Dropped, contact: Contact) -> list[dict[str, Any]]:
+def limit_rows(params: Spin, case: str, contact: Contact) -> list[dict[str, Any]]:
     """Shallowest angle at which the mean sphere leaves rolling, per speed, and what moves it."""
     rows: list[dict[str, Any]] = []
     base = rolling_limit(contact, params.limit_speeds_m_per_s[0], 0.0)
@@ -140,7 +124,7 @@ def limit_rows(params: Spin, dropped: Dropped, contact: Contact) -> list[dict[st
         e = simulate(contact, speed, still).coefficient_of_restitution
         rows.append(
             {
-                "case": dropped.case,
+                "case": case,
                 "speed_m_per_s": speed,
                 "limit_deg": still,
                 "limit_with_back_spin_deg": rolling_limit(contact, speed, params.back_spin),
@@ -174,12 +158,10 @@ def rolling_limit(contact: Contact, speed: float, spin: float) -> float:
     return threshold(rolls, shallow, steep, absolute=1e-6, ahead=HALVINGS)
 
 
-def bias_row(
-    params: Spin, dropped: Dropped, contact: Contact, sampling: Sampling
-) -> dict[str, Any]:
+def bias_row(params: Spin, sample: Sample) -> dict[str, Any]:
     """Spin, or tilt of the target, that shows as a given impulse ratio at normal incidence."""
-    sphere = resized(contact, mean(dropped.diameter_um) * 1e-6)
-    speed = params.bias_speed_m_per_s
+    sphere, speed = sample.contact, params.bias_speed_m_per_s
+    uncertainty = sample.sampling.angle_error_deg
 
     def by_spin(spin: float) -> float:
         impact = simulate(sphere, speed, 90.0, -spin * speed / sphere.radius)
@@ -191,15 +173,15 @@ def bias_row(
     e = float(simulate(sphere, speed).coefficient_of_restitution)
     spin, tilt = (root(f, 0.0, end, absolute=1e-9) for f, end in ((by_spin, 0.5), (by_tilt, 5)))
     return {
-        "case": dropped.case,
+        "case": sample.dropped.case,
         "impulse_ratio": params.bias,
         "spin_over_speed": spin,
         "spin_rad_per_s": spin * speed / float(sphere.radius),
         "spin_over_speed_closed_form": 3.5 * (1.0 + e) * params.bias,
         "tilt_deg": tilt,
         "tilt_deg_closed_form": float(np.degrees(params.bias / (1.0 - 2.0 / 7.0 / (1.0 + e)))),
-        "tilt_uncertainty_deg": sampling.angle_error_deg,
-        "tilt_over_its_uncertainty": tilt / sampling.angle_error_deg,
+        "tilt_uncertainty_deg": uncertainty,
+        "tilt_over_its_uncertainty": tilt / uncertainty,
         "evidence": "computed",
     }
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -27,17 +28,14 @@ from microimpact.lab.ptis.system import ImagingSystem
 from microimpact.lab.reduction import QUANTITIES
 from microimpact.lab.samples import (
     Dropped,
+    Sample,
     Sampling,
     Seen,
-    contact_of,
     difference_columns,
     half_width,
-    impacts_of,
     in_class,
     mean_columns,
     reduce_to,
-    seen,
-    with_spin,
 )
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.impact import simulate
@@ -49,23 +47,22 @@ from microimpact.statistics.distributions import generator
 LARGEST_OFFSET = 0.9
 
 
-def off_centre(
-    dropped: Dropped, contact: Contact, angle: float, offset_sd: float, sampling: Sampling
-) -> Seen:
+def off_centre(sample: Sample, angle: float, offset_sd: float) -> Seen:
     """Return a sample of bodies that touch a smooth plane off their centre, without spin.
 
     The offset along the motion, over the radius, is normal. Restitution at the point of contact,
     and the friction that its compressive impulse can support, are those of the sphere at its normal
     speed. Bodies that still move towards the plane count as captured.
     """
-    impacts = impacts_of(dropped, contact, angle, sampling)
-    inside = np.flatnonzero(in_class(dropped, impacts))
+    impacts, sampling = sample.impacts(angle), sample.sampling
+    inside = np.flatnonzero(in_class(sample.dropped, impacts))
     diameter, v = impacts.diameter[inside], impacts.velocity[inside]
     draws = generator(sampling.seed, 1).standard_normal(sampling.impacts)[inside]
     offset = np.clip(offset_sd * draws, -LARGEST_OFFSET, LARGEST_OFFSET)
-    normal = normal_impact(resized(contact, diameter), -v[:, 2])
+    contact = resized(sample.contact, diameter)
+    normal = normal_impact(contact, -v[:, 2])
     e = normal.coefficient_of_restitution
-    pressed = normal.compressive_impulse / resized(contact, diameter).mass
+    pressed = normal.compressive_impulse / contact.mass
     after = eccentric_rebound(
         v[:, 2],
         v[:, 0],
@@ -82,21 +79,15 @@ def off_centre(
 
 
 def as_imaged(
-    dropped: Dropped,
-    contact: Contact,
-    angle: float,
-    sampling: Sampling,
-    instrument: ImagingSystem,
-    *,
-    events: int,
-    most_dropped: int,
+    sample: Sample, angle: float, instrument: ImagingSystem, *, events: int, most_dropped: int
 ) -> Seen:
     """Return what the camera sees of a sample, without errors that its events share.
 
     So many events are wanted; after the most particles dropped the sample is taken as it is.
     """
     exact = replace(instrument, rate_error=0.0, scale_error=0.0, angle_error_deg=0.0)
-    drop = dropped.drop(contact, angle, sampling.dispenser)
+    sampling = sample.sampling
+    drop = sample.dropped.drop(sample.contact, angle, sampling.dispenser)
     stop = StopRule(events=events, fewest_events=2, most_dropped=most_dropped)
     outcome = collect(drop, exact, stop, generator(sampling.seed, 2, round(10 * angle)))
     return reduce_to(outcome.measured, outcome.first, sampling)
@@ -144,18 +135,10 @@ def spore_tables(
     params: Spore, sampling: Sampling, instrument: ImagingSystem, inputs: Tables
 ) -> dict[str, pd.DataFrame]:
     """Return the tables of the spore mechanisms, by name."""
-    contact = contact_of(params.spore, inputs)
-    found = causes(params, sampling, contact)
+    sample = Sample.of(params.spore, sampling, inputs)
+    found, most = causes(params, sample), params.seen_dropped
     found[CAMERA] = {
-        angle: as_imaged(
-            params.spore,
-            contact,
-            angle,
-            sampling,
-            instrument,
-            events=params.seen_events,
-            most_dropped=params.seen_dropped,
-        )
+        angle: as_imaged(sample, angle, instrument, events=params.seen_events, most_dropped=most)
         for angle in params.seen_deg
     }
     means = [
@@ -172,31 +155,24 @@ def spore_tables(
         "spore_mechanism": pd.DataFrame(means),
         "spore_trends": pd.DataFrame(rows),
         "spore_comparison": comparison(params, sampling, inputs),
-        "smooth_spore": smooth_spore(params, contact),
+        "smooth_spore": smooth_spore(params, sample.contact),
     }
 
 
-def causes(params: Spore, sampling: Sampling, contact: Contact) -> dict[str, dict[float, Seen]]:
-    """Return the samples of every cause at every angle."""
-    slopes, smooth = params.spore, replace(params.spore, particle_slope=0.0)
-    spun = with_spin(smooth, mean=params.mean_spin, sd=params.spore.spin.sd)
+def causes(params: Spore, slopes: Sample) -> dict[str, dict[float, Seen]]:
+    """Return what is seen by every cause at every angle, of spores with their slopes."""
+    smooth = slopes.but(particle_slope=0.0)
     ways: dict[str, Callable[[float], Seen]] = {
-        "none": lambda angle: seen(smooth, contact, angle, sampling),
-        "slopes, first contacts": lambda angle: seen(slopes, contact, angle, sampling, 1),
-        "slopes": lambda angle: seen(slopes, contact, angle, sampling),
-        "spin with a mean": lambda angle: seen(spun, contact, angle, sampling),
+        "none": smooth.seen,
+        "slopes, first contacts": partial(slopes.seen, most_contacts=1),
+        "slopes": slopes.seen,
+        "spin with a mean": smooth.but(spin=replace(params.spore.spin, mean=params.mean_spin)).seen,
     }
-    found = {name: {a: way(a) for a in params.angles_deg} for name, way in ways.items()}
-    for sd in params.slope_sds:
-        other = replace(slopes, particle_slope=sd)
-        found[f"slopes of {sd:g}"] = {
-            a: seen(other, contact, a, sampling) for a in params.angles_deg
-        }
-    for sd in params.offset_sds:
-        found[f"off centre, {sd:g}"] = {
-            a: off_centre(smooth, contact, a, sd, sampling) for a in params.angles_deg
-        }
-    return found
+    ways |= {f"slopes of {sd:g}": slopes.but(particle_slope=sd).seen for sd in params.slope_sds}
+    ways |= {
+        f"off centre, {sd:g}": partial(off_centre, smooth, offset_sd=sd) for sd in params.offset_sds
+    }
+    return {name: {angle: way(angle) for angle in params.angles_deg} for name, way in ways.items()}
 
 
 def trend_row(name: str, samples: Mapping[float, Seen], sampling: Sampling) -> dict[str, Any]:
@@ -234,26 +210,18 @@ def trends(
 
 def comparison(params: Spore, sampling: Sampling, inputs: Tables) -> pd.DataFrame:
     """Return steel less spore, each with its slopes and calibrated at the first angle alone."""
-
-    def calibrated(dropped: Dropped) -> Contact:
-        return met_at(
-            params.calibrated_restitution,
-            dropped,
-            contact_of(dropped, inputs),
-            params.compared_deg[0],
-            sampling,
-        )
-
-    rows = []
     # Every contact tried, and each of those found, is looked at in a few samples only.
-    sampling = replace(sampling, tabulated=False)
-    contact = calibrated(params.spore)
+    direct = replace(sampling, tabulated=False)
+
+    def calibrated(dropped: Dropped) -> Sample:
+        sample = Sample.of(dropped, direct, inputs)
+        return met_at(params.calibrated_restitution, sample, params.compared_deg[0])
+
+    rows, spore = [], calibrated(params.spore)
     for case in params.steel_cases:
-        steel = replace(params.steel, case=case)
-        own = calibrated(steel)
+        steel = calibrated(replace(params.steel, case=case))
         for angle in params.compared_deg:
-            one = seen(steel, own, angle, sampling)
-            other = seen(params.spore, contact, angle, sampling)
+            one, other = steel.seen(angle), spore.seen(angle)
             rows.append(
                 {"case": case, "angle_deg": angle}
                 | {f"steel_{name}": one.statistics[name].mean for name in QUANTITIES}
@@ -264,20 +232,16 @@ def comparison(params: Spore, sampling: Sampling, inputs: Tables) -> pd.DataFram
     return pd.DataFrame(rows)
 
 
-def met_at(
-    restitution: float, dropped: Dropped, contact: Contact, angle: float, sampling: Sampling
-) -> Contact:
-    """Return the contact with both dampings scaled to give a measured mean restitution."""
+def met_at(restitution: float, sample: Sample, angle: float) -> Sample:
+    """Return the sample with both dampings scaled to give a measured mean restitution."""
+    names = ("hertz_damping", "adhesion_damping")
 
-    def scaled(factor: float) -> Contact:
-        return contact.replace(
-            hertz_damping=factor * contact.hertz_damping,
-            adhesion_damping=factor * contact.adhesion_damping,
-        )
+    def scaled(factor: float) -> Sample:
+        dampings = {name: factor * getattr(sample.contact, name) for name in names}
+        return sample.on(sample.contact.replace(**dampings))
 
     def excess(factor: float) -> float:
-        found = seen(dropped, scaled(factor), angle, sampling)
-        return found.statistics["restitution"].mean - restitution
+        return scaled(factor).mean("restitution", angle) - restitution
 
     return scaled(root(excess, *FACTORS, absolute=1e-4))
 
