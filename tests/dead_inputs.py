@@ -381,16 +381,16 @@ def _numbers(each: Value, document: Document, refused: Sequence[str]) -> Iterato
 
 def _named(each: Value, rests: Rested, refused: Sequence[str]) -> Iterator[Any]:
     """Yield numbers beside those that a study is given by a reference, and any that are allowed."""
-    with suppress(KeyError, IndexError, TypeError, StopIteration):
+    with suppress(KeyError, IndexError, TypeError, StopIteration, ValueError):
         found: Any = rests[str(each.place[1])].branch
         for part in each.place[2:-1]:  # items of a list may stand by their names
             named = isinstance(found, list) and isinstance(part, str)
             found = next(i for i in found if part in i.values()) if named else found[part]
-        numbers = found if isinstance(found, list) else [found]
-        if all(type(number) in {int, float} for number in numbers):
-            for factor in FACTORS:
-                changed = [type(number)(factor * number) for number in numbers]
-                yield changed if isinstance(found, list) else changed[0]
+        *others, last = found if isinstance(found, list) else [found]
+        if all(type(number) in {int, float} for number in (*others, last)):
+            for factor in FACTORS:  # the last alone, since only ratios may count
+                other = type(last)(factor * last)
+                yield [*others, other] if isinstance(found, list) else other
     yield from map(float, _allowed(refused, NUMBER))
 
 

@@ -47,8 +47,7 @@ def test_logarithmic_indices_are_the_shares_of_squared_effects(tables):
 
 def test_nothing_was_left_out(tables):
     for name in ("sensitivity_indices", "sensitivity_groups"):
-        assert (tables[name]["points_truncated"] == 0).all()
-        assert (tables[name]["points_without_calibration"] == 0).all()
+        assert (tables[name]["points_without_capture_velocity"] == 0).all()
 
 
 def share_of_all_but_the_radius(contact, levels, quantile, n=2048, blocks=16):

@@ -99,7 +99,7 @@ def test_groups_of_a_product():
     # y = x_0 (x_1 + x_2): uncertainty is the sum, variability the factor; they interact
     cube = 0.5 + saltelli_sample(3, 2048, generator(1))
     response = cube[..., 0] * (cube[..., 1] + cube[..., 2])
-    draw = Draw(case="c", variation="v", response=response, truncated=0, uncalibrated=0)
+    draw = Draw(case="c", variation="v", response=response)
     find = partial(sobol_indices, draw=generator(3), resamples=50, confidence=0.95)
     groups = pd.concat(group_tables(draw, 0, find)).set_index("input")
     radius, rest = 4.0 / 12.0, 2.0 / 12.0
@@ -138,13 +138,14 @@ def test_responses_without_indices(response, words):
         indices(response)
 
 
-def test_base_samples_without_a_calibration_are_left_out_and_counted():
+@pytest.mark.parametrize("without", [np.nan, np.inf])
+def test_base_samples_without_a_capture_velocity_are_left_out_and_counted(without):
     response = np.arange(20.0).reshape(4, 5)
-    response[1, 2] = np.nan
-    draw = Draw(case="c", variation="v", response=response, truncated=0, uncalibrated=1)
+    response[1, 2] = without
+    draw = Draw(case="c", variation="v", response=response)
     np.testing.assert_array_equal(draw.kept(), response[[0, 2, 3]])
     assert draw.label["samples_kept"] == 3
-    assert draw.label["points_without_calibration"] == 1
+    assert draw.label["points_without_capture_velocity"] == 1
     with pytest.raises(ValueError, match="1 of 2 base samples"):
         draw.kept(2)
 
@@ -220,14 +221,10 @@ def test_calibration_absorbs_the_stiffness(ridge):
     assert ratio == pytest.approx(1.5**0.4, rel=1e-7)
 
 
-@pytest.mark.parametrize("largest", [0.1, 10.0])
-def test_capture_velocities_are_truncated_and_the_draws_counted(branch, ridge, largest):
-    small = {"samples": 8, "least_samples": 8, "largest_capture_velocity_m_per_s": largest}
-    params = build(sensitivity.Params, {**branch, **small})
+def test_draws_that_no_speed_rebounds_are_left_out(branch, ridge):
+    params = build(sensitivity.Params, {**branch, "samples": 8, "least_samples": 8})
     letters = pd.DataFrame({"low_multiple": [1.0] * 5, "high_multiple": [1.0] * 5})
     letters.loc[4, "high_multiple"] = 1e9  # so much material damping captures at any speed
     draw = sensitivity.independent(params, "c", "realistic", ridge, letters, (0, 0))
-    assert draw.response.max() == largest
-    assert 0 < draw.truncated == np.sum(draw.response == largest)
-    assert draw.label["points_truncated"] == draw.truncated
-    assert len(draw.kept()) == 8
+    with pytest.raises(ValueError, match="0 of 8 base samples have finite capture velocities"):
+        draw.kept()

@@ -60,8 +60,7 @@ class Params:
 
     ``level_quantile``: the levels of the designed experiments are this quantile and its complement
     of lognormal distributions where levels are realistic; between levels of the small variation
-    the distribution is uniform. ``largest_capture_velocity_m_per_s``: where no speed rebounds v_c
-    is infinite, and a v_c that may be so has no variance: larger ones are truncated to this.
+    the distribution is uniform.
     """
 
     seed: Annotated[int, Field(ge=0)]
@@ -73,7 +72,6 @@ class Params:
     level_quantile: Annotated[float, Field(gt=0.5, lt=1)]
     restitution_deviation: Positive
     capture_velocity_deviation_m_per_s: Positive
-    largest_capture_velocity_m_per_s: Positive
     drawn_case: CaseName
     cases: Annotated[tuple[CaseName, ...], Field(min_length=1)]
 
@@ -144,15 +142,12 @@ class Draw:
     # Which contact, and how it was varied.
     case: str
     variation: str
-    # Capture velocities in m/s, shape (samples, inputs + 2); NaN where there is no calibration.
+    # Capture velocities in m/s, shape (samples, inputs + 2); infinite where no speed rebounds, NaN
+    # where there is no calibration. Neither has a variance.
     response: FloatArray
-    # Points whose capture velocity was above the largest one that counts, infinite ones among them,
-    # and points whose calibration has no solution.
-    truncated: int
-    uncalibrated: int
 
     def kept(self, samples: int | None = None) -> FloatArray:
-        """Return the first base samples, without those that lack a response.
+        """Return the first base samples, without those that lack a finite response.
 
         Raises ValueError if fewer than two are left.
         """
@@ -161,7 +156,7 @@ class Draw:
         if len(kept) < 2:
             raise ValueError(
                 f"sensitivity: {self.case!r}, {self.variation}: {len(kept)} of {len(first)} base"
-                " samples are calibrated throughout; two are needed"
+                " samples have finite capture velocities; two are needed"
             )
         return kept
 
@@ -174,8 +169,7 @@ class Draw:
             "samples": len(self.response),
             "samples_kept": len(self.kept()),
             "points": self.response.size,
-            "points_truncated": self.truncated,
-            "points_without_calibration": self.uncalibrated,
+            "points_without_capture_velocity": int((~np.isfinite(self.response)).sum()),
         }
 
 
@@ -191,14 +185,7 @@ def independent(
     cube = saltelli_sample(len(LETTERS), params.samples, _generator(params, (*key, 0)))
     multiples = multiples_of(cube, levels, variation, params.level_quantile)
     response = capture_velocity(at_levels(contact, multiples))
-    largest = params.largest_capture_velocity_m_per_s
-    return Draw(
-        case=case,
-        variation=variation,
-        response=np.minimum(response, largest),
-        truncated=int((response > largest).sum()),
-        uncalibrated=0,
-    )
+    return Draw(case=case, variation=variation, response=response)
 
 
 def printed_targets(calibration: pd.DataFrame, case: str) -> tuple[float, float]:
@@ -263,16 +250,8 @@ def calibrated(
     _require_admissible(targets)
     sample, met = calibrated_sample(contact, targets)
     found = capture_velocity(sample.replace(diameter=sample.diameter * radius))
-    largest = params.largest_capture_velocity_m_per_s
-    response = np.where(met, np.minimum(found, largest), np.nan).reshape(cube.shape[:2])
-    draw = Draw(
-        case=case,
-        variation="calibrated",
-        response=response,
-        truncated=int((met & (found > largest)).sum()),
-        uncalibrated=int((~met).sum()),
-    )
-    return draw, sample
+    response = np.where(met, found, np.nan).reshape(cube.shape[:2])
+    return Draw(case=case, variation="calibrated", response=response), sample
 
 
 def _require_admissible(targets: Targets) -> None:
