@@ -48,9 +48,19 @@ class PrintedImpact(PrintedPair):
     speed_m_per_s: Positive
 
 
+def printed_rows(inputs: Tables, of: PrintedPair | None = None, *cases: str) -> pd.DataFrame:
+    """Return value and ends, ``low`` and ``high``, of the printed values that a study names by key.
+
+    `inputs`: ``anchors``, declared rows; `of`, `cases`: the pair that they are of, and what they
+    stand beside, as `calibrated_contact` takes it: none beside another pair.
+    """
+    rows = inputs["anchors"].set_index("key")[["value", "low", "high"]].astype(float)
+    return rows if of is None or all(of.is_of(inputs, case) for case in cases) else rows.iloc[:0]
+
+
 def all_printed(inputs: Tables) -> pd.Series:
-    """Return the printed values that a study names by key; `inputs`: ``anchors``, its rows."""
-    return inputs["anchors"].set_index("key")["value"].astype(float)
+    """Return the printed values that a study names by key, as `printed_rows`."""
+    return printed_rows(inputs)["value"]
 
 
 def printed_values(

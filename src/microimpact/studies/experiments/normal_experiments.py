@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 from pydantic import Field
 
-from microimpact.core.arrays import FloatArray
+from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.tables import Tables, series_frame
 from microimpact.declared.parameters import (
     CaseName,
@@ -23,7 +23,7 @@ from microimpact.declared.parameters import (
     Positive,
     PrintedName,
 )
-from microimpact.lab.contacts import PrintedPair, calibrated_contact
+from microimpact.lab.contacts import PrintedPair, calibrated_contact, printed_rows
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.experiment import Drop, StopRule, Target
 from microimpact.lab.pdpa.analyser import Analyser
@@ -36,6 +36,8 @@ from microimpact.statistics.distributions import Distribution, generator, mean
 NEEDS = {"calibration": ("calibration",)}
 
 _frame = partial(series_frame, "all", x_unit="m_per_s", y_unit="1")
+# Speed, m/s, and restitution of a curve.
+Drawn = tuple[FloatArray, FloatArray]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,11 +96,13 @@ def run(params: Params, inputs: Tables) -> Tables:
         for case, contact in contacts.items()
         for population in params.populations
     }
-    printed = inputs["anchors"].set_index("key")
-    shown = printed if params.printed_for.is_of(inputs, params.case) else None
+    printed = printed_rows(inputs, params.printed_for, params.case)
+    own = sieves_drawn(params, params.case, curves)
+    spheres = spheres_drawn(params, contacts[params.case], next(iter(curves.values())).speed)
+    drawn = {**own, **sieves_drawn(params, params.other_case, curves, ", other end"), **spheres}
     return {
-        "fig04": restitution_data(params, table, curves, contacts[params.case], shown),
-        "fig05": loss_data(params, table, curves, shown),
+        "fig04": figure_data(params, "restitution", table, drawn, printed),
+        "fig05": figure_data(params, "energy_loss", table, own, printed, lambda e: 1.0 - e**2),
         "normal_experiments": table,
         "size_effects": size_effects(params, curves, contacts),
     }
@@ -182,65 +186,48 @@ def size_effects(
     return pd.DataFrame(rows)
 
 
-def restitution_data(
-    params: Params,
-    table: pd.DataFrame,
-    curves: Mapping[tuple[str, str], Curve],
-    contact: Contact,
-    printed: pd.DataFrame | None,
-) -> pd.DataFrame:
-    """Return the data of Fig. 4."""
-    frames = [*_measured("restitution", table)]
-    for (case, name), curve in curves.items():
-        end = "" if case == params.case else ", other end"
-        shown = curve.captured < params.hidden_share
-        x, y = curve.speed[shown], curve.rebounding[shown]
-        frames.append(_frame(f"{name} sieve{end}", x, y))
+def sieves_drawn(
+    params: Params, case: str, curves: Mapping[tuple[str, str], Curve], end: str = ""
+) -> dict[str, Drawn]:
+    """Return the restitution of both classes on one contact, where not all is captured."""
+    drawn = {}
     for population in params.populations:
-        diameter = mean(population.diameter_um) * 1e-6
-        speed = curves[params.case, population.name].speed
-        e = normal_impact(resized(contact, diameter), speed).coefficient_of_restitution
-        frames.append(_frame(f"{population.name} mean size", speed[e > 0], e[e > 0]))
-    if printed is not None:
-        level, ends = _level(params, printed)
-        frames += [_frame("printed level", ends, [level, level], "printed"), _pile_up(printed)]
-    return pd.concat(frames, ignore_index=True)
+        curve = curves[case, population.name]
+        shown = curve.captured < params.hidden_share
+        drawn[f"{population.name} sieve{end}"] = curve.speed[shown], curve.rebounding[shown]
+    return drawn
 
 
-def loss_data(
+def spheres_drawn(params: Params, contact: Contact, speed: FloatArray) -> dict[str, Drawn]:
+    """Return the restitution of the mean sphere of both classes where it rebounds."""
+    drawn = {}
+    for population in params.populations:
+        sphere = resized(contact, mean(population.diameter_um) * 1e-6)
+        e = normal_impact(sphere, speed).coefficient_of_restitution
+        drawn[f"{population.name} mean size"] = speed[e > 0], e[e > 0]
+    return drawn
+
+
+def figure_data(
     params: Params,
+    quantity: str,
     table: pd.DataFrame,
-    curves: Mapping[tuple[str, str], Curve],
-    printed: pd.DataFrame | None,
+    drawn: Mapping[str, Drawn],
+    printed: pd.DataFrame,
+    of: Callable[[Real], Real] = lambda e: e,
 ) -> pd.DataFrame:
-    """Return the data of Fig. 5: 1 - e^2 of every event, and of the simulation at the mean e."""
-    frames = [*_measured("energy_loss", table)]
-    for (case, name), curve in curves.items():
-        if case == params.case:
-            shown = curve.captured < params.hidden_share
-            x, e = curve.speed[shown], curve.rebounding[shown]
-            frames.append(_frame(f"{name} sieve", x, 1.0 - e**2))
-    if printed is not None:
-        level, ends = _level(params, printed)
-        loss = [1.0 - level**2] * 2
-        frames += [_frame("printed level", ends, loss, "printed"), _pile_up(printed)]
+    """Return measured means of a quantity, and what it is `of` restitutions drawn and printed."""
+    frames = [
+        _frame(str(population), own["speed_m_per_s"], own[quantity], "virtual experiment", *ends)
+        for population, own in table.dropna(subset=quantity).groupby("population", sort=False)
+        for ends in [(own[f"{quantity}_low"], own[f"{quantity}_high"])]
+    ]
+    frames += [_frame(name, speed, of(e)) for name, (speed, e) in drawn.items()]
+    if len(printed):
+        # The printed restitution, and the speeds between which it is said to hold.
+        level = of(printed["value"]["restitution_sst_silicon_normal"])
+        ends = [printed["value"]["plateau_speed_sst_silicon"], max(params.speeds_m_per_s)]
+        piles = printed.loc["pile_up_speed_sst_silicon", ["low", "high"]]
+        frames.append(_frame("printed level", ends, level, "printed"))
+        frames.append(_frame("printed pile-up", piles, 0.0, "printed"))
     return pd.concat(frames, ignore_index=True)
-
-
-def _measured(name: str, table: pd.DataFrame) -> Iterator[pd.DataFrame]:
-    for population, own in table.dropna(subset=name).groupby("population", sort=False):
-        y, low, high = (own[f"{name}{end}"] for end in ("", "_low", "_high"))
-        speed = own["speed_m_per_s"]
-        yield _frame(str(population), speed, y, "virtual experiment", low, high)
-
-
-def _level(params: Params, printed: pd.DataFrame) -> tuple[float, list[float]]:
-    """Printed restitution, and the speeds between which it is said to hold."""
-    value = printed["value"].astype(float)
-    start = float(value["plateau_speed_sst_silicon"])
-    return float(value["restitution_sst_silicon_normal"]), [start, max(params.speeds_m_per_s)]
-
-
-def _pile_up(printed: pd.DataFrame) -> pd.DataFrame:
-    ends = printed.loc["pile_up_speed_sst_silicon", ["low", "high"]].astype(float)
-    return _frame("printed pile-up", ends, [0.0, 0.0], "printed")

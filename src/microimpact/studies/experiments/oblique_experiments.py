@@ -23,6 +23,7 @@ from microimpact.declared.parameters import (
     Name,
     PrintedName,
 )
+from microimpact.lab.contacts import printed_rows
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.experiment import Drop, Outcome, StopRule
 from microimpact.lab.ptis.experiment import collect
@@ -158,7 +159,7 @@ def run(params: Params, inputs: Tables) -> Tables:
             outcome = collect(drop, params.instrument, params.stop, rng)
             truth = restitution_of_rebounds(params, series, drop, child(rng, UNSELECTED))
             rows.append(experiment_row(series, angle, outcome, truth))
-    printed = inputs["anchors"].set_index("key")
+    printed = printed_rows(inputs)
     table = pd.DataFrame(rows)
     return {
         **{of: figure_data(params, of, table, contacts, printed) for of in FIGURES},
@@ -219,8 +220,7 @@ def figure_data(
     pairs = {(contact.particle.name, contact.surface.name) for contact in own}
     for mark in params.marks:
         if figure in mark.figures and pairs & {(mark.particle, name) for name in mark.surfaces}:
-            values = printed.loc[list(mark.anchors), ["value", "low", "high"]].astype(float)
-            heights = values.to_numpy().ravel()
+            heights = printed.loc[list(mark.anchors)].to_numpy().ravel()
             heights = heights[np.isfinite(heights)]
             x, y = np.broadcast_arrays(np.array(mark.angles_deg)[:, None], heights)
             frames.append(_frame(mark.panel, mark.name, x.ravel(), y.ravel(), "printed"))

@@ -23,7 +23,7 @@ from microimpact.declared.parameters import (
     PrintedName,
 )
 from microimpact.lab.bounces import Resting, resting
-from microimpact.lab.contacts import PrintedPair, calibrated_contact
+from microimpact.lab.contacts import PrintedPair, calibrated_contact, printed_rows
 from microimpact.lab.dispenser import Dispenser, InitialSpin
 from microimpact.lab.experiment import Drop, Target
 from microimpact.lab.surface import rough
@@ -89,9 +89,8 @@ def run(params: Params, inputs: Tables) -> Tables:
     ``pile_up_onsets``: speeds below which it piles up. ``pile_up_onset``: data of the figure.
     """
     table = pd.DataFrame(_rows(params, contacts(params, inputs)))
-    printed = inputs["anchors"].set_index("key")[["low", "high"]].astype(float)
-    shown = params.anchors[:1] if params.printed_for.is_of(inputs, params.case) else ()
-    ends = printed.loc[list(shown)].to_numpy().ravel()
+    printed = printed_rows(inputs, params.printed_for, params.case)
+    ends = printed.loc[printed.index.isin(params.anchors[:1]), ["low", "high"]].to_numpy().ravel()
     return {
         "pile_up": table,
         "pile_up_onsets": onsets(params, table),
@@ -158,14 +157,18 @@ def onsets(params: Params, table: pd.DataFrame) -> pd.DataFrame:
         for share in params.shares:
             found, speeds = {"target_radius_mm": radius, "slope_deg": slope, "share": share}, []
             for velocity, own in part.groupby("capture_velocity_m_per_s", sort=False):
-                end = f"at_{velocity:g}_m_per_s".replace(".", "p")
                 speed, total, at_once = own[["speed_m_per_s", *SHARES]].to_numpy().T
                 speeds.append(onset(speed, total, share))
-                found[f"onset_{end}"] = speeds[-1]
-                found[f"first_impact_onset_{end}"] = onset(speed, at_once, share)
+                found[onset_column(velocity)] = speeds[-1]
+                found[f"first_impact_{onset_column(velocity)}"] = onset(speed, at_once, share)
             apart = {"difference_m_per_s": speeds[0] - speeds[1]}
             rows.append(found | apart | {"evidence": "virtual experiment"})
     return pd.DataFrame(rows)
+
+
+def onset_column(velocity: Any) -> str:
+    """Return the column of the onsets of a capture velocity, m/s."""
+    return f"onset_at_{velocity:g}_m_per_s".replace(".", "p")
 
 
 def onset(speed: FloatArray, share: FloatArray, wanted: float) -> float:

@@ -22,11 +22,12 @@ from microimpact.declared.parameters import (
     Positive,
     PrintedName,
 )
-from microimpact.lab.contacts import PrintedPair, calibrated_contact
+from microimpact.lab.contacts import PrintedPair, calibrated_contact, printed_rows
 from microimpact.model.closed_forms import jkr_sticking_velocity
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
+from microimpact.studies.experiments.pile_up import onset_column
 
 NEEDS = {"calibration": ("calibration",), "pile_up": ("pile_up", "pile_up_onsets")}
 
@@ -93,28 +94,6 @@ def disagreements(params: Params, others: Mapping[str, Any]) -> Iterator[str]:
             yield f"{key}: {asked:g} must be one of pile_up.{known} {list(computed)}"
 
 
-class Printed:
-    """Printed values by key.
-
-    `rows`: declared rows.
-    """
-
-    def __init__(self, rows: pd.DataFrame) -> None:
-        table = rows.set_index("key")
-        self._numbers = {
-            column: {str(key): float(number) for key, number in table[column].items()}
-            for column in ("value", "low", "high")
-        }
-
-    def value(self, key: str) -> float:
-        """Return a number."""
-        return self._numbers["value"][key]
-
-    def ends(self, key: str) -> tuple[float, float]:
-        """Return the ends of a range."""
-        return self._numbers["low"][key], self._numbers["high"][key]
-
-
 def run(params: Params, inputs: Tables) -> Tables:
     """Hold both explanations against the printed facts, and two capture velocities.
 
@@ -125,13 +104,17 @@ def run(params: Params, inputs: Tables) -> Tables:
     values.
     """
     contacts = {case: calibrated_contact(inputs, case) for case in params.cases}
-    printed = Printed(inputs["anchors"])
-    own = all(params.printed_for.is_of(inputs, case) for case in params.cases)
+    printed, marks = printed_rows(inputs), printed_rows(inputs, params.printed_for, *params.cases)
     return {
-        "rival_restitution": figure_data(params, contacts, printed if own else None),
+        "rival_restitution": figure_data(params, contacts, marks),
         "rival_explanations": pd.DataFrame(observations(params, contacts, printed)),
         "capture_evidence": pd.DataFrame(evidence(params, contacts, inputs, printed)),
     }
+
+
+def ends_of(printed: pd.DataFrame, key: str) -> tuple[float, float]:
+    """Return the ends of a printed range."""
+    return float(printed["low"][key]), float(printed["high"][key])
 
 
 def uncorrected(speed: Real, restitution: Real, height: float) -> tuple[FloatArray, FloatArray]:
@@ -147,7 +130,7 @@ def uncorrected(speed: Real, restitution: Real, height: float) -> tuple[FloatArr
 
 
 def figure_data(
-    params: Params, contacts: Mapping[str, Contact], printed: Printed | None
+    params: Params, contacts: Mapping[str, Contact], printed: pd.DataFrame
 ) -> pd.DataFrame:
     """Return restitution against the incident speed by both explanations, and what is printed."""
     speed = np.geomspace(*params.speeds_m_per_s, params.points)
@@ -162,18 +145,18 @@ def figure_data(
     before, e = uncorrected(speed, params.restitution, params.probe_height_mm * 1e-3)
     seen = np.isfinite(e)
     frames.append(_frame(series=RIVAL, evidence="computed", x=before[seen], y=e[seen]))
-    if printed is not None:
+    if len(printed):
         plateau, piles = params.anchors
-        ends = [printed.value(plateau), params.seen_from_m_per_s]
-        level = [params.restitution] * 2
+        ends = [printed["value"][plateau], params.seen_from_m_per_s]
+        level = params.restitution
         frames.append(_frame(series="printed plateau", evidence="printed", x=ends, y=level))
-        band = printed.ends(piles)
-        frames.append(_frame(series="printed pile-up", evidence="printed", x=band, y=[0.0] * 2))
+        band = ends_of(printed, piles)
+        frames.append(_frame(series="printed pile-up", evidence="printed", x=band, y=0.0))
     return pd.concat(frames, ignore_index=True)
 
 
 def observations(
-    params: Params, contacts: Mapping[str, Contact], printed: Printed
+    params: Params, contacts: Mapping[str, Contact], printed: pd.DataFrame
 ) -> Iterator[dict[str, Any]]:
     """Yield what each explanation gives for each printed observation.
 
@@ -181,46 +164,32 @@ def observations(
     """
     height, speed = params.probe_height_mm * 1e-3, params.seen_from_m_per_s
     plateau, piles = params.anchors
-    level = printed.value(plateau)
-    _, seen = uncorrected(np.array([level, speed]), params.restitution, height)
-    small = [resized(contact, params.diameters_um[0] * 1e-6) for contact in contacts.values()]
-    by_adhesion = [simulate(one, np.array([level, speed])) for one in small]
-    falls = [1.0 - float(np.divide(*one.coefficient_of_restitution)) for one in by_adhesion]
-    yield row(
-        "fall of restitution from the fastest to the end of the plateau",
-        "1",
-        float(1.0 - seen[0] / seen[1]),
-        falls,
-        (-0.1, 0.1),
+    both = np.array([printed["value"][plateau], speed])
+    _, seen = uncorrected(both, params.restitution, height)
+    small, large = (
+        [resized(contact, diameter * 1e-6) for contact in contacts.values()]
+        for diameter in params.diameters_um
     )
-    ratios = [
-        fallen_speed(params, resized(contact, params.diameters_um[1] * 1e-6))
-        / fallen_speed(params, resized(contact, params.diameters_um[0] * 1e-6))
-        for contact in contacts.values()
-    ]
-    yield row(
-        "speed at which restitution has fallen, larger over smaller class",
-        "1",
-        1.0,
-        ratios,
-        (0.0, 0.999),
-    )
+    e = [simulate(one, both).coefficient_of_restitution for one in small]
+    falls = [1.0 - float(np.divide(*of)) for of in e]
+    fall = 1.0 - float(np.divide(*seen))
+    name = "fall of restitution from the fastest to the end of the plateau"
+    yield row(name, "1", fall, falls, (-0.1, 0.1))
+    fallen = ([fallen_speed(params, one) for one in of] for of in (large, small))
+    ratios = [of / other for of, other in zip(*fallen, strict=True)]
+    name = "speed at which restitution has fallen, larger over smaller class"
+    yield row(name, "1", 1.0, ratios, (0.0, 0.999))
     limits = [float(capture_velocity(one)) for one in small]
     slowest = np.sqrt(2.0 * gravity * height) / params.restitution
-    yield row("speed below which no rebound is seen", "m/s", slowest, limits, printed.ends(piles))
+    yield row(
+        "speed below which no rebound is seen", "m/s", slowest, limits, ends_of(printed, piles)
+    )
     for key, impact in params.oblique.items():
-        aim = printed.value(key)
-        e = [
-            float(simulate(one, impact.speed_m_per_s, impact.angle_deg).coefficient_of_restitution)
-            for one in contacts.values()
-        ]
-        yield row(
-            f"restitution at {impact.angle_deg:g} deg and {impact.speed_m_per_s:g} m/s",
-            "1",
-            params.restitution,
-            e,
-            (0.9 * aim, 1.1 * aim),
-        )
+        aim, angle, total = printed["value"][key], impact.angle_deg, impact.speed_m_per_s
+        found = [simulate(one, total, angle) for one in contacts.values()]
+        each = [float(of.coefficient_of_restitution) for of in found]
+        name = f"restitution at {angle:g} deg and {total:g} m/s"
+        yield row(name, "1", params.restitution, each, (0.9 * aim, 1.1 * aim))
 
 
 def row(
@@ -257,52 +226,39 @@ def fallen_speed(params: Params, contact: Contact) -> float:
 
 
 def evidence(
-    params: Params, contacts: Mapping[str, Contact], inputs: Tables, printed: Printed
+    params: Params, contacts: Mapping[str, Contact], inputs: Tables, printed: pd.DataFrame
 ) -> Iterator[dict[str, Any]]:
     """Yield what piles, slow rebounds and energies give for both capture velocities of steel."""
     strong, weak = params.capture_velocities_m_per_s
     _, piles = params.anchors
-    ends = printed.ends(piles)
+    ends = ends_of(printed, piles)
     place = {"target_radius_mm": params.pile_radius_mm, "slope_deg": params.pile_slope_deg}
     onsets = chosen(inputs["pile_up_onsets"], **place)
     for share in sorted(set(onsets["share"].astype(float))):
         own = chosen(onsets, share=share).iloc[0]
-        at = [float(own[f"onset_at_{name(v)}_m_per_s"]) for v in (strong, weak)]
+        at = [float(own[onset_column(v)]) for v in (strong, weak)]
         yield weighed(f"speed below which {100 * share:.0f} % of the spheres stay", "m/s", at, ends)
     rows = chosen(inputs["pile_up"], **place, speed_m_per_s=params.slow_speed_m_per_s)
     at = [
         float(chosen(rows, capture_velocity_m_per_s=v)["share_captured_at_first_impact"].iloc[0])
         for v in (strong, weak)
     ]
-    yield weighed(
-        f"share captured at once at {params.slow_speed_m_per_s:g} m/s, where rebounds are seen",
-        "1",
-        at,
-        (0.0, 0.025),
-    )
+    name = f"share captured at once at {params.slow_speed_m_per_s:g} m/s, where rebounds are seen"
+    yield weighed(name, "1", at, (0.0, 0.025))
     others = [
-        energy_ratio(params, calibrated_contact(inputs, case), printed.value(key))
+        energy_ratio(params, calibrated_contact(inputs, case), printed["value"][key])
         for key, case in params.captured.items()
     ]
     steel = resized(next(iter(contacts.values())), params.diameters_um[0] * 1e-6)
     at = [energy_ratio(params, steel, velocity) for velocity in (strong, weak)]
-    yield weighed(
-        "kinetic energy at capture over the loss of JKR, beside that of other particles",
-        "1",
-        at,
-        (min(others), max(others)),
-    )
+    name = "kinetic energy at capture over the loss of JKR, beside that of other particles"
+    yield weighed(name, "1", at, (min(others), max(others)))
 
 
 def energy_ratio(params: Params, contact: Contact, velocity: float) -> float:
     """Return ``m v_c^2/2`` over the loss of a contact of JKR with the work of adhesion compared."""
     compared = contact.replace(work_of_adhesion=params.compared_work_of_adhesion_J_per_m2)
     return float(np.square(velocity / jkr_sticking_velocity(compared)))
-
-
-def name(velocity: float) -> str:
-    """Return a capture velocity as it stands in names of columns."""
-    return f"{velocity:g}".replace(".", "p")
 
 
 def chosen(table: pd.DataFrame, **where: float) -> pd.DataFrame:

@@ -13,7 +13,7 @@ from pydantic import Field
 
 from microimpact.core.tables import Tables, series_frame
 from microimpact.declared.parameters import AngleDegrees, CaseName, Count, Name, PrintedName
-from microimpact.lab.contacts import PrintedPair
+from microimpact.lab.contacts import PrintedPair, printed_rows
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.ptis.system import ImagingSystem
 from microimpact.lab.samples import Sampling
@@ -87,8 +87,7 @@ def run(params: Params, inputs: Tables) -> Tables:
         "adhesion_or_roughness": adhesion_or_roughness(params.shallow, curves),
         **speed_tables(params.speed, sampling, inputs),
     }
-    own = params.printed_for.is_of(inputs, params.spore.spore.case)
-    printed = inputs["anchors"].set_index("key") if own else None
+    printed = printed_rows(inputs, params.printed_for, params.spore.spore.case)
     return {**tables, **figure_data(params, tables, curves, printed)}
 
 
@@ -96,7 +95,7 @@ def figure_data(
     params: Params,
     tables: Tables,
     curves: Mapping[tuple[str, str], tuple[Curve, Curve]],
-    printed: pd.DataFrame | None,
+    printed: pd.DataFrame,
 ) -> dict[str, pd.DataFrame]:
     """Return the data of the figure, a table per unit of its abscissa."""
     case = params.drawn_case
@@ -127,7 +126,7 @@ def _slope_frames(table: pd.DataFrame) -> Iterator[pd.DataFrame]:
 
 
 def _spore_frames(
-    params: Params, table: pd.DataFrame, printed: pd.DataFrame | None
+    params: Params, table: pd.DataFrame, printed: pd.DataFrame
 ) -> Iterator[pd.DataFrame]:
     for name, rows in table.groupby("mechanism", sort=False):
         known = rows[np.isfinite(rows["restitution"])]
@@ -143,6 +142,6 @@ def _spore_frames(
             y_low=e - half if seen else np.nan,
             y_high=e + half if seen else np.nan,
         )
-    if printed is not None:
-        values = printed.loc[list(params.anchors), "value"].astype(float)
+    if len(printed):
+        values = printed.loc[list(params.anchors), "value"]
         yield _frame("spore", "printed", params.printed_deg, values, evidence="printed")
