@@ -10,7 +10,6 @@ from tests.shared import STILL, USUAL
 from microimpact.lab.dispenser import NO_SPIN, InitialSpin, drop_height, paths, release
 from microimpact.lab.experiment import Drop, Target
 from microimpact.lab.reduction import mean_interval
-from microimpact.lab.surface import combined_slope
 from microimpact.statistics.distributions import Constant, TruncatedNormal, generator
 
 
@@ -94,10 +93,6 @@ def test_arrivals_are_in_order_and_come_in_bursts():
     assert 4000 / time[-1] == pytest.approx(2.0 * 3.0, rel=0.05)
     gaps = np.diff(time)
     assert np.std(gaps) > 1.3 * np.mean(gaps)  # 1 for single particles at random
-
-
-def test_slopes_of_both_bodies_add_in_quadrature():
-    assert combined_slope(0.3, 0.4) == pytest.approx(0.5)
 
 
 def test_interval_is_students_and_shared_errors_do_not_average():

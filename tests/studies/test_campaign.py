@@ -58,7 +58,7 @@ def test_what_is_declared_but_not_used_does_not_count():
 
 def test_random_draws_of_an_experiment_do_not_depend_on_its_place(contact):
     def key(one):
-        return one.drop(contact, USUAL).key
+        return one.dropped(0.15).drop(contact, one.angle, USUAL).key
 
     alone = plan(replace(BLOCK, particles=("large",), angles_deg=(10.0,)))
     keys = {one.title: key(one) for one in plan(BLOCK)}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tests.shared import STILL
@@ -43,6 +45,10 @@ STEEL = Dropped(
 
 def on(contact):
     return Sample(dropped=STEEL, contact=contact, sampling=SAMPLING)
+
+
+def test_slopes_of_both_bodies_add_in_quadrature():
+    assert replace(STEEL, surface_slope=0.3, particle_slope=0.4).slope_sd == pytest.approx(0.5)
 
 
 @pytest.mark.parametrize("angle", [85.0, 60.0, 30.0])

@@ -19,7 +19,7 @@ from tests.shared import ROOT, STILL, facet_rebound
 from microimpact.declared.parameters import build, explain
 from microimpact.lab.dispenser import NO_SPIN
 from microimpact.lab.experiment import Drop, Target
-from microimpact.lab.surface import LABORATORY, Rules, facet_normals, rough
+from microimpact.lab.surface import LABORATORY, Rules, Surface, facets, rough
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.rigid_body.roughness import rough_rebound
@@ -217,12 +217,19 @@ def test_quasi_random_points_fill_every_interval_alike():
 
 # Facets
 
+# Their slopes are their own quantiles.
+GIVEN = Surface(
+    slope=Uniform(low=0.0, high=1.0),
+    cross_slope=Uniform(low=0.0, high=1.0),
+    rules=replace(LABORATORY, facets="facing"),
+)
+
 
 def planar(angle, slope, e, friction, spin):
     n = len(angle)
     zero = np.zeros(n)
     velocity = np.stack([np.cos(angle), zero, -np.sin(angle)], axis=1)
-    normal = facet_normals(velocity, np.tan(slope), zero)
+    normal = facets(GIVEN, velocity, np.tan(slope), zero)
     spin_speed = np.stack([zero, spin, zero], axis=1)
     return velocity, *facet_rebound(velocity, spin_speed, normal, e, friction)
 
@@ -248,7 +255,7 @@ def test_facets_in_three_dimensions_obey_mechanics():
     velocity = rng.normal(size=(n, 3)) * [1.0, 1.0, 0.1] - [0.0, 0.0, 1.0]
     velocity[:, 2] = -np.abs(velocity[:, 2])
     spin, e, friction = rng.normal(size=(n, 3)), rng.uniform(0, 1, n), rng.uniform(0, 0.6, n)
-    normal = facet_normals(velocity, rng.uniform(0, 0.3, n), rng.normal(0, 0.2, n))
+    normal = facets(GIVEN, velocity, rng.uniform(0, 0.3, n), rng.normal(0, 0.2, n))
     into = np.vecdot(velocity, normal)
     keep = into < 0
     velocity, spin, normal, into = velocity[keep], spin[keep], normal[keep], into[keep]
@@ -278,8 +285,8 @@ def test_facets_in_three_dimensions_obey_mechanics():
 
 def test_a_facet_that_faces_the_motion_turns_its_normal_against_it():
     velocity = np.array([[0.6, 0.8, -1.0]])
-    facing = facet_normals(velocity, np.array([0.2]), np.zeros(1))
-    flat = facet_normals(velocity, np.zeros(1), np.zeros(1))
+    facing = facets(GIVEN, velocity, np.array([0.2]), np.zeros(1))
+    flat = facets(GIVEN, velocity, np.zeros(1), np.zeros(1))
     assert np.vecdot(velocity, facing)[0] < np.vecdot(velocity, flat)[0] == -1.0
 
 

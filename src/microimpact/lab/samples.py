@@ -18,7 +18,7 @@ from microimpact.lab.events import Impacts, Measured
 from microimpact.lab.experiment import Drop, Target, in_range
 from microimpact.lab.ptis.experiment import turned
 from microimpact.lab.reduction import QUANTITIES, quantities, shared_error
-from microimpact.lab.surface import LABORATORY, combined_slope, rough
+from microimpact.lab.surface import LABORATORY, rough
 from microimpact.model.contact import Contact, resized
 from microimpact.statistics.distributions import Distribution, generator, mean
 from microimpact.statistics.intervals import student_half_width
@@ -50,8 +50,8 @@ class Dropped:
 
     @property
     def slope_sd(self) -> float:
-        """Slope between surface and particle."""
-        return combined_slope(self.surface_slope, self.particle_slope)
+        """Slope between surface and particle, each with its own independent slopes."""
+        return float(np.hypot(self.surface_slope, self.particle_slope))
 
     def drop(self, contact: Contact, angle: float, dispenser: Dispenser) -> Drop:
         """Return what is dropped, on a contact and at an angle of incidence in degrees."""

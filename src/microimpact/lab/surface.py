@@ -105,11 +105,6 @@ def rough(slope_sd: float) -> Surface:
 SMOOTH = rough(0.0)
 
 
-def combined_slope(surface: float, particle: float) -> float:
-    """Return the slope between two rough bodies, each with its own independent slopes."""
-    return float(np.hypot(surface, particle))
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rebound:
     """State of n spheres after their last contact, in the frame of the nominal surface.
@@ -267,13 +262,11 @@ class _Events(NamedTuple):
 
 def _events(surface: Surface, spheres: Spheres) -> _Events:
     """Return the events of some spheres, their parts numbered from 0."""
-    along, across = (np.stack(one) for one in zip(*spheres.shares, strict=True))
+    shares = (np.stack(one) for one in zip(*spheres.shares, strict=True))
+    along, across = _slopes(surface, *shares)
     steady, angle = NOT_STEADY, spheres.drawn[1]
-    if surface.rules.facets != "seen":
-        along = surface.slope.quantile(along)
-    elif np.size(angle) == 1:
+    if surface.rules.facets == "seen" and np.size(angle) == 1:
         steady = _steady(surface.slope, float(np.ravel(angle)[0]))
-    across = surface.cross_slope.quantile(across)
     rows = np.repeat(np.arange(spheres.parts), spheres.number // spheres.parts)
     return _Events(rows, spheres.drawn, along, across, steady)
 
@@ -304,41 +297,24 @@ def facets(
     surface
         Slopes, and whether they are weighted.
     velocity
-        Of approach, m/s, shape (n, 3).
+        Of approach, m/s, shape (n, 3); only its direction along the nominal surface counts (x, if
+        it is normal).
     along, across
-        Shares of which the quantiles are the slopes, shape (n,).
-    """
-    if surface.rules.facets != "seen":
-        along = surface.slope.quantile(along)
-    across = surface.cross_slope.quantile(across)
-    return facet_normals(velocity, along, across, surface.slope, surface.rules.facets)
-
-
-def facet_normals(
-    velocity: FloatArray,
-    along: FloatArray,
-    across: FloatArray,
-    slopes: Distribution = SMOOTH.slope,
-    kind: str = "facing",
-) -> FloatArray:
-    """Return unit normals of facets, shape (n, 3).
-
-    Parameters
-    ----------
-    velocity
-        Before impact, shape (n, 3); only its direction along the nominal surface counts (x, if it
-        is normal).
-    along, across
-        Slopes of the facet along the motion and to its left, tangents, shape (n,). A facet whose
-        slope along the motion is positive faces the sphere.
-    slopes, kind
-        Of facets that are ``seen`` the share of the slopes, in place of the slope along the motion;
-        of ``every`` one, the side that faces the sphere.
+        Shares of which the quantiles are the slopes of the facet along the motion and to its left,
+        shape (n,). A facet whose slope along the motion is positive faces the sphere.
     """
     normal = np.empty(velocity.shape)
-    hits, told = hit_slopes(slopes).compiled, passes.FACETS.index(kind)
-    passes.normals(velocity, along, across, hits, told, normal)
+    hits, kind = hit_slopes(surface.slope).compiled, passes.FACETS.index(surface.rules.facets)
+    passes.normals(velocity, *_slopes(surface, along, across), hits, kind, normal)
     return normal
+
+
+def _slopes(
+    surface: Surface, along: FloatArray, across: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return slopes of shares; of facets that are seen, the share along the motion stays."""
+    seen = surface.rules.facets == "seen"
+    return along if seen else surface.slope.quantile(along), surface.cross_slope.quantile(across)
 
 
 def simulated(contact: Contact, n: int, law: Law | None = None) -> Strike:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from microimpact.core.arrays import FloatArray, Real
+from microimpact.core.arrays import BoolArray, FloatArray, Real
 
 CONFIDENCE = 0.95
 
@@ -30,7 +30,7 @@ def student_half_width(
     return np.asarray(t * np.sqrt(np.square(sd) / events + np.square(systematic)))
 
 
-def mean_and_error(values: FloatArray) -> tuple[float, float]:
+def mean_and_error(values: FloatArray | BoolArray) -> tuple[float, float]:
     """Return a mean and its standard error; nan of too few values."""
     n = len(values)
     mean = float(np.mean(values)) if n else float("nan")

@@ -7,12 +7,11 @@ from dataclasses import asdict, dataclass
 from functools import partial
 from itertools import chain, product
 from operator import itemgetter
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
 
-from microimpact.core.arrays import FloatArray
 from microimpact.core.materials import find_material, materials_from_rows
 from microimpact.core.nearest import nearest
 from microimpact.core.tables import Tables, series_frame
@@ -27,9 +26,9 @@ from microimpact.declared.parameters import (
     NonNegative,
     Positive,
 )
-from microimpact.lab.contacts import calibrated_contact
+from microimpact.lab.contacts import pair_of
 from microimpact.lab.dispenser import Dispenser, InitialSpin
-from microimpact.lab.experiment import Drop, Outcome, SpeedClass, StopRule, Target
+from microimpact.lab.experiment import Outcome, SpeedClass, StopRule
 from microimpact.lab.laboratory import DeclaredSurface, Particles
 from microimpact.lab.pdpa import experiment as doppler
 from microimpact.lab.pdpa.analyser import Analyser
@@ -46,11 +45,10 @@ from microimpact.lab.ptis.exposure import (
 )
 from microimpact.lab.ptis.system import ImagingSystem
 from microimpact.lab.reduction import interval_columns, quantities
-from microimpact.lab.surface import combined_slope, rough
-from microimpact.model.contact import Contact, resized
-from microimpact.statistics.distributions import Distribution, generator, mean
-
-T = TypeVar("T")
+from microimpact.lab.samples import Dropped, contact_of
+from microimpact.model.contact import Contact
+from microimpact.statistics.distributions import Distribution, generator
+from microimpact.statistics.intervals import mean_and_error
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -128,16 +126,16 @@ class Experiment:
         """What decides its contact."""
         return self.particles.name, self.surface.name, self.case
 
-    def drop(self, contact: Contact, dispenser: Dispenser) -> Drop:
-        """Return what is dropped, on a contact of its materials."""
-        slope_sd = combined_slope(self.surface.surface_slope, self.particles.particle_slope)
-        return Drop(
-            target=Target(contact=contact, surface=rough(slope_sd)),
+    def dropped(self, friction: float) -> Dropped:
+        """Return what is dropped, with a coefficient of friction."""
+        return Dropped(
+            case=self.case,
+            friction=friction,
             diameter_um=self.particles.diameter_um,
-            angle=self.angle,
-            speed=self.speed_class.speed_m_per_s,
-            speed_range=self.speed_class.speed_range_m_per_s,
-            dispenser=dispenser,
+            surface_slope=self.surface.surface_slope,
+            particle_slope=self.particles.particle_slope,
+            speed_m_per_s=self.speed_class.speed_m_per_s,
+            speed_range_m_per_s=self.speed_class.speed_range_m_per_s,
             spin=InitialSpin(sd=self.particles.spin_sd, mean=0.0),
         )
 
@@ -153,35 +151,25 @@ def expand(
 
     Raises ValueError if a block names what is not declared, or an experiment is declared twice.
     """
-    by_name = {one.name: one for one in particles}
-    targets = {one.name: one for one in surfaces}
-    classes = {one.name: one for one in speed_classes}
+    levels: dict[str, Any] = {"particles": particles, "surfaces": surfaces, "speeds": speed_classes}
+    known: dict[str, dict[str, Any]] = {
+        key: {one.name: one for one in of} for key, of in levels.items()
+    }
     found: dict[str, Experiment] = {}
     for number, block in enumerate(blocks):
-        where = f"blocks[{number}]"
-        chosen = (
-            [_named(name, by_name, f"{where}.particles") for name in block.particles],
-            [_named(name, targets, f"{where}.surfaces") for name in block.surfaces],
-            [_named(name, classes, f"{where}.speeds") for name in block.speeds],
-        )
-        for dropped, target, speed_class, angle in product(*chosen, block.angles_deg or angles_deg):
+        for key, own in known.items():
+            for name in (name for name in getattr(block, key) if name not in own):
+                told = f"{name!r} must be one of those declared{nearest(name, own)}"
+                raise ValueError(f"blocks[{number}].{key}: {told}")
+        chosen = ([own[name] for name in getattr(block, key)] for key, own in known.items())
+        for dropped, target, speed, angle in product(*chosen, block.angles_deg or angles_deg):
             one = Experiment(
-                particles=dropped,
-                surface=target,
-                case=block.case,
-                speed_class=speed_class,
-                angle=angle,
+                particles=dropped, surface=target, case=block.case, speed_class=speed, angle=angle
             )
             if one.title in found:
-                raise ValueError(f"{where}: {one.title}: declared twice")
+                raise ValueError(f"blocks[{number}]: {one.title}: declared twice")
             found[one.title] = one
     return list(found.values())
-
-
-def _named(name: str, known: Mapping[str, T], where: str) -> T:
-    if name not in known:
-        raise ValueError(f"{where}: {name!r} must be one of those declared{nearest(name, known)}")
-    return known[name]
 
 
 def counts(experiments: Iterable[Experiment]) -> Counts:
@@ -229,10 +217,12 @@ def fates_of(counted: Mapping[str, int]) -> dict[str, int]:
     return fates
 
 
-def experiment_row(one: Experiment, contact_evidence: str, outcome: Outcome) -> dict[str, Any]:
+def experiment_row(
+    one: Experiment, dropped: Dropped, contact_evidence: str, outcome: Outcome
+) -> dict[str, Any]:
     """Return the row of one experiment: what it is, what was lost, measured, and true."""
-    low, high = one.speed_class.speed_range_m_per_s
-    smallest, largest = one.particles.diameter_um.quantile(np.array([0.0, 1.0]))
+    low, high = dropped.speed_range_m_per_s
+    smallest, largest = dropped.diameter_um.quantile(np.array([0.0, 1.0]))
     first = outcome.first_impacts
     row: dict[str, Any] = {
         "particles": one.particles.name,
@@ -241,30 +231,27 @@ def experiment_row(one: Experiment, contact_evidence: str, outcome: Outcome) -> 
         "largest_um": largest,
         "surface": one.surface.name,
         "surface_material": one.surface.surface,
-        "slope_sd": float(np.hypot(one.surface.surface_slope, one.particles.particle_slope)),
+        "slope_sd": dropped.slope_sd,
         "contact_case": one.case,
         "contact_evidence": contact_evidence,
         "angle_deg": one.angle,
-        "nominal_speed_m_per_s": one.speed_class.speed_m_per_s,
+        "nominal_speed_m_per_s": dropped.speed_m_per_s,
         "slowest_m_per_s": low,
         "fastest_m_per_s": high,
         "instrument": "PDPA" if one.angle == NORMAL else "PTIS",
         "dropped": outcome.dropped,
         **fates_of(outcome.fates),
         "events": len(outcome.measured),
-        "captured_share": float(np.mean(first.captured)) if len(first) else np.nan,
+        "captured_share": mean_and_error(first.captured)[0],
     }
     everything = quantities(first.in_plane)
     # Friction of a particle that stays is not that of an impact.
     everything["impulse_ratio"] = everything["impulse_ratio"][~first.captured]
     for name, truth in quantities(outcome.true).items():
         row |= interval_columns(outcome.means, name)
-        row |= {f"true_{name}": _mean(truth), f"{name}_of_all": _mean(everything[name])}
+        row[f"true_{name}"] = mean_and_error(truth)[0]
+        row[f"{name}_of_all"] = mean_and_error(everything[name])[0]
     return {**row, "evidence": "virtual experiment"}
-
-
-def _mean(values: FloatArray) -> float:
-    return float(np.mean(values)) if values.size else np.nan
 
 
 NEEDS = {"calibration": ("calibration",)}
@@ -345,13 +332,14 @@ def conducted(params: Params, one: Experiment, of: Contact, evidence: str) -> di
 
     `params`, `one`: settings, and which experiment; `of`, `evidence`: as from `contact`.
     """
-    drop = one.drop(of, params.dispenser).tabulated()
+    dropped = one.dropped(params.friction)
+    drop = dropped.drop(of, one.angle, params.dispenser).tabulated()
     rng = generator(params.seed, *drop.key)
     if one.angle == NORMAL:
         outcome: Outcome = doppler.collect(drop, params.pdpa, params.stop, rng)
     else:
         outcome = imaging.collect(drop, params.ptis, params.stop, rng)
-    return experiment_row(one, evidence, outcome)
+    return experiment_row(one, dropped, evidence, outcome)
 
 
 def contact(params: Params, one: Experiment, inputs: Tables) -> tuple[Contact, str]:
@@ -360,19 +348,14 @@ def contact(params: Params, one: Experiment, inputs: Tables) -> tuple[Contact, s
     And whether it was calibrated for these materials, or is assumed to be as for others.
     """
     rows: Any = inputs["materials"].to_dict("records")
-    materials = materials_from_rows(rows)
-    case = calibrated_contact(inputs, one.case)
+    particle, surface = names = one.particles.particle, one.surface.surface
+    case = contact_of(one.dropped(params.friction), inputs)
     own = case.replace(
-        particle=find_material(one.particles.particle, materials),
-        surface=find_material(one.surface.surface, materials),
+        particle=find_material(particle, materials_from_rows(rows)),
+        surface=find_material(surface, materials_from_rows(rows)),
         work_of_adhesion=case.work_of_adhesion,
-        friction=params.friction,
     )
-    table = inputs["calibration"]
-    calibrated = tuple(table.loc[table["case"] == one.case, ["particle", "surface"]].iloc[0])
-    same = calibrated == (one.particles.particle, one.surface.surface)
-    diameter = mean(one.particles.diameter_um) * 1e-6
-    return resized(own, diameter), "calibrated" if same else "assumed"
+    return own, "calibrated" if pair_of(inputs, one.case) == names else "assumed"
 
 
 def summary(params: Params, rows: pd.DataFrame) -> pd.DataFrame:

@@ -32,6 +32,7 @@ from microimpact.lab.reduction import interval_columns
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.statistics.distributions import Distribution, generator, mean
+from microimpact.statistics.intervals import mean_and_error
 
 NEEDS = {"calibration": ("calibration",)}
 
@@ -128,11 +129,10 @@ def experiment_row(population: Population, speed: float, outcome: Session) -> di
     quality = observation.quality
     first = outcome.first_impacts.in_plane
     truth = first.coefficient_of_restitution
-    rebounds = truth[truth > 0.0]
     return {
         "population": population.name,
         "nominal_speed_m_per_s": speed,
-        "speed_m_per_s": float(np.mean(-measured.normal[0])) if len(measured) else np.nan,
+        "speed_m_per_s": mean_and_error(-measured.normal[0])[0],
         "dropped": outcome.dropped,
         "near_the_probe": len(truth),
         "events": len(measured),
@@ -144,7 +144,7 @@ def experiment_row(population: Population, speed: float, outcome: Session) -> di
         "probe_height_found_mm": 1e3 * observation.pairing.height,
         "probe_height_true_mm": 1e3 * observation.height,
         **interval_columns(outcome.means, *QUANTITIES),
-        "true_restitution_of_rebounds": float(np.mean(rebounds)) if rebounds.size else np.nan,
+        "true_restitution_of_rebounds": mean_and_error(truth[truth > 0.0])[0],
         "true_restitution_of_all": float(np.mean(truth)),
         "evidence": "virtual experiment",
     }

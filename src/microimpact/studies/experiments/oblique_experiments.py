@@ -35,6 +35,7 @@ from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import simulate, velocity_components
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
 from microimpact.statistics.distributions import child, generator
+from microimpact.statistics.intervals import mean_and_error
 
 NEEDS = {"calibration": ("calibration",)}
 
@@ -194,10 +195,10 @@ def experiment_row(
         "angle_deg": angle,
         "dropped": outcome.dropped,
         "events": len(outcome.measured),
-        "captured_share": float(np.mean(captured)) if captured.size else np.nan,
+        "captured_share": mean_and_error(captured)[0],
         "unobserved_share": 1.0 - outcome.fates.get(MEASURED, 0) / max(1, int(np.sum(~captured))),
         **interval_columns(outcome.means, *QUANTITIES, ends=("low", "high", "sd")),
-        "true_restitution": float(np.mean(true)) if true.size else np.nan,
+        "true_restitution": mean_and_error(true)[0],
         "true_restitution_of_rebounds": of_rebounds,
         "evidence": "virtual experiment",
     }
