@@ -270,7 +270,7 @@ class Outcome:
     fates
         What became of them, in the words of the instrument.
     means
-        Mean and interval of every quantity measured; none of too few events.
+        Mean and interval of every quantity measured; `NO_MEAN` of too few events.
     """
 
     measured: Measured

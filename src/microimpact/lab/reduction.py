@@ -29,6 +29,8 @@ class Mean:
         Number of events averaged.
     sd
         Standard deviation of the events.
+    systematic
+        Standard uncertainty of the mean from errors that the events share.
     """
 
     value: float
@@ -36,6 +38,12 @@ class Mean:
     high: float
     events: int
     sd: float
+    systematic: float
+
+
+# Of too few events, and an exactly known number to compare with.
+NO_MEAN = Mean(**dict.fromkeys(("value", "low", "high", "sd", "systematic"), np.nan), events=0)
+EXACT = Mean(**dict.fromkeys(Mean.__dataclass_fields__, 0))
 
 
 def mean_interval(values: ArrayLike, systematic: ArrayLike = 0.0, level: float = 0.95) -> Mean:
@@ -64,10 +72,11 @@ def mean_interval(values: ArrayLike, systematic: ArrayLike = 0.0, level: float =
     if n < FEWEST_EVENTS:
         raise ValueError(f"an interval needs at least {FEWEST_EVENTS} events, got {n}")
     sd = float(np.std(values, ddof=1))
-    shared = np.sqrt(np.sum(np.square(np.asarray(systematic, dtype=float))))
+    shared = float(np.sqrt(np.sum(np.square(np.asarray(systematic, dtype=float)))))
     half = float(student_half_width(sd, n, shared, level))
     centre = float(np.mean(values))
-    return Mean(value=centre, low=centre - half, high=centre + half, events=n, sd=sd)
+    low, high = centre - half, centre + half
+    return Mean(value=centre, low=low, high=high, events=n, sd=sd, systematic=shared)
 
 
 def quantities(measured: Measured) -> dict[str, FloatArray]:
@@ -101,12 +110,15 @@ def reduced(
     measured: Measured,
     shifted: Callable[[Measured, Any], Measured],
     error: float,
+    fewest: int,
     names: tuple[str, ...] = QUANTITIES,
 ) -> dict[str, Mean]:
     """Return mean and interval of the quantities that an instrument measures.
 
-    Arguments as in `shared_error`.
+    Arguments as in `shared_error`; of fewer events than ``fewest`` there is no mean.
     """
+    if len(measured) < fewest:
+        return dict.fromkeys(names, NO_MEAN)
     values, systematic = quantities(measured), shared_error(measured, shifted, error)
     return {name: mean_interval(values[name], systematic[name]) for name in names}
 
@@ -115,8 +127,8 @@ def interval_columns(
     means: Mapping[str, Mean], *names: str, ends: tuple[str, ...] = ("low", "high")
 ) -> dict[str, float]:
     """Return means with their intervals as columns of a table, nan where there is none."""
-    columns = {}
+    columns: dict[str, float] = {}
     for name in names:
-        columns[name] = float(getattr(means.get(name), "value", np.nan))
-        columns |= {f"{name}_{end}": getattr(means.get(name), end, np.nan) for end in ends}
+        mean = means.get(name, NO_MEAN)
+        columns |= {name: mean.value} | {f"{name}_{end}": getattr(mean, end) for end in ends}
     return columns

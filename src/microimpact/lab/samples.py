@@ -17,7 +17,7 @@ from microimpact.lab.dispenser import Dispenser, InitialSpin
 from microimpact.lab.events import Impacts, Measured
 from microimpact.lab.experiment import Drop, Target, in_range
 from microimpact.lab.ptis.experiment import turned
-from microimpact.lab.reduction import QUANTITIES, quantities, shared_error
+from microimpact.lab.reduction import QUANTITIES, Mean, interval_columns, reduced
 from microimpact.lab.surface import LABORATORY, rough
 from microimpact.model.contact import Contact, resized
 from microimpact.statistics.distributions import Distribution, generator, mean
@@ -82,22 +82,13 @@ class Sampling:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Statistic:
-    """Mean of a quantity over events, their standard deviation, and the error they share."""
-
-    mean: float
-    sd: float
-    systematic: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Seen:
     """Rebounds of one sample in the plane of measurement, within the speed class."""
 
     measured: Measured  # The rebounds
     # Share of those that arrived that is not among them: captured, or unseen by an instrument.
     captured_share: float
-    statistics: Mapping[str, Statistic]  # Of every quantity
+    means: Mapping[str, Mean]  # Of every quantity
 
 
 def contact_of(dropped: Dropped, inputs: Tables) -> Contact:
@@ -144,7 +135,7 @@ class Sample:
 
     def mean(self, quantity: str, angle: float) -> float:
         """Return the mean of a quantity over the rebounds; nan with too few."""
-        return self.seen(angle).statistics[quantity].mean
+        return self.seen(angle).means[quantity].value
 
 
 @lru_cache(maxsize=KEPT_SAMPLES)
@@ -165,37 +156,17 @@ def reduce_to(measured: Measured, arrived: int, sampling: Sampling) -> Seen:
     return Seen(
         measured=measured,
         captured_share=1.0 - len(measured) / max(1, arrived),
-        statistics=statistics(measured, sampling.angle_error_deg),
+        means=reduced(measured, turned, sampling.angle_error_deg, FEWEST_REBOUNDS),
     )
-
-
-def statistics(measured: Measured, angle_error: float) -> dict[str, Statistic]:
-    """Return mean, scatter and shared error of every quantity; nan with too few rebounds."""
-    if len(measured) < FEWEST_REBOUNDS:
-        return {name: Statistic(mean=np.nan, sd=np.nan, systematic=np.nan) for name in QUANTITIES}
-    systematic = shared_error(measured, turned, angle_error)
-    return {
-        name: Statistic(
-            mean=float(np.mean(values)),
-            sd=float(np.std(values, ddof=1)),
-            systematic=float(systematic[name]),
-        )
-        for name, values in quantities(measured).items()
-    }
 
 
 def mean_columns(seen: Seen) -> dict[str, Any]:
     """Return the means of a sample as columns of a table."""
-    columns: dict[str, Any] = {
-        "rebounds": len(seen.measured),
-        "captured_share": seen.captured_share,
-    }
-    for name, of in seen.statistics.items():
-        columns |= {name: of.mean, f"{name}_sd": of.sd}
-    return columns
+    means = interval_columns(seen.means, *QUANTITIES, ends=("sd",))
+    return {"rebounds": len(seen.measured), "captured_share": seen.captured_share, **means}
 
 
-def half_width(one: Statistic, other: Statistic, sampling: Sampling) -> float:
+def half_width(one: Mean, other: Mean, sampling: Sampling) -> float:
     """Return the half-width of the 95 % interval of a difference of means.
 
     Of two experiments of ``sampling.events`` events each, either with its own setting of the
@@ -210,8 +181,7 @@ def difference_columns(one: Seen, other: Seen, sampling: Sampling) -> dict[str, 
     """Return the differences of means, one less other, alone and over their half-widths."""
     columns = {}
     for name in QUANTITIES:
-        a, b = one.statistics[name], other.statistics[name]
-        difference = f"{name}_difference"
-        columns[difference] = a.mean - b.mean
-        columns[f"{difference}_over_half_width"] = (a.mean - b.mean) / half_width(a, b, sampling)
+        a, b = one.means[name], other.means[name]
+        columns[f"{name}_difference"] = apart = a.value - b.value
+        columns[f"{name}_difference_over_half_width"] = apart / half_width(a, b, sampling)
     return columns

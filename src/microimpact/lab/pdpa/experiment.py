@@ -78,14 +78,13 @@ def _observed(
     seen = observe(impacts, first, duration, instrument, rng, drop_height=drop.height)
     events = seen.at_surface()
     measured = events.select(np.flatnonzero(drop.in_class(events.speed))[: stop.events])
-    enough = len(measured) >= stop.fewest_events
     return Session(
         measured=measured,
         impacts=impacts,
         first=first,
         dropped=dropped,
         fates={**seen.quality.fates, UNREACHED: dropped - first},
-        means=reduced(measured, moved, seen.pairing.height_error, QUANTITIES) if enough else {},
+        means=reduced(measured, moved, seen.pairing.height_error, stop.fewest_events, QUANTITIES),
         observation=seen,
     )
 

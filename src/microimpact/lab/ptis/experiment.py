@@ -59,14 +59,13 @@ def collect(drop: Drop, instrument: ImagingSystem, stop: StopRule, rng: Generato
         dropped += used
     fates[OUTSIDE_CLASS] = fates[MEASURED] - accepted
     measured = Measured.joined(found)
-    enough = accepted >= stop.fewest_events
     return Outcome(
         measured=measured,
         impacts=Impacts.joined(looked),
         first=first,
         dropped=dropped,
         fates=dict(fates),
-        means=reduced(measured, turned, instrument.angle_error_deg) if enough else {},
+        means=reduced(measured, turned, instrument.angle_error_deg, stop.fewest_events),
     )
 
 

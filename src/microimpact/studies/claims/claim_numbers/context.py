@@ -218,8 +218,8 @@ class Context:
     ) -> Estimate:
         """Return the mean over the rebounds of a sample; arguments as in `over_half_width`."""
         sample = self.seen(dropped, angle, sampling)
-        of = sample.statistics[quantity]
-        return Estimate(of.mean, of.sd / np.sqrt(max(len(sample.measured), 1)))
+        of = sample.means[quantity]
+        return Estimate(of.value, of.sd / np.sqrt(max(len(sample.measured), 1)))
 
     def over_half_width(
         self,
@@ -233,7 +233,7 @@ class Context:
         `quantity`: ``restitution``, ``impulse_ratio`` or ``energy_loss``; `one`, `other`: what is
         dropped, and the angle in degrees; `sampling`: how the samples are drawn.
         """
-        a, b = (self.seen(*end, sampling).statistics[quantity] for end in (one, other))
+        a, b = (self.seen(*end, sampling).means[quantity] for end in (one, other))
         apart = self.mean(quantity, *one, sampling) - self.mean(quantity, *other, sampling)
         return apart / half_width(a, b, sampling or self.params.sampling)
 

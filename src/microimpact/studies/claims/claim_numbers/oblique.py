@@ -13,7 +13,8 @@ from microimpact.lab.dispenser import NO_SPIN, InitialSpin
 from microimpact.lab.events import Impacts
 from microimpact.lab.experiment import StopRule
 from microimpact.lab.ptis.experiment import collect
-from microimpact.lab.samples import Dropped, Sample, Statistic, half_width, in_class
+from microimpact.lab.reduction import EXACT, Mean
+from microimpact.lab.samples import Dropped, Sample, half_width, in_class
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import Impact, simulate, velocity_components
 from microimpact.model.rigid_body.roughness import measured_restitution
@@ -447,7 +448,7 @@ def low_ratios(context: Context, mean: float) -> Numbers:
     energy = "rotational_over_translational_energy"
     return {
         "least_mean_impulse_ratio": min(
-            _with_spread(context, mean, sd).mean for sd in slow.spin_spreads
+            _with_spread(context, mean, sd).value for sd in slow.spin_spreads
         ),
         "mean_spin_over_speed_needed": needed["mean_spin_needed"],
         "spin_deviation_over_speed_needed": spread_needed(context),
@@ -455,19 +456,18 @@ def low_ratios(context: Context, mean: float) -> Numbers:
     }
 
 
-def _with_spread(context: Context, mean: float, sd: float) -> Statistic:
+def _with_spread(context: Context, mean: float, sd: float) -> Mean:
     slow = context.params.slow
     spun = replace(slow.dropped, spin=InitialSpin(mean=mean, sd=sd))
-    return context.seen(spun, slow.spin_deg, context.series).statistics["impulse_ratio"]
+    return context.seen(spun, slow.spin_deg, context.series).means["impulse_ratio"]
 
 
 def spread_needed(context: Context) -> float:
     """Return the spread of spins without a mean whose interval, of one mean, reaches zero."""
-    exact = Statistic(mean=0.0, sd=0.0, systematic=0.0)
 
     def lower_end(sd: float) -> float:
         of = _with_spread(context, 0.0, sd)
-        return of.mean - half_width(of, exact, context.params.sampling)
+        return of.value - half_width(of, EXACT, context.params.sampling)
 
     return root(lower_end, 0.0, WIDEST_SPREAD, absolute=1e-2)
 

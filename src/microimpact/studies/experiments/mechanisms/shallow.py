@@ -88,7 +88,7 @@ def _curve(params: Shallow, sample: Sample, speed: float, normal_speed: FloatArr
     angle = np.degrees(np.arcsin(np.minimum(normal_speed / speed, 1.0)))
     samples = [own.seen(float(a)) for a in angle]
     free = [one.captured_share <= params.most_captured for one in samples]
-    ratio = np.where(free, [one.statistics["impulse_ratio"].mean for one in samples], np.nan)
+    ratio = np.where(free, [one.means["impulse_ratio"].value for one in samples], np.nan)
     if np.sum(np.isfinite(ratio)) < FEWEST_MEANS:
         raise ValueError(
             f"shallow.speeds_m_per_s: at {speed:g} m/s nearly all spheres are captured below "

@@ -96,10 +96,10 @@ def pair_rows(params: Slope, sampling: Sampling, inputs: Tables) -> Iterator[dic
         for angle in params.angles_deg:
             smooth, found = flat.seen(angle), sloped.seen(angle)
             e, loss = (
-                [one.statistics[name] for one in (smooth, found)]
+                [one.means[name] for one in (smooth, found)]
                 for name in ("restitution", "energy_loss")
             )
-            predicted = e[0].mean ** 2 - e[1].mean ** 2
+            predicted = e[0].value ** 2 - e[1].value ** 2
             columns = difference_columns(found, smooth, sampling)
             error = columns["energy_loss_difference"] - predicted
             yield {
@@ -147,7 +147,7 @@ def formica_comparison(params: Slope, sampling: Sampling, inputs: Tables) -> pd.
     steel, spore = (Sample.of(dropped, sampling, inputs) for dropped in both)
     for angle in params.angles_deg:
         one, other = steel.seen(angle), spore.seen(angle)
-        free = other.statistics["restitution"].mean
+        free = other.means["restitution"].value
         rows.append(
             {"angle_deg": angle}
             | {f"steel_{name}": value for name, value in mean_columns(one).items()}

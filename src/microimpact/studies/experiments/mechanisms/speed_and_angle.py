@@ -14,7 +14,8 @@ from pydantic import Field
 from microimpact.core.tables import Tables
 from microimpact.declared.parameters import AngleDegrees, CaseName, Fraction, Keyed, NonNegative
 from microimpact.lab.experiment import SpeedClass
-from microimpact.lab.samples import Dropped, Sample, Sampling, Statistic, half_width
+from microimpact.lab.reduction import EXACT
+from microimpact.lab.samples import Dropped, Sample, Sampling, half_width
 from microimpact.model.dynamics.impact import simulate, velocity_components
 from microimpact.model.rigid_body.algebra import energy_loss, rigid_body_rebound
 from microimpact.studies.experiments.mechanisms.impulse_regions import regions
@@ -75,11 +76,11 @@ def class_row(params: SpeedAndAngle, sample: Sample, one: SpeedClass) -> dict[st
     steep, shallow = sorted(params.trend_deg, reverse=True)
     sphere = simulate(sample.contact, one.speed_m_per_s, np.array([steep, shallow]))
     e = sphere.coefficient_of_restitution
-    losses = [own.seen(angle).statistics["energy_loss"] for angle in params.angles_deg]
+    losses = [own.seen(angle).means["energy_loss"] for angle in params.angles_deg]
     departed = (
         angle
         for angle, loss in zip(params.angles_deg[1:], losses[1:], strict=True)
-        if abs(loss.mean - losses[0].mean) > half_width(loss, losses[0], sample.sampling)
+        if abs(loss.value - losses[0].value) > half_width(loss, losses[0], sample.sampling)
     )
     return {
         "case": own.dropped.case,
@@ -91,7 +92,7 @@ def class_row(params: SpeedAndAngle, sample: Sample, one: SpeedClass) -> dict[st
         "conditional_mean_shallow": own.mean("restitution", shallow),
         "steep_deg": steep,
         "shallow_deg": shallow,
-        "energy_loss_steep": losses[0].mean,
+        "energy_loss_steep": losses[0].value,
         "first_departure_of_loss_deg": next(departed, np.nan),
         "evidence": "virtual experiment",
     }
@@ -101,13 +102,12 @@ def region_rows(params: SpeedAndAngle, sample: Sample) -> list[dict[str, Any]]:
     """Regions of the mean impulse ratio of the fastest class."""
     own = sample.but(**asdict(params.classes[0]))
     samples = [own.seen(angle) for angle in params.region_angles_deg]
-    means = np.array([s.statistics["impulse_ratio"].mean for s in samples])
+    means = np.array([s.means["impulse_ratio"].value for s in samples])
     known = np.isfinite(means)
-    ratio = [s.statistics["impulse_ratio"] for s, k in zip(samples, known, strict=True) if k]
+    ratio = [s.means["impulse_ratio"] for s, k in zip(samples, known, strict=True) if k]
     counts = np.array([len(s.measured) for s in samples])[known]
     # The interval of one mean: that of its difference from an exactly known number.
-    exact = Statistic(mean=0.0, sd=0.0, systematic=0.0)
-    width = np.array([half_width(of, exact, own.sampling) for of in ratio])
+    width = np.array([half_width(of, EXACT, own.sampling) for of in ratio])
     scatter = np.array([of.sd for of in ratio]) / np.sqrt(counts)
     angles, means = np.array(params.region_angles_deg)[known], means[known]
     return [
@@ -146,7 +146,7 @@ def resolution(params: SpeedAndAngle, sampling: Sampling, inputs: Tables) -> dic
     """Differences of printed restitutions and of their losses against what 40 events resolve."""
     angle = params.resolved_deg
     one, other = (
-        Sample.of(dropped, sampling, inputs).seen(angle).statistics
+        Sample.of(dropped, sampling, inputs).seen(angle).means
         for dropped in (params.resolved_steel, params.resolved_spore)
     )
     e = params.resolved_restitutions

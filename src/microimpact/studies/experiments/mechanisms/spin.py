@@ -72,7 +72,7 @@ def _grid(params: Spin, sample: Sample) -> list[dict[str, Any]]:
     for spin_mean, sd in spins:
         turning = sample.but(spin=InitialSpin(mean=spin_mean, sd=sd))
         found = [turning.seen(angle) for angle in params.angles_deg]
-        mu = np.array([one.statistics["impulse_ratio"].mean for one in found])
+        mu = np.array([one.means["impulse_ratio"].value for one in found])
         known = np.isfinite(mu)
         trend = float(np.corrcoef(np.array(params.angles_deg)[known], mu[known])[0, 1])
         rows += [

@@ -177,7 +177,7 @@ def causes(params: Spore, slopes: Sample) -> dict[str, dict[float, Seen]]:
 
 def trend_row(name: str, samples: Mapping[float, Seen], sampling: Sampling) -> dict[str, Any]:
     """Return the trends that the article describes, over half-widths, and where e is least."""
-    e = {a: one.statistics["restitution"].mean for a, one in samples.items()}
+    e = {a: one.means["restitution"].value for a, one in samples.items()}
     present = {a: value for a, value in e.items() if np.isfinite(value)}
     least = min(present, key=lambda a: present[a], default=np.nan)  # None may be seen
     return {"mechanism": name, "angle_of_least_restitution_deg": least} | trends(samples, sampling)
@@ -191,9 +191,9 @@ def trends(
     def change(quantity: str, start: float, end: float) -> float:
         if start not in samples or end not in samples:
             return np.nan
-        one, other = (samples[angle].statistics[quantity] for angle in (end, start))
-        base = (less[a].statistics[quantity].mean if less else 0.0 for a in (end, start))
-        first, last = (of.mean - b for of, b in zip((one, other), base, strict=True))
+        one, other = (samples[angle].means[quantity] for angle in (end, start))
+        base = (less[a].means[quantity].value if less else 0.0 for a in (end, start))
+        first, last = (of.value - b for of, b in zip((one, other), base, strict=True))
         return (first - last) / half_width(one, other, sampling)
 
     at_15 = (less or samples).get(15.0)
@@ -224,8 +224,8 @@ def comparison(params: Spore, sampling: Sampling, inputs: Tables) -> pd.DataFram
             one, other = steel.seen(angle), spore.seen(angle)
             rows.append(
                 {"case": case, "angle_deg": angle}
-                | {f"steel_{name}": one.statistics[name].mean for name in QUANTITIES}
-                | {f"spore_{name}": other.statistics[name].mean for name in QUANTITIES}
+                | {f"steel_{name}": one.means[name].value for name in QUANTITIES}
+                | {f"spore_{name}": other.means[name].value for name in QUANTITIES}
                 | difference_columns(one, other, sampling)
                 | {"evidence": "virtual experiment"}
             )
