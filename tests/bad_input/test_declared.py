@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import pytest
 from tests.bad_input.conftest import DIGITISED
+from tests.shared import shipped
 
+from microimpact.declared.documents import ConfigError
+from microimpact.declared.references import merged
 from microimpact.declared.selection import NamedTables
+from microimpact.run.config import validate
 
 CONFIG, MATERIALS, CONTACTS = "config.yaml", "materials.csv", "contacts.csv"
 LABORATORY, MODELS, EXPERIMENTS = (
@@ -94,8 +98,16 @@ CASES = [
     (LABORATORY, "surface_slope: {value: 0.16,", "surface_slope: {value: -0.16,", ["surfaces.Formica.surface_slope: -0.16 must be greater than or equal to 0"]),
     (LABORATORY, "    case: steel-formica", "    case: steel-formic", ["drops.steel on Formica.case: 'steel-formic' is not declared in cases (did you mean 'steel-formica'?)"]),
     (EXPERIMENTS, "populations:\n    SST65: {from: particles.SST65}\n    SST125: {from: particles.SST125}", "populations: [SST65, SST125]", ["normal_experiments.populations: must be a mapping: a name, then its fields"]),
-    (LABORATORY, "target_radius_mm: {value: 5.0", "target_radius_mm: {value: 5.5", ["pile_up: drawn_radius_mm: 5.5 must be one of radii_mm"]),
-    ("analyses/claims.yaml", "falling_loss_deg: {values: [50, 10]", "falling_loss_deg: {values: [5, 10]", ["claim_numbers.oblique: falling_loss_deg: [5, 10] must descend"]),
+    (LABORATORY, "target_radius_mm: {value: 5.0", "target_radius_mm: {value: 5.5", ["pile.target_radius_mm: 5.5 must be one of radii_mm [3.0, 5.0, 10.0]"]),
+    ("analyses/claims.yaml", "falling_loss_deg: {values: [50, 10]", "falling_loss_deg: {values: [5, 10]", ["claim_numbers.oblique.falling_loss_deg: [5, 10] must descend"]),
+    (LABORATORY, "speed_range_m_per_s: {values: [1.6, 1.72]", "speed_range_m_per_s: {values: [1.72, 1.6]", ["speeds.nominal.speed_range_m_per_s: [1.72, 1.6] must ascend"]),
+    (LABORATORY, "speed_range_m_per_s: {values: [1.6, 1.72]", "speed_range_m_per_s: {values: [1.6]", ["speeds.nominal.speed_range_m_per_s[1]: missing"]),
+    (LABORATORY, "angles_deg: {values: [85, 80, 75, 70, 60, 55, 50, 45, 40, 30, 20, 15, 10, 5]", "angles_deg: {values: [95]", ["experiment.angles_deg[0]: 95 must be less than or equal to 90"]),
+    (LABORATORY, "      mean: {value: 50.0, evidence", "      mode: 3\n      mean: {value: 50.0, evidence", ["particles.SST65.diameter_um.mode: unknown key"]),
+    (LABORATORY, "      sd: {value: 9.0,", "      sd: {value: -9.0,", ["particles.SST65.diameter_um.sd: -9.0 must be greater than"]),
+    (LABORATORY, "surfaces:\n", "surfaces: 3\nnone:\n", ["surfaces: 3 must be a mapping"]),
+    (LABORATORY, "\ncases:\n", "\ncases: []\nnone:\n", ["cases: [] must be a mapping"]),
+    (ANALYSES, "      kind: constant\n      at:", "      kind: constant\n      value:", [".at: missing", ".value: unknown key (known here: at, kind)"]),
     # declared tables
     (MATERIALS, "material,property", "material;property", ["materials.csv: the header is"]),
     (MATERIALS, STEEL, STEEL + ",more", ["materials.csv, line 2: must have 8 fields"]),
@@ -194,9 +206,33 @@ BYTES = [
     (MATERIALS, b"\x00\x01", "materials.csv"),
     (MATERIALS, b"material,\xe9\n", "materials.csv: must be a text in UTF-8, byte 9 is not"),
     (CONTACTS, b"particle,surface\n", "contacts.csv: the header is particle, surface;"),
-    (FIGURES, b"fig14: 3\n", "fig14: 3 must be a mapping"),
+    (FIGURES, b"fig14: 3\n", "config/figures.yaml: fig14: 3 must be a mapping"),
     (FIGURES, b"fig14: {study: {}}\n", "fig14.study: {} is no study"),
 ]  # fmt: skip
+
+
+# What a user lays over the files as shipped, and the lines that refuse it.
+OVERLAYS = [
+    ({"force_history": {"diameter_um": 4, "9": None}}, ["force_history.9: unknown key (known here: admissible,"]),  # {diameter_um: 4,9}
+    ({"nonsense": None}, ["nonsense: unknown key"]),
+    ({"particles": None}, ["particles: missing"]),
+    ({"particles": {"SST77": None}}, ["particles.SST77: None must be a mapping"]),
+    ({"particles": {"SST77": {"particle": "glass", "particle_slope": 0.1}}}, [f"particles.SST77.{key}: changes nothing: no analysis names it" for key in ("particle", "particle_slope")]),
+    ({"speeds": {"nominal": {"speed_m_per_s": 0}}}, ["speeds.nominal.speed_m_per_s: 0 must be greater than 0", "admissible_contacts."]),
+    ({"monte_carlo": {"process": {"slope": 0.3}}}, ["monte_carlo.process.slope: 0.3 must be a mapping with the key kind: constant, uniform,"]),
+    ({"pathvars": "build/x"}, ["pathvars: 'build/x' must be a mapping"]),
+    ({"pathvars": {"results": ""}}, ["pathvars.results: '' must not be empty"]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("overlay", "lines"), OVERLAYS, ids=range(len(OVERLAYS)))
+def test_an_overlay_is_refused_in_a_line_a_key(overlay, lines):
+    with pytest.raises(ConfigError) as caught:
+        validate(merged(shipped(), overlay), shipped())
+    found = str(caught.value).splitlines()
+    assert len(found) == len(lines)
+    for told, line in zip(found, lines, strict=True):
+        assert told.startswith(line)
 
 
 @pytest.mark.parametrize(("name", "content", "words"), BYTES, ids=range(len(BYTES)))

@@ -66,3 +66,16 @@ def test_an_overlay_that_changes_inputs_needs_a_folder_of_its_own():
         with pytest.raises(ValueError, match="not 'results'"):
             runstamp.require_own_root(changed | {"pathvars": {"results": "./results/"}}, base)
     runstamp.require_own_root(base | {"chunks": 8}, base)
+
+
+@pytest.mark.parametrize("name", ["", "src", "file", "new/{x}", "~/new"])
+def test_results_go_where_nothing_else_is(tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "src").mkdir()
+    (tmp_path / "src/code.py").write_text("x")
+    (tmp_path / "file").write_text("x")
+    with pytest.raises(ValueError, match=r"pathvars\.results: .* must be a new or empty folder"):
+        runstamp.require_results_folder(name)
+    (tmp_path / "src/run.json").write_text("{}")
+    for usable in ("src", "new/folder", tmp_path / "other"):
+        runstamp.require_results_folder(usable)

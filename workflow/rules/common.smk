@@ -46,9 +46,10 @@ from microimpact import studies
 from microimpact.core.files import of_other_inputs, recorded_since, write_checksums
 from microimpact.core.tables import write_table
 from microimpact.figures.registry import FORMATS
+from microimpact.ledgers.claims.criteria import read_claims
 from microimpact.report import explorer, site
 from microimpact.report.site import record as site_record
-from microimpact.declared.documents import load
+from microimpact.declared.documents import load, located
 from microimpact.declared.references import merged
 from microimpact.run.config import read_configuration, read_inputs, validate
 from microimpact.run import stamp
@@ -68,6 +69,10 @@ try:
     SETTINGS = validate(config, SHIPPED)
     stamp.require_own_root(config, base)
     INPUTS = read_inputs(SETTINGS)
+    if workflow.is_main_process:  # not in every job
+        stamp.require_results_folder(stamp.results_root(config))
+        with located(SETTINGS.general.claims):
+            read_claims(SETTINGS.general.claims, SETTINGS.branches["claim_numbers"])
 except (ValueError, OSError) as error:
     raise WorkflowError(f"problems in the declared inputs:\n{error}") from None
 except (ImportError, SyntaxError) as error:
@@ -240,5 +245,5 @@ def write_inputs():
 def write_stamp(**how):
     """Write the stamp of this run."""
     stamp.write_stamp(
-        RESULTS / "run.json", config, PROJECT, STARTED, declared=SETTINGS.declared, **how
+        RESULTS / stamp.STAMP, config, PROJECT, STARTED, declared=SETTINGS.declared, **how
     )

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from itertools import accumulate
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,18 @@ from microimpact.core.nearest import nearest
 
 class ConfigError(ValueError):
     """A configuration with problems: one line each, beginning with the dotted key."""
+
+
+@contextmanager
+def located(path: Path | str) -> Iterator[None]:
+    """Put the name of a file before every line on what is wrong in it."""
+    try:
+        yield
+    except ValueError as error:
+        lines = str(error).splitlines()
+        raise ConfigError(
+            "\n".join(line if line.startswith(str(path)) else f"{path}: {line}" for line in lines)
+        ) from None
 
 
 # Far beyond any study's inputs; a few aliases of aliases are soon beyond it.

@@ -253,7 +253,11 @@ def explain(
     aliases
         Where something stands in the files, by its dotted key here.
     """
-    return [_line(item, kind, key, aliases or {}) for item in error.errors(include_url=False)]
+    found = error.errors(include_url=False)
+    # A list counts as too short without the items that are refused in lines of their own.
+    inner = {item["loc"][:-1] for item in found}
+    told = [item for item in found if item["type"] != "too_short" or item["loc"] not in inner]
+    return [_line(item, kind, key, aliases or {}) for item in told]
 
 
 def _line(item: Mapping[str, Any], kind: type, key: str, aliases: Mapping[str, str]) -> str:
@@ -282,7 +286,22 @@ def _line(item: Mapping[str, Any], kind: type, key: str, aliases: Mapping[str, s
         return f"{dotted}: {item['input']!r} must be a list, as [{item['input']}]"
     wanted = item["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
     if item["type"] == "value_error":
+        name, colon, rest = wanted.partition(": ")
+        if colon and name in here.fields():  # of a field, seen with the others
+            dotted, wanted = f"{dotted}.{name}".removeprefix("."), rest
+            while dotted in aliases:
+                dotted = aliases[dotted]
         return f"{dotted}: {wanted}"
+    if item["type"] in {"too_short", "too_long"}:
+        least = item["ctx"].get("min_length")
+        bound = f"at most {item['ctx']['max_length']}" if least is None else f"at least {least}"
+        wanted = f"must hold {bound}"
+    elif item["type"] == "string_too_short":
+        wanted = "must not be empty"
+    elif here.kinds:
+        wanted = f"must be a mapping with the key {KIND}: {', '.join(map(str, here.kinds))}"
+    elif here.classes:
+        wanted = "must be a mapping"
     return f"{dotted}: {item['input']!r} {wanted}{_hint(item['input'], item['type'])}"
 
 

@@ -70,7 +70,9 @@ class Declared:
 
 def is_declaration(node: object) -> bool:
     """Tell whether a node of the configuration is a value with its provenance."""
-    return isinstance(node, Mapping) and "from" not in node and any(p in node for p in _PARTS)
+    # A reference and a distribution may have a key `value`, too.
+    is_other = not isinstance(node, Mapping) or "from" in node or "kind" in node
+    return not is_other and any(p in node for p in _PARTS)
 
 
 def plain(node: Any) -> Any:

@@ -25,9 +25,10 @@ NOTHING = "names nothing"
 def merged(old: Any, new: Any) -> Any:
     """Return a configuration with changes laid over it.
 
-    Mappings are merged by name, and a name given as null is taken away. A value with its
-    provenance and a distribution are one value each, replaced as a whole; a reference keeps the
-    place it names beside what replaces its value.
+    Mappings are merged by name, and a name given as null is taken away; it stays null, to be
+    refused as an unknown key, where there is no such name. A value with its provenance and a
+    distribution are one value each, replaced as a whole; a reference keeps the place it names
+    beside what replaces its value.
     """
     if is_reference(old) and new is not None and not isinstance(new, Mapping):
         return {FROM: old[FROM], "values" if isinstance(new, list) else "value": new}
@@ -38,7 +39,8 @@ def merged(old: Any, new: Any) -> Any:
     if _is_one_value(old):
         return new
     laid = {name: merged(old.get(name), child) for name, child in new.items()}
-    return {name: child for name, child in {**old, **laid}.items() if child is not None}
+    every = {**old, **laid}.items()
+    return {name: child for name, child in every if child is not None or name not in old}
 
 
 def is_reference(node: object) -> bool:
@@ -157,7 +159,8 @@ class Resolver:
         if kind.keyed:
             return [self._item(kind, i, name, key, node[name]) for i, name in enumerate(node)]
         stands = next(_places(node), "").rpartition(".")[0]
-        if kind == Shape() and stands not in {"", key}:  # where one value is wanted
+        # where one value or a distribution is wanted
+        if (kind == Shape() or kind.kinds) and stands not in {"", key}:
             self.aliases[key] = stands
         fields = kind.fields(node.get(KIND))
         if SEED in fields and SEED not in node:

@@ -37,9 +37,8 @@ from microimpact.report.check.results import (
     require_current,
     require_results,
 )
-from microimpact.run.stamp import git_state
+from microimpact.run.stamp import STAMP, git_state
 
-STAMP = "run.json"
 METADATA = "ro-crate-metadata.json"
 README = "README.md"
 COPIES = "crate"

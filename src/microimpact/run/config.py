@@ -19,7 +19,7 @@ from pydantic import Field, ValidationError
 from microimpact import studies
 from microimpact.core.materials import Material, materials_from_rows
 from microimpact.core.nearest import nearest
-from microimpact.declared.documents import ConfigError, load
+from microimpact.declared.documents import ConfigError, load, located
 from microimpact.declared.parameters import Count, Known, Name, adapter, build, explain
 from microimpact.declared.provenance import Declared
 from microimpact.declared.references import Resolver
@@ -29,6 +29,7 @@ from microimpact.lab.laboratory import Laboratory
 from microimpact.model.pairs import Pair, Pairs, pair_contact, pairs_from_rows
 from microimpact.model.plausibility import LARGEST, SMALLEST, doubt_of_input, doubts_of_material
 from microimpact.run.digitised import Digitised, as_rows, read_folder
+from microimpact.run.stamp import changes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -106,6 +107,9 @@ def validate(
     ConfigError
         Naming the dotted key of every problem, one line each.
     """
+    if flat := [key for key in SECTIONS if not isinstance(config.get(key), Mapping)]:
+        told = (f"{config[key]!r} must be a mapping" if key in config else "missing" for key in flat)
+        raise ConfigError("\n".join(f"{key}: {line}" for key, line in zip(flat, told, strict=True)))
     resolver = Resolver(config, base, SECTIONS)
     known_keys = [*GENERAL, *SECTIONS, *studies.homes()]
     unknown = [key for key in config if key not in known_keys]
@@ -118,7 +122,7 @@ def validate(
         raise ConfigError("\n".join([*resolver.problems, *_others(found, resolver.problems)]))
     resolver.declare("printed", tables.printed())
     resolver.declare("contacts", tables.pairs())
-    cases = [*(config.get("cases") or ()), *tables.contacts.known("particle", "surface")]
+    cases = [*config["cases"], *tables.contacts.known("particle", "surface")]
     check.known = Known({**tables.names(), "cases": ("cases", cases)})
     laboratory = check.sections(Laboratory, SECTIONS)
     stands = {row.key: row.place or row.key for row in resolver.rows}
@@ -141,11 +145,18 @@ def validate(
         if own and disagreements:
             others = {maker: params.get(maker) for maker in studies.needs(name).values()}
             found += [f"{name}.{line}" for line in disagreements(own, others)]
-    found = [*resolver.problems, *_others(found, resolver.problems)]
-    if found:
-        raise ConfigError("\n".join(dict.fromkeys(found)))
+    # What several analyses name is refused by each: the first line on a key is enough.
+    first = dict[str, str]()
+    for line in [*resolver.problems, *_others(found, resolver.problems)]:
+        first.setdefault(line.partition(": ")[0], line)
+    if first:
+        raise ConfigError("\n".join(first.values()))
     bodies = {name: (case.particle, case.surface) for name, case in laboratory.cases.items()}
     used = {stands[f"cases.{case}.{body}"] for case in wanted & set(bodies) for body in _BODIES}
+    unused = tuple(place for place in resolver.unused() if place not in used)
+    changed = () if only else {change.key for change in changes(config, base)}
+    if idle := [key for key in unused if key in changed]:
+        raise ConfigError("\n".join(f"{key}: changes nothing: no analysis names it" for key in idle))
     return Settings(
         general=general,
         tables=tables,
@@ -155,7 +166,7 @@ def validate(
         rows={name: tables.named(each, bodies) for name, each in named.items()},
         # Where the results go is no input: the same study has the same table anywhere.
         declared=tuple(row for row in resolver.rows if not row.key.startswith("pathvars.")),
-        unused=tuple(place for place in resolver.unused() if place not in used),
+        unused=unused,
     )
 
 
@@ -264,8 +275,9 @@ def read_inputs(settings: Settings) -> Inputs:
     ]
     if wrong:
         raise ValueError("\n".join(wrong))
-    entries = filled(load(general.figures), settings.branches)
-    figures = registry(entries)
+    with located(general.figures):
+        entries = filled(load(general.figures), settings.branches)
+        figures = registry(entries)
     digitised = read_folder(general.digitised, figures)
     return Inputs(
         rows={name: study_rows(name, settings, digitised) for name in settings.branches},

@@ -21,6 +21,7 @@ from microimpact.core.files import write_file
 from microimpact.declared.provenance import Declared, plain
 from microimpact.declared.references import FROM, is_reference
 
+STAMP = "run.json"
 PACKAGES = (
     "microimpact",
     "numpy",
@@ -85,6 +86,23 @@ def require_own_root(config: Mapping[str, Any], base: Mapping[str, Any]) -> None
             f"pathvars.results: the overlay changes {changed[0]}{more}, so its results need a "
             f"folder of their own, not {results_root(base)!r}; add to it a line as "
             "pathvars: {results: build/my-run}"
+        )
+
+
+def require_results_folder(folder: Path | str) -> None:
+    """Refuse a place for results that holds something else.
+
+    Raises ValueError unless `folder` is new, empty, or has the stamp of an earlier run.
+    """
+    folder = Path(folder)
+    if folder.is_dir():
+        is_usable = (folder / STAMP).is_file() or not any(folder.iterdir())
+    else:
+        is_usable = not folder.exists() and not set(str(folder)) & set("{}<>~")
+    if not is_usable:
+        raise ValueError(
+            f"pathvars.results: {str(folder)!r} must be a new or empty folder, without any of "
+            f"{{ }} < > ~ in its name, or one of earlier results, with their {STAMP}"
         )
 
 

@@ -20,10 +20,9 @@ from microimpact.core.materials import declared_file
 from microimpact.declared.documents import load
 from microimpact.figures.registry import filled
 from microimpact.report.check.results import ResultsError, built, read_json
-from microimpact.run.stamp import Change, changes, origin
+from microimpact.run.stamp import STAMP, Change, changes, origin
 
 RECORD = "report/record.json"
-STAMP = "run.json"
 # Columns that name a row of a declared table.
 _ROW_NAMES = ("material", "particle", "surface", "key", "name")
 
