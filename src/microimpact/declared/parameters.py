@@ -270,9 +270,8 @@ def _line(item: Mapping[str, Any], kind: type, key: str, aliases: Mapping[str, s
         fields = here.fields()
         here = here.item if isinstance(part, int) else here.fields().get(part, here.item)
         written = dotted + (f"[{part}]" if isinstance(part, int) else f".{part}")
-        dotted = written = written.removeprefix(".")
-        while dotted in aliases:
-            dotted = aliases[dotted]
+        written = written.removeprefix(".")
+        dotted = _file_key(written, aliases)
     if item["type"] in {"extra_forbidden", "unexpected_keyword_argument"}:
         return f"{written}: unknown key{nearest(str(item['loc'][-1]), fields)}"
     if item["type"] in {"missing", "missing_keyword_only_argument", "missing_argument"}:
@@ -280,29 +279,42 @@ def _line(item: Mapping[str, Any], kind: type, key: str, aliases: Mapping[str, s
     if item["type"] in {"union_tag_invalid", "union_tag_not_found"}:
         given = item.get("ctx", {}).get("tag")
         told = "missing, it" if given is None else repr(given)
-        where = aliases.get(f"{dotted}.{KIND}", f"{dotted}.{KIND}")
+        where = _file_key(f"{dotted}.{KIND}", aliases)
         return f"{where}: {told} must be one of {', '.join(map(str, here.kinds))}"
-    if item["type"] in {"tuple_type", "list_type"}:
-        return f"{dotted}: {item['input']!r} must be a list, as [{item['input']}]"
-    wanted = item["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
-    if item["type"] == "value_error":
-        name, colon, rest = wanted.partition(": ")
-        if colon and name in here.fields():  # of a field, seen with the others
-            dotted, wanted = f"{dotted}.{name}".removeprefix("."), rest
-            while dotted in aliases:
-                dotted = aliases[dotted]
-        return f"{dotted}: {wanted}"
-    if item["type"] in {"too_short", "too_long"}:
-        least = item["ctx"].get("min_length")
-        bound = f"at most {item['ctx']['max_length']}" if least is None else f"at least {least}"
-        wanted = f"must hold {bound}"
-    elif item["type"] == "string_too_short":
-        wanted = "must not be empty"
-    elif here.kinds:
-        wanted = f"must be a mapping with the key {KIND}: {', '.join(map(str, here.kinds))}"
-    elif here.classes:
-        wanted = "must be a mapping"
-    return f"{dotted}: {item['input']!r} {wanted}{_hint(item['input'], item['type'])}"
+    if item["type"] != "value_error":
+        return f"{dotted}: {item['input']!r} {_wanted(item, here)}"
+    told = item["msg"].removeprefix("Value error, ")
+    name, colon, rest = told.partition(": ")
+    if colon and name in here.fields():  # of a field, seen with the others
+        return f"{_file_key(f'{dotted}.{name}'.removeprefix('.'), aliases)}: {rest}"
+    return f"{dotted}: {told}"
+
+
+def _file_key(key: str, aliases: Mapping[str, str]) -> str:
+    while key in aliases:
+        key = aliases[key]
+    return key
+
+
+_LENGTHS = {"too_short": ("at least", "min_length"), "too_long": ("at most", "max_length")}
+
+
+def _wanted(item: Mapping[str, Any], here: Shape) -> str:
+    """Say what a value must be in place of what it is."""
+    problem = item["type"]
+    if problem in {"tuple_type", "list_type"}:
+        return f"must be a list, as [{item['input']}]"
+    if problem in _LENGTHS:
+        words, bound = _LENGTHS[problem]
+        return f"must hold {words} {item['ctx'][bound]}"
+    if problem == "string_too_short":
+        return "must not be empty"
+    if here.kinds:
+        return f"must be a mapping with the key {KIND}: {', '.join(map(str, here.kinds))}"
+    if here.classes:
+        return "must be a mapping"
+    wanted = str(item["msg"]).replace("Input should be", "must be")
+    return f"{wanted}{_hint(item['input'], problem)}"
 
 
 def _hint(value: object, problem: str) -> str:

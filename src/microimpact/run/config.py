@@ -107,9 +107,11 @@ def validate(
     ConfigError
         Naming the dotted key of every problem, one line each.
     """
-    if flat := [key for key in SECTIONS if not isinstance(config.get(key), Mapping)]:
-        told = (f"{config[key]!r} must be a mapping" if key in config else "missing" for key in flat)
-        raise ConfigError("\n".join(f"{key}: {line}" for key, line in zip(flat, told, strict=True)))
+    _refuse(
+        f"{key}: {config[key]!r} must be a mapping" if key in config else f"{key}: missing"
+        for key in SECTIONS
+        if not isinstance(config.get(key), Mapping)
+    )
     resolver = Resolver(config, base, SECTIONS)
     known_keys = [*GENERAL, *SECTIONS, *studies.homes()]
     unknown = [key for key in config if key not in known_keys]
@@ -145,18 +147,12 @@ def validate(
         if own and disagreements:
             others = {maker: params.get(maker) for maker in studies.needs(name).values()}
             found += [f"{name}.{line}" for line in disagreements(own, others)]
-    # What several analyses name is refused by each: the first line on a key is enough.
-    first = dict[str, str]()
-    for line in [*resolver.problems, *_others(found, resolver.problems)]:
-        first.setdefault(line.partition(": ")[0], line)
-    if first:
-        raise ConfigError("\n".join(first.values()))
+    _refuse([*resolver.problems, *_others(found, resolver.problems)])
     bodies = {name: (case.particle, case.surface) for name, case in laboratory.cases.items()}
     used = {stands[f"cases.{case}.{body}"] for case in wanted & set(bodies) for body in _BODIES}
     unused = tuple(place for place in resolver.unused() if place not in used)
     changed = () if only else {change.key for change in changes(config, base)}
-    if idle := [key for key in unused if key in changed]:
-        raise ConfigError("\n".join(f"{key}: changes nothing: no analysis names it" for key in idle))
+    _refuse(f"{key}: changes nothing: no analysis names it" for key in unused if key in changed)
     return Settings(
         general=general,
         tables=tables,
@@ -200,6 +196,18 @@ class _Check:
         except ValidationError as error:
             self.found += explain(error, kind, "", self.resolver.aliases)
             return None
+
+
+def _refuse(lines: Iterable[str]) -> None:
+    """Raise ConfigError if there are lines.
+
+    What several analyses name is refused by each of them; the first line on a key is enough.
+    """
+    first = dict[str, str]()
+    for line in lines:
+        first.setdefault(line.partition(": ")[0], line)
+    if first:
+        raise ConfigError("\n".join(first.values()))
 
 
 @cache
