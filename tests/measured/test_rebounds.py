@@ -46,6 +46,10 @@ def test_sigma_is_read(written):
         ("v,f\n1,2\n", "the column 'f' is none of"),
         ("speed,e\n1,2\n", "the column 'speed'"),
         ("v,v\n1,2\n", "stands there twice"),
+        ("v (m/s);e\n1;0,5\n", "line 1: the columns must be separated by commas, got ';'"),
+        ("v\te\n1\t0.5\n", "the columns must be separated by commas, got '\\t'"),
+        ("v e\n1 0.5\n", "the columns must be separated by commas, got ' '"),
+        ('v,e\n"1,0.5\n2,0.6\n', "line 2: unexpected end of data"),
         ("v,sigma\n1,2\n", "either e or V are needed"),
         ("v,e,V\n1,0.5,0.5\n", "either e or V are needed"),
         ("v (furlong),e\n1,0.5\n", "the unit of v must be one of"),
@@ -66,6 +70,12 @@ def test_bad_files_are_refused(written, text, message):
     with pytest.raises(ValueError, match=r"mine\.csv") as refused:
         read_rebounds(written(text))
     assert message in str(refused.value)
+
+
+def test_a_file_in_another_encoding_is_refused(tmp_path):
+    (tmp_path / "mine.csv").write_bytes("v,e\n1,0.5\n".encode("utf-16"))
+    with pytest.raises(ValueError, match=r"mine\.csv: must be a text in UTF-8, byte 0 is not"):
+        read_rebounds(tmp_path / "mine.csv")
 
 
 def test_an_unknown_unit_is_refused(written):

@@ -71,8 +71,9 @@ class Declared:
 def is_declaration(node: object) -> bool:
     """Tell whether a node of the configuration is a value with its provenance."""
     # A reference and a distribution may have a key `value`, too.
-    is_other = not isinstance(node, Mapping) or "from" in node or "kind" in node
-    return not is_other and any(p in node for p in _PARTS)
+    if not isinstance(node, Mapping) or "from" in node or "kind" in node:
+        return False
+    return any(p in node for p in _PARTS)
 
 
 def plain(node: Any) -> Any:

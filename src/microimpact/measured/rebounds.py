@@ -44,11 +44,19 @@ def read_rebounds(path: Path | str, unit: str | None = None) -> Rebounds:
     line, column, value and what is allowed.
     """
     name = Path(path).name
-    lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
+    try:
+        lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{name}: must be a text in UTF-8, byte {error.start} is not") from None
     kept = [(at, line) for at, line in enumerate(lines, 1) if line.strip() and line[0] != "#"]
     if not kept:
         raise ValueError(f"{name}: no header; columns are {', '.join(COLUMNS)}")
-    table = list(csv.reader(line for _, line in kept))
+    table = [_cells(f"{name}, line {at}", line) for at, line in kept]
+    if len(table[0]) == 1 and (other := re.search(r"[;\t|]|(?<=\w) (?=\w)", kept[0][1])):
+        raise ValueError(
+            f"{name}, line {kept[0][0]}: the columns must be separated by commas, got {other[0]!r}; "
+            "numbers have a decimal point"
+        )
     units = _columns(name, table[0], unit)
     rows = []
     for (at, _), cells in zip(kept[1:], table[1:], strict=True):
@@ -64,6 +72,13 @@ def read_rebounds(path: Path | str, unit: str | None = None) -> Rebounds:
     return Rebounds(
         v=np.array(v), e=np.array(e), sigma=np.array(sigma) if "sigma" in units else None
     )
+
+
+def _cells(where: str, line: str) -> list[str]:
+    try:
+        return next(csv.reader([line], strict=True))
+    except csv.Error as error:
+        raise ValueError(f"{where}: {error}") from None
 
 
 def _columns(name: str, header: list[str], unit: str | None) -> dict[str, float]:

@@ -127,7 +127,8 @@ def report_command(results: Path) -> None:
     """Write the report of RESULTS anew, as pages for a browser: RESULTS/report/index.html."""
     from microimpact.report.check.results import read_json, require_current, require_results
     from microimpact.report.site.build import write_site
-    from microimpact.report.site.record import STAMP, read_record
+    from microimpact.report.site.record import read_record
+    from microimpact.run.stamp import STAMP
 
     require_results(results)
     if (results / STAMP).is_file():
