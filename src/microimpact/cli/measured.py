@@ -29,7 +29,9 @@ _SHORT |= {"n": "adhesion_rate_exponent"}
 @_unit_option
 @_sigma_option
 @click.option("--confidence", type=float, default=0.95, show_default=True, help="Of intervals.")
-@click.option("--model", "models", multiple=True, help="Try this one, not all; may be repeated.")
+@click.option(
+    "--model", "models", multiple=True, help="Try the one of this name, not all; may be repeated."
+)
 @click.option("--plot", help="Draw data, models and interval: a .png, .svg or .pdf file.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON in SI units.")
 def fit_command(

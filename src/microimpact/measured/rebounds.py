@@ -54,8 +54,8 @@ def read_rebounds(path: Path | str, unit: str | None = None) -> Rebounds:
     table = [_cells(f"{name}, line {at}", line) for at, line in kept]
     if len(table[0]) == 1 and (other := re.search(r"[;\t|]|(?<=\w) (?=\w)", kept[0][1])):
         raise ValueError(
-            f"{name}, line {kept[0][0]}: the columns must be separated by commas, got {other[0]!r}; "
-            "numbers have a decimal point"
+            f"{name}, line {kept[0][0]}: the columns must be separated by commas, got "
+            f"{other[0]!r}; numbers have a decimal point"
         )
     units = _columns(name, table[0], unit)
     rows = []
