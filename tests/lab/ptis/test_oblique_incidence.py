@@ -105,8 +105,8 @@ def test_shared_errors_stretch_and_turn_what_is_measured():
     """The repetitions of `interval_coverage.repeated` rest on this."""
     events, setup = impacts(1.66, 45.0, 40), setup_for(1.66, 45.0)
     errors = Systematics(rate=0.01, scale=-0.02, angle_deg=0.5)
-    right = modelled(events, setup, generator(1), errors=Systematics()).measured
-    wrong = modelled(events, setup, generator(1), errors=errors).measured
+    right = modelled(events, setup, Systematics(), generator(1)).measured
+    wrong = modelled(events, setup, errors, generator(1)).measured
     common, a, b = np.intersect1d(right.event, wrong.event, return_indices=True)
     assert common.size > 20
     stretch = 1.0 / (1.01 * 0.98)

@@ -74,8 +74,8 @@ def test_frames_scatter_about_the_model_as_it_says(speed, angle, seed):
         setup_for(speed, angle),
         generator(seed),
     )
-    model = theory(events, setup, rng, draw_systematics(INSTRUMENT, rng))
-    seen = observe(events, setup, rng)
+    errors = draw_systematics(INSTRUMENT, rng)
+    model, seen = theory(events, setup, rng, errors), observe(events, setup, errors, rng)
     agree = [
         (fate == MEASURED) == isinstance(t, One) for fate, t in zip(seen.fates, model, strict=True)
     ]
@@ -97,7 +97,7 @@ def test_frames_scatter_about_the_model_as_it_says(speed, angle, seed):
 def test_modelled_events_scatter_as_their_covariance_says():
     n = 300
     events, setup = impacts(1.66, 60.0, n), setup_for(1.66, 60.0)
-    drawn = modelled(events, setup, generator(), errors=EXACT)
+    drawn = modelled(events, setup, EXACT, generator())
     model = theory(events, setup, generator(), EXACT)
     assert tuple(f == MEASURED for f in drawn.fates) == tuple(isinstance(t, One) for t in model)
     z = []
@@ -125,25 +125,26 @@ def test_noise_free_instrument_leaves_a_fifth_of_the_spread_at_most():
 def test_losses_by_geometry():
     n = 10
     captured = impacts(1.66, 60.0, n, captured=np.ones(n, dtype=bool))
-    assert modelled(captured, setup_for(1.66, 60.0), generator()).fates == (CAPTURED,) * n
+    assert modelled(captured, setup_for(1.66, 60.0), EXACT, generator()).fates == (CAPTURED,) * n
     aside = impacts(1.66, 60.0, n, side=0.8)
-    assert modelled(aside, setup_for(1.66, 60.0), generator()).fates == (OFF_SHEET,) * n
+    assert modelled(aside, setup_for(1.66, 60.0), EXACT, generator()).fates == (OFF_SHEET,) * n
     # Rebounds too slow to keep their dashes apart, and tracks upon each other.
     touching = impacts(1.66, 60.0, n, restitution=0.2, kept=0.3)
-    assert MEASURED not in modelled(touching, setup_for(1.66, 60.0), generator()).fates
+    assert MEASURED not in modelled(touching, setup_for(1.66, 60.0), EXACT, generator()).fates
     steep = impacts(1.66, 88.5, n)
-    assert MEASURED not in modelled(steep, setup_for(1.66, 88.5), generator()).fates
+    assert MEASURED not in modelled(steep, setup_for(1.66, 88.5), EXACT, generator()).fates
 
 
 def test_the_model_does_not_depend_on_chunks():
     events, setup = impacts(1.05, 60.0, 12), setup_for(1.05, 60.0)
-    whole, rng = modelled(events, setup, generator(5)), generator(5)
+    whole, rng = modelled(events, setup, EXACT, generator(5)), generator(5)
     parts = [
         modelled(
             some(events, slice(a, b)),
             setup,
+            EXACT,
             rng,
-            draws=[event_generator(rng, i) for i in range(a, b)],
+            [event_generator(rng, i) for i in range(a, b)],
         )
         for a, b in ((0, 5), (5, 12))
     ]

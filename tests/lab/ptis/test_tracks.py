@@ -237,29 +237,27 @@ def test_every_loss_has_its_reason():
         OFF_VIEW: replace(base, position=base.position + np.array([8e-3, 0.0])),
     }
     for fate, events in fates.items():
-        assert observe(events, setup_for(1.66, 60.0), generator()).fates == (fate,) * n
-    slow = Counter(observe(impacts(0.3, 60.0, 24), setup_for(0.3, 60.0), generator()).fates)
+        assert observe(events, setup_for(1.66, 60.0), EXACT, generator()).fates == (fate,) * n
+    slow = Counter(observe(impacts(0.3, 60.0, 24), setup_for(0.3, 60.0), EXACT, generator()).fates)
     assert slow[SPLIT] > 8
 
 
-def test_observation_does_not_depend_on_chunks():
+def test_observation_does_not_depend_on_later_events():
     events, setup = impacts(1.05, 60.0, 9), setup_for(1.05, 60.0)
-    whole = observe(events, setup, generator(5))
-    parts = [
-        observe(some(events, slice(a, b)), setup, generator(5), first=a)
-        for a, b in ((0, 2), (2, 7), (7, 9))
-    ]
-    assert whole.fates == sum((part.fates for part in parts), ())
-    joined = np.concatenate([part.measured.velocities for part in parts])
-    assert np.array_equal(whole.measured.velocities, joined)
+    whole = observe(events, setup, EXACT, generator(5))
     assert len(whole.measured) == whole.fates.count(MEASURED) > 4
+    for n in (2, 7):
+        first = observe(some(events, slice(n)), setup, EXACT, generator(5))
+        assert first.fates == whole.fates[:n]
+        number = len(first.measured)
+        assert np.array_equal(first.measured.velocities, whole.measured.velocities[:number])
 
 
 def test_shared_errors_scale_and_turn_all_velocities_alike():
     events, setup = impacts(1.66, 45.0, 6), setup_for(1.66, 45.0, NOISELESS)
-    exact = observe(events, setup, generator(), errors=EXACT).measured
+    exact = observe(events, setup, EXACT, generator()).measured
     wrong = Systematics(rate=0.02, scale=-0.03, angle_deg=0.5)
-    off = observe(events, setup, generator(), errors=wrong).measured
+    off = observe(events, setup, wrong, generator()).measured
     common = sorted(set(exact.event) & set(off.event))
     assert len(common) >= 3
     pick = [np.flatnonzero(one.event == e)[0] for one in (exact, off) for e in common]

@@ -46,8 +46,7 @@ def collect(drop: Drop, instrument: ImagingSystem, stop: StopRule, rng: Generato
         number = stop.batch(dropped)
         shown, batch = _shown(drop, instrument, number, child(rng, 2, dropped))
         wanted, used = stop.events - accepted, number
-        draws = [child(rng, 1, dropped)] * len(batch)
-        seen = modelled(batch, setup, rng, draws=draws, errors=errors)
+        seen = modelled(batch, setup, errors, rng, [child(rng, 1, dropped)] * len(batch))
         part, end = _accepted(seen.measured, drop, wanted, len(batch))
         fates.update(seen.fates[:end])
         looked.append(batch.select(slice(end)))

@@ -18,7 +18,7 @@ from microimpact.lab.events import Impacts, Measured
 from microimpact.lab.ptis.errors import Expected, theory
 from microimpact.lab.ptis.exposure import CAPTURED, MEASURED, UNMEASURABLE, exposures, unseen
 from microimpact.lab.ptis.frames import photographs
-from microimpact.lab.ptis.system import Setup, Systematics, draw_systematics, event_generator
+from microimpact.lab.ptis.system import Setup, Systematics, event_generator
 from microimpact.lab.ptis.tracks import Rejection, Track, find_spots, reduce_legs, sort_legs
 
 
@@ -57,19 +57,16 @@ class Photographed:
 def modelled(
     impacts: Impacts,
     setup: Setup,
+    errors: Systematics,
     rng: Generator,
-    *,
     draws: Sequence[Generator] | None = None,
-    errors: Systematics | None = None,
 ) -> ImagedEvents:
     """Return what is measured of every impact, by the error model.
 
     The same generator gives an event the same field and the same pulses as in `observe`, apart
     from their jitter: nothing is drawn from it but from its children, one per event. They draw in
-    turn from ``draws`` if these are given, one per event or the same for all. Errors of the
-    experiment are drawn if not given.
+    turn from ``draws`` if these are given, one per event or the same for all.
     """
-    errors = errors or draw_systematics(setup.instrument, rng)
     moving = np.flatnonzero(~impacts.captured)
     own = [draws[i] if draws else event_generator(rng, i) for i in moving.tolist()]
     reasons, found = theory(impacts.select(moving), setup, errors, own)
@@ -81,35 +78,21 @@ def modelled(
     return replace(_observation(fates, found.velocities + spread[..., 0]), expected=found)
 
 
-def observe(
-    impacts: Impacts,
-    setup: Setup,
-    rng: Generator,
-    *,
-    first: int = 0,
-    errors: Systematics | None = None,
-) -> ImagedEvents:
+def observe(impacts: Impacts, setup: Setup, errors: Systematics, rng: Generator) -> ImagedEvents:
     """Render and measure the frame of every impact that can be seen; arguments as in `modelled`."""
-    return photographed(impacts, setup, rng, first=first, errors=errors).reduced(setup)
+    return photographed(impacts, setup, errors, rng).reduced(setup)
 
 
 def photographed(
-    impacts: Impacts,
-    setup: Setup,
-    rng: Generator,
-    *,
-    first: int = 0,
-    errors: Systematics | None = None,
+    impacts: Impacts, setup: Setup, errors: Systematics, rng: Generator
 ) -> Photographed:
     """Render the frame of every impact that can be seen, and sort its spots into legs.
 
     Of the events that are `unseen` a frame would give 1 in 400 a velocity, from dashes of which a
-    little is missing; they count as lost. Arguments as in `modelled`; ``first`` is the number of
-    the first impact in its experiment.
+    little is missing; they count as lost. Arguments as in `modelled`.
     """
-    errors = errors or draw_systematics(setup.instrument, rng)
     moving = np.flatnonzero(~impacts.captured)
-    draws = [event_generator(rng, first + i) for i in moving.tolist()]
+    draws = [event_generator(rng, i) for i in moving.tolist()]
     exposure = exposures(impacts.select(moving), setup, errors, draws)
     reasons = unseen(exposure, setup)
     shown = np.flatnonzero(reasons == "")

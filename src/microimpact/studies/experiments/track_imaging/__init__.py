@@ -188,7 +188,7 @@ def search(params: Params) -> Iterator[dict[str, Any]]:
                 rows = []
                 for pitch in params.dash_pitches_px:
                     setup = _setup(params, speed, angle, pixel, pitch)
-                    seen = modelled(true, setup, rng, errors=EXACT)
+                    seen = modelled(true, setup, EXACT, rng)
                     rows.append(_summary(params, setup, MODEL, seen, true))
                 yield max(rows, key=lambda row: float(row["fraction_observed"]))
 
@@ -252,7 +252,7 @@ def rendered_range(params: Params, searched: pd.DataFrame) -> tuple[pd.DataFrame
     for chosen in best.loc[best["fraction_observed"] > 0.0, names].to_numpy(float).tolist():
         setup = _setup(params, *chosen)
         true, rng = _arriving(params, setup.speed, setup.angle, params.rendered_events)
-        frames = photographed(true, setup, rng, errors=EXACT)
+        frames = photographed(true, setup, EXACT, rng)
         for method, with_gravity in ((FRAMES, True), (STRAIGHT, False)):
             seen = frames.reduced(setup, with_gravity=with_gravity)
             rows.append(_summary(params, setup, method, seen, true))

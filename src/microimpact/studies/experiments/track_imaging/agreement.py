@@ -14,7 +14,7 @@ from microimpact.declared.parameters import Fraction, NonNegative, Positive
 from microimpact.lab.events import Impacts
 from microimpact.lab.ptis.exposure import MEASURED
 from microimpact.lab.ptis.observation import ImagedEvents, modelled, observe
-from microimpact.lab.ptis.system import Setup
+from microimpact.lab.ptis.system import Setup, draw_systematics
 from microimpact.lab.reduction import quantities
 from microimpact.model.dynamics.impact import velocity_components
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
@@ -118,7 +118,8 @@ def compared(impacts: Impacts, setup: Setup, rng: Generator) -> Compared:
 
     `impacts`: which all rebound; `setup`: the instrument as set; `rng`: of the experiment.
     """
-    frames, model = observe(impacts, setup, rng), modelled(impacts, setup, rng)
+    errors = draw_systematics(setup.instrument, rng)
+    frames, model = (of(impacts, setup, errors, rng) for of in (observe, modelled))
     expected = model.expected
     assert expected is not None
     both, of_frames, of_model = np.intersect1d(
