@@ -189,10 +189,8 @@ def verdicts(
     normalised = np.concatenate([(one.residual / one.spread).ravel() for one in experiments])
     n = normalised.size
     scatter = np.log(np.linalg.norm(normalised) / np.sqrt(n)) if n else np.nan
-    name, found = (
-        "scatter of frames over model, logarithm",
-        (abs(scatter), (2 * n or np.nan) ** -0.5),
-    )
+    found = abs(scatter), (2 * n or np.nan) ** -0.5
+    name = "scatter of frames over model, logarithm"
     yield verdict(name, "1", [found], np.log(tolerances.scatter))
 
     frames, model = (
