@@ -70,22 +70,15 @@ class Repeated:
     observable: float  # Share of them that can be measured
 
 
-def by_imaging(
-    experiments: int,
-    events: int,
-    number: int,
-    drop: Drop,
-    instrument: ImagingSystem,
-    rng: Generator,
-) -> Repeated:
+def by_imaging(params: Params, number: int, drop: Drop, rng: Generator) -> Repeated:
     """Repeat an oblique experiment.
 
     Scale, rate and angle are wrong by other amounts in each experiment; they stretch and turn all
     its velocities alike. Which events can be measured is taken not to depend on them.
 
-    `experiments`, `events`: how many, of how many events; `number`: impacts to simulate; `drop`:
-    what is dropped on what; its range is of measured speeds.
+    `number`: impacts to simulate; `drop`: what is dropped on what; its range is of measured speeds.
     """
+    experiments, events, instrument = params.experiments, params.events, params.ptis
     impacts = drop.impacts(number, child(rng, 0))
     setup = set_for(drop, instrument)
     moving = np.flatnonzero(~impacts.captured & in_sheet(impacts.position, instrument))
@@ -117,17 +110,15 @@ def by_imaging(
     )
 
 
-def by_doppler(
-    experiments: int, events: int, number: int, drop: Drop, instrument: Analyser, rng: Generator
-) -> Repeated:
+def by_doppler(params: Params, number: int, drop: Drop, rng: Generator) -> Repeated:
     """Repeat a normal experiment, with the right pairs: the search for them is not repeated.
 
     The height of the probe volume is another in each experiment, and decides which spheres cross
     it; it is found from the delays of the pairs, as in an experiment.
 
-    `experiments`, `events`, `number`, `drop`, `instrument`, `rng`: as in `by_imaging`; only
-    particles that arrive near the probe volume are followed.
+    Arguments as in `by_imaging`; only particles that arrive near the probe volume are followed.
     """
+    experiments, events, instrument = params.experiments, params.events, params.pdpa
     impacts = drop.impacts(number, child(rng, 0), within=NEAR_PROBE)
     draw = child(rng, 2)
     usual = 1e-3 * instrument.probe_height_mm
@@ -294,23 +285,29 @@ def part(
     """Return the rows of every ``count``-th experiment, from ``index`` on, with their numbers."""
     contact = calibrated_contact(inputs, params.case).replace(friction=params.friction)
     every = [
-        (number, i, k)
+        (case, (number, i, k), angle, speed)
         for number, case in enumerate(params.cases)
-        for i, k in np.ndindex(len(case.angles_deg), len(case.speeds_m_per_s))
+        for i, angle in enumerate(case.angles_deg)
+        for k, speed in enumerate(case.speeds_m_per_s)
     ]
     rows = []
     for place in range(index, len(every), count):
-        number, i, k = every[place]
-        case = params.cases[number]
-        target = Target(contact=contact, surface=rough(case.slope)).tabulated(case.diameter_um)
-        angle, speed = case.angles_deg[i], case.speeds_m_per_s[k]
-        rng = generator(params.seed, number, i, k)
+        case, key, angle, speed = every[place]
+        drop = Drop(
+            target=Target(contact=contact, surface=rough(case.slope)),
+            diameter_um=case.diameter_um,
+            angle=angle,
+            speed=speed,
+            speed_range=(speed * (1.0 - case.speed_window), speed * (1.0 + case.speed_window)),
+            dispenser=params.dispenser,
+        ).tabulated()
+        repeat = by_doppler if angle == NORMAL else by_imaging
         try:
-            repeated = _repeated(params, case, target, angle, speed, rng)
+            repeated = repeat(params, case.simulated, drop, generator(params.seed, *key))
         except ValueError as error:
             where = f"cases.{case.name}, {speed:g} m/s, {angle:g} deg"
             raise ValueError(f"{where}: {error}") from None
-        rows.append((place, list(coverage_rows(params, case, angle, speed, repeated))))
+        rows.append((place, list(coverage_rows(params, case.name, drop, repeated))))
     return rows
 
 
@@ -323,36 +320,13 @@ def gather(
     return {"interval_coverage": table, **drawn(table, params.level)}
 
 
-def _repeated(
-    params: Params,
-    case: CoverageCase,
-    target: Target,
-    angle: float,
-    speed: float,
-    rng: np.random.Generator,
-) -> Repeated:
-    window = case.speed_window
-    drop = Drop(
-        target=target,
-        diameter_um=case.diameter_um,
-        angle=angle,
-        speed=speed,
-        speed_range=(speed * (1.0 - window), speed * (1.0 + window)),
-        dispenser=params.dispenser,
-    )
-    size = params.experiments, params.events, case.simulated
-    if angle == NORMAL:
-        return by_doppler(*size, drop, params.pdpa, rng)
-    return by_imaging(*size, drop, params.ptis, rng)
-
-
 def coverage_rows(
-    params: Params, case: CoverageCase, angle: float, speed: float, repeated: Repeated
+    params: Params, case: str, drop: Drop, repeated: Repeated
 ) -> Iterator[dict[str, Any]]:
     """Yield how often the intervals of each quantity hold each mean, and how wide they are."""
-    instrument = "PDPA" if angle == NORMAL else "PTIS"
+    instrument = "PDPA" if drop.angle == NORMAL else "PTIS"
     means = quantities(repeated.measured)
-    accepted, unselected = quantities(repeated.true), _unselected(case, speed, repeated)
+    accepted, unselected = quantities(repeated.true), _unselected(drop, repeated)
     systematic = shared_error(repeated.measured, SHIFTED[instrument], repeated.uncertainty)
     for name in MEASURED_BY[instrument]:
         values = means[name]
@@ -360,10 +334,10 @@ def coverage_rows(
         sd = values.std(axis=1, ddof=1)
         half = student_half_width(sd, params.events, systematic[name], params.level)
         row: dict[str, Any] = {
-            "case": case.name,
+            "case": case,
             "instrument": instrument,
-            "angle_deg": angle,
-            "speed_m_per_s": speed,
+            "angle_deg": drop.angle,
+            "speed_m_per_s": drop.speed,
             "quantity": name,
             "experiments": params.experiments,
             "events": params.events,
@@ -395,15 +369,13 @@ def _skewness(values: FloatArray) -> float:
     return float(np.mean(squares * about) / np.mean(squares) ** 1.5)
 
 
-def _unselected(
-    case: CoverageCase, speed: float, repeated: Repeated
-) -> dict[str, dict[str, float]]:
+def _unselected(drop: Drop, repeated: Repeated) -> dict[str, dict[str, float]]:
     """Return the means over all rebounds and over all impacts of the class, seen or not.
 
     Captured impacts count with no restitution and all their energy lost; friction is of rebounds.
     """
-    exact: Measured = repeated.impacts.in_plane
-    inside = np.abs(exact.speed / speed - 1.0) <= case.speed_window
+    exact = repeated.impacts.in_plane
+    inside = drop.in_class(exact.speed)
     rebounds = inside & ~repeated.impacts.captured
     return {
         name: {
