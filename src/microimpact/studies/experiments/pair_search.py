@@ -118,13 +118,14 @@ def _through_probe(
 
 
 def observed(
-    setup: Apparatus, impacts: Impacts, speed: float, key: tuple[int, ...], experiments: int = 1
+    setup: Apparatus, speed: float, particles: int, *keys: tuple[int, ...], experiments: int = 1
 ) -> list[Observation]:
-    """Observe experiments of as many particles each, dropped at a nominal speed, m/s."""
-    rng, drop = generator(setup.seed, *key), setup.drop(speed)
+    """Observe experiments of so many particles each, with keys of particles and of analyser."""
+    impacts = dropped(setup, speed, particles, keys[0], experiments)
+    rng, drop = generator(setup.seed, *keys[1]), setup.drop(speed)
     later = drop.target.later(impacts.diameter, rng)
     spheres, whole = zip(*generations(impacts, later, setup.instrument.later_impacts), strict=True)
-    particles, followed = len(impacts) // experiments, Impacts.joined(whole)
+    followed = Impacts.joined(whole)
     experiment = np.concatenate(spheres) // particles
     parts = [followed.select(experiment == i) for i in range(experiments)]
     pause = 1.0 / setup.dispenser.taps_per_s
@@ -162,11 +163,11 @@ def pairing_controls(
     """
     often = setup.dispenser.particles_per_tap * params.crowding
     crowded = replace(setup, dispenser=replace(setup.dispenser, particles_per_tap=often))
-    speed, streams = params.speed_m_per_s, []
-    for case in (setup, crowded):
-        impacts = dropped(case, speed, particles, (key, 0), experiments)
-        streams.append(observed(case, impacts, speed, (key, 1), experiments))
-    plain, dense = streams
+    speed, keys = params.speed_m_per_s, ((key, 0), (key, 1))
+    plain, dense = (
+        observed(case, speed, particles, *keys, experiments=experiments)
+        for case in (setup, crowded)
+    )
     cases: tuple[tuple[str, list[Observation], Change], ...] = (
         ("as recorded", plain, _as_recorded),
         ("times of rebounds permuted", plain, _times_permuted),
@@ -445,6 +446,8 @@ def run(params: Params, inputs: Tables) -> Tables:
     )
     quality, losses = pairing_quality(params, setup)
     size = params.experiments, params.particles
+    shown = params.shown.speed_m_per_s, params.particles, (SHOWN, 0), (SHOWN, 1)
+    (example,) = observed(setup, *shown)
     correction = surface_correction(setup.aligned.steady, params.correction, CORRECTION)
     return {
         "pairing_quality": quality,
@@ -452,16 +455,10 @@ def run(params: Params, inputs: Tables) -> Tables:
         "pairing_controls": pairing_controls(setup, params.controls, *size, CONTROLS),
         "surface_correction": correction,
         "slow_rebounds": slow_rebounds(setup.steady, params.slow),
-        "doppler_stream": stream_shown(_example(params, setup), params.shown.window_ms),
+        "doppler_stream": stream_shown(example, params.shown.window_ms),
         "pairing_curves": pairing_curves(quality),
         "correction_curves": correction_curves(correction, params.correction),
     }
-
-
-def _example(params: Params, setup: Apparatus) -> Observation:
-    speed = params.shown.speed_m_per_s
-    impacts = dropped(setup, speed, params.particles, (SHOWN, 0))
-    return observed(setup, impacts, speed, (SHOWN, 1))[0]
 
 
 def pairing_quality(params: Params, setup: Apparatus) -> tuple[pd.DataFrame, pd.DataFrame]:
@@ -473,9 +470,8 @@ def pairing_quality(params: Params, setup: Apparatus) -> tuple[pd.DataFrame, pd.
     for i, height in enumerate(params.heights_mm):
         placed = replace(setup, instrument=replace(setup.instrument, probe_height_mm=height))
         for j, speed in enumerate(params.speeds_m_per_s):
-            size = params.particles, (PARTICLES, i, j), params.experiments
-            impacts = dropped(placed, speed, *size)
-            found = observed(placed, impacts, speed, (ANALYSER, i, j), params.experiments)
+            size = params.particles, (PARTICLES, i, j), (ANALYSER, i, j)
+            found = observed(placed, speed, *size, experiments=params.experiments)
             place = {"probe_height_mm": height, "speed_m_per_s": speed}
             total, number = _total(found), params.experiments * params.particles
             rows.append({**place, "impacts": number, **_pooled(found, total)})
@@ -497,25 +493,20 @@ def _pooled(found: list[Observation], total: Mapping[str, int]) -> Row:
     error = np.array([one.pairing.height - one.height for one in settled])
     stated = np.array([one.pairing.height_error for one in settled])
     bias, bias_error = mean_and_error(1e6 * error)
+    square, _ = mean_and_error(np.square(error / stated))
     return row | {
         "captured_fraction": ratio(total["captured"], total["captured"] + rebounding),
         "censored_fraction": ratio(total["rebound below probe"], rebounding),
         "converged": len(settled) / len(found),
         "height_bias_um": bias,
         "height_bias_standard_error_um": bias_error,
-        "height_error_rms_in_standard_errors": _rms(error / stated),
+        "height_error_rms_in_standard_errors": square**0.5,
     }
 
 
 def _share(name: str, part: int, whole: int) -> dict[str, float]:
-    low, high = np.nan, np.nan
-    if whole:
-        low, high = wilson_interval(part, whole)
+    low, high = wilson_interval(part, whole) if whole else (np.nan, np.nan)
     return {name: ratio(part, whole), f"{name}_low": low, f"{name}_high": high}
-
-
-def _rms(values: FloatArray) -> float:
-    return float(np.sqrt(np.mean(np.square(values)))) if len(values) else float("nan")
 
 
 def slow_rebounds(setup: Apparatus, params: Slow) -> pd.DataFrame:
@@ -527,9 +518,9 @@ def slow_rebounds(setup: Apparatus, params: Slow) -> pd.DataFrame:
     height = 1e-3 * setup.instrument.probe_height_mm
     rows = []
     for i, speed in enumerate(params.speeds_m_per_s):
-        impacts = dropped(setup, speed, params.particles, (SLOW, i, 0))
-        (found,) = observed(setup, impacts, speed, (SLOW, i, 1))
-        n, rebounds = len(impacts), ~impacts.captured
+        (found,) = observed(setup, speed, params.particles, (SLOW, i, 0), (SLOW, i, 1))
+        n, impacts = found.first, found.impacts.select(slice(found.first))
+        rebounds = ~impacts.captured
         e = np.abs(impacts.rebound_velocity[:, 2] / impacts.velocity[:, 2])
         seen = rebounds & found.crossing.reached[REBOUND, :n]
         first = _of_first(found).coefficient_of_restitution
