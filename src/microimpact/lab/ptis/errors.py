@@ -91,8 +91,7 @@ def theory(
     seen = np.flatnonzero(fates == "")
     fates[seen] = UNMEASURABLE
     disk = exposure.diameter[seen] / setup.pixel
-    dashes = find_dashes(exposure.select(seen), setup, errors)
-    rows = longest_rows(dashes)
+    rows = longest_rows(exposure.select(seen), setup, errors)
     enough = np.minimum(rows[0].number, rows[1].number) >= setup.instrument.least_dashes
     clear = np.flatnonzero(enough & told_apart(rows[1].places, rows[1].used))
     rows = [row.select(clear) for row in rows]
@@ -113,30 +112,8 @@ def theory(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Dashes:
-    """Dashes of n exposures in their frames, m in all, leg by leg and in order of time.
-
-    Attributes
-    ----------
-    events
-        Number n of exposures.
-    leg, centre, length
-        Which leg each belongs to (as in `exposure`), centroid (columns and rows, (m, 2)) and
-        way of the centre, px.
-    good
-        True where it is found whole and by itself.
-    """
-
-    events: int
-    leg: IntArray
-    centre: FloatArray
-    length: FloatArray
-    good: BoolArray
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Rows(Columns):
-    """The longest row of good dashes of one leg of each of n exposures.
+    """The longest row of dashes that are found whole, of one leg of each of n exposures.
 
     Attributes
     ----------
@@ -154,8 +131,8 @@ class Rows(Columns):
     length: FloatArray
 
 
-def find_dashes(exposure: Exposure, setup: Setup, errors: Systematics) -> Dashes:
-    """Return the dashes of n exposures without jitter."""
+def longest_rows(exposure: Exposure, setup: Setup, errors: Systematics) -> list[Rows]:
+    """Return the rows of the legs `INCIDENT` and `REBOUND` of n exposures without jitter."""
     shown, start, end = exposure.dashes()
     order = np.argsort(exposure.leg[shown], kind="stable")
     order = order[exposure.in_view[shown[order]]]
@@ -176,15 +153,11 @@ def find_dashes(exposure: Exposure, setup: Setup, errors: Systematics) -> Dashes
     bright = brightness(length, size, setup)
     brightest = np.zeros(len(exposure))
     np.maximum.at(brightest, event, np.where(leg % LEGS < LATER, bright, 0.0))
-    return Dashes(
-        events=len(exposure),
-        leg=leg,
-        centre=setup.columns_rows(middle, errors),
-        length=length,
-        good=whole
-        & _alone(event, path, light, setup.height(path), edge)
-        & (bright > LEAST_BRIGHTNESS * brightest[event]),
-    )
+    good = whole & _alone(event, path, light, setup.height(path), edge)
+    good &= bright > LEAST_BRIGHTNESS * brightest[event]
+    runs = longest_runs(good, leg, LEGS * len(exposure))
+    centre = setup.columns_rows(middle, errors)
+    return [_row(centre, length, *(of[own::LEGS] for of in runs)) for own in (INCIDENT, REBOUND)]
 
 
 def _alone(
@@ -261,25 +234,19 @@ def _together(i, j, path, reach, near):  # type: ignore[no-untyped-def]
     return least < (near[i] + near[j]) ** 2
 
 
-def longest_rows(dashes: Dashes) -> list[Rows]:
-    """Return the longest rows of good dashes of the legs `INCIDENT` and `REBOUND`."""
-    start, number = longest_runs(dashes.good, dashes.leg, LEGS * dashes.events)
-    return [_row(dashes, start[leg::LEGS], number[leg::LEGS]) for leg in (INCIDENT, REBOUND)]
-
-
-def _row(dashes: Dashes, start: IntArray, number: IntArray) -> Rows:
+def _row(centre: FloatArray, length: FloatArray, start: IntArray, number: IntArray) -> Rows:
+    """Return the rows of one leg among dashes, from the first of each on."""
     place = np.arange(max(2, number.max(initial=0)))
     used = place < number[:, None]
     index = np.where(used, start[:, None] + place, 0)
-    # Without any dash there is nothing that the unused index 0 could mean.
-    centre = dashes.centre if len(dashes.centre) else np.zeros((1, 2))
-    length = dashes.length if len(dashes.length) else np.zeros(1)
+    if not len(centre):  # nothing that the unused index 0 could mean
+        centre, length = np.zeros((1, 2)), np.zeros(1)
+    total = np.bincount(np.nonzero(used)[0], length[index[used]], minlength=len(number))
     return Rows(
         places=np.where(used[..., None], centre[index], 0.0),
         used=used,
         number=number,
-        length=np.bincount(np.nonzero(used)[0], length[index[used]], minlength=dashes.events)
-        / np.maximum(number, 1),
+        length=total / np.maximum(number, 1),
     )
 
 
