@@ -1,36 +1,35 @@
 """Release and fall, and the interval of an experiment's mean."""
 
-from functools import partial
-
 import numpy as np
 import pytest
 from scipy import constants, stats
 from tests.shared import STILL, USUAL
 
-from microimpact.lab.dispenser import NO_SPIN, InitialSpin, drop_height, paths, release
+from microimpact.lab.dispenser import NO_SPIN, InitialSpin, drop_height
 from microimpact.lab.experiment import Drop, Target
 from microimpact.lab.reduction import mean_interval
 from microimpact.statistics.distributions import Constant, TruncatedNormal, generator
 
 
-def fall(n=5000, *, dispenser=USUAL, spin=NO_SPIN, angle=30.0, height=0.05):
-    return release(
-        n,
-        path=partial(paths, angle=angle, height=height, dispenser=dispenser),
+def fall(n=5000, *, dispenser=USUAL, spin=NO_SPIN, angle=30.0, speed=1.0):
+    drop = Drop(
+        target=None,
         diameter_um=TruncatedNormal(mean=62, sd=4.5, low=45, high=76),
+        angle=angle,
+        speed=speed,
+        speed_range=(0.0, np.inf),
         dispenser=dispenser,
         spin=spin,
-        rng=generator(7),
     )
+    return drop.release(n, generator(7))
 
 
 @pytest.mark.parametrize("angle", [90.0, 60.0, 5.0])
 def test_particles_fall_along_gravity_and_meet_the_target_at_its_angle(angle):
     falling = fall(10, dispenser=STILL, angle=angle)
-    speed = np.sqrt(2 * constants.g * 0.05)
     a = np.radians(angle)
     np.testing.assert_allclose(
-        falling.velocity, np.tile([speed * np.cos(a), 0.0, -speed * np.sin(a)], (10, 1)), atol=1e-14
+        falling.velocity, np.tile([np.cos(a), 0.0, -np.sin(a)], (10, 1)), atol=1e-14
     )
     assert np.all(falling.position == 0.0)
     assert np.all(falling.spin == 0.0)
@@ -39,7 +38,7 @@ def test_particles_fall_along_gravity_and_meet_the_target_at_its_angle(angle):
 def test_nominal_speed_is_met_and_printed_classes_are_about_as_wide_as_their_ranges():
     # 1.59-1.69 m/s and 0.39-0.49 m/s (Section 2.4.2) hold most of what falls.
     for nominal, low, high in [(1.62, 1.59, 1.69), (0.45, 0.39, 0.49)]:
-        falling = fall(height=drop_height(nominal, USUAL))
+        falling = fall(speed=nominal)
         speed = np.linalg.norm(falling.velocity, axis=1)
         assert np.mean(speed) == pytest.approx(nominal, rel=0.02)
         assert np.mean((speed > low) & (speed < high)) > 0.6

@@ -11,8 +11,7 @@ import numpy as np
 from microimpact.core.arrays import FloatArray
 from microimpact.core.constants import gravity
 from microimpact.declared.parameters import Finite, NonNegative, Positive
-from microimpact.lab.events import Falling
-from microimpact.statistics.distributions import Distribution, HalfNormal, mean, sample
+from microimpact.statistics.distributions import HalfNormal, mean, sample
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -107,32 +106,6 @@ def paths(
     # Steered away from a nearly vertical target, a particle would never arrive.
     velocity[:, 2] = np.minimum(velocity[:, 2], -1e-6)
     return place, velocity, fall
-
-
-def release(
-    n: int,
-    *,
-    path: Paths,
-    diameter_um: Distribution,
-    dispenser: Dispenser,
-    spin: InitialSpin,
-    rng: np.random.Generator,
-) -> Falling:
-    """Let n particles fall on the target.
-
-    `path`: how they fall; `dispenser`, `spin`: spreads of release and of initial spin.
-    """
-    diameter = sample(diameter_um, rng, n) * 1e-6
-    position, velocity, fall = path(n, rng)
-    share = spin.sd * rng.standard_normal((n, 3))
-    share[:, 1] += spin.mean
-    return Falling(
-        time=arrivals(n, dispenser, rng),
-        diameter=diameter,
-        position=position,
-        velocity=velocity,
-        spin=share * (fall / (0.5 * diameter))[:, None],
-    )
 
 
 def arrivals(n: int, dispenser: Dispenser, rng: np.random.Generator) -> FloatArray:

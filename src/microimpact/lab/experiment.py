@@ -19,9 +19,9 @@ from microimpact.lab.dispenser import (
     Dispenser,
     InitialSpin,
     Paths,
+    arrivals,
     drop_height,
     paths,
-    release,
 )
 from microimpact.lab.events import Falling, Impacts, IntArray, Measured
 from microimpact.lab.reduction import Mean
@@ -29,7 +29,7 @@ from microimpact.lab.surface import SMOOTH, Rebound, Surface, collide, drawn_sha
 from microimpact.model.contact import Contact, resized
 from microimpact.model.law.families import NoTableError
 from microimpact.model.law.table import Law, tabulate
-from microimpact.statistics.distributions import Distribution, mean
+from microimpact.statistics.distributions import Distribution, mean, sample
 
 # Share of the sizes beyond either end of a table, and its speeds, m/s: impacts of all others are
 # integrated. Tables in memory.
@@ -192,13 +192,16 @@ class Drop:
 
     def release(self, n: int, rng: np.random.Generator, path: Paths | None = None) -> Falling:
         """Let n particles fall, by `paths` or in another way."""
-        return release(
-            n,
-            path=path or self.paths,
-            diameter_um=self.diameter_um,
-            dispenser=self.dispenser,
-            spin=self.spin,
-            rng=rng,
+        diameter = sample(self.diameter_um, rng, n) * 1e-6
+        position, velocity, fall = (path or self.paths)(n, rng)
+        share = self.spin.sd * rng.standard_normal((n, 3))
+        share[:, 1] += self.spin.mean
+        return Falling(
+            time=arrivals(n, self.dispenser, rng),
+            diameter=diameter,
+            position=position,
+            velocity=velocity,
+            spin=share * (fall / (0.5 * diameter))[:, None],
         )
 
     def hit(self, falling: Falling, rng: np.random.Generator) -> Impacts:
