@@ -20,7 +20,7 @@ import numpy as np
 
 from microimpact.core.arrays import BoolArray, Columns, FloatArray, Real
 from microimpact.model.empirical.data import DataSets, Places
-from microimpact.model.empirical.kernel import V_C, Q, descend_all
+from microimpact.model.empirical.kernel import V_C, VARIABLES, Q, descend_all
 
 # Bounds of k and kappa over the smallest and the largest speed, and of the exponents.
 K_BOUNDS = (1e-3, 1e6)
@@ -138,14 +138,14 @@ def searches(
     enough: Real = 0.0,
 ) -> Search:
     """One search per owner, with v_c below an end by a gap whose logarithm has these bounds."""
-    top, ends = sets.top[owner], []
-    for side, scale, gap in ((0, np.ones_like(top), least_gap), (1, top, largest_gap)):
+    top, (low, high) = sets.top[owner], np.empty((2, owner.size, VARIABLES))
+    for side, bounds, scale, gap in ((0, low, 1.0, least_gap), (1, high, top, largest_gap)):
         q = EXPONENT_BOUNDS[side] if sets.q is None else sets.q
         sides = (K_BOUNDS[side] * scale, EXPONENT_BOUNDS[side], KAPPA_BOUNDS[side] * scale, q)
-        ends.append(np.stack(np.broadcast_arrays(*np.log(np.broadcast_arrays(*sides)), gap), 1))
+        for variable, value in enumerate((*map(np.log, sides), gap)):
+            bounds[:, variable] = value
     points = np.stack([sets.v, np.log(sets.v), sets.e, sets.weight], axis=1)
     limit = np.full(owner.shape, enough)
-    low, high = ends
     return Search(NO_TABLE, points, owner, end, low, high, limit, STRIDE, tolerance)
 
 
