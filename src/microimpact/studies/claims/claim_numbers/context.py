@@ -92,13 +92,16 @@ class Context:
         `key`: tells what is found from all else; `function`: takes the contact and gives an array,
         or an `Impact`, the last axis of all being that of draws.
         """
+        return part_of(self._of_draws(key, function), self.place)
+
+    def _of_draws(self, key: tuple[object, ...], function: Callable[[Contact], Any]) -> Any:
+        """Return what a function makes of the contacts of all draws, or of the one contact."""
         if self.drawn is None:
-            one = self.steel
-            return part_of(function(resized(one, np.atleast_1d(one.diameter))), 0)
+            return function(resized(self.steel, np.atleast_1d(self.steel.diameter)))
         if key not in self.found_of_draws:
             drawn = resized(self.drawn, self.params.steel.diameter_um * 1e-6)
             self.found_of_draws[key] = function(drawn)
-        return part_of(self.found_of_draws[key], self.place)
+        return self.found_of_draws[key]
 
     def limits(self, claim: str, sized: Callable[[Contact], Contact]) -> FloatArray:
         """Return capture velocities of the steel contact in several sizes, m/s.
@@ -115,6 +118,13 @@ class Context:
 
         `spin_ratio`: r omega/v, and `basis`: that of friction; those meant, if not given.
         """
+        found: Impact = part_of(self._impacts(speed, angle, spin_ratio, basis), self.place)
+        return found
+
+    def _impacts(
+        self, speed: Real, angle: Real, spin_ratio: Real | None = None, basis: str = ""
+    ) -> Impact:
+        """Return the impacts of `steel_impacts` of all draws, these along the last axis."""
         steel = self.params.steel
         spin_ratio, basis = (
             steel.spin_ratio if spin_ratio is None else spin_ratio,
@@ -127,7 +137,7 @@ class Context:
             return simulate(contact, speed, angle, ratio * speed / contact.radius, basis)
 
         key = basis, *((x.shape, x.tobytes()) for x in given)
-        found: Impact = self.of_steel(key, impacts)
+        found: Impact = self._of_draws(key, impacts)
         return found
 
     def capture_angle(self, above: float = 0.0) -> float:
@@ -179,14 +189,14 @@ class Context:
             raise ValueError(f"steel.speed_m_per_s: at {self.speed:g} it rebounds at no angle")
         return wanted[free], part_of(impact, free)
 
-    def shallowest_rebound(self, steel: Contact) -> FloatArray:
-        """Return the least of all steps of the angle at which each contact rebounds, degrees.
+    def shallowest_rebounds(self) -> FloatArray:
+        """Return the least of all steps of the angle at which steel rebounds, degrees, of all draws.
 
         90, if it does at none.
         """
-        angles = self.all_angles()[:, None]
-        captured = self.hit(steel, self.speed, angles).captured
-        return np.asarray(np.where(captured, 90.0, angles).min(axis=0))
+        angles = self.all_angles()
+        captured = self._impacts(self.speed, angles).captured
+        return np.asarray(np.where(captured, 90.0, angles[:, None]).min(axis=0))
 
     # Samples of virtual impacts
 

@@ -78,7 +78,7 @@ def c10(context: Context) -> Numbers:
         def rolls(angle: FloatArray) -> BoolArray:
             return context.hit(steel, context.speed, angle).rolling
 
-        low = context.shallowest_rebound(steel)
+        low = context.shallowest_rebounds()
         high = np.full(low.shape, 90.0)
         known = ~rolls(low) & rolls(high)
 

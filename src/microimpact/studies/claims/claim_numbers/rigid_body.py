@@ -126,7 +126,7 @@ def c23(context: Context) -> Numbers:
     context.rebounds()  # or there is no shallowest one
 
     def rises(steel: Contact) -> FloatArray:
-        shallowest = context.shallowest_rebound(steel)
+        shallowest = context.shallowest_rebounds()
         angles = shallowest, np.full_like(shallowest, context.params.oblique.plateau_deg)
         both = steel, without_adhesion(steel)
         ratios = [context.hit(one, context.speed, np.stack(angles)).impulse_ratio for one in both]
