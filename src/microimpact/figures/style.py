@@ -71,6 +71,8 @@ UNDATED = {
     "png": ("Software",),
     "pdf": ("CreationDate", "Creator", "Producer"),
 }
+# Packed lightly: a tenth larger, in two thirds of the time.
+PACKED = {"compress_level": 1}
 
 HOLLOW = [Normal(), Stroke(linewidth=0.5, foreground="white")]
 # How a mark shows its evidence; lines are computed, marks come from elsewhere. A calibrated line
@@ -496,5 +498,6 @@ def _draw_minor_ticks(axis: Axis) -> None:
 def _save(figure: Figure, path: Path) -> None:
     buffer = io.BytesIO()
     kind = path.suffix.removeprefix(".")
-    figure.savefig(buffer, format=kind, metadata=dict.fromkeys(UNDATED[kind]))
+    options = {"pil_kwargs": PACKED} if kind == "png" else {}
+    figure.savefig(buffer, format=kind, metadata=dict.fromkeys(UNDATED[kind]), **options)
     write_file(path, buffer.getvalue())
