@@ -190,7 +190,7 @@ class Context:
         return wanted[free], part_of(impact, free)
 
     def shallowest_rebounds(self) -> FloatArray:
-        """Return the least of all steps of the angle at which steel rebounds, degrees, of all draws.
+        """Return the least angle of all steps at which each draw of steel rebounds, degrees.
 
         90, if it does at none.
         """
