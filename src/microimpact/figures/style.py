@@ -498,6 +498,6 @@ def _draw_minor_ticks(axis: Axis) -> None:
 def _save(figure: Figure, path: Path) -> None:
     buffer = io.BytesIO()
     kind = path.suffix.removeprefix(".")
-    options = {"pil_kwargs": PACKED} if kind == "png" else {}
+    options: dict[str, Any] = {"pil_kwargs": PACKED} if kind == "png" else {}
     figure.savefig(buffer, format=kind, metadata=dict.fromkeys(UNDATED[kind]), **options)
     write_file(path, buffer.getvalue())
