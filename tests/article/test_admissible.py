@@ -155,10 +155,13 @@ def test_an_interval_with_normal_tails():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"cases": {STEEL: {"ranges": {"friction": [0.2, 0.1]}}}}, "friction must ascend"),
+        (
+            {"cases": {STEEL: {"ranges": {"friction": [0.2, 0.1]}}}},
+            r"friction: .* must ascend",
+        ),
         (
             {"cases": {STEEL: {"statements": {"piles": {"interval": [0.3, 0.2]}}}}},
-            "interval must ascend",
+            r"interval: \[0.3, 0.2\] must ascend",
         ),
         ({"cases": {STEEL: {"statements": {"piles": {"diameter_um": 50.0}}}}}, "one of classes_um"),
         ({"cases": {STEEL: {"statements": {"piles": {"quantity": "restituton"}}}}}, "quantity"),

@@ -117,7 +117,9 @@ def test_drawn(draw, tables, legend_texts):
 
 
 def test_wrong_parameters_are_refused(run_study, calibration):
-    with pytest.raises(ValueError, match="must be below 90"):
+    with pytest.raises(
+        ValueError, match=r"^rolling_dissipation.angles_deg\[1\]: 90.0 must be .* 90$"
+    ):
         run_study("rolling_dissipation", calibration, angles_deg=[45.0, 90.0])
     with pytest.raises(ValueError, match="must ascend"):
         run_study("rolling_dissipation", calibration, angles_deg=[45.0, 30.0])

@@ -133,7 +133,10 @@ def test_distance_from_equality():
     [
         ({"silica_diameter_nm": [30, 10]}, r"silica_diameter_nm: \[30, 10\] must ascend"),
         ({"patch_share": [0.5, 1.5]}, "patch_share: 1.5 must be at most 1"),
-        ({"compared_silica_fraction": 0.5}, "compared_silica_fraction 0.5 must be at most"),
+        (
+            {"compared_silica_fraction": 0.5},
+            "compared_silica_fraction: 0.5 must be at most largest",
+        ),
         ({"breakdown_field_V_per_um": [0.1, 1.0]}, "the patches would cover more"),
     ],
 )

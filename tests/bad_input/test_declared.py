@@ -98,7 +98,7 @@ CASES = [
     (LABORATORY, "surface_slope: {value: 0.16,", "surface_slope: {value: -0.16,", ["surfaces.Formica.surface_slope: -0.16 must be greater than or equal to 0"]),
     (LABORATORY, "    case: steel-formica", "    case: steel-formic", ["drops.steel on Formica.case: 'steel-formic' is not declared in cases (did you mean 'steel-formica'?)"]),
     (EXPERIMENTS, "populations:\n    SST65: {from: particles.SST65}\n    SST125: {from: particles.SST125}", "populations: [SST65, SST125]", ["normal_experiments.populations: must be a mapping: a name, then its fields"]),
-    (LABORATORY, "target_radius_mm: {value: 5.0", "target_radius_mm: {value: 5.5", ["pile.target_radius_mm: 5.5 must be one of radii_mm [3.0, 5.0, 10.0]"]),
+    (LABORATORY, "target_radius_mm: {value: 5.0", "target_radius_mm: {value: 5.5", ["pile.target_radius_mm: 5.5 must be one of radii_mm, [3, 5, 10]"]),
     ("analyses/claims.yaml", "falling_loss_deg: {values: [50, 10]", "falling_loss_deg: {values: [5, 10]", ["claim_numbers.oblique.falling_loss_deg: [5, 10] must descend"]),
     (LABORATORY, "speed_range_m_per_s: {values: [1.6, 1.72]", "speed_range_m_per_s: {values: [1.72, 1.6]", ["speeds.nominal.speed_range_m_per_s: [1.72, 1.6] must ascend"]),
     (LABORATORY, "speed_range_m_per_s: {values: [1.6, 1.72]", "speed_range_m_per_s: {values: [1.6]", ["speeds.nominal.speed_range_m_per_s[1]: missing"]),

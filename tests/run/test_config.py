@@ -59,7 +59,7 @@ def test_values_are_plain_and_typed():
         ({"pathvars": {"reslts": "x"}}, "pathvars.reslts: unknown key (did you mean 'results'?)"),
         (
             {"restitution_trends": {"largest_speed_m_per_s": 0.5}},
-            "largest_speed_m_per_s 0.5 must be above capture_speed_m_per_s 1.0",
+            "largest_speed_m_per_s: 0.5 must be above capture_speed_m_per_s, 1",
         ),
         ({"campaign": {"angles_deg": [80, 40]}}, "not 187"),
         (

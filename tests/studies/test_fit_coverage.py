@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from pydantic import ValidationError
 
 from microimpact import Contact, capture_velocity, restitution, simulate
-from microimpact.declared.parameters import build
+from microimpact.declared.parameters import build, explain
 from microimpact.model.empirical.data import data_sets
 from microimpact.model.empirical.search import fit_batch
 from microimpact.studies.models.fit_coverage import Params
@@ -142,12 +144,13 @@ def test_too_small_a_share_of_points_is_refused(compared):
         ({"lowest_speeds_in_v_c": [2.0, 15.0]}, "highest_speed_in_v_c: 15 must be above"),
         ({"noise_of_e": [-0.01, 0.01]}, "noise_of_e"),
         ({"replicates": 0}, "replicates"),
-        ({"replicates": 20}, "interval_replicates: 50 must not exceed replicates, 20"),
-        ({"reference_points": 17}, r"reference_points: 17 must be one of \(10, 20, 40\)"),
-        ({"variants": []}, "variants: must hold at least one"),
+        ({"replicates": 20}, "interval_replicates: 50 must be at most replicates, 20"),
+        ({"reference_points": 17}, r"reference_points: 17 must be one of points, \[10, 20, 40\]"),
+        ({"variants": []}, r"variants: \[\] must hold at least 1"),
     ],
 )
 def test_bad_parameters_are_refused(branch, change, key):
-    with pytest.raises(ValidationError, match=key) as caught:
+    with pytest.raises(ValidationError) as caught:
         build(Params, {**branch, **change})
-    assert caught.value.error_count() == 1
+    (line,) = explain(caught.value, Params, "")
+    assert re.search(key, line), line

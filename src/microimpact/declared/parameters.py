@@ -9,14 +9,17 @@ where a number belongs. `explain` turns a failure into one line per key.
 from __future__ import annotations
 
 import json
+import operator
 import types
 import typing
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, is_dataclass
 from functools import cache
-from typing import Annotated, Any, TypeVar
+from itertools import pairwise
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import (
+    AfterValidator,
     ConfigDict,
     Field,
     GetCoreSchemaHandler,
@@ -34,7 +37,11 @@ Finite = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Fraction = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
+OpenShare = Annotated[float, Field(gt=0, lt=1, allow_inf_nan=False)]
+AboveOne = Annotated[float, Field(gt=1, allow_inf_nan=False)]
 AngleDegrees = Annotated[float, Field(gt=0, le=90, allow_inf_nan=False)]
+# Of incidence, without the normal one.
+ObliqueDegrees = Annotated[float, Field(gt=0, lt=90, allow_inf_nan=False)]
 Count = Annotated[int, Field(ge=1)]
 Name = Annotated[str, Field(min_length=1)]
 
@@ -78,6 +85,54 @@ class Names:
             raise ValueError(f"{told!r} is not declared in {where}{nearest(told, known)}")
         info.context.named.append((self.sort, told))
         return name
+
+
+_RELATIONS: dict[str, Callable[[Any, Any], bool]] = {
+    "above": operator.gt,
+    "at least": operator.ge,
+    "at most": operator.le,
+    "one of": lambda value, allowed: value in allowed,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Must:
+    """Marks a value by another field of the same dataclass, one that is declared before it.
+
+    ``Annotated[Positive, Must("above", "smallest_diameter_um")]``; `be` is the relation.
+    """
+
+    be: Literal["above", "at least", "at most", "one of"]
+    other: str
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        """Check the value where the other one was not refused."""
+        return core_schema.with_info_after_validator_function(self._checked, handler(source))
+
+    def _checked(self, value: Any, info: ValidationInfo) -> Any:
+        other = info.data.get(self.other, value)
+        if self.other in info.data and not _RELATIONS[self.be](value, other):
+            raise ValueError(f"{_told(value)} must be {self.be} {self.other}, {_told(other)}")
+        return value
+
+
+def _in_order(values: tuple[float, ...]) -> tuple[float, ...]:
+    if any(one >= other for one, other in pairwise(values)):
+        raise ValueError(f"{_told(values)} must ascend")
+    return values
+
+
+# Marks a tuple each of whose numbers is above the one before.
+Ascending = AfterValidator(_in_order)
+PositiveRange = Annotated[tuple[Positive, Positive], Ascending]
+
+
+def _told(value: Any) -> str:
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(_told, value))}]"
+    return repr(value) if isinstance(value, str) else f"{value:g}"
 
 
 MaterialName = Annotated[Name, Names("materials")]

@@ -12,9 +12,9 @@ from pydantic import Field, ValidationError
 from microimpact.core.nearest import nearest
 from microimpact.core.tables import RESULT_EVIDENCE
 from microimpact.declared import documents
-from microimpact.declared.parameters import Finite, Name, build, explain
+from microimpact.declared.parameters import Ascending, Finite, Name, build, explain
 
-Range = tuple[Finite, Finite]
+Range = Annotated[tuple[Finite, Finite], Ascending]
 Place = Literal[
     "best",
     "upper left",
@@ -140,16 +140,13 @@ class FigureSpec:
     panels: dict[str, PanelSpec]
 
     def __post_init__(self) -> None:
-        """Refuse an empty or unnamed axis, and words for evidence or axes that there are not."""
+        """Refuse an unnamed axis, and words for evidence or axes that there are not."""
         for name in self.evidence_labels:
             if name not in RESULT_EVIDENCE:
                 near = nearest(name, RESULT_EVIDENCE)
                 raise ValueError(f"evidence_labels: {name!r} is no evidence of results{near}")
         for name, panel in self.panels.items():
             for axis in ("x", "y"):
-                low, high = getattr(panel, f"{axis}_range")
-                if low >= high:
-                    raise ValueError(f"panels.{name}.{axis}_range: [{low}, {high}] must ascend")
                 if bool(label := getattr(panel, f"{axis}_label")) == self.is_schematic:
                     must = "must be empty: it has no axes" if label else "must not be empty"
                     raise ValueError(f"panels.{name}.{axis}_label: {label!r} {must}")

@@ -13,7 +13,7 @@ import scipy
 from pydantic import Field
 
 from microimpact.core.arrays import BoolArray, FloatArray
-from microimpact.declared.parameters import Count, Positive
+from microimpact.declared.parameters import Count, Must, Positive
 from microimpact.lab.dispenser import (
     NO_SPIN,
     Dispenser,
@@ -237,15 +237,8 @@ class StopRule:
     """
 
     events: Annotated[int, Field(ge=2)]
-    fewest_events: Annotated[int, Field(ge=2)]
+    fewest_events: Annotated[int, Field(ge=2), Must("at most", "events")]
     most_dropped: Count
-
-    def __post_init__(self) -> None:
-        """Refuse more events for a mean than an experiment has."""
-        if self.fewest_events > self.events:
-            raise ValueError(
-                f"fewest_events: {self.fewest_events} must be at most events, {self.events}"
-            )
 
     def batch(self, dropped: int) -> int:
         """Return how many are dropped after so many: as many again, until it is given up."""

@@ -11,7 +11,14 @@ import numpy as np
 
 from microimpact.core.arrays import BoolArray
 from microimpact.core.tables import Tables
-from microimpact.declared.parameters import CaseName, Count, Fraction, NonNegative, Positive
+from microimpact.declared.parameters import (
+    CaseName,
+    Count,
+    Fraction,
+    NonNegative,
+    Positive,
+    PositiveRange,
+)
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.dispenser import Dispenser, InitialSpin
 from microimpact.lab.events import Impacts, Measured
@@ -39,14 +46,8 @@ class Dropped:
     surface_slope: NonNegative
     particle_slope: NonNegative
     speed_m_per_s: Positive
-    speed_range_m_per_s: tuple[Positive, Positive]
+    speed_range_m_per_s: PositiveRange
     spin: InitialSpin
-
-    def __post_init__(self) -> None:
-        """Refuse a class that does not ascend."""
-        low, high = self.speed_range_m_per_s
-        if low >= high:
-            raise ValueError(f"speed_range_m_per_s: [{low:g}, {high:g}] must ascend")
 
     @property
     def slope_sd(self) -> float:

@@ -19,7 +19,7 @@ from pydantic import Field
 from microimpact.core.arrays import BoolArray, Columns, FloatArray, Real
 from microimpact.core.compiled import jit
 from microimpact.core.constants import gravity
-from microimpact.declared.parameters import Fraction, NonNegative, Positive
+from microimpact.declared.parameters import Fraction, NonNegative, Positive, PositiveRange
 from microimpact.lab.events import Impacts, IntArray
 
 INCIDENT, REBOUND = 0, 1
@@ -70,27 +70,23 @@ class Analyser:
     diameter_noise_relative: NonNegative
     diameter_noise_um: NonNegative
     outlier_fraction: Fraction
-    outlier_factors: tuple[Positive, Positive]
+    outlier_factors: PositiveRange
     time_resolution_us: NonNegative
     drop_out: Fraction
     false_records_per_s: NonNegative
     false_speed_m_per_s: Positive
-    false_diameters_um: tuple[Positive, Positive]
+    false_diameters_um: PositiveRange
     later_impacts: Annotated[int, Field(ge=0)]
     gate: Positive
 
     def __post_init__(self) -> None:
-        """Refuse a probe volume that may come to lie in the surface, and empty ranges."""
+        """Refuse a probe volume that may come to lie in the surface."""
         highest = 100.0 * self.probe_height_mm
         if self.probe_height_error_um > highest:
             raise ValueError(
                 f"probe_height_error_um: {self.probe_height_error_um:g} must be at most a tenth of"
                 f" probe_height_mm, {highest:g}"
             )
-        for name in ("outlier_factors", "false_diameters_um"):
-            low, high = getattr(self, name)
-            if low >= high:
-                raise ValueError(f"{name}: [{low:g}, {high:g}] must ascend")
 
     @property
     def initial_height(self) -> float:

@@ -18,7 +18,14 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.tables import Row, Tables, series_frame
-from microimpact.declared.parameters import Fraction, Positive, PrintedName
+from microimpact.declared.parameters import (
+    AboveOne,
+    Fraction,
+    Must,
+    OpenShare,
+    Positive,
+    PrintedName,
+)
 from microimpact.lab.contacts import all_printed
 from microimpact.model.separation import (
     PLACEMENTS,
@@ -122,26 +129,21 @@ class Params:
     image_enhancement: Span
     patch_share: Span
     breakdown_field_V_per_um: Span  # noqa: N815 (the unit)
-    compared_silica_fraction: Fraction
-    largest_silica_fraction: Annotated[float, Field(gt=0, lt=1)]
+    largest_silica_fraction: OpenShare
+    compared_silica_fraction: Annotated[Fraction, Must("at most", "largest_silica_fraction")]
     points: Annotated[int, Field(ge=5)]
-    far_exceeds_factor: Annotated[float, Field(gt=1, allow_inf_nan=False)]
-    about_factor: Annotated[float, Field(gt=1, allow_inf_nan=False)]
+    far_exceeds_factor: AboveOne
+    about_factor: AboveOne
     anchors: tuple[PrintedName, ...]
 
     def __post_init__(self) -> None:
-        """Refuse a range upside down, and a comparison beyond the curves."""
+        """Refuse a range upside down, and more than all patches."""
         for name in SCALES:
             low, high = getattr(self, name)
             if low > high:
                 raise ValueError(f"{name}: [{low:g}, {high:g}] must ascend")
         if self.patch_share[1] > 1.0:
             raise ValueError(f"patch_share: {self.patch_share[1]:g} must be at most 1")
-        if self.compared_silica_fraction > self.largest_silica_fraction:
-            raise ValueError(
-                f"compared_silica_fraction {self.compared_silica_fraction:g} must be at most "
-                f"largest_silica_fraction {self.largest_silica_fraction:g}"
-            )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

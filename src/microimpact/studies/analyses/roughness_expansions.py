@@ -19,7 +19,13 @@ from pydantic import Field
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.solve import root
 from microimpact.core.tables import Tables, series_frame
-from microimpact.declared.parameters import AngleDegrees, Finite, Fraction
+from microimpact.declared.parameters import (
+    AngleDegrees,
+    Finite,
+    Fraction,
+    ObliqueDegrees,
+    OpenShare,
+)
 from microimpact.model.rigid_body.roughness import (
     RoughRebound,
     energy_bound,
@@ -118,7 +124,6 @@ EQUATIONS = {
 
 
 SlopeDegrees = Annotated[float, Field(gt=-90, lt=90)]
-FacingDegrees = Annotated[float, Field(gt=0, lt=90)]
 
 # Steps in which a range is walked before its end is found by a root search.
 STEPS = 2000
@@ -147,12 +152,12 @@ class Params:
     shallow_angles_deg: Annotated[tuple[AngleDegrees, ...], Field(min_length=1)]
     slopes_deg: Annotated[tuple[SlopeDegrees, ...], Field(min_length=1)]
     range_slopes_deg: Annotated[tuple[SlopeDegrees, ...], Field(min_length=1)]
-    largest_slope_deg: FacingDegrees
-    tolerance: Annotated[float, Field(gt=0, lt=1)]
+    largest_slope_deg: ObliqueDegrees
+    tolerance: OpenShare
     drawn_angle_deg: AngleDegrees
-    drawn_slope_deg: FacingDegrees
+    drawn_slope_deg: ObliqueDegrees
     drawn_spin_ratio: Finite
-    drawn_slopes_to_deg: FacingDegrees
+    drawn_slopes_to_deg: ObliqueDegrees
     points: Annotated[int, Field(ge=20)]
 
     def case(self, angle_deg: Real, slope_deg: Real, spin_ratio: float) -> SlopedImpacts:

@@ -20,7 +20,9 @@ from microimpact.declared.parameters import (
     Fraction,
     Keyed,
     MaterialName,
+    Must,
     Name,
+    ObliqueDegrees,
     PrintedName,
 )
 from microimpact.lab.contacts import printed_rows
@@ -112,7 +114,7 @@ class Params:
     """All series over all angles."""
 
     seed: ExperimentSeed
-    angles_deg: tuple[Annotated[float, Field(gt=0, lt=90)], ...]
+    angles_deg: tuple[ObliqueDegrees, ...]
     stop: StopRule
     series: Annotated[tuple[Series, ...], Keyed("name")]
     dispenser: Dispenser
@@ -122,7 +124,7 @@ class Params:
     unselected: Count
     compared_with_all: tuple[Name, ...]
     compared_series: Name
-    reference_angle_deg: AngleDegrees
+    reference_angle_deg: Annotated[AngleDegrees, Must("one of", "angles_deg")]
     marks: Annotated[tuple[Mark, ...], Keyed("name")]
 
     def __post_init__(self) -> None:
@@ -137,10 +139,6 @@ class Params:
         for key, name in (("compared_series", self.compared_series), *compared):
             if name not in names:
                 raise ValueError(f"{key}: {name!r} must be one of {', '.join(names)}")
-        if self.reference_angle_deg not in self.angles_deg:
-            raise ValueError(
-                f"reference_angle_deg: {self.reference_angle_deg:g} must be one of angles_deg"
-            )
 
 
 def run(params: Params, inputs: Tables) -> Tables:

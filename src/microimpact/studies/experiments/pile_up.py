@@ -15,9 +15,11 @@ from pydantic import Field
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import Tables, series_frame
 from microimpact.declared.parameters import (
+    Ascending,
     CaseName,
     Count,
     Fraction,
+    Must,
     NonNegative,
     Positive,
     PrintedName,
@@ -63,23 +65,12 @@ class Params:
     radii_mm: tuple[Positive, ...]
     slopes_deg: tuple[NonNegative, ...]
     # Of the figure.
-    drawn_radius_mm: Positive
-    drawn_slope_deg: NonNegative
-    speeds_m_per_s: tuple[Positive, ...]
+    drawn_radius_mm: Annotated[Positive, Must("one of", "radii_mm")]
+    drawn_slope_deg: Annotated[NonNegative, Must("one of", "slopes_deg")]
+    speeds_m_per_s: Annotated[tuple[Positive, ...], Ascending]
     shares: tuple[Fraction, ...]  # Shares of spheres on the target at which it begins to pile up
     anchors: tuple[PrintedName, ...]
     printed_for: PrintedPair  # Another pair has no printed values
-
-    def __post_init__(self) -> None:
-        """Refuse speeds out of order, and a figure of what is not computed."""
-        if any(b <= a for a, b in zip(self.speeds_m_per_s, self.speeds_m_per_s[1:], strict=False)):
-            raise ValueError(f"speeds_m_per_s must ascend, got {list(self.speeds_m_per_s)}")
-        for drawn, known in (("drawn_radius_mm", "radii_mm"), ("drawn_slope_deg", "slopes_deg")):
-            if getattr(self, drawn) not in getattr(self, known):
-                raise ValueError(
-                    f"{drawn}: {getattr(self, drawn):g} must be one of {known} "
-                    f"{list(getattr(self, known))}"
-                )
 
 
 def run(params: Params, inputs: Tables) -> Tables:

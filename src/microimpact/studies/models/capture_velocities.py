@@ -18,7 +18,15 @@ from pydantic import Field
 
 from microimpact.core.arrays import Real
 from microimpact.core.tables import Row, Tables, result_evidence, series_frame
-from microimpact.declared.parameters import CaseName, Keyed, Name, Positive, PrintedName
+from microimpact.declared.parameters import (
+    AboveOne,
+    CaseName,
+    Keyed,
+    Must,
+    Name,
+    Positive,
+    PrintedName,
+)
 from microimpact.lab.contacts import all_printed, calibrated_contact
 from microimpact.model.closed_forms import (
     adhesion_energy,
@@ -77,19 +85,11 @@ class Params:
 
     pairs: Annotated[tuple[PairCase, ...], Field(min_length=1), Keyed("case")]
     smallest_diameter_um: Positive
-    largest_diameter_um: Positive
+    largest_diameter_um: Annotated[Positive, Must("above", "smallest_diameter_um")]
     points: Annotated[int, Field(ge=5)]
-    plateau_speed_ratio: Annotated[float, Field(gt=1, allow_inf_nan=False)]
-    compared_speed_ratio: Annotated[float, Field(gt=1, allow_inf_nan=False)]
+    plateau_speed_ratio: AboveOne
+    compared_speed_ratio: AboveOne
     exponent_step: Annotated[float, Field(gt=0, le=0.5)]
-
-    def __post_init__(self) -> None:
-        """Refuse an empty range."""
-        if self.smallest_diameter_um >= self.largest_diameter_um:
-            raise ValueError(
-                f"largest_diameter_um {self.largest_diameter_um} must be above "
-                f"smallest_diameter_um {self.smallest_diameter_um}"
-            )
 
 
 class Law(NamedTuple):

@@ -20,7 +20,17 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.tables import Row, Tables, series_frame
-from microimpact.declared.parameters import CaseName, Count, Keyed, Name, NonNegative, Positive
+from microimpact.declared.parameters import (
+    CaseName,
+    Count,
+    Keyed,
+    Must,
+    Name,
+    NonNegative,
+    OpenShare,
+    Positive,
+    PositiveRange,
+)
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact, resized
 from microimpact.model.contact_laws import JKR, ContactLaw, Hysteresis, ThorntonNing
@@ -48,9 +58,6 @@ STEP, SLOPE_STEP, AT_END = 0.01, 1e-5, 0.01
 # An interval of the angle in which the impulse ratio is looked at, degrees.
 ANGLE_STEP = 0.125
 
-OpenShare = Annotated[float, Field(gt=0, lt=1)]
-Span = tuple[Positive, Positive]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Law:
@@ -65,12 +72,12 @@ class Law:
 class Ranges:
     """Where each free parameter is sought, from and to."""
 
-    work_of_adhesion_J_per_m2: Span  # noqa: N815
-    hertz_damping_s_per_m: Span
-    adhesion_damping_s_per_m: Span
-    viscous_time_ns: Span
-    yield_pressure_GPa: Span  # noqa: N815
-    unloading_over_loading_work: Span
+    work_of_adhesion_J_per_m2: PositiveRange  # noqa: N815
+    hertz_damping_s_per_m: PositiveRange
+    adhesion_damping_s_per_m: PositiveRange
+    viscous_time_ns: PositiveRange
+    yield_pressure_GPa: PositiveRange  # noqa: N815
+    unloading_over_loading_work: PositiveRange
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -126,20 +133,8 @@ class Params:
     points: Annotated[int, Field(ge=3)]
     starts: Count
     slowest_drawn_m_per_s: Positive
-    fastest_drawn_m_per_s: Positive
+    fastest_drawn_m_per_s: Annotated[Positive, Must("above", "slowest_drawn_m_per_s")]
     drawn_points: Annotated[int, Field(ge=10)]
-
-    def __post_init__(self) -> None:
-        """Refuse empty ranges."""
-        for name in Ranges.__slots__:
-            low, high = getattr(self.ranges, name)
-            if not low < high:
-                raise ValueError(f"ranges.{name}: {low:g} must be below {high:g}")
-        if self.slowest_drawn_m_per_s >= self.fastest_drawn_m_per_s:
-            raise ValueError(
-                f"slowest_drawn_m_per_s {self.slowest_drawn_m_per_s:g} must be below "
-                f"fastest_drawn_m_per_s {self.fastest_drawn_m_per_s:g}"
-            )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
+from typing import Annotated
 
 import numpy as np
 import pandas as pd
 
 from microimpact.core.tables import Tables, series_frame
-from microimpact.declared.parameters import Count, Positive
+from microimpact.declared.parameters import Count, Must, Positive
 from microimpact.model.empirical.equations import (
     adhesion_coefficient,
     body_restitution,
@@ -26,16 +27,8 @@ class Params:
     adhesion_speed_m_per_s: Positive
     adhesion_exponent: Positive
     capture_speed_m_per_s: Positive
-    largest_speed_m_per_s: Positive
+    largest_speed_m_per_s: Annotated[Positive, Must("above", "capture_speed_m_per_s")]
     points: Count
-
-    def __post_init__(self) -> None:
-        """Refuse a range of speeds without rebound."""
-        if self.largest_speed_m_per_s <= self.capture_speed_m_per_s:
-            raise ValueError(
-                f"largest_speed_m_per_s {self.largest_speed_m_per_s} must be above"
-                f" capture_speed_m_per_s {self.capture_speed_m_per_s}"
-            )
 
 
 def run(params: Params, inputs: Tables) -> Tables:

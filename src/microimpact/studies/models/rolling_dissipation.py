@@ -20,7 +20,7 @@ from pydantic import Field
 from microimpact.core.arrays import FloatArray
 from microimpact.core.solve import root
 from microimpact.core.tables import Row, Tables, series_frame
-from microimpact.declared.parameters import AngleDegrees, CaseName, Fraction, Positive
+from microimpact.declared.parameters import Ascending, CaseName, Fraction, ObliqueDegrees, Positive
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
@@ -55,21 +55,13 @@ class Params:
     cases: Annotated[tuple[CaseName, ...], Field(min_length=1)]
     diameters_um: Annotated[tuple[Positive, ...], Field(min_length=1)]
     speeds_m_per_s: Annotated[tuple[Positive, ...], Field(min_length=1)]
-    angles_deg: Annotated[tuple[AngleDegrees, ...], Field(min_length=2)]
+    # No friction is left at 90 degrees.
+    angles_deg: Annotated[tuple[ObliqueDegrees, ...], Field(min_length=2), Ascending]
     rolling_shift_nm: Positive
     negligible: Annotated[Fraction, Field(gt=0)]
     drawn_diameter_um: Positive
     drawn_speeds_m_per_s: Annotated[tuple[Positive, ...], Field(min_length=1)]
     points: Annotated[int, Field(ge=5)]
-
-    def __post_init__(self) -> None:
-        """Refuse angles that do not ascend, or at which no moment of friction is left."""
-        if list(self.angles_deg) != sorted(set(self.angles_deg)):
-            raise ValueError(f"angles_deg {list(self.angles_deg)} must ascend")
-        if self.angles_deg[-1] >= 90.0:
-            raise ValueError(
-                f"angles_deg {self.angles_deg[-1]:g} must be below 90: no friction there"
-            )
 
 
 def run(params: Params, inputs: Tables) -> Tables:

@@ -15,7 +15,16 @@ from pydantic import Field
 
 from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.core.tables import Row, Tables, series_frame
-from microimpact.declared.parameters import CaseName, Keyed, Name, Positive, PrintedName
+from microimpact.declared.parameters import (
+    AboveOne,
+    CaseName,
+    Keyed,
+    Must,
+    Name,
+    OpenShare,
+    Positive,
+    PrintedName,
+)
 from microimpact.lab.contacts import all_printed, calibrated_contact
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
@@ -54,8 +63,6 @@ FIGURES = {"realistic": "fig24", "uniform": "fig25"}
 
 _frame = partial(series_frame, x_unit="percent", y_unit="1")
 
-OpenFraction = Annotated[float, Field(gt=0, lt=1)]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DesignedCase:
@@ -73,17 +80,10 @@ class FitSampling:
     steps of the logarithm.
     """
 
-    fitted_from: Annotated[float, Field(gt=1)]
-    fitted_to: Annotated[float, Field(gt=1)]
+    fitted_from: AboveOne
+    fitted_to: Annotated[AboveOne, Must("above", "fitted_from")]
     points: Annotated[int, Field(ge=8)]
     replicates: Annotated[int, Field(ge=2)]
-
-    def __post_init__(self) -> None:
-        """Refuse an empty range."""
-        if self.fitted_from >= self.fitted_to:
-            raise ValueError(
-                f"fitted_from {self.fitted_from:g} must be below fitted_to {self.fitted_to:g}"
-            )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -97,7 +97,7 @@ class Params:
     cases: Annotated[tuple[DesignedCase, ...], Keyed("case")]
     drawn_case: CaseName
     generator: Name
-    confidence: OpenFraction
+    confidence: OpenShare
     diameters_um: tuple[Positive, Positive]
     anchors: tuple[PrintedName]
     sampling: FitSampling

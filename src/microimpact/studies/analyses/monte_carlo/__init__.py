@@ -12,7 +12,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.tables import Row, Tables
-from microimpact.declared.parameters import AngleDegrees, CaseName, Keyed, Name
+from microimpact.declared.parameters import AngleDegrees, CaseName, Keyed, Must, Name
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.surface import Rules
 from microimpact.statistics.distributions import Distribution, mean
@@ -78,7 +78,7 @@ class Params:
     plan: Plan
     # Nominal angles, and that from which relative restitution counts.
     angles_deg: Annotated[tuple[AngleDegrees, ...], Field(min_length=2)]
-    reference_angle_deg: AngleDegrees
+    reference_angle_deg: Annotated[AngleDegrees, Must("one of", "angles_deg")]
     points: Annotated[int, Field(ge=10)]  # Of the deterministic curves
     # Events behind one measured mean, for the band of such means.
     events_measured: Annotated[int, Field(ge=2)]
@@ -91,10 +91,6 @@ class Params:
         """Refuse what only shows when parameters are seen together."""
         if not any(variant.drawn for variant in self.variants):
             raise ValueError("variants: at least one must be drawn")
-        if self.reference_angle_deg not in self.angles_deg:
-            raise ValueError(
-                f"reference_angle_deg: {self.reference_angle_deg:g} must be one of angles_deg"
-            )
         if self.model == "simulation" and self.slope_inference.restitution_half_width > 0.0:
             raise ValueError(
                 "slope_inference.restitution_half_width: must be 0 with the model 'simulation', "

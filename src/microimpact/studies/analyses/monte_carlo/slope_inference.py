@@ -6,13 +6,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
+from typing import Annotated
 
 import numpy as np
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.solve import root
 from microimpact.core.tables import Row
-from microimpact.declared.parameters import AngleDegrees, Count, NonNegative, Positive
+from microimpact.declared.parameters import AngleDegrees, Count, Must, NonNegative, Positive
 from microimpact.statistics.distributions import Constant, Normal
 from microimpact.studies.analyses.monte_carlo.ensembles import (
     Ensemble,
@@ -42,17 +43,9 @@ class SlopeInference:
     events_measured: Count  # Events behind one measured mean
     # Between which the standard deviation of the slope is sought.
     smallest_sd: Positive
-    largest_sd: Positive
+    largest_sd: Annotated[Positive, Must("above", "smallest_sd")]
     laboratory_sd: Positive  # That of the virtual laboratory, per axis
     plan: Plan  # Events drawn
-
-    def __post_init__(self) -> None:
-        """Refuse an empty interval."""
-        if not self.smallest_sd < self.largest_sd:
-            raise ValueError(
-                f"smallest_sd must be below largest_sd, got {self.smallest_sd:g} and "
-                f"{self.largest_sd:g}"
-            )
 
 
 def with_slope(ensemble: Ensemble, sd: float, *, two_axes: bool) -> Ensemble:

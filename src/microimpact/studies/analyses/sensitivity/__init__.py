@@ -13,7 +13,7 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import Row, Tables, series_frame
-from microimpact.declared.parameters import CaseName, Count, Positive
+from microimpact.declared.parameters import CaseName, Count, Must, OpenShare, Positive
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
@@ -48,8 +48,6 @@ CALIBRATED = 9
 CALIBRATED_INPUTS = ("radius", "stiffness", "restitution", "capture_velocity", "ridge")
 # Factors that a calibration fixes, and the share of their draws that is told.
 CALIBRATED_FACTORS, CENTRAL = "ABDE", 0.9
-
-OpenFraction = Annotated[float, Field(gt=0, lt=1)]
 # Indices of responses at a Saltelli sample, with their intervals.
 Find = Callable[[FloatArray], Indices]
 
@@ -66,26 +64,19 @@ class Params:
     seed: Annotated[int, Field(ge=0)]
     samples: Count
     calibrated_samples: Count
-    least_samples: Count
+    least_samples: Annotated[Count, Must("at most", "samples")]
     resamples: Annotated[int, Field(ge=20)]
-    confidence: OpenFraction
+    confidence: OpenShare
     level_quantile: Annotated[float, Field(gt=0.5, lt=1)]
     restitution_deviation: Positive
     capture_velocity_deviation_m_per_s: Positive
-    drawn_case: CaseName
     cases: Annotated[tuple[CaseName, ...], Field(min_length=1)]
+    drawn_case: Annotated[CaseName, Must("one of", "cases")]
 
     def __post_init__(self) -> None:
-        """Refuse numbers of samples that are no powers of two, and an unknown drawn case."""
+        """Refuse numbers of samples that are no powers of two."""
         for name in ("samples", "calibrated_samples", "least_samples"):
             require_power_of_two(name, getattr(self, name))
-        if self.least_samples > self.samples:
-            raise ValueError(
-                f"least_samples {self.least_samples} must not be above samples {self.samples}"
-            )
-        if self.drawn_case not in self.cases:
-            known = ", ".join(self.cases)
-            raise ValueError(f"drawn_case: {self.drawn_case!r} must be one of {known}")
 
 
 def run(params: Params, inputs: Tables) -> Tables:

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from microimpact.declared.parameters import (
+    AboveOne,
     AngleDegrees,
     CaseName,
     Count,
@@ -15,7 +16,9 @@ from microimpact.declared.parameters import (
     Fraction,
     Name,
     NonNegative,
+    ObliqueDegrees,
     Positive,
+    PositiveRange,
     PrintedName,
 )
 from microimpact.lab.experiment import SpeedClass
@@ -29,9 +32,7 @@ from microimpact.statistics.distributions import Distribution
 FacingDegrees = Annotated[float, Field(gt=-90, lt=90)]
 Angles = Annotated[tuple[AngleDegrees, ...], Field(min_length=2)]
 AngleRange = tuple[AngleDegrees, AngleDegrees]
-Ascending = tuple[Positive, Positive]
 Points = Annotated[int, Field(ge=5)]
-AboveOne = Annotated[float, Field(gt=1)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,14 +57,14 @@ class Fall:
     """Section 2.1: free fall to the surface, and between probe and surface."""
 
     # Shortest and longest fall, and the speed at their start.
-    heights_m: Ascending
+    heights_m: PositiveRange
     exit_speed_m_per_s: NonNegative
     probe_height_mm: Positive  # Of the probe above the surface
     # Of the impacts whose height of fall, and whose rebounds, are looked at.
     pile_up_speed_m_per_s: Positive
     correction: Form  # How speeds are carried from the probe to the surface
     # Impacts over which the correction is tried: ends, and points between.
-    speeds_m_per_s: Ascending
+    speeds_m_per_s: PositiveRange
     restitutions: tuple[Fraction, Fraction]
     points: Count
 
@@ -95,7 +96,7 @@ class Sieves:
     named_diameter_um: Positive
     captured_shares: tuple[Fraction, Fraction]
     # Ends and points of the curve; the plateau is at the upper end.
-    speeds_m_per_s: Ascending
+    speeds_m_per_s: PositiveRange
     points: Points
     plateau_share: Fraction  # Of the plateau, to which restitution has fallen
     experiments: Count  # Repeated for the interval
@@ -117,7 +118,7 @@ class Normal:
     exponent_step: Annotated[float, Field(gt=0, lt=0.5)]
     plateau_share: Annotated[Fraction, Field(gt=0)]
     lasting_diameters_um: dict[Name, Positive]
-    lasting_speeds_m_per_s: tuple[Positive, Positive]
+    lasting_speeds_m_per_s: PositiveRange
     points: Points
 
 
@@ -202,7 +203,7 @@ class Spread:
     """Section 2.4: repeated experiments with and without spin before impact."""
 
     dropped: Dropped
-    angle_deg: Annotated[float, Field(gt=0, lt=90)]
+    angle_deg: ObliqueDegrees
     experiments: Count
     most_dropped: Count
 
@@ -260,7 +261,7 @@ class Losses:
     open_speed_m_per_s: Positive
     flat_within: Positive
     # Range over which damping may follow each impact's own speed, and another nominal speed.
-    normalised_speeds_m_per_s: Ascending
+    normalised_speeds_m_per_s: PositiveRange
     other_speed_m_per_s: Positive
 
 
@@ -325,7 +326,7 @@ class Roughness:
 class Capture:
     """Section 6: what becomes of captured spheres, and capture on slopes."""
 
-    shifts_nm: tuple[Positive, Positive]  # Both ends of how far adhesion lags behind rolling
+    shifts_nm: PositiveRange  # Both ends of how far adhesion lags behind rolling
     kept_share: Fraction  # Tangential velocity after capture over that before
     spot_mm: Positive  # Half-width of the spot that is hit
     decoupled_angles_deg: Angles  # At which the normal speed of capture is sought

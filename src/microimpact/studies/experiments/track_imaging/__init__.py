@@ -14,7 +14,7 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import Tables, series_frame
-from microimpact.declared.parameters import Count, Fraction, Keyed, Positive
+from microimpact.declared.parameters import Count, Fraction, Keyed, Must, ObliqueDegrees, Positive
 from microimpact.lab.events import Impacts
 from microimpact.lab.ptis.frames import render
 from microimpact.lab.ptis.observation import ImagedEvents, modelled, photographed
@@ -99,7 +99,6 @@ def _places(points: FloatArray, setup: Setup) -> FloatArray:
     return setup.centre + points * [1.0, -1.0] / setup.pixel
 
 
-Angle = Annotated[float, Field(gt=0, lt=90)]
 RANGE, ERRORS, FRAME = range(3)
 FRAMES, STRAIGHT, MODEL = "frames", "straight lines", "model"
 # Systematic errors would look like a bias of the reduction.
@@ -111,7 +110,7 @@ class Incidence:
     """Speed and angle of incidence."""
 
     speed_m_per_s: Positive
-    angle_deg: Angle
+    angle_deg: ObliqueDegrees
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -128,28 +127,20 @@ class Params:
     particles: RigidSpheres
     instrument: ImagingSystem
     speeds_m_per_s: tuple[Positive, ...]
-    angles_deg: tuple[Angle, ...]
+    angles_deg: tuple[ObliqueDegrees, ...]
     pixels_um: tuple[Positive, ...]
     dash_pitches_px: tuple[Positive, ...]
     modelled_events: Annotated[int, Field(ge=2)]
     rendered_events: Annotated[int, Field(ge=2)]
     least_observed: Fraction
     largest_bias: Fraction
-    drawn_angle_deg: Angle
+    drawn_angle_deg: Annotated[ObliqueDegrees, Must("one of", "angles_deg")]
     error_cases: Annotated[tuple[Incidence, ...], Keyed()]
     experiments: Count
     events: Annotated[int, Field(ge=2)]
     tolerances: Tolerances
     frame: Incidence
     frame_dash_pitch_px: Positive
-
-    def __post_init__(self) -> None:
-        """Refuse an angle of the figure that is not computed."""
-        if self.drawn_angle_deg not in self.angles_deg:
-            raise ValueError(
-                f"drawn_angle_deg {self.drawn_angle_deg:g} must be one of angles_deg "
-                f"{', '.join(f'{angle:g}' for angle in self.angles_deg)}"
-            )
 
 
 def run(params: Params, inputs: Tables) -> Tables:

@@ -13,6 +13,7 @@ from microimpact.core import ensemble
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import Tables
 from microimpact.declared.parameters import (
+    Ascending,
     CaseName,
     Count,
     CounterpartName,
@@ -21,6 +22,7 @@ from microimpact.declared.parameters import (
     Name,
     NonNegative,
     Positive,
+    PositiveRange,
 )
 from microimpact.lab.contacts import declared_contact
 from microimpact.model.choices import FrictionBasis
@@ -46,6 +48,8 @@ FIELDS = {
 }
 # Those whose logarithm is uniform before the statements.
 LOGARITHMIC = ("work_of_adhesion_J_per_m2", "adhesion_damping_s_per_m")
+# Ends of what may vanish.
+Span = Annotated[tuple[NonNegative, Positive], Ascending]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,17 +60,11 @@ class Ranges:
     known; c_H is so itself, for it adds to the loss: no share of the material is preferred.
     """
 
-    work_of_adhesion_J_per_m2: tuple[Positive, Positive] | None = None  # noqa: N815 (the unit)
-    hertz_damping_s_per_m: tuple[NonNegative, Positive] | None = None
-    adhesion_damping_s_per_m: tuple[Positive, Positive] | None = None
-    rate_exponent: tuple[NonNegative, Positive] | None = None
-    friction: tuple[Positive, Positive] | None = None
-
-    def __post_init__(self) -> None:
-        """Refuse ranges that are empty."""
-        for name, (low, high) in self.open().items():
-            if not low < high:
-                raise ValueError(f"{name} must ascend, got [{low:g}, {high:g}]")
+    work_of_adhesion_J_per_m2: PositiveRange | None = None  # noqa: N815 (the unit)
+    hertz_damping_s_per_m: Span | None = None
+    adhesion_damping_s_per_m: PositiveRange | None = None
+    rate_exponent: Span | None = None
+    friction: PositiveRange | None = None
 
     def open(self) -> dict[str, tuple[float, float]]:
         """Ends of the open parameters by name."""
@@ -89,7 +87,7 @@ class Case:
     classes_um: Annotated[tuple[Positive, ...], Field(min_length=2)]
     # Normal forces that Coulomb's law may take.
     friction_bases: Annotated[tuple[FrictionBasis, ...], Field(min_length=1)]
-    shown_m_per_s: tuple[Positive, Positive]  # Normal speeds of the figures
+    shown_m_per_s: PositiveRange  # Normal speeds of the figures
     compared: tuple[CaseName, ...]  # Cases of the two-stage calibration to be compared with
     # What is printed.
     statements: Annotated[tuple[Within, ...], Keyed("statement")]

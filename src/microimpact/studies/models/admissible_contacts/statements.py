@@ -18,7 +18,15 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray, part_of
 from microimpact.core.solve import IntArray
-from microimpact.declared.parameters import AngleDegrees, Count, Finite, Name, Positive
+from microimpact.declared.parameters import (
+    AngleDegrees,
+    Ascending,
+    Count,
+    Finite,
+    Name,
+    Positive,
+    PositiveRange,
+)
 from microimpact.model.calibration import peak_ratios
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
@@ -63,13 +71,11 @@ class Within:
     speeds_m_per_s: Annotated[tuple[Positive, ...], Field(min_length=1)] = (1.0,)
     angles_deg: Annotated[tuple[AngleDegrees, ...], Field(min_length=1)] = (90.0,)
     # Where the likelihood is one, in the unit that the quantity names.
-    interval: tuple[Finite, Finite]
+    interval: Annotated[tuple[Finite, Finite], Ascending]
     tail: Positive  # Standard deviation of the normal tails beyond
 
     def __post_init__(self) -> None:
-        """Refuse an empty interval, and impacts that cannot be paired."""
-        if not self.interval[0] < self.interval[1]:
-            raise ValueError(f"interval must ascend, got {list(self.interval)}")
+        """Refuse impacts that cannot be paired."""
         if len({len(self.speeds_m_per_s), len(self.angles_deg)} - {1}) > 1:
             raise ValueError("speeds_m_per_s and angles_deg must be as many, or one of them one")
 
@@ -138,7 +144,7 @@ class NoCapture:
 
     statement: Name
     diameter_um: Distribution
-    speed_range_m_per_s: tuple[Positive, Positive]
+    speed_range_m_per_s: PositiveRange
     angle_deg: AngleDegrees
     spheres: Count
 

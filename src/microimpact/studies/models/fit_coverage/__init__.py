@@ -17,7 +17,7 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import POINTS, Tables, series_frame
-from microimpact.declared.parameters import CaseName, Count, Keyed, Positive
+from microimpact.declared.parameters import AboveOne, CaseName, Count, Keyed, Must, Positive
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.empirical.data import DataSets, Places, data_sets, stacked_sets
 from microimpact.model.empirical.intervals import interval_batch, profile_batch
@@ -40,8 +40,6 @@ from microimpact.studies.models.fit_coverage.truths import (
 
 NEEDS = {"calibration": ("calibration",), "restitution_fits": ("restitution_fits",)}
 
-AboveCapture = Annotated[float, Field(gt=1, allow_inf_nan=False)]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
@@ -53,26 +51,23 @@ class Params:
     seed: Annotated[int, Field(ge=0)]
     case: CaseName
     fixed_exponent: Positive
-    lowest_speeds_in_v_c: tuple[AboveCapture, ...]
-    highest_speed_in_v_c: AboveCapture
+    lowest_speeds_in_v_c: Annotated[tuple[AboveOne, ...], Field(min_length=1)]
+    highest_speed_in_v_c: AboveOne
     noise_of_e: tuple[Positive, ...]
     points: tuple[Annotated[int, Field(ge=8)], ...]
-    reference_noise_of_e: Positive
-    reference_points: Annotated[int, Field(ge=8)]
-    variants: Annotated[tuple[Variant, ...], Keyed("variant")]
+    reference_noise_of_e: Annotated[Positive, Must("one of", "noise_of_e")]
+    reference_points: Annotated[int, Must("one of", "points")]
+    variants: Annotated[tuple[Variant, ...], Field(min_length=1), Keyed("variant")]
     sizes: Annotated[int, Field(ge=3)]
     replicates: Count
-    interval_replicates: Count
+    interval_replicates: Annotated[Count, Must("at most", "replicates")]
     starts: Annotated[int, Field(ge=1, le=5)]
     confidence: Annotated[float, Field(ge=0.5, lt=1)]
     methods: Methods
     averaged: Averaged
 
     def __post_init__(self) -> None:
-        """Refuse a design without its reference, or with speeds out of order."""
-        for name in ("lowest_speeds_in_v_c", "noise_of_e", "points", "variants"):
-            if not getattr(self, name):
-                raise ValueError(f"{name}: must hold at least one value")
+        """Refuse speeds out of order, and more replicates for a part than for the whole."""
         parts = (self, self.methods, self.averaged)
         lowest = max(1.0, *(v for part in parts for v in part.lowest_speeds_in_v_c))
         if lowest >= self.highest_speed_in_v_c:
@@ -80,17 +75,9 @@ class Params:
                 f"highest_speed_in_v_c: {self.highest_speed_in_v_c:g} must be above every lowest "
                 f"speed, of which the largest is {lowest:g}"
             )
-        for name in ("noise_of_e", "points"):
-            reference, levels = getattr(self, f"reference_{name}"), getattr(self, name)
-            if reference not in levels:
-                raise ValueError(f"reference_{name}: {reference:g} must be one of {levels}")
-        fewer = {
-            "interval_replicates": self.interval_replicates,
-            "methods.replicates": self.methods.replicates,
-        }
-        for name, value in fewer.items():
-            if value > self.replicates:
-                raise ValueError(f"{name}: {value} must not exceed replicates, {self.replicates}")
+        if self.methods.replicates > self.replicates:
+            told = f"{self.methods.replicates} must be at most replicates, {self.replicates}"
+            raise ValueError(f"methods.replicates: {told}")
 
 
 class Cell(NamedTuple):
