@@ -36,7 +36,7 @@ def test_figures_come_in_order_with_words_of_their_own():
         (changed(data={"fig14": {"x": "deg", "y": 1}}), r"fig14\.data\.fig14\.y: 1 must be"),
         (
             changed(evidence_labels={"printet": "x"}),
-            r"fig14: evidence_labels: 'printet' is no evidence .*'printed'\?\)",
+            r"fig14.evidence_labels: 'printet' is no evidence .*'printed'\?\)",
         ),
         (None, "fig14: None must be a mapping"),
     ],

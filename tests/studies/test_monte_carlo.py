@@ -720,7 +720,7 @@ def complaint(kind, values):
             "slope: counts must not",
         ),
         ({"slope": {"kind": "histogram", "edges": [], "counts": []}}, "slope: edges must be one"),
-        ({"slope": {"kind": "sample_file", "path": "no.txt"}}, r"slope: path: no\.txt: cannot"),
+        ({"slope": {"kind": "sample_file", "path": "no.txt"}}, r"slope\.path: no\.txt: cannot"),
         ({"slope": {"kind": "cauchy"}}, "slope.*cauchy"),
         (
             {"diameter_um": {"kind": "normal", "mean": 62.0, "sd": 20.0}},
