@@ -228,7 +228,7 @@ def rigid_sums(surface: Surface, law: Law, groups: Iterable[Spheres]) -> FloatAr
     """
     rules, most = surface.rules, surface.rules.most_contacts
     told = passes.FACETS.index(rules.facets), rules.must_leave, most
-    given = hit_slopes(surface.slope).compiled, told, law.compiled
+    given = hit_slopes(surface.slope), told, law.compiled
     parts: list[FloatArray] = []
     waiting: list[FloatArray] = []
     nothing_known = np.empty((most, 0))
@@ -304,7 +304,7 @@ def facets(
         shape (n,). A facet whose slope along the motion is positive faces the sphere.
     """
     normal = np.empty(velocity.shape)
-    hits, kind = hit_slopes(surface.slope).compiled, passes.FACETS.index(surface.rules.facets)
+    hits, kind = hit_slopes(surface.slope), passes.FACETS.index(surface.rules.facets)
     passes.normals(velocity, *_slopes(surface, along, across), hits, kind, normal)
     return normal
 
@@ -361,51 +361,6 @@ def _of(contact: Contact, index: IntArray, n: int) -> Contact:
     )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class HitSlopes:
-    """Slopes weighted by the area of their facets as seen along the motion.
-
-    Attributes
-    ----------
-    edges
-        Slopes between the cells, ascending, shape (n + 1,).
-    mass
-        Share of all facets in each cell, shape (n,).
-    below, moment
-        Share of facets below each edge, and integral of the slope over them, shape (n + 1,).
-    """
-
-    edges: FloatArray
-    mass: FloatArray
-    below: FloatArray
-    moment: FloatArray
-
-    def quantile(self, u: FloatArray, tangent: FloatArray) -> FloatArray:
-        """Return the slopes below which a share ``u`` of all hits lies.
-
-        Parameters
-        ----------
-        u
-            Shares in (0, 1), shape (n,).
-        tangent
-            Of the angle of approach, shape (n,); negative for a sphere that recedes.
-
-        Returns
-        -------
-        ndarray
-            Shape (n,); -inf where no facet can be hit.
-        """
-        slope = np.empty(np.shape(u))
-        c = np.minimum(tangent, STEEPEST)
-        passes.hit_slopes(np.ascontiguousarray(u), c, self.compiled, slope)
-        return slope
-
-    @property
-    def compiled(self) -> tuple[FloatArray, ...]:
-        """What compiled passes are handed of it."""
-        return self.edges, self.mass, self.below, self.moment
-
-
 @lru_cache(maxsize=KEPT_TABLES)
 def _steady(distribution: Distribution, angle: float) -> Steady:
     """Return what finds slopes quickly where one angle, degrees, is that of many spheres.
@@ -414,15 +369,15 @@ def _steady(distribution: Distribution, angle: float) -> Steady:
     the first that can be hit, and the end of the last, the hits below them, their lower slopes, and
     the width by the share of facets.
     """
-    table = hit_slopes(distribution)
+    edges, mass, below, moment = hit_slopes(distribution)
     tangent = min(float(np.tan(np.radians(angle))), STEEPEST)
-    if not 0.0 < angle <= 90.0 or tangent + table.edges[-1] <= 0.0:
+    if not 0.0 < angle <= 90.0 or tangent + edges[-1] <= 0.0:
         return NOT_STEADY
-    first = int(np.searchsorted(table.edges, -tangent, side="right")) - 1
-    first = min(max(first, 0), table.mass.size - 1)
-    slope = np.maximum(table.edges[first:], -tangent)
-    rate = np.append(np.diff(table.edges) / np.maximum(table.mass, passes.TINY), 0.0)[first:]
-    hits = (tangent * table.below + table.moment)[first:]
+    first = int(np.searchsorted(edges, -tangent, side="right")) - 1
+    first = min(max(first, 0), mass.size - 1)
+    slope = np.maximum(edges[first:], -tangent)
+    rate = np.append(np.diff(edges) / np.maximum(mass, passes.TINY), 0.0)[first:]
+    hits = (tangent * below + moment)[first:]
     if rate[0] > 0.0:  # those of a part of the first cell
         hits[0] = hits[1] - 0.5 * ((tangent + slope[1]) ** 2 - (tangent + slope[0]) ** 2) / rate[0]
     steps = hits[0] + np.arange(GUIDES) / GUIDES * (hits[-1] - hits[0])
@@ -431,11 +386,15 @@ def _steady(distribution: Distribution, angle: float) -> Steady:
 
 
 @lru_cache(maxsize=KEPT_TABLES)
-def hit_slopes(distribution: Distribution) -> HitSlopes:
-    """Return the table of a distribution of slopes."""
+def hit_slopes(distribution: Distribution) -> tuple[FloatArray, ...]:
+    """Return the table by which slopes are weighted by the area of their facets as seen.
+
+    Slopes between the cells, ascending, shape (n + 1,); share of all facets in each cell, (n,);
+    share of facets below each edge, and integral of the slope over them, (n + 1,).
+    """
     u = np.clip(scipy.special.ndtr(SCORES), SMALLEST_PROBABILITY, LARGEST_PROBABILITY)
     edges = np.asarray(distribution.quantile(u))
     mass = np.diff(u) / (u[-1] - u[0])
     first = mass * 0.5 * (edges[1:] + edges[:-1])
     sums = (np.concatenate([[0.0], np.cumsum(part)]) for part in (mass, first))
-    return HitSlopes(edges, mass, *sums)
+    return edges, mass, *sums

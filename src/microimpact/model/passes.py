@@ -346,13 +346,6 @@ def _steady_slope(u, c, steady):  # type: ignore[no-untyped-def]
     return min(cells[cell, 1] + _further(c + cells[cell, 1], rest), cells[cell + 1, 1])
 
 
-@_jit
-def hit_slopes(u, c, slopes, found):  # type: ignore[no-untyped-def]
-    """Write the slopes below which shares u (n,) of all hits lie, at tangents c (n,)."""
-    for i in range(u.size):
-        found[i] = _hit_slope(u[i], c[i], slopes)
-
-
 @_jit_inline
 def _rebound(velocity, turn, normal, into, e, friction):  # type: ignore[no-untyped-def]
     """Return velocity and r omega after a rigid body's rebound, Eqs. (6)-(8), (11)-(13)."""
@@ -459,11 +452,11 @@ def events(rows, known, drawn, facets, given, sums, asked):  # type: ignore[no-u
     is asked; `drawn`: of all events, (n,), or one for all, (1,): speed, angle of incidence
     (degrees), r omega over the speed, friction, factor and offset of e; unit of the law's variable,
     m/s, and place in its family; `facets`: those met in turn, (contacts, n) or (contacts, 1):
-    slopes along the motion, of facets that are seen shares in their place, and across it; and what
-    `hit_slopes` takes, made for the one angle of the first, empty if there is none; `given`: what
-    `hit_slopes` takes; number of the facets in ``FACETS``, whether a sphere must leave, most
-    contacts; law as in `tabulated`; `sums`: of each replicate, (replicates, 2 columns), added to:
-    ``SUMS``, and what they lost; `asked`: impacts that must be integrated, (n, ``ASKED``).
+    slopes along the motion, of facets that are seen shares in their place, and across it; and the
+    table of slopes made for the one angle of the first, empty if there is none; `given`: table of
+    slopes by `lab.surface.hit_slopes`; number of the facets in ``FACETS``, whether a sphere must
+    leave, most contacts; law as in `tabulated`; `sums`: of each replicate, (replicates, 2 columns),
+    added to: ``SUMS``, what they lost; `asked`: impacts that must be integrated, (n, ``ASKED``).
     """
     speeds, angles, spins, frictions, factors, offsets, units, places = drawn
     along, across, steady = facets
