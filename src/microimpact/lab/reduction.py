@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import FloatArray, Real, checked
 from microimpact.lab.events import Measured
+from microimpact.model.dynamics.impact import Impact
 from microimpact.statistics.intervals import student_half_width
 
 FEWEST_EVENTS = 2
@@ -79,8 +80,8 @@ def mean_interval(values: ArrayLike, systematic: ArrayLike = 0.0, level: float =
     return Mean(value=centre, low=low, high=high, events=n, sd=sd, systematic=shared)
 
 
-def quantities(measured: Measured) -> dict[str, FloatArray]:
-    """Return restitution, impulse ratio and energy loss (Eqs. 1-3) of every event."""
+def quantities(measured: Measured | Impact) -> dict[str, FloatArray]:
+    """Return restitution, impulse ratio and energy loss (Eqs. 1-3) of every event or impact."""
     return {
         "restitution": measured.coefficient_of_restitution,
         "impulse_ratio": measured.impulse_ratio,

@@ -31,7 +31,7 @@ from microimpact.lab.experiment import Drop, Outcome, StopRule
 from microimpact.lab.ptis.experiment import collect
 from microimpact.lab.ptis.exposure import MEASURED
 from microimpact.lab.ptis.system import ImagingSystem
-from microimpact.lab.reduction import QUANTITIES, interval_columns
+from microimpact.lab.reduction import QUANTITIES, interval_columns, quantities
 from microimpact.lab.samples import Dropped, contact_of, in_class
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import simulate, velocity_components
@@ -64,11 +64,7 @@ def smooth_curves(
     """
     impact = simulate(contact, series.speed_m_per_s, angle)
     rebound = ~impact.captured
-    return {
-        "restitution": (angle[rebound], impact.coefficient_of_restitution[rebound]),
-        "impulse_ratio": (angle[rebound], impact.impulse_ratio[rebound]),
-        "energy_loss": (angle[rebound], impact.translational_energy_loss[rebound]),
-    }
+    return {name: (angle[rebound], of[rebound]) for name, of in quantities(impact).items()}
 
 
 def coulomb_curve(
@@ -80,14 +76,15 @@ def coulomb_curve(
     return np.asarray(0.0 - rigid.mu)
 
 
+ALL = {name: name for name in QUANTITIES}
 FIGURES = {
-    "fig06": ("restitution", "impulse_ratio", "energy_loss"),
-    "fig07": ("restitution", "impulse_ratio", "energy_loss"),
-    "fig08": ("restitution",),
-    "fig09": ("impulse_ratio",),
-    "fig10": ("energy_loss",),
-    "fig11": ("restitution", "impulse_ratio", "energy_loss"),
-    "fig12": ("restitution", "impulse_ratio", "energy_loss"),
+    "fig06": ALL,
+    "fig07": ALL,
+    "fig08": {"restitution": "restitution"},
+    "fig09": {"impulse_ratio": "impulse_ratio"},
+    "fig10": {"energy_loss": "energy_loss"},
+    "fig11": ALL,
+    "fig12": ALL,
 }
 # Points beside the curves of other studies: the panel that they are in, and their quantity.
 POINTS = {"fig18_points": {"adhesion": "impulse_ratio"}, "fig21_points": {"loss": "energy_loss"}}
@@ -211,7 +208,7 @@ def figure_data(
 ) -> pd.DataFrame:
     """Return the data of one figure: points, curves, Coulomb friction, printed marks."""
     frames = [
-        *_points(params, figure, table),
+        *_points(params, figure, FIGURES[figure], table),
         *_rebounds(params, figure, table),
         *_curves(params, figure, contacts),
     ]
@@ -239,12 +236,7 @@ def relative_points(params: Params, table: pd.DataFrame) -> pd.DataFrame:
 
 def points_beside(params: Params, figure: str, table: pd.DataFrame) -> pd.DataFrame:
     """Return the means that stand beside the curves of another study; there may be none."""
-    frames = [
-        _means(table[table["series"] == series.name], quantity).assign(panel=panel)
-        for series in params.series
-        for panel, quantity in POINTS[figure].items()
-        if figure in series.figures
-    ]
+    frames = [*_points(params, figure, POINTS[figure], table)]
     return pd.concat(frames, ignore_index=True) if frames else _frame("", "", [], [])
 
 
@@ -256,10 +248,12 @@ def _means(rows: pd.DataFrame, quantity: str, less: float = 0.0) -> pd.DataFrame
     return _frame(quantity, name, shown["angle_deg"], y, "virtual experiment", low, high)
 
 
-def _points(params: Params, figure: str, table: pd.DataFrame) -> Iterator[pd.DataFrame]:
+def _points(
+    params: Params, figure: str, panels: Mapping[str, str], table: pd.DataFrame
+) -> Iterator[pd.DataFrame]:
     for series in params.series:
-        for panel in FIGURES[figure] if figure in series.figures else ():
-            yield _means(table[table["series"] == series.name], panel)
+        for panel, quantity in panels.items() if figure in series.figures else ():
+            yield _means(table[table["series"] == series.name], quantity).assign(panel=panel)
 
 
 def _rebounds(params: Params, figure: str, table: pd.DataFrame) -> Iterator[pd.DataFrame]:
