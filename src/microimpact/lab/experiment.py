@@ -36,6 +36,8 @@ from microimpact.statistics.distributions import Distribution, mean, sample
 BEYOND = 0.01
 SPEEDS = (0.01, 4.0)
 KEPT_TABLES = 16
+# Angle of incidence from the surface, degrees, that the analyser sees; imaging sees all others.
+NORMAL = 90.0
 # Particles dropped at first; while events are wanting, as many again as so far.
 DROPPED_AT_FIRST = 200
 
@@ -141,22 +143,24 @@ class Drop:
         Contact and roughness.
     diameter_um
         Distribution of the diameter, um.
-    angle
-        Nominal angle of incidence from the surface, degrees.
     speed
         Nominal speed at the target, m/s; it sets the drop height.
+    dispenser
+        Spreads of release.
+    angle
+        Nominal angle of incidence from the surface, degrees.
     speed_range
         Range of speeds accepted, m/s.
-    dispenser, spin
-        Spreads of release and of initial spin.
+    spin
+        Spreads of initial spin.
     """
 
     target: Target
     diameter_um: Distribution
-    angle: float
     speed: float
-    speed_range: tuple[float, float]
     dispenser: Dispenser
+    angle: float = NORMAL
+    speed_range: tuple[float, float] = (0.0, np.inf)
     spin: InitialSpin = NO_SPIN
 
     @property

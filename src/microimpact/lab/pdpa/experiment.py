@@ -58,32 +58,19 @@ def collect(drop: Drop, instrument: Analyser, stop: StopRule, rng: Generator) ->
         later.append(whole.select(slice(len(batch), None)))
         dropped, end = dropped + number, float(np.max(batch.time, initial=end))
         impacts, arrived = Impacts.joined(first + later), sum(map(len, first))
-        session = _observed(drop, instrument, stop, impacts, arrived, dropped, child(rng, 1))
-        if stop.ended(len(session.measured), dropped):
-            return session
-
-
-def _observed(
-    drop: Drop,
-    instrument: Analyser,
-    stop: StopRule,
-    impacts: Impacts,
-    first: int,
-    dropped: int,
-    rng: Generator,
-) -> Session:
-    """Return what the analyser makes of the impacts of so many particles."""
-    # A second more, for the last sphere to bounce.
-    duration = float(np.max(impacts.time[:first], initial=0.0)) + 1.0
-    seen = observe(impacts, first, duration, instrument, rng, drop_height=drop.height)
-    events = seen.at_surface()
-    measured = events.select(np.flatnonzero(drop.in_class(events.speed))[: stop.events])
+        # A second more, for the last sphere to bounce.
+        given = impacts, arrived, end + 1.0, instrument, child(rng, 1)
+        seen = observe(*given, drop_height=drop.height)
+        events = seen.at_surface()
+        measured = events.select(np.flatnonzero(drop.in_class(events.speed))[: stop.events])
+        if stop.ended(len(measured), dropped):
+            break
     return Session(
         measured=measured,
         impacts=impacts,
-        first=first,
+        first=arrived,
         dropped=dropped,
-        fates={**seen.quality.fates, UNREACHED: dropped - first},
+        fates={**seen.quality.fates, UNREACHED: dropped - arrived},
         means=reduced(measured, moved, seen.pairing.height_error, stop.fewest_events, QUANTITIES),
         observation=seen,
     )

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.random import Generator
 
 from microimpact.core.arrays import BoolArray, FloatArray, Real
-from microimpact.lab.events import Impacts, IntArray, Measured
+from microimpact.lab.events import Impacts, Measured
 from microimpact.lab.experiment import Drop, Outcome, StopRule
 from microimpact.lab.ptis.exposure import MEASURED, OFF_SHEET
 from microimpact.lab.ptis.observation import modelled
@@ -44,10 +44,16 @@ def collect(drop: Drop, instrument: ImagingSystem, stop: StopRule, rng: Generato
     dropped = first = accepted = 0
     while not stop.ended(accepted, dropped):
         number = stop.batch(dropped)
-        shown, batch = _shown(drop, instrument, number, child(rng, 2, dropped))
+        own = child(rng, 2, dropped)
+        falling = drop.release(number, own)
+        # Others arrive where they cannot be seen.
+        shown = np.flatnonzero(in_sheet(falling.position, instrument))
+        batch = drop.hit(falling.select(shown), own)
         wanted, used = stop.events - accepted, number
         seen = modelled(batch, setup, errors, rng, [child(rng, 1, dropped)] * len(batch))
-        part, end = _accepted(seen.measured, drop, wanted, len(batch))
+        inside = np.flatnonzero(drop.in_class(seen.measured.speed))[:wanted]
+        part = seen.measured.select(inside)
+        end = int(part.event[-1]) + 1 if len(part) == wanted else len(batch)
         fates.update(seen.fates[:end])
         looked.append(batch.select(slice(end)))
         found.append(replace(part, event=part.event + first))
@@ -72,22 +78,6 @@ def set_for(drop: Drop, instrument: ImagingSystem) -> Setup:
     """Return the instrument as set for an experiment."""
     diameter = mean(drop.diameter_um) * 1e-6
     return Setup(instrument=instrument, angle=drop.angle, speed=drop.speed, diameter=diameter)
-
-
-def _accepted(measured: Measured, drop: Drop, wanted: int, looked: int) -> tuple[Measured, int]:
-    """Return the events of the class, no more than wanted, and how many impacts it took."""
-    inside = np.flatnonzero(drop.in_class(measured.speed))[:wanted]
-    part = measured.select(inside)
-    return part, int(part.event[-1]) + 1 if len(part) == wanted else looked
-
-
-def _shown(
-    drop: Drop, instrument: ImagingSystem, number: int, rng: Generator
-) -> tuple[IntArray, Impacts]:
-    """Return which of some particles arrive where they can be seen, and their impacts."""
-    falling = drop.release(number, rng)
-    shown = np.flatnonzero(in_sheet(falling.position, instrument))
-    return shown, drop.hit(falling.select(shown), rng)
 
 
 def in_sheet(position: FloatArray, instrument: ImagingSystem) -> BoolArray:

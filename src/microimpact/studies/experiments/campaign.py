@@ -28,7 +28,7 @@ from microimpact.declared.parameters import (
 )
 from microimpact.lab.contacts import pair_of
 from microimpact.lab.dispenser import Dispenser, InitialSpin
-from microimpact.lab.experiment import Outcome, SpeedClass, StopRule
+from microimpact.lab.experiment import NORMAL, Outcome, SpeedClass, StopRule
 from microimpact.lab.laboratory import DeclaredSurface, Particles
 from microimpact.lab.pdpa import experiment as doppler
 from microimpact.lab.pdpa.analyser import Analyser
@@ -192,8 +192,6 @@ def check_counts(experiments: Iterable[Experiment], wanted: Counts) -> None:
         raise ValueError(f"blocks: give {'; '.join(wrong)}, as counted")
 
 
-# Angle of incidence that the analyser sees; the imaging system sees all others.
-NORMAL = 90.0
 # What became of the particles, in the words of either instrument.
 FATES = {
     "missed": (OFF_SHEET, OFF_VIEW, UNREACHED, "incident missed probe", "rebound missed probe"),

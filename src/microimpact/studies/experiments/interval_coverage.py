@@ -29,7 +29,7 @@ from microimpact.declared.parameters import (
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.events import Impacts, IntArray, Measured
-from microimpact.lab.experiment import Drop, Target
+from microimpact.lab.experiment import NORMAL, Drop, Target
 from microimpact.lab.pdpa.analyser import Analyser, RecordStream, passages, records
 from microimpact.lab.pdpa.experiment import moved
 from microimpact.lab.pdpa.pairing import correct, heights
@@ -228,7 +228,6 @@ def _first(measured: Measured, good: BoolArray, events: int) -> Measured:
 
 NEEDS = {"calibration": ("calibration",)}
 
-NORMAL = 90.0
 SHIFTED = {"PDPA": moved, "PTIS": turned}
 MEASURED_BY = {"PDPA": ("restitution",), "PTIS": QUANTITIES}
 # The means that are drawn, by the end of their columns.

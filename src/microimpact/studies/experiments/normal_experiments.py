@@ -115,7 +115,6 @@ def experiment(params: Params, population: Population, speed: float, contact: Co
     drop = Drop(
         target=Target(contact=contact),
         diameter_um=population.diameter_um,
-        angle=90.0,
         speed=speed,
         speed_range=(speed * (1.0 - window), speed * (1.0 + window)),
         dispenser=params.dispenser,

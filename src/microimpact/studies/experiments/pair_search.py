@@ -34,7 +34,6 @@ from microimpact.model.contact import Contact
 from microimpact.statistics.distributions import Distribution, generator
 from microimpact.statistics.intervals import mean_and_error, wilson_interval
 
-NORMAL_INCIDENCE = 90.0
 # Particles released, at most, for each that is to fall through the probe volume; so many of these
 # at a time.
 MOST_RELEASED, AT_ONCE = 20_000, 100
@@ -55,9 +54,7 @@ class Apparatus:
         return Drop(
             target=Target(contact=self.contact),
             diameter_um=self.diameter_um,
-            angle=NORMAL_INCIDENCE,
             speed=speed,
-            speed_range=(0.0, np.inf),
             dispenser=self.dispenser,
         ).tabulated()
 

@@ -130,9 +130,7 @@ def rest(params: Params, contact: Contact, slope_deg: float, speed: float) -> Re
     drop = Drop(
         target=Target(contact=contact, surface=rough(float(np.tan(np.radians(slope_deg))))),
         diameter_um=params.diameter_um,
-        angle=90.0,
         speed=speed,
-        speed_range=(0.0, np.inf),
         dispenser=params.dispenser,
         spin=params.spin,
     ).tabulated()
