@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from microimpact.core.materials import Material, materials_from_rows
@@ -162,22 +161,6 @@ def admissible_contact(inputs: Tables, case: str, variant: str, **changes: Any) 
     fields: dict[str, Any] = {field: table[name].to_numpy(float) for name, field in DRAWN.items()}
     fields["diameter"] = fields["diameter"] * 1e-6
     return _of_rows(inputs, table, fields).replace(**changes)
-
-
-def singles(contact: Contact) -> list[Contact]:
-    """Return each of the admissible contacts that one contact of arrays holds."""
-    return [single(contact, place) for place in range(int(np.prod(contact.shape)))]
-
-
-def single(contact: Contact, place: int) -> Contact:
-    """Return one of the admissible contacts that one contact of arrays holds."""
-    fields = {name: getattr(contact, name) for name in DRAWN.values()}
-    return contact.replace(
-        **{
-            name: float(np.broadcast_to(of, contact.shape).flat[place])
-            for name, of in fields.items()
-        }
-    )
 
 
 def _of_rows(inputs: Tables, rows: pd.DataFrame, fields: Mapping[str, Any]) -> Contact:

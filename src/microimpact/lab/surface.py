@@ -335,7 +335,7 @@ def simulated(contact: Contact, n: int, law: Law | None = None) -> Strike:
             e = found[passes.RESTITUTION]
             support = found[passes.COMPRESSIVE] * (scale if law.family.adhesive else speed)
         else:
-            own = _of(contact, which, n)
+            own = contact.at(which) if contact.shape == (n,) and len(which) < n else contact
             impact = normal_impact(own, speed)
             e, captured = impact.coefficient_of_restitution, impact.captured
             support = np.asarray(impact.compressive_impulse / own.mass)
@@ -349,16 +349,6 @@ def simulated(contact: Contact, n: int, law: Law | None = None) -> Strike:
         return after, turned / radius, captured
 
     return strike
-
-
-def _of(contact: Contact, index: IntArray, n: int) -> Contact:
-    """Return the contacts of some of n spheres; a single contact serves all."""
-    if contact.shape != (n,) or len(index) == n:
-        return contact
-    names = (contact.adhesion_input, "diameter", "hertz_damping", "adhesion_damping", "friction")
-    return contact.replace(
-        **{name: np.broadcast_to(getattr(contact, name), (n,))[index] for name in names}
-    )
 
 
 @lru_cache(maxsize=KEPT_TABLES)

@@ -8,9 +8,8 @@ target is the capture velocity, where restitution is zero.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import numpy as np
 
@@ -81,7 +80,7 @@ def two_stage(
     found = []
     for place, (speed, e, limit) in zip(np.ndindex(shape), every.tolist(), strict=True):
         try:
-            found.append(_two_stages(_element(undamped, shape, place), speed, e, limit))
+            found.append(_two_stages(undamped.at(place, shape), speed, e, limit))
         except NoSolutionError as error:
             where = f"; at index {place}" if shape else ""
             raise NoSolutionError(f"{error}{where}") from None
@@ -101,22 +100,6 @@ def _two_stages(contact: Contact, speed: float, restitution: float, limit: float
         lambda current: hertz_damping_for(current, speed, restitution),
         lambda current: adhesion_damping_for(current, limit),
     )
-
-
-def _element(item: Any, shape: tuple[int, ...], place: tuple[int, ...]) -> Any:
-    """Return a contact, or a material, with its arrays' elements at a place."""
-    changes: dict[str, Any] = {}
-    for name in ("particle", "surface"):
-        if hasattr(item, name):
-            changes[name] = _element(getattr(item, name), shape, place)
-    for own in fields(item):
-        value = getattr(item, own.name)
-        if own.init and isinstance(value, np.ndarray):
-            changes[own.name] = float(np.broadcast_to(value, shape)[place])
-    if isinstance(item, Contact):
-        unused = {"work_of_adhesion", "ring_force"} - {item.adhesion_input}
-        return item.replace(**{name: of for name, of in changes.items() if name not in unused})
-    return replace(item, **changes)
 
 
 def _in_turn(contact: Contact, speed: float, *stages: Callable[[Contact], Contact]) -> TwoStage:

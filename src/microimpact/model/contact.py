@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -224,6 +224,24 @@ class Contact:
         if {"work_of_adhesion", "ring_force"} & set(changes):
             kept.pop(self.adhesion_input)
         return Contact(**(kept | changes))
+
+    def at(self, place: Any, shape: tuple[int, ...] | None = None) -> Contact:
+        """Return those of the contacts that are at a place, or at places, of their shape.
+
+        `shape`: one that theirs broadcasts to, if it is another.
+        """
+        whole = self.shape if shape is None else shape
+
+        def own(record: Any) -> dict[str, Any]:
+            given = {f.name: getattr(record, f.name) for f in fields(record) if f.init}
+            arrays = {name: of for name, of in given.items() if isinstance(of, np.ndarray)}
+            return {name: np.broadcast_to(of, whole)[place] for name, of in arrays.items()}
+
+        bodies = {name: getattr(self, name) for name in ("particle", "surface")}
+        changes = own(self) | {name: replace(of, **own(of)) for name, of in bodies.items()}
+        for name in {"work_of_adhesion", "ring_force"} - {self.adhesion_input}:
+            changes.pop(name, None)
+        return self.replace(**changes)
 
     @classmethod
     def from_zeta(

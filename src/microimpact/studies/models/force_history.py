@@ -19,7 +19,6 @@ from microimpact.lab.contacts import (
     admissible_beside,
     calibrated_contact,
     printed_values,
-    singles,
 )
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
@@ -98,7 +97,7 @@ def admissible_band(params: Params, inputs: Tables) -> pd.DataFrame:
     """
     diameter = params.diameter_um * 1e-6
     found = admissible_beside(inputs, params.admissible, params.case, diameter)
-    contacts = [single for contact in found.values() for single in singles(contact)]
+    contacts = [one.at(place) for one in found.values() for place in np.ndindex(one.shape)]
     if not contacts:
         return pd.DataFrame()
     at, points = (params.speed_m_per_s, params.angle_deg), INSTANTS

@@ -11,7 +11,7 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import FloatArray, Real, part_of
-from microimpact.lab.contacts import all_printed, calibrated_contact, single
+from microimpact.lab.contacts import all_printed, calibrated_contact
 from microimpact.lab.dispenser import NO_SPIN
 from microimpact.lab.samples import Dropped, Sample, Sampling, Seen, contact_of, half_width
 from microimpact.model.contact import Contact, resized
@@ -76,7 +76,7 @@ class Context:
         steel, case = self.params.steel, self.case
         if (steel, case) not in self._steel:
             contact = (
-                single(self.drawn, self.place)
+                self.drawn.at(self.place)
                 if self.drawn
                 else calibrated_contact(self.inputs, case or steel.cases[0])
             )
