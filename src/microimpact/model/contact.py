@@ -243,6 +243,12 @@ class Contact:
             changes.pop(name, None)
         return self.replace(**changes)
 
+    def by_law(self, law: ContactLaw, work_of_adhesion: Real) -> Contact:
+        """Return a contact of the same bodies by another law, without damping of its own."""
+        none = dict.fromkeys(("hertz_damping", "adhesion_damping", "adhesion_rate_exponent"), 0.0)
+        given = {"work_of_adhesion": work_of_adhesion, "reference_velocity": None, "law": law}
+        return self.replace(**none, **given)
+
     @classmethod
     def from_zeta(
         cls, *, zeta_hertz: object, zeta_adhesion: object, reference_velocity: object, **fields: Any

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from microimpact.report.site.graph import needs
 from microimpact.report.site.record import Rule, read_record
 
 BENCHMARKS = "benchmarks"
@@ -63,11 +64,7 @@ def critical_path(timings: Sequence[Timing], rules: Sequence[Rule]) -> list[Timi
     jobs: dict[str, list[Timing]] = {}
     for timing in timings:
         jobs.setdefault(timing.rule, []).append(timing)
-    maker = {file: rule.name for rule in rules for file in rule.outputs}
-    before = {
-        rule.name: {maker[file] for file in rule.inputs if file in maker} - {rule.name}
-        for rule in rules
-    }
+    before = {rule: {*own} - {rule} for rule, own in needs(rules).items()}
 
     @cache
     def chain(rule: str) -> list[Timing]:

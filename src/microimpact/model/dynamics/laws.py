@@ -41,12 +41,12 @@ _WEIGHTS = 0.25 * np.pi * _WEIGHTS * _COSINE
 COLUMN = (slice(None), None)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Units:
-    """Units of each impact (n,): length, speed and time in SI; mass."""
+@dataclass(frozen=True, slots=True)
+class Scales:
+    """Scales of length, velocity and mass of each impact (flat arrays, or one for all, SI)."""
 
     length: FloatArray
-    speed: FloatArray
+    velocity: FloatArray
     mass: FloatArray
 
 
@@ -81,7 +81,7 @@ class ScaledOutcome:
     adhesion: FloatArray
 
 
-def scaled(contact: Contact, speed: Real) -> tuple[Problem, Units, tuple[int, ...]]:
+def scaled(contact: Contact, speed: Real) -> tuple[Problem, Scales, tuple[int, ...]]:
     """Write impacts of a contact with a law in scaled form; the shape is that of the results.
 
     Raises ValueError if shapes do not broadcast, or an impact is too viscous for double precision.
@@ -120,7 +120,7 @@ def scaled(contact: Contact, speed: Real) -> tuple[Problem, Units, tuple[int, ..
         pressure=np.pi * flat(pressure) * radius / (stiffness * unit),
         drag=drag,
     )
-    return problem, Units(length=length, speed=unit_speed, mass=mass), shape
+    return problem, Scales(length, unit_speed, mass), shape
 
 
 def force(s: FloatArray, b: FloatArray) -> FloatArray:
@@ -341,12 +341,12 @@ def _unloading_time(unloading: _Unloading, end: FloatArray) -> FloatArray:
 
 def capture_speed(contact: Contact) -> FloatArray:
     """Normal speed below which a contact with a law captures, m/s, in the contact's shape."""
-    problem, units, shape = scaled(contact, 0.0)
+    problem, scales, shape = scaled(contact, 0.0)
     found = np.zeros(problem.speed.shape)
     adhesive = problem.opening > 0.0
     some = problem.select(adhesive)
     found[adhesive] = _backwards(some) if np.any(problem.drag > 0.0) else _stops_at_the_break(some)
-    return np.asarray((found * units.speed).reshape(shape)[()])
+    return np.asarray((found * scales.velocity).reshape(shape)[()])
 
 
 def _backwards(problem: Problem) -> FloatArray:

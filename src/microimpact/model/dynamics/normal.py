@@ -16,6 +16,7 @@ from microimpact.core.arrays import BoolArray, FloatArray, Real, common_shape
 from microimpact.model import passes
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.dynamics import kernel, laws
+from microimpact.model.dynamics.laws import Scales
 
 # By comparison of trajectories, more damping never helps a rebound. Without adhesion damping no
 # speed rebounds above C_H = 0.48741, without material damping none above C_A = 1.16280 (by the
@@ -38,15 +39,6 @@ LARGEST_DAMPING = 1e15
 
 # Depth of the well of Hertz and ring force, in the adhesive scale.
 WELL_DEPTH = 4.0 / 15.0
-
-
-@dataclass(frozen=True, slots=True)
-class Scales:
-    """Scales of length, velocity and mass of each impact (flat arrays, or one for all, SI)."""
-
-    length: FloatArray
-    velocity: FloatArray
-    mass: FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -382,10 +374,10 @@ def losses(contact: Contact, speed: Real) -> Losses:
 
 
 def _by_law(contact: Contact, speed: Real) -> NormalImpact:
-    problem, units, shape = laws.scaled(contact, speed)
+    problem, scales, shape = laws.scaled(contact, speed)
     found = laws.solve(problem)
-    time, impulse = units.length / units.speed, units.mass * units.speed
-    s, energy = found.deepest, units.mass * units.speed**2
+    time, impulse = scales.length / scales.velocity, scales.mass * scales.velocity
+    s, energy = found.deepest, scales.mass * scales.velocity**2
     compression = s**4 - 4.0 * problem.closing * s
 
     def shaped(values: FloatArray) -> FloatArray:
@@ -396,7 +388,7 @@ def _by_law(contact: Contact, speed: Real) -> NormalImpact:
         coefficient_of_restitution=shaped(found.speed / problem.speed),
         contact_time=shaped(found.time * time),
         compression_time=shaped(found.turning_time * time),
-        maximum_compression=shaped(compression * units.length),
+        maximum_compression=shaped(compression * scales.length),
         compressive_impulse=shaped(found.compressive * impulse),
         peak_net_impulse=shaped(found.greatest * impulse),
         losses=Losses(shaped(found.bulk * energy), shaped(found.adhesion * energy)),

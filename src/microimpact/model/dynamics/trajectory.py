@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 
-from microimpact.core.arrays import FINITE, FloatArray, Numbers, Real, checked, choice
+from microimpact.core.arrays import FINITE, FloatArray, Numbers, checked, choice
 from microimpact.model.choices import FRICTION_BASES
 from microimpact.model.contact import Contact, require_contact
 from microimpact.model.dynamics import kernel
 from microimpact.model.dynamics.impact import ANGLE, SPEED, velocity_components
-from microimpact.model.dynamics.normal import Scales, integrate, is_shallow, scaled_problems
+from microimpact.model.dynamics.normal import integrate, is_shallow, scaled_problems
 from microimpact.model.rigid_body.algebra import INERTIA, SLIP_PER_IMPULSE
 
 # Room for the series of so many steps, widened where it does not suffice.
@@ -62,17 +63,6 @@ class Trajectory:
     normal_force: FloatArray
     friction_force: FloatArray
     captured: bool
-
-
-@dataclass(frozen=True, slots=True)
-class _Path:
-    """Scaled state at the sampled times: s, u, and impulses so far (Hertz: if asked for)."""
-
-    time: FloatArray
-    s: FloatArray
-    u: FloatArray
-    compressive: FloatArray
-    hertz: FloatArray
 
 
 def trajectory(
@@ -126,11 +116,47 @@ def trajectory(
     end = result[kernel.DURATION]
     if captured:
         end = CAPTURED_PERIODS * min(result[kernel.TURNING_TIME], end)
-    path = _sample(problem, float(end), captured, points, hertz=basis == "hertz")
-    return _dimensional(contact, problem, path, v_t, spin, basis, captured, scales)
+    time, s, u, impulse = _sample(problem, float(end), captured, points, basis)
+    length, velocity, mass = scales.length[0], scales.velocity[0], scales.mass[0]
+    force = mass * velocity**2 / length
+    beta = problem[kernel.ADHESION]
+    damping = np.where(u > 0.0, problem[kernel.DAMPING_1], problem[kernel.DAMPING_2])
+    terms = (
+        s**3 * force,
+        s**3 * problem[kernel.HERTZ_DAMPING] * u * force,
+        -beta * s * force,
+        beta * s * damping * u * force,
+    )
+    normal = sum(terms[1:], terms[0])
+    supports = {"compressive": np.maximum(normal, 0.0), "hertz": terms[0], "net": normal}[basis]
+    radius, friction = contact.radius, contact.friction
+    slip_0 = v_t - radius * spin
+    used = SLIP_PER_IMPULSE * friction * (impulse * velocity)
+    # the first passage decides: what has rolled once rolls on
+    rolling = np.maximum.accumulate(used) >= abs(slip_0)
+    slip = np.where(rolling, 0.0, slip_0 - np.sign(slip_0) * used)
+    change = (slip_0 - slip) / SLIP_PER_IMPULSE
+    return Trajectory(
+        time=time * length / velocity,
+        compression=s**2 * length,
+        velocity=-u * velocity,
+        tangential_velocity=v_t - change,
+        spin=spin + change / (INERTIA * radius),
+        slip=slip,
+        hertz_force=terms[0],
+        hertz_damping_force=terms[1],
+        adhesion_force=terms[2],
+        adhesion_damping_force=terms[3],
+        normal_force=normal,
+        friction_force=np.where(rolling, 0.0, -np.sign(slip_0) * friction * supports),
+        captured=captured,
+    )
 
 
-def _sample(problem: FloatArray, end: float, captured: bool, points: int, *, hertz: bool) -> _Path:
+def _sample(
+    problem: FloatArray, end: float, captured: bool, points: int, basis: str
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return times, s, u, and the impulse so far that friction rests on, all in scaled form."""
     room, steps = STEPS, -1
     while steps < 0:
         if room > MOST_STEPS:
@@ -155,76 +181,20 @@ def _sample(problem: FloatArray, end: float, captured: bool, points: int, *, her
     within = np.empty(inner.size)
     kernel.instants(series, ends[:, 0], step[inner], local[inner], within)
     tau[inner] = within
-    s, u = np.maximum(_value(s_series, tau), 0.0), _value(u_series, tau)
+    s, u = (
+        np.maximum(polyval(tau, s_series, tensor=False), 0.0),
+        polyval(tau, u_series, tensor=False),
+    )
     if not captured:
         s[-1] = 0.0
-    # the force has one sign within a step, so u falls through a compressive one
-    drop = series[:, 1, 0] - _value(series[:, 1].T, ends[:, 0])
-    compressive = np.concatenate([[0.0], np.cumsum(np.maximum(drop, 0.0))])[step]
-    compressive = compressive + np.maximum(u_series[0] - u, 0.0)
-    impulse = np.zeros_like(tau)
-    if hertz:
+    if basis == "net":
+        return time, s, u, problem[kernel.START_U] - u
+    if basis == "hertz":
         impulse = np.concatenate([[0.0], np.cumsum(ends[:, 2])])[step]
         for node, weight in zip(0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS, strict=True):
-            impulse = impulse + weight * tau * _value(s_series, node * tau) ** 4
-    return _Path(time, s, u, compressive, impulse)
-
-
-def _value(series: FloatArray, tau: FloatArray) -> FloatArray:
-    """Value at tau (n,) of power series, coefficients (orders, n)."""
-    value = np.zeros_like(tau)
-    for coefficient in series[::-1]:
-        value = value * tau + coefficient
-    return value
-
-
-def _dimensional(
-    contact: Contact,
-    problem: FloatArray,
-    path: _Path,
-    v_t: Real,
-    spin: Real,
-    basis: str,
-    captured: bool,
-    scales: Scales,
-) -> Trajectory:
-    length, velocity, mass = scales.length[0], scales.velocity[0], scales.mass[0]
-    force = mass * velocity**2 / length
-    s, u = path.s, path.u
-    beta = problem[kernel.ADHESION]
-    damping = np.where(u > 0.0, problem[kernel.DAMPING_1], problem[kernel.DAMPING_2])
-    terms = (
-        s**3 * force,
-        s**3 * problem[kernel.HERTZ_DAMPING] * u * force,
-        -beta * s * force,
-        beta * s * damping * u * force,
-    )
-    normal = sum(terms[1:], terms[0])
-    supports = {"compressive": np.maximum(normal, 0.0), "hertz": terms[0], "net": normal}[basis]
-    impulse = {
-        "compressive": path.compressive,
-        "hertz": path.hertz,
-        "net": problem[kernel.START_U] - u,
-    }[basis] * velocity
-    radius, friction = contact.radius, contact.friction
-    slip_0 = v_t - radius * spin
-    used = SLIP_PER_IMPULSE * friction * impulse
-    # the first passage decides: what has rolled once rolls on
-    rolling = np.maximum.accumulate(used) >= abs(slip_0)
-    slip = np.where(rolling, 0.0, slip_0 - np.sign(slip_0) * used)
-    change = (slip_0 - slip) / SLIP_PER_IMPULSE
-    return Trajectory(
-        time=path.time * length / velocity,
-        compression=s**2 * length,
-        velocity=-u * velocity,
-        tangential_velocity=v_t - change,
-        spin=spin + change / (INERTIA * radius),
-        slip=slip,
-        hertz_force=terms[0],
-        hertz_damping_force=terms[1],
-        adhesion_force=terms[2],
-        adhesion_damping_force=terms[3],
-        normal_force=normal,
-        friction_force=np.where(rolling, 0.0, -np.sign(slip_0) * friction * supports),
-        captured=captured,
-    )
+            impulse = impulse + weight * tau * polyval(node * tau, s_series, tensor=False) ** 4
+        return time, s, u, impulse
+    # the force has one sign within a step, so u falls through a compressive one
+    drop = series[:, 1, 0] - polyval(ends[:, 0], series[:, 1].T, tensor=False)
+    impulse = np.concatenate([[0.0], np.cumsum(np.maximum(drop, 0.0))])[step]
+    return time, s, u, impulse + np.maximum(u_series[0] - u, 0.0)

@@ -49,8 +49,7 @@ class CaptureBootstrap:
             f"{self.on_bound} with v_c on a bound)"
         )
 
-    def __str__(self) -> str:
-        return self.summary()
+    __str__ = summary
 
 
 def bootstrap_v_c(

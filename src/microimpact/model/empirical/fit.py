@@ -115,8 +115,7 @@ class RestitutionFit:
         """Parameters with standard errors, interval of v_c and goodness, as text."""
         return _summary(self)
 
-    def __str__(self) -> str:
-        return _summary(self)
+    __str__ = summary
 
 
 def covariance(sets: DataSets, fit: BatchFit) -> FloatArray:

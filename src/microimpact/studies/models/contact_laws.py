@@ -185,19 +185,7 @@ def contact_of(base: Contact, law: Law, parameters: Mapping[str, Real]) -> Conta
         "thornton-ning": ThorntonNing(yield_pressure=free[0] * 1e9),
         "hysteresis": Hysteresis(unloading_work=work * np.maximum(free[0], 1.0)),
     }
-    return by_law(base, records[law.law], work)
-
-
-def by_law(base: Contact, law: ContactLaw, work: Real) -> Contact:
-    """Return a contact of the same bodies by another law than the ring force."""
-    return base.replace(
-        work_of_adhesion=work,
-        hertz_damping=0.0,
-        adhesion_damping=0.0,
-        adhesion_rate_exponent=0.0,
-        reference_velocity=None,
-        law=law,
-    )
+    return base.by_law(records[law.law], work)
 
 
 def fitted(params: Params, base: Contact, law: Law, targets: str) -> Fit:
@@ -294,8 +282,8 @@ def needed_works(params: Params, inputs: Tables) -> list[Row]:
     case, wanted = params.other_pair.case, params.other_pair.capture_velocity_m_per_s
     base = calibrated_contact(inputs, case)
     alone = {
-        "JKR, elastic": by_law(base, JKR(), 1.0),
-        "hysteresis": by_law(base, Hysteresis(unloading_work=1.0), 0.0),
+        "JKR, elastic": base.by_law(JKR(), 1.0),
+        "hysteresis": base.by_law(Hysteresis(unloading_work=1.0), 0.0),
     }
     works = {"ring force": np.asarray(base.work_of_adhesion)} | {
         name: (wanted / capture_velocity(contact)) ** 1.2 for name, contact in alone.items()

@@ -67,14 +67,9 @@ def _contact(params: Averaged, inputs: Tables, truth: str) -> Contact:
     if truth in params.cases:
         return calibrated_contact(inputs, truth)
     if truth == "viscous JKR":
-        return calibrated_contact(inputs, params.cases[0]).replace(
-            work_of_adhesion=params.viscous_work_of_adhesion_J_per_m2,
-            hertz_damping=0.0,
-            adhesion_damping=0.0,
-            adhesion_rate_exponent=0.0,
-            reference_velocity=None,
-            law=JKR(viscous_time=1e-9 * params.viscous_time_ns),
-        )
+        law = JKR(viscous_time=1e-9 * params.viscous_time_ns)
+        bodies = calibrated_contact(inputs, params.cases[0])
+        return bodies.by_law(law, params.viscous_work_of_adhesion_J_per_m2)
     contact = calibrated_contact(inputs, params.cases[-1])
     limit = float(capture_velocity(contact))
     return contact.replace(
