@@ -232,7 +232,7 @@ UNTESTABLE = {"criteria": REMOVED, "quantities": REMOVED, "break": REMOVED}
             with_criterion(quantity="restituton"),
             "C01: 'restituton' is not among the quantities (did you mean 'restitution'?)",
         ),
-        (changed(criteria=[]), "C01: criteria: at least one is needed"),
+        (changed(criteria=[]), "C01.criteria: at least one is needed"),
         (changed(if_met="right"), "C01.if_met: 'right' must be 'reproduced', "),
         (changed(if_met="not reproduced"), "C01.if_met: 'not reproduced' must be 'reproduced', "),
         (changed(testable=False), "C01: a claim that is not testable has no criteria"),
@@ -241,7 +241,7 @@ UNTESTABLE = {"criteria": REMOVED, "quantities": REMOVED, "break": REMOVED}
             changed(**{"break": {"change": "x", "expect": "not identified"}}),
             "C01: break expects 'not identified', which is not among the verdicts",
         ),
-        (changed(cases=["n = 0"]), "C01: cases: one alone is no alternative"),
+        (changed(cases=["n = 0"]), "C01.cases: one alone is no alternative"),
         (changed(**{"break": REMOVED}), "C01: a claim that can be reproduced needs a break"),
         (
             changed(**{"break": {"change": "x", "expect": "calibrated"}}),
@@ -249,7 +249,7 @@ UNTESTABLE = {"criteria": REMOVED, "quantities": REMOVED, "break": REMOVED}
         ),
         (changed(**{"break": {"change": "x"}}), "C01.break.expect: missing"),
         (amended(part="where"), "C01.amendments[0].part: 'where' must be 'statement', "),
-        (amended(was="b"), "C01.amendments[0]: now: 'b' must differ from 'was'"),
+        (amended(was="b"), "C01.amendments[0].now: 'b' must differ from 'was'"),
         (amended(reason=""), "C01.amendments[0].reason: '' "),
     ],
 )
