@@ -20,8 +20,11 @@ def main() -> None:
     """Run the command; bad input ends with one line and exit code 2, a failure with 1."""
     try:
         commands.main(standalone_mode=False)
-    except click.ClickException as error:
+    except click.exceptions.NoArgsIsHelpError as error:
         error.show()
+        sys.exit(error.exit_code)
+    except click.ClickException as error:
+        click.echo(f"microimpact: {error.format_message()}", err=True)
         sys.exit(error.exit_code)
     except click.Abort:
         sys.exit(130)

@@ -299,11 +299,12 @@ def export_command(
     **pair: Any,
 ) -> None:
     """Write the rebound law of a contact for a program of flow or of particles."""
+    from microimpact.model.dynamics.impact import SPEED
     from microimpact.model.law.table import tabulate
     from microimpact.model.plausibility import doubts
 
     asked = contact_of(**pair)
-    checked("fastest", fastest, POSITIVE)
+    checked("fastest", fastest, SPEED)
     law = tabulate(asked.best, fastest / 2.0, fastest)
     written = [str(path) for path in law.export(output, form, friction_basis, tolerance)]
     warn(doubts(asked.best))
@@ -377,10 +378,14 @@ def contact_of(
     fields = (name.replace("-", "_") for name in _NUMBERS if name != "diameter-um")
     changes = {name: options[name] for name in fields}
     if file is not None:
-        given = [name for name, value in (changes | {"particle": particle}).items() if value]
-        if given or surface:
+        others = options | {"particle": particle, "surface": surface, "materials": materials}
+        model = others.pop("stiffness_model")
+        given = [name for name, value in others.items() if value is not None]
+        given += ["stiffness_model"] * (model != STIFFNESS_MODELS[0])
+        if given:
             raise ValueError(
-                "--contact holds the whole contact; leave out the others, but the diameter"
+                "--contact holds the whole contact, but the diameter may change; leave out "
+                f"{', '.join('--' + name.replace('_', '-') for name in given)}"
             )
         return _from_file(file, diameter)
     if particle is None or surface is None:
@@ -422,11 +427,14 @@ def _own_material(
     }
     if not given:
         return {}
-    if name in known:
-        return {name: replace(known[name], **given)}
-    if missing := [f"--{role}-{option}" for option, value in said.items() if value is None]:
+    missing = [f"--{role}-{option}" for option, value in said.items() if value is None]
+    if missing and name not in known:
         raise ValueError(f"the material {name!r} is not declared; give {', '.join(missing)}, too")
-    return {name: Material(name=name, **given)}
+    try:
+        own = replace(known[name], **given) if name in known else Material(name=name, **given)
+    except ValueError as error:
+        raise ValueError(f"--{role} {name}: {error}") from None
+    return {name: own}
 
 
 def _from_file(file: str, diameter: float | None) -> Asked:

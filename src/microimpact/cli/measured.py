@@ -147,7 +147,11 @@ def calibrate_command(
         raise ValueError(f"give either DATA, or {', '.join(numbers)}")
     wanted = _wanted(free) if data else ["hertz_damping", "adhesion_damping"]
     for name in wanted:  # what is to be found need not be given
-        if pair[name] is None and not (name == "work_of_adhesion" and pair["ring_force"]):
+        if (
+            pair["file"] is None
+            and pair[name] is None
+            and not (name == "work_of_adhesion" and pair["ring_force"])
+        ):
             pair[name] = 0.1
     start, found = contact_of(**pair).best, None
     if data is None:

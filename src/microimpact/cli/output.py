@@ -77,4 +77,8 @@ class Sweep(click.ParamType):  # type: ignore[type-arg]
                 raise ValueError(count)
             return np.array([float(value)])
         except ValueError:
-            self.fail(f"{value!r} is neither a number nor first:last:count", param, ctx)
+            self.fail(
+                f"{value!r} is neither a number nor first:last:count, the count from 1 to {MOST}",
+                param,
+                ctx,
+            )

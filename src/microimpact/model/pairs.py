@@ -107,10 +107,12 @@ def pair_contact(
     missing = ["diameter"] if "diameter" not in fields else []
     missing += [names[0] for names in alternatives if not set(names) & set(fields)]
     if missing:
-        known = [" on ".join(pair) for pair in pairs]
+        known = [" on ".join(pair) for pair in pairs if pair == (surface, particle)]
         name = f"{particle} on {surface}"
         state = "is incomplete" if (particle, surface) in pairs else "is not declared"
-        raise IncompletePairError(f"the pair {name!r} {state}", missing, nearest(name, known))
+        raise IncompletePairError(
+            f"the pair {name!r} {state}", missing, nearest(name, known) if known else ""
+        )
     if {"zeta_hertz", "zeta_adhesion"} & set(fields):
         if {"hertz_damping", "adhesion_damping"} & set(fields):
             raise ValueError(
