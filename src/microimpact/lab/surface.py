@@ -244,20 +244,15 @@ def rigid_sums(surface: Surface, law: Law, groups: Iterable[Spheres]) -> FloatAr
         (rows, contact), (w, *own) = late[:2].astype(np.int64), late[2:]
         drawn, along, across = own[: -2 * most], own[-2 * most : -most], own[-most:]
         known[contact, np.arange(rows.size)] = law.restitution(w, drawn[-1])
-        events = _Events(rows, drawn, np.stack(along), np.stack(across), NOT_STEADY)
+        events = rows, drawn, np.stack(along), np.stack(across), NOT_STEADY
         who, late = _added(events, known, given, sums)
         known = known[:, who]
     return sums[:, : passes.LOST] + sums[:, passes.LOST :]
 
 
-class _Events(NamedTuple):
-    """Events as the compiled pass takes them, see `model.passes.events`."""
-
-    rows: IntArray
-    drawn: Sequence[Real]
-    along: FloatArray
-    across: FloatArray
-    steady: Steady
+# Events as the compiled pass takes them, see `model.passes.events`: rows, what is drawn, slopes
+# along and across, and what is steady.
+_Events = tuple[IntArray, Sequence[Real], FloatArray, FloatArray, Steady]
 
 
 def _events(surface: Surface, spheres: Spheres) -> _Events:
@@ -268,7 +263,7 @@ def _events(surface: Surface, spheres: Spheres) -> _Events:
     if surface.rules.facets == "seen" and np.size(angle) == 1:
         steady = _steady(surface.slope, float(np.ravel(angle)[0]))
     rows = np.repeat(np.arange(spheres.parts), spheres.number // spheres.parts)
-    return _Events(rows, spheres.drawn, along, across, steady)
+    return rows, spheres.drawn, along, across, steady
 
 
 def _added(

@@ -182,11 +182,8 @@ def exposures(
     spot = 0.5 * impacts.diameter / setup.pixel + 1.5 * instrument.blur_px
     # A leg ends within one pulse at most.
     most = opening.shape[0] * (opening.shape[1] + LEGS - 1)
-    leg, times, told = (
-        np.empty(most, dtype=np.int64),
-        np.empty((2, most)),
-        np.empty((4, most), bool),
-    )
+    leg, times = np.empty(most, dtype=np.int64), np.empty((2, most))
+    told = np.empty((4, most), dtype=bool)
     legs = path.begin, path.end, entry, leaving, path.start, path.origin, path.velocity
     view = setup.imaging(errors), instrument.frame_px, spot
     pulses = opening, closing, begin, exposure

@@ -206,13 +206,10 @@ FATES = {
 def fates_of(counted: Mapping[str, int]) -> dict[str, int]:
     """Return the number of particles by `FATES`; they add up to all dropped."""
     # A reason may say more after a colon.
-    kinds = {word: kind for kind, words in FATES.items() for word in words}
-    fates = dict.fromkeys(FATES, 0)
-    for word, number in counted.items():
-        kind = kinds.get(word.partition(":")[0])
-        if kind:
-            fates[kind] += number
-    return fates
+    return {
+        kind: sum(n for word, n in counted.items() if word.partition(":")[0] in words)
+        for kind, words in FATES.items()
+    }
 
 
 def experiment_row(

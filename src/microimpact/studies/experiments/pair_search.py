@@ -8,7 +8,7 @@ and what becomes of rebounds too slow to reach the probe volume?
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Annotated
@@ -147,9 +147,6 @@ class Control:
     crowding: Annotated[float, Field(gt=1)]
 
 
-Change = Callable[[Observation, np.random.Generator], Observation]
-
-
 def pairing_controls(
     setup: Apparatus, params: Control, experiments: int, particles: int, key: int
 ) -> pd.DataFrame:
@@ -165,18 +162,16 @@ def pairing_controls(
         observed(case, speed, particles, *keys, experiments=experiments)
         for case in (setup, crowded)
     )
-    cases: tuple[tuple[str, list[Observation], Change], ...] = (
-        ("as recorded", plain, _as_recorded),
-        ("times of rebounds permuted", plain, _times_permuted),
-        ("rebounds left out", plain, _without_rebounds),
-        (f"{params.crowding:g} times the arrivals", dense, _as_recorded),
-    )
+    draws = (generator(setup.seed, key, i, 2) for i in range(experiments))
+    streams = {
+        "as recorded": plain,
+        "times of rebounds permuted": map(_times_permuted, plain, draws),
+        "rebounds left out": map(_without_rebounds, plain),
+        f"{params.crowding:g} times the arrivals": dense,
+    }
     rows = []
-    for name, observations, change in cases:
-        found = [
-            _searched(change(one, generator(setup.seed, key, i, 2)), setup.instrument)
-            for i, one in enumerate(observations)
-        ]
+    for name, observations in streams.items():
+        found = [_searched(one, setup.instrument) for one in observations]
         total = _total(found)
         rows.append(
             {
@@ -207,10 +202,6 @@ def _total(found: list[Observation]) -> dict[str, int]:
     return total | {name: sum(quality.fates[name] for quality in qualities) for name in FATES}
 
 
-def _as_recorded(found: Observation, _: np.random.Generator) -> Observation:
-    return found
-
-
 def _times_permuted(found: Observation, rng: np.random.Generator) -> Observation:
     rising = np.flatnonzero(found.stream.velocity > 0.0)
     time = found.stream.time.copy()
@@ -218,7 +209,7 @@ def _times_permuted(found: Observation, rng: np.random.Generator) -> Observation
     return replace(found, stream=replace(found.stream, time=time))
 
 
-def _without_rebounds(found: Observation, _: np.random.Generator) -> Observation:
+def _without_rebounds(found: Observation) -> Observation:
     """Leave out what rose; false records stay, and rise as often as they fall."""
     stays: BoolArray = (found.truth.impact < 0) | (found.stream.velocity < 0.0)
     truth = replace(found.truth, leg=found.truth.leg[stays], impact=found.truth.impact[stays])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
@@ -62,6 +62,11 @@ def parts_frame(panel: str, parts: Parts, evidence: str, unit: str = "mm") -> pd
     """Return points of several parts of one panel, a series each, as figure data."""
     frame = partial(series_frame, panel, evidence=evidence, x_unit=unit, y_unit=unit)
     return pd.concat([frame(name, *of.T) for name, of in parts.items()], ignore_index=True)
+
+
+def whole(*groups: tuple[Any, ...]) -> pd.DataFrame:
+    """Return parts of several panels or kinds of evidence, as of `parts_frame`, in one."""
+    return pd.concat([parts_frame(*of) for of in groups], ignore_index=True)
 
 
 def contact_state(params: ContactState, inputs: Tables) -> tuple[Numbers, dict[str, pd.DataFrame]]:
@@ -171,9 +176,8 @@ def wavy_surface(params: WavySurface) -> tuple[Numbers, pd.DataFrame]:
         ("slope_angle", "deg"): float(np.degrees(phi)),
         ("local_angle_of_incidence", "deg"): float(np.degrees(alpha + phi)),
     }
-    groups = {"assumed": assumed, "computed": computed}
-    frames = [parts_frame("geometry", parts, name, "um") for name, parts in groups.items()]
-    return numbers, pd.concat(frames, ignore_index=True)
+    kinds = ("geometry", assumed, "assumed", "um"), ("geometry", computed, "computed", "um")
+    return numbers, whole(*kinds)
 
 
 def _axes(turn: float) -> tuple[FloatArray, FloatArray]:
@@ -298,23 +302,14 @@ def imaging_system(set_ups: SetUps, rebound: DrawnRebound) -> pd.DataFrame:
     )
     side = layout.imaging_side(set_ups.disk_slots, angle)
     top = layout.imaging_top(set_ups.camera_angle_deg)
-    frames = [
-        parts_frame("side", side, "printed"),
-        parts_frame("side", tracks, "computed"),
-        parts_frame("top", top, "printed"),
-    ]
-    return pd.concat(frames, ignore_index=True)
+    return whole(("side", side, "printed"), ("side", tracks, "computed"), ("top", top, "printed"))
 
 
 def doppler_analyser(set_ups: SetUps) -> pd.DataFrame:
     """Return the parts of Fig. 2; usual ones that the article leaves out are assumed."""
     named, usual = layout.analyser_top(set_ups.receiver_angle_deg, set_ups.detectors)
-    frames = [
-        parts_frame("top", named, "printed"),
-        parts_frame("top", usual, "assumed"),
-        parts_frame("side", layout.analyser_side(), "printed"),
-    ]
-    return pd.concat(frames, ignore_index=True)
+    side = layout.analyser_side()
+    return whole(("top", named, "printed"), ("top", usual, "assumed"), ("side", side, "printed"))
 
 
 def velocities(rebound: DrawnRebound, angle: float, spin_ratio: float) -> dict[str, float]:
