@@ -383,7 +383,7 @@ def strong_spore(claim, world):
 
     world.patch.setattr(spore_mechanism, "met_at", doubled)
     params, sampling = world.mechanisms()
-    table = comparison(params.spore, sampling, world.inputs())
+    table = pd.DataFrame(comparison(params.spore, sampling, world.inputs()))
     return world.numbers(claim, {"spore_comparison": table})
 
 
@@ -410,7 +410,7 @@ def shallow_loss(claim, world):
 
 def formica(world, tables):
     params, sampling = world.mechanisms()
-    table = formica_comparison(params.slope, sampling, world.inputs(tables))
+    table = pd.DataFrame(formica_comparison(params.slope, sampling, world.inputs(tables)))
     return {"formica_mechanism": table, **tables}
 
 
@@ -452,7 +452,7 @@ def net_force(claim, world):
     world.patch.setattr(experiment, "simulated", lambda contact, n, law: simulated(contact, n))
     params, sampling = world.mechanisms()
     curves = shallow_curves(params.shallow, sampling, world.inputs())
-    table = adhesion_or_roughness(params.shallow, curves)
+    table = pd.DataFrame(adhesion_or_roughness(params.shallow, curves))
     return world.numbers(claim, {"adhesion_or_roughness": table})
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from microimpact.core.arrays import BoolArray
+from microimpact.core.solve import root
 from microimpact.core.tables import Tables
 from microimpact.declared.parameters import (
     CaseName,
@@ -137,6 +138,13 @@ class Sample:
     def mean(self, quantity: str, angle: float) -> float:
         """Return the mean of a quantity over the rebounds; nan with too few."""
         return self.seen(angle).means[quantity].value
+
+
+def setting_for(
+    sample: Callable[[float], Sample], quantity: str, angle: float, aim: float, *ends: float
+) -> float:
+    """Return the setting, between two ends, of the sample whose mean at an angle is as sought."""
+    return root(lambda setting: sample(setting).mean(quantity, angle) - aim, *ends, absolute=1e-4)
 
 
 @lru_cache(maxsize=KEPT_SAMPLES)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
@@ -105,7 +105,7 @@ def run(params: Params, inputs: Tables) -> Tables:
         "fig04": figure_data(params, "restitution", table, drawn, printed),
         "fig05": figure_data(params, "energy_loss", table, own, printed, lambda e: 1.0 - e**2),
         "normal_experiments": table,
-        "size_effects": size_effects(params, curves, contacts),
+        "size_effects": pd.DataFrame(size_effects(params, curves)),
     }
 
 
@@ -163,10 +163,9 @@ def sieve_curve(params: Params, population: Population, contact: Contact) -> Cur
 
 
 def size_effects(
-    params: Params, curves: Mapping[tuple[str, str], Curve], contacts: Mapping[str, Contact]
-) -> pd.DataFrame:
-    """Return where restitution has fallen to a share of its plateau, and the width of capture."""
-    rows = []
+    params: Params, curves: Mapping[tuple[str, str], Curve]
+) -> Iterator[dict[str, Any]]:
+    """Yield where restitution has fallen to a share of its plateau, and the width of capture."""
     for (case, name), curve in curves.items():
         plateau = float(curve.rebounding[-1])
         low = np.flatnonzero(curve.rebounding < params.plateau_share * plateau)
@@ -177,12 +176,11 @@ def size_effects(
             )
             for share in (90, 50, 10)
         }
-        rows.append(
+        yield (
             {"case": case, "population": name, "fallen_speed_m_per_s": fallen, **captured}
             | {"restitution_at_0.75_m_per_s": np.interp(0.75, curve.speed, curve.rebounding)}
             | {"restitution_at_highest_speed": plateau, "evidence": "computed"}
         )
-    return pd.DataFrame(rows)
 
 
 def sieves_drawn(

@@ -8,7 +8,7 @@ and what becomes of rebounds too slow to reach the probe volume?
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Annotated
@@ -149,8 +149,8 @@ class Control:
 
 def pairing_controls(
     setup: Apparatus, params: Control, experiments: int, particles: int, key: int
-) -> pd.DataFrame:
-    """Return how the search fares with changed streams of the same experiments.
+) -> Iterator[Row]:
+    """Yield how the search fares with changed streams of the same experiments.
 
     ``pairs_per_incident`` is the rate at which a falling record is given a partner; where there
     are none to be found, it is the rate of false pairs.
@@ -169,26 +169,22 @@ def pairing_controls(
         "rebounds left out": map(_without_rebounds, plain),
         f"{params.crowding:g} times the arrivals": dense,
     }
-    rows = []
     for name, observations in streams.items():
         found = [_searched(one, setup.instrument) for one in observations]
         total = _total(found)
-        rows.append(
-            {
-                "stream": name,
-                "speed_m_per_s": speed,
-                "probe_height_mm": setup.instrument.probe_height_mm,
-                "experiments": experiments,
-                **{name: total[name] for name in CONTROLLED},
-                "precision": ratio(total["true_pairs"], total["pairs"]),
-                "recall": ratio(total["true_pairs"], total["recorded_pairs"]),
-                "pairs_per_incident": ratio(
-                    total["pairs"], total["pairs"] + total["unpaired_incidents"]
-                ),
-                "converged": sum(one.pairing.converged for one in found) / experiments,
-            }
-        )
-    return pd.DataFrame(rows)
+        yield {
+            "stream": name,
+            "speed_m_per_s": speed,
+            "probe_height_mm": setup.instrument.probe_height_mm,
+            "experiments": experiments,
+            **{name: total[name] for name in CONTROLLED},
+            "precision": ratio(total["true_pairs"], total["pairs"]),
+            "recall": ratio(total["true_pairs"], total["recorded_pairs"]),
+            "pairs_per_incident": ratio(
+                total["pairs"], total["pairs"] + total["unpaired_incidents"]
+            ),
+            "converged": sum(one.pairing.converged for one in found) / experiments,
+        }
 
 
 def _searched(changed: Observation, instrument: Analyser) -> Observation:
@@ -231,14 +227,13 @@ class Correction:
     curve_points: Annotated[int, Field(ge=20)]
 
 
-def surface_correction(setup: Apparatus, params: Correction, key: int) -> pd.DataFrame:
-    """Return the bias of both corrections on the speeds v and V, m/s, and on e.
+def surface_correction(setup: Apparatus, params: Correction, key: int) -> Iterator[Row]:
+    """Yield the bias of both corrections on the speeds v and V, m/s, and on e.
 
     ``closed_form`` is that of the printed correction. ``printed`` and ``exact`` come from the
     analyser's records and the height found from them, each with its standard error. Where the
     rebound does not reach the probe volume there is none.
     """
-    rows: list[Row] = []
     for i, speed in enumerate(params.speeds_m_per_s):
         for j, e in enumerate(params.restitutions):
             expected = closed_form(speed, e, 1e-3 * setup.instrument.probe_height_mm)
@@ -256,8 +251,7 @@ def surface_correction(setup: Apparatus, params: Correction, key: int) -> pd.Dat
                 for form in FORMS:
                     mean, error = mean_and_error(found[form][quantity] - true)
                     row |= {form: mean, f"{form}_standard_error": error}
-                rows.append(row)
-    return pd.DataFrame(rows)
+                yield row
 
 
 def closed_form(speed: float, e: float, height: float) -> dict[str, float]:
@@ -434,15 +428,17 @@ def run(params: Params, inputs: Tables) -> Tables:
     )
     quality, losses = pairing_quality(params, setup)
     size = params.experiments, params.particles
+    controls = pairing_controls(setup, params.controls, *size, CONTROLS)
     shown = params.shown.speed_m_per_s, params.particles, (SHOWN, 0), (SHOWN, 1)
     (example,) = observed(setup, *shown)
-    correction = surface_correction(setup.aligned.steady, params.correction, CORRECTION)
+    aligned = setup.aligned.steady
+    correction = pd.DataFrame(surface_correction(aligned, params.correction, CORRECTION))
     return {
         "pairing_quality": quality,
         "pairing_losses": losses,
-        "pairing_controls": pairing_controls(setup, params.controls, *size, CONTROLS),
+        "pairing_controls": pd.DataFrame(controls),
         "surface_correction": correction,
-        "slow_rebounds": slow_rebounds(setup.steady, params.slow),
+        "slow_rebounds": pd.DataFrame(slow_rebounds(setup.steady, params.slow)),
         "doppler_stream": stream_shown(example, params.shown.window_ms),
         "pairing_curves": pairing_curves(quality),
         "correction_curves": correction_curves(correction, params.correction),
@@ -497,14 +493,13 @@ def _share(name: str, part: int, whole: int) -> dict[str, float]:
     return {name: ratio(part, whole), f"{name}_low": low, f"{name}_high": high}
 
 
-def slow_rebounds(setup: Apparatus, params: Slow) -> pd.DataFrame:
-    """Return, by speed, the share of impacts whose rebound can be seen, and the bias of mean e.
+def slow_rebounds(setup: Apparatus, params: Slow) -> Iterator[Row]:
+    """Yield, by speed, the share of impacts whose rebound can be seen, and the bias of mean e.
 
     ``observable`` are the rebounds that rise through the height of the probe volume, ``measured``
     the first impacts that the search found. A mean over too few is empty.
     """
     height = 1e-3 * setup.instrument.probe_height_mm
-    rows = []
     for i, speed in enumerate(params.speeds_m_per_s):
         (found,) = observed(setup, speed, params.particles, (SLOW, i, 0), (SLOW, i, 1))
         n, impacts = found.first, found.impacts.select(slice(found.first))
@@ -515,23 +510,20 @@ def slow_rebounds(setup: Apparatus, params: Slow) -> pd.DataFrame:
         mean = mean_and_error(e[rebounds])[0]
         visible = mean_and_error(e[seen])[0]
         measured, error = mean_and_error(first)
-        rows.append(
-            {
-                "speed_m_per_s": speed,
-                "probe_height_mm": setup.instrument.probe_height_mm,
-                "impacts": n,
-                "captured_fraction": 1.0 - float(np.mean(rebounds)),
-                "observable_fraction": float(np.mean(seen)),
-                "observable_fraction_of_rebounds": ratio(int(seen.sum()), int(rebounds.sum())),
-                "least_observable_e": float(np.sqrt(2.0 * gravity * height)) / speed,
-                "mean_e_with_captured": float(np.mean(np.where(rebounds, e, 0.0))),
-                "mean_e_rebounds": mean,
-                "mean_e_observable": visible,
-                "bias_observable": visible - mean,
-                "events": len(first),
-                "mean_e_measured": measured,
-                "mean_e_measured_standard_error": error,
-                "bias_measured": measured - mean,
-            }
-        )
-    return pd.DataFrame(rows)
+        yield {
+            "speed_m_per_s": speed,
+            "probe_height_mm": setup.instrument.probe_height_mm,
+            "impacts": n,
+            "captured_fraction": 1.0 - float(np.mean(rebounds)),
+            "observable_fraction": float(np.mean(seen)),
+            "observable_fraction_of_rebounds": ratio(int(seen.sum()), int(rebounds.sum())),
+            "least_observable_e": float(np.sqrt(2.0 * gravity * height)) / speed,
+            "mean_e_with_captured": float(np.mean(np.where(rebounds, e, 0.0))),
+            "mean_e_rebounds": mean,
+            "mean_e_observable": visible,
+            "bias_observable": visible - mean,
+            "events": len(first),
+            "mean_e_measured": measured,
+            "mean_e_measured_standard_error": error,
+            "bias_measured": measured - mean,
+        }

@@ -84,7 +84,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     ends = printed.loc[printed.index.isin(params.anchors[:1]), ["low", "high"]].to_numpy().ravel()
     return {
         "pile_up": table,
-        "pile_up_onsets": onsets(params, table),
+        "pile_up_onsets": pd.DataFrame(onsets(params, table)),
         "pile_up_onset": figure_data(params, table, ends),
     }
 
@@ -139,9 +139,8 @@ def rest(params: Params, contact: Contact, slope_deg: float, speed: float) -> Re
     return resting(impacts, later, params.most_impacts, farthest)
 
 
-def onsets(params: Params, table: pd.DataFrame) -> pd.DataFrame:
-    """Return the speeds below which given shares rest, for every capture velocity."""
-    rows: list[dict[str, Any]] = []
+def onsets(params: Params, table: pd.DataFrame) -> Iterator[dict[str, Any]]:
+    """Yield the speeds below which given shares rest, for every capture velocity."""
     for (radius, slope), part in table.groupby(["target_radius_mm", "slope_deg"], sort=False):
         for share in params.shares:
             found, speeds = {"target_radius_mm": radius, "slope_deg": slope, "share": share}, []
@@ -151,8 +150,7 @@ def onsets(params: Params, table: pd.DataFrame) -> pd.DataFrame:
                 found[onset_column(velocity)] = speeds[-1]
                 found[f"first_impact_{onset_column(velocity)}"] = onset(speed, at_once, share)
             apart = {"difference_m_per_s": speeds[0] - speeds[1]}
-            rows.append(found | apart | {"evidence": "virtual experiment"})
-    return pd.DataFrame(rows)
+            yield found | apart | {"evidence": "virtual experiment"}
 
 
 def onset_column(velocity: Any) -> str:

@@ -84,7 +84,7 @@ def run(params: Params, inputs: Tables) -> Tables:
         **spin_tables(params.spin, sampling, inputs),
         **slope_tables(params.slope, sampling, inputs),
         **spore_tables(params.spore, sampling, params.instrument, inputs),
-        "adhesion_or_roughness": adhesion_or_roughness(params.shallow, curves),
+        "adhesion_or_roughness": pd.DataFrame(adhesion_or_roughness(params.shallow, curves)),
         **speed_tables(params.speed, sampling, inputs),
     }
     printed = printed_rows(inputs, params.printed_for, params.spore.spore.case)

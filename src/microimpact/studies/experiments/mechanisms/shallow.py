@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import Tables
@@ -99,13 +99,12 @@ def _curve(params: Shallow, sample: Sample, speed: float, normal_speed: FloatArr
 
 def adhesion_or_roughness(
     params: Shallow, curves: Mapping[tuple[str, str], tuple[Curve, Curve]]
-) -> pd.DataFrame:
-    """Return how far the curves of both speeds lie apart at equal normal speed and equal angle.
+) -> Iterator[dict[str, Any]]:
+    """Yield how far the curves of both speeds lie apart at equal normal speed and equal angle.
 
     The spread is the largest difference over the friction coefficient.
     """
     friction = params.dropped.friction
-    rows = []
     for (case, cause), (slow, fast) in curves.items():
         by_speed = _spread(slow.normal_speed, slow.ratio, fast.normal_speed, fast.ratio)
         by_angle = _spread(slow.angle, slow.ratio, fast.angle, fast.ratio)
@@ -115,21 +114,18 @@ def adhesion_or_roughness(
         rebounding = np.isfinite(slow.ratio)
         known = slow.angle[rebounding], slow.ratio[rebounding]
         trend = np.interp([flat, steep], *known, left=np.nan)
-        rows.append(
-            {
-                "case": case,
-                "cause": cause,
-                "spread_at_equal_normal_speed": by_speed / friction,
-                "spread_at_equal_angle": by_angle / friction,
-                "collapses_in": "normal speed" if by_speed < by_angle else "angle",
-                "shallowest_rebound_deg": fast.angle[shallowest],
-                "rise_at_shallowest_rebound": fast.ratio[shallowest] / friction,
-                "shallowest_rebound_at_slower_speed_deg": slow.angle[rebounding][0],
-                "change_at_slower_speed_towards_shallow": trend[0] - trend[1],
-                "evidence": "virtual experiment",
-            }
-        )
-    return pd.DataFrame(rows)
+        yield {
+            "case": case,
+            "cause": cause,
+            "spread_at_equal_normal_speed": by_speed / friction,
+            "spread_at_equal_angle": by_angle / friction,
+            "collapses_in": "normal speed" if by_speed < by_angle else "angle",
+            "shallowest_rebound_deg": fast.angle[shallowest],
+            "rise_at_shallowest_rebound": fast.ratio[shallowest] / friction,
+            "shallowest_rebound_at_slower_speed_deg": slow.angle[rebounding][0],
+            "change_at_slower_speed_towards_shallow": trend[0] - trend[1],
+            "evidence": "virtual experiment",
+        }
 
 
 def _spread(x: FloatArray, y: FloatArray, other_x: FloatArray, other_y: FloatArray) -> float:

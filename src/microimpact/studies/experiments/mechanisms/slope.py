@@ -9,7 +9,6 @@ from typing import Annotated, Any
 import numpy as np
 import pandas as pd
 
-from microimpact.core.solve import root
 from microimpact.core.tables import Tables
 from microimpact.declared.parameters import (
     AngleDegrees,
@@ -26,6 +25,7 @@ from microimpact.lab.samples import (
     difference_columns,
     half_width,
     mean_columns,
+    setting_for,
 )
 
 # A measured restitution is sought between these slopes.
@@ -66,7 +66,7 @@ def slope_tables(params: Slope, sampling: Sampling, inputs: Tables) -> dict[str,
         "slope_mechanism": pd.DataFrame(sweep_rows(params, sampling, inputs)),
         "surface_pairs": pd.DataFrame(pair_rows(params, sampling, inputs)),
         "slope_needed": pd.DataFrame(needed_rows(params, sampling, inputs)),
-        "formica_mechanism": formica_comparison(params, sampling, inputs),
+        "formica_mechanism": pd.DataFrame(formica_comparison(params, sampling, inputs)),
     }
 
 
@@ -119,36 +119,32 @@ def pair_rows(params: Slope, sampling: Sampling, inputs: Tables) -> Iterator[dic
 def needed_rows(params: Slope, sampling: Sampling, inputs: Tables) -> Iterator[dict[str, Any]]:
     """Slope at which the measured restitution is as sought."""
     for dropped in (*(replace(params.swept, case=c) for c in params.cases), params.formica_steel):
-        sample = Sample.of(dropped, sampling, inputs)
+        sample, aim = Sample.of(dropped, sampling, inputs), params.needed_restitution
+
+        def sloped(slope: float, sample: Sample = sample) -> Sample:
+            return sample.but(surface_slope=slope)
+
         for angle in params.needed_angles_deg:
             yield {
                 "case": dropped.case,
                 "angle_deg": angle,
-                "restitution": params.needed_restitution,
-                "slope_sd_needed": slope_for(params.needed_restitution, sample, angle),
+                "restitution": aim,
+                "slope_sd_needed": setting_for(sloped, "restitution", angle, aim, *SLOPE_RANGE),
                 "declared_slope_sd": dropped.slope_sd,
                 "evidence": "virtual experiment",
             }
 
 
-def slope_for(restitution: float, sample: Sample, angle: float) -> float:
-    """Return the standard deviation of slopes that gives a measured mean restitution."""
-
-    def excess(slope: float) -> float:
-        return sample.but(surface_slope=slope).mean("restitution", angle) - restitution
-
-    return root(excess, *SLOPE_RANGE, absolute=1e-4)
-
-
-def formica_comparison(params: Slope, sampling: Sampling, inputs: Tables) -> pd.DataFrame:
-    """Return steel and spores on one rough surface: means, differences, captured and biased."""
-    rows = []
+def formica_comparison(
+    params: Slope, sampling: Sampling, inputs: Tables
+) -> Iterator[dict[str, Any]]:
+    """Yield steel and spores on one rough surface: means, differences, captured and biased."""
     both = (params.formica_steel, params.formica_spore)
     steel, spore = (Sample.of(dropped, sampling, inputs) for dropped in both)
     for angle in params.angles_deg:
         one, other = steel.seen(angle), spore.seen(angle)
         free = other.means["restitution"].value
-        rows.append(
+        yield (
             {"angle_deg": angle}
             | {f"steel_{name}": value for name, value in mean_columns(one).items()}
             | {f"spore_{name}": value for name, value in mean_columns(other).items()}
@@ -157,9 +153,6 @@ def formica_comparison(params: Slope, sampling: Sampling, inputs: Tables) -> pd.
                 # Captured particles have a restitution of zero.
                 "spore_bias_of_conditional_mean": free * other.captured_share,
                 "evidence": "virtual experiment",
+                "squared_sine": np.sin(np.radians(angle)) ** 2,
             }
         )
-    table = pd.DataFrame(rows)
-    sines = np.sin(np.radians(table["angle_deg"]))
-    table["squared_sine"] = sines**2
-    return table

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,7 +18,7 @@ from microimpact.lab.dispenser import InitialSpin
 from microimpact.lab.events import Measured
 from microimpact.lab.ptis.experiment import turned
 from microimpact.lab.reduction import quantities
-from microimpact.lab.samples import Dropped, Sample, Sampling, mean_columns
+from microimpact.lab.samples import Dropped, Sample, Sampling, mean_columns, setting_for
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.rigid_body.algebra import INERTIA
@@ -84,35 +85,30 @@ def _grid(params: Spin, sample: Sample) -> list[dict[str, Any]]:
     return rows
 
 
-def needed_rows(params: Spin, sample: Sample) -> list[dict[str, Any]]:
+def needed_rows(params: Spin, sample: Sample) -> Iterator[dict[str, Any]]:
     """Mean spin that brings the mean impulse ratio to zero; empty with too few rebounds."""
-    rows = []
+
+    def turning(spin: float) -> Sample:
+        return sample.but(spin=InitialSpin(mean=spin, sd=params.spread_about_mean))
+
     for angle in params.angles_deg:
-
-        def ratio(spin: float, angle: float = angle) -> float:
-            turning = InitialSpin(mean=spin, sd=params.spread_about_mean)
-            return sample.but(spin=turning).mean("impulse_ratio", angle)
-
         # Spin does not decide on capture: too few rebounds without it are too few with it.
-        enough = np.isfinite(ratio(0.0))
-        spin = root(ratio, 0.0, LARGEST_SPIN, absolute=1e-4) if enough else np.nan
-        rows.append(
-            {
-                "case": sample.dropped.case,
-                "angle_deg": angle,
-                "mean_spin_needed": spin,
-                "spin_sd": params.spread_about_mean,
-                "rotational_over_translational_energy": INERTIA * spin**2,
-                "speed_along_surface": float(np.cos(np.radians(angle))),
-                "evidence": "virtual experiment",
-            }
-        )
-    return rows
+        enough = np.isfinite(turning(0.0).mean("impulse_ratio", angle))
+        sought = turning, "impulse_ratio", angle, 0.0, 0.0, LARGEST_SPIN
+        spin = setting_for(*sought) if enough else np.nan
+        yield {
+            "case": sample.dropped.case,
+            "angle_deg": angle,
+            "mean_spin_needed": spin,
+            "spin_sd": params.spread_about_mean,
+            "rotational_over_translational_energy": INERTIA * spin**2,
+            "speed_along_surface": float(np.cos(np.radians(angle))),
+            "evidence": "virtual experiment",
+        }
 
 
-def limit_rows(params: Spin, case: str, contact: Contact) -> list[dict[str, Any]]:
+def limit_rows(params: Spin, case: str, contact: Contact) -> Iterator[dict[str, Any]]:
     """Shallowest angle at which the mean sphere leaves rolling, per speed, and what moves it."""
-    rows: list[dict[str, Any]] = []
     base = rolling_limit(contact, params.limit_speeds_m_per_s[0], 0.0)
     aim = base + params.limit_shift_deg
     for speed in params.limit_speeds_m_per_s:
@@ -122,21 +118,18 @@ def limit_rows(params: Spin, case: str, contact: Contact) -> list[dict[str, Any]
 
         still = rolling_limit(contact, speed, 0.0)
         e = simulate(contact, speed, still).coefficient_of_restitution
-        rows.append(
-            {
-                "case": case,
-                "speed_m_per_s": speed,
-                "limit_deg": still,
-                "limit_with_back_spin_deg": rolling_limit(contact, speed, params.back_spin),
-                "back_spin": params.back_spin,
-                "restitution_at_limit": float(e),
-                "evidence": "computed",
-                "shift_deg": still - base,
-                "back_spin_for_shift": root(excess, *SHIFTING_SPINS, absolute=1e-4),
-                "shift_sought_deg": params.limit_shift_deg,
-            }
-        )
-    return rows
+        yield {
+            "case": case,
+            "speed_m_per_s": speed,
+            "limit_deg": still,
+            "limit_with_back_spin_deg": rolling_limit(contact, speed, params.back_spin),
+            "back_spin": params.back_spin,
+            "restitution_at_limit": float(e),
+            "evidence": "computed",
+            "shift_deg": still - base,
+            "back_spin_for_shift": root(excess, *SHIFTING_SPINS, absolute=1e-4),
+            "shift_sought_deg": params.limit_shift_deg,
+        }
 
 
 def rolling_limit(contact: Contact, speed: float, spin: float) -> float:

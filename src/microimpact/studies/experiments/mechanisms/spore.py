@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -11,7 +11,6 @@ import numpy as np
 import pandas as pd
 
 from microimpact.core.arrays import FloatArray
-from microimpact.core.solve import root
 from microimpact.core.tables import Tables
 from microimpact.declared.parameters import (
     AngleDegrees,
@@ -36,6 +35,7 @@ from microimpact.lab.samples import (
     in_class,
     mean_columns,
     reduce_to,
+    setting_for,
 )
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.impact import simulate
@@ -154,7 +154,7 @@ def spore_tables(
     return {
         "spore_mechanism": pd.DataFrame(means),
         "spore_trends": pd.DataFrame(rows),
-        "spore_comparison": comparison(params, sampling, inputs),
+        "spore_comparison": pd.DataFrame(comparison(params, sampling, inputs)),
         "smooth_spore": smooth_spore(params, sample.contact),
     }
 
@@ -208,8 +208,8 @@ def trends(
     }
 
 
-def comparison(params: Spore, sampling: Sampling, inputs: Tables) -> pd.DataFrame:
-    """Return steel less spore, each with its slopes and calibrated at the first angle alone."""
+def comparison(params: Spore, sampling: Sampling, inputs: Tables) -> Iterator[dict[str, Any]]:
+    """Yield steel less spore, each with its slopes and calibrated at the first angle alone."""
     # Every contact tried, and each of those found, is looked at in a few samples only.
     direct = replace(sampling, tabulated=False)
 
@@ -217,19 +217,18 @@ def comparison(params: Spore, sampling: Sampling, inputs: Tables) -> pd.DataFram
         sample = Sample.of(dropped, direct, inputs)
         return met_at(params.calibrated_restitution, sample, params.compared_deg[0])
 
-    rows, spore = [], calibrated(params.spore)
+    spore = calibrated(params.spore)
     for case in params.steel_cases:
         steel = calibrated(replace(params.steel, case=case))
         for angle in params.compared_deg:
             one, other = steel.seen(angle), spore.seen(angle)
-            rows.append(
+            yield (
                 {"case": case, "angle_deg": angle}
                 | {f"steel_{name}": one.means[name].value for name in QUANTITIES}
                 | {f"spore_{name}": other.means[name].value for name in QUANTITIES}
                 | difference_columns(one, other, sampling)
                 | {"evidence": "virtual experiment"}
             )
-    return pd.DataFrame(rows)
 
 
 def met_at(restitution: float, sample: Sample, angle: float) -> Sample:
@@ -240,10 +239,7 @@ def met_at(restitution: float, sample: Sample, angle: float) -> Sample:
         dampings = {name: factor * getattr(sample.contact, name) for name in names}
         return sample.on(sample.contact.replace(**dampings))
 
-    def excess(factor: float) -> float:
-        return scaled(factor).mean("restitution", angle) - restitution
-
-    return scaled(root(excess, *FACTORS, absolute=1e-4))
+    return scaled(setting_for(scaled, "restitution", angle, restitution, *FACTORS))
 
 
 def smooth_spore(params: Spore, contact: Contact) -> pd.DataFrame:
