@@ -91,12 +91,15 @@ def by_imaging(params: Params, number: int, drop: Drop, rng: Generator) -> Repea
 
     draw = child(rng, 2)
     chosen = draw.integers(pool.size, size=(experiments, _enough(events, share)))
-    noise = np.linalg.cholesky(found.covariance)[chosen] @ draw.standard_normal(
-        (*chosen.shape, 2, 2, 1)
+    # Of small matrices a sum by letters takes a third of the time of a product.
+    spread, normal = (
+        np.linalg.cholesky(found.covariance),
+        draw.standard_normal((*chosen.shape, 2, 2)),
     )
+    noise = np.einsum("...ij,...j->...i", spread[chosen], normal)
     rate, scale, angle = draw.standard_normal((3, experiments, 1))
     stretch = 1.0 / (1.0 + instrument.rate_error * rate) / (1.0 + instrument.scale_error * scale)
-    velocity = (found.velocities[chosen] + noise[..., 0]) * stretch[..., None, None]
+    velocity = (found.velocities[chosen] + noise) * stretch[..., None, None]
     seen = turned(
         Measured(event=pool[chosen], velocities=velocity), instrument.angle_error_deg * angle
     )
