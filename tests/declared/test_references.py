@@ -132,6 +132,20 @@ def test_a_distribution_is_replaced_as_a_whole():
     assert told == "particles.SST65.diameter_um"
 
 
+def test_a_distribution_keeps_the_place_of_a_number_that_is_replaced():
+    old = {"kind": "constant", "at": {"from": "frictions.steel"}}
+    assert merged(old, {"kind": "constant", "at": 0.2}) == {
+        "kind": "constant",
+        "at": {"from": "frictions.steel", "value": 0.2},
+    }
+    uniform = {"kind": "uniform", "low": 0.1, "high": 0.2}
+    assert merged(old, uniform) == uniform
+
+
+def test_what_is_taken_away_must_be_there():
+    assert merged({"a": 1, "b": 2}, {"a": None, "c": None}) == {"b": 2, "c": None}
+
+
 def test_names_are_added_and_taken_away():
     drops = {"a": None, "c": {"from": "steel", "speed_m_per_s": 2.0}}
     _, study = resolved({"study": {"drops": drops}})

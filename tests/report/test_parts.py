@@ -6,6 +6,7 @@ import base64
 import io
 import re
 from html import unescape
+from types import SimpleNamespace
 
 import pandas as pd
 import pytest
@@ -13,7 +14,7 @@ from fontTools.ttLib import TTFont
 
 from microimpact.ledgers.equations import EQUATIONS
 from microimpact.report.site.code import modules, place
-from microimpact.report.site.figures import joined
+from microimpact.report.site.figures import departures, joined, studies_behind
 from microimpact.report.site.formula import mathml, prose
 from microimpact.report.site.graph import needs, picture, upstream
 from microimpact.report.site.ledgers import changed_later, computed, counts, failures, parts
@@ -211,6 +212,21 @@ def test_names_of_quantities_as_words():
         "share below 0.3 m/s (n = 0) = 0.7",
         "peak = 2 m/s",
     ]
+
+
+def test_a_claim_tells_the_departures_that_it_rests_on_alone():
+    keys = ("force_history.diameter_um", "calibration.n", "doe.levels", "claim_numbers.speed")
+    declared = [{"key": key, "overrides": "printed.x = 1"} for key in keys]
+    needed = {"force_history": ("calibration",), "claim_numbers": ()}
+    record = SimpleNamespace(figures={"fig25": {"study": "doe"}})
+
+    def told(**claim):
+        own = studies_behind({"figures": "", "inputs": "", **claim}, record)
+        return [row["key"] for row in departures(declared, own, needed)]
+
+    assert told() == ["claim_numbers.speed"]
+    assert told(inputs="force_ratios materials") == [keys[0], keys[1], keys[3]]
+    assert told(figures="fig25") == [keys[2], keys[3]]
 
 
 def test_items_of_a_list_stand_in_one_row():

@@ -35,7 +35,11 @@ def merged(old: Any, new: Any) -> Any:
     if not (isinstance(old, Mapping) and isinstance(new, Mapping)):
         return new
     if _is_one_value(new):
-        return {FROM: old[FROM], **new} if is_reference(old) else new
+        if is_reference(old):
+            return {FROM: old[FROM], **new}
+        # A distribution that named a place for one of its numbers still tells it.
+        named = old if KIND in new and KIND in old else {}
+        return {name: merged(named.get(name), child) for name, child in new.items()}
     if _is_one_value(old):
         return new
     laid = {name: merged(old.get(name), child) for name, child in new.items()}

@@ -155,7 +155,8 @@ def _inputs(baseline: Path, changed: Path, numbers: Sequence[Difference]) -> lis
         for change in configured(right, left)
     ]
     told = {d.row for d in found}
-    return found + [d for d in numbers if _ITEM.sub("", d.row) not in told]
+    others = [d for d in numbers if _ITEM.sub("", d.row) not in told]
+    return found + sorted(others, key=lambda d: d.column != "value")  # before its words
 
 
 def _shown(value: object) -> str:

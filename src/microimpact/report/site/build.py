@@ -17,7 +17,14 @@ from microimpact.core.files import write_file
 from microimpact.figures.registry import FORMATS
 from microimpact.ledgers.claims.words import in_words
 from microimpact.report.site import PAGES, code, ledgers
-from microimpact.report.site.figures import Figure, departures, figures, label, studies_behind
+from microimpact.report.site.figures import (
+    CLAIM_STUDY,
+    Figure,
+    departures,
+    figures,
+    label,
+    studies_behind,
+)
 from microimpact.report.site.formula import prose
 from microimpact.report.site.graph import needs, picture, users
 from microimpact.report.site.ledgers import read_rows
@@ -137,13 +144,13 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
         raise ValueError(f"{results}: no figures and no tables to report on")
     explored = (results / REPORT / f"{EXPLORER}.html").is_file()
     evidence = Counter(row["evidence"] for row in declared)
+    needed = needs(record.rules) | {CLAIM_STUDY: ()}
     common = {
         "record": record,
         "ledgers": ledgers,
         "claims": claims,
         "departures": {
-            row["id"]: departures(declared, studies_behind(row, record), needs(record.rules))
-            for row in claims
+            row["id"]: departures(declared, studies_behind(row, record), needed) for row in claims
         },
         "equations": equations,
         "beside": {name: read_rows(results / f"tables/{name}.csv") for name in BESIDE},

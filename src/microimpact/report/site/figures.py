@@ -235,14 +235,17 @@ def _named(found: tuple[str, ...], entry: Mapping[str, Any]) -> tuple[str, ...]:
     return own or found
 
 
+# The study of all claims; what one of them rests on is told by the tables it was computed from.
+CLAIM_STUDY = "claim_numbers"
+
+
 def studies_behind(claim: Row, record: Record) -> set[str]:
-    """Return the studies that give the numbers of a claim and the data of its figures."""
+    """Return the studies that a claim rests on: of its figures, and of the tables it was told."""
     drawn = {record.figures[n]["study"] for n in claim["figures"].split() if n in record.figures}
-    return drawn | {
-        name
-        for name, home in studies.homes().items()
-        if claim.get("code", "").startswith(f"{home}.")
-    }
+    makers = studies.needs(CLAIM_STUDY)
+    told = {makers[name] for name in claim.get("inputs", "").split() if name in makers}
+    drawn_from = {"admissible_contacts"} if claim.get("share") else set()
+    return drawn | told | drawn_from | {CLAIM_STUDY}
 
 
 def owner(row: Row) -> str:
