@@ -210,6 +210,7 @@ def test_materials_lists_materials_and_pairs(microimpact, answered):
         (("capture", *STEEL, "--friction", "-0.1"), "friction"),
         (("fit", "nowhere.csv"), "nowhere.csv: No such file or directory"),
         (("fly",), "fly"),
+        (("claim", "C58", "--results", "nowhere"), "nowhere: no such folder"),
         (("simulate", *STEEL, "--speed", "1:2:0"), "the count from 1 to 1000000"),
         (
             ("capture", *STEEL, "--particle-density", "-8"),

@@ -95,18 +95,20 @@ def compare_command(baseline: Path, changed: Path, html: Path | None, few: int) 
 @click.option(
     "--results",
     type=_folder,
-    default=Path("results"),
-    show_default=True,
-    help="Folder of a run, whose tables are used if it has the shipped configuration.",
+    help="Folder of a run, whose tables are used if it has the shipped configuration; "
+    "default: results, if it is there.",
 )
-def claim_command(name: str, settings: tuple[str, ...], results: Path) -> None:
+def claim_command(name: str, settings: tuple[str, ...], results: Path | None) -> None:
     """Tell what is claimed in NAME, such as C58, how it is judged, its numbers and their source.
 
     With --set the claim alone is computed anew; nothing is written.
     """
+    from microimpact.report.check.results import require_results
     from microimpact.report.claim import changed, tell
 
-    click.echo(tell(name, changed(settings), results))
+    if results:
+        require_results(results)
+    click.echo(tell(name, changed(settings), results or Path("results")))
 
 
 @click.command("crate")

@@ -148,6 +148,7 @@ def validate(
             others = {maker: params.get(maker) for maker in studies.needs(name).values()}
             found += [f"{name}.{line}" for line in disagreements(own, others)]
     _refuse([*resolver.problems, *_others(found, resolver.problems)])
+    _refuse(line for row in resolver.rows if (line := doubt_of_input(row.key, row.value)))
     bodies = {name: (case.particle, case.surface) for name, case in laboratory.cases.items()}
     used = {stands[f"cases.{case}.{body}"] for case in wanted & set(bodies) for body in _BODIES}
     unused = tuple(place for place in resolver.unused() if place not in used)
@@ -269,9 +270,7 @@ def read_inputs(settings: Settings) -> Inputs:
     for key in ("figures", "claims"):
         if not Path(path := getattr(general, key)).is_file():
             raise ValueError(f"{key}: {path!r} must be a file; there is none")
-    inputs = (doubt_of_input(row.key, row.value) for row in settings.declared)
-    wrong = [line for line in inputs if line]
-    wrong += [
+    wrong = [
         f"{general.materials}: {name}: {line}"
         for name, material in materials.items()
         for line in doubts_of_material(material)

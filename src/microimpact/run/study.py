@@ -8,6 +8,8 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from microimpact import studies
 from microimpact.core.materials import declared_file
 from microimpact.core.nearest import nearest
@@ -57,14 +59,21 @@ def run_study(
     ['fig20', 'force_ratios']
     """
     if name not in studies.homes():
-        raise ValueError(f"{name!r} is no study{nearest(name, studies.homes())}")
-    settings = _settings(name, json.dumps(changes)) if changes else _declared()
+        raise ValueError(f"{name!r} is no study{nearest(str(name), studies.homes())}")
+    text = json.dumps(changes, default=_plain)
+    settings = _settings(name, text) if changes else _declared()
     rows = study_rows(name, settings, {})
     given = dict(tables or {})
     for table, maker in studies.needs(name).items():
         if table not in given:
             given[table] = _made(maker)[table].copy()
     return run_with(name, settings.branches[name], rows, given)
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    raise TypeError(f"{value!r} must be a number, a text, a list or a mapping")
 
 
 def run_with(

@@ -1,0 +1,32 @@
+"""One study from Python: what is changed is taken, or refused in one line."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from microimpact.run.study import run_study
+
+
+def test_arrays_are_taken_as_lists():
+    (table,) = run_study("coulomb_friction", friction=np.array([0.1, 0.2]), points=10).values()
+    assert {"0.1", "0.2"} <= set(table["series"])
+    assert "0.15" not in set(table["series"])
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "told"),
+    [
+        ("force_histroy", {}, "'force_histroy' is no study .did you mean 'force_history'"),
+        (3, {}, "3 is no study"),
+        ("force_history", {"diameter": 3}, "force_history.diameter: unknown key"),
+        ("force_history", {"diameter_um": -3}, "diameter_um: -3 must be greater than 0"),
+        ("force_history", {"diameter_um": 4.9e-6}, "4.9e-06 um must be from 0.001 to 5000 um"),
+        ("force_history", {"diameter_um": None}, "force_history.diameter_um: missing"),
+        ("force_history", {"diameter_um": {1, 2}}, "must be a number, a text, a list"),
+    ],
+)
+def test_what_is_wrong_is_told_in_one_line(name, changes, told):
+    with pytest.raises((ValueError, TypeError), match=told) as caught:
+        run_study(name, **changes)
+    assert len(str(caught.value).splitlines()) == 1
