@@ -242,11 +242,11 @@ def test_the_order_of_the_records_does_not_matter():
 def test_a_few_wrong_pairs_hardly_move_the_height():
     stream, _ = stream_of(experiment(10))
     found = search(stream, 1.2e-3, DEFAULT)
-    pairs = found.incident, found.rebound
-    clean, error = estimate_height(stream, pairs, H, DEFAULT)
+    pairs, usual = np.stack([found.incident, found.rebound]), np.asarray(H)
+    clean, error = estimate_height(stream, pairs, usual, DEFAULT)
     late = stream.time.copy()
     late[found.rebound[::20]] += 5e-3
-    moved, wider = estimate_height(replace(stream, time=late), pairs, H, DEFAULT)
+    moved, wider = estimate_height(replace(stream, time=late), pairs, usual, DEFAULT)
     # their mean would move by 80 um, 160 standard errors
     assert abs(moved - clean) < 1.5 * error
     assert wider > 5 * error

@@ -110,7 +110,9 @@ def search(stream: RecordStream, height: float, instrument: Analyser) -> Pairing
             found = initial
             break
         converged = before is not None and np.array_equal(pairs, before)
-        found = estimate_height(stream, pairs, found[0], instrument)
+        given = stream, np.stack(pairs), np.asarray(found[0]), instrument
+        best, error = estimate_height(*given)
+        found = float(best), float(error)
     incident, rebound = pairs or (np.zeros(0, dtype=np.int64),) * 2
     return Pairing(
         incident=incident,
@@ -123,23 +125,13 @@ def search(stream: RecordStream, height: float, instrument: Analyser) -> Pairing
 
 
 def estimate_height(
-    stream: RecordStream, pairs: tuple[IntArray, IntArray], height: float, instrument: Analyser
-) -> tuple[float, float]:
+    stream: RecordStream, pairs: IntArray, height: FloatArray, instrument: Analyser
+) -> tuple[FloatArray, FloatArray]:
     """Return the height that fits the delays of some pairs, and its standard error, m.
 
     Least absolute deviations in units of the noise at the present height: a weighted median,
     which a few wrong pairs hardly move. Where the deviations exceed the noise, the error grows.
-    """
-    best, error = heights(stream, np.stack(pairs), np.asarray(height), instrument)
-    return float(best), float(error)
-
-
-def heights(
-    stream: RecordStream, pairs: IntArray, height: FloatArray, instrument: Analyser
-) -> tuple[FloatArray, FloatArray]:
-    """Return what `estimate_height` does for many sets of pairs (2, ..., pairs) at once.
-
-    The present heights, m, broadcast to shape (...).
+    Of one set of pairs, (2, pairs), or of many, (2, ..., pairs); present heights are (...).
     """
     incident, rebound = stream.velocity[pairs]
     recorded = stream.time[pairs[1]] - stream.time[pairs[0]]

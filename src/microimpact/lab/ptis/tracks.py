@@ -69,14 +69,10 @@ IRREGULAR = Rejection("dashes off one path")
 SECOND_BOUNCE = Rejection("second bounce in view")
 
 
-def measure(
-    frame: NDArray[np.uint8], setup: Setup, *, with_gravity: bool = True
-) -> Track | Rejection:
-    """Measure one frame, by paths under gravity or by straight lines at constant speed."""
+def measure(frame: NDArray[np.uint8], setup: Setup) -> Track | Rejection:
+    """Measure one frame."""
     legs = sort_legs(find_spots(frame, setup), setup)
-    if isinstance(legs, Rejection):
-        return legs
-    return reduce_legs(*legs, setup, with_gravity=with_gravity)
+    return legs if isinstance(legs, Rejection) else reduce_legs(*legs, setup)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -350,7 +346,10 @@ class Track:
 def reduce_legs(
     incident: FloatArray, rebound: FloatArray, setup: Setup, *, with_gravity: bool = True
 ) -> Track | Rejection:
-    """Return the velocities at the surface from columns and rows (m, 2) of both legs' dashes."""
+    """Return the velocities at the surface from columns and rows (m, 2) of both legs' dashes.
+
+    By paths under gravity, or by straight lines at constant speed.
+    """
     track = fit_track(incident, rebound, setup, with_gravity=with_gravity)
     if with_gravity and not smooth(track.incident, setup):
         return IRREGULAR

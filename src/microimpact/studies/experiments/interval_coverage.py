@@ -32,7 +32,7 @@ from microimpact.lab.events import Impacts, IntArray, Measured
 from microimpact.lab.experiment import NORMAL, Drop, Target
 from microimpact.lab.pdpa.analyser import Analyser, RecordStream, passages, records
 from microimpact.lab.pdpa.experiment import moved
-from microimpact.lab.pdpa.pairing import correct, heights
+from microimpact.lab.pdpa.pairing import correct, estimate_height
 from microimpact.lab.ptis.errors import theory
 from microimpact.lab.ptis.experiment import in_sheet, set_for, turned
 from microimpact.lab.ptis.exposure import MEASURED
@@ -169,7 +169,7 @@ def _doppler_experiments(
     used = pairs.reshape(2, -1)[:, kept.event]
     found = np.array([instrument.initial_height, np.nan])[:, None]
     for _ in range(ROUNDS):
-        found = np.stack(heights(stream, used, found[0], instrument))
+        found = np.stack(estimate_height(stream, used, found[0], instrument))
     corrected = np.asarray(correct(kept.velocities, found[0, :, None, None, None]))
     measured = replace(kept, velocities=corrected)
     return measured, pool.in_plane.select(chosen.ravel()[kept.event]), found[1, :, None]

@@ -95,11 +95,9 @@ def pair_rows(params: Slope, sampling: Sampling, inputs: Tables) -> Iterator[dic
         sloped = sloped.on(sloped.contact.replace(work_of_adhesion=work * pair.adhesion_factor))
         for angle in params.angles_deg:
             smooth, found = flat.seen(angle), sloped.seen(angle)
-            e, loss = (
-                [one.means[name] for one in (smooth, found)]
-                for name in ("restitution", "energy_loss")
-            )
-            predicted = e[0].value ** 2 - e[1].value ** 2
+            e, e_rough = (one.means["restitution"].value for one in (smooth, found))
+            predicted = e**2 - e_rough**2
+            width = half_width(found.means["energy_loss"], smooth.means["energy_loss"], sampling)
             columns = difference_columns(found, smooth, sampling)
             error = columns["energy_loss_difference"] - predicted
             yield {
@@ -111,7 +109,7 @@ def pair_rows(params: Slope, sampling: Sampling, inputs: Tables) -> Iterator[dic
                 **mean_columns(found),
                 **columns,
                 "difference_of_squared_restitutions": predicted,
-                "loss_less_squares_over_half_width": error / half_width(loss[1], loss[0], sampling),
+                "loss_less_squares_over_half_width": error / width,
                 "evidence": "virtual experiment",
             }
 

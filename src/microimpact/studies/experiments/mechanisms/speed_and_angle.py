@@ -144,15 +144,12 @@ def rigid_loss(e: float, friction: float, angle: np.ndarray) -> np.ndarray:
 
 def resolution(params: SpeedAndAngle, sampling: Sampling, inputs: Tables) -> dict[str, Any]:
     """Differences of printed restitutions and of their losses against what 40 events resolve."""
-    angle = params.resolved_deg
-    one, other = (
-        Sample.of(dropped, sampling, inputs).seen(angle).means
-        for dropped in (params.resolved_steel, params.resolved_spore)
-    )
+    angle, both = params.resolved_deg, (params.resolved_steel, params.resolved_spore)
+    one, other = (Sample.of(dropped, sampling, inputs).seen(angle).means for dropped in both)
     e = params.resolved_restitutions
     losses = [
         float(rigid_loss(value, dropped.friction, np.array(angle)))
-        for value, dropped in zip(e, (params.resolved_steel, params.resolved_spore), strict=True)
+        for value, dropped in zip(e, both, strict=True)
     ]
     width, width_of_loss = (
         half_width(one[name], other[name], sampling) for name in ("restitution", "energy_loss")

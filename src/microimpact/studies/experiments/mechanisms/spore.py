@@ -191,10 +191,11 @@ def trends(
     def change(quantity: str, start: float, end: float) -> float:
         if start not in samples or end not in samples:
             return np.nan
-        one, other = (samples[angle].means[quantity] for angle in (end, start))
-        base = (less[a].means[quantity].value if less else 0.0 for a in (end, start))
-        first, last = (of.value - b for of, b in zip((one, other), base, strict=True))
-        return (first - last) / half_width(one, other, sampling)
+        last, first = (samples[angle].means[quantity] for angle in (end, start))
+        rise = last.value - first.value
+        if less:
+            rise -= less[end].means[quantity].value - less[start].means[quantity].value
+        return rise / half_width(last, first, sampling)
 
     at_15 = (less or samples).get(15.0)
     return {
