@@ -72,14 +72,5 @@ def impacts(
     return Impacts(**(fields | changes))
 
 
-def true_velocities(events: Impacts) -> np.ndarray:
-    return np.stack([events.velocity[:, [0, 2]], events.rebound_velocity[:, [0, 2]]], axis=1)
-
-
-def some(events: Impacts, which: slice) -> Impacts:
-    names = Impacts.__dataclass_fields__
-    return Impacts(**{name: getattr(events, name)[which] for name in names})
-
-
 def generator(*key: int) -> np.random.Generator:
     return np.random.default_rng(np.random.SeedSequence(11, spawn_key=key))

@@ -13,8 +13,6 @@ from tests.lab.ptis.imaging_cases import (
     generator,
     impacts,
     setup_for,
-    some,
-    true_velocities,
 )
 
 from microimpact.lab.ptis import errors
@@ -50,7 +48,7 @@ def test_expected_velocities_are_the_true_ones(speed, angle):
     # The centroid of a dash under gravity lies off its middle by the same for all of a leg:
     # g / 24 f^2 / 4 shifts the contact, hardly the velocity.
     for one in found:
-        assert one.velocities == pytest.approx(true_velocities(events)[0], rel=2e-4)
+        assert one.velocities == pytest.approx(events.in_plane.velocities[0], rel=2e-4)
 
 
 def test_jitter_alone_gives_the_textbook_error_of_a_slope():
@@ -140,7 +138,7 @@ def test_the_model_does_not_depend_on_chunks():
     whole, rng = modelled(events, setup, EXACT, generator(5)), generator(5)
     parts = [
         modelled(
-            some(events, slice(a, b)),
+            events.select(slice(a, b)),
             setup,
             EXACT,
             rng,

@@ -15,8 +15,6 @@ from tests.lab.ptis.imaging_cases import (
     generator,
     impacts,
     setup_for,
-    some,
-    true_velocities,
 )
 
 from microimpact.lab.ptis.exposure import (
@@ -76,7 +74,7 @@ def test_noiseless_frames_give_speed_and_angle(speed, angle):
         if isinstance(track, Rejection):
             continue
         seen += 1
-        true = true_velocities(events)[i]
+        true = events.in_plane.velocities[i]
         size = np.linalg.norm(true, axis=1)
         assert np.linalg.norm(track.velocities, axis=1) == pytest.approx(size, rel=2e-3)
         turned = np.degrees(np.arctan2(*track.velocities.T[::-1]) - np.arctan2(*true.T[::-1]))
@@ -137,7 +135,7 @@ def test_exact_dashes_give_exact_velocities():
     setup = setup_for(0.45, 60.0)
     track = reduce_legs(falling(setup, 0, 6), falling(setup, 1, 5), setup)
     assert isinstance(track, Track)
-    true = true_velocities(impacts(0.45, 60.0))[0]
+    true = impacts(0.45, 60.0).in_plane.velocities[0]
     assert track.velocities == pytest.approx(true, rel=1e-9)
     assert track.incident.contact * setup.chop_rate == pytest.approx(7.0)
     assert track.rebound.contact * setup.chop_rate == pytest.approx(-2.0)
@@ -249,7 +247,7 @@ def test_observation_does_not_depend_on_later_events():
     whole = observe(events, setup, EXACT, generator(5))
     assert len(whole.measured) == whole.fates.count(MEASURED) > 4
     for n in (2, 7):
-        first = observe(some(events, slice(n)), setup, EXACT, generator(5))
+        first = observe(events.select(slice(n)), setup, EXACT, generator(5))
         assert first.fates == whole.fates[:n]
         number = len(first.measured)
         assert np.array_equal(first.measured.velocities, whole.measured.velocities[:number])
