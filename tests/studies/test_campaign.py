@@ -7,32 +7,30 @@ from dataclasses import replace
 import pytest
 from tests.shared import USUAL
 
+from microimpact.lab.experiment import SpeedClass
+from microimpact.lab.laboratory import DeclaredSurface
 from microimpact.statistics.distributions import Constant
 from microimpact.studies.experiments.campaign import (
     Block,
     Counts,
-    NamedSpeed,
-    NamedSurface,
     SizeRange,
     check_counts,
     counts,
     expand,
 )
 
-PARTICLES = tuple(
-    SizeRange(
-        name=name, particle="steel", diameter_um=Constant(at=d), particle_slope=0.0, spin_sd=0.0
-    )
+PARTICLES = {
+    name: SizeRange(particle="steel", diameter_um=Constant(at=d), particle_slope=0.0, spin_sd=0.0)
     for name, d in (("small", 20.0), ("large", 70.0))
-)
-SURFACES = tuple(
-    NamedSurface(name=name, surface="silicon", surface_slope=s)
+}
+SURFACES = {
+    name: DeclaredSurface(surface="silicon", surface_slope=s)
     for name, s in (("front", 0.0), ("back", 0.1))
-)
-CLASSES = (
-    NamedSpeed(name="middle", speed_m_per_s=1.0, speed_range_m_per_s=(0.9, 1.1)),
-    NamedSpeed(name="fast", speed_m_per_s=1.66, speed_range_m_per_s=(1.6, 1.72)),
-)
+}
+CLASSES = {
+    "middle": SpeedClass(speed_m_per_s=1.0, speed_range_m_per_s=(0.9, 1.1)),
+    "fast": SpeedClass(speed_m_per_s=1.66, speed_range_m_per_s=(1.6, 1.72)),
+}
 ANGLES = 90.0, 45.0, 10.0
 BLOCK = Block(
     particles=("small", "large"), surfaces=("front", "back"), case="any", speeds=("middle", "fast")
@@ -94,4 +92,4 @@ def test_bad_blocks_are_refused(change, message):
 
 def test_a_class_holds_its_nominal_speed():
     with pytest.raises(ValueError, match=r"\[1\.1, 1\.2\] must ascend and hold 1"):
-        NamedSpeed(name="slow", speed_m_per_s=1.0, speed_range_m_per_s=(1.1, 1.2))
+        SpeedClass(speed_m_per_s=1.0, speed_range_m_per_s=(1.1, 1.2))

@@ -55,24 +55,9 @@ from microimpact.statistics.intervals import mean_and_error
 class SizeRange(Particles):
     """One range of sizes of one material, and its spin."""
 
-    name: Name
     diameter_um: Distribution
     particle_slope: NonNegative
     spin_sd: NonNegative
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class NamedSurface(DeclaredSurface):
-    """A target: its material and how rough it is."""
-
-    name: Name
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class NamedSpeed(SpeedClass):
-    """A class of speeds."""
-
-    name: Name
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -109,8 +94,9 @@ class Counts:
 class Experiment:
     """One experiment of a campaign."""
 
+    names: tuple[str, str, str]  # Of particles, surface and speed
     particles: SizeRange
-    surface: NamedSurface
+    surface: DeclaredSurface
     case: str
     speed_class: SpeedClass
     angle: float
@@ -119,12 +105,12 @@ class Experiment:
     def title(self) -> str:
         """What it is, in words; no two experiments share it."""
         speed = self.speed_class.speed_m_per_s
-        return f"{self.particles.name} on {self.surface.name}, {speed:g} m/s, {self.angle:g} deg"
+        return f"{self.names[0]} on {self.names[1]}, {speed:g} m/s, {self.angle:g} deg"
 
     @property
     def pair(self) -> tuple[str, str, str]:
         """What decides its contact."""
-        return self.particles.name, self.surface.name, self.case
+        return *self.names[:2], self.case
 
     def dropped(self, friction: float) -> Dropped:
         """Return what is dropped, with a coefficient of friction."""
@@ -142,29 +128,31 @@ class Experiment:
 
 def expand(
     blocks: Iterable[Block],
-    particles: Iterable[SizeRange],
-    surfaces: Iterable[NamedSurface],
-    speed_classes: Iterable[NamedSpeed],
+    particles: Mapping[str, SizeRange],
+    surfaces: Mapping[str, DeclaredSurface],
+    speed_classes: Mapping[str, SpeedClass],
     angles_deg: tuple[float, ...],
 ) -> list[Experiment]:
     """Return the experiments that blocks declare.
 
     Raises ValueError if a block names what is not declared, or an experiment is declared twice.
     """
-    levels: dict[str, Any] = {"particles": particles, "surfaces": surfaces, "speeds": speed_classes}
-    known: dict[str, dict[str, Any]] = {
-        key: {one.name: one for one in of} for key, of in levels.items()
-    }
+    known = {"particles": particles, "surfaces": surfaces, "speeds": speed_classes}
     found: dict[str, Experiment] = {}
     for number, block in enumerate(blocks):
         for key, own in known.items():
             for name in (name for name in getattr(block, key) if name not in own):
                 told = f"{name!r} must be one of those declared{nearest(name, own)}"
                 raise ValueError(f"blocks[{number}].{key}: {told}")
-        chosen = ([own[name] for name in getattr(block, key)] for key, own in known.items())
-        for dropped, target, speed, angle in product(*chosen, block.angles_deg or angles_deg):
+        chosen = block.particles, block.surfaces, block.speeds, block.angles_deg or angles_deg
+        for *names, angle in product(*chosen):
             one = Experiment(
-                particles=dropped, surface=target, case=block.case, speed_class=speed, angle=angle
+                names=(names[0], names[1], names[2]),
+                particles=particles[names[0]],
+                surface=surfaces[names[1]],
+                speed_class=speed_classes[names[2]],
+                case=block.case,
+                angle=angle,
             )
             if one.title in found:
                 raise ValueError(f"blocks[{number}]: {one.title}: declared twice")
@@ -178,9 +166,9 @@ def counts(experiments: Iterable[Experiment]) -> Counts:
     return Counts(
         experiments=len(all_of),
         diameter_ranges=len({one.particles.diameter_um for one in all_of}),
-        surfaces=len({one.surface for one in all_of}),
+        surfaces=len({one.names[1] for one in all_of}),
         angles=len({one.angle for one in all_of}),
-        speed_ranges=len({one.speed_class for one in all_of}),
+        speed_ranges=len({one.names[2] for one in all_of}),
     )
 
 
@@ -220,11 +208,11 @@ def experiment_row(
     smallest, largest = dropped.diameter_um.quantile(np.array([0.0, 1.0]))
     first = outcome.first_impacts
     row: dict[str, Any] = {
-        "particles": one.particles.name,
+        "particles": one.names[0],
         "material": one.particles.particle,
         "smallest_um": smallest,
         "largest_um": largest,
-        "surface": one.surface.name,
+        "surface": one.names[1],
         "surface_material": one.surface.surface,
         "slope_sd": dropped.slope_sd,
         "contact_case": one.case,
@@ -262,9 +250,9 @@ class Params:
     """
 
     seed: ExperimentSeed
-    particles: Annotated[tuple[SizeRange, ...], Keyed("name")]
-    surfaces: Annotated[tuple[NamedSurface, ...], Keyed("name")]
-    speed_classes: Annotated[tuple[NamedSpeed, ...], Keyed("name")]
+    particles: Mapping[str, SizeRange]
+    surfaces: Mapping[str, DeclaredSurface]
+    speed_classes: Mapping[str, SpeedClass]
     angles_deg: tuple[AngleDegrees, ...]
     blocks: Annotated[tuple[Block, ...], Keyed()]
     friction: Fraction
