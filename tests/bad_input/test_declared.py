@@ -147,6 +147,9 @@ CASES = [
     (CONTACTS, DIAMETER, GIVEN.replace("62", "0"), ["config/contacts.csv: stainless-steel-316 on silicon: diameter must be"]),
     (PRINTED, ANCHOR, ANCHOR.replace("0.967", ""), ["printed_values.csv, line 2: value '' must be a finite number"]),
     (PRINTED, ANCHOR, ANCHOR.replace("m/s", ""), ["printed_values.csv, line 2: unit is empty"]),
+    (PRINTED, ANCHOR, ANCHOR.replace("m/s", "mm/s"), ["printed.capture_velocity_psl_quartz: the unit mm/s must be m/s, as that of calibration.by_work_of_adhesion.polystyrene-latex-fused-silica.capture_velocity_m_per_s"]),
+    (CONTACTS, "lycopodium,silicon,diameter,33,um", "lycopodium,silicon,diameter,0.033,mm", ["contacts.lycopodium on silicon.diameter: the unit mm must be um, as that of "]),
+    (CONTACTS, DIAMETER, GIVEN.replace(",um,", ",J/m2,"), ["config/contacts.csv: contact 'stainless-steel-316' on 'silicon', diameter: unit 'J/m2' must be one of"]),
     (EXTERNAL, "A,1.84,", "A,steep,", ["external.csv, line 2: at 'steep' must be a finite number"]),
     (EXTERNAL, ",0.015,found", ",-0.015,found", ["external.csv, line 2: reading_error -0.015 must not be negative"]),
     (EXTERNAL, ",2.6,6.9,um", ",6.9,2.6,um", ["external.csv, line", "low 6.9 must be below high, 2.6"]),
@@ -160,6 +163,8 @@ CASES = [
     (FIGURES, "[[set_ups.disk_slots]]", "[[set_ups.disk_slot]]", ["no parameter 'set_ups.disk_slot' (did you mean 'disk_slots'?)"]),
     (FIGURES, "module: microimpact.figures.", "module: os.", ["module"]),
     (FIGURES, "x_range: [", "x_range: [9.0e9, ", ["x_range"]),
+    (FIGURES, "study: restitution_trends", "study: 3", ["config/figures.yaml: fig14.study: 3 is no study"]),
+    (FIGURES, "\nfig14:\n", "\nfig14:\n  tables: 3\n", ["config/figures.yaml: fig14.tables: 3 must be a mapping"]),
     (FIGURES, "width: double", "width: triple", ["width: 'triple'"]),
     # digitised points: run/test_digitised.py has all that may be wrong in a file
     (POINTS, "1.0,0.5,0.4,0.6", "1.0,0.5,0.6,0.4", ["fig14.csv, line 5"]),

@@ -7,13 +7,13 @@ import re
 from collections.abc import Iterable
 
 
-def nearest(key: str, known: Iterable[str]) -> str:
+def nearest(key: object, known: Iterable[str]) -> str:
     """Return `` (did you mean ...?)`` with the most similar known key, or all of them.
 
     One that differs in capitals, zeros before a number, or the order of a pair is the most similar.
     """
-    names = sorted(known)
-    alike = [name for name in names if _core(name) == _core(str(key))]
+    names, key = sorted(known), str(key)
+    alike = [name for name in names if _core(name) == _core(key)]
     close = alike or difflib.get_close_matches(key, names, n=1, cutoff=0.5)
     if close:
         return f" (did you mean '{close[0]}'?)"

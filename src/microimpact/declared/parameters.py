@@ -368,7 +368,8 @@ def _wanted(item: Mapping[str, Any], here: Shape) -> str:
         return f"must be a mapping with the key {KIND}: {', '.join(map(str, here.kinds))}"
     if here.classes:
         return "must be a mapping"
-    wanted = str(item["msg"]).replace("Input should be", "must be")
+    wanted = str(item["msg"]).replace("Input should", "must").replace("String should", "must")
+    wanted = wanted.replace("an object", "a mapping")
     return f"{wanted}{_hint(item['input'], problem)}"
 
 

@@ -180,6 +180,14 @@ class DeclaredTables:
                 found.setdefault(pair, {})[name] = Declared(*words, f"contacts.{pair}.{name}")
         return found
 
+    def units(self) -> dict[str, str]:
+        """Return the units of what can be referred to, by its place."""
+        printed = {f"printed.{row['key']}": row["unit"] for row in self.printed_values.rows}
+        return printed | {
+            f"contacts.{row['particle']} on {row['surface']}.{row['property']}": row["unit"]
+            for row in self.contacts.rows
+        }
+
     def resolved(self) -> DeclaredTables:
         """Return the tables with what contacts name put in place, and its words if they have none.
 

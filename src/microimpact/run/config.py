@@ -21,7 +21,7 @@ from microimpact.core.materials import Material, materials_from_rows
 from microimpact.core.nearest import nearest
 from microimpact.declared.documents import ConfigError, load, located
 from microimpact.declared.parameters import Count, Known, Name, adapter, build, explain
-from microimpact.declared.provenance import Declared
+from microimpact.declared.provenance import Declared, unit_of
 from microimpact.declared.references import Resolver
 from microimpact.declared.selection import TABLES, DeclaredTable, DeclaredTables, read_all
 from microimpact.figures.registry import FigureSpec, filled, registry
@@ -148,7 +148,7 @@ def validate(
             others = {maker: params.get(maker) for maker in studies.needs(name).values()}
             found += [f"{name}.{line}" for line in disagreements(own, others)]
     _refuse([*resolver.problems, *_others(found, resolver.problems)])
-    _refuse(line for row in resolver.rows if (line := doubt_of_input(row.key, row.value)))
+    _refuse(_out_of_unit(resolver.rows, tables.units()))
     bodies = {name: (case.particle, case.surface) for name, case in laboratory.cases.items()}
     used = {stands[f"cases.{case}.{body}"] for case in wanted & set(bodies) for body in _BODIES}
     unused = tuple(place for place in resolver.unused() if place not in used)
@@ -211,6 +211,19 @@ def _refuse(lines: Iterable[str]) -> None:
         raise ConfigError("\n".join(first.values()))
 
 
+def _out_of_unit(rows: Iterable[Declared], units: Mapping[str, str]) -> Iterator[str]:
+    """Yield what is wrong with a value in the unit of its key, or with that of what it names."""
+    for row in rows:
+        if line := doubt_of_input(row.key, row.value):
+            yield line
+        # A number of a distribution has the unit of the distribution's key.
+        wanted = {row.unit, unit_of(row.key.rpartition(".")[0])} - {"-"}
+        unit = units.get(row.place.partition("[")[0])
+        if unit and wanted and unit not in wanted:
+            told = " or ".join(sorted(wanted))
+            yield f"{row.place}: the unit {unit} must be {told}, as that of {row.key}"
+
+
 @cache
 def _branches(names: tuple[str, ...]) -> type[Any]:
     """Return a dataclass of branches: one validator for what they share takes half the time."""
@@ -266,7 +279,8 @@ def read_inputs(settings: Settings) -> Inputs:
     general = settings.general
     tables = settings.tables
     materials = _materials(tables.materials)
-    pairs = pairs_from_rows(tables.contacts.rows)
+    with located(general.contacts):
+        pairs = pairs_from_rows(tables.contacts.rows)
     for key in ("figures", "claims"):
         if not Path(path := getattr(general, key)).is_file():
             raise ValueError(f"{key}: {path!r} must be a file; there is none")
