@@ -286,7 +286,7 @@ def test_results_of_another_commit_are_refused(tmp_path):
     ("change", "words"),
     [
         ({"ended": "today"}, "ended: 'today' must be a valid datetime"),
-        ({"ended": "2026-01-02T03:04:05"}, "should have timezone"),
+        ({"ended": "2026-01-02T03:04:05"}, "must have timezone"),
         ({"ended": None}, "the run has not ended well"),
         ({"outdated": ["data/fig14.csv"]}, "from other inputs: data/fig14.csv;"),
         ({"started": None}, "started: None must be a valid datetime"),
