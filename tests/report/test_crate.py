@@ -291,7 +291,7 @@ def test_results_of_another_commit_are_refused(tmp_path):
         ({"outdated": ["data/fig14.csv"]}, "from other inputs: data/fig14.csv;"),
         ({"started": None}, "started: None must be a valid datetime"),
         ({"git": "abc"}, "git: 'abc' must be a mapping"),
-        ({"packages": []}, "packages: [] must be an object"),
+        ({"packages": []}, "packages: [] must be a mapping"),
         ({"config": {"materials": "config/none.csv"}}, "materials: 'config/none.csv' must be"),
         ({"config": {"materials": "/etc/hostname"}}, "materials: '/etc/hostname' must be"),
     ],
