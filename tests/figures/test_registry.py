@@ -1,4 +1,4 @@
-"""The figure registry: what it refuses, and how values get into its words."""
+"""The figure registry: what it refuses, axes as declared, and how values get into its words."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from tests.shared import ROOT
 
 from microimpact.declared.documents import ConfigError, load
 from microimpact.figures.registry import RegistryError, figure_spec, filled, registry
+from microimpact.figures.style import new_figure
 
 ENTRIES = load(ROOT / "config/figures.yaml")
 
@@ -50,11 +51,15 @@ def test_a_bad_entry_is_named(entry, message):
     ("module", "key", "value", "message"),
     [
         ("models.curves", "x_range", [1.0, 1.0], r"x_range: \[1, 1\] must ascend"),
+        ("models.curves", "x_scale", "log", r"x_range: 0 must be above 0 on a log scale"),
+        ("models.curves", "x_scale", "ln", r"x_scale: 'ln' "),
+        ("models.curves", "x_steps", [0.0], r"x_steps\[0\]: 0.0 must be greater than 0"),
+        ("models.curves", "y_steps", [1, 3], r"y_steps: must be empty: the scale is linear"),
         ("models.curves", "y_label", "", r"y_label: '' must not be empty"),
         ("schematics.impacts", "x_label", "x", r"x_label: 'x' must be empty: it has no axes"),
     ],
 )
-def test_an_empty_axis_is_refused_and_words_for_none(module, key, value, message):
+def test_an_axis_that_cannot_be_is_refused_and_words_for_none(module, key, value, message):
     entry = changed(module=f"microimpact.figures.{module}")
     entry["panels"]["trends"][key] = value
     with pytest.raises(RegistryError, match=rf"panels\.trends\.{message}"):
@@ -71,6 +76,20 @@ def test_a_name_that_is_no_figure_is_refused(name):
 
 def test_a_figure_of_the_projects_own_has_a_name_of_words():
     assert figure_spec("capture_laws", changed()).name == "capture_laws"
+
+
+def test_an_axis_is_drawn_as_it_is_declared():
+    entry = changed(columns=1, legend_columns=2)
+    entry["panels"]["trends"] |= {"x_range": [0.1, 10.0], "x_scale": "log", "x_steps": [1, 3]}
+    entry["panels"]["trends"]["level"] = 0.0
+    entry["panels"]["again"] = entry["panels"]["trends"] | {"x_ticks": [0.2, 5.0]}
+    figure, axes = new_figure(figure_spec("fig14", entry))
+    figure.draw_without_rendering()
+    texts = [[tick.get_text() for tick in ax.get_xticklabels()] for ax in axes.values()]
+    assert {"0.1", "0.3", "1", "3", "10"} <= set(texts[0])
+    assert texts[1] == ["0.2", "5"]
+    assert [ax.get_subplotspec().colspan.start for ax in axes.values()] == [0, 0]
+    assert [list(ax.lines[0].get_ydata()) for ax in axes.values()] == [[0.0, 0.0]] * 2
 
 
 def test_parameters_fill_the_words():

@@ -12,7 +12,7 @@ from pydantic import Field, ValidationError
 from microimpact.core.nearest import nearest
 from microimpact.core.tables import RESULT_EVIDENCE
 from microimpact.declared import documents
-from microimpact.declared.parameters import Ascending, Finite, Name, build, explain
+from microimpact.declared.parameters import Ascending, Finite, Name, Positive, build, explain
 
 Range = Annotated[tuple[Finite, Finite], Ascending]
 Place = Literal[
@@ -29,6 +29,7 @@ Place = Literal[
 ]
 
 Line = Literal["solid", "dashed", "dotted", "dashdot", "long dashed", "dashdotdot", "loose dashed"]
+Scale = Literal["linear", "log"]
 Mark = Literal["circle", "square", "triangle", "full diamond", "half diamond"]
 
 # Every figure is written in each of these.
@@ -86,6 +87,8 @@ class PanelSpec:
     `shows` names the panel of the data if it is not the one of the same name, as for an
     enlarged view. A legend `above` is over all panels, clear of every curve. Axes grow
     where data lie outside; the upright one does not if `fixed`. A label may be one of `QUANTITIES`.
+    Numbers stand at the ticks or, on a logarithmic scale, at the steps times powers of ten. At
+    `level` a thin line runs across.
     """
 
     x_range: Range
@@ -93,8 +96,13 @@ class PanelSpec:
     x_label: str = ""
     y_label: str = ""
     title: str = ""
+    x_scale: Scale = "linear"
+    y_scale: Scale = "linear"
     x_ticks: tuple[Finite, ...] = ()
     y_ticks: tuple[Finite, ...] = ()
+    x_steps: tuple[Positive, ...] = ()
+    y_steps: tuple[Positive, ...] = ()
+    level: Finite | None = None
     legend: str = ""
     legend_place: Place | Literal["above", "none"] = "best"
     shows: str = ""
@@ -102,10 +110,15 @@ class PanelSpec:
     series: dict[str, SeriesSpec] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Put the words of a quantity at its axis."""
-        for axis in ("x_label", "y_label"):
-            label = getattr(self, axis)
-            object.__setattr__(self, axis, QUANTITIES.get(label, label))
+        """Put the words of a quantity at its axis; refuse a logarithm of zero or less."""
+        for axis in "xy":
+            label, ends = getattr(self, f"{axis}_label"), getattr(self, f"{axis}_range")
+            object.__setattr__(self, f"{axis}_label", QUANTITIES.get(label, label))
+            is_log = getattr(self, f"{axis}_scale") == "log"
+            if is_log and ends[0] <= 0.0:
+                raise ValueError(f"{axis}_range: {ends[0]:g} must be above 0 on a log scale")
+            if getattr(self, f"{axis}_steps") and not is_log:
+                raise ValueError(f"{axis}_steps: must be empty: the scale is linear")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -122,7 +135,9 @@ class FigureSpec:
 
     `article` says what the article shows there; it is empty for a figure of our own.
     `tables` are those of the study that belong beside the figure, each with a sentence on what it
-    holds. `evidence_labels` replace words of the key of evidence, as of what another paper printed.
+    holds. Panels stand in rows of `columns`, all side by side if not given; with `legend_columns`,
+    one legend in so many columns is above them. `evidence_labels` replace words of the key of
+    evidence, as of what another paper printed.
     """
 
     name: Annotated[str, Field(pattern=FIGURE_NAME)]
@@ -137,6 +152,8 @@ class FigureSpec:
     evidence_labels: dict[str, Name] = field(default_factory=dict)
     width: Literal["single", "double"] = "single"
     height_mm: Annotated[float, Field(gt=0, le=240)] = 65.0
+    columns: Annotated[int, Field(ge=1)] | None = None
+    legend_columns: Annotated[int, Field(ge=1)] | None = None
     panels: dict[str, PanelSpec]
 
     def __post_init__(self) -> None:

@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.markers import TICKDOWN, TICKLEFT, TICKRIGHT, TICKUP
 from matplotlib.patheffects import Normal, Stroke
-from matplotlib.ticker import FuncFormatter, Locator, NullFormatter, NullLocator
+from matplotlib.ticker import FuncFormatter, Locator, LogLocator, NullFormatter, NullLocator
 from numpy.typing import NDArray
 
 from microimpact.core.files import write_file
@@ -105,14 +105,11 @@ def context() -> Iterator[None]:
         yield
 
 
-def new_figure(spec: FigureSpec, columns: int | None = None) -> tuple[Figure, dict[str, Axes]]:
-    """Return an empty figure with its panels, by name, axes set up.
-
-    The panels are side by side, or in rows of so many columns.
-    """
+def new_figure(spec: FigureSpec) -> tuple[Figure, dict[str, Axes]]:
+    """Return an empty figure with its panels, by name, axes set up."""
     size = WIDTH_MM[spec.width] / MM_PER_INCH, spec.height_mm / MM_PER_INCH
     figure = Figure(figsize=size)
-    columns = columns or len(spec.panels)
+    columns = spec.columns or len(spec.panels)
     rows = -(-len(spec.panels) // columns)
     places = [figure.add_subplot(rows, columns, i + 1) for i in range(len(spec.panels))]
     axes = dict(zip(spec.panels, places, strict=True))
@@ -123,13 +120,22 @@ def new_figure(spec: FigureSpec, columns: int | None = None) -> tuple[Figure, di
 
 
 def _set_axes(ax: Axes, panel: PanelSpec, prefix: str) -> None:
-    ax.set(xlabel=panel.x_label, ylabel=panel.y_label, xlim=panel.x_range, ylim=panel.y_range)
+    ax.set(xscale=panel.x_scale, yscale=panel.y_scale, xlim=panel.x_range, ylim=panel.y_range)
+    ax.set(xlabel=panel.x_label, ylabel=panel.y_label)
     if prefix or panel.title:
         ax.set_title(f"{prefix}{panel.title}")
-    if panel.x_ticks:
-        ax.set_xticks(panel.x_ticks)
-    if panel.y_ticks:
-        ax.set_yticks(panel.y_ticks)
+    for axis, ticks, steps in (
+        (ax.xaxis, panel.x_ticks, panel.x_steps),
+        (ax.yaxis, panel.y_ticks, panel.y_steps),
+    ):
+        if ticks:
+            axis.set_ticks(ticks)
+        elif steps:
+            axis.set_major_locator(LogLocator(subs=steps))
+        if axis.get_scale() == "log" and (ticks or steps):
+            plain_numbers(axis)
+    if panel.level is not None:
+        ax.axhline(panel.level, color="0.6", linewidth=0.6, zorder=1)
 
 
 def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> list[Line2D]:
@@ -337,16 +343,15 @@ def evidence_key(
 def line_figure(
     tables: Tables,
     spec: FigureSpec,
-    columns: int | None = None,
     prepare: Callable[[Axes, str], object] | None = None,
 ) -> tuple[Figure, dict[str, Axes]]:
     """Draw every panel of a figure from the tables that have it, and the key of evidence.
 
     The figure and its axes by panel, for what a figure adds of its own. `tables`, `spec`: figure
-    data and registry entry; `columns`: panels in a row; all if not given; `prepare`: called with
-    the axes and the name of each panel before its series are drawn.
+    data and registry entry; `prepare`: called with the axes and the name of each panel before its
+    series are drawn.
     """
-    figure, axes = new_figure(spec, columns)
+    figure, axes = new_figure(spec)
     entries: list[Line2D] = []
     for name, panel in spec.panels.items():
         if prepare:
@@ -358,12 +363,9 @@ def line_figure(
         legend_above(figure, above)
     evidence = pd.concat([table["evidence"] for table in tables.values()])
     evidence_key(figure, evidence, entries, labels=spec.evidence_labels)
+    if spec.legend_columns:
+        legend_above(figure, axes.values(), spec.legend_columns)
     return figure, axes
-
-
-def log_x(ax: Axes, _: str) -> None:
-    """Prepare axes with a logarithmic abscissa."""
-    ax.set_xscale("log")
 
 
 def plain_numbers(*axes: Axis) -> None:

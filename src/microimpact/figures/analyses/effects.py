@@ -27,7 +27,7 @@ LABEL_GAP = 4.5
 
 @style.context()
 def draw(tables: Tables, spec: FigureSpec) -> Figure:
-    """Draw a normal plot of effects, and a half-normal one with a logarithmic abscissa.
+    """Draw a normal plot of effects, and a half-normal one.
 
     A series is called ``response: effect``, or as one of the margins. Each panel names the
     responses it shows; the margins belong to the first.
@@ -58,10 +58,7 @@ def _draw_panel(ax: Axes, rows: pd.DataFrame, panel: PanelSpec, *, half: bool) -
     responses = [name for name in MARKS if name in panel.series]
     own = rows[rows["response"].isin(responses)]
     is_margin = own["word"].isin(MARGINS)
-    if half:
-        ax.set_xscale("log")
-        style.plain_numbers(ax.xaxis)
-    else:
+    if not half:
         ax.axhline(0.0, color="0.85", linewidth=0.6, zorder=0)
         ax.axvline(0.0, color="0.85", linewidth=0.6, zorder=0)
     ax.set_xlim(style.widened(ax.get_xlim(), own[x].to_numpy(float), log=half))

@@ -28,7 +28,6 @@ CASES: tuple[dict[str, Any], ...] = ({}, {"fillstyle": "none"})
 SHAPES = ("o", "s", "^", "D", "v")
 # Distance of marks of the same input.
 APART = 0.2
-COLUMNS = 3
 
 
 @style.context()
@@ -37,7 +36,7 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
 
     The abscissa counts inputs, or samples in the panel ``convergence``.
     """
-    figure, axes = style.new_figure(spec, COLUMNS)
+    figure, axes = style.new_figure(spec)
     (table,) = tables.values()
     for name, panel in spec.panels.items():
         rows = table[table["panel"] == name]

@@ -28,7 +28,6 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
     bare = style.without_bounds(table, is_curve)
     bare = bare[bare["series"] != MEASURED]
     figure, axes = style.line_figure({spec.name: bare}, spec, prepare=prepare)
-    style.legend_above(figure, axes.values(), 3)
     points = bare[bare["evidence"] == "virtual experiment"]
     for name, ax in axes.items():
         style.written_above(ax, points[points["panel"] == name])

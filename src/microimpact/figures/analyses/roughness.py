@@ -10,7 +10,6 @@ from microimpact.core.tables import Tables
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec, PanelSpec
 
-COLUMNS = 3
 RANGE = "range "
 # Heights of the bars, as a share of the panel.
 WORDS = {"printed": "as printed", "corrected": "corrected"}
@@ -25,7 +24,7 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
     """
     (table,) = tables.values()
     is_range = table["series"].str.startswith(RANGE)
-    figure, axes = style.line_figure({spec.name: table[~is_range]}, spec, COLUMNS)
+    figure, axes = style.line_figure({spec.name: table[~is_range]}, spec)
     for name, ax in axes.items():
         rows = table[is_range & (table["panel"] == spec.panels[name].shows)]
         _draw_ranges(ax, rows, spec.panels[name])

@@ -23,7 +23,6 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
     figure, axes = style.new_figure(spec)
     for name, panel in spec.panels.items():
         ax, rows = axes[name], table[table["series"].isin(panel.series)]
-        ax.set_yscale("log")
         is_curve = rows["series"] != STATED
         _draw_bands(ax, rows[is_curve], panel)
         style.draw_panel(ax, style.without_bounds(rows, is_curve), panel, name)

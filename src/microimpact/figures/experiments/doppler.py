@@ -11,7 +11,6 @@ from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec
 
 STREAM = "stream"
-COLUMNS = 3
 # Factor between the abscissae of neighbouring heights, whose marks would hide each other.
 APART = 1.06
 
@@ -27,19 +26,15 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
     is_pair = {name: table["series"].str.startswith("pair ") for name, table in tables.items()}
 
     def prepare(ax: Axes, name: str) -> None:
-        if name != STREAM:
-            ax.set_xscale("log")
-            ticks = spec.panels[name].x_ticks
-            ax.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
-            ax.set_xticks([], minor=True)
-            return
-        for which in (which for which, shown in stream.items() if shown):
-            _join(ax, tables[which][is_pair[which]])
+        for which, shown in stream.items():
+            if shown and name == STREAM:
+                _join(ax, tables[which][is_pair[which]])
 
     heights = list(spec.panels["seen"].series)
     rest = {name: style.apart(t[~is_pair[name]], heights, APART) for name, t in tables.items()}
-    figure, axes = style.line_figure(rest, spec, COLUMNS, prepare)
-    style.legend_after(figure, len(axes), COLUMNS, [axes["seen"]], title="(b–d) probe volume at")
+    figure, axes = style.line_figure(rest, spec, prepare)
+    places = len(axes), spec.columns or len(axes)
+    style.legend_after(figure, *places, [axes["seen"]], title="(b–d) probe volume at")
     return figure
 
 

@@ -58,11 +58,9 @@ def draw_accuracy(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw bias and scatter of the measured speed against the speed, one panel per leg."""
 
     def prepare(ax: Axes, _: str) -> None:
-        ax.set_xscale("log")
         # Linear about zero, so that errors of either sign and any size show.
         ax.set_yscale("symlog", linthresh=LINEAR_PERCENT)
-        style.plain_numbers(ax.xaxis, ax.yaxis)
-        ax.axhline(0.0, color="0.6", linewidth=0.6, zorder=1)
+        style.plain_numbers(ax.yaxis)
 
     names = list(next(iter(spec.panels.values())).series)
     moved = {name: style.apart(table, names, APART) for name, table in tables.items()}

@@ -1,4 +1,4 @@
-"""Figures of the virtual experiments: measured means, supposed mechanisms, and pile-up."""
+"""Figures of the virtual experiments: measured means and pile-up."""
 
 from __future__ import annotations
 
@@ -11,9 +11,6 @@ from microimpact.figures.registry import FigureSpec
 
 # The series of both ends of the speeds at which particles piled up.
 PILE_UP = "printed pile-up"
-# Panels of mechanisms in a row, and the level that is drawn in them.
-COLUMNS = 2
-LEVELS = {"spin": 0.0, "slope": 1.0, "spore": 1.0}
 
 
 @style.context()
@@ -39,13 +36,4 @@ def draw_oblique(tables: Tables, spec: FigureSpec) -> Figure:
     for name, ax in axes.items():
         panel = spec.panels[name]
         style.written_above(ax, measured[measured["panel"] == (panel.shows or name)])
-    return figure
-
-
-@style.context()
-def draw_causes(tables: Tables, spec: FigureSpec) -> Figure:
-    """Draw one panel per mechanism, each with a legend of its own."""
-    figure, axes = style.line_figure(tables, spec, COLUMNS)
-    for name, level in LEVELS.items():
-        axes[name].axhline(level, color="0.6", linewidth=0.6, zorder=0)
     return figure

@@ -8,14 +8,10 @@ from typing import Any
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator
 
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec, PanelSpec
 
-COLUMNS = 2
-# Panels whose abscissa or ordinate is logarithmic.
-LOG_X, LOG_Y = ("limit", "work"), ("work",)
 # Densities are lines, pairs are points; a single number among them is a mark.
 PAIRS = ("rate", "work")
 CLOUD: dict[str, Any] = {
@@ -40,18 +36,10 @@ def draw_pairs(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     ``work``, ``rate`` (pairs), a series per variant; those named two-stage are single contacts;
     `spec`: registry entry.
     """
-    figure, axes = style.new_figure(spec, COLUMNS)
+    figure, axes = style.new_figure(spec)
     for name, panel in spec.panels.items():
-        ax = axes[name]
         table = next(t for t in tables.values() if name in set(t["panel"]))
-        rows = table[table["panel"] == name]
-        if name in LOG_X:
-            ax.set_xscale("log")
-            _plain(ax.xaxis)
-        if name in LOG_Y:
-            ax.set_yscale("log")
-            _plain(ax.yaxis)
-        _draw_pairs(ax, rows, panel, name)
+        _draw_pairs(axes[name], table[table["panel"] == name], panel, name)
     style.legend_above(figure, axes.values())
     style.evidence_key(figure, pd.concat([t["evidence"] for t in tables.values()]))
     return figure
@@ -92,8 +80,6 @@ def draw_bands(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
     figure, axes = style.new_figure(spec)
     for name, panel in spec.panels.items():
         ax, rows = axes[name], table[table["panel"] == name]
-        ax.set_xscale("log")
-        _plain(ax.xaxis)
         banded = rows[(rows["evidence"] != "printed") & rows["y_low"].notna()]
         for series, part in banded.groupby("series", sort=False):
             style.draw_band(ax, part, panel.series[str(series)])
@@ -109,9 +95,3 @@ def draw_bands(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
         )
     style.evidence_key(figure, table["evidence"])
     return figure
-
-
-def _plain(axis: Any) -> None:
-    """Mark a logarithmic axis in plain numbers."""
-    axis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
-    style.plain_numbers(axis)

@@ -13,8 +13,6 @@ from microimpact.core.tables import Tables
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec
 
-COLUMNS = 3
-
 
 @style.context()
 def draw(tables: Tables, spec: FigureSpec) -> Figure:
@@ -27,13 +25,13 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
     pairs = list(dict.fromkeys(table["panel"]))
     pattern = spec.panels["pair"]
     panels = {pair: spec.panels.get(pair, replace(pattern, title=pair)) for pair in pairs}
-    rows = -(-len(pairs) // COLUMNS)
+    rows = -(-len(pairs) // (spec.columns or len(pairs)))
     spec = replace(spec, panels=panels, height_mm=spec.height_mm * rows / 2)
-    figure, axes = style.line_figure(tables, spec, COLUMNS, lambda ax, _: ax.loglog())
+    figure, axes = style.line_figure(tables, spec)
     for pair, ax in axes.items():
         _label_marks(ax, table[table["panel"] == pair])
-    if len(axes) % COLUMNS:
-        style.legend_after(figure, len(axes), COLUMNS, axes.values())
+    if spec.columns and len(axes) % spec.columns:
+        style.legend_after(figure, len(axes), spec.columns, axes.values())
     else:
         style.legend_above(figure, axes.values(), 3)
     return figure

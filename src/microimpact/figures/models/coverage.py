@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -13,7 +12,6 @@ from microimpact.core.tables import Tables
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec, PanelSpec
 
-COLUMNS = 2
 # Factor between the abscissae of the first and last series where marks would hide each other.
 APART = 1.11
 GUIDE: dict[str, Any] = {"linewidth": 0.6, "alpha": 0.7, "zorder": 2}
@@ -26,22 +24,15 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
     A panel is called ``quantity, truth``; the series of a ``coverage`` are moved apart.
     """
     (table,) = tables.values()
-    figure, axes = style.new_figure(spec, COLUMNS)
+    figure, axes = style.new_figure(spec)
     for name, panel in spec.panels.items():
         ax, rows = axes[name], table[table["panel"] == name]
-        ax.set_xscale("log")
-        if name.startswith(("rms", "width")):
-            ax.set_yscale("log")
-        if name.startswith("bias"):
-            ax.axhline(0.0, color="0.6", linewidth=0.6, zorder=1)
         if name.startswith("coverage"):
             found = set(rows.loc[rows["evidence"] == "virtual experiment", "series"])
             names = [n for n in panel.series if n in found]
             rows = style.apart(rows, names, APART ** (1.0 / max(len(names) - 1, 1)))
         style.draw_panel(ax, rows, panel, name)
         _guide(ax, rows, panel)
-        ax.set_xticks(np.array(panel.x_ticks))
-        style.plain_numbers(ax.xaxis)
     style.legend_above(figure, axes.values(), 4)
     style.evidence_key(figure, table["evidence"])
     return figure

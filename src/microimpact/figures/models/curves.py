@@ -8,13 +8,10 @@ from typing import Any
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator
 
 from microimpact.core.tables import Tables
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec
-
-COLUMNS = 2
 
 
 def _banded(tables: Tables, spec: FigureSpec) -> tuple[Figure, dict[str, Axes]]:
@@ -33,21 +30,18 @@ def _banded(tables: Tables, spec: FigureSpec) -> tuple[Figure, dict[str, Axes]]:
 
 
 @style.context()
+def draw_lines(tables: Tables, spec: FigureSpec) -> Figure:
+    """Draw the curves of every panel as the registry declares them."""
+    return style.line_figure(tables, spec)[0]
+
+
+@style.context()
 def draw_trends(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw R, rho and e; the series ``capture velocity`` is an upright line, shaded below."""
     figure, axes = style.line_figure(tables, spec)
     (table,) = tables.values()
     line = table[table["series"] == "capture velocity"]
     style.shade_capture(axes["trends"], float(line.iloc[:, 3].max()))
-    return figure
-
-
-@style.context()
-def draw_signed(tables: Tables, spec: FigureSpec) -> Figure:
-    """Draw curves of either sign, with the axis of zero."""
-    figure, axes = style.line_figure(tables, spec)
-    for ax in axes.values():
-        ax.axhline(0.0, color="0.5", linewidth=0.5)
     return figure
 
 
@@ -66,21 +60,7 @@ def draw_forces(tables: Tables, spec: FigureSpec) -> Figure:
         )
         for name, panel in spec.panels.items()
     }
-    figure, axes = _banded(tables, replace(spec, panels=panels))
-    for ax in axes.values():
-        ax.axhline(0.0, color="0.5", linewidth=0.5)
-    style.legend_above(figure, axes.values(), 3)
-    return figure
-
-
-@style.context()
-def draw_laws(tables: Tables, spec: FigureSpec) -> Figure:
-    """Draw restitution against the logarithm of the speed, a panel per way of fitting."""
-    figure, axes = style.line_figure(tables, spec, COLUMNS, style.log_x)
-    style.legend_above(figure, axes.values(), 4)
-    for ax in axes.values():
-        style.plain_numbers(ax.xaxis)
-    return figure
+    return _banded(tables, replace(spec, panels=panels))[0]
 
 
 @style.context()
@@ -112,23 +92,4 @@ def draw_losses(tables: Tables, spec: FigureSpec) -> Figure:
         look: dict[str, Any] = {"color": "0.85", "linewidth": 0, "zorder": 0}
         ax.fill_between(total.iloc[:, 3], *ends, label="energy of the final spin", **look)
         ax.legend(loc="lower right")
-    return figure
-
-
-@style.context()
-def draw_moments(tables: Tables, spec: FigureSpec) -> Figure:
-    """Draw ratios of moments of rolling against the angle, a panel per estimate."""
-    figure, axes = style.line_figure(tables, spec, COLUMNS, lambda ax, _: ax.set_yscale("log"))
-    style.legend_above(figure, axes.values(), 4)
-    return figure
-
-
-@style.context()
-def draw_distances(tables: Tables, spec: FigureSpec) -> Figure:
-    """Draw distances rolled by captured spheres against the shift, a panel per case."""
-    figure, axes = style.line_figure(tables, spec, COLUMNS, lambda ax, _: ax.loglog())
-    style.legend_above(figure, axes.values(), 7)
-    for ax in axes.values():
-        ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        style.plain_numbers(ax.xaxis, ax.yaxis)
     return figure

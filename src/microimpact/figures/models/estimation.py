@@ -7,9 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import pandas as pd
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator
 
 from microimpact.core.tables import Tables
 from microimpact.figures import style
@@ -25,13 +23,7 @@ _MEMBER = re.compile(r"(?P<family>n = [\d.]+), w = (?P<work>[\d.]+) J/m2")
 def draw_ridge(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw how flat e is over the family against work of adhesion, and its two extreme members."""
     panels = spec.panels | {"curves": _named_members(spec.panels, tables["ridge_curves"])}
-
-    def prepare(ax: Axes, name: str) -> None:
-        if name == "ridge":
-            ax.set_xscale("log")
-            style.plain_numbers(ax.xaxis)
-
-    return style.line_figure(tables, replace(spec, panels=panels), prepare=prepare)[0]
+    return style.line_figure(tables, replace(spec, panels=panels))[0]
 
 
 def _named_members(panels: Mapping[str, PanelSpec], curves: pd.DataFrame) -> PanelSpec:
@@ -69,11 +61,4 @@ def draw_fits(tables: Tables, spec: FigureSpec) -> Figure:
         for name, panel in spec.panels.items()
     }
     drawn = dict.fromkeys(tables, table[~is_found])
-    figure, axes = style.line_figure(drawn, replace(spec, panels=panels), prepare=style.log_x)
-    for ax, panel in zip(axes.values(), panels.values(), strict=True):
-        if panel.x_ticks:
-            ax.set_xticks(panel.x_ticks)
-        else:
-            ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        style.plain_numbers(ax.xaxis)
-    return figure
+    return style.line_figure(drawn, replace(spec, panels=panels))[0]
