@@ -114,7 +114,7 @@ def enter(data, end, low, high, enough, x, lane, points, state):  # type: ignore
     for row in range(POINT_ROWS * count, len(points)):
         points[row, lane] = 0.0
     # Without slopes and with an endless sum of squares, the first step is to evaluate the start.
-    for row in range(STATE_ROWS):
+    for row in range(SUMS, SUMS + PRODUCTS):
         state[row, lane] = 0.0
     for i in range(VARIABLES):
         state[X + i, lane], state[LOW + i, lane], state[HIGH + i, lane] = x[i], low[i], high[i]

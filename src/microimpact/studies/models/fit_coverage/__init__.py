@@ -260,9 +260,9 @@ def _freedom(sets: DataSets) -> Places:
 
 def _rise_estimated(params: Params, sets: DataSets, fit: BatchFit) -> FloatArray:
     """Admissible rise of chi-square (r,) where sigma is estimated."""
-    freedom = _freedom(sets)
+    freedom, place = np.unique(_freedom(sets), return_inverse=True)  # few, of many data sets
     quantile = scipy.special.fdtri(1.0, freedom, params.confidence)
-    return np.asarray(fit.chi_square / freedom * quantile)
+    return np.asarray(fit.chi_square / freedom[place] * quantile[place])
 
 
 def _row(
