@@ -10,6 +10,7 @@ import numpy.typing as npt
 from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, FloatArray, Numbers, Range, checked
+from microimpact.model.empirical.kernel import MEASURED, SPEED, WEIGHT
 
 Places = npt.NDArray[np.intp]
 Given = Numbers | ArrayLike
@@ -66,21 +67,35 @@ def require_telling(v: FloatArray, e: FloatArray, points: int, different: int) -
             )
 
 
-ARRAYS = ("v", "e", "weight", "unit", "top")
+ARRAYS = ("points", "unit", "top")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DataSets:
     """Data sets (r, n), checked, in units of the slowest rebounding speed of each."""
 
-    # Speeds, coefficients of restitution and 1/sigma; weight 0 for a datum that is not there.
-    v: FloatArray
-    e: FloatArray
-    weight: FloatArray
+    # As they are searched (r, 4, n): speeds and their logarithms, coefficients of restitution, and
+    # 1/sigma, 0 for a datum that is not there.
+    points: FloatArray
     # The slowest rebounding speed (r,), m/s, and the largest speed in its units.
     unit: FloatArray
     top: FloatArray
     q: float | None  # Exponent of Eq. (33), or None where it is free.
+
+    @property
+    def v(self) -> FloatArray:
+        """Speeds (r, n)."""
+        return self.points[:, SPEED]
+
+    @property
+    def e(self) -> FloatArray:
+        """Coefficients of restitution (r, n)."""
+        return self.points[:, MEASURED]
+
+    @property
+    def weight(self) -> FloatArray:
+        """1/sigma (r, n)."""
+        return self.points[:, WEIGHT]
 
     def select(self, rows: slice | Places) -> DataSets:
         """Return some of the data sets."""
@@ -102,9 +117,9 @@ def data_sets(v: ArrayLike, e: ArrayLike, weight: ArrayLike, q: float | None = N
     set has too few points from its smallest rebounding speed upwards: fewer than free parameters
     and one more.
     """
-    measured = np.array(checked("e", e, NON_NEGATIVE), ndmin=2)
+    measured = np.atleast_2d(checked("e", e, NON_NEGATIVE))
     speed = np.broadcast_to(checked("v", v, POSITIVE), measured.shape)
-    weights = np.array(np.broadcast_to(checked("weight", weight, NON_NEGATIVE), measured.shape))
+    weights = np.broadcast_to(checked("weight", weight, NON_NEGATIVE), measured.shape)
     if q is not None:
         checked("q", q, POSITIVE)
     sets = in_own_units(speed, measured, weights, q)
@@ -123,7 +138,8 @@ def in_own_units(v: FloatArray, e: FloatArray, weight: FloatArray, q: float | No
     unit = np.where((weight > 0.0) & (e > 0.0), v, np.inf).min(axis=1)
     ratio = v / unit[:, None]
     top = np.where(weight > 0.0, ratio, 0.0).max(axis=1)
-    return DataSets(v=ratio, e=e, weight=weight, unit=unit, top=top, q=q)
+    points = np.stack([ratio, np.log(ratio), e, weight], axis=1)
+    return DataSets(points=points, unit=unit, top=top, q=q)
 
 
 def stacked_sets(parts: Sequence[DataSets]) -> DataSets:

@@ -144,9 +144,8 @@ def searches(
         sides = (K_BOUNDS[side] * scale, EXPONENT_BOUNDS[side], KAPPA_BOUNDS[side] * scale, q)
         for variable, value in enumerate((*map(np.log, sides), gap)):
             bounds[:, variable] = value
-    points = np.stack([sets.v, np.log(sets.v), sets.e, sets.weight], axis=1)
     limit = np.full(owner.shape, enough)
-    return Search(NO_TABLE, points, owner, end, low, high, limit, STRIDE, tolerance)
+    return Search(NO_TABLE, sets.points, owner, end, low, high, limit, STRIDE, tolerance)
 
 
 def start_points(sets: DataSets, owner: Places, number: int, width: FloatArray) -> FloatArray:
