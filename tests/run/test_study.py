@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from tests.shared import ROOT
 
-from microimpact.run.study import run_study
+from microimpact.declared.documents import load
+from microimpact.run.study import Made, run_study
 
 
 def test_arrays_are_taken_as_lists():
@@ -30,3 +32,12 @@ def test_what_is_wrong_is_told_in_one_line(name, changes, told):
     with pytest.raises((ValueError, TypeError), match=told) as caught:
         run_study(name, **changes)
     assert len(str(caught.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in ROOT.glob("config/examples/*.yaml")))
+def test_what_an_example_changes_can_be_calibrated(name):
+    overlay = load(ROOT / f"config/examples/{name}.yaml")
+    del overlay["pathvars"]
+    tables = Made("force_history", overlay)
+    assert tables.moved("calibration") == (name == "large-spheres")
+    assert "fluorescein-molybdenum, greatest" in set(tables["calibration"]["case"])

@@ -237,7 +237,8 @@ def hertz_damping_for_adhesion_ratio(
         if shortfall(0.0) < 0.0:
             raise NoSolutionError(
                 f"the peak of adhesion over that of Hertz is {adhesion_ratio - shortfall(0.0):.4g}"
-                f" even without material damping, above the target {adhesion_ratio:g}"
+                f" even without material damping, above the target {adhesion_ratio:.4g}; a larger"
+                " sphere, a faster impact or a smaller ring force lowers it"
             )
         guess = float(current.hertz_damping)
         root = _falling_root(shortfall, LARGEST_DAMPING / speed, guess)
