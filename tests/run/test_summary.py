@@ -34,6 +34,12 @@ def test_a_run_of_one_figure_names_its_files_and_what_is_outdated(tmp_path):
     ]
 
 
+def test_figures_are_named_beside_many_tables(tmp_path):
+    made = ["figures/fig20.svg", "tables/inputs.csv", *(f"data/{n}.csv" for n in range(6))]
+    told = f"In {tmp_path}: figures/fig20.svg, 6 tables of figure data, 1 table."
+    assert summary(tmp_path, made) == told
+
+
 def test_stamp(tmp_path, monkeypatch):
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
     assert runstamp.run_date() == datetime(1970, 1, 2, tzinfo=UTC)

@@ -39,9 +39,13 @@ def _told(made: Sequence[str]) -> str:
     shown = [name for name in made if not name.endswith((".png", ".pdf"))]
     if len(shown) <= FEW:
         return ", ".join(shown)
+    figures = [name for name in shown if name.startswith("figures/")]
     counts = Counter(name.partition("/")[0] for name in shown)
-    words = {"figures": "figures", "data": "tables of figure data", "tables": "tables"}
-    return ", ".join(f"{counts[key]} {word}" for key, word in words.items() if counts[key])
+    told = figures if len(figures) <= FEW else [f"{len(figures)} figures"]
+    for key, words in {"data": " of figure data", "tables": ""}.items():
+        if counts[key]:
+            told.append(f"{counts[key]} table{'s' if counts[key] > 1 else ''}{words}")
+    return ", ".join(told)
 
 
 def _verdicts(ledger: Path) -> str:
