@@ -86,9 +86,9 @@ class PanelSpec:
 
     `shows` names the panel of the data if it is not the one of the same name, as for an
     enlarged view. A legend `above` is over all panels, clear of every curve. Axes grow
-    where data lie outside; the upright one does not if `fixed`. A label may be one of `QUANTITIES`.
-    Numbers stand at the ticks or, on a logarithmic scale, at the steps times powers of ten. At
-    `level` a thin line runs across.
+    where data lie outside; the upright one does not if `fixed`: simulated values above it are
+    written at its edge. A label may be one of `QUANTITIES`. Numbers stand at the ticks or, on a
+    logarithmic scale, at the steps times powers of ten. At `level` a thin line runs across.
     """
 
     x_range: Range

@@ -172,6 +172,8 @@ def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> li
             label = None  # one entry per series; the key below the figure names the evidence
         if own.beside is not None:
             _name_beside(ax, rows[rows["series"] == series], own, colour)
+    if panel.fixed:
+        _write_above(ax, rows[rows["evidence"] == "virtual experiment"])
     place = panel.legend_place
     if place == "above" or place == "none":  # noqa: PLR1714 (a set would not narrow the type)
         return entries
@@ -292,8 +294,8 @@ def without_bounds(table: pd.DataFrame, which: pd.Series) -> pd.DataFrame:
     return bare
 
 
-def written_above(ax: Axes, rows: pd.DataFrame) -> None:
-    """Write values that lie above a panel at its upper edge, at their abscissae."""
+def _write_above(ax: Axes, rows: pd.DataFrame) -> None:
+    """Write values that lie above an axis at its upper edge, at their abscissae."""
     x, y = rows.columns[3:5]
     for at, points in rows[rows[y] > ax.get_ylim()[1]].groupby(x):
         words = ", ".join(f"{value:.1f}" for value in sorted(points[y]))

@@ -27,11 +27,7 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
     # Bounds of curves would be drawn as error bars.
     bare = style.without_bounds(table, is_curve)
     bare = bare[bare["series"] != MEASURED]
-    figure, axes = style.line_figure({spec.name: bare}, spec, prepare=prepare)
-    points = bare[bare["evidence"] == "virtual experiment"]
-    for name, ax in axes.items():
-        style.written_above(ax, points[points["panel"] == name])
-    return figure
+    return style.line_figure({spec.name: bare}, spec, prepare=prepare)[0]
 
 
 def _draw_bands(ax: Axes, table: pd.DataFrame, panel: PanelSpec) -> None:

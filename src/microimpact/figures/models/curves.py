@@ -1,4 +1,4 @@
-"""Curves of the models against speed, angle and time (Figs. 14, 17, 18, 20, 21; rolling)."""
+"""Curves against speed, angle and time, of the models and of the virtual experiments."""
 
 from __future__ import annotations
 
@@ -12,6 +12,9 @@ from matplotlib.figure import Figure
 from microimpact.core.tables import Tables
 from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec
+
+# The series of both ends of the speeds at which particles piled up.
+PILE_UP = "printed pile-up"
 
 
 def _banded(tables: Tables, spec: FigureSpec) -> tuple[Figure, dict[str, Axes]]:
@@ -61,6 +64,17 @@ def draw_forces(tables: Tables, spec: FigureSpec) -> Figure:
         for name, panel in spec.panels.items()
     }
     return _banded(tables, replace(spec, panels=panels))[0]
+
+
+@style.context()
+def draw_normal(tables: Tables, spec: FigureSpec) -> Figure:
+    """Draw a quantity against the normal speed; the series `PILE_UP` is a shaded range."""
+    (table,) = tables.values()
+    is_band = table["series"] == PILE_UP
+    figure, axes = style.line_figure(dict.fromkeys(tables, table[~is_band]), spec)
+    for ax in axes.values() if is_band.any() else ():
+        style.mark_range(ax, table[is_band].iloc[:, 3], "piles up (article)")
+    return figure
 
 
 @style.context()
