@@ -224,10 +224,34 @@ OVERLAYS = [
     ({"particles": {"SST77": None}}, ["particles.SST77: None must be a mapping"]),
     ({"particles": {"SST77": {"particle": "glass", "particle_slope": 0.1}}}, [f"particles.SST77.{key}: changes nothing: no analysis names it" for key in ("particle", "particle_slope")]),
     ({"speeds": {"nominal": {"speed_m_per_s": 0}}}, ["speeds.nominal.speed_m_per_s: 0 must be greater than 0", "admissible_contacts."]),
+    ({"monte_carlo": {"process": {"diameter_um": {"kind": "constant", "at": 6.2e-5}}}}, ["monte_carlo.process.diameter_um.at: 6.2e-05 um must be from 0.001 to 5000 um"]),
+    ({"monte_carlo": {"process": {"diameter_um": {"kind": "histogram", "edges": [5e-5, 6e-5], "counts": [1]}}}}, ["monte_carlo.process.diameter_um.edges[0]: 5e-05 um must be", "monte_carlo.process.diameter_um.edges[1]: 6e-05 um must be"]),
     ({"monte_carlo": {"process": {"slope": 0.3}}}, ["monte_carlo.process.slope: 0.3 must be a mapping with the key kind: constant, uniform,"]),
     ({"pathvars": "build/x"}, ["pathvars: 'build/x' must be a mapping"]),
     ({"pathvars": {"results": ""}}, ["pathvars.results: '' must not be empty"]),
 ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("\ufeff# seen\r\n58.1\r\n60\r\n", ""),
+        ("58.1\n6e-5\n", "diameter_um: 6e-05 um must be from 0.001 to 5000 um"),
+        ("58,1\n", "diameter_um.path: sizes.txt, line 1: '58,1' must be one finite number"),
+        ("", "diameter_um.path: sizes.txt: must hold at least one number, got none"),
+    ],
+)
+def test_a_file_of_values(tmp_path, text, line):
+    file = tmp_path / "sizes.txt"
+    file.write_text(text, encoding="utf-8", newline="")
+    sizes = {"kind": "sample_file", "path": str(file)}
+    config = merged(shipped(), {"monte_carlo": {"process": {"diameter_um": sizes}}})
+    if not line:
+        validate(config, shipped())
+        return
+    with pytest.raises(ConfigError) as caught:
+        validate(config, shipped())
+    assert str(caught.value) == f"monte_carlo.process.{line.replace('sizes.txt', str(file))}"
 
 
 @pytest.mark.parametrize(("overlay", "lines"), OVERLAYS, ids=range(len(OVERLAYS)))

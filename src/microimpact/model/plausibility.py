@@ -16,7 +16,7 @@ SMALLEST, LARGEST = 1e-9, 5e-3  # m
 # Far above the speeds at which any solid stays elastic.
 FASTEST = 1e3  # m/s
 # Of a distribution, in the unit of its key.
-_PLACES = {"mean", "median", "low", "high"}
+_PLACES = {"at", "mean", "median", "low", "high", "edges", "values_seen"}
 # Of the radius: beyond it the contact is no small circle on a sphere.
 DEEPEST = 0.1
 # Of the softer body's modulus: hardly anything stays elastic beyond it.
@@ -38,7 +38,7 @@ def doubt_of_input(key: str, value: object) -> str:
 
     Metres for micrometres are the commonest slip. Nothing is said of what is likely.
     """
-    *_, above, name = ("", *key.split("."))
+    *_, above, name = ("", *key.partition("[")[0].split("."))
     name = above if name in _PLACES else name
     if not isinstance(value, int | float) or isinstance(value, bool):
         return ""

@@ -14,6 +14,7 @@ from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, get_type_hints
 
+import numpy as np
 from pydantic import Field, ValidationError
 
 from microimpact import studies
@@ -30,6 +31,7 @@ from microimpact.model.pairs import Pair, Pairs, pair_contact, pairs_from_rows
 from microimpact.model.plausibility import LARGEST, SMALLEST, doubt_of_input, doubts_of_material
 from microimpact.run.digitised import Digitised, as_rows, read_folder
 from microimpact.run.stamp import changes
+from microimpact.statistics.distributions import SampleFile
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,6 +73,7 @@ class Settings:
 
 CALIBRATION = "calibration"
 GENERAL = tuple(f.name for f in fields(General))
+_ENDS = np.array([0.0, 1.0])
 _BODIES = ("particle", "surface")
 SECTIONS = tuple(f.name for f in fields(Laboratory))
 
@@ -214,8 +217,10 @@ def _refuse(lines: Iterable[str]) -> None:
 def _out_of_unit(rows: Iterable[Declared], units: Mapping[str, str]) -> Iterator[str]:
     """Yield what is wrong with a value in the unit of its key, or with that of what it names."""
     for row in rows:
-        if line := doubt_of_input(row.key, row.value):
-            yield line
+        key, values = row.key, [row.value]
+        if key.endswith(".path"):  # of a file of values
+            key, values = key[:-5], SampleFile(path=row.value).quantile(_ENDS).tolist()
+        yield from filter(None, (doubt_of_input(key, value) for value in values))
         # A number of a distribution has the unit of the distribution's key.
         wanted = {row.unit, unit_of(row.key.rpartition(".")[0])} - {"-"}
         unit = units.get(row.place.partition("[")[0])

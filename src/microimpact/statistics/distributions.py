@@ -205,7 +205,7 @@ def _drawn_from(ordered: FloatArray, u: FloatArray) -> FloatArray:
 def _values_in(path: str) -> FloatArray:
     """Values of a sample file in ascending order."""
     try:
-        lines = Path(path).read_text(encoding="utf-8").splitlines()
+        lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise ValueError(f"path: {path}: cannot be read as text: {error}") from None
     values = []
