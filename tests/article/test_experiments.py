@@ -92,7 +92,7 @@ def test_the_same_experiment_gives_the_same_number_in_every_study(
     branch = settings.branches["campaign"]
     window = 0.1 if angle == 90 else 0.036
     ends = [speed * (1 - window), speed * (1 + window)]
-    classes = [{"name": "own", "speed_m_per_s": speed, "speed_range_m_per_s": ends}]
+    classes = {"own": {"speed_m_per_s": speed, "speed_range_m_per_s": ends}}
     size = "SST125" if angle == 90 else "SST76"
     block = {
         "particles": [size],
