@@ -70,9 +70,9 @@ def printed_values(
     `inputs`: ``anchors``, declared rows, and what `calibrated_contact` takes; `of`: what the values
     are of; `case`, `diameter_um`, `speed_m_per_s`: what is computed.
     """
-    values = all_printed(inputs)
+    values = printed_rows(inputs, of, case)["value"]
     own, theirs = (diameter_um, speed_m_per_s), (of.diameter_um, of.speed_m_per_s)
-    return values if own == theirs and of.is_of(inputs, case) else values.iloc[:0]
+    return values if own == theirs else values.iloc[:0]
 
 
 # Lower end, middle and upper end of what is told or drawn of admissible contacts.

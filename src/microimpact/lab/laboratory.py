@@ -25,18 +25,12 @@ from microimpact.statistics.distributions import Distribution
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Particles:
-    """One size class of one material."""
+class DeclaredParticles:
+    """One size class of one material, and the mean of its diameters as it is printed."""
 
     particle: MaterialName
     diameter_um: Distribution | None = None
     particle_slope: NonNegative | None = None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DeclaredParticles(Particles):
-    """Particles, and the mean of their diameters as it is printed."""
-
     mean_diameter_um: Positive | None = None
 
 

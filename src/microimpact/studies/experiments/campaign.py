@@ -22,6 +22,7 @@ from microimpact.declared.parameters import (
     ExperimentSeed,
     Fraction,
     Keyed,
+    MaterialName,
     Name,
     NonNegative,
     Positive,
@@ -29,7 +30,7 @@ from microimpact.declared.parameters import (
 from microimpact.lab.contacts import pair_of
 from microimpact.lab.dispenser import Dispenser, InitialSpin
 from microimpact.lab.experiment import NORMAL, Outcome, SpeedClass, StopRule
-from microimpact.lab.laboratory import DeclaredSurface, Particles
+from microimpact.lab.laboratory import DeclaredSurface
 from microimpact.lab.pdpa import experiment as doppler
 from microimpact.lab.pdpa.analyser import Analyser
 from microimpact.lab.pdpa.experiment import UNREACHED
@@ -52,9 +53,10 @@ from microimpact.statistics.intervals import mean_and_error
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SizeRange(Particles):
+class SizeRange:
     """One range of sizes of one material, and its spin."""
 
+    particle: MaterialName
     diameter_um: Distribution
     particle_slope: NonNegative
     spin_sd: NonNegative
