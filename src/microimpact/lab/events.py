@@ -89,14 +89,14 @@ class Measured(Columns):
         return cls(event=event, velocities=np.stack([np.zeros(normal.shape), normal], axis=-1))
 
     @property
-    def tangential(self) -> FloatArray:
-        """Before and after impact, m/s, shape (2, k)."""
-        return np.moveaxis(self.velocities[..., 0], -1, 0)
+    def tangential(self) -> tuple[FloatArray, FloatArray]:
+        """Before and after impact, m/s, shape (k,)."""
+        return self.velocities[..., 0, 0], self.velocities[..., 1, 0]
 
     @property
-    def normal(self) -> FloatArray:
-        """Before and after impact, m/s, shape (2, k)."""
-        return np.moveaxis(self.velocities[..., 1], -1, 0)
+    def normal(self) -> tuple[FloatArray, FloatArray]:
+        """Before and after impact, m/s, shape (k,)."""
+        return self.velocities[..., 0, 1], self.velocities[..., 1, 1]
 
     @property
     def coefficient_of_restitution(self) -> FloatArray:
@@ -107,14 +107,15 @@ class Measured(Columns):
     @property
     def impulse_ratio(self) -> FloatArray:
         """-mu of Eq. (2), positive where friction acts against the motion."""
-        change = np.diff(self.velocities, axis=-2)[..., 0, :]
+        change = self.velocities[..., 1, :] - self.velocities[..., 0, :]
         return np.asarray(-change[..., 0] / change[..., 1])
 
     @property
     def translational_energy_loss(self) -> FloatArray:
         """T_L of Eq. (3)."""
-        before, after = np.square(self.normal) + np.square(self.tangential)
-        return np.asarray(1.0 - after / before)
+        squares = np.square(self.velocities)
+        energy = squares[..., 0] + squares[..., 1]
+        return np.asarray(1.0 - energy[..., 1] / energy[..., 0])
 
     @property
     def speed(self) -> FloatArray:
