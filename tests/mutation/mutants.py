@@ -265,11 +265,11 @@ SLIPS = (
         ("model/law/test_table",),
     ),
     Mutant(
-        "tables: compressive impulse for that of the Hertz term",
-        f"{MODEL}/law/families.py",
-        "HERTZ: results[:, kernel.HERTZ_IMPULSE],",
-        "HERTZ: results[:, kernel.COMPRESSIVE_IMPULSE],",
-        ("model/law/test_table",),
+        "compressive impulse for that of the Hertz term",
+        f"{MODEL}/dynamics/kernel.py",
+        "found[6, i] = results[i, HERTZ_IMPULSE] * impulse",
+        "found[6, i] = results[i, COMPRESSIVE_IMPULSE] * impulse",
+        ("model/dynamics/test_trajectory",),
     ),
     Mutant(
         "slip lost 1 + 2/5 times for 7/2",
