@@ -111,7 +111,7 @@ NAMES = {
 # It repeats all values.
 REPEATING = "declared_inputs"
 # What of a figure is drawn; the other words stand beside it.
-DRAWN = ("width", "height_mm", "evidence_labels", "panels")
+DRAWN = ("width", "height_mm", "columns", "legend_columns", "evidence_labels", "panels")
 FIGURES = "figures."
 NUMBERS_OF_CLAIMS, DIGITISED = "claim_numbers", "digitised"
 # The column of the ledger that repeats the criteria.
