@@ -412,11 +412,11 @@ def _columns(figure: Figure, labels: Iterable[str]) -> int:
     return 1
 
 
-def legend_after(
-    figure: Figure, panels: int, columns: int, axes: Iterable[Axes], **look: Any
-) -> None:
-    """Name every line and mark of some axes in the free place after so many panels in rows."""
-    place = figure.add_subplot(-(-(panels + 1) // columns), columns, panels + 1)
+def legend_after(figure: Figure, columns: int | None, axes: Iterable[Axes], **look: Any) -> None:
+    """Name every line and mark of some axes in the free place after the panels in rows."""
+    number = len(figure.axes) + 1
+    columns = columns or len(figure.axes)
+    place = figure.add_subplot(-(-number // columns), columns, number)
     place.set_axis_off()
     entries = _entries(axes)
     place.legend(entries.values(), entries.keys(), loc="center left", **look)

@@ -33,8 +33,7 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
     heights = list(spec.panels["seen"].series)
     rest = {name: style.apart(t[~is_pair[name]], heights, APART) for name, t in tables.items()}
     figure, axes = style.line_figure(rest, spec, prepare)
-    places = len(axes), spec.columns or len(axes)
-    style.legend_after(figure, *places, [axes["seen"]], title="(b–d) probe volume at")
+    style.legend_after(figure, spec.columns, [axes["seen"]], title="(b–d) probe volume at")
     return figure
 
 

@@ -31,7 +31,7 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
     for pair, ax in axes.items():
         _label_marks(ax, table[table["panel"] == pair])
     if spec.columns and len(axes) % spec.columns:
-        style.legend_after(figure, len(axes), spec.columns, axes.values())
+        style.legend_after(figure, spec.columns, axes.values())
     else:
         style.legend_above(figure, axes.values(), 3)
     return figure
