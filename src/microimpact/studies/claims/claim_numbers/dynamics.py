@@ -11,9 +11,7 @@ from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.solve import root
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.events import Impacts
-from microimpact.lab.ptis.experiment import turned
-from microimpact.lab.reduction import reduced
-from microimpact.lab.samples import FEWEST_REBOUNDS
+from microimpact.lab.samples import reduce_to
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import Impact, simulate
@@ -309,8 +307,7 @@ def gap_over_half_width(context: Context, angle: float) -> float:
     free = impacts.select(~impacts.captured)
     if len(free) < params.sampling.events:
         return 0.0
-    error = params.sampling.angle_error_deg
-    loss = reduced(free.in_plane, turned, error, FEWEST_REBOUNDS)["energy_loss"]
+    loss = reduce_to(free.in_plane, len(impacts), params.sampling).means["energy_loss"]
     gap = np.mean(gained_by_rotation(free))
     return float(gap / student_half_width(loss.sd, params.sampling.events, loss.systematic))
 
