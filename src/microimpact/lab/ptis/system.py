@@ -17,7 +17,7 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.constants import gravity
-from microimpact.declared.parameters import Count, NonNegative, Positive
+from microimpact.declared.parameters import Count, NonNegative, OpenShare, Positive
 from microimpact.statistics.distributions import child
 
 # Where in the frame the impacts lie: as a share of its width, and of its height from the bottom
@@ -67,7 +67,7 @@ class ImagingSystem:
     interlace: bool
     sheet_thickness_mm: Positive
     slots: Count
-    duty: Annotated[float, Field(gt=0, lt=1)]
+    duty: OpenShare
     largest_chop_kHz: Positive  # noqa: N815 (the unit)
     dash_pitch_mm: Positive
     jitter: NonNegative

@@ -24,6 +24,7 @@ from microimpact.declared.parameters import (
     Keyed,
     Name,
     NonNegative,
+    OpenShare,
     Positive,
 )
 from microimpact.lab.contacts import calibrated_contact
@@ -242,7 +243,7 @@ class CoverageCase:
     angles_deg: tuple[Annotated[float, Field(gt=0, le=90)], ...]
     diameter_um: Distribution
     slope: NonNegative
-    speed_window: Annotated[float, Field(gt=0, lt=1)]
+    speed_window: OpenShare
     simulated: Count
 
 
@@ -256,7 +257,7 @@ class Params:
     cases: Annotated[tuple[CoverageCase, ...], Keyed("name")]
     experiments: Annotated[int, Field(ge=2)]
     events: Annotated[int, Field(ge=2)]
-    level: Annotated[float, Field(gt=0, lt=1)]
+    level: OpenShare
     dispenser: Dispenser
     pdpa: Analyser
     ptis: ImagingSystem

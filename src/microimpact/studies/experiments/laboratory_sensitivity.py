@@ -12,7 +12,14 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import Tables
-from microimpact.declared.parameters import Count, Keyed, Name, NonNegative, Positive
+from microimpact.declared.parameters import (
+    Count,
+    Keyed,
+    Name,
+    NonNegative,
+    ObliqueDegrees,
+    Positive,
+)
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.ptis.experiment import turned
 from microimpact.lab.reduction import QUANTITIES, quantities
@@ -67,7 +74,7 @@ class Params:
     seed: Annotated[int, Field(ge=0)]
     impacts: Count
     series: Annotated[tuple[BaseSeries, ...], Keyed("name")]
-    angles_deg: tuple[Annotated[float, Field(gt=0, lt=90)], ...]
+    angles_deg: tuple[ObliqueDegrees, ...]
     factors: tuple[Positive, ...]
     dispenser: Dispenser
     # Standard deviation of a measured velocity component over the speed.

@@ -20,7 +20,7 @@ from pydantic import Field
 from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.core.constants import gravity
 from microimpact.core.tables import Row, Tables, series_frame
-from microimpact.declared.parameters import CaseName, Count, Positive
+from microimpact.declared.parameters import AboveOne, CaseName, Count, Positive
 from microimpact.lab.bounces import generations, with_later_impacts
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.dispenser import Dispenser, Paths, arrivals
@@ -144,7 +144,7 @@ class Control:
     """Nominal speed of the impacts, and how many times as many arrive in the crowded stream."""
 
     speed_m_per_s: Positive
-    crowding: Annotated[float, Field(gt=1)]
+    crowding: AboveOne
 
 
 def pairing_controls(

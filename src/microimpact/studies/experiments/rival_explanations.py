@@ -19,6 +19,7 @@ from microimpact.declared.parameters import (
     CaseName,
     Fraction,
     NonNegative,
+    OpenShare,
     Positive,
     PrintedName,
 )
@@ -53,7 +54,7 @@ class Params:
     probe_height_mm: Positive  # Of the probe; speeds are not corrected for it
     restitution: Annotated[Fraction, Field(gt=0)]  # Of the rival, and of the plateau
     # Share of the plateau to which restitution falls, and the fastest speed of it.
-    plateau_share: Annotated[Fraction, Field(gt=0, lt=1)]
+    plateau_share: OpenShare
     seen_from_m_per_s: Positive
     # Of the figure: ends, and points of a curve.
     speeds_m_per_s: tuple[Positive, Positive]

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
 
 import pandas as pd
-from pydantic import Field
 
 from microimpact.core.tables import Tables
+from microimpact.declared.parameters import AboveOne
 from microimpact.lab.contacts import declared
 from microimpact.model.closed_forms import (
     adhesion_energy,
@@ -26,7 +25,7 @@ from microimpact.model.pairs import pair_contact
 class Params:
     """Where Dahneke's restitution without adhesion is read off: a multiple of v_c."""
 
-    plateau_speed_ratio: Annotated[float, Field(gt=1, allow_inf_nan=False)]
+    plateau_speed_ratio: AboveOne
 
 
 def run(params: Params, inputs: Tables) -> Tables:

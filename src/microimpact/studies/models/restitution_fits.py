@@ -12,7 +12,7 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import POINTS, Row, Tables, points_parts, points_series, series_frame
-from microimpact.declared.parameters import CaseName, Fraction, Keyed, Positive
+from microimpact.declared.parameters import AboveOne, CaseName, Fraction, Keyed, Positive
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
@@ -42,7 +42,7 @@ class FittedCase:
     figure: Literal["fig15", "fig16"]
     result_evidence: Literal["computed", "calibrated"]
     fitted: bool
-    fitted_to: Annotated[float, Field(gt=1)]
+    fitted_to: AboveOne
     printed_capture_velocity_m_per_s: Positive | None = None
 
 
@@ -55,7 +55,7 @@ class Params:
 
     cases: Annotated[tuple[FittedCase, ...], Keyed("case")]
     points: Annotated[int, Field(ge=20)]
-    fitted_from: Annotated[float, Field(gt=1)]
+    fitted_from: AboveOne
     fitted_points: Annotated[int, Field(ge=8)]
     fixed_exponent: Fraction
     largest_speed_m_per_s: Positive

@@ -14,7 +14,7 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import Row, Tables, series_frame
-from microimpact.declared.parameters import CaseName, Count, NonNegative, Positive
+from microimpact.declared.parameters import AboveOne, CaseName, Count, NonNegative, Positive
 from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact
 from microimpact.model.contact_laws import JKR
@@ -39,9 +39,7 @@ class Averaged:
     # Of the JKR contact with a viscous bulk; materials and size as of the first case.
     viscous_work_of_adhesion_J_per_m2: Positive  # noqa: N815
     viscous_time_ns: NonNegative
-    lowest_speeds_in_v_c: Annotated[
-        tuple[Annotated[float, Field(gt=1, allow_inf_nan=False)], ...], Field(min_length=1)
-    ]
+    lowest_speeds_in_v_c: Annotated[tuple[AboveOne, ...], Field(min_length=1)]
     noise_of_e: Annotated[tuple[Positive, ...], Field(min_length=1)]
     points: Annotated[tuple[Annotated[int, Field(ge=8)], ...], Field(min_length=1)]
     sets: Count  # Data sets per truth and design

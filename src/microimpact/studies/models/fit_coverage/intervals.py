@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from microimpact.core.arrays import BoolArray, FloatArray
-from microimpact.declared.parameters import Count
+from microimpact.declared.parameters import AboveOne, Count
 from microimpact.model.empirical.data import DataSets, data_sets
 from microimpact.model.empirical.equations import restitution
 from microimpact.model.empirical.intervals import interval_batch, profile_batch
@@ -33,7 +33,7 @@ SMALL_RISE = 0.5
 class Methods:
     """Comparison of interval methods on a few cells of the first variant, at reference values."""
 
-    lowest_speeds_in_v_c: tuple[Annotated[float, Field(gt=1)], ...]
+    lowest_speeds_in_v_c: tuple[AboveOne, ...]
     replicates: Count
     resamples: Annotated[int, Field(ge=20)]
     share_of_points: Annotated[float, Field(gt=0, le=1)]
