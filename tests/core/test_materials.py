@@ -56,6 +56,27 @@ def test_the_name_is_text():
         Material(**GOOD | {"name": 3})
 
 
+@pytest.mark.parametrize(
+    "name", ["α-Al₂O₃ (50 %), no. 7", "Si/SiO2 [100] #2", "glass - soda * lime"]
+)
+def test_a_name_is_one_printable_line(name):
+    assert Material(**GOOD | {"name": name}).name == name
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("a\nb", "a\rb", "a\u2028b", "a\x00b", "a\u202eb", "a */ b", "a /* b", "a\\", "a??/"),
+        *("=1+1", "+1", "@SUM(A1)", "a, =1+1", 'a;"-1"'),
+    ],
+)
+def test_a_name_that_is_code_elsewhere_is_refused(name):
+    with pytest.raises(ValueError, match="name must be one line of printable text") as refused:
+        Material(**GOOD | {"name": name})
+    assert repr(name) in str(refused.value)
+    assert len(str(refused.value).splitlines()) == 1
+
+
 def test_properties_broadcast():
     material = Material(**GOOD | {"density": [1.0, 2.0]})
     assert np.shape(material.density) == (2,)

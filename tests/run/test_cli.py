@@ -214,7 +214,7 @@ def test_materials_lists_materials_and_pairs(microimpact, answered):
         (("simulate", *STEEL, "--speed", "1:2:0"), "the count from 1 to 1000000"),
         (
             ("capture", *STEEL, "--particle-density", "-8"),
-            "--particle stainless-steel-316: density",
+            "--particle 'stainless-steel-316': density",
         ),
         (("capture", "--contact", "x.json", "--friction", "0"), "leave out --friction"),
         (
@@ -388,6 +388,25 @@ def test_two_numbers_calibrate_too(answered):
 )  # fmt: skip
 def test_calibrate_refuses_in_one_line(microimpact, arguments, message):
     require_refusal(microimpact("calibrate", *arguments), message)
+
+
+def test_no_file_brings_a_name_that_is_code(microimpact, answered, tmp_path):
+    name = "a */ int b; /*"
+    own, file = tmp_path / "own.csv", tmp_path / "contacts.json"
+    table = declared_file("materials.csv").read_text(encoding="utf-8")
+    own.write_text(table.replace("silicon,", f"{name},"), encoding="utf-8")
+    done = microimpact("export", *STEEL, "--materials", str(own), "-o", str(tmp_path / "law"))
+    require_refusal(done, f"material {name!r}: name must be one line of printable text")
+    targets = ("--restitution", "0.7", "--at-speed", "1.66", "--capture-velocity", "0.18")
+    answered("calibrate", *STEEL, *targets, "-o", str(file))
+    file.write_text(file.read_text(encoding="utf-8").replace("silicon", name), encoding="utf-8")
+    done = microimpact("export", "--contact", str(file), "-o", str(tmp_path / "law"))
+    require_refusal(done, "name must be one line of printable text")
+    elastic = ("youngs-modulus-gpa", "poissons-ratio", "density")
+    options = [word for key in elastic for word in (f"--particle-{key}", "0.3")]
+    done = microimpact("capture", "--particle", "a\nb", "--surface", "silicon", *options)
+    require_refusal(done, r"--particle 'a\nb': name must be one line of printable text")
+    assert not (tmp_path / "law").exists()
 
 
 @pytest.mark.parametrize("content", ["", "[]", "{}", '{"particle": {}}', "v,e"])

@@ -433,7 +433,7 @@ def _own_material(
     try:
         own = replace(known[name], **given) if name in known else Material(name=name, **given)
     except ValueError as error:
-        raise ValueError(f"--{role} {name}: {error}") from None
+        raise ValueError(f"--{role} {name!r}: {error}") from None
     return {name: own}
 
 

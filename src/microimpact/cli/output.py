@@ -47,7 +47,7 @@ def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]
     for row in rows:
         table.add_row(*row)
     click.echo(title)
-    Console().print(table)
+    Console(markup=False).print(table)
 
 
 def warn(sentences: Iterable[str]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +23,10 @@ NUMBER = {"-": 1.0}
 
 POISSON_RANGE = Range(lower=-1.0, upper=0.5, upper_closed=True)
 
+# Names are written into comments of C and of CSV: there `*/` ends a comment, and a backslash or a
+# trigraph joins it to the next line; after a comma, a spreadsheet computes `=1+1`.
+_UNSAFE = re.compile(r"""\*/|/\*|\\|\?\?|(?:^|[,;])[\s"']*[=+@-]""")
+
 Row = Mapping[str, Any]
 
 _UNITS = {"youngs_modulus": PRESSURE, "poissons_ratio": NUMBER, "density": DENSITY}
@@ -35,7 +40,7 @@ class Material:
     Parameters
     ----------
     name
-        What it is called.
+        One line of printable text, safe in a comment of C and in a table.
     youngs_modulus
         E, Pa.
     poissons_ratio
@@ -46,7 +51,8 @@ class Material:
     Raises
     ------
     TypeError, ValueError
-        If a property is not a number (or array of numbers), not finite or out of range.
+        If the name is no such text, or a property is not a number (or array of numbers), not
+        finite or out of range.
     """
 
     name: str
@@ -57,6 +63,11 @@ class Material:
     def __post_init__(self) -> None:
         if not isinstance(self.name, str):
             raise TypeError(f"name must be text, got {self.name!r}")
+        if not self.name.isprintable() or _UNSAFE.search(self.name):
+            raise ValueError(
+                r"name must be one line of printable text without */, /*, \, ?? or a formula, "
+                f"got {self.name!r}"
+            )
         for key, allowed in _RANGES.items():
             object.__setattr__(self, key, checked(key, getattr(self, key), allowed))
         common_shape({key: getattr(self, key) for key in _RANGES})

@@ -3,6 +3,7 @@
 import ctypes
 import shutil
 import subprocess
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -35,13 +36,16 @@ void all(int n, const double *v_n, const double *v_t, const double *omega, doubl
 # What the worked boundary condition uses of Fluent's own header.
 FLUENT = """
 #include <math.h>
+#include <stdio.h>
 typedef double real;
 typedef int face_t;
 typedef struct { int id; } Thread;
-typedef struct { real velocity[3], before[3]; } Tracked_Particle;
+typedef struct { real velocity[3], before[3], diameter; } Tracked_Particle;
 enum { PATH_ACTIVE, PATH_END, PATH_ABORT };
 #define TP_VEL(p) ((p)->velocity)
 #define TP_VEL0(p) ((p)->before)
+#define TP_DIAM(p) ((p)->diameter)
+#define Message printf
 #define DEFINE_DPM_BC(name, p, t, f, n, d) \\
     int name(Tracked_Particle *p, Thread *t, face_t f, real n[], int d)
 """
@@ -67,6 +71,7 @@ inline double operator&(vector a, vector b) { return a.x*b.x + a.y*b.y + a.z*b.z
 inline vector operator*(double s, vector a) { return {s*a.x, s*a.y, s*a.z}; }
 inline vector& operator+=(vector& a, vector b) { a = {a.x + b.x, a.y + b.y, a.z + b.z}; return a; }
 inline double mag(vector a) { return __builtin_sqrt(a & a); }
+inline double mag(double a) { return __builtin_fabs(a); }
 struct dictionary {};
 struct polyPatch { virtual ~polyPatch() = default; };
 struct wallPolyPatch : polyPatch {};
@@ -177,6 +182,22 @@ def test_files(pair, tmp_path, form):
     assert all("$" not in path.read_text(encoding="latin-1") for path in written if form != "npz")
 
 
+@pytest.mark.parametrize("form", ["c", "fluent", "openfoam"])
+def test_a_name_stays_within_its_comment(pair, tmp_path, form):
+    name = "α/β * (50 %), no. 7/"
+    named = pair.replace(particle=replace(pair.particle, name=name))
+    for path in tabulate(named, 0.1, FASTEST).export(tmp_path, form):
+        comment, _, code = path.read_text(encoding="utf-8").partition("*/\n")
+        assert name not in code
+        assert path.name == "example.c" or path.suffix == ".C" or name in comment
+
+
+@compiled_here
+def test_a_name_with_signs_of_c_compiles(pair, compiled):
+    named = pair.replace(particle=replace(pair.particle, name="α/β * (50 %), no. 7/"))
+    assert rebounds(compiled(named), *np.array([[-1.0], [0.0], [0.0]]))[3].tolist() == [0]
+
+
 def test_tables_are_integration(pair, tmp_path):
     law = tabulate(pair, 0.1, FASTEST)
     table = pd.read_csv(law.export(tmp_path, "csv")[0], comment="#")
@@ -216,9 +237,9 @@ def test_fluents_boundary_condition_against_a_stub(pair, tmp_path):
     wall = ctypes.CDLL(str(tmp_path / "bc.so")).microimpact_wall
     vector = ctypes.c_double * 3
 
-    def impact(*velocity):
-        particle = (ctypes.c_double * 6)(*velocity, 0.0, 0.0, 0.0)
-        return wall(particle, None, 0, vector(0.0, 0.0, -1.0), 3), list(particle)
+    def impact(*velocity, size=1.0):
+        particle = (ctypes.c_double * 7)(*velocity, 0.0, 0.0, 0.0, size * pair.diameter)
+        return wall(particle, None, 0, vector(0.0, 0.0, -1.0), 3), list(particle)[:6]
 
     outcome, particle = impact(3.0, 4.0, -8.0)
     after = planar(pair, -8.0, 5.0)
@@ -228,7 +249,11 @@ def test_fluents_boundary_condition_against_a_stub(pair, tmp_path):
     assert particle == pytest.approx(2 * expected, rel=1e-6)
     assert impact(0.0, 1.0, -1e-3)[0] == 1
     assert impact(0.0, 1.0, -1e6)[0] == 2
+    assert [impact(3.0, 4.0, -8.0, size=size)[0] for size in SIZES] == [2, 0, 0, 2]
 
+
+# Diameters over the law's: 1 % is let pass.
+SIZES = (0.98, 0.995, 1.005, 8.0)
 
 OF_FOAM = """
 #include <cstdio>
@@ -237,7 +262,9 @@ OF_FOAM = """
 using namespace Foam;
 struct Parcel {
     vector velocity;
+    double diameter = 2*MICROIMPACT_RADIUS;
     bool moving = true;
+    double d() const { return diameter; }
     vector& U() { return velocity; }
     void active(bool still) { moving = still; }
 };
@@ -264,6 +291,11 @@ int main()
     bool kept = false;
     try { model.correct(parcel, wallPolyPatch{}, kept); } catch (int) { std::printf("2 "); }
     std::printf("%d\\n", model.correct(parcel, polyPatch{}, kept));
+    for (double size : {SIZES}) {
+        Parcel parcel{{4.0, 4.0, -8.0}, size*2*MICROIMPACT_RADIUS};
+        try { std::printf("%d ", model.correct(parcel, wallPolyPatch{}, kept)); }
+        catch (int) { std::printf("2 "); }
+    }
 }
 """
 
@@ -273,17 +305,21 @@ def test_openfoams_patch_interaction_against_a_stub(pair, tmp_path):
     tabulate(pair, 0.1, FASTEST).export(tmp_path, "openfoam")
     for name in ("PatchInteractionModel.H", "wallPolyPatch.H"):
         (tmp_path / name).write_text(f"#pragma once\n{FOAM if name[0] == 'P' else ''}")
-    (tmp_path / "main.cpp").write_text(OF_FOAM, encoding="utf-8")
+    program = OF_FOAM.replace("SIZES", ", ".join(map(str, SIZES)))
+    (tmp_path / "main.cpp").write_text(program, encoding="utf-8")
     command = ["g++", "-std=c++14", "-Wall", "-Werror", "-I.", "main.cpp", "-o", "foam"]
     subprocess.run(command, cwd=tmp_path, check=True)
     text = subprocess.run([tmp_path / "foam"], capture_output=True, text=True, check=True).stdout
-    fast, slow, other = ([float(word) for word in line.split()] for line in text.splitlines())
+    fast, slow, other, sizes = (
+        [float(word) for word in line.split()] for line in text.splitlines()
+    )
     after = planar(pair, -8.0, 5.0)  # relative to a patch that moves with 1 m/s along x
     along = float(after.tangential_velocity) / 5.0
     velocity = [1.0 + 3.0 * along, 4.0 * along, float(after.normal_velocity)]
     assert fast == pytest.approx([1.0, 1.0, *velocity], rel=1e-6)
     assert slow == [1.0, 0.0, 1.0, 0.0, 0.0]
     assert other == [2.0, 0.0]
+    assert sizes == [2.0, 1.0, 1.0, 2.0]
 
 
 @pytest.mark.parametrize(

@@ -28,6 +28,12 @@ bool Foam::MicroimpactRebound<CloudType>::correct
     {
         return false;
     }
+    if (mag(parcel.d() - MICROIMPACT_DIAMETER) > 0.01*MICROIMPACT_DIAMETER)
+    {
+        FatalErrorInFunction
+            << "a parcel of " << parcel.d() << " m meets the rebound law of "
+            << MICROIMPACT_DIAMETER << " m: export the law of its size" << exit(FatalError);
+    }
 
     // The normal points out of the domain; velocities are relative to the patch
     vector normal, patchVelocity;

@@ -3,8 +3,8 @@
  * $described
  *
  * Compile it with the header beside it, and choose microimpact_wall as boundary condition of the
- * discrete phase at the wall. Particles must be of this diameter; their spin is taken as zero, since
- * the tracked particle carries none by default.
+ * discrete phase at the wall. The path of a particle of another diameter, by more than 1 %, is aborted
+ * with a message; spin is taken as zero, since the tracked particle carries none by default.
  */
 #include "udf.h"
 
@@ -15,9 +15,17 @@ DEFINE_DPM_BC(microimpact_wall, particle, thread, face, normal, dim)
     real v_n = 0.0, v_t = 0.0, tangential[3] = {0.0, 0.0, 0.0};
     double after_n, after_t, after_spin;
     int i, captured;
+    static int warned = 0;
 
     (void)thread;
     (void)face;
+    if (fabs(TP_DIAM(particle) - MICROIMPACT_DIAMETER) > 0.01 * MICROIMPACT_DIAMETER) {
+        if (!warned)
+            Message("microimpact: a particle of %g m meets the rebound law of %g m; its path, and that "
+                    "of all of other sizes, is aborted\n", TP_DIAM(particle), MICROIMPACT_DIAMETER);
+        warned = 1;
+        return PATH_ABORT;
+    }
     /* The normal of the face points out of the fluid: a particle that arrives has v_n > 0. */
     for (i = 0; i < dim; i++)
         v_n += TP_VEL(particle)[i] * normal[i];

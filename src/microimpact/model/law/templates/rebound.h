@@ -12,6 +12,7 @@
 #include <math.h>
 
 #define MICROIMPACT_RADIUS $radius            /* m */
+#define MICROIMPACT_DIAMETER $diameter        /* m */
 #define MICROIMPACT_DENSITY $density          /* kg/m3 */
 #define MICROIMPACT_FRICTION $friction
 #define MICROIMPACT_CAPTURE_VELOCITY $capture_velocity /* m/s; 0: nothing is captured */
