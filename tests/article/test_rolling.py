@@ -1,10 +1,9 @@
-"""Neglected moments of rolling, and captured spheres that roll away."""
+"""Moments of rolling neglected during an impact."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 
 from microimpact.studies.models.rolling_dissipation import around_least
 
@@ -24,11 +23,6 @@ def moments(tables):
 @pytest.fixture(scope="module")
 def rebounds(moments):
     return moments[~moments["captured"].astype(bool)]
-
-
-@pytest.fixture(scope="module")
-def away(run_study, calibration):
-    return run_study("captured_rolling", calibration)
 
 
 def test_every_impact_has_a_row_and_captured_ones_are_empty(moments, settings):
@@ -123,67 +117,3 @@ def test_wrong_parameters_are_refused(run_study, calibration):
         run_study("rolling_dissipation", calibration, angles_deg=[45.0, 90.0])
     with pytest.raises(ValueError, match="must ascend"):
         run_study("rolling_dissipation", calibration, angles_deg=[45.0, 30.0])
-
-
-def test_distance_by_hand(away):
-    # 62 um, n = 1, 45 deg, xi = 1 nm: (7/10) m V_t^2/(6 pi w_A xi)
-    row = (
-        away["roll_away"]
-        .query("case == @INVERSE and diameter_um == 62 and angle_deg == 45 and shift_nm == 1")
-        .iloc[0]
-    )
-    assert row["rolling_velocity_m_per_s"] == pytest.approx(5 / 7 * 0.18, rel=1e-6)
-    mass = 8000 * np.pi / 6 * 62e-6**3
-    expected = 0.7 * mass * (5 / 7 * 0.18) ** 2 / (6 * np.pi * 0.7 * 1e-9)
-    assert row["distance_mm"] == pytest.approx(expected * 1e3, rel=1e-6)
-    assert row["distance_with_gravity_mm"] > row["distance_mm"]
-
-
-def test_captured_spheres_leave_the_target_at_shallow_angles_only(away):
-    table = away["roll_away"].query("diameter_um == 62")
-    weak = table[table["shift_nm"] <= 1.0]
-    assert weak[weak["angle_deg"] <= 10]["leaves_target"].all()
-    # of silica's lag, adhesion holds them within the spot beyond 45 deg
-    silica = table[table["shift_nm"] == 3.2]
-    assert not silica[silica["angle_deg"] >= 45]["leaves_spot"].any()
-    assert silica[silica["angle_deg"] == 5]["leaves_target"].all()
-
-
-def test_gravity_alone_rolls_a_sphere_where_adhesion_lags_little(away):
-    table = away["roll_away"]
-    rolls = table["gravity_over_adhesion"] > 1.0
-    assert (np.isinf(table["distance_with_gravity_mm"]) == rolls).all()
-    # not at 62 um from 1 nm on, in either case; but at 0.2 nm with the weaker adhesion
-    middle = table[table["diameter_um"] == 62]
-    assert not rolls[middle[middle["shift_nm"] >= 1.0].index].any()
-    weaker = middle.query("case == @INVERSE and shift_nm == 0.2 and angle_deg <= 70")
-    assert rolls[weaker.index].all()
-    strong = middle[middle["case"] == CONSTANT]
-    assert not rolls[strong.index].any()
-
-
-def test_speeds_are_those_of_capture(away):
-    table = away["roll_away"]
-    normal = table["speed_m_per_s"] * np.sin(np.radians(table["angle_deg"]))
-    fastest = np.minimum(
-        table["capture_velocity_m_per_s"], 5.0 * np.sin(np.radians(table["angle_deg"]))
-    )
-    assert normal.to_numpy() == pytest.approx(fastest.to_numpy(), rel=1e-12)
-
-
-def test_curves_come_down_from_infinity_where_gravity_ends(away):
-    data = away["roll_away_curves"]
-    curve = data.query("panel == @INVERSE and series == '45 deg'")
-    assert (np.diff(curve["y_mm"]) < 0).all()
-    table = away["roll_away"].query("case == @INVERSE and diameter_um == 62 and angle_deg == 45")
-    at = brentq(
-        lambda x: np.interp(x, table["shift_nm"], 1 / table["gravity_over_adhesion"]) - 1, 0.2, 3
-    )
-    assert curve["x_nm"].iloc[0] == pytest.approx(at, rel=1e-4)
-    assert curve["y_mm"].iloc[0] > 1e3
-
-
-def test_distances_drawn(draw, away, legend_texts):
-    figure = draw("roll_away", away)
-    assert [(ax.get_xscale(), ax.get_yscale()) for ax in figure.axes] == [("log", "log")] * 2
-    assert {"edge of the spot", "edge of the target"} <= set(legend_texts(figure))

@@ -163,16 +163,3 @@ use rule study as rolling_dissipation with:
         name="rolling_dissipation",
     params:
         **of("rolling_dissipation"),
-
-
-use rule study as captured_rolling with:
-    """tables/roll_away.csv, data/roll_away_curves.csv: how far captured spheres roll."""
-    input:
-        **needs("captured_rolling"),
-    output:
-        **tables("roll_away"),
-        **data("roll_away_curves"),
-    pathvars:
-        name="captured_rolling",
-    params:
-        **of("captured_rolling"),
