@@ -76,7 +76,6 @@ lint: .venv/.test ## check style, workflow and the order of imports
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
 	.venv/bin/snakefmt --check Snakefile workflow
-	$(ACTIVE) .venv/bin/snakemake --lint
 	.venv/bin/lint-imports --no-cache
 
 types: .venv/.test ## check types, strictly

@@ -16,10 +16,6 @@ min_version("9.12")
 report: "workflow/report/overview.rst"
 
 
-# Read with --software-deployment-method apptainer only; the rules run in the present environment.
-container: "docker://python:3.11-slim-bookworm"
-
-
 include: "workflow/rules/common.smk"
 include: "workflow/rules/study.smk"
 include: "workflow/rules/experiments.smk"

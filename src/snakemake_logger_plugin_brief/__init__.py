@@ -37,10 +37,11 @@ def _told(error: str) -> str:
     if not wrong:
         return _PLACE.sub("", error).strip()
     from microimpact import studies
+    from microimpact.core.materials import declared_file
     from microimpact.core.nearest import nearest
     from microimpact.declared.documents import load
 
-    name, known = wrong[1], [*load("config/figures.yaml"), *studies.homes()]
+    name, known = wrong[1], [*load(declared_file("figures.yaml")), *studies.homes()]
     near = nearest(name, known) if "/" not in name else "; `snakemake --list` has the names"
     return f"{name}: no figure, rule or file of the study{near}"
 

@@ -22,9 +22,10 @@ from snakemake.logging import logger
 gc.set_threshold(1_000_000)
 atexit.register(gc.freeze)
 
-# workflow/Snakefile includes the one of the project.
-PROJECT = Path(workflow.basedir)
-PROJECT = PROJECT.parent if PROJECT.name == "workflow" else PROJECT
+# The working directory may be another one, as where this workflow is a module of some other.
+if not workflow.current_basedir.is_local:
+    raise WorkflowError("the package is run from its sources: clone the project, and name its file")
+PROJECT = Path(workflow.current_basedir).parents[1]
 SCRIPTS = PROJECT / "workflow/scripts"
 
 
@@ -51,17 +52,21 @@ from microimpact.report import explorer, site
 from microimpact.report.site import record as site_record
 from microimpact.declared.documents import load, located
 from microimpact.declared.references import merged
-from microimpact.run.config import read_configuration, read_inputs, validate
+from microimpact.run.config import FILES, read_configuration, read_inputs, validate
 from microimpact.run import stamp
 from microimpact.run.study import run_with
 from microimpact.run.summary import summary
 
 STARTED, BEGAN = stamp.run_date(), time.time()
 CONFIGURATION = Path("config/config.yaml")
+# A module writes beside the results of others.
+IS_MODULE = not Path(workflow.basedir).is_relative_to(PROJECT)
 
 try:
     SHIPPED = read_configuration(PROJECT / CONFIGURATION.parent)
     own = CONFIGURATION.exists() and not CONFIGURATION.samefile(PROJECT / CONFIGURATION)
+    if not CONFIGURATION.exists():
+        SHIPPED |= {key: str(PROJECT / SHIPPED[key]) for key in FILES}
     for path in workflow.overwrite_configfiles:
         load(path)  # stricter than the engine, which lets a repeated key pass
     base = read_configuration(CONFIGURATION.parent) if own else SHIPPED
@@ -70,7 +75,8 @@ try:
     stamp.require_own_root(config, base)
     INPUTS = read_inputs(SETTINGS)
     if workflow.is_main_process:  # not in every job
-        stamp.require_results_folder(stamp.results_root(config))
+        if not IS_MODULE:
+            stamp.require_results_folder(stamp.results_root(config))
         with located(SETTINGS.general.claims):
             read_claims(SETTINGS.general.claims, SETTINGS.branches["claim_numbers"])
 except (ValueError, OSError) as error:
@@ -157,15 +163,20 @@ def code_of(*modules, script, files=()):
     return closure.digest([*sources, *files], PROJECT)
 
 
+def own_rules():
+    """Return the rules that make files without wildcards; not those of an including workflow."""
+    named = (each for each in workflow.rules if each.output and not each.wildcard_names)
+    return [each for each in named if Path(each.snakefile).is_relative_to(PROJECT)]
+
+
 def everything():
     """Return every output of every rule that makes files without wildcards."""
     # Bare paths: a report flag on an input of `all` would hide that of the figure's own rule.
-    return [str(path) for rule in workflow.rules if not rule.wildcard_names for path in rule.output]
+    return [str(path) for rule in own_rules() for path in rule.output]
 
 
 def result_rules():
     """Return what makes tables and figures as the report tells them."""
-    made = [rule for rule in workflow.rules if rule.output and not rule.wildcard_names]
     found = [
         site_record.Rule(
             name=rule.name,
@@ -174,7 +185,7 @@ def result_rules():
             outputs=tuple(map(relative, rule.output)),
             declared=site_record.row_names(dict(rule.params.items()).get("rows")),
         )
-        for rule in made
+        for rule in own_rules()
         if all(map(is_shown, map(relative, rule.output))) and rule.name not in FIGURE_JOBS
     ]
     return found + [
@@ -189,7 +200,7 @@ def result_rules():
 
 def relative(path):
     """Return the name of a file in the results folder."""
-    return workflow.pathvars.apply(str(path)).removeprefix(workflow.pathvars.apply("<results>/"))
+    return str(path).removeprefix(f"{RESULTS}/")
 
 
 def is_shown(file):
@@ -201,9 +212,9 @@ def outdated():
     """Return the results in the results folder that were made from other inputs than the present."""
     rests_on = {
         relative(path): word
-        for rule in workflow.rules
+        for rule in own_rules()
         for word in [dict(rule.params.items()).get("rests_on")]
-        if word and not rule.wildcard_names
+        if word
         for path in rule.output
     }
     return of_other_inputs(RESULTS, rests_on)

@@ -56,7 +56,7 @@ rule check:
     log:
         "<results>/logs/check.log",
     params:
-        results=lambda wildcards: workflow.pathvars.apply("<results>"),
+        results=RESULTS,
         reference=PROJECT / "tests/reference",
     shell:
         "python -m microimpact.cli check {params.results:q} --reference {params.reference:q}"

@@ -76,6 +76,8 @@ GENERAL = tuple(f.name for f in fields(General))
 _ENDS = np.array([0.0, 1.0])
 _BODIES = ("particle", "surface")
 SECTIONS = tuple(f.name for f in fields(Laboratory))
+# General keys that name a file or a folder.
+FILES = (*TABLES, "figures", "claims", "digitised")
 
 
 def read_configuration(folder: Path | str) -> dict[str, Any]:
