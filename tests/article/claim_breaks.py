@@ -14,8 +14,6 @@ from tests.shared import ROOT
 
 from microimpact.declared.parameters import build
 from microimpact.lab import experiment, surface
-from microimpact.lab.contacts import calibrated_contact
-from microimpact.lab.samples import Sample, Sampling, contact_of
 from microimpact.lab.surface import simulated
 from microimpact.model import contact as contact_module
 from microimpact.model.calibration import (
@@ -40,6 +38,7 @@ from microimpact.studies.claims.claim_numbers import (
     rigid_body,
     roughness,
 )
+from microimpact.studies.contacts import calibrated_contact
 from microimpact.studies.experiments import mechanisms, pair_search, track_imaging
 from microimpact.studies.experiments.mechanisms import spore as spore_mechanism
 from microimpact.studies.experiments.mechanisms.shallow import adhesion_or_roughness, shallow_curves
@@ -51,6 +50,7 @@ from microimpact.studies.experiments.mechanisms.speed_and_angle import (
 )
 from microimpact.studies.experiments.mechanisms.spore import comparison, smooth_spore, spore_tables
 from microimpact.studies.models import calibration as calibration_study
+from microimpact.studies.samples import Sample, Sampling, contact_of
 
 STEEL = ("steel-silicon, n = 0", "steel-silicon, n = 1")
 MOLYBDENUM = "fluorescein-molybdenum, nominal"

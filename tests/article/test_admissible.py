@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from microimpact.core.tables import parse_table
-from microimpact.lab.contacts import admissible_contact
 from microimpact.model.contact import resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
+from microimpact.studies.contacts import admissible_contact
 
 STEEL, FLUORESCEIN = "steel-silicon", "fluorescein-molybdenum"
 WITH, WITHOUT = "with the printed v_c", "without the printed v_c"

@@ -10,9 +10,9 @@ import pytest
 from tests.shared import facet_rebound
 
 from microimpact.declared.parameters import build
-from microimpact.lab.samples import Sampling
 from microimpact.studies.experiments.mechanisms import Params
 from microimpact.studies.experiments.mechanisms.slope import pair_rows
+from microimpact.studies.samples import Sampling
 
 INVERSE = "steel-silicon, n = 1"
 

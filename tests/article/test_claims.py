@@ -22,11 +22,11 @@ from tests.shared import tables_made_once
 
 from microimpact.core.tables import parse_table
 from microimpact.declared.parameters import build
-from microimpact.lab.contacts import DRAWN, calibrated_contact
 from microimpact.ledgers.claims import verdicts
 from microimpact.studies.analyses.doe.factors import elasticities
 from microimpact.studies.claims import NUMBER_COLUMNS, claim_numbers
 from microimpact.studies.claims.claim_numbers import CLAIMS, NOT_COMPUTED, numbers_of
+from microimpact.studies.contacts import DRAWN, calibrated_contact
 
 # All rest on tables that take long to make.
 pytestmark = pytest.mark.slow

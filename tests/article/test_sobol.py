@@ -7,9 +7,9 @@ import pandas as pd
 import pytest
 from scipy.special import ndtri
 
-from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.studies.analyses.doe.factors import LETTERS, at_levels
+from microimpact.studies.contacts import calibrated_contact
 
 STEEL = ["steel-silicon, n = 0", "steel-silicon, n = 1"]
 

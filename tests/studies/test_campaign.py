@@ -8,7 +8,6 @@ import pytest
 from tests.shared import USUAL
 
 from microimpact.lab.experiment import SpeedClass
-from microimpact.lab.laboratory import DeclaredSurface
 from microimpact.statistics.distributions import Constant
 from microimpact.studies.experiments.campaign import (
     Block,
@@ -18,6 +17,7 @@ from microimpact.studies.experiments.campaign import (
     counts,
     expand,
 )
+from microimpact.studies.laboratory import DeclaredSurface
 
 PARTICLES = {
     name: SizeRange(particle="steel", diameter_um=Constant(at=d), particle_slope=0.0, spin_sd=0.0)

@@ -12,7 +12,6 @@ from tests.shared import ROOT
 
 from microimpact.core.tables import parse_table
 from microimpact.declared.parameters import build, explain
-from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.statistics.effects import (
     aliases,
@@ -36,6 +35,7 @@ from microimpact.studies.analyses.doe.factors import (
     factor_values,
     realistic_levels,
 )
+from microimpact.studies.contacts import calibrated_contact
 
 # 2^(5-2) of resolution III, D = AB and E = AC, written by hand.
 QUARTER = {

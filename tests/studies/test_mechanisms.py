@@ -12,13 +12,6 @@ from microimpact.lab.bounces import resting
 from microimpact.lab.dispenser import NO_SPIN, InitialSpin
 from microimpact.lab.events import Falling
 from microimpact.lab.reduction import EXACT
-from microimpact.lab.samples import (
-    Dropped,
-    Sample,
-    Sampling,
-    difference_columns,
-    half_width,
-)
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.statistics.distributions import TruncatedNormal, generator
@@ -29,6 +22,13 @@ from microimpact.studies.experiments.mechanisms.speed_and_angle import rigid_los
 from microimpact.studies.experiments.mechanisms.spin import rolling_limit, tilted_ratio
 from microimpact.studies.experiments.mechanisms.spore import off_centre
 from microimpact.studies.experiments.pile_up import onset
+from microimpact.studies.samples import (
+    Dropped,
+    Sample,
+    Sampling,
+    difference_columns,
+    half_width,
+)
 
 SAMPLING = Sampling(seed=5, impacts=800, events=40, angle_error_deg=0.25, dispenser=STILL)
 STEEL = Dropped(

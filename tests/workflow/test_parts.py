@@ -17,8 +17,8 @@ from microimpact.core.tables import parse_table, read_table
 from microimpact.declared.documents import load
 from microimpact.declared.parameters import build
 from microimpact.declared.references import merged
-from microimpact.lab.contacts import DRAWN, calibrated_contact
 from microimpact.run.config import read_configuration, validate
+from microimpact.studies.contacts import DRAWN, calibrated_contact
 
 STUDIES = ("campaign", "claim_numbers", "fit_coverage", "interval_coverage", "monte_carlo")
 

@@ -1,6 +1,6 @@
 """What is declared: files read, overlays merged, references resolved, all of it checked.
 
-A top-level key is one of `General`, a section of `lab.laboratory.Laboratory`, or the branch of an
+A top-level key is one of `General`, a section of `studies.laboratory`, or the branch of an
 analysis: it bears the name of a module of `microimpact.studies` and is checked against that
 module's ``Params``. All problems of a configuration are reported together, one line each;
 those of the files that it names after them.
@@ -26,12 +26,12 @@ from microimpact.declared.provenance import Declared, unit_of
 from microimpact.declared.references import Resolver
 from microimpact.declared.selection import TABLES, DeclaredTable, DeclaredTables, read_all
 from microimpact.figures.registry import FigureSpec, filled, registry
-from microimpact.lab.laboratory import Laboratory
 from microimpact.model.pairs import Pair, Pairs, pair_contact, pairs_from_rows
 from microimpact.model.plausibility import LARGEST, SMALLEST, doubt_of_input, doubts_of_material
 from microimpact.run.digitised import Digitised, as_rows, read_folder
 from microimpact.run.stamp import changes
 from microimpact.statistics.distributions import SampleFile
+from microimpact.studies.laboratory import Laboratory
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -24,12 +24,12 @@ from microimpact.declared.parameters import KEYED, adapter
 from microimpact.declared.provenance import EVIDENCE
 from microimpact.declared.references import FROM
 from microimpact.figures.registry import FIGURE_NAME, FigureSpec
-from microimpact.lab.laboratory import Laboratory
 from microimpact.ledgers.claims.criteria import CLAIM_NAME, DIGITISED, Claim
 from microimpact.ledgers.claims.digitised import DigitisedCriteria
 from microimpact.ledgers.equations.forms import ERRATA, SYMBOLS
 from microimpact.ledgers.equations.records import EQUATION_NAME, Equation
 from microimpact.run.config import General
+from microimpact.studies.laboratory import Laboratory
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 # What fits into a line of a schema stands in one.

@@ -8,7 +8,6 @@ from typing import Any
 
 import pandas as pd
 
-from microimpact.lab.contacts import calibrated_contact, declared
 from microimpact.model.choices import NUMBERS
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.normal import (
@@ -19,6 +18,7 @@ from microimpact.model.pairs import pair_contact
 from microimpact.model.rigid_body.algebra import INERTIA
 from microimpact.report.explorer import FILES, SCRIPTS
 from microimpact.report.site.pages import render
+from microimpact.studies.contacts import calibrated_contact, declared
 
 HERE = Path(__file__).parent
 

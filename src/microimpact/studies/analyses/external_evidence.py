@@ -24,11 +24,11 @@ from microimpact.declared.parameters import (
     NonNegative,
     Positive,
 )
-from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.choices import TANGENTIAL_LAWS
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
+from microimpact.studies.contacts import calibrated_contact
 
 NEEDS = {
     "calibration": ("calibration",),

@@ -28,12 +28,12 @@ from microimpact.declared.parameters import (
     NonNegative,
     Positive,
 )
-from microimpact.lab.contacts import PrintedPair, calibrated_contact
 from microimpact.model.calibration import hertz_damping_for
 from microimpact.model.choices import TANGENTIAL_LAWS
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import Impact, simulate
 from microimpact.model.rigid_body.algebra import INERTIA, SLIP_PER_IMPULSE
+from microimpact.studies.contacts import PrintedPair, calibrated_contact
 
 NEEDS = {"calibration": ("calibration",)}
 

@@ -26,7 +26,6 @@ from microimpact.declared.parameters import (
     Positive,
     PrintedName,
 )
-from microimpact.lab.contacts import all_printed
 from microimpact.model.separation import (
     PLACEMENTS,
     CoatedParticle,
@@ -38,6 +37,7 @@ from microimpact.model.separation import (
     patch_force,
     touching_spherules,
 )
+from microimpact.studies.contacts import all_printed
 
 Span = tuple[Positive, Positive]
 

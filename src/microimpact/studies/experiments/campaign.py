@@ -27,10 +27,8 @@ from microimpact.declared.parameters import (
     NonNegative,
     Positive,
 )
-from microimpact.lab.contacts import pair_of
 from microimpact.lab.dispenser import Dispenser, InitialSpin
 from microimpact.lab.experiment import NORMAL, Outcome, SpeedClass, StopRule
-from microimpact.lab.laboratory import DeclaredSurface
 from microimpact.lab.pdpa import experiment as doppler
 from microimpact.lab.pdpa.analyser import Analyser
 from microimpact.lab.pdpa.experiment import UNREACHED
@@ -46,10 +44,12 @@ from microimpact.lab.ptis.exposure import (
 )
 from microimpact.lab.ptis.system import ImagingSystem
 from microimpact.lab.reduction import interval_columns, quantities
-from microimpact.lab.samples import Dropped, contact_of
 from microimpact.model.contact import Contact
 from microimpact.statistics.distributions import Distribution, generator
 from microimpact.statistics.intervals import mean_and_error
+from microimpact.studies.contacts import pair_of
+from microimpact.studies.laboratory import DeclaredSurface
+from microimpact.studies.samples import Dropped, contact_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -27,7 +27,6 @@ from microimpact.declared.parameters import (
     OpenShare,
     Positive,
 )
-from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.events import Impacts, IntArray, Measured
 from microimpact.lab.experiment import NORMAL, Drop, Target
@@ -42,6 +41,7 @@ from microimpact.lab.reduction import QUANTITIES, quantities, shared_error
 from microimpact.lab.surface import rough
 from microimpact.statistics.distributions import Distribution, child, generator
 from microimpact.statistics.intervals import student_half_width, wilson_interval
+from microimpact.studies.contacts import calibrated_contact
 
 # Spheres that may be measured in some experiment: they arrive no further from the middle of the
 # probe volume than this, m, cross one that is wider by this factor and at most so many standard

@@ -23,8 +23,8 @@ from microimpact.declared.parameters import (
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.ptis.experiment import turned
 from microimpact.lab.reduction import QUANTITIES, quantities
-from microimpact.lab.samples import FEWEST_REBOUNDS, Dropped, Sample, Sampling, in_class
 from microimpact.statistics.distributions import TruncatedNormal, generator
+from microimpact.studies.samples import FEWEST_REBOUNDS, Dropped, Sample, Sampling, in_class
 
 NEEDS = {"calibration": ("calibration",)}
 

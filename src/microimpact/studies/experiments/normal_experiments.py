@@ -23,7 +23,6 @@ from microimpact.declared.parameters import (
     Positive,
     PrintedName,
 )
-from microimpact.lab.contacts import PrintedPair, calibrated_contact, printed_rows
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.experiment import Drop, StopRule, Target
 from microimpact.lab.pdpa.analyser import Analyser
@@ -33,6 +32,7 @@ from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.statistics.distributions import Distribution, generator, mean
 from microimpact.statistics.intervals import mean_and_error
+from microimpact.studies.contacts import PrintedPair, calibrated_contact, printed_rows
 
 NEEDS = {"calibration": ("calibration",)}
 

@@ -25,19 +25,19 @@ from microimpact.declared.parameters import (
     ObliqueDegrees,
     PrintedName,
 )
-from microimpact.lab.contacts import printed_rows
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.experiment import Drop, Outcome, StopRule
 from microimpact.lab.ptis.experiment import collect
 from microimpact.lab.ptis.exposure import MEASURED
 from microimpact.lab.ptis.system import ImagingSystem
 from microimpact.lab.reduction import QUANTITIES, interval_columns, quantities
-from microimpact.lab.samples import Dropped, contact_of, in_class
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import simulate, velocity_components
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
 from microimpact.statistics.distributions import child, generator
 from microimpact.statistics.intervals import mean_and_error
+from microimpact.studies.contacts import printed_rows
+from microimpact.studies.samples import Dropped, contact_of, in_class
 
 NEEDS = {"calibration": ("calibration",)}
 

@@ -22,7 +22,6 @@ from microimpact.core.constants import gravity
 from microimpact.core.tables import Row, Tables, series_frame
 from microimpact.declared.parameters import AboveOne, CaseName, Count, Positive
 from microimpact.lab.bounces import generations, with_later_impacts
-from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.dispenser import Dispenser, Paths, arrivals
 from microimpact.lab.events import Impacts, IntArray, Measured
 from microimpact.lab.experiment import Drop, Target
@@ -33,6 +32,7 @@ from microimpact.lab.surface import Rebound
 from microimpact.model.contact import Contact
 from microimpact.statistics.distributions import Distribution, generator
 from microimpact.statistics.intervals import mean_and_error, wilson_interval
+from microimpact.studies.contacts import calibrated_contact
 
 # Particles released, at most, for each that is to fall through the probe volume; so many of these
 # at a time.

@@ -25,7 +25,6 @@ from microimpact.declared.parameters import (
     PrintedName,
 )
 from microimpact.lab.bounces import Resting, resting
-from microimpact.lab.contacts import PrintedPair, calibrated_contact, printed_rows
 from microimpact.lab.dispenser import Dispenser, InitialSpin
 from microimpact.lab.experiment import Drop, Target
 from microimpact.lab.surface import rough
@@ -33,6 +32,7 @@ from microimpact.model.calibration import two_stage
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.statistics.distributions import Distribution, generator, mean
+from microimpact.studies.contacts import PrintedPair, calibrated_contact, printed_rows
 
 NEEDS = {"calibration": ("calibration",)}
 

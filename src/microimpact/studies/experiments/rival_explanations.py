@@ -23,11 +23,11 @@ from microimpact.declared.parameters import (
     Positive,
     PrintedName,
 )
-from microimpact.lab.contacts import PrintedPair, calibrated_contact, printed_rows
 from microimpact.model.closed_forms import jkr_sticking_velocity
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
+from microimpact.studies.contacts import PrintedPair, calibrated_contact, printed_rows
 from microimpact.studies.experiments.pile_up import onset_column
 
 NEEDS = {"calibration": ("calibration",), "pile_up": ("pile_up", "pile_up_onsets")}

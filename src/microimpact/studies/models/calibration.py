@@ -29,7 +29,6 @@ from microimpact.declared.parameters import (
     Positive,
     PrintedName,
 )
-from microimpact.lab.contacts import all_printed, declared_contact
 from microimpact.model.calibration import (
     NoSolutionError,
     damping_factor_for,
@@ -43,6 +42,7 @@ from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.normal import losses
+from microimpact.studies.contacts import all_printed, declared_contact
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -27,7 +27,6 @@ from microimpact.declared.parameters import (
     Positive,
     PrintedName,
 )
-from microimpact.lab.contacts import all_printed, calibrated_contact
 from microimpact.model.closed_forms import (
     adhesion_energy,
     brach_dunn_velocity,
@@ -40,6 +39,7 @@ from microimpact.model.closed_forms import (
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
+from microimpact.studies.contacts import all_printed, calibrated_contact
 
 NEEDS = {"calibration": ("calibration",)}
 

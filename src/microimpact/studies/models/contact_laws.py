@@ -31,12 +31,12 @@ from microimpact.declared.parameters import (
     Positive,
     PositiveRange,
 )
-from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact, resized
 from microimpact.model.contact_laws import JKR, ContactLaw, Hysteresis, ThorntonNing
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import PULL_OFF, simulate
 from microimpact.model.dynamics.normal import losses, normal_impact
+from microimpact.studies.contacts import calibrated_contact
 
 NEEDS = {"calibration": ("calibration",)}
 

@@ -8,7 +8,6 @@ import pandas as pd
 
 from microimpact.core.tables import Tables
 from microimpact.declared.parameters import AboveOne
-from microimpact.lab.contacts import declared
 from microimpact.model.closed_forms import (
     adhesion_energy,
     brach_dunn_velocity,
@@ -19,6 +18,7 @@ from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.pairs import pair_contact
+from microimpact.studies.contacts import declared
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -13,8 +13,8 @@ from pydantic import Field
 
 from microimpact.core.tables import Tables, series_frame
 from microimpact.declared.parameters import Finite, Fraction, NonNegative, Positive, PrintedName
-from microimpact.lab.contacts import all_printed
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
+from microimpact.studies.contacts import all_printed
 
 _frame = partial(series_frame, x_unit="deg", y_unit="1")
 

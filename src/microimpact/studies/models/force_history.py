@@ -12,7 +12,10 @@ from pydantic import Field
 
 from microimpact.core.tables import Tables, result_evidence, series_frame
 from microimpact.declared.parameters import AngleDegrees, CaseName, Name, Positive, PrintedName
-from microimpact.lab.contacts import (
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import simulate
+from microimpact.model.dynamics.trajectory import Trajectory, trajectory
+from microimpact.studies.contacts import (
     BAND,
     Admissible,
     PrintedImpact,
@@ -20,9 +23,6 @@ from microimpact.lab.contacts import (
     calibrated_contact,
     printed_values,
 )
-from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.model.dynamics.impact import simulate
-from microimpact.model.dynamics.trajectory import Trajectory, trajectory
 
 TERMS = {
     "total": "normal_force",

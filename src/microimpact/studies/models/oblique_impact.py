@@ -13,7 +13,13 @@ from pydantic import Field
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import Tables, series_frame
 from microimpact.declared.parameters import CaseName, Finite, Fraction, Positive, PrintedName
-from microimpact.lab.contacts import (
+from microimpact.model.choices import FRICTION_BASES
+from microimpact.model.contact import Contact
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import simulate, velocity_components
+from microimpact.model.dynamics.normal import normal_impact
+from microimpact.model.rigid_body.algebra import rigid_body_rebound
+from microimpact.studies.contacts import (
     BAND,
     Admissible,
     PrintedImpact,
@@ -21,12 +27,6 @@ from microimpact.lab.contacts import (
     calibrated_contact,
     printed_values,
 )
-from microimpact.model.choices import FRICTION_BASES
-from microimpact.model.contact import Contact
-from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.model.dynamics.impact import simulate, velocity_components
-from microimpact.model.dynamics.normal import normal_impact
-from microimpact.model.rigid_body.algebra import rigid_body_rebound
 
 NEEDS = {"calibration": ("calibration",), "admissible_contacts": ("admissible_contacts",)}
 # The share that must rebound where a band is drawn, and the step in which it takes the angles.

@@ -13,10 +13,10 @@ from pydantic import Field
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import POINTS, Row, Tables, points_parts, points_series, series_frame
 from microimpact.declared.parameters import AboveOne, CaseName, Fraction, Keyed, Positive
-from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.empirical.fit import RestitutionFit, fit_restitution
+from microimpact.studies.contacts import calibrated_contact
 
 NEEDS = {"calibration": ("calibration",)}
 

@@ -21,10 +21,10 @@ from microimpact.core.arrays import FloatArray
 from microimpact.core.solve import root
 from microimpact.core.tables import Row, Tables, series_frame
 from microimpact.declared.parameters import Ascending, CaseName, Fraction, ObliqueDegrees, Positive
-from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.rolling import RollingImpulses, rolling_impulses
+from microimpact.studies.contacts import calibrated_contact
 
 NEEDS = {"calibration": ("calibration",)}
 

@@ -25,7 +25,6 @@ from microimpact.declared.parameters import (
     Positive,
     PrintedName,
 )
-from microimpact.lab.contacts import all_printed, calibrated_contact
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
@@ -54,6 +53,7 @@ from microimpact.studies.analyses.doe.factors import (
     factor_values,
     realistic_levels,
 )
+from microimpact.studies.contacts import all_printed, calibrated_contact
 
 NEEDS = {"calibration": ("calibration", "calibration_family")}
 

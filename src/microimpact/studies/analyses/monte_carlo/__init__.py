@@ -13,7 +13,6 @@ from pydantic import Field
 
 from microimpact.core.tables import Row, Tables
 from microimpact.declared.parameters import AngleDegrees, CaseName, Keyed, Must, Name
-from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.surface import Rules
 from microimpact.statistics.distributions import Distribution, mean
 from microimpact.statistics.sampling import Correlation, require_varying
@@ -42,6 +41,7 @@ from microimpact.studies.analyses.monte_carlo.tables import (
     figure_data,
     sampling_table,
 )
+from microimpact.studies.contacts import calibrated_contact
 
 NEEDS = {"calibration": ("calibration",)}
 

@@ -14,7 +14,6 @@ from pydantic import Field
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import Row, Tables, series_frame
 from microimpact.declared.parameters import CaseName, Count, Must, OpenShare, Positive
-from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.statistics.sobol import (
@@ -36,6 +35,7 @@ from microimpact.studies.analyses.sensitivity.ridge import (
     calibrated_sample,
     material_damping,
 )
+from microimpact.studies.contacts import calibrated_contact
 
 NEEDS = {"calibration": ("calibration", "calibration_family"), "doe": ("doe_levels", "doe_effects")}
 

@@ -11,13 +11,13 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import FloatArray, Real, part_of
-from microimpact.lab.contacts import all_printed, calibrated_contact
 from microimpact.lab.dispenser import NO_SPIN
-from microimpact.lab.samples import Dropped, Sample, Sampling, Seen, contact_of, half_width
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import Impact, simulate
 from microimpact.studies.claims.claim_numbers.params import Params
+from microimpact.studies.contacts import all_printed, calibrated_contact
+from microimpact.studies.samples import Dropped, Sample, Sampling, Seen, contact_of, half_width
 
 # Values, or `Estimate`, by quantity; by alternative and quantity, where the claim has alternatives
 # of its own.

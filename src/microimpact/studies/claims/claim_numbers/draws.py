@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from microimpact.lab.contacts import admissible_contact
 from microimpact.model.contact import Contact
 from microimpact.studies.claims.claim_numbers.claim import CLAIMS, UNCOMPUTABLE, flat
 from microimpact.studies.claims.claim_numbers.context import Context
 from microimpact.studies.claims.claim_numbers.params import Params
+from microimpact.studies.contacts import admissible_contact
 
 COLUMNS = ("claim", "contact", "variant", "draw", "alternative", "quantity", "value")
 Row = tuple[str, str, str, int, str, str, float]

@@ -9,9 +9,7 @@ import numpy as np
 
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.solve import root
-from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.events import Impacts
-from microimpact.lab.samples import reduce_to
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import Impact, simulate
@@ -28,6 +26,8 @@ from microimpact.studies.claims.claim_numbers.context import (
 from microimpact.studies.claims.claim_numbers.oblique import sampled
 from microimpact.studies.claims.claim_numbers.params import Normal
 from microimpact.studies.claims.claim_numbers.rigid_body import farthest
+from microimpact.studies.contacts import calibrated_contact
+from microimpact.studies.samples import reduce_to
 
 # Factor by which each base unit (mass, length, time) is changed: a power of two is exact.
 UNIT_FACTOR = 2.0

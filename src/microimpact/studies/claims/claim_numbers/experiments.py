@@ -10,7 +10,6 @@ import numpy as np
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.constants import gravity
 from microimpact.core.solve import IntArray, root
-from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.pdpa.pairing import correct
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
@@ -26,6 +25,7 @@ from microimpact.studies.claims.claim_numbers.context import (
     between,
     of_share,
 )
+from microimpact.studies.contacts import calibrated_contact
 from microimpact.studies.experiments.pile_up import onset
 
 # Ends of an interval of 95 %, of which the lower decides.

@@ -14,7 +14,6 @@ from microimpact.lab.events import Impacts
 from microimpact.lab.experiment import StopRule
 from microimpact.lab.ptis.experiment import collect
 from microimpact.lab.reduction import EXACT, Mean
-from microimpact.lab.samples import Dropped, Sample, half_width, in_class
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import Impact, simulate, velocity_components
 from microimpact.model.rigid_body.roughness import measured_restitution
@@ -29,6 +28,7 @@ from microimpact.studies.claims.claim_numbers.context import (
 )
 from microimpact.studies.experiments.mechanisms.impulse_regions import regions
 from microimpact.studies.experiments.mechanisms.spin import rolling_limit
+from microimpact.studies.samples import Dropped, Sample, half_width, in_class
 
 # Speeds in m/s between which that of capture is sought: none below, all above.
 SLOWEST, FASTEST = 1e-3, 1e2

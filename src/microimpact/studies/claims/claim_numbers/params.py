@@ -25,9 +25,9 @@ from microimpact.lab.experiment import SpeedClass
 from microimpact.lab.pdpa.analyser import Analyser
 from microimpact.lab.pdpa.pairing import Form
 from microimpact.lab.ptis.system import ImagingSystem
-from microimpact.lab.samples import Dropped, Sampling
 from microimpact.model.choices import FrictionBasis
 from microimpact.statistics.distributions import Distribution
+from microimpact.studies.samples import Dropped, Sampling
 
 FacingDegrees = Annotated[float, Field(gt=-90, lt=90)]
 Angles = Annotated[tuple[AngleDegrees, ...], Field(min_length=2)]

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from microimpact.core.arrays import FloatArray, Real
-from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.dispenser import InitialSpin
 from microimpact.model.calibration import damping_factor_for
 from microimpact.model.contact import Contact
@@ -20,6 +19,7 @@ from microimpact.studies.claims.claim_numbers.claim import CALIBRATED, VIRTUAL, 
 from microimpact.studies.claims.claim_numbers.context import Context, Numbers
 from microimpact.studies.claims.claim_numbers.oblique import at_angles
 from microimpact.studies.claims.claim_numbers.spores import rise
+from microimpact.studies.contacts import calibrated_contact
 
 SOURCES = ("slope", "diameter", "speed", "spin")
 # Steps in which a range of angles is walked, degrees.

@@ -9,10 +9,10 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import FloatArray
-from microimpact.lab.samples import Dropped, Sample, Sampling, Seen
 from microimpact.studies.claims.claim_numbers.claim import CALIBRATED, VIRTUAL, claim
 from microimpact.studies.claims.claim_numbers.context import Context, Estimate, Numbers
 from microimpact.studies.experiments.mechanisms.spore import as_imaged
+from microimpact.studies.samples import Dropped, Sample, Sampling, Seen
 
 # Half-width of a 95 % interval over its standard error.
 ERROR_BAR = 1.96

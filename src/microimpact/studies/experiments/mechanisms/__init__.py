@@ -13,11 +13,10 @@ from pydantic import Field
 
 from microimpact.core.tables import Tables, series_frame
 from microimpact.declared.parameters import AngleDegrees, CaseName, Count, Name, PrintedName
-from microimpact.lab.contacts import PrintedPair, printed_rows
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.ptis.system import ImagingSystem
-from microimpact.lab.samples import Sampling
 from microimpact.statistics.intervals import student_half_width
+from microimpact.studies.contacts import PrintedPair, printed_rows
 from microimpact.studies.experiments.mechanisms.shallow import (
     Curve,
     Shallow,
@@ -29,6 +28,7 @@ from microimpact.studies.experiments.mechanisms.slope import Slope, slope_tables
 from microimpact.studies.experiments.mechanisms.speed_and_angle import SpeedAndAngle, speed_tables
 from microimpact.studies.experiments.mechanisms.spin import Spin, spin_tables
 from microimpact.studies.experiments.mechanisms.spore import CAMERA, Spore, spore_tables
+from microimpact.studies.samples import Sampling
 
 NEEDS = {"calibration": ("calibration",)}
 

@@ -18,8 +18,8 @@ from microimpact.declared.parameters import (
     NonNegative,
     Positive,
 )
-from microimpact.lab.samples import Dropped, Sample, Sampling
 from microimpact.model.calibration import hertz_damping_for
+from microimpact.studies.samples import Dropped, Sample, Sampling
 
 FEWEST_MEANS = 2
 

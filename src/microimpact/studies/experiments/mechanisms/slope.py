@@ -18,7 +18,7 @@ from microimpact.declared.parameters import (
     NonNegative,
     Positive,
 )
-from microimpact.lab.samples import (
+from microimpact.studies.samples import (
     Dropped,
     Sample,
     Sampling,

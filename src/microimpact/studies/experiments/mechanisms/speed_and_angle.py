@@ -15,10 +15,10 @@ from microimpact.core.tables import Tables
 from microimpact.declared.parameters import AngleDegrees, CaseName, Fraction, Keyed, NonNegative
 from microimpact.lab.experiment import SpeedClass
 from microimpact.lab.reduction import EXACT
-from microimpact.lab.samples import Dropped, Sample, Sampling, half_width
 from microimpact.model.dynamics.impact import simulate, velocity_components
 from microimpact.model.rigid_body.algebra import energy_loss, rigid_body_rebound
 from microimpact.studies.experiments.mechanisms.impulse_regions import regions
+from microimpact.studies.samples import Dropped, Sample, Sampling, half_width
 
 # Half-width of a 95 % interval over its standard error.
 ERROR_BAR = 1.96

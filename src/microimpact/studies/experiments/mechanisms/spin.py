@@ -18,10 +18,10 @@ from microimpact.lab.dispenser import InitialSpin
 from microimpact.lab.events import Measured
 from microimpact.lab.ptis.experiment import turned
 from microimpact.lab.reduction import quantities
-from microimpact.lab.samples import Dropped, Sample, Sampling, mean_columns, setting_for
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.rigid_body.algebra import INERTIA
+from microimpact.studies.samples import Dropped, Sample, Sampling, mean_columns, setting_for
 
 # Halvings of a search that are simulated together: so many impacts fill the lanes of the kernel.
 HALVINGS = 5

@@ -25,7 +25,12 @@ from microimpact.lab.experiment import StopRule
 from microimpact.lab.ptis.experiment import collect
 from microimpact.lab.ptis.system import ImagingSystem
 from microimpact.lab.reduction import QUANTITIES
-from microimpact.lab.samples import (
+from microimpact.model.contact import Contact, resized
+from microimpact.model.dynamics.impact import simulate
+from microimpact.model.dynamics.normal import normal_impact
+from microimpact.model.rigid_body.eccentric import eccentric_rebound
+from microimpact.statistics.distributions import generator
+from microimpact.studies.samples import (
     Dropped,
     Sample,
     Sampling,
@@ -37,11 +42,6 @@ from microimpact.lab.samples import (
     reduce_to,
     setting_for,
 )
-from microimpact.model.contact import Contact, resized
-from microimpact.model.dynamics.impact import simulate
-from microimpact.model.dynamics.normal import normal_impact
-from microimpact.model.rigid_body.eccentric import eccentric_rebound
-from microimpact.statistics.distributions import generator
 
 # Offsets are cut here: a point of contact lies on the lower half of the body.
 LARGEST_OFFSET = 0.9

@@ -21,10 +21,10 @@ from microimpact.declared.parameters import (
     NonNegative,
     Positive,
 )
-from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.dynamics.impact import velocity_components
 from microimpact.model.dynamics.trajectory import trajectory
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
+from microimpact.studies.contacts import calibrated_contact
 from microimpact.studies.experiments.schematics import layout
 
 Numbers = dict[tuple[str, str], float]

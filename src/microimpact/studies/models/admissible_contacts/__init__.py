@@ -25,11 +25,11 @@ from microimpact.core import ensemble
 from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.core.tables import Row, Tables, series_frame
 from microimpact.declared.parameters import Count, Keyed, Seed
-from microimpact.lab.contacts import BAND, admissible_contact, calibrated_contact
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.separation import jkr_pull_off
+from microimpact.studies.contacts import BAND, admissible_contact, calibrated_contact
 from microimpact.studies.models.admissible_contacts.case import (
     FIELDS,
     Case,

@@ -24,10 +24,10 @@ from microimpact.declared.parameters import (
     Positive,
     PositiveRange,
 )
-from microimpact.lab.contacts import declared_contact
 from microimpact.model.choices import FrictionBasis
 from microimpact.model.contact import Contact
 from microimpact.statistics.distributions import generator
+from microimpact.studies.contacts import declared_contact
 from microimpact.studies.models.admissible_contacts.statements import (
     Evaluation,
     Likelihood,

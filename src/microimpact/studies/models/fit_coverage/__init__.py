@@ -18,11 +18,11 @@ from pydantic import Field
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import POINTS, Tables, series_frame
 from microimpact.declared.parameters import AboveOne, CaseName, Count, Keyed, Must, Positive
-from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.empirical.data import DataSets, Places, data_sets, stacked_sets
 from microimpact.model.empirical.intervals import interval_batch, profile_batch
 from microimpact.model.empirical.search import BatchFit, fit_batch
 from microimpact.statistics.intervals import share_error, wilson_interval
+from microimpact.studies.contacts import calibrated_contact
 from microimpact.studies.models.fit_coverage import averaged
 from microimpact.studies.models.fit_coverage.averaged import Averaged
 from microimpact.studies.models.fit_coverage.intervals import Methods, Sample, intervals

@@ -15,7 +15,6 @@ from pydantic import Field
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import Row, Tables, series_frame
 from microimpact.declared.parameters import AboveOne, CaseName, Count, NonNegative, Positive
-from microimpact.lab.contacts import calibrated_contact
 from microimpact.model.contact import Contact
 from microimpact.model.contact_laws import JKR
 from microimpact.model.dynamics.capture import capture_velocity
@@ -23,6 +22,7 @@ from microimpact.model.dynamics.impact import simulate
 from microimpact.model.empirical.comparison import Comparison, compare_sets
 from microimpact.model.empirical.equations import restitution
 from microimpact.statistics.intervals import wilson_interval
+from microimpact.studies.contacts import calibrated_contact
 from microimpact.studies.models.fit_coverage.truths import MEASUREMENTS, observed, standard_noise
 
 ANOTHER = "ring force, another n"

@@ -20,7 +20,6 @@ from microimpact.declared.parameters import (
     Positive,
     PositiveRange,
 )
-from microimpact.lab.contacts import calibrated_contact
 from microimpact.lab.dispenser import Dispenser, InitialSpin
 from microimpact.lab.events import Impacts, Measured
 from microimpact.lab.experiment import Drop, Target, in_range
@@ -30,6 +29,7 @@ from microimpact.lab.surface import LABORATORY, rough
 from microimpact.model.contact import Contact, resized
 from microimpact.statistics.distributions import Distribution, generator, mean
 from microimpact.statistics.intervals import student_half_width
+from microimpact.studies.contacts import calibrated_contact
 
 # Below this number of rebounds there is no mean.
 FEWEST_REBOUNDS = 20

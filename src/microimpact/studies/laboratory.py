@@ -20,8 +20,8 @@ from microimpact.lab.dispenser import Dispenser, InitialSpin
 from microimpact.lab.experiment import StopRule
 from microimpact.lab.pdpa.analyser import Analyser
 from microimpact.lab.ptis.system import ImagingSystem
-from microimpact.lab.samples import Dropped
 from microimpact.statistics.distributions import Distribution
+from microimpact.studies.samples import Dropped
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
