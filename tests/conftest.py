@@ -119,6 +119,7 @@ SMALLER = {
         "sampler": {"spread": 13, "walkers": 96, "steps": 120, "pool": 1000},
         "draws": 200,
     },
+    "contact_laws": {"points": 5, "starts": 1},
     "rolling_dissipation": {"points": 9},
 }
 

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from microimpact import capture_velocity
+from microimpact.declared.parameters import build
+from microimpact.studies.models.fit_coverage.averaged import Averaged, true_contact
+
 FEW = {
     "noise_of_e": [0.003, 0.01],
     "points": [20],
@@ -18,7 +22,8 @@ BASE = "uniform noise"
 
 @pytest.fixture(scope="module")
 def earlier(made, calibration):
-    return {**calibration, "restitution_fits": made("restitution_fits")["restitution_fits"]}
+    names = {"restitution_fits": "restitution_fits", "contact_laws": "contact_law_fits"}
+    return calibration | {table: made(study)[table] for study, table in names.items()}
 
 
 @pytest.fixture(scope="module")
@@ -108,6 +113,16 @@ def test_the_averaged_interval_holds_v_c_of_every_shape(tables):
     assert (far["median_width"] > 1.5).all()
     assert (far["warned"] == 1.0).all(), "no speed is near capture"
     assert ((table["coverage_low"] < table["coverage"]) | (table["coverage"] == 0.0)).all()
+
+
+def test_the_viscous_truth_is_the_law_that_was_fitted(earlier, settings):
+    params = settings.branches["fit_coverage"]["averaged"]
+    contact = true_contact(build(Averaged, params), earlier, "viscous JKR")
+    fit = earlier["contact_law_fits"].query("law == 'JKR, viscous' and targets == 'with v_c'")
+    numbers = fit.set_index("quantity")["value"]
+    assert contact.law.viscous_time == pytest.approx(1e-9 * numbers["viscous_time_ns"])
+    assert contact.work_of_adhesion == numbers["work_of_adhesion_J_per_m2"]
+    assert capture_velocity(contact) == pytest.approx(numbers["capture_velocity"])
 
 
 def test_other_cells_do_not_change_a_cell(run_study, earlier, tables):

@@ -221,10 +221,10 @@ def figure_data(
     ]
     frames += [_frame(name, speed, of(e)) for name, (speed, e) in drawn.items()]
     if len(printed):
-        # The printed restitution, and the speeds between which it is said to hold.
-        level = of(printed["value"]["restitution_sst_silicon_normal"])
-        ends = [printed["value"]["plateau_speed_sst_silicon"], max(params.speeds_m_per_s)]
+        # None is printed for normal impact.
+        oblique = of(printed["value"]["restitution_sst76_silicon"])
+        speed = printed["value"]["speed_oblique_sst76"]
         piles = printed.loc["pile_up_speed_sst_silicon", ["low", "high"]]
-        frames.append(_frame("printed level", ends, level, "printed"))
+        frames.append(_frame("printed, oblique impact", speed, oblique, "printed"))
         frames.append(_frame("printed pile-up", piles, 0.0, "printed"))
     return pd.concat(frames, ignore_index=True)

@@ -33,6 +33,7 @@ from microimpact.studies.experiments.pile_up import onset_column
 NEEDS = {"calibration": ("calibration",), "pile_up": ("pile_up", "pile_up_onsets")}
 
 RIVAL = "probe alone"
+PILES_BEGIN = "pile_up_speed_sst_silicon"
 _frame = partial(series_frame, panel="restitution", x_unit="m_per_s", y_unit="1")
 
 
@@ -147,11 +148,9 @@ def figure_data(
     seen = np.isfinite(e)
     frames.append(_frame(series=RIVAL, evidence="computed", x=before[seen], y=e[seen]))
     if len(printed):
-        plateau, piles = params.anchors
-        ends = [printed["value"][plateau], params.seen_from_m_per_s]
-        level = params.restitution
-        frames.append(_frame(series="printed plateau", evidence="printed", x=ends, y=level))
-        band = ends_of(printed, piles)
+        speed, e = printed["value"][["speed_oblique_sst76", "restitution_sst76_silicon"]]
+        frames.append(_frame(series="printed, oblique impact", evidence="printed", x=speed, y=e))
+        band = ends_of(printed, PILES_BEGIN)
         frames.append(_frame(series="printed pile-up", evidence="printed", x=band, y=0.0))
     return pd.concat(frames, ignore_index=True)
 
@@ -164,8 +163,7 @@ def observations(
     An observation tells them apart if what is printed, or its sign, is compatible with one alone.
     """
     height, speed = params.probe_height_mm * 1e-3, params.seen_from_m_per_s
-    plateau, piles = params.anchors
-    both = np.array([printed["value"][plateau], speed])
+    both = np.array([printed["value"]["plateau_speed_sst_silicon"], speed])
     _, seen = uncorrected(both, params.restitution, height)
     small, large = (
         [resized(contact, diameter * 1e-6) for contact in contacts.values()]
@@ -182,9 +180,8 @@ def observations(
     yield row(name, "1", 1.0, ratios, (0.0, 0.999))
     limits = [float(capture_velocity(one)) for one in small]
     slowest = np.sqrt(2.0 * gravity * height) / params.restitution
-    yield row(
-        "speed below which no rebound is seen", "m/s", slowest, limits, ends_of(printed, piles)
-    )
+    name = "speed below which no rebound is seen"
+    yield row(name, "m/s", slowest, limits, ends_of(printed, PILES_BEGIN))
     for key, impact in params.oblique.items():
         aim, angle, total = printed["value"][key], impact.angle_deg, impact.speed_m_per_s
         found = [simulate(one, total, angle) for one in contacts.values()]
@@ -231,8 +228,7 @@ def evidence(
 ) -> Iterator[dict[str, Any]]:
     """Yield what piles, slow rebounds and energies give for both capture velocities of steel."""
     strong, weak = params.capture_velocities_m_per_s
-    _, piles = params.anchors
-    ends = ends_of(printed, piles)
+    ends = ends_of(printed, PILES_BEGIN)
     place = {"target_radius_mm": params.pile_radius_mm, "slope_deg": params.pile_slope_deg}
     onsets = chosen(inputs["pile_up_onsets"], **place)
     for share in sorted(set(onsets["share"].astype(float))):

@@ -19,6 +19,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray, Real
+from microimpact.core.nearest import nearest
 from microimpact.core.tables import Row, Tables, series_frame
 from microimpact.declared.parameters import (
     CaseName,
@@ -234,6 +235,29 @@ def fitted(params: Params, base: Contact, law: Law, targets: str) -> Fit:
         misfit=float(np.sqrt(np.mean(np.square(best.fun)))),
         at_end=tuple(name for name, reached in zip(names, near, strict=True) if reached),
     )
+
+
+def law_fit(fits: pd.DataFrame, law: str, targets: str = TARGETS[0]) -> dict[str, float]:
+    """Return the fitted parameters of a law, and what follows from them.
+
+    Parameters
+    ----------
+    fits
+        The table ``contact_law_fits``.
+    law
+        Name of the law.
+    targets
+        One of `TARGETS`: whether the printed capture velocity was fitted, too.
+
+    Raises
+    ------
+    ValueError
+        If there is no such fit.
+    """
+    rows = fits[(fits["law"] == law) & (fits["targets"] == targets)]
+    if rows.empty:
+        raise ValueError(f"no law {law!r} was fitted {targets}{nearest(law, set(fits['law']))}")
+    return dict(zip(rows["quantity"], rows["value"].astype(float), strict=True))
 
 
 def misfits(params: Params, contact: Contact, targets: str) -> FloatArray:

@@ -140,7 +140,7 @@ def c28(context: Context) -> Numbers:
     e = simulate(context.steel, context.speed).coefficient_of_restitution
     limit = capture_velocity(context.steel)
     return {
-        "residual_of_restitution": e - context.printed("restitution_sst_silicon_normal"),
+        "residual_of_restitution": e - context.printed("restitution_sst76_silicon"),
         "residual_of_capture_velocity": limit - context.printed("capture_velocity_sst_silicon"),
     }
 

@@ -38,7 +38,11 @@ from microimpact.studies.models.fit_coverage.truths import (
     standard_noise,
 )
 
-NEEDS = {"calibration": ("calibration",), "restitution_fits": ("restitution_fits",)}
+NEEDS = {
+    "calibration": ("calibration",),
+    "restitution_fits": ("restitution_fits",),
+    "contact_laws": ("contact_law_fits",),
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -14,7 +14,7 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import Row, Tables, series_frame
-from microimpact.declared.parameters import AboveOne, CaseName, Count, NonNegative, Positive
+from microimpact.declared.parameters import AboveOne, CaseName, Count, Name, NonNegative, Positive
 from microimpact.model.contact import Contact
 from microimpact.model.contact_laws import JKR
 from microimpact.model.dynamics.capture import capture_velocity
@@ -23,6 +23,7 @@ from microimpact.model.empirical.comparison import Comparison, compare_sets
 from microimpact.model.empirical.equations import restitution
 from microimpact.statistics.intervals import wilson_interval
 from microimpact.studies.contacts import calibrated_contact
+from microimpact.studies.models.contact_laws import WORK, law_fit
 from microimpact.studies.models.fit_coverage.truths import MEASUREMENTS, observed, standard_noise
 
 ANOTHER = "ring force, another n"
@@ -36,9 +37,8 @@ class Averaged:
     # another rate exponent.
     cases: Annotated[tuple[CaseName, ...], Field(min_length=1)]
     another_rate_exponent: NonNegative
-    # Of the JKR contact with a viscous bulk; materials and size as of the first case.
-    viscous_work_of_adhesion_J_per_m2: Positive  # noqa: N815
-    viscous_time_ns: NonNegative
+    # The JKR contact with a viscous bulk, of the laws that contact_laws fits with the printed v_c.
+    viscous_law: Name
     lowest_speeds_in_v_c: Annotated[tuple[AboveOne, ...], Field(min_length=1)]
     noise_of_e: Annotated[tuple[Positive, ...], Field(min_length=1)]
     points: Annotated[tuple[Annotated[int, Field(ge=8)], ...], Field(min_length=1)]
@@ -61,13 +61,14 @@ def designs(params: Averaged) -> Iterator[Design]:
     return starmap(Design, product(*levels))
 
 
-def _contact(params: Averaged, inputs: Tables, truth: str) -> Contact:
+def true_contact(params: Averaged, inputs: Tables, truth: str) -> Contact:
+    """Return the contact behind a true curve that is simulated."""
     if truth in params.cases:
         return calibrated_contact(inputs, truth)
     if truth == "viscous JKR":
-        law = JKR(viscous_time=1e-9 * params.viscous_time_ns)
-        bodies = calibrated_contact(inputs, params.cases[0])
-        return bodies.by_law(law, params.viscous_work_of_adhesion_J_per_m2)
+        fit = law_fit(inputs["contact_law_fits"], params.viscous_law)
+        law = JKR(viscous_time=1e-9 * fit["viscous_time_ns"])
+        return calibrated_contact(inputs, params.cases[0]).by_law(law, fit[WORK])
     contact = calibrated_contact(inputs, params.cases[-1])
     limit = float(capture_velocity(contact))
     return contact.replace(
@@ -96,7 +97,7 @@ def rows(
         if design.truth == "Eq. 34":
             curve = restitution(ratio * constants[-1], *constants)
         else:
-            contact = _contact(params, inputs, design.truth)
+            contact = true_contact(params, inputs, design.truth)
             curve = simulate(contact, ratio * capture_velocity(contact)).coefficient_of_restitution
         noise = design.noise * standard_noise(seed, MEASUREMENTS, design.points, params.sets)
         e, seen = observed(curve, noise, "rebounds")
