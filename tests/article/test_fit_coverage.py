@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from microimpact import capture_velocity
+from microimpact.core.tables import parse_table
 from microimpact.declared.parameters import build
 from microimpact.studies.models.fit_coverage.averaged import Averaged, true_contact
 
@@ -117,7 +118,9 @@ def test_the_averaged_interval_holds_v_c_of_every_shape(tables):
 
 def test_the_viscous_truth_is_the_law_that_was_fitted(earlier, settings):
     params = settings.branches["fit_coverage"]["averaged"]
-    contact = true_contact(build(Averaged, params), earlier, "viscous JKR")
+    materials = parse_table(settings.tables.contact_rows()["materials"])
+    inputs = {**earlier, "materials": materials}
+    contact = true_contact(build(Averaged, params), inputs, "viscous JKR")
     fit = earlier["contact_law_fits"].query("law == 'JKR, viscous' and targets == 'with v_c'")
     numbers = fit.set_index("quantity")["value"]
     assert contact.law.viscous_time == pytest.approx(1e-9 * numbers["viscous_time_ns"])
