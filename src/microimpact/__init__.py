@@ -52,7 +52,6 @@ _HOME = {
     "planar": "model.dynamics.impact",
     "restitution": "model.empirical.equations",
     "rigid_body_rebound": "model.rigid_body.algebra",
-    "run_study": "run.study",
     "simulate": "model.dynamics.impact",
     "spatial": "model.dynamics.impact",
     "tabulate": "model.law.table",
@@ -67,9 +66,21 @@ def __getattr__(name: str) -> object:
         from importlib.metadata import version
 
         return version("microimpact")
+    if name == "run_study":
+        return _run_study()
     if name not in _HOME:
         raise AttributeError(f"module 'microimpact' has no attribute {name!r}")
     return getattr(import_module(f"microimpact.{_HOME[name]}"), name)
+
+
+def _run_study() -> object:
+    try:
+        from microimpact.run.study import run_study
+    except ModuleNotFoundError as error:
+        raise ImportError(
+            f"run_study needs the packages of the study ({error}): pip install '.[study]'"
+        ) from error
+    return run_study
 
 
 def __dir__() -> list[str]:

@@ -7,6 +7,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 import pytest
+from tests.docs.blocks import blocks
 from tests.shared import ROOT
 
 import microimpact
@@ -218,6 +219,25 @@ def test_the_physics_needs_none_of_the_studys_packages(tmp_path):
         "try:\n    main()\nexcept SystemExit as end:\n    print('ended', end.code)\n"
     )
     assert run(code).rstrip().endswith("ended 2")
+
+
+def test_the_page_on_python_runs_with_the_physics_alone(tmp_path):
+    code = "\n".join(block.text for block in blocks("python") if block.page == "docs/python.md")
+    run(f"import os\nos.chdir({str(tmp_path)!r})\n{ALONE}{code}")
+
+
+def test_with_the_physics_alone_its_help_is_whole_and_a_study_names_what_it_needs():
+    said = run(
+        f"{ALONE}\n"
+        "import inspect\nimport pydoc\n"
+        "import microimpact\n"
+        "names = {name for name, _ in inspect.getmembers(microimpact)}\n"
+        "from microimpact import *\n"
+        "assert 'simulate' in pydoc.render_doc(microimpact) and names <= {*globals()}\n"
+        "try:\n    from microimpact import run_study\n"
+        "except ImportError as error:\n    print(error)\n"
+    )
+    assert said.endswith("pip install '.[study]'\n")
 
 
 def test_the_version_is_told():

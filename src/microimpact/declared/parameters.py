@@ -15,11 +15,9 @@ import typing
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, is_dataclass
 from functools import cache
-from itertools import pairwise
 from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import (
-    AfterValidator,
     ConfigDict,
     Field,
     GetCoreSchemaHandler,
@@ -31,19 +29,22 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, core_schema
 
+from microimpact.core import bounds
 from microimpact.core.nearest import nearest
 
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-Fraction = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
-OpenShare = Annotated[float, Field(gt=0, lt=1, allow_inf_nan=False)]
-AboveOne = Annotated[float, Field(gt=1, allow_inf_nan=False)]
-AngleDegrees = Annotated[float, Field(gt=0, le=90, allow_inf_nan=False)]
-# Of incidence, without the normal one.
-ObliqueDegrees = Annotated[float, Field(gt=0, lt=90, allow_inf_nan=False)]
-Count = Annotated[int, Field(ge=1)]
-Name = Annotated[str, Field(min_length=1)]
+# Floats are finite: STRICT refuses the rest.
+Finite = float
+AboveOne = bounds.AboveOne
+AngleDegrees = bounds.AngleDegrees
+Ascending = bounds.Ascending
+Count = bounds.Count
+Fraction = bounds.Fraction
+Name = bounds.Name
+NonNegative = bounds.NonNegative
+ObliqueDegrees = bounds.ObliqueDegrees
+OpenShare = bounds.OpenShare
+Positive = bounds.Positive
+PositiveRange = bounds.PositiveRange
 
 
 @dataclass(slots=True)
@@ -116,17 +117,6 @@ class Must:
         if self.other in info.data and not _RELATIONS[self.be](value, other):
             raise ValueError(f"{_told(value)} must be {self.be} {self.other}, {_told(other)}")
         return value
-
-
-def _in_order(values: tuple[float, ...]) -> tuple[float, ...]:
-    if any(one >= other for one, other in pairwise(values)):
-        raise ValueError(f"{_told(values)} must ascend")
-    return values
-
-
-# Marks a tuple each of whose numbers is above the one before.
-Ascending = AfterValidator(_in_order)
-PositiveRange = Annotated[tuple[Positive, Positive], Ascending]
 
 
 def _told(value: Any) -> str:

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from microimpact.core.arrays import FloatArray
+from microimpact.core.bounds import NonNegative, Positive
 from microimpact.core.constants import gravity
-from microimpact.declared.parameters import Finite, NonNegative, Positive
 from microimpact.statistics.distributions import HalfNormal, mean, sample
 
 
@@ -51,7 +51,7 @@ class InitialSpin:
     """
 
     sd: NonNegative
-    mean: Finite
+    mean: float
 
 
 NO_SPIN = InitialSpin(sd=0.0, mean=0.0)

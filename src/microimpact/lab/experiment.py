@@ -10,10 +10,10 @@ from typing import Annotated
 
 import numpy as np
 import scipy
-from pydantic import Field
+from annotated_types import Ge
 
 from microimpact.core.arrays import BoolArray, FloatArray
-from microimpact.declared.parameters import Count, Must, Positive
+from microimpact.core.bounds import Count, Positive
 from microimpact.lab.dispenser import (
     NO_SPIN,
     Dispenser,
@@ -240,9 +240,16 @@ class StopRule:
         Number of particles after which the experiment is given up.
     """
 
-    events: Annotated[int, Field(ge=2)]
-    fewest_events: Annotated[int, Field(ge=2), Must("at most", "events")]
+    events: Annotated[int, Ge(2)]
+    fewest_events: Annotated[int, Ge(2)]
     most_dropped: Count
+
+    def __post_init__(self) -> None:
+        """Refuse a mean of more events than are wanted."""
+        if self.fewest_events > self.events:
+            raise ValueError(
+                f"fewest_events: {self.fewest_events} must be at most events, {self.events}"
+            )
 
     def batch(self, dropped: int) -> int:
         """Return how many are dropped after so many: as many again, until it is given up."""

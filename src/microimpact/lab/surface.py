@@ -21,7 +21,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 import scipy
-from pydantic import Field
+from annotated_types import Ge, Le
 
 from microimpact.core.arrays import BoolArray, FloatArray, Real
 from microimpact.lab.events import IntArray
@@ -74,7 +74,7 @@ class Rules:
 
     facets: Literal["seen", "facing", "every"]
     must_leave: bool
-    most_contacts: Annotated[int, Field(ge=1, le=20)]
+    most_contacts: Annotated[int, Ge(1), Le(20)]
 
 
 LABORATORY = Rules(facets="seen", must_leave=True, most_contacts=5)

@@ -14,10 +14,10 @@ from typing import Annotated, Literal
 
 import numpy as np
 import scipy
-from pydantic import Field
+from annotated_types import Ge
 
 from microimpact.core.arrays import FloatArray
-from microimpact.declared.parameters import Finite, Name, NonNegative, Positive
+from microimpact.core.bounds import ByKind, Name, NonNegative, Positive
 
 # Uniform numbers stay this far inside (0, 1): the quantiles of 0 and 1 may be infinite.
 SMALLEST_PROBABILITY = 2.0**-54
@@ -28,7 +28,7 @@ LARGEST_PROBABILITY = 1.0 - 2.0**-53
 class Constant:
     """The same number always."""
 
-    at: Finite
+    at: float
     kind: Literal["constant"] = "constant"
 
     def quantile(self, u: FloatArray) -> FloatArray:
@@ -40,8 +40,8 @@ class Constant:
 class Uniform:
     """All numbers of an interval alike."""
 
-    low: Finite
-    high: Finite
+    low: float
+    high: float
     kind: Literal["uniform"] = "uniform"
 
     def __post_init__(self) -> None:
@@ -57,7 +57,7 @@ class Uniform:
 class Normal:
     """Normal distribution; mean 0 and standard deviation 1 (standardised) if not given."""
 
-    mean: Finite = 0.0
+    mean: float = 0.0
     sd: NonNegative = 1.0
     kind: Literal["normal"] = "normal"
 
@@ -70,10 +70,10 @@ class Normal:
 class TruncatedNormal:
     """Normal distribution cut to an interval; mean and sd are those before the cut."""
 
-    mean: Finite
+    mean: float
     sd: Positive
-    low: Finite
-    high: Finite
+    low: float
+    high: float
     kind: Literal["truncated_normal"] = "truncated_normal"
 
     def __post_init__(self) -> None:
@@ -119,7 +119,7 @@ class LogNormal:
     """Lognormal distribution by its median and its geometric standard deviation (1 or more)."""
 
     median: Positive
-    geometric_sd: Annotated[float, Field(ge=1, allow_inf_nan=False)]
+    geometric_sd: Annotated[float, Ge(1)]
     kind: Literal["lognormal"] = "lognormal"
 
     def quantile(self, u: FloatArray) -> FloatArray:
@@ -133,7 +133,7 @@ class LogNormal:
 class Histogram:
     """Bins of given weights, uniform within each."""
 
-    edges: tuple[Finite, ...]
+    edges: tuple[float, ...]
     counts: tuple[NonNegative, ...]
     kind: Literal["histogram"] = "histogram"
 
@@ -164,7 +164,7 @@ class Histogram:
 class Sample:
     """Values measured elsewhere, drawn with replacement."""
 
-    values_seen: tuple[Finite, ...]
+    values_seen: tuple[float, ...]
     kind: Literal["sample"] = "sample"
 
     def __post_init__(self) -> None:
@@ -237,7 +237,7 @@ AnyDistribution = (
     | Sample
     | SampleFile
 )
-Distribution = Annotated[AnyDistribution, Field(discriminator="kind")]
+Distribution = Annotated[AnyDistribution, ByKind()]
 
 
 def uniforms(rng: np.random.Generator, shape: int | tuple[int, ...]) -> FloatArray:

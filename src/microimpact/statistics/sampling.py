@@ -11,7 +11,7 @@ import numpy as np
 import scipy
 
 from microimpact.core.arrays import FloatArray
-from microimpact.declared.parameters import Finite, Name
+from microimpact.core.bounds import Name
 from microimpact.statistics.distributions import (
     LARGEST_PROBABILITY,
     SMALLEST_PROBABILITY,
@@ -41,7 +41,7 @@ class Correlation:
     """
 
     names: tuple[Name, ...] = ()
-    matrix: tuple[tuple[Finite, ...], ...] = ()
+    matrix: tuple[tuple[float, ...], ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse a matrix that is not a correlation matrix of those parameters."""

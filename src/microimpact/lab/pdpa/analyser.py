@@ -13,13 +13,13 @@ from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
+from annotated_types import Ge, Gt, Lt
 from numpy.random import Generator
-from pydantic import Field
 
 from microimpact.core.arrays import BoolArray, Columns, FloatArray, Real
+from microimpact.core.bounds import Fraction, NonNegative, Positive, PositiveRange
 from microimpact.core.compiled import jit
 from microimpact.core.constants import gravity
-from microimpact.declared.parameters import Fraction, NonNegative, Positive, PositiveRange
 from microimpact.lab.events import Impacts, IntArray
 
 INCIDENT, REBOUND = 0, 1
@@ -62,7 +62,7 @@ class Analyser:
 
     probe_height_mm: Positive
     probe_height_error_um: NonNegative
-    initial_estimate_error: Annotated[float, Field(gt=-1, lt=1)]
+    initial_estimate_error: Annotated[float, Gt(-1), Lt(1)]
     probe_across_um: Positive
     probe_along_um: Positive
     velocity_noise_relative: NonNegative
@@ -76,7 +76,7 @@ class Analyser:
     false_records_per_s: NonNegative
     false_speed_m_per_s: Positive
     false_diameters_um: PositiveRange
-    later_impacts: Annotated[int, Field(ge=0)]
+    later_impacts: Annotated[int, Ge(0)]
     gate: Positive
 
     def __post_init__(self) -> None:

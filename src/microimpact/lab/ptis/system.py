@@ -12,12 +12,12 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
+from annotated_types import Ge, Gt, Le
 from numpy.random import Generator
-from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
+from microimpact.core.bounds import Count, NonNegative, OpenShare, Positive
 from microimpact.core.constants import gravity
-from microimpact.declared.parameters import Count, NonNegative, OpenShare, Positive
 from microimpact.statistics.distributions import child
 
 # Where in the frame the impacts lie: as a share of its width, and of its height from the bottom
@@ -73,14 +73,14 @@ class ImagingSystem:
     jitter: NonNegative
     blur_px: Positive
     background_counts: NonNegative
-    least_peak_counts: Annotated[float, Field(gt=0, le=255)]
-    largest_peak_counts: Annotated[float, Field(gt=0, le=255)]
+    least_peak_counts: Annotated[float, Gt(0), Le(255)]
+    largest_peak_counts: Annotated[float, Gt(0), Le(255)]
     read_noise_counts: NonNegative
     electrons_per_count: Positive
     rate_error: NonNegative
     scale_error: NonNegative
     angle_error_deg: NonNegative
-    least_dashes: Annotated[int, Field(ge=3)]
+    least_dashes: Annotated[int, Ge(3)]
 
     def __post_init__(self) -> None:
         """Refuse grey levels that are not in order, and lines that do not pair."""
