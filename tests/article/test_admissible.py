@@ -170,9 +170,3 @@ def test_an_interval_with_normal_tails():
 def test_bad_declarations_are_refused(run_study, calibration, changes, message):
     with pytest.raises(ValueError, match=message):
         run_study("admissible_contacts", calibration, **changes)
-
-
-@pytest.mark.parametrize("name", ["admissible_pairs", "admissible_bands"])
-def test_figures(draw, tables, name):
-    figure = draw(name, tables)
-    assert len(figure.axes) == {"admissible_pairs": 4, "admissible_bands": 2}[name]

@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 import pytest
-from pydantic import ValidationError
 
 from microimpact.declared.documents import ConfigError
-from microimpact.declared.parameters import build
 from microimpact.studies.experiments import campaign as study
 from microimpact.studies.experiments.campaign import FATES
 
@@ -112,25 +110,6 @@ def test_blocks_that_do_not_agree_with_the_article_are_refused(settings, run_stu
         run_study("campaign", calibration, blocks=blocks)
 
 
-def test_more_events_for_a_mean_than_there_are_is_refused(settings):
-    short = {**settings.branches["campaign"]["stop"], "fewest_events": 50}
-    with pytest.raises(ValidationError, match="50 must be at most events, 40"):
-        build(study.Params, {**settings.branches["campaign"], "stop": short})
-
-
-def test_the_map_shows_every_experiment_once_and_few_events_open(campaign, draw, rows):
-    figure = draw("campaign_map", campaign)
-    ax = figure.axes[0]
-    assert sum(len(marks.get_offsets()) for marks in ax.collections) == 187
-    is_open = [
-        tuple(face) == (1.0, 1.0, 1.0, 1.0)
-        for marks in ax.collections
-        for face in marks.get_facecolors()
-    ]
-    assert sum(is_open) == (rows["events"] < 10).sum() > 0
-    assert [t.get_text() for t in ax.get_xticklabels()][-1] == "90"
-
-
 def test_intervals_hold_the_mean_of_measurable_events_as_often_as_they_say(coverage):
     table = coverage["interval_coverage"]
     assert (table["experiments"] >= 2000).all()
@@ -199,13 +178,6 @@ def test_repetitions_are_like_the_experiments_of_the_campaign(held, rows):
                 half = 0.5 * (one[f"{name}_high"] - one[f"{name}_low"])
                 assert abs(one[name] - many.loc[name, "mean_observable"]) < 2.0 * half
                 assert half == pytest.approx(many.loc[name, "half_width"], rel=0.7)
-
-
-def test_the_figure_shows_both_means(coverage, draw, legend_texts):
-    figure = draw("coverage_of_means", coverage)
-    words = legend_texts(figure)
-    assert {"of measurable events", "of all rebounds", "virtual experiment"} <= set(words)
-    assert len(figure.axes) == 2
 
 
 @pytest.mark.parametrize(

@@ -231,13 +231,6 @@ def test_evidence(table, tables, calibration):
     }
 
 
-def test_notes_say_what_deposition_codes_use(table):
-    notes = table.xs("brach_dunn_1992", level="law")["note"]
-    assert notes.str.contains("deposition codes").all()
-    assert notes.str.contains("no energy of adhesion").all()
-    assert table["note"].notna().all()
-
-
 def test_sticking_restitution():
     assert sticking_restitution(np.array([0.5, 1.0, 2.0]), 1.0) == pytest.approx(
         [0.0, 0.0, math.sqrt(0.75)]
@@ -285,25 +278,3 @@ def test_wrong_parameters_are_refused(study):
         study(pairs=[{"case": MICA}, {"case": MICA}])
     with pytest.raises(ValueError, match="'nothing' is not declared in cases"):
         study(pairs=[{"case": "nothing"}])
-
-
-def test_drawn(draw, tables, legend_texts):
-    figure = draw("capture_laws", tables)
-    panels = [ax for ax in figure.axes if ax.get_xlabel()]
-    assert len(panels) == len(PRINTED)
-    assert {(ax.get_xscale(), ax.get_yscale()) for ax in panels} == {("log", "log")}
-    assert panels[0].get_ylabel().endswith("(m/s)")
-    texts = legend_texts(figure)
-    assert {"printed in the article", "computed", "computed, calibrated"} <= set(texts)
-    assert len(texts) == len(set(texts))
-    words = "".join(text.get_text() for ax in panels for text in ax.texts)
-    assert all(f"{number} m/s" in words for number in ("0.18", "0.967", "1.10", "1.47"))
-
-
-@pytest.mark.parametrize("count", [1, 3, 4])
-def test_any_number_of_pairs_is_drawn(draw, tables, count):
-    data = tables["capture_law_curves"]
-    chosen = list(dict.fromkeys(data["panel"]))[:count]
-    some = {"capture_law_curves": data[data["panel"].isin(chosen)]}
-    figure = draw("capture_laws", some)
-    assert sum(bool(ax.get_xlabel()) for ax in figure.axes) == count

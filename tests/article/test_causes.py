@@ -215,20 +215,6 @@ def test_a_misspelt_spread_is_refused(run_study, settings, calibration):
         run_study("laboratory_sensitivity", calibration, series=series)
 
 
-def test_imaged_means_have_error_bars(tables):
-    seen = tables["causes"].query("series == 'slopes, seen by the camera'")
-    assert (seen["y_low"] < seen["y_1"]).all()
-    assert (seen["y_1"] < seen["y_high"]).all()
-
-
-def test_drawn(draw, tables, piles, legend_texts):
-    figure = draw("causes", tables)
-    assert len(figure.axes) == 4
-    assert {"smooth", "printed in the article", "adhesion, 1.66 m/s"} <= set(legend_texts(figure))
-    onset = draw("pile_up_onset", piles)
-    assert "0.18 m/s, in the end" in legend_texts(onset)
-
-
 def test_printed_piles_vanish_for_another_pair(run_study, calibration, draw):
     changes = {"case": "steel-mirror front", "spheres": 50, "speeds_m_per_s": [0.3, 1.0]}
     own = run_study("pile_up", calibration, **changes)

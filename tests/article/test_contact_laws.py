@@ -117,13 +117,6 @@ def test_ranges_must_not_be_empty(run_study):
         run_study("contact_laws", ranges={"viscous_time_ns": [2.0, 1.0]})
 
 
-def test_every_law_has_a_line_of_its_own(tables, draw, figures, legend_texts):
-    series = figures["rival_laws"].panels[WITH].series
-    laws = [own for name, own in series.items() if not name.startswith("printed")]
-    assert len({own.line for own in laws}) == len(laws) == 5
-    assert {own.label for own in laws} <= set(legend_texts(draw("rival_laws", tables)))
-
-
 def test_every_law_of_the_model_can_be_declared():
     assert get_args(get_type_hints(contact_laws.Law)["law"]) == NAMES
 

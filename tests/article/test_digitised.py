@@ -104,50 +104,6 @@ def test_a_name_is_no_markup(coulomb, figures, points, draw, tmp_path):
     assert "<script" not in (tmp_path / "one.svg").read_text(encoding="utf-8")
 
 
-def test_a_name_of_the_figures_own_is_no_part_of_the_figure(run_study, points, drawn_over):
-    """Series that a figure draws in a way of its own, as capture, are not mistaken for points."""
-    trends = run_study("restitution_trends")
-    plain = drawn_over("fig14", trends, points("fig14", "other,9,0.5,,"))
-    named = drawn_over("fig14", trends, points("fig14", "capture velocity,9,0.5,,"))
-    widths = [figure.axes[0].patches[0].get_width() for figure in (plain, named)]
-    assert widths[0] == widths[1] < 2
-
-
-def test_an_enlarged_view_stays_one(run_study, points, drawn_over):
-    history = run_study("force_history")
-    figure = drawn_over("fig20", history, points("fig20", "force: a,10,70,,"))
-    whole, dips = figure.axes
-    assert [len(crosses(ax)) for ax in (whole, dips)] == [1, 1]
-    assert dips.get_ylim() == (-12, 12)
-    assert np.isnan(crosses(dips)[0].get_ydata()).all()
-    assert crosses(whole)[0].get_ydata() == [70]
-    late = drawn_over("fig20", history, points("fig20", "force: a,900,0,,"))
-    assert late.axes[0].get_xlim()[1] > 900
-    assert late.axes[1].get_xlim() == dips.get_xlim()
-    assert not crosses(late.axes[1])
-
-
-def made_up_effects():
-    rows = [("v_c: A", 30.0, 1.0), ("v_c: margin", 40.0, 0.0), ("v_c by Eq. 34: A", 28.0, 1.0)]
-    rows += [("ln v_c: A", 20.0, 1.0), ("v_c: simultaneous margin", 50.0, 0.0)]
-    frames = [
-        series_frame(
-            panel=panel, series=s, evidence="computed", x=x, y=y, x_unit="percent", y_unit="1"
-        )
-        for panel in ("normal", "half_normal")
-        for s, x, y in rows
-    ]
-    return {"fig24": pd.concat(frames, ignore_index=True)}
-
-
-def test_a_figure_with_a_drawing_of_its_own_shows_them_too(points, drawn_over, legend_texts):
-    own = points("fig24", "normal: v_c,10,0.5,,", "half_normal: v_c,400,0.5,,")
-    figure = drawn_over("fig24", made_up_effects(), own)
-    assert [len(crosses(ax)) for ax in figure.axes] == [1, 1]
-    assert figure.axes[1].get_xlim()[1] > 400
-    assert legend_texts(figure).count("digitised: v_c") == 1
-
-
 def test_every_plot_of_the_article_takes_points(figures):
     plots = [spec for name, spec in figures.items() if name[3:].isdigit() and not spec.is_schematic]
     assert len(plots) == 19

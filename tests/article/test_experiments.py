@@ -128,20 +128,6 @@ def test_the_same_experiment_gives_the_same_number_in_every_study(
     assert [rows.loc[size, name] for name in names] == [tables[name] for name in names]
 
 
-def test_normal_figures_show_both_classes_and_the_printed_band(normal, draw, legend_texts):
-    printed = {
-        "fig04": "printed for oblique impact",
-        "fig05": "$1 - e^2$ of $e$ printed for oblique impact",
-    }
-    for name, level in printed.items():
-        figure = draw(name, normal)
-        words = legend_texts(figure)
-        own = {f"{name}, virtual experiment" for name in ("SST65", "SST125")}
-        assert own | {level} <= set(words)
-        assert {"virtual experiment", "printed in the article", "computed"} <= set(words)
-        assert [t.get_text() for t in figure.axes[0].texts] == ["piles up (article)"]
-
-
 def test_the_article_prints_no_restitution_of_the_mirrors_back(oblique):
     marks = oblique["fig07"].query("evidence == 'printed'")
     assert set(marks["y_1"]) == {0.7, 0.9}
@@ -232,36 +218,6 @@ def test_the_mean_of_all_rebounds_shows_what_the_imaging_leaves_out(oblique, ang
     drawn = oblique["fig08"].query("series == '0.45 m/s, all rebounds'")
     column = angles.loc["0.45 m/s", "true_restitution_of_rebounds"].dropna()
     assert dict(zip(drawn["x_deg"], drawn["y_1"], strict=True)) == column.to_dict()
-
-
-@pytest.mark.parametrize(
-    ("figure", "words"),
-    [
-        ("fig06", {"front of silicon, smooth", "back of silicon, rough"}),
-        ("fig07", {"front of the mirror", "back of the mirror"}),
-        ("fig08", {"1.64 m/s", "1.05 m/s", "0.44 m/s", "0.44 m/s, all rebounds"}),
-        ("fig08", {"0.44 m/s, mean spin 0.9 $v/r$"}),
-        ("fig09", {"Coulomb friction, no spin", "ends of the printed plateau"}),
-        ("fig10", {"1.64 m/s", "0.44 m/s"}),
-        ("fig11", {"spores", "steel"}),
-        ("fig12", {"spores", "steel"}),
-    ],
-)
-def test_oblique_figures_name_their_series_and_evidence(oblique, draw, legend_texts, figure, words):
-    drawn = draw(figure, oblique)
-    told = legend_texts(drawn)
-    assert words | {"virtual experiment"} <= set(told)
-    assert sum(text.startswith("computed") for text in told) == 1
-    assert len(drawn.axes) == (1 if figure in {"fig08", "fig09", "fig10"} else 3)
-
-
-def test_means_beyond_a_panel_are_written_at_its_edge(oblique, draw):
-    figure = draw("fig12", oblique)
-    table = oblique["fig12"].query("panel == 'restitution' and evidence == 'virtual experiment'")
-    top = figure.axes[0].get_ylim()[1]
-    beyond = table[table["y_1"] > top]
-    written = [t.get_text() for t in figure.axes[0].texts]
-    assert len(written) == beyond["x_deg"].nunique()
 
 
 def test_an_experiment_does_not_depend_on_the_others(run_study, calibration, angles):

@@ -114,13 +114,6 @@ class TestObliqueData:
         assert set(own["quantity"]) == {"greatest"}
         assert own["value"].notna().all()
 
-    def test_the_figure_shows_data_and_laws(self, tables, draw, legend_texts):
-        figure = draw("oblique_rebounds", tables)
-        words = " ".join(legend_texts(figure))
-        for part in ("rigid", "Mindlin", "spring (DEM)", "article, about 50°", "reading A"):
-            assert part in words
-        assert len(figure.axes) == 3
-
 
 LEVELS = pd.DataFrame(
     {
@@ -191,13 +184,6 @@ class TestExternalEvidence:
         row = self.rows(evidence, "apparent restitution").iloc[0]
         assert row["computed"] == 0.9
         assert row["agreement"] == external_evidence.DISAGREES
-
-    def test_what_is_no_number_is_not_computed(self):
-        table = pd.DataFrame({"computed": [np.nan, 1.0], "low": [0.0, np.nan], "high": [2.0, 2.0]})
-        assert external_evidence._agreement(table).tolist() == [
-            "not computed",
-            external_evidence.AGREES,
-        ]
 
     def test_a_missing_fact_is_named(self):
         facts = pd.DataFrame({"name": [], "quantity": []})

@@ -62,14 +62,6 @@ def test_printed_form_without_the_clip_would_rise_again(curves):
     assert e[slow].max() == 0.0
 
 
-def test_drawn(draw, tables, legend_texts):
-    figure = draw("fig14", tables)
-    (ax,) = figure.axes
-    assert ax.get_xlim() == (0.0, 10.0)
-    assert "m/s" in ax.get_xlabel()
-    assert {"computed", "$v_c$, capture velocity"} <= set(legend_texts(figure))
-
-
 def test_the_users_own_settings_of_matplotlib_change_nothing(draw, tables, tmp_path):
     def drawn():
         save(draw("fig14", tables), tmp_path / "one.svg")

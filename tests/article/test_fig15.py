@@ -75,10 +75,3 @@ def test_fits_from_closer_to_capture_are_closer(run_study, settings, calibration
         errors.append(abs(row["v_c_m_per_s"] / row["simulated_v_c_m_per_s"] - 1))
     assert np.all(np.diff(errors) > 0)
     assert errors[0] < 0.03
-
-
-@pytest.mark.parametrize("name", ["fig15", "fig16"])
-def test_drawn(draw, tables, legend_texts, name):
-    figure = draw(name, tables)
-    assert figure.axes[0].get_xscale() == "log"
-    assert "printed in the article" in legend_texts(figure)

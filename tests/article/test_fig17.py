@@ -68,18 +68,3 @@ def test_forward_spin_ends_sliding_earlier(curve):
         ends.append(angle[ratio >= F * (1 - 1e-12)].max())
     assert ends == sorted(ends, reverse=True)
     assert len(set(ends)) == len(ends)
-
-
-def test_drawn(draw, tables, legend_texts):
-    figure = draw("fig17", tables)
-    assert [ax.get_xlim() for ax in figure.axes] == [(0.0, 90.0)] * 2
-    assert {"computed", "printed in the article"} <= set(legend_texts(figure))
-    assert "$f$ = 0.15" in {text.get_text() for text in figure.axes[0].texts}
-    assert figure.axes[1].get_title(loc="left") == "(b) initial spin, $f$ = 0.15"
-
-
-def test_axes_grow_with_a_changed_configuration(draw, run_study):
-    figure = draw("fig17", run_study("coulomb_friction", friction=[0.5]))
-    low, high = figure.axes[0].get_ylim()
-    assert low == -0.2
-    assert high > 0.5

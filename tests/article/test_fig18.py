@@ -8,7 +8,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from microimpact.core.tables import series_frame
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.studies.contacts import calibrated_contact
 
@@ -175,19 +174,3 @@ def test_the_rigid_body_has_the_restitution_of_the_pair(study):
     drawn = study(points=90, case=case, diameter_um=4.9, speed_m_per_s=5.2)["fig18"]
     drawn = drawn[drawn["panel"] == "adhesion"].set_index(["series", "x_deg"])["y_1"]
     assert drawn["rigid body", 75.0] == pytest.approx(drawn["simulation", 75.0], rel=0.02)
-
-
-def test_drawn(draw, tables, legend_texts):
-    points = partial(series_frame, series="silicon front", x=[30.0], x_unit="deg", y_unit="1")
-    measured = {
-        "fig18_points": points(panel="adhesion", y=[0.15], evidence="virtual experiment"),
-        "fig21_points": points(panel="loss", y=[0.3], evidence="virtual experiment"),
-    }
-    tables = {**tables, **measured}
-    figure = draw("fig18", tables)
-    words = {"computed", "printed in the article", "virtual experiment"}
-    assert words | {"virtual experiment of Fig. 6"} <= set(legend_texts(figure))
-    lines = {line.get_label(): line for ax in figure.axes for line in ax.get_lines()}
-    assert all(ax.get_xlim() == (0.0, 90.0) for ax in figure.axes)
-    assert lines
-    assert draw("fig21", tables).axes[0].get_xlim() == (0.0, 90.0)

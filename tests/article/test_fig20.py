@@ -101,14 +101,3 @@ def test_band_of_admissible_contacts(tables, terms, study):
         np.testing.assert_allclose(band[name], own, atol=0.01 * terms["total"].max())
     other = study(case="steel-silicon, n = 1", diameter_um=62.0, speed_m_per_s=1.66)["fig20"]
     assert "admissible" not in set(other["series"])
-
-
-def test_drawn(draw, tables, legend_texts):
-    figure = draw("fig20", tables)
-    assert "computed, calibrated" in legend_texts(figure)
-    assert figure.axes[0].get_xlabel().endswith("(ns)")
-    # The Hertz force is not damped here, and the figure says so; where it is, it does not.
-    assert "damping of Hertz force (zero)" in legend_texts(figure)
-    forces = tables["fig20"]
-    damped = forces.assign(y_uN=forces["y_uN"].where(forces["series"] != "hertz damping", 1.0))
-    assert "damping of Hertz force" in legend_texts(draw("fig20", {"fig20": damped}))

@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-import pandas as pd
 import pytest
-
-from microimpact.core.tables import series_frame
 
 ROUGH = ("equal weights", "facets by area seen")
 
@@ -171,40 +168,3 @@ def test_the_whole_study_runs_on_the_simulation(run_study, calibration, settings
     )
     relative = found["monte_carlo"].set_index("angle_deg")["relative_restitution"]
     assert relative[20.0] > 0.1
-
-
-@pytest.fixture
-def points():
-    """Two measured means, as the oblique experiments give them."""
-    return pd.concat(
-        series_frame(
-            panel=panel,
-            series="steel on Formica",
-            evidence="virtual experiment",
-            x=[20.0, 45.0],
-            y=[0.3, 0.1],
-            x_unit="deg",
-            y_unit="1",
-            y_low=[0.2, 0.0],
-            y_high=[0.4, 0.2],
-        )
-        for panel in ("restitution", "impulse_ratio")
-    )
-
-
-def test_drawn(draw, tables, points, legend_texts):
-    figure = draw("fig23", {**tables, "fig23_points": points})
-    texts = legend_texts(figure)
-    assert {
-        "smooth surface",
-        "computed, calibrated",
-        "95 % of means of 40 events",
-        "steel on Formica",
-    } <= set(texts)
-    # The point far above the others does not squeeze the rest.
-    assert figure.axes[0].get_ylim()[1] < 2.0
-    # Two bands of error, one of measured means and the bars of the points per panel.
-    assert [len(ax.collections) for ax in figure.axes] == [4, 4]
-    for ax in figure.axes:
-        bars = [c for c in ax.collections if hasattr(c, "get_segments")]
-        assert [len(c.get_segments()) for c in bars] == [2]

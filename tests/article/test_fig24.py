@@ -127,22 +127,3 @@ def test_another_generator(run_study, calibration, sampling, settings):
     own = table[(table["variation"] == "uniform") & (table["response"] == "v_c by Eq. 34")]
     assert own["effect"].tolist() == ["A", "B", "C", "D", "E", "BC", "BE"]
     assert set(found["doe_aliases"]["resolution"]) == {3}
-
-
-@pytest.mark.parametrize(("name", "labelled"), [("fig24", "CD"), ("fig25", "ABCDE")])
-def test_drawn(draw, tables, legend_texts, name, labelled):
-    figure = draw(name, tables)
-    normal, half = figure.axes
-    assert half.get_xscale() == "log"
-    assert {"$v_c$, exact", "Lenth's margin", "simultaneous margin"} <= set(legend_texts(figure))
-    words = [text.get_text() for text in normal.texts]
-    assert set(labelled) <= set(words)
-    # An interaction is named where it is as large as one of the four factors that matter.
-    assert ("CD" in words) == (name == "fig24")
-    (title,) = (legend.get_title().get_text() for legend in figure.legends)
-    assert all(f"{factor} " in title for factor in "ABCDE")
-    assert {"BC", "BD", "CD"} <= {text.get_text() for text in half.texts}
-    figure.draw_without_rendering()
-    boxes = [text.get_window_extent() for ax in figure.axes for text in ax.texts]
-    for i, box in enumerate(boxes):
-        assert not any(box.overlaps(other) for other in boxes[:i])

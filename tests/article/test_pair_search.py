@@ -123,13 +123,3 @@ def test_a_probe_volume_that_nothing_hits_is_refused(run_small, settings):
     dispenser = {**branch["dispenser"], "lateral_position_mm": 50.0}
     with pytest.raises(ValueError, match=r"particles: at .* fall through the probe volume"):
         run_small(dispenser=dispenser, particles=2)
-
-
-def test_drawn(draw, tables, legend_texts):
-    figure = draw("doppler_pairs", tables)
-    panels = [ax for ax in figure.axes if ax.axison]
-    assert [ax.get_xscale() for ax in panels] == ["linear", "log", "log", "log", "log"]
-    texts = legend_texts(figure)
-    assert {"accepted pair", "exactly, any $e$", "virtual experiment", "computed"} <= set(texts)
-    pairs = [line for line in panels[0].lines if len(line.get_xdata()) == 2]
-    assert len(pairs) >= 2

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from microimpact.declared.parameters import build
-from microimpact.figures.experiments.imaging import grey_levels
 from microimpact.lab.ptis import errors
 from microimpact.lab.ptis.observation import photographed
 from microimpact.studies.experiments.track_imaging import Params, agreement, error_cases
@@ -126,25 +125,3 @@ def test_losses_add_up(tables):
     keys = ["speed_m_per_s", "angle_deg", "pixel_um", "method"]
     for _, rows in tables["ptis_losses"].groupby(keys):
         assert rows["fraction"].sum() == pytest.approx(1.0)
-
-
-def test_the_pixels_of_the_figure_are_those_of_a_frame(tables):
-    image, (left, right, bottom, top) = grey_levels(tables["ptis_pixels"])
-    assert image.shape == (bottom - top, right - left)
-    assert np.median(image) == pytest.approx(20.0, abs=1.0)
-    # Every centroid lies on light.
-    marks = tables["ptis_frame"].query("evidence == 'virtual experiment'")
-    for column, row in marks[["x_px", "y_px"]].to_numpy():
-        assert image[round(row - top - 0.5), round(column - left - 0.5)] > 60.0
-    assert len(tables["ptis_pixels"].to_csv(index=False)) < 1_000_000
-
-
-def test_drawn(draw, tables, legend_texts):
-    frame = draw("ptis_frame", tables)
-    assert {"surface", "incident dashes", "virtual experiment"} <= set(legend_texts(frame))
-    assert frame.axes[0].get_images()
-    low, high = frame.axes[0].get_ylim()
-    assert low > high  # rows count downwards
-    accuracy = draw("ptis_accuracy", tables)
-    assert [ax.get_yscale() for ax in accuracy.axes] == ["symlog", "symlog"]
-    assert {"path under gravity", "straight line", "error model"} <= set(legend_texts(accuracy))

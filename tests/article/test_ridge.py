@@ -87,16 +87,3 @@ def test_a_target_that_is_not_printed_is_marked_as_assumed(run_study, tables):
     changed = {**few, "capture_velocity_m_per_s": 0.15, "members": {case: {}}}
     found = evidence(run_study("calibration", two_stage=changed))
     assert found == {0.15: "assumed", 1.66: "printed"}
-
-
-def test_drawn(draw, tables, legend_texts):
-    figure = draw("ridge", tables)
-    assert [ax.get_xscale() for ax in figure.axes] == ["log", "linear"]
-    assert {"computed, calibrated", "printed in the article"} <= set(legend_texts(figure))
-    # A family has one colour in both panels.
-    families, members = (
-        {bars.get_label().partition(",")[0]: bars.lines[0].get_color() for bars in ax.containers}
-        for ax in figure.axes
-    )
-    for name in ("$n$ = 0", "$n$ = 1"):
-        assert members[name] == families[name]

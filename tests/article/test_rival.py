@@ -79,12 +79,6 @@ def test_the_number_nearer_to_what_is_seen_is_preferred(at, preferred):
     assert weighed("l", "m/s", at, (0.2, 0.3))["prefers"] == preferred
 
 
-def test_the_figure_is_drawn(tables, draw):
-    figure = draw("rival_restitution", tables)
-    labels = [text.get_text() for ax in figure.axes for text in ax.get_legend().get_texts()]
-    assert any("probe" in label for label in labels)
-
-
 def test_printed_marks_vanish_for_another_pair(run_study, inputs, tables, draw):
     assert "printed" in set(tables["rival_restitution"]["evidence"])
     another = {"cases": ["ammonium-fluorescein-mica"], "speeds_m_per_s": [0.005, 2.0]}

@@ -5,8 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from microimpact.studies.models.rolling_dissipation import around_least
-
 CONSTANT, INVERSE = "steel-silicon, n = 0", "steel-silicon, n = 1"
 
 
@@ -89,25 +87,6 @@ def test_ranges_of_angles(tables, moments):
     assert impact["to_is_limit"].all()
     assert (impact["negligible_to_deg"] == 85.0).all()
     assert ranges["greatest_ratio"].max() == moments["bound_over_friction"].max()
-
-
-def test_around_least():
-    def excess(x):
-        return (x - 2.0) ** 2 - 1.5
-
-    x = np.arange(6.0)
-    low, high = around_least(excess, x, excess(x))
-    assert low == pytest.approx(2.0 - np.sqrt(1.5), abs=1e-3)
-    assert high == pytest.approx(2.0 + np.sqrt(1.5), abs=1e-3)
-    assert around_least(excess, x[1:4], excess(x[1:4])) == (1.0, 3.0)
-    assert np.isnan(around_least(excess, x[4:], excess(x[4:]))).all()
-
-
-def test_drawn(draw, tables, legend_texts):
-    figure = draw("rolling", tables)
-    assert len(figure.axes) == 4
-    assert {ax.get_yscale() for ax in figure.axes} == {"log"}
-    assert {"negligible below", "computed"} <= set(legend_texts(figure))
 
 
 def test_wrong_parameters_are_refused(run_study, calibration):

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from microimpact.model.rigid_body.roughness import rough_rebound, shallow_restitution
-from microimpact.studies.analyses.roughness_expansions import first_excess
 
 
 @pytest.fixture(scope="module")
@@ -113,15 +112,6 @@ def test_equation_38_ends_where_the_sphere_begins_to_roll(ranges):
     assert row["high_deg"] == pytest.approx(local - 2.0, abs=0.5)
 
 
-def test_first_excess():
-    assert first_excess(lambda x: np.asarray(x) - 0.3, 0.0, 1.0) == pytest.approx(0.3, abs=1e-12)
-    assert first_excess(lambda x: np.asarray(x) - 2.0, 0.0, 1.0) == 1.0
-    assert np.isnan(first_excess(lambda x: 0.5 - np.asarray(x), 0.0, 1.0))
-    # the first of several
-    found = first_excess(lambda x: np.sin(10.0 * np.asarray(x)) - 0.5, 0.0, 3.0)
-    assert found == pytest.approx(np.pi / 60, abs=1e-9)
-
-
 def test_another_tolerance_widens_the_ranges(run_study, ranges):
     loose = run_study("roughness_expansions", tolerance=0.1)["roughness_ranges"]
     row = loose.query(
@@ -129,14 +119,3 @@ def test_another_tolerance_widens_the_ranges(run_study, ranges):
         " and variable == 'slope' and fixed_deg == 10"
     ).iloc[0]
     assert row["high_deg"] > 5.0 * 1.2
-
-
-def test_drawn(draw, tables, legend_texts):
-    figure = draw("roughness", tables)
-    assert len(figure.axes) == 6
-    assert {"exact", "expansion as printed", "expansion corrected"} <= set(legend_texts(figure))
-    assert "computed" in legend_texts(figure)
-    bars = [[line for line in ax.lines if line.get_marker() == "|"] for ax in figure.axes]
-    # no bar for Eq. 41 as printed, with spin
-    assert [len(lines) for lines in bars] == [2, 2, 2, 2, 2, 1]
-    assert all(np.ptp(line.get_xdata()) > 0 for lines in bars for line in lines)

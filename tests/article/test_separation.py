@@ -6,11 +6,9 @@ import math
 
 import numpy as np
 import pytest
-from matplotlib.collections import FillBetweenPolyCollection
 from tests.shared import ROOT
 
-from microimpact.declared.provenance import unit_of
-from microimpact.studies.analyses.particle_separation import distance_from_equality, first_crossing
+from microimpact.studies.analyses.particle_separation import distance_from_equality
 
 FORCES = ("adhesion", "uniform charge", "charged patches")
 GUIDE = (ROOT / "docs/adding-an-analysis.md").read_text(encoding="utf-8")
@@ -116,12 +114,6 @@ def test_a_range_of_no_width_has_no_band(run_study):
     assert coated["low"] < coated["high"]  # what is left is the placement
 
 
-def test_first_crossing():
-    x = np.array([0.0, 1.0, 2.0, 3.0])
-    ratio = np.exp([[2.0, 1.0, -1.0, -2.0], [-1.0, -1.0, -1.0, -1.0], [2.0, 2.0, 2.0, 1.0]])
-    assert first_crossing(x, ratio) == pytest.approx([1.5, 0.0, np.nan], nan_ok=True)
-
-
 def test_distance_from_equality():
     one = np.array([1.0, 1.0])
     found = distance_from_equality(one, np.array([1.0, 8.0]), np.array([1.0, 1.0]))
@@ -143,29 +135,6 @@ def test_distance_from_equality():
 def test_wrong_parameters_are_refused(run_study, changes, message):
     with pytest.raises(ValueError, match=message):
         run_study("particle_separation", **changes)
-
-
-def test_units_of_the_charge_are_listed():
-    assert unit_of("particle_separation.charge_to_mass_uC_per_g[0]") == "uC/g"
-    assert unit_of("particle_separation.breakdown_field_V_per_um[1]") == "V/um"
-
-
-def test_drawn(draw, tables, legend_texts):
-    figure = draw("separation", tables)
-    for ax, bands in zip(figure.axes, (1, 2), strict=True):  # adhesion, and two of charge
-        assert ax.get_yscale() == "log"
-        assert ax.get_ylabel().endswith("(nN)")
-        filled = [band for band in ax.collections if isinstance(band, FillBetweenPolyCollection)]
-        assert len(filled) == bands
-    texts = legend_texts(figure)
-    assert len(texts) == len(set(texts)) == 8
-    # the statements are not the article's
-    assert "printed by Rimai et al. 2000, not in the article" in texts
-    assert "printed in the article" not in texts
-    assert "printed in the article" not in texts
-    marks = curve(tables, "stated")
-    assert marks["x_percent"].tolist() == pytest.approx([0.0, 2.0])
-    assert marks["y_nN"].iloc[1] / marks["y_nN"].iloc[0] == pytest.approx(0.05)
 
 
 def test_the_guide_gives_the_numbers_of_the_table(summary):

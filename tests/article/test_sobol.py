@@ -120,12 +120,3 @@ def test_draws_outside_the_admissible_are_named(run_study, earlier):
         run_study("sensitivity", earlier, **small, restitution_deviation=0.3)
     with pytest.raises(ValueError, match="capture_velocity_deviation_m_per_s: draws"):
         run_study("sensitivity", earlier, **small, capture_velocity_deviation_m_per_s=0.2)
-
-
-def test_drawn(draw, tables, legend_texts):
-    figure = draw("sobol", tables)
-    assert len(figure.axes) == 6
-    assert figure.axes[-1].get_xscale() == "log"
-    texts = set(legend_texts(figure))
-    assert {"total index", "first-order index", "share of squared effects"} <= texts
-    assert "all computed" in {legend.get_title().get_text() for legend in figure.legends}

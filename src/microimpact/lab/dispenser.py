@@ -95,9 +95,9 @@ def paths(
     fall = np.hypot(start, np.sqrt(2.0 * gravity * height))
     duration = (fall - start) / gravity
     lateral = dispenser.lateral_speed_m_per_s * rng.standard_normal((n, 2))
-    place = dispenser.lateral_position_mm * 1e-3 * rng.standard_normal((n, 2))
-    place += lateral * duration[:, None]
-    place[:, 0] /= np.cos(tilt)
+    position = dispenser.lateral_position_mm * 1e-3 * rng.standard_normal((n, 2))
+    position += lateral * duration[:, None]
+    position[:, 0] /= np.cos(tilt)
     # Horizontal across the tilt axis and vertical, seen from the target.
     horizontal = np.array([np.cos(tilt), 0.0, np.sin(tilt)])
     down = np.array([np.sin(tilt), 0.0, -np.cos(tilt)])
@@ -105,7 +105,7 @@ def paths(
     velocity[:, 1] += lateral[:, 1]
     # Steered away from a nearly vertical target, a particle would never arrive.
     velocity[:, 2] = np.minimum(velocity[:, 2], -1e-6)
-    return place, velocity, fall
+    return position, velocity, fall
 
 
 def arrivals(n: int, dispenser: Dispenser, rng: np.random.Generator) -> FloatArray:

@@ -325,16 +325,16 @@ def simulated(contact: Contact, n: int, law: Law | None = None) -> Strike:
     ) -> tuple[FloatArray, FloatArray, BoolArray]:
         speed = -np.vecdot(velocity, normal)
         if law:
-            radius, friction, unit, place, scale, *_ = columns[which % len(columns)].T
-            found, captured = law.quantities(speed / unit, place)
-            e = found[passes.RESTITUTION]
-            support = found[passes.COMPRESSIVE] * (scale if law.family.adhesive else speed)
+            radius, friction, unit, shape_index, scale, *_ = columns[which % len(columns)].T
+            restitution, captured = law.quantities(speed / unit, shape_index)
+            e = restitution[passes.RESTITUTION]
+            support = restitution[passes.COMPRESSIVE] * (scale if law.family.adhesive else speed)
         else:
-            own = contact.at(which) if contact.shape == (n,) and len(which) < n else contact
-            impact = normal_impact(own, speed)
+            spheres = contact.at(which) if contact.shape == (n,) and len(which) < n else contact
+            impact = normal_impact(spheres, speed)
             e, captured = impact.coefficient_of_restitution, impact.captured
-            support = np.asarray(impact.compressive_impulse / own.mass)
-            radius, friction = np.asarray(own.radius), np.asarray(own.friction)
+            support = np.asarray(impact.compressive_impulse / spheres.mass)
+            radius, friction = np.asarray(spheres.radius), np.asarray(spheres.friction)
         # Of a rigid body that friction has the same impulse; who stays rolls in the end.
         same = friction * support / ((1.0 + e) * speed)
         same = np.where(captured & (friction > 0.0), np.inf, same)

@@ -66,15 +66,15 @@ def defining_relation(generator: str, letters: str) -> dict[str, int]:
     generator's order. Raises ValueError if the number of words is not that of the factors, a word
     repeats or misses a letter, or two factors could not be told apart (resolution below III).
     """
-    given = generator.split()
-    if len(given) != len(letters):
+    generator_words = generator.split()
+    if len(generator_words) != len(letters):
         raise ValueError(
             f"generator {generator!r}: must have {len(letters)} words, one for each of"
-            f" {', '.join(letters)}, got {len(given)}"
+            f" {', '.join(letters)}, got {len(generator_words)}"
         )
     free: dict[str, str] = {}
     independent: dict[str, int] = {}
-    for letter, word in zip(letters, given, strict=True):
+    for letter, word in zip(letters, generator_words, strict=True):
         body = word.lstrip("+-")
         if len(word) == 1 and word.isalpha() and word not in free:
             free[word] = letter
@@ -103,21 +103,21 @@ def defining_relation(generator: str, letters: str) -> dict[str, int]:
 
 def _group(generators: SignedWords) -> dict[str, int]:
     """Return all products of the generating words."""
-    found = {"": 1}
+    signed_words = {"": 1}
     for word, sign in generators.items():
-        found |= {product(word, other): sign * s for other, s in found.items()}
-    return {word: sign for word, sign in found.items() if word}
+        signed_words |= {product(word, other): sign * s for other, s in signed_words.items()}
+    return {word: sign for word, sign in signed_words.items() if word}
 
 
 def quarter_fractions(letters: str) -> list[tuple[str, str]]:
     """Return every pair of defining words, one per 2^(k-2) fraction of resolution III or more."""
     long = [word for word in words(letters) if len(word) >= LEAST_RESOLUTION]
-    found: dict[frozenset[str], tuple[str, str]] = {}
+    fractions: dict[frozenset[str], tuple[str, str]] = {}
     for pair in combinations(long, 2):
         group = frozenset((*pair, product(*pair)))
         if min(map(len, group)) >= LEAST_RESOLUTION:
-            found.setdefault(group, pair)
-    return list(found.values())
+            fractions.setdefault(group, pair)
+    return list(fractions.values())
 
 
 def aliases(relation: SignedWords, letters: str) -> dict[str, dict[str, int]]:
@@ -146,8 +146,8 @@ def effects(
     """
     columns = [design[:, [letters.index(c) for c in word]].prod(axis=1) for word in chosen]
     contrasts = np.stack(columns, axis=1)
-    found: FloatArray = 2.0 / len(design) * np.asarray(response) @ contrasts
-    return found
+    contrast_means: FloatArray = 2.0 / len(design) * np.asarray(response) @ contrasts
+    return contrast_means
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,7 +159,7 @@ class Margins:
     simultaneous: float
 
 
-def lenth(found: FloatArray, confidence: float = 0.95) -> Margins:
+def lenth(effects: FloatArray, confidence: float = 0.95) -> Margins:
     """Lenth's margins for the effects of an unreplicated design.
 
     `confidence`: of one effect (margin), and of all together (simultaneous).
@@ -170,29 +170,29 @@ def lenth(found: FloatArray, confidence: float = 0.95) -> Margins:
     """
     from scipy.special import stdtrit
 
-    sizes = np.abs(found)
+    sizes = np.abs(effects)
     first = 1.5 * float(np.median(sizes))
     # Effects that are all zero have no error.
     error = 1.5 * float(np.median(sizes[sizes < 2.5 * first])) if first > 0.0 else 0.0
-    one = 0.5 * (1.0 + confidence)
+    single = 0.5 * (1.0 + confidence)
     together = 0.5 * (1.0 + confidence ** (1.0 / sizes.size))
-    quantile, wide = stdtrit(sizes.size / 3.0, [one, together])
+    quantile, wide = stdtrit(sizes.size / 3.0, [single, together])
     return Margins(error, float(quantile) * error, float(wide) * error)
 
 
-def normal_positions(found: FloatArray) -> FloatArray:
+def normal_positions(effects: FloatArray) -> FloatArray:
     """Normal quantiles of the ranks of effects, for a normal probability plot."""
     from scipy.special import ndtri
 
-    positions: FloatArray = ndtri(_ranks(found))
+    positions: FloatArray = ndtri(_ranks(effects))
     return positions
 
 
-def half_normal_positions(found: FloatArray) -> FloatArray:
+def half_normal_positions(effects: FloatArray) -> FloatArray:
     """Quantiles of the absolute normal variate, for a half-normal plot of absolute effects."""
     from scipy.special import ndtri
 
-    positions: FloatArray = ndtri(0.5 + 0.5 * _ranks(np.abs(found)))
+    positions: FloatArray = ndtri(0.5 + 0.5 * _ranks(np.abs(effects)))
     return positions
 
 

@@ -98,9 +98,9 @@ def _weighted_indices(response: FloatArray, weights: FloatArray) -> FloatArray:
     terms = np.hstack([first, total, 0.5 * (a + b), 0.5 * (a**2 + b**2)])
     means = weights @ terms
     variance = means[:, -1:] - means[:, -2:-1] ** 2
-    found: FloatArray = np.zeros_like(means[:, :-2])
-    np.divide(means[:, :-2], variance, out=found, where=variance > NO_VARIANCE)
-    return found
+    products: FloatArray = np.zeros_like(means[:, :-2])
+    np.divide(means[:, :-2], variance, out=products, where=variance > NO_VARIANCE)
+    return products
 
 
 def _problem(inputs: int) -> dict[str, object]:

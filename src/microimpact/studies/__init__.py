@@ -22,12 +22,12 @@ from types import MappingProxyType, ModuleType
 def homes() -> MappingProxyType[str, str]:
     """Return the full module name of every study by the study's name, in order of the names."""
     sections = [module.name for module in pkgutil.iter_modules(__path__) if module.ispkg]
-    found = {
+    modules = {
         module.name: f"{__name__}.{section}.{module.name}"
         for section in sections
         for module in pkgutil.iter_modules([f"{place}/{section}" for place in __path__])
     }
-    return MappingProxyType(dict(sorted(found.items())))
+    return MappingProxyType(dict(sorted(modules.items())))
 
 
 def study(name: str) -> ModuleType:

@@ -100,11 +100,11 @@ def admissible_beside(
     rows = table[(table["case"] == of.case) & (table["variant"] == of.variant)]
     if pair_of({"calibration": rows}, of.case) != pair_of(inputs, case):
         return {}
-    found = {}
-    for basis, own in rows.groupby("friction_basis"):
-        contact = admissible_contact({**inputs, "admissible_contacts": own}, of.case, of.variant)
-        found[str(basis)] = resized(contact, diameter)
-    return found
+    contacts = {}
+    for basis, draws in rows.groupby("friction_basis"):
+        contact = admissible_contact({**inputs, "admissible_contacts": draws}, of.case, of.variant)
+        contacts[str(basis)] = resized(contact, diameter)
+    return contacts
 
 
 def pair_of(inputs: Tables, case: str) -> tuple[str, str]:

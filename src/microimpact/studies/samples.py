@@ -175,22 +175,22 @@ def mean_columns(seen: Seen) -> dict[str, Any]:
     return {"rebounds": len(seen.measured), "captured_share": seen.captured_share, **means}
 
 
-def half_width(one: Mean, other: Mean, sampling: Sampling) -> float:
+def half_width(first: Mean, second: Mean, sampling: Sampling) -> float:
     """Return the half-width of the 95 % interval of a difference of means.
 
     Of two experiments of ``sampling.events`` events each, either with its own setting of the
     target.
     """
-    sd, systematic = np.hypot(one.sd, other.sd), np.hypot(one.systematic, other.systematic)
+    sd, systematic = np.hypot(first.sd, second.sd), np.hypot(first.systematic, second.systematic)
     freedom = 2 * (sampling.events - 1)
     return float(student_half_width(sd, sampling.events, systematic, freedom=freedom))
 
 
-def difference_columns(one: Seen, other: Seen, sampling: Sampling) -> dict[str, float]:
+def difference_columns(first: Seen, second: Seen, sampling: Sampling) -> dict[str, float]:
     """Return the differences of means, one less other, alone and over their half-widths."""
     columns = {}
     for name in QUANTITIES:
-        a, b = one.means[name], other.means[name]
+        a, b = first.means[name], second.means[name]
         columns[f"{name}_difference"] = apart = a.value - b.value
         columns[f"{name}_difference_over_half_width"] = apart / half_width(a, b, sampling)
     return columns

@@ -135,7 +135,7 @@ def test_place_and_size_are_moments_of_the_light(lines):
     place = [np.average(axis, weights=light) for axis in (x, y)]
     covariance = np.cov(np.stack([x.ravel(), y.ravel()]), aweights=light.ravel(), ddof=0)
     assert spots.light == pytest.approx([light.sum()])
-    assert spots.place == pytest.approx(np.array([place]))
+    assert spots.centroid == pytest.approx(np.array([place]))
     sizes = np.sqrt(np.linalg.eigvalsh(covariance))
     assert [spots.width[0], spots.length[0]] == pytest.approx(sizes)
     assert spots.height == pytest.approx(setup.height(np.array([place])))
@@ -150,7 +150,7 @@ def test_spots_at_the_edge_or_the_surface_are_not_clear():
     for left, top in ((300, 0), (0, 200), (300, 150), (column, row)):
         frame[top : top + 5, left : left + 5] = 200
     spots = find_spots(frame, setup)
-    clear = dict(zip(map(tuple, np.rint(spots.place).astype(int)), spots.clear, strict=True))
+    clear = dict(zip(map(tuple, np.rint(spots.centroid).astype(int)), spots.clear, strict=True))
     assert clear == {
         (302, 2): False,
         (2, 202): False,
@@ -181,8 +181,8 @@ def test_spots_of_round_light_are_found_where_they_were_drawn():
     )
     frame = np.rint(20.0 + light + 2.0 * rng.standard_normal(light.shape)).clip(0, 255)
     spots = find_spots(frame.astype(np.uint8), setup)
-    order = np.argsort(spots.place[:, 0])
-    assert spots.place[order] == pytest.approx(centres, abs=0.1)
+    order = np.argsort(spots.centroid[:, 0])
+    assert spots.centroid[order] == pytest.approx(centres, abs=0.1)
     # Cut off where the light ends, a spot is a little narrower than it was drawn.
     assert spots.length == pytest.approx(3.0, rel=0.1)
     assert spots.light == pytest.approx(150.0 * 2.0 * np.pi * 9.0, rel=0.03)

@@ -167,10 +167,10 @@ class GroundTruth:
     @property
     def recorded(self) -> BoolArray:
         """True for the passages of which there is a record, shape (2, n)."""
-        found = np.zeros(self.dropped.shape, dtype=np.bool_)
+        present = np.zeros(self.dropped.shape, dtype=np.bool_)
         real = self.impact >= 0
-        found[self.leg[real], self.impact[real]] = True
-        return found
+        present[self.leg[real], self.impact[real]] = True
+        return present
 
 
 def true_height(instrument: Analyser, rng: Generator) -> float:
@@ -202,8 +202,8 @@ def passages(impacts: Impacts, height: Real, instrument: Analyser, fall: Real = 
         (INCIDENT, -1.0, np.ascontiguousarray(impacts.velocity)),
         (REBOUND, 1.0, np.ascontiguousarray(impacts.rebound_velocity)),
     ):
-        found = reached[leg], inside[leg], time[leg], velocity[leg], chord[leg], transit[leg]
-        _cross(impacts.time, position, path, level, sign, axes, gravity, *found)
+        outputs = reached[leg], inside[leg], time[leg], velocity[leg], chord[leg], transit[leg]
+        _cross(impacts.time, position, path, level, sign, axes, gravity, *outputs)
     reached[INCIDENT] &= np.asarray(fall) > height
     reached[REBOUND] &= ~impacts.captured
     return Passages(

@@ -49,18 +49,18 @@ def collect(drop: Drop, instrument: Analyser, stop: StopRule, rng: Generator) ->
     later: list[Impacts] = []
     dropped, end = 0, 0.0
     while True:
-        number, own = stop.batch(dropped), child(rng, 0, dropped)
-        batch = drop.impacts(number, own, within=REACH)
+        number, batch_rng = stop.batch(dropped), child(rng, 0, dropped)
+        batch = drop.impacts(number, batch_rng, within=REACH)
         batch = replace(batch, time=end + batch.time)
-        bounce = drop.target.later(batch.diameter, own)
+        bounce = drop.target.later(batch.diameter, batch_rng)
         whole = with_later_impacts(batch, bounce, instrument.later_impacts)
         first.append(batch)
         later.append(whole.select(slice(len(batch), None)))
         dropped, end = dropped + number, float(np.max(batch.time, initial=end))
         impacts, arrived = Impacts.joined(first + later), sum(map(len, first))
         # A second more, for the last sphere to bounce.
-        given = impacts, arrived, end + 1.0, instrument, child(rng, 1)
-        seen = observe(*given, drop_height=drop.height)
+        setting = impacts, arrived, end + 1.0, instrument, child(rng, 1)
+        seen = observe(*setting, drop_height=drop.height)
         events = seen.at_surface()
         measured = events.select(np.flatnonzero(drop.in_class(events.speed))[: stop.events])
         if stop.ended(len(measured), dropped):

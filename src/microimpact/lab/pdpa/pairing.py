@@ -103,22 +103,22 @@ def search(stream: RecordStream, height: float, instrument: Analyser) -> Pairing
     The height, m, is an initial estimate, wrong by about ``initial_estimate_error``.
     """
     initial = height, abs(instrument.initial_estimate_error) * height
-    found, pairs, converged, rounds = initial, None, False, 0
+    estimate, pairs, converged, rounds = initial, None, False, 0
     while not converged and rounds < MOST_ROUNDS:
-        before, pairs, rounds = pairs, assign(stream, *found, instrument), rounds + 1
+        before, pairs, rounds = pairs, assign(stream, *estimate, instrument), rounds + 1
         if len(pairs[0]) < FEWEST_PAIRS:
-            found = initial
+            estimate = initial
             break
         converged = before is not None and np.array_equal(pairs, before)
-        given = stream, np.stack(pairs), np.asarray(found[0]), instrument
-        best, error = estimate_height(*given)
-        found = float(best), float(error)
+        arguments = stream, np.stack(pairs), np.asarray(estimate[0]), instrument
+        best, error = estimate_height(*arguments)
+        estimate = float(best), float(error)
     incident, rebound = pairs or (np.zeros(0, dtype=np.int64),) * 2
     return Pairing(
         incident=incident,
         rebound=rebound,
-        height=found[0],
-        height_error=found[1],
+        height=estimate[0],
+        height_error=estimate[1],
         rounds=rounds,
         converged=converged,
     )
@@ -136,12 +136,12 @@ def estimate_height(
     incident, rebound = stream.velocity[pairs]
     recorded = stream.time[pairs[1]] - stream.time[pairs[0]]
     noise, slope = delay_noise(incident, rebound, height[..., None], instrument)
-    found, weight = np.asarray(height_from_delay(incident, rebound, recorded)), slope / noise
-    order = np.argsort(found, axis=-1, kind="stable")
+    heights, weight = np.asarray(height_from_delay(incident, rebound, recorded)), slope / noise
+    order = np.argsort(heights, axis=-1, kind="stable")
     reached = np.cumsum(np.take_along_axis(weight, order, -1), axis=-1)
     middle = np.sum(reached < 0.5 * reached[..., -1:], axis=-1, keepdims=True)
-    best = np.take_along_axis(found, np.take_along_axis(order, middle, -1), -1)
-    excess = np.sqrt(np.mean(np.square((found - best) * weight), axis=-1))
+    best = np.take_along_axis(heights, np.take_along_axis(order, middle, -1), -1)
+    excess = np.sqrt(np.mean(np.square((heights - best) * weight), axis=-1))
     error = np.sqrt(0.5 * np.pi / np.sum(np.square(weight), axis=-1))
     return best[..., 0], np.maximum(1.0, excess) * error
 

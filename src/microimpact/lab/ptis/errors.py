@@ -192,17 +192,17 @@ def _sort(  # type: ignore[no-untyped-def]
         _join(spot[begin:end], begin, path, reach, near)
         crowded = -np.inf
         for i in range(begin, end):
-            own = spot[i]
-            whole[own] += light[i]
-            centre[own] += light[i] * level[i]
-            bottom[own] = min(bottom[own], lowest[i]) if own < i else lowest[i]
+            number = spot[i]
+            whole[number] += light[i]
+            centre[number] += light[i] * level[i]
+            bottom[number] = min(bottom[number], lowest[i]) if number < i else lowest[i]
         for i in range(begin, end):
-            own = spot[i]
-            if bottom[own] > surface and whole[own] > several:
-                crowded = max(crowded, centre[own] / whole[own])
+            number = spot[i]
+            if bottom[number] > surface and whole[number] > several:
+                crowded = max(crowded, centre[number] / whole[number])
         for i in range(begin, end):
-            own = spot[i]
-            single = bottom[own] > surface and not whole[own] > several
+            number = spot[i]
+            single = bottom[number] > surface and not whole[number] > several
             alone[i] = single and level[i] > crowded
         begin = end
 
@@ -212,10 +212,10 @@ def _join(spot, begin, path, reach, near):  # type: ignore[no-untyped-def]
     """Give the dashes of an event that run together, from ``begin`` on, the number of the first."""
     for i in range(spot.size):
         for j in range(i + 1, spot.size):
-            first, other = min(spot[i], spot[j]), max(spot[i], spot[j])
-            if first < other and _together(begin + i, begin + j, path, reach, near):
+            first, second = min(spot[i], spot[j]), max(spot[i], spot[j])
+            if first < second and _together(begin + i, begin + j, path, reach, near):
                 for k in range(spot.size):
-                    if spot[k] == other:
+                    if spot[k] == second:
                         spot[k] = first
 
 
@@ -236,9 +236,9 @@ def _together(i, j, path, reach, near):  # type: ignore[no-untyped-def]
 
 def _row(centre: FloatArray, length: FloatArray, start: IntArray, number: IntArray) -> Rows:
     """Return the rows of one leg among dashes, from the first of each on."""
-    place = np.arange(max(2, number.max(initial=0)))
-    used = place < number[:, None]
-    index = np.where(used, start[:, None] + place, 0)
+    position = np.arange(max(2, number.max(initial=0)))
+    used = position < number[:, None]
+    index = np.where(used, start[:, None] + position, 0)
     if not len(centre):  # nothing that the unused index 0 could mean
         centre, length = np.zeros((1, 2)), np.zeros(1)
     total = np.bincount(np.nonzero(used)[0], length[index[used]], minlength=len(number))
@@ -278,15 +278,15 @@ def _centroid_variance(
     density = [brightness(row.length, disk, setup) for row in rows]
     light = peak / np.maximum(*density)
     wide = disk + 2.0 * (outline(setup) + WINGS_PX)
-    found = []
+    variances = []
     for row, bright in zip(rows, density, strict=True):
         signal = 0.5 * light * bright
         shot = (signal + instrument.background_counts) / instrument.electrons_per_count
         noise = (least + shot) * (2.0 if instrument.interlace else 1.0)
         long = row.length + wide - FAINT_END * disk
         per_square = CENTROID_NOISE**2 * noise * long * wide / (12.0 * light**2)
-        found.append((per_square * long**2, per_square * wide**2))
-    return found
+        variances.append((per_square * long**2, per_square * wide**2))
+    return variances
 
 
 def _velocity_covariance(

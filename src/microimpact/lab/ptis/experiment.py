@@ -40,15 +40,15 @@ def collect(drop: Drop, instrument: ImagingSystem, stop: StopRule, rng: Generato
     errors = draw_systematics(instrument, rng)
     fates: Counter[str] = Counter()
     looked: list[Impacts] = []
-    found: list[Measured] = []
+    accepted_events: list[Measured] = []
     dropped = first = accepted = 0
     while not stop.ended(accepted, dropped):
         number = stop.batch(dropped)
-        own = child(rng, 2, dropped)
-        falling = drop.release(number, own)
+        batch_rng = child(rng, 2, dropped)
+        falling = drop.release(number, batch_rng)
         # Others arrive where they cannot be seen.
         shown = np.flatnonzero(in_sheet(falling.position, instrument))
-        batch = drop.hit(falling.select(shown), own)
+        batch = drop.hit(falling.select(shown), batch_rng)
         wanted, used = stop.events - accepted, number
         seen = modelled(batch, setup, errors, rng, [child(rng, 1, dropped)] * len(batch))
         inside = np.flatnonzero(drop.in_class(seen.measured.speed))[:wanted]
@@ -56,14 +56,14 @@ def collect(drop: Drop, instrument: ImagingSystem, stop: StopRule, rng: Generato
         end = int(part.event[-1]) + 1 if len(part) == wanted else len(batch)
         fates.update(seen.fates[:end])
         looked.append(batch.select(slice(end)))
-        found.append(replace(part, event=part.event + first))
+        accepted_events.append(replace(part, event=part.event + first))
         accepted, first = accepted + len(part), first + end
         if accepted == stop.events:
             used = int(shown[end - 1]) + 1
         fates[OFF_SHEET] += used - int(np.sum(shown < used))
         dropped += used
     fates[OUTSIDE_CLASS] = fates[MEASURED] - accepted
-    measured = Measured.joined(found)
+    measured = Measured.joined(accepted_events)
     return Outcome(
         measured=measured,
         impacts=Impacts.joined(looked),

@@ -52,17 +52,19 @@ class Flight:
     def select(self, which: IntArray) -> Flight:
         """Return the paths of some spheres."""
         legs = (LEGS * which[:, None] + np.arange(LEGS)).ravel()
-        own = {k: getattr(self, k)[legs] for k in ("begin", "end", "start", "origin", "velocity")}
-        return replace(self, **own)
+        columns = {
+            k: getattr(self, k)[legs] for k in ("begin", "end", "start", "origin", "velocity")
+        }
+        return replace(self, **columns)
 
     def at(self, leg: IntArray, time: FloatArray) -> FloatArray:
         """Return the position, m, shape (..., 3), of a leg at times s after impact."""
         t = (time - self.start[leg])[..., None]
         # In place and by `take`: half of the time, a tenth of that of a virtual experiment.
-        place: FloatArray = np.take(self.velocity, leg, axis=0) * t
-        place += np.take(self.origin, leg, axis=0)
-        place += 0.5 * self.gravity * np.square(t)
-        return place
+        position: FloatArray = np.take(self.velocity, leg, axis=0) * t
+        position += np.take(self.origin, leg, axis=0)
+        position += 0.5 * self.gravity * np.square(t)
+        return position
 
 
 def flights(impacts: Impacts, setup: Setup) -> Flight:
@@ -82,8 +84,8 @@ def flights(impacts: Impacts, setup: Setup) -> Flight:
     again = after + pull * time
     again[:, 2] *= -kept
 
-    def legs(*of: FloatArray) -> FloatArray:
-        return np.stack(of, axis=1).reshape(LEGS * len(impacts), *of[0].shape[1:])
+    def legs(*values: FloatArray) -> FloatArray:
+        return np.stack(values, axis=1).reshape(LEGS * len(impacts), *values[0].shape[1:])
 
     return Flight(
         begin=legs(-fallen, never, aloft),
@@ -183,13 +185,13 @@ def exposures(
     # A leg ends within one pulse at most.
     most = opening.shape[0] * (opening.shape[1] + LEGS - 1)
     leg, times = np.empty(most, dtype=np.int64), np.empty((2, most))
-    told = np.empty((4, most), dtype=bool)
+    flags = np.empty((4, most), dtype=bool)
     legs = path.begin, path.end, entry, leaving, path.start, path.origin, path.velocity
     view = setup.imaging(errors), instrument.frame_px, spot
     pulses = opening, closing, begin, exposure
-    lit = slice(_lit(pulses, legs, path.gravity, view, leg, *times, told))
+    lit = slice(_lit(pulses, legs, path.gravity, view, leg, *times, flags))
     start, end = times[:, lit]
-    whole, in_sheet, in_view, in_field = told[:, lit]
+    whole, in_sheet, in_view, in_field = flags[:, lit]
     return Exposure(
         leg=leg[lit],
         start=start,
@@ -206,7 +208,7 @@ def exposures(
 
 
 @_jit
-def _lit(pulses, legs, pull, view, leg, start, end, told):  # type: ignore[no-untyped-def]
+def _lit(pulses, legs, pull, view, leg, start, end, flags):  # type: ignore[no-untyped-def]
     """Write what pulses (n, m) light, as fields of an `Exposure`; return how many pieces."""
     opening, closing, field, exposure = pulses
     begin, last, entry, leaving, since, origin, velocity = legs
@@ -216,22 +218,25 @@ def _lit(pulses, legs, pull, view, leg, start, end, told):  # type: ignore[no-un
         close = field[event] + exposure
         for pulse in range(opening.shape[1]):
             opens, closes = opening[event, pulse], closing[event, pulse]
-            for own in range(LEGS * event, LEGS * (event + 1)):
-                first, final = max(opens, begin[own]), min(closes, last[own])
+            for leg_index in range(LEGS * event, LEGS * (event + 1)):
+                first, final = max(opens, begin[leg_index]), min(closes, last[leg_index])
                 if not first < final:
                     continue
-                start[piece], end[piece] = max(first, entry[own]), min(final, leaving[own])
-                leg[piece] = own
+                start[piece], end[piece] = (
+                    max(first, entry[leg_index]),
+                    min(final, leaving[leg_index]),
+                )
+                leg[piece] = leg_index
                 inside = True
                 for time in (start[piece], end[piece]):
-                    t = time - since[own]
-                    x = velocity[own, 0] * t + origin[own, 0] + 0.5 * pull[0] * t * t
-                    z = velocity[own, 2] * t + origin[own, 2] + 0.5 * pull[2] * t * t
+                    t = time - since[leg_index]
+                    x = velocity[leg_index, 0] * t + origin[leg_index, 0] + 0.5 * pull[0] * t * t
+                    z = velocity[leg_index, 2] * t + origin[leg_index, 2] + 0.5 * pull[2] * t * t
                     inside &= _inside(x, z, imaging, frame, margin[event])
-                told[0, piece] = first == opens and final == closes
-                told[1, piece] = start[piece] == first and end[piece] == final
-                told[2, piece] = inside
-                told[3, piece] = opens >= field[event] and closes <= close
+                flags[0, piece] = first == opens and final == closes
+                flags[1, piece] = start[piece] == first and end[piece] == final
+                flags[2, piece] = inside
+                flags[3, piece] = opens >= field[event] and closes <= close
                 piece += 1
     return piece
 

@@ -92,8 +92,8 @@ def _windows(path: FloatArray, pad: float, disk: float, blur: float) -> tuple[In
     side = scipy.fft.next_fast_len(int(widest.max()) + 1, real=True)
     # Shares of a Gaussian at each point of the path on each column and each row of the window.
     edges = np.arange(side + 1) - 0.5
-    place = (path - corner[:, None])[..., None]
-    share = np.diff(scipy.special.ndtr((edges - place) / blur))
+    offset = (path - corner[:, None])[..., None]
+    share = np.diff(scipy.special.ndtr((edges - offset) / blur))
     light = np.swapaxes(share[:, :, 1], 1, 2) @ share[:, :, 0] / path.shape[1]
     return corner, through_disk(light, disk)
 

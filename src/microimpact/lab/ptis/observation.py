@@ -68,14 +68,14 @@ def modelled(
     turn from ``draws`` if these are given, one per event or the same for all.
     """
     moving = np.flatnonzero(~impacts.captured)
-    own = [draws[i] if draws else event_generator(rng, i) for i in moving.tolist()]
-    reasons, found = theory(impacts.select(moving), setup, errors, own)
+    event_draws = [draws[i] if draws else event_generator(rng, i) for i in moving.tolist()]
+    reasons, expected = theory(impacts.select(moving), setup, errors, event_draws)
     fates = np.full(len(impacts), CAPTURED, dtype=object)
     fates[moving] = reasons
     measured = np.flatnonzero(reasons == MEASURED)
-    normal = [own[i].standard_normal((2, 2, 1)) for i in measured.tolist()]
-    spread = np.linalg.cholesky(found.covariance) @ np.reshape(normal, (-1, 2, 2, 1))
-    return replace(_observation(fates, found.velocities + spread[..., 0]), expected=found)
+    normal = [event_draws[i].standard_normal((2, 2, 1)) for i in measured.tolist()]
+    spread = np.linalg.cholesky(expected.covariance) @ np.reshape(normal, (-1, 2, 2, 1))
+    return replace(_observation(fates, expected.velocities + spread[..., 0]), expected=expected)
 
 
 def observe(impacts: Impacts, setup: Setup, errors: Systematics, rng: Generator) -> ImagedEvents:

@@ -175,15 +175,15 @@ class Setup:
         """Return where points (..., 3) of the target's frame are imaged: (..., 2), pixels."""
         column, row, sine, cosine, pixel = self.imaging(errors)
         x, z = position[..., 0], position[..., 2]
-        place = np.empty((*x.shape, 2))
-        place[..., 0] = column + (x * sine + z * cosine) / pixel
-        place[..., 1] = row + (x * cosine - z * sine) / pixel
-        return place
+        pixel_position = np.empty((*x.shape, 2))
+        pixel_position[..., 0] = column + (x * sine + z * cosine) / pixel
+        pixel_position[..., 1] = row + (x * cosine - z * sine) / pixel
+        return pixel_position
 
-    def height(self, place: FloatArray) -> FloatArray:
+    def height(self, pixel_position: FloatArray) -> FloatArray:
         """Return the height above the nominal surface line, px, of columns and rows (..., 2)."""
         alpha = np.radians(self.angle)
-        away = place - self.centre
+        away = pixel_position - self.centre
         height: FloatArray = away[..., 0] * np.cos(alpha) - away[..., 1] * np.sin(alpha)
         return height
 

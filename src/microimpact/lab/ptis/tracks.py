@@ -81,7 +81,7 @@ class Spots:
 
     Attributes
     ----------
-    place
+    centroid
         Centroid, column and row in lines of the camera, shape (n, 2).
     light
         Counts above the background.
@@ -95,7 +95,7 @@ class Spots:
         True where the camera's scale ends.
     """
 
-    place: FloatArray
+    centroid: FloatArray
     light: FloatArray
     length: FloatArray
     width: FloatArray
@@ -112,11 +112,11 @@ def find_spots(frame: NDArray[np.uint8], setup: Setup) -> Spots:
     noise = max(background - low, 1.0) / (2.0 * np.sqrt(np.pi) * SMOOTHING_PX)
     row, column, patch, core = patches(frame, background, DETECTION * noise)
     # Patches anew by number, without those that the wings of others hide.
-    found = np.cumsum(np.bincount(patch) > 0)
-    own = found[patch] - 1
+    numbers = np.cumsum(np.bincount(patch) > 0)
+    spot = numbers[patch] - 1
 
     def total(values: NDArray[np.float64 | np.bool_]) -> FloatArray:
-        sums: FloatArray = np.bincount(own, values, found.max(initial=0)).astype(float)
+        sums: FloatArray = np.bincount(spot, values, numbers.max(initial=0)).astype(float)
         return sums
 
     # Wings below the threshold count too: cut off, they would draw centroids to pixel centres.
@@ -125,19 +125,19 @@ def find_spots(frame: NDArray[np.uint8], setup: Setup) -> Spots:
     light = total(weight)
     lines = setup.instrument.frame_px[1] // frame.shape[0]
     points = np.stack([column, lines * row + 0.5 * (lines - 1)], axis=-1)
-    place = np.stack([total(weight * of) for of in points.T], axis=-1) / light[:, None]
-    dx, dy = (points - place[own]).T
+    centroid = np.stack([total(weight * of) for of in points.T], axis=-1) / light[:, None]
+    dx, dy = (points - centroid[spot]).T
     across, down, mixed = (total(weight * of) / light for of in (dx * dx, dy * dy, dx * dy))
     mean, apart = 0.5 * (across + down), np.hypot(0.5 * (across - down), mixed)
     height, width = frame.shape
     edge = (row == 0) | (row == height - 1) | (column == 0) | (column == width - 1)
     near = core & (edge | (setup.height(points) < SURFACE_PX))
     return Spots(
-        place=place,
+        centroid=centroid,
         light=light,
         length=np.sqrt(np.maximum(mean + apart, 0.0)),
         width=np.sqrt(np.maximum(mean - apart, 0.0)),
-        height=setup.height(place),
+        height=setup.height(centroid),
         clear=total(near) == 0,
         saturated=total(grey == BRIGHTEST) > MOST_SATURATED * total(core),
     )
@@ -173,7 +173,7 @@ def sort_legs(spots: Spots, setup: Setup) -> tuple[FloatArray, FloatArray] | Rej
     Spheres fall: the incident leg is the longest steep row of spots. The rest is the rebound,
     whose horizontal velocity is constant and gives its order. Legs are columns and rows (m, 2).
     """
-    place, light, clear = spots.place, spots.light, spots.clear
+    centroid, light, clear = spots.centroid, spots.light, spots.clear
     least = setup.instrument.least_dashes
     if not np.any(clear):
         return FEW
@@ -183,32 +183,32 @@ def sort_legs(spots: Spots, setup: Setup) -> tuple[FloatArray, FloatArray] | Rej
     if np.sum(usable) < 2 * least:
         return _why(spots, np.ones_like(clear))
     alike = usable & (np.abs(light / np.median(light[usable]) - 1.0) < ALIKE)
-    on_line = steep_row(place, alike)
-    incident = _longest_run(place[:, 1], light, usable, on_line)
+    on_line = steep_row(centroid, alike)
+    incident = _longest_run(centroid[:, 1], light, usable, on_line)
     if len(incident) < least:
         return _why(spots, on_line)
-    rebound = _longest_run(place[:, 0], light, usable, ~on_line)
+    rebound = _longest_run(centroid[:, 0], light, usable, ~on_line)
     if len(rebound) < least:
         return _why(spots, ~on_line)
-    if not told_apart(place[rebound]):
+    if not told_apart(centroid[rebound]):
         return OVERLAP
-    first, last = np.abs(place[rebound[[0, -1]], 0] - place[incident[-1], 0])
-    return place[incident], place[rebound if first <= last else rebound[::-1]]
+    first, last = np.abs(centroid[rebound[[0, -1]], 0] - centroid[incident[-1], 0])
+    return centroid[incident], centroid[rebound if first <= last else rebound[::-1]]
 
 
-def steep_row(place: FloatArray, alike: BoolArray) -> BoolArray:
+def steep_row(centroid: FloatArray, alike: BoolArray) -> BoolArray:
     """Tell which spots lie on the steep line through two that passes most that are alike.
 
     Of lines with as many, the one they lie closest to; no spot if no two make a steep line.
     """
     pairs = np.triu_indices(int(alike.sum()), 1)
-    start, end = (place[alike][of] for of in pairs)
+    start, end = (centroid[alike][of] for of in pairs)
     way = end - start
     start, way = start[is_steep(way)], way[is_steep(way)]
     if not len(way):
-        return np.zeros(len(place), dtype=bool)
+        return np.zeros(len(centroid), dtype=bool)
     slope = (way[:, 0] / way[:, 1])[:, None]
-    x, y = place.T
+    x, y = centroid.T
     off = np.abs(x - start[:, :1] - slope * (y - start[:, 1:]))
     near = off < STRAIGHT_PX
     counted = near & alike
@@ -261,9 +261,9 @@ def longest_runs(good: BoolArray, group: IntArray, groups: int) -> tuple[IntArra
     begin = np.flatnonzero(good & ~follows)
     length = np.bincount(np.cumsum(good & ~follows)[good] - 1, minlength=len(begin))
     order = np.lexsort((begin, -length, group[begin]))
-    found, first = np.unique(group[begin][order], return_index=True)
+    run_groups, first = np.unique(group[begin][order], return_index=True)
     start, number = np.zeros((2, groups), dtype=np.int64)
-    start[found], number[found] = begin[order[first]], length[order[first]]
+    start[run_groups], number[run_groups] = begin[order[first]], length[order[first]]
     return start, number
 
 

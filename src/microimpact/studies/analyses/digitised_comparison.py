@@ -43,7 +43,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     points = inputs.get("digitised", pd.DataFrame())
     rows: list[dict[str, Any]] = []
     if not points.empty:
-        for key, own in points.groupby(["figure", "panel", "series"], sort=False):
+        for key, series_points in points.groupby(["figure", "panel", "series"], sort=False):
             figure, panel, series = map(str, key)
             kind, points_name = points_parts(series)
             where = {
@@ -56,7 +56,7 @@ def run(params: Params, inputs: Tables) -> Tables:
                 if name == figure or name.startswith(f"{figure}_"):
                     rows += [
                         where | {"named": is_named(str(row["series"]), points_name)} | row
-                        for row in _compared(own, table[table["panel"] == panel])
+                        for row in _compared(series_points, table[table["panel"] == panel])
                     ]
     return {"digitised_residuals": pd.DataFrame(rows, columns=list(COLUMNS))}
 
@@ -90,9 +90,9 @@ def _differences(points: pd.DataFrame, x: FloatArray, y: FloatArray) -> dict[str
     places = points["x"].to_numpy(float)
     curve = np.asarray(np.interp(places, x, y, left=np.nan, right=np.nan))
     known = np.isfinite(curve)
-    own, curve = points[known], curve[known]
-    difference = own["y"].to_numpy(float) - curve
-    low, high = own["y_low"].to_numpy(float), own["y_high"].to_numpy(float)
+    measured, curve = points[known], curve[known]
+    difference = measured["y"].to_numpy(float) - curve
+    low, high = measured["y_low"].to_numpy(float), measured["y_high"].to_numpy(float)
     barred = np.isfinite(low)
     within = (low <= curve) & (curve <= high)
     n, bars = int(known.sum()), int(barred.sum())
@@ -112,8 +112,8 @@ def _normalised_rms(difference: FloatArray, low: FloatArray, high: FloatArray) -
     barred = np.isfinite(low)
     if not barred.any():
         return np.nan
-    own, uncertainty = difference[barred], (high - low)[barred] / (2.0 * COVERAGE_FACTOR)
+    deviation, uncertainty = difference[barred], (high - low)[barred] / (2.0 * COVERAGE_FACTOR)
     # A bar without length agrees with nothing but its own point.
     scale = np.where(uncertainty > 0.0, uncertainty, np.finfo(float).tiny)
     with np.errstate(over="ignore"):
-        return float(np.sqrt(np.mean(np.square(own / scale))))
+        return float(np.sqrt(np.mean(np.square(deviation / scale))))

@@ -95,10 +95,10 @@ class Params:
 
 def fact(facts: pd.DataFrame, name: str, quantity: str) -> dict[str, Any]:
     """Return one row of the declared external evidence; its numbers are floats."""
-    found = facts[(facts["name"] == name) & (facts["quantity"] == quantity)]
-    if len(found) != 1:
-        raise ValueError(f"external evidence {name}.{quantity}: {len(found)} rows, must be 1")
-    return {str(column): value for column, value in found.iloc[0].items()}
+    rows = facts[(facts["name"] == name) & (facts["quantity"] == quantity)]
+    if len(rows) != 1:
+        raise ValueError(f"external evidence {name}.{quantity}: {len(rows)} rows, must be 1")
+    return {str(column): value for column, value in rows.iloc[0].items()}
 
 
 def run(params: Params, inputs: Tables) -> Tables:
@@ -137,12 +137,12 @@ def _oblique(residuals: pd.DataFrame) -> Iterator[Compared]:
     is taken to be known no better.
     """
     table = residuals[residuals["reading"] == "all"]
-    own = table[~table["law"].isin(TANGENTIAL_LAWS)].set_index(["quantity", "branch"])
+    rigid = table[~table["law"].isin(TANGENTIAL_LAWS)].set_index(["quantity", "branch"])
     rows: list[dict[Any, Any]] = table[table["law"].isin(TANGENTIAL_LAWS)].to_dict("records")
     for row in rows:
         quantity, branch = row["quantity"], row["branch"]
         if quantity in {"tangential_restitution", "spin"}:
-            known = own["relative_rms"].get((quantity, branch), 0.0)
+            known = rigid["relative_rms"].get((quantity, branch), 0.0)
             yield Compared(
                 f"{quantity.replace('_', ' ')} where a rigid sphere would be {branch}",
                 "Kharaz, Gorham and Salman 2001, Powder Technology 120:281",
@@ -169,7 +169,7 @@ def _fast_rebounds(params: Params, inputs: Tables, facts: pd.DataFrame) -> Itera
     free = fact(facts, "wall1990", "speed_without_influence_of_target")
     fastest = fact(facts, "wall1990", "greatest_speed")["value"]
     speed = np.geomspace(free["value"], fastest, params.points)
-    one, other = (
+    on_molybdenum, on_mica = (
         simulate(calibrated_contact(inputs, case), speed).coefficient_of_restitution
         for case in (params.molybdenum, params.mica)
     )
@@ -179,7 +179,7 @@ def _fast_rebounds(params: Params, inputs: Tables, facts: pd.DataFrame) -> Itera
         "largest difference of e",
         f"{params.molybdenum}; {params.mica}",
         high=params.same_restitution_within,
-        computed=float(np.max(np.abs(one - other))),
+        computed=float(np.max(np.abs(on_molybdenum - on_mica))),
     )
 
 
@@ -189,8 +189,8 @@ def fall(contact: Contact, exponent: float, diameter: FloatArray) -> float:
     The damping that a contact has at its own capture velocity is kept. Not a number where no speed
     rebounds.
     """
-    own = capture_velocity(contact.replace(adhesion_rate_exponent=0.0, reference_velocity=None))
-    rated = contact.replace(adhesion_rate_exponent=exponent, reference_velocity=float(own))
+    limit = capture_velocity(contact.replace(adhesion_rate_exponent=0.0, reference_velocity=None))
+    rated = contact.replace(adhesion_rate_exponent=exponent, reference_velocity=float(limit))
     limits = np.log(capture_velocity(resized(rated, diameter)))
     slope = -np.polyfit(np.log(diameter), limits, 1)[0] if np.isfinite(limits).all() else np.nan
     return float(slope)
@@ -204,7 +204,7 @@ def _sizes(params: Params, inputs: Tables, facts: pd.DataFrame) -> Iterator[Comp
     """
     least = fact(facts, "wall1990", "least_fall_of_capture_velocity")
     power = fact(facts, "arffman2015", "fall_of_capture_velocity")
-    span, other = (fact(facts, name, "diameter") for name in ("wall1990", "arffman2015"))
+    span, silver = (fact(facts, name, "diameter") for name in ("wall1990", "arffman2015"))
     ends = facts[(facts["name"] == "arffman2015") & (facts["quantity"] == "capture_velocity")]
     change = np.ptp(np.log(ends[["value", "at"]].to_numpy(float)), axis=0)
     bounds = [
@@ -212,7 +212,7 @@ def _sizes(params: Params, inputs: Tables, facts: pd.DataFrame) -> Iterator[Comp
         change[0] / change[1],
     ]
     microns = 1e-6 * np.geomspace(span["low"], span["high"], params.points)
-    wide = np.geomspace(1.0, other["high"] / other["low"], params.points)
+    wide = np.geomspace(1.0, silver["high"] / silver["low"], params.points)
     wide = wide / np.sqrt(wide[-1])
     for name in dict.fromkeys((*params.fluorescein, *params.silver)):
         contact = calibrated_contact(inputs, name)
@@ -231,7 +231,7 @@ def _sizes(params: Params, inputs: Tables, facts: pd.DataFrame) -> Iterator[Comp
                 yield Compared(
                     "capture velocity of silver falls with size by this power",
                     power["source"],
-                    f"power over a range of 1 to {other['high'] / other['low']:g}",
+                    f"power over a range of 1 to {silver['high'] / silver['low']:g}",
                     words,
                     measured=power["value"],
                     low=min(bounds),

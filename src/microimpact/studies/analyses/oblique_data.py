@@ -99,15 +99,15 @@ def run(params: Params, inputs: Tables) -> Tables:
         friction=params.friction,
     )
     contact = hertz_damping_for(bare, params.speed_m_per_s, params.restitution)
-    own = params.microspheres
-    small = calibrated_contact(inputs, own.case, friction=own.friction)
+    spheres = params.microspheres
+    small = calibrated_contact(inputs, spheres.case, friction=spheres.friction)
     compared = comparison(inputs["external"], contact, params.speed_m_per_s)
     figures = [*curves(params, contact, small), *marks(compared, params, contact)]
-    found = bounds(params, compared, contact, small)
-    if own.printed_for.is_of(inputs, own.case):
-        mark, bound = printed_transition(own)
+    limits = bounds(params, compared, contact, small)
+    if spheres.printed_for.is_of(inputs, spheres.case):
+        mark, bound = printed_transition(spheres)
         figures.append(mark)
-        found = pd.concat([bound, found], ignore_index=True)
+        limits = pd.concat([bound, limits], ignore_index=True)
     panels = {
         panel: pd.concat([f for f in figures if (f["panel"] == panel).any()], ignore_index=True)
         for panel in UNITS
@@ -119,7 +119,7 @@ def run(params: Params, inputs: Tables) -> Tables:
         "contact_point": slips[slips["x_1"] <= params.largest_slip].reset_index(drop=True),
         "oblique_comparison": compared,
         "oblique_residuals": residuals(compared),
-        "tangential_bounds": found,
+        "tangential_bounds": limits,
     }
 
 
@@ -150,9 +150,10 @@ def comparison(points: pd.DataFrame, contact: Contact, speed: float) -> pd.DataF
     impacts = {law: simulate(contact, speed, angle, tangential=law) for law in TANGENTIAL_LAWS}
     table["branch"] = np.where(impacts["rigid"].rolling, STICKING, SLIDING)
     for law, impact in impacts.items():
-        found = values(impact, speed, angle)
+        predicted = values(impact, speed, angle)
         table[law] = np.choose(
-            [list(QUANTITIES).index(q) for q in table["quantity"]], [found[q] for q in QUANTITIES]
+            [list(QUANTITIES).index(q) for q in table["quantity"]],
+            [predicted[q] for q in QUANTITIES],
         )
     along = table[table["quantity"] == "tangential_restitution"].sort_values("angle_deg")
     # Without a moment but that of friction, the spin follows from the loss of velocity.
@@ -166,8 +167,8 @@ def residuals(compared: pd.DataFrame) -> pd.DataFrame:
     """Return the rms of each law by quantity, branch and reading, as it is and relative."""
     rows = []
     readings = {"all": compared} | dict(iter(compared.groupby("reading")))
-    for law, (reading, some) in product((*TANGENTIAL_LAWS, FROM_VELOCITY), readings.items()):
-        known = some[some[law].notna()]
+    for law, (reading, points) in product((*TANGENTIAL_LAWS, FROM_VELOCITY), readings.items()):
+        known = points[points[law].notna()]
         for (quantity, branch), part in known.groupby(["quantity", "branch"], sort=False):
             off = part[law] - part["measured"]
             relative = off / part["measured"]
@@ -216,18 +217,18 @@ def curves(params: Params, contact: Contact, small: Contact) -> list[pd.DataFram
     frames = []
     for law in TANGENTIAL_LAWS:
         impact = simulate(contact, params.speed_m_per_s, angle, tangential=law)
-        found = values(impact, params.speed_m_per_s, angle)
+        predicted = values(impact, params.speed_m_per_s, angle)
         slip = relative_slip(params.friction, impact.coefficient_of_restitution, angle)
         left = contact_point(impact, contact, params.speed_m_per_s, angle)
         frames += [
-            _frame("velocity", law, angle, found["tangential_restitution"]),
-            _frame("spin", law, angle, found["spin"]),
+            _frame("velocity", law, angle, predicted["tangential_restitution"]),
+            _frame("spin", law, angle, predicted["spin"]),
             _frame("contact point", law, slip, left),
         ]
-    own = params.microspheres
-    impact = simulate(small, own.speed_m_per_s, angle, tangential="mindlin")
-    slip = relative_slip(own.friction, impact.coefficient_of_restitution, angle)
-    left, free = contact_point(impact, small, own.speed_m_per_s, angle), ~impact.captured
+    spheres = params.microspheres
+    impact = simulate(small, spheres.speed_m_per_s, angle, tangential="mindlin")
+    slip = relative_slip(spheres.friction, impact.coefficient_of_restitution, angle)
+    left, free = contact_point(impact, small, spheres.speed_m_per_s, angle), ~impact.captured
     return [*frames, _frame("contact point", "microspheres", slip[free], left[free])]
 
 
@@ -247,20 +248,20 @@ def marks(compared: pd.DataFrame, params: Params, contact: Contact) -> list[pd.D
     return frames
 
 
-def printed_transition(own: Microspheres) -> tuple[pd.DataFrame, pd.DataFrame]:
+def printed_transition(spheres: Microspheres) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Return the mark of the article's angle with its range, and its row of `bounds`.
 
     Where sliding ends the impulse that friction gives, f (1 + e) v_n, is the one that leaves -e_t
     times the slip, 2/7 (1 + e_t) v_t.
     """
-    within = own.transition_within_deg * np.array([-1.0, 0.0, 1.0])
-    slip = relative_slip(own.friction, own.restitution, own.transition_deg + within)
+    within = spheres.transition_within_deg * np.array([-1.0, 0.0, 1.0])
+    slip = relative_slip(spheres.friction, spheres.restitution, spheres.transition_deg + within)
     low, middle, high = 1.0 / slip - 1.0
     ends: dict[str, object] = {"evidence": "printed", "y_low": low, "y_high": high}
     row = {
-        "spheres": f"article, sliding from {own.transition_deg:g} deg",
+        "spheres": f"article, sliding from {spheres.transition_deg:g} deg",
         "quantity": "at the transition",
-        "angle_deg": own.transition_deg,
+        "angle_deg": spheres.transition_deg,
         "value": middle,
         "low": low,
         "high": high,
@@ -274,11 +275,11 @@ def bounds(
     params: Params, compared: pd.DataFrame, contact: Contact, small: Contact
 ) -> pd.DataFrame:
     """Return the contact point's restitution where sliding throughout begins, and its greatest."""
-    own = params.microspheres
+    spheres = params.microspheres
     rows: list[Row] = []
     angle = np.linspace(0.0, 90.0, 20 * params.points + 1)[1:-1]
     for name, which, speed in (
-        (own.case, small, own.speed_m_per_s),
+        (spheres.case, small, spheres.speed_m_per_s),
         (f"{params.particle} on {params.surface}", contact, params.speed_m_per_s),
     ):
         for law in TANGENTIAL_LAWS:
@@ -287,9 +288,9 @@ def bounds(
             # None slides where friction is high or all are captured: then nothing is said of it.
             places = [("at the transition", i) for i in np.flatnonzero(~impact.rolling)[-1:]]
             for quantity, i in [*places, ("greatest", int(np.argmax(left)))]:
-                place = {"spheres": f"{name}, {law}", "quantity": quantity}
-                found = {"angle_deg": angle[i], "value": left[i], "evidence": "computed"}
-                rows.append(place | found)
+                label = {"spheres": f"{name}, {law}", "quantity": quantity}
+                bound = {"angle_deg": angle[i], "value": left[i], "evidence": "computed"}
+                rows.append(label | bound)
     seen = compared[compared["quantity"] == "tangential_restitution"]
     left = turned(seen["measured"].to_numpy(float))
     top = int(np.argmax(left))

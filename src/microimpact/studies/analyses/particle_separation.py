@@ -50,13 +50,13 @@ def middle(values: FloatArray, axes: int) -> FloatArray:
 def first_crossing(x: FloatArray, ratio: FloatArray) -> FloatArray:
     """Return x at which a ratio first falls to one, along its last axis; NaN if it never does."""
     below = ratio <= 1.0
-    found = np.where(below[..., 0], x[0], np.nan)
+    crossing = np.where(below[..., 0], x[0], np.nan)
     crosses = below.any(axis=-1) & ~below[..., 0]
     after = below[crosses].argmax(axis=-1)
     row = np.arange(after.size)
     above, at = (np.log(ratio[crosses][row, after - i]) for i in (1, 0))
-    found[crosses] = x[after - 1] + above / (above - at) * (x[after] - x[after - 1])
-    return found
+    crossing[crosses] = x[after - 1] + above / (above - at) * (x[after] - x[after - 1])
+    return crossing
 
 
 def distance_from_equality(*values: FloatArray) -> FloatArray:
@@ -79,13 +79,13 @@ def band_row(
     bounded = np.isfinite(low) or np.isfinite(high)
     exists = np.isfinite(values)
     inside = exists & ~((values < low) | (values > high))
-    found = values[exists] if exists.any() else np.array([np.nan])
+    present = values[exists] if exists.any() else np.array([np.nan])
     centre = (1,) * values.ndim
     return {
         "quantity": quantity,
         "middle": float(values[centre]),
-        "low": float(found.min()),
-        "high": float(found.max()),
+        "low": float(present.min()),
+        "high": float(present.max()),
         "unit": unit,
         "bound_low": low,
         "bound_high": high,
@@ -246,18 +246,18 @@ def curves(
     params: Params, case: Combinations, silica: FloatArray, stated: pd.Series[float]
 ) -> pd.DataFrame:
     """Return the data of the figure: curves with bands, limits of the adhesion, statements."""
-    found = {name: full(force) for name, force in forces(case, silica).items()}
+    full_forces = {name: full(force) for name, force in forces(case, silica).items()}
     ranges = tuple(range(len(SCALES)))
     frames = []
-    for name, force in found.items():
+    for name, force in full_forces.items():
         even = force[..., PLACEMENTS.index("even"), :]
         band = even.min(axis=ranges), even.max(axis=ranges)
         frames.append(_frame(name, silica, middle(even, len(SCALES)), *band))
-    limits = middle(found[ADHESION], len(SCALES))
+    limits = middle(full_forces[ADHESION], len(SCALES))
     for placement in ("random", "lifted"):
         curve = limits[PLACEMENTS.index(placement)]
         frames.append(_frame(f"{ADHESION}, {placement}", silica, curve))
-    bare = found[ADHESION][..., 0]
+    bare = full_forces[ADHESION][..., 0]
     factors = stated[["separation_force_bare_over_jkr", "separation_force_silica_over_bare"]]
     at = np.array([0.0, params.compared_silica_fraction])
     mark, low, high = (
@@ -308,12 +308,12 @@ def summary(
 
 def _any_silica(case: Combinations, silica: FloatArray) -> list[Row]:
     """Return where the forces meet, and what a full layer of silica leaves."""
-    found = forces(case, silica)
+    case_forces = forces(case, silica)
     rows = []
     for name in (UNIFORM, PATCHES):
-        where = first_crossing(silica, full(found[ADHESION] / found[name]))
+        where = first_crossing(silica, full(case_forces[ADHESION] / case_forces[name]))
         rows.append(band_row(f"silica where {ADHESION} meets {name}", 100.0 * where, "percent"))
-    distance = full(distance_from_equality(*found.values()))
+    distance = full(distance_from_equality(*case_forces.values()))
     least = distance.min(axis=-1)
     # With a full layer all is constant: the first place, whatever the rounding.
     nearest = 100.0 * silica[(distance <= (1.0 + 1e-9) * least[..., None]).argmax(axis=-1)]

@@ -241,13 +241,16 @@ def ranges(params: Params) -> pd.DataFrame:
             continue
         criteria = ["accuracy"] + ["energy"] * (equation.quantity == RESTITUTION)
         for spin in params.spins(equation):
-            start, given = (equation.name, equation.quantity, form, spin), (params, equation, form)
+            start, arguments = (
+                (equation.name, equation.quantity, form, spin),
+                (params, equation, form),
+            )
             for angle, criterion in product(params.angles(equation), criteria):
-                found = slope_range(*given, angle, spin, energy=criterion == "energy")
-                rows.append((*start, criterion, "slope", angle, *found))
+                limits = slope_range(*arguments, angle, spin, energy=criterion == "energy")
+                rows.append((*start, criterion, "slope", angle, *limits))
             for slope in params.range_slopes_deg:
-                found = angle_range(*given, slope, spin)
-                rows.append((*start, "accuracy", "angle", slope, *found))
+                limits = angle_range(*arguments, slope, spin)
+                rows.append((*start, "accuracy", "angle", slope, *limits))
     table = pd.DataFrame(rows, columns=RANGE_COLUMNS)
     return table.assign(tolerance=params.tolerance, evidence="computed")
 
@@ -282,10 +285,10 @@ def angle_range(params: Params, equation: Equation, form: str, slope: float, spi
 
     least = max(-slope, 0.0) + 90.0 * OFF
     start, end = (least, 90.0) if equation.shallow else (90.0, least)
-    other = first_excess(excess, start, end)
-    if np.isnan(other):
+    limit = first_excess(excess, start, end)
+    if np.isnan(limit):
         return NOWHERE
-    low, high = min(start, other), max(start, other)
+    low, high = min(start, limit), max(start, limit)
     return low, high, low == least, high == 90.0
 
 
@@ -338,11 +341,11 @@ def _panel(
         y = sign * equation.value(case, form)
         frames.append(_frame(panel, form, x, y))
         if view == "angle":
-            found = angle_range(params, equation, form, params.drawn_slope_deg, case.spin_ratio)
+            limits = angle_range(params, equation, form, params.drawn_slope_deg, case.spin_ratio)
         else:
             angle = params.drawn_angle_deg if view == "slope" else 90.0
-            found = slope_range(params, equation, form, angle, case.spin_ratio)
-        ends = np.array(found[:2])
+            limits = slope_range(params, equation, form, angle, case.spin_ratio)
+        ends = np.array(limits[:2])
         if np.isfinite(ends).all():
             frames.append(_frame(panel, f"range {form}", ends, np.interp(ends, x, y)))
     return frames

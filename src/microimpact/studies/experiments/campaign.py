@@ -140,15 +140,15 @@ def expand(
     Raises ValueError if a block names what is not declared, or an experiment is declared twice.
     """
     known = {"particles": particles, "surfaces": surfaces, "speeds": speed_classes}
-    found: dict[str, Experiment] = {}
+    experiments: dict[str, Experiment] = {}
     for number, block in enumerate(blocks):
-        for key, own in known.items():
-            for name in (name for name in getattr(block, key) if name not in own):
-                told = f"{name!r} must be one of those declared{nearest(name, own)}"
-                raise ValueError(f"blocks[{number}].{key}: {told}")
+        for key, declared in known.items():
+            for name in (name for name in getattr(block, key) if name not in declared):
+                complaint = f"{name!r} must be one of those declared{nearest(name, declared)}"
+                raise ValueError(f"blocks[{number}].{key}: {complaint}")
         chosen = block.particles, block.surfaces, block.speeds, block.angles_deg or angles_deg
         for *names, angle in product(*chosen):
-            one = Experiment(
+            experiment = Experiment(
                 names=(names[0], names[1], names[2]),
                 particles=particles[names[0]],
                 surface=surfaces[names[1]],
@@ -156,10 +156,10 @@ def expand(
                 case=block.case,
                 angle=angle,
             )
-            if one.title in found:
-                raise ValueError(f"blocks[{number}]: {one.title}: declared twice")
-            found[one.title] = one
-    return list(found.values())
+            if experiment.title in experiments:
+                raise ValueError(f"blocks[{number}]: {experiment.title}: declared twice")
+            experiments[experiment.title] = experiment
+    return list(experiments.values())
 
 
 def counts(experiments: Iterable[Experiment]) -> Counts:
@@ -176,8 +176,8 @@ def counts(experiments: Iterable[Experiment]) -> Counts:
 
 def check_counts(experiments: Iterable[Experiment], wanted: Counts) -> None:
     """Check experiments against counts; raises ValueError, naming all that do not agree."""
-    found = zip(counts(experiments).in_words().items(), wanted.in_words().values(), strict=True)
-    wrong = [f"{own} {name}, not {other}" for (name, own), other in found if own != other]
+    pairs = zip(counts(experiments).in_words().items(), wanted.in_words().values(), strict=True)
+    wrong = [f"{own} {name}, not {other}" for (name, own), other in pairs if own != other]
     if wrong:
         raise ValueError(f"blocks: give {'; '.join(wrong)}, as counted")
 
@@ -203,27 +203,27 @@ def fates_of(counted: Mapping[str, int]) -> dict[str, int]:
 
 
 def experiment_row(
-    one: Experiment, dropped: Dropped, contact_evidence: str, outcome: Outcome
+    experiment: Experiment, dropped: Dropped, contact_evidence: str, outcome: Outcome
 ) -> dict[str, Any]:
     """Return the row of one experiment: what it is, what was lost, measured, and true."""
     low, high = dropped.speed_range_m_per_s
     smallest, largest = dropped.diameter_um.quantile(np.array([0.0, 1.0]))
     first = outcome.first_impacts
     row: dict[str, Any] = {
-        "particles": one.names[0],
-        "material": one.particles.particle,
+        "particles": experiment.names[0],
+        "material": experiment.particles.particle,
         "smallest_um": smallest,
         "largest_um": largest,
-        "surface": one.names[1],
-        "surface_material": one.surface.surface,
+        "surface": experiment.names[1],
+        "surface_material": experiment.surface.surface,
         "slope_sd": dropped.slope_sd,
-        "contact_case": one.case,
+        "contact_case": experiment.case,
         "contact_evidence": contact_evidence,
-        "angle_deg": one.angle,
+        "angle_deg": experiment.angle,
         "nominal_speed_m_per_s": dropped.speed_m_per_s,
         "slowest_m_per_s": low,
         "fastest_m_per_s": high,
-        "instrument": "PDPA" if one.angle == NORMAL else "PTIS",
+        "instrument": "PDPA" if experiment.angle == NORMAL else "PTIS",
         "dropped": outcome.dropped,
         **fates_of(outcome.fates),
         "events": len(outcome.measured),
@@ -312,35 +312,42 @@ def gather(
     }
 
 
-def conducted(params: Params, one: Experiment, of: Contact, evidence: str) -> dict[str, Any]:
-    """Return one experiment as a row of the table; it does not depend on the others.
+def conducted(
+    params: Params, experiment: Experiment, contact: Contact, evidence: str
+) -> dict[str, Any]:
+    """Row of one experiment in the table; it does not depend on the others.
 
-    `params`, `one`: settings, and which experiment; `of`, `evidence`: as from `contact`.
+    Parameters
+    ----------
+    params, experiment
+        Settings of the campaign, and the experiment.
+    contact, evidence
+        Both as from the function `contact`.
     """
-    dropped = one.dropped(params.friction)
-    drop = dropped.drop(of, one.angle, params.dispenser).tabulated()
+    dropped = experiment.dropped(params.friction)
+    drop = dropped.drop(contact, experiment.angle, params.dispenser).tabulated()
     rng = generator(params.seed, *drop.key)
-    if one.angle == NORMAL:
+    if experiment.angle == NORMAL:
         outcome: Outcome = doppler.collect(drop, params.pdpa, params.stop, rng)
     else:
         outcome = imaging.collect(drop, params.ptis, params.stop, rng)
-    return experiment_row(one, dropped, evidence, outcome)
+    return experiment_row(experiment, dropped, evidence, outcome)
 
 
-def contact(params: Params, one: Experiment, inputs: Tables) -> tuple[Contact, str]:
+def contact(params: Params, experiment: Experiment, inputs: Tables) -> tuple[Contact, str]:
     """Return the contact of an experiment: adhesion and damping of its case, its own materials.
 
     And whether it was calibrated for these materials, or is assumed to be as for others.
     """
     rows: Any = inputs["materials"].to_dict("records")
-    particle, surface = names = one.particles.particle, one.surface.surface
-    case = contact_of(one.dropped(params.friction), inputs)
-    own = case.replace(
+    particle, surface = names = experiment.particles.particle, experiment.surface.surface
+    case = contact_of(experiment.dropped(params.friction), inputs)
+    adapted = case.replace(
         particle=find_material(particle, materials_from_rows(rows)),
         surface=find_material(surface, materials_from_rows(rows)),
         work_of_adhesion=case.work_of_adhesion,
     )
-    return own, "calibrated" if pair_of(inputs, one.case) == names else "assumed"
+    return adapted, "calibrated" if pair_of(inputs, experiment.case) == names else "assumed"
 
 
 def summary(params: Params, rows: pd.DataFrame) -> pd.DataFrame:

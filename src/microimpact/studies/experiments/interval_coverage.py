@@ -84,20 +84,20 @@ def by_imaging(params: Params, number: int, drop: Drop, rng: Generator) -> Repea
     setup = set_for(drop, instrument)
     moving = np.flatnonzero(~impacts.captured & in_sheet(impacts.position, instrument))
     draws = [child(rng, 1)] * moving.size
-    fates, found = theory(impacts.select(moving), setup, Systematics(), draws)
+    fates, expected = theory(impacts.select(moving), setup, Systematics(), draws)
     pool = moving[fates == MEASURED]
-    speed = np.linalg.norm(found.velocities[:, 0], axis=1)
+    speed = np.linalg.norm(expected.velocities[:, 0], axis=1)
     reach = REACH * np.hypot(instrument.rate_error, instrument.scale_error)
     share = min(_share(drop.in_class(speed * (1.0 + wrong))) for wrong in (-reach, reach))
 
     draw = child(rng, 2)
     chosen = draw.integers(pool.size, size=(experiments, _enough(events, share)))
     # Of small matrices, in a third of the time of their product.
-    spread = np.linalg.cholesky(found.covariance)[chosen]
+    spread = np.linalg.cholesky(expected.covariance)[chosen]
     noise = np.einsum("...ij,...j->...i", spread, draw.standard_normal((*chosen.shape, 2, 2)))
     rate, scale, angle = draw.standard_normal((3, experiments, 1))
     stretch = 1.0 / (1.0 + instrument.rate_error * rate) / (1.0 + instrument.scale_error * scale)
-    velocity = (found.velocities[chosen] + noise) * stretch[..., None, None]
+    velocity = (expected.velocities[chosen] + noise) * stretch[..., None, None]
     seen = Measured(event=pool[chosen], velocities=velocity)
     accepted = _first(seen, drop.in_class(seen.speed), events)
     measured = turned(accepted, instrument.angle_error_deg * angle)
@@ -168,12 +168,12 @@ def _doppler_experiments(
     # A rebound that seems to fall, by its noise, is no candidate in the search for pairs.
     kept = _first(seen, drop.in_class(speed) & (at_probe[1] > 0.0), events)
     used = pairs.reshape(2, -1)[:, kept.event]
-    found = np.array([instrument.initial_height, np.nan])[:, None]
+    estimate = np.array([instrument.initial_height, np.nan])[:, None]
     for _ in range(ROUNDS):
-        found = np.stack(estimate_height(stream, used, found[0], instrument))
-    corrected = np.asarray(correct(kept.velocities, found[0, :, None, None, None]))
+        estimate = np.stack(estimate_height(stream, used, estimate[0], instrument))
+    corrected = np.asarray(correct(kept.velocities, estimate[0, :, None, None, None]))
     measured = replace(kept, velocities=corrected)
-    return measured, pool.in_plane.select(chosen.ravel()[kept.event]), found[1, :, None]
+    return measured, pool.in_plane.select(chosen.ravel()[kept.event]), estimate[1, :, None]
 
 
 def _may_cross(impacts: Impacts, heights: FloatArray, instrument: Analyser) -> BoolArray:
@@ -290,8 +290,8 @@ def part(
         for k, speed in enumerate(case.speeds_m_per_s)
     ]
     rows = []
-    for place in range(index, len(every), count):
-        case, key, angle, speed = every[place]
+    for row_number in range(index, len(every), count):
+        case, key, angle, speed = every[row_number]
         drop = Drop(
             target=Target(contact=contact, surface=rough(case.slope)),
             diameter_um=case.diameter_um,
@@ -306,7 +306,7 @@ def part(
         except ValueError as error:
             where = f"cases.{case.name}, {speed:g} m/s, {angle:g} deg"
             raise ValueError(f"{where}: {error}") from None
-        rows.append((place, list(coverage_rows(params, case.name, drop, repeated))))
+        rows.append((row_number, list(coverage_rows(params, case.name, drop, repeated))))
     return rows
 
 
@@ -392,7 +392,7 @@ def drawn(table: pd.DataFrame, level: float) -> dict[str, pd.DataFrame]:
     """
     rows = table[table["quantity"] == "restitution"]
     axes = {"speed": ("PDPA", "speed_m_per_s"), "angle": ("PTIS", "angle_deg")}
-    found = {}
+    frames_by_axis = {}
     for axis, (instrument, column) in axes.items():
         unit = column.removeprefix("speed_").removeprefix("angle_")
         frame = partial(series_frame, axis, x_unit=unit, y_unit="percent")
@@ -410,5 +410,5 @@ def drawn(table: pd.DataFrame, level: float) -> dict[str, pd.DataFrame]:
         if frames:
             x = rows.loc[rows["instrument"] == instrument, column]
             frames.append(frame("nominal", [x.min(), x.max()], 100.0 * level))
-        found[f"coverage_by_{axis}"] = pd.concat(frames, ignore_index=True)
-    return found
+        frames_by_axis[f"coverage_by_{axis}"] = pd.concat(frames, ignore_index=True)
+    return frames_by_axis

@@ -95,8 +95,8 @@ class Setting:
 def scaled(record: Any, path: Sequence[str], factor: float) -> Any:
     """Return a dataclass with one number, in a field or in fields of fields, multiplied."""
     name, *rest = path
-    own = getattr(record, name)
-    return replace(record, **{name: scaled(own, rest, factor) if rest else factor * own})
+    value = getattr(record, name)
+    return replace(record, **{name: scaled(value, rest, factor) if rest else factor * value})
 
 
 def run(params: Params, inputs: Tables) -> Tables:
@@ -126,7 +126,7 @@ def _rows(params: Params, inputs: Tables) -> Iterator[dict[str, Any]]:
             reference = measured(base, angle)
             for spread in series.spreads:
                 for factor in params.factors:
-                    other = measured(scaled(base, SPREADS[spread], factor), angle)
+                    varied = measured(scaled(base, SPREADS[spread], factor), angle)
                     for name in QUANTITIES:
                         yield {
                             "series": series.name,
@@ -134,7 +134,7 @@ def _rows(params: Params, inputs: Tables) -> Iterator[dict[str, Any]]:
                             "spread": spread,
                             "factor": factor,
                             "quantity": name,
-                            **change(reference[name], other[name]),
+                            **change(reference[name], varied[name]),
                             "evidence": "virtual experiment",
                         }
 
@@ -155,22 +155,22 @@ def measured(setting: Setting, angle: float) -> dict[str, FloatArray]:
     legs = np.moveaxis(noise.reshape(2, 2, -1)[:, ::-1], -1, 0)
     noisy = replace(true, velocities=true.velocities + legs)
     values = {name: np.full(len(impacts), np.nan) for name in QUANTITIES}
-    for name, of in quantities(noisy).items():
-        values[name][noisy.event] = of
+    for name, column in quantities(noisy).items():
+        values[name][noisy.event] = column
     return values
 
 
-def change(reference: FloatArray, other: FloatArray) -> dict[str, float]:
+def change(reference: FloatArray, varied: FloatArray) -> dict[str, float]:
     """Return the mean of a reference, the change to another mean, and its standard error.
 
     Empty where hardly any particle rebounds. Either mean is a ratio of sums over the particles
     present; the error of their difference follows from what each particle contributes to it, so
     that common random numbers count.
 
-    `reference`, `other`: of the same n particles, nan where one is absent, shape (n,).
+    `reference`, `varied`: of the same n particles, nan where one is absent, shape (n,).
     """
     means, parts = [], []
-    for values in (reference, other):
+    for values in (reference, varied):
         present = np.isfinite(values)
         if np.sum(present) < FEWEST_REBOUNDS:
             means.append(np.nan)
@@ -182,7 +182,7 @@ def change(reference: FloatArray, other: FloatArray) -> dict[str, float]:
     spread = np.std(parts[1] - parts[0], ddof=1) / np.sqrt(reference.size)
     return {
         "rebounds": int(np.sum(np.isfinite(reference))),
-        "other_rebounds": int(np.sum(np.isfinite(other))),
+        "other_rebounds": int(np.sum(np.isfinite(varied))),
         "base_mean": means[0],
         "change": means[1] - means[0],
         "standard_error": float(spread),

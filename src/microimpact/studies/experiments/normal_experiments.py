@@ -98,12 +98,12 @@ def run(params: Params, inputs: Tables) -> Tables:
         for population in params.populations
     }
     printed = printed_rows(inputs, params.printed_for, params.case)
-    own = sieves_drawn(params, params.case, curves)
+    series = sieves_drawn(params, params.case, curves)
     spheres = spheres_drawn(params, contacts[params.case], next(iter(curves.values())).speed)
-    drawn = {**own, **sieves_drawn(params, params.other_case, curves, ", other end"), **spheres}
+    drawn = {**series, **sieves_drawn(params, params.other_case, curves, ", other end"), **spheres}
     return {
         "fig04": figure_data(params, "restitution", table, drawn, printed),
-        "fig05": figure_data(params, "energy_loss", table, own, printed, lambda e: 1.0 - e**2),
+        "fig05": figure_data(params, "energy_loss", table, series, printed, lambda e: 1.0 - e**2),
         "normal_experiments": table,
         "size_effects": pd.DataFrame(size_effects(params, curves)),
     }
@@ -211,18 +211,18 @@ def figure_data(
     table: pd.DataFrame,
     drawn: Mapping[str, Drawn],
     printed: pd.DataFrame,
-    of: Callable[[Real], Real] = lambda e: e,
+    transform: Callable[[Real], Real] = lambda e: e,
 ) -> pd.DataFrame:
-    """Return measured means of a quantity, and what it is `of` restitutions drawn and printed."""
+    """Measured means of a quantity, and the transform to it of restitutions drawn and printed."""
     frames = [
         _frame(str(population), own["speed_m_per_s"], own[quantity], "virtual experiment", *ends)
         for population, own in table.dropna(subset=quantity).groupby("population", sort=False)
         for ends in [(own[f"{quantity}_low"], own[f"{quantity}_high"])]
     ]
-    frames += [_frame(name, speed, of(e)) for name, (speed, e) in drawn.items()]
+    frames += [_frame(name, speed, transform(e)) for name, (speed, e) in drawn.items()]
     if len(printed):
         # None is printed for normal impact.
-        oblique = of(printed["value"]["restitution_sst76_silicon"])
+        oblique = transform(printed["value"]["restitution_sst76_silicon"])
         speed = printed["value"]["speed_oblique_sst76"]
         piles = printed.loc["pile_up_speed_sst_silicon", ["low", "high"]]
         frames.append(_frame("printed, oblique impact", speed, oblique, "printed"))

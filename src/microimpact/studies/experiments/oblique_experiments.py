@@ -212,8 +212,8 @@ def figure_data(
         *_rebounds(params, figure, table),
         *_curves(params, figure, contacts),
     ]
-    own = [contacts[series.name] for series in params.series if figure in series.figures]
-    pairs = {(contact.particle.name, contact.surface.name) for contact in own}
+    own_contacts = [contacts[series.name] for series in params.series if figure in series.figures]
+    pairs = {(contact.particle.name, contact.surface.name) for contact in own_contacts}
     for mark in params.marks:
         if figure in mark.figures and pairs & {(mark.particle, name) for name in mark.surfaces}:
             heights = printed.loc[list(mark.anchors)].to_numpy().ravel()
@@ -228,10 +228,10 @@ def relative_points(params: Params, table: pd.DataFrame) -> pd.DataFrame:
 
     Without enough events at the reference angle there is nothing to compare with.
     """
-    own = table[table["series"] == params.compared_series]
-    zero = own.loc[own["angle_deg"] == params.reference_angle_deg, "restitution"].iloc[0]
+    rows = table[table["series"] == params.compared_series]
+    zero = rows.loc[rows["angle_deg"] == params.reference_angle_deg, "restitution"].iloc[0]
     quantities = (("restitution", zero), ("impulse_ratio", 0.0))
-    return pd.concat([_means(own, name, less) for name, less in quantities], ignore_index=True)
+    return pd.concat([_means(rows, name, less) for name, less in quantities], ignore_index=True)
 
 
 def points_beside(params: Params, figure: str, table: pd.DataFrame) -> pd.DataFrame:
@@ -257,21 +257,21 @@ def _points(
 
 
 def _rebounds(params: Params, figure: str, table: pd.DataFrame) -> Iterator[pd.DataFrame]:
-    of = {series.name: series.figures for series in params.series}
+    figures = {series.name: series.figures for series in params.series}
     for name in params.compared_with_all if "restitution" in FIGURES[figure] else ():
-        if figure in of[name]:
-            own = table[table["series"] == name].dropna(subset="true_restitution_of_rebounds")
-            angle, mean = own["angle_deg"], own["true_restitution_of_rebounds"]
+        if figure in figures[name]:
+            rows = table[table["series"] == name].dropna(subset="true_restitution_of_rebounds")
+            angle, mean = rows["angle_deg"], rows["true_restitution_of_rebounds"]
             yield _frame("restitution", f"{name}, all rebounds", angle, mean)
 
 
 def _curves(params: Params, figure: str, contacts: Mapping[str, Contact]) -> Iterator[pd.DataFrame]:
     angle = np.linspace(0.0, 90.0, params.points + 1)[1:]
-    own = [series for series in params.series if figure in series.figures]
-    for series in own:
+    shown = [series for series in params.series if figure in series.figures]
+    for series in shown:
         curves = smooth_curves(series, contacts[series.name], angle)
         for panel in FIGURES[figure]:
             yield _frame(panel, f"{series.name}, smooth", *curves[panel])
     if "impulse_ratio" in FIGURES[figure]:
-        curve = coulomb_curve(own[0], contacts[own[0].name], angle, params.coulomb_restitution)
+        curve = coulomb_curve(shown[0], contacts[shown[0].name], angle, params.coulomb_restitution)
         yield _frame("impulse_ratio", "Coulomb friction", angle, curve)

@@ -96,8 +96,8 @@ def _through_probe(
     path: Paths, instrument: Analyser, speed: float, n: int, rng: np.random.Generator
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the first paths that fall through the probe volume."""
-    parts, released, found = [], 0, 0
-    while found < n:
+    parts, released, crossed = [], 0, 0
+    while crossed < n:
         if released >= MOST_RELEASED * n:
             raise ValueError(
                 f"particles: at {speed:g} m/s fewer than {n} of {released} fall through the probe"
@@ -105,11 +105,11 @@ def _through_probe(
                 " probe_across_um or probe_along_um larger, or lateral_speed_m_per_s smaller"
             )
         # As many as are wanted by the share so far.
-        number = min(math.ceil((n - found) * (released + 1) / (found + 1)), AT_ONCE * n)
+        number = min(math.ceil((n - crossed) * (released + 1) / (crossed + 1)), AT_ONCE * n)
         drawn = path(number, rng)
         inside = through_probe(*drawn[:2], 1e-3 * instrument.probe_height_mm, instrument)
         parts.append([values[inside] for values in drawn])
-        released, found = released + number, found + int(np.sum(inside))
+        released, crossed = released + number, crossed + int(np.sum(inside))
     position, velocity, fall = (np.concatenate(of)[:n] for of in zip(*parts, strict=True))
     return position, velocity, fall
 
@@ -170,8 +170,8 @@ def pairing_controls(
         f"{params.crowding:g} times the arrivals": dense,
     }
     for name, observations in streams.items():
-        found = [_searched(one, setup.instrument) for one in observations]
-        total = _total(found)
+        paired = [_searched(one, setup.instrument) for one in observations]
+        total = _total(paired)
         yield {
             "stream": name,
             "speed_m_per_s": speed,
@@ -183,7 +183,7 @@ def pairing_controls(
             "pairs_per_incident": ratio(
                 total["pairs"], total["pairs"] + total["unpaired_incidents"]
             ),
-            "converged": sum(one.pairing.converged for one in found) / experiments,
+            "converged": sum(one.pairing.converged for one in paired) / experiments,
         }
 
 
@@ -191,25 +191,27 @@ def _searched(changed: Observation, instrument: Analyser) -> Observation:
     return replace(changed, pairing=search(changed.stream, instrument.initial_height, instrument))
 
 
-def _total(found: list[Observation]) -> dict[str, int]:
+def _total(experiments: list[Observation]) -> dict[str, int]:
     """Return all counts of some experiments, and their fates."""
-    qualities = [observation.quality for observation in found]
+    qualities = [observation.quality for observation in experiments]
     total = {name: sum(getattr(quality, name) for quality in qualities) for name in COUNTS}
     return total | {name: sum(quality.fates[name] for quality in qualities) for name in FATES}
 
 
-def _times_permuted(found: Observation, rng: np.random.Generator) -> Observation:
-    rising = np.flatnonzero(found.stream.velocity > 0.0)
-    time = found.stream.time.copy()
+def _times_permuted(observation: Observation, rng: np.random.Generator) -> Observation:
+    rising = np.flatnonzero(observation.stream.velocity > 0.0)
+    time = observation.stream.time.copy()
     time[rising] = time[rng.permutation(rising)]
-    return replace(found, stream=replace(found.stream, time=time))
+    return replace(observation, stream=replace(observation.stream, time=time))
 
 
-def _without_rebounds(found: Observation) -> Observation:
+def _without_rebounds(observation: Observation) -> Observation:
     """Leave out what rose; false records stay, and rise as often as they fall."""
-    stays: BoolArray = (found.truth.impact < 0) | (found.stream.velocity < 0.0)
-    truth = replace(found.truth, leg=found.truth.leg[stays], impact=found.truth.impact[stays])
-    return replace(found, stream=found.stream.select(stays), truth=truth)
+    stays: BoolArray = (observation.truth.impact < 0) | (observation.stream.velocity < 0.0)
+    truth = replace(
+        observation.truth, leg=observation.truth.leg[stays], impact=observation.truth.impact[stays]
+    )
+    return replace(observation, stream=observation.stream.select(stays), truth=truth)
 
 
 _frame = partial(series_frame, x_unit="m_per_s", y_unit="1")
@@ -237,7 +239,7 @@ def surface_correction(setup: Apparatus, params: Correction, key: int) -> Iterat
     for i, speed in enumerate(params.speeds_m_per_s):
         for j, e in enumerate(params.restitutions):
             expected = closed_form(speed, e, 1e-3 * setup.instrument.probe_height_mm)
-            found = _measured(setup, params.particles, speed, e, (key, i, j))
+            corrected = _measured(setup, params.particles, speed, e, (key, i, j))
             for quantity, true in {"v": speed, "V": e * speed, "e": e}.items():
                 row = {
                     "speed_m_per_s": speed,
@@ -245,11 +247,11 @@ def surface_correction(setup: Apparatus, params: Correction, key: int) -> Iterat
                     "probe_height_mm": setup.instrument.probe_height_mm,
                     "quantity": quantity,
                     "true": true,
-                    "events": len(found["exact"][quantity]),
+                    "events": len(corrected["exact"][quantity]),
                     "closed_form": expected[quantity],
                 }
                 for form in FORMS:
-                    mean, error = mean_and_error(found[form][quantity] - true)
+                    mean, error = mean_and_error(corrected[form][quantity] - true)
                     row |= {form: mean, f"{form}_standard_error": error}
                 yield row
 
@@ -304,27 +306,27 @@ def _measured(
     )
     duration, rng = float(np.max(impacts.time)), generator(setup.seed, *key, 1)
     followed = with_later_impacts(impacts, bounce, setup.instrument.later_impacts)
-    found = observe(followed, particles, duration, setup.instrument, rng)
+    observation = observe(followed, particles, duration, setup.instrument, rng)
     reduced: dict[Form, dict[str, FloatArray]] = {}
     for form in FORMS:
-        events = _of_first(found, form)
+        events = _of_first(observation, form)
         v, V = events.normal
         reduced[form] = {"v": -v, "V": V, "e": events.coefficient_of_restitution}
     return reduced
 
 
-def _of_first(found: Observation, form: Form = "exact") -> Measured:
+def _of_first(observation: Observation, form: Form = "exact") -> Measured:
     """Return the events that are first impacts, and known to be."""
-    events = found.at_surface(form)
-    return events.select((events.event >= 0) & (events.event < found.first))
+    events = observation.at_surface(form)
+    return events.select((events.event >= 0) & (events.event < observation.first))
 
 
 DRAWN_SHARES = {"precision": "precision", "recall": "recall", "seen": "recall_of_seen_rebounds"}
 
 
-def stream_shown(found: Observation, window: float) -> pd.DataFrame:
+def stream_shown(observation: Observation, window: float) -> pd.DataFrame:
     """Return the stretch (ms) of a stream with the most records, velocity against time."""
-    stream, pairing = found.stream, found.pairing
+    stream, pairing = observation.stream, observation.pairing
     time = 1e3 * stream.time
     # A stretch begins a little ahead of a record; those of a stream are in order of time.
     starts = time - 0.05 * window
@@ -455,11 +457,11 @@ def pairing_quality(params: Params, setup: Apparatus) -> tuple[pd.DataFrame, pd.
         placed = replace(setup, instrument=replace(setup.instrument, probe_height_mm=height))
         for j, speed in enumerate(params.speeds_m_per_s):
             size = params.particles, (PARTICLES, i, j), (ANALYSER, i, j)
-            found = observed(placed, speed, *size, experiments=params.experiments)
-            place = {"probe_height_mm": height, "speed_m_per_s": speed}
-            total, number = _total(found), params.experiments * params.particles
-            rows.append({**place, "impacts": number, **_pooled(found, total)})
-            losses += [{**place, "fate": name, "impacts": total[name]} for name in FATES]
+            observations = observed(placed, speed, *size, experiments=params.experiments)
+            setting = {"probe_height_mm": height, "speed_m_per_s": speed}
+            total, number = _total(observations), params.experiments * params.particles
+            rows.append({**setting, "impacts": number, **_pooled(observations, total)})
+            losses += [{**setting, "fate": name, "impacts": total[name]} for name in FATES]
     table = pd.DataFrame(rows)
     for share in ("precision", "recall"):
         over_heights = table.groupby("speed_m_per_s")[share].transform
@@ -467,13 +469,13 @@ def pairing_quality(params: Params, setup: Apparatus) -> tuple[pd.DataFrame, pd.
     return table, pd.DataFrame(losses)
 
 
-def _pooled(found: list[Observation], total: Mapping[str, int]) -> Row:
+def _pooled(observations: list[Observation], total: Mapping[str, int]) -> Row:
     """Pool the experiments of one height and speed."""
     row: Row = {name: total[name] for name in POOLED}
     for share, (part, whole) in SHARES.items():
         row |= _share(share, total[part], total[whole])
     rebounding = sum(total[name] for name in FATES[3:])
-    settled = [one for one in found if one.pairing.converged]
+    settled = [one for one in observations if one.pairing.converged]
     error = np.array([one.pairing.height - one.height for one in settled])
     stated = np.array([one.pairing.height_error for one in settled])
     bias, bias_error = mean_and_error(1e6 * error)
@@ -481,7 +483,7 @@ def _pooled(found: list[Observation], total: Mapping[str, int]) -> Row:
     return row | {
         "captured_fraction": ratio(total["captured"], total["captured"] + rebounding),
         "censored_fraction": ratio(total["rebound below probe"], rebounding),
-        "converged": len(settled) / len(found),
+        "converged": len(settled) / len(observations),
         "height_bias_um": bias,
         "height_bias_standard_error_um": bias_error,
         "height_error_rms_in_standard_errors": square**0.5,
@@ -501,12 +503,12 @@ def slow_rebounds(setup: Apparatus, params: Slow) -> Iterator[Row]:
     """
     height = 1e-3 * setup.instrument.probe_height_mm
     for i, speed in enumerate(params.speeds_m_per_s):
-        (found,) = observed(setup, speed, params.particles, (SLOW, i, 0), (SLOW, i, 1))
-        n, impacts = found.first, found.impacts.select(slice(found.first))
+        (observation,) = observed(setup, speed, params.particles, (SLOW, i, 0), (SLOW, i, 1))
+        n, impacts = observation.first, observation.impacts.select(slice(observation.first))
         rebounds = ~impacts.captured
         e = np.abs(impacts.rebound_velocity[:, 2] / impacts.velocity[:, 2])
-        seen = rebounds & found.crossing.reached[REBOUND, :n]
-        first = _of_first(found).coefficient_of_restitution
+        seen = rebounds & observation.crossing.reached[REBOUND, :n]
+        first = _of_first(observation).coefficient_of_restitution
         mean = mean_and_error(e[rebounds])[0]
         visible = mean_and_error(e[seen])[0]
         measured, error = mean_and_error(first)

@@ -103,20 +103,20 @@ def contacts(params: Params, inputs: Tables) -> dict[float, Contact]:
 
 def _rows(params: Params, known: Mapping[float, Contact]) -> Iterator[dict[str, Any]]:
     for velocity, contact in known.items():
-        own = float(capture_velocity(resized(contact, mean(params.diameter_um) * 1e-6)))
+        limit = float(capture_velocity(resized(contact, mean(params.diameter_um) * 1e-6)))
         for slope, speed in product(params.slopes_deg, params.speeds_m_per_s):
-            found = rest(params, contact, slope, speed)
+            resting_spheres = rest(params, contact, slope, speed)
             for radius in params.radii_mm:
-                stays = found.on_target(radius * 1e-3)
-                shares = stays, stays & (found.impacts == 1)
+                stays = resting_spheres.on_target(radius * 1e-3)
+                shares = stays, stays & (resting_spheres.impacts == 1)
                 yield {
                     "capture_velocity_m_per_s": velocity,
-                    "capture_velocity_of_mean_sphere_m_per_s": own,
+                    "capture_velocity_of_mean_sphere_m_per_s": limit,
                     "target_radius_mm": radius,
                     "slope_deg": slope,
                     "speed_m_per_s": speed,
                     **{k: np.sum(v) / params.spheres for k, v in zip(SHARES, shares, strict=True)},
-                    "mean_impacts": float(np.sum(found.impacts) / params.spheres),
+                    "mean_impacts": float(np.sum(resting_spheres.impacts) / params.spheres),
                     "evidence": "virtual experiment",
                 }
 
@@ -143,14 +143,14 @@ def onsets(params: Params, table: pd.DataFrame) -> Iterator[dict[str, Any]]:
     """Yield the speeds below which given shares rest, for every capture velocity."""
     for (radius, slope), part in table.groupby(["target_radius_mm", "slope_deg"], sort=False):
         for share in params.shares:
-            found, speeds = {"target_radius_mm": radius, "slope_deg": slope, "share": share}, []
-            for velocity, own in part.groupby("capture_velocity_m_per_s", sort=False):
-                speed, total, at_once = own[["speed_m_per_s", *SHARES]].to_numpy().T
+            row, speeds = {"target_radius_mm": radius, "slope_deg": slope, "share": share}, []
+            for velocity, rows in part.groupby("capture_velocity_m_per_s", sort=False):
+                speed, total, at_once = rows[["speed_m_per_s", *SHARES]].to_numpy().T
                 speeds.append(onset(speed, total, share))
-                found[onset_column(velocity)] = speeds[-1]
-                found[f"first_impact_{onset_column(velocity)}"] = onset(speed, at_once, share)
+                row[onset_column(velocity)] = speeds[-1]
+                row[f"first_impact_{onset_column(velocity)}"] = onset(speed, at_once, share)
             apart = {"difference_m_per_s": speeds[0] - speeds[1]}
-            yield found | apart | {"evidence": "virtual experiment"}
+            yield row | apart | {"evidence": "virtual experiment"}
 
 
 def onset_column(velocity: Any) -> str:
@@ -178,9 +178,9 @@ def figure_data(params: Params, table: pd.DataFrame, printed: FloatArray) -> pd.
         & (table["slope_deg"] == params.drawn_slope_deg)
     ]
     frames = []
-    for velocity, own in shown.groupby("capture_velocity_m_per_s", sort=False):
-        name, speed = f"{velocity:g} m/s", own["speed_m_per_s"]
-        total, at_once = (own[share] for share in SHARES)
+    for velocity, rows in shown.groupby("capture_velocity_m_per_s", sort=False):
+        name, speed = f"{velocity:g} m/s", rows["speed_m_per_s"]
+        total, at_once = (rows[share] for share in SHARES)
         frames.append(_frame(f"{name}, in the end", speed, total, "virtual experiment"))
         frames.append(_frame(f"{name}, first impact", speed, at_once))
     if len(printed):

@@ -184,8 +184,8 @@ def observations(
     yield row(name, "m/s", slowest, limits, ends_of(printed, PILES_BEGIN))
     for key, impact in params.oblique.items():
         aim, angle, total = printed["value"][key], impact.angle_deg, impact.speed_m_per_s
-        found = [simulate(one, total, angle) for one in contacts.values()]
-        each = [float(of.coefficient_of_restitution) for of in found]
+        impacts = [simulate(one, total, angle) for one in contacts.values()]
+        each = [float(of.coefficient_of_restitution) for of in impacts]
         name = f"restitution at {angle:g} deg and {total:g} m/s"
         yield row(name, "1", params.restitution, each, (0.9 * aim, 1.1 * aim))
 
@@ -195,7 +195,7 @@ def row(
 ) -> dict[str, Any]:
     """Return what both explanations give for an observation, beside the printed range."""
     low, high = printed
-    own = low <= rival <= high
+    rival_agrees = low <= rival <= high
     others = [low <= value <= high for value in adhesion]
     return {
         "observation": observation,
@@ -205,9 +205,9 @@ def row(
         "probe_alone": float(rival),
         "adhesion_low": min(adhesion),
         "adhesion_high": max(adhesion),
-        "probe_alone_agrees": own,
+        "probe_alone_agrees": rival_agrees,
         "adhesion_agrees": any(others),
-        "tells_apart": own != any(others),
+        "tells_apart": rival_agrees != any(others),
         "evidence": "computed",
     }
 
@@ -229,13 +229,13 @@ def evidence(
     """Yield what piles, slow rebounds and energies give for both capture velocities of steel."""
     strong, weak = params.capture_velocities_m_per_s
     ends = ends_of(printed, PILES_BEGIN)
-    place = {"target_radius_mm": params.pile_radius_mm, "slope_deg": params.pile_slope_deg}
-    onsets = chosen(inputs["pile_up_onsets"], **place)
+    target = {"target_radius_mm": params.pile_radius_mm, "slope_deg": params.pile_slope_deg}
+    onsets = chosen(inputs["pile_up_onsets"], **target)
     for share in sorted(set(onsets["share"].astype(float))):
-        own = chosen(onsets, share=share).iloc[0]
-        at = [float(own[onset_column(v)]) for v in (strong, weak)]
+        onset = chosen(onsets, share=share).iloc[0]
+        at = [float(onset[onset_column(v)]) for v in (strong, weak)]
         yield weighed(f"speed below which {100 * share:.0f} % of the spheres stay", "m/s", at, ends)
-    rows = chosen(inputs["pile_up"], **place, speed_m_per_s=params.slow_speed_m_per_s)
+    rows = chosen(inputs["pile_up"], **target, speed_m_per_s=params.slow_speed_m_per_s)
     at = [
         float(chosen(rows, capture_velocity_m_per_s=v)["share_captured_at_first_impact"].iloc[0])
         for v in (strong, weak)

@@ -140,8 +140,8 @@ def facts(member: Contact, targets: TwoStageTargets) -> Row:
         return simulate(member, speed, angle).coefficient_of_restitution
 
     def quotient(angles: tuple[float, float]) -> float:
-        one, other = simulate(member, speed, np.array(angles)).impulse_ratio
-        return float(one / other)
+        numerator, denominator = simulate(member, speed, np.array(angles)).impulse_ratio
+        return float(numerator / denominator)
 
     between = np.geomspace(wanted.flat_from_m_per_s, speed, 20)
     deviation = float(np.abs(e(between) - targets.restitution).max())
@@ -189,11 +189,12 @@ def curves(targets: TwoStageTargets, members: Sequence[Contact], inputs: Tables)
     frames = []
     speed = np.geomspace(targets.capture_velocity_m_per_s, 3.0, 200)
     frame = partial(series_frame, "curves", x_unit="m_per_s", y_unit="1")
-    for one, member in zip(targets.members, members, strict=True):
+    for member_target, member in zip(targets.members, members, strict=True):
         e = simulate(member, speed).coefficient_of_restitution
         # At the capture velocity itself rounding decides between none and hardly any.
         e = np.where(speed > targets.capture_velocity_m_per_s, e, 0.0)
-        name = f"n = {one.rate_exponent:g}, w = {one.work_of_adhesion_J_per_m2:g} J/m2"
+        exponent, work = member_target.rate_exponent, member_target.work_of_adhesion_J_per_m2
+        name = f"n = {exponent:g}, w = {work:g} J/m2"
         frames.append(frame(name, speed, e, "calibrated"))
     printed = all_printed(inputs)
     wanted = targets.capture_velocity_m_per_s, targets.restitution
@@ -294,12 +295,12 @@ def run(params: Params, inputs: Tables) -> Tables:
     ]
     known = {one.case: contact for one, contact in zip(targets.members, members, strict=True)}
     known |= dict(zip(CORNERS, corners, strict=True))
-    found = family(targets, inputs)
+    family_table = family(targets, inputs)
     return {
         "calibration": pd.DataFrame(_rows(params, known, inputs)),
-        "calibration_family": found,
+        "calibration_family": family_table,
         "molybdenum_capture": capture_intervals(ratios, corners),
-        "ridge": ridge(found, targets.facts.flat_within),
+        "ridge": ridge(family_table, targets.facts.flat_within),
         "ridge_curves": curves(targets, members, inputs),
     }
 
@@ -346,10 +347,10 @@ def _corners(ratios: ForceRatios, inputs: Tables) -> Corners:
 def _rows(params: Params, known: Mapping[str, Contact], inputs: Tables) -> Iterator[Row]:
     """Yield the rows of all cases; `known`: contacts of the members and of the corners."""
     targets, ratios = params.two_stage, params.force_ratios
-    for one in targets.members:
-        e = _restitution(known[one.case], targets.speed_m_per_s, targets.restitution)
-        limit = _capture(known[one.case], targets.capture_velocity_m_per_s)
-        yield from _case_rows(one.case, known[one.case], e | limit)
+    for member in targets.members:
+        e = _restitution(known[member.case], targets.speed_m_per_s, targets.restitution)
+        limit = _capture(known[member.case], targets.capture_velocity_m_per_s)
+        yield from _case_rows(member.case, known[member.case], e | limit)
     wanted = {
         "adhesion_over_hertz": ratios.adhesion_over_hertz,
         "dissipation_over_adhesion": ratios.dissipation_over_adhesion,
@@ -363,11 +364,11 @@ def _rows(params: Params, known: Mapping[str, Contact], inputs: Tables) -> Itera
         solution = work_of_adhesion_for(contact, work.capture_velocity_m_per_s)
         limit = _capture(solution, work.capture_velocity_m_per_s)
         yield from _case_rows(work.case, solution, limit)
-    for own in params.by_restitution:
-        contact = _damped_as(own, known, inputs)
-        solution = damping_factor_for(contact, own.speed_m_per_s, own.restitution)
-        e = _restitution(solution, own.speed_m_per_s, own.restitution)
-        yield from _case_rows(own.case, solution, e)
+    for target in params.by_restitution:
+        contact = _damped_as(target, known, inputs)
+        solution = damping_factor_for(contact, target.speed_m_per_s, target.restitution)
+        e = _restitution(solution, target.speed_m_per_s, target.restitution)
+        yield from _case_rows(target.case, solution, e)
 
 
 def _case_rows(case: str, contact: Contact, targets: Met) -> Iterator[Row]:
@@ -380,8 +381,8 @@ def _case_rows(case: str, contact: Contact, targets: Met) -> Iterator[Row]:
     ]
     for role, name, value, target, unit in numbers:
         bodies = {"particle": contact.particle.name, "surface": contact.surface.name}
-        own = {"role": role, "quantity": name, "value": value, "target": target, "unit": unit}
-        yield {"case": case, **bodies, **own, "evidence": "calibrated"}
+        columns = {"role": role, "quantity": name, "value": value, "target": target, "unit": unit}
+        yield {"case": case, **bodies, **columns, "evidence": "calibrated"}
 
 
 def _restitution(contact: Contact, speed: float, target: float) -> Met:
@@ -401,7 +402,7 @@ def _damped_as(
         raise ValueError(
             f"{target.case}.damped_as: {target.damped_as!r} must be one of {', '.join(known)}"
         )
-    other = known[target.damped_as]
+    damped = known[target.damped_as]
     names = "hertz_damping", "adhesion_damping", "adhesion_rate_exponent", "reference_velocity"
-    damping = {name: getattr(other, name) for name in names}
+    damping = {name: getattr(damped, name) for name in names}
     return declared_contact(inputs, target.particle, target.surface).replace(**damping)

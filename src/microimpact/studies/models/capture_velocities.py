@@ -115,8 +115,8 @@ def run(params: Params, inputs: Tables) -> Tables:
         contact = calibrated_contact(inputs, pair.case)
         limit = float(capture_velocity(contact))
         if not 0.0 < limit < np.inf:
-            told = f"a capture velocity of {limit:g} m/s has no law beside it"
-            raise ValueError(f"{pair.case}: {told}")
+            complaint = f"a capture velocity of {limit:g} m/s has no law beside it"
+            raise ValueError(f"{pair.case}: {complaint}")
         printed = float(all_printed(inputs)[pair.anchors[0]]) if pair.anchors else np.nan
         laws = laws_of(pair, contact, params.plateau_speed_ratio)
         rows += [_row(params, pair, contact, name, laws, printed) for name in laws]

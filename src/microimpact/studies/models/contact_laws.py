@@ -220,11 +220,11 @@ def fitted(params: Params, base: Contact, law: Law, targets: str) -> Fit:
     def alone(logs: FloatArray) -> FloatArray:
         return np.asarray(around(*logs)[0])
 
-    found = [
+    solutions = [
         least_squares(alone, np.clip(start, low + inner, high - inner), slopes, bounds=(low, high))
         for start in starts
     ]
-    best = found[int(np.argmin([each.cost for each in found]))]
+    best = solutions[int(np.argmin([each.cost for each in solutions]))]
     parameters = dict(zip(names, np.exp(best.x).tolist(), strict=True))
     near = np.minimum(best.x - low, high - best.x) < AT_END
     return Fit(
@@ -390,8 +390,8 @@ def durations(params: Params, contact: Contact) -> FloatArray:
     asked = params.criteria
     spheres = [resized(contact, diameter * 1e-6) for diameter in asked.diameters_um]
     speed = np.array(asked.duration_speeds_m_per_s)
-    found = np.concatenate([normal_impact(of, speed).contact_time for of in spheres]) * 1e9
-    return np.asarray(found[np.isfinite(found)])
+    times = np.concatenate([normal_impact(of, speed).contact_time for of in spheres]) * 1e9
+    return np.asarray(times[np.isfinite(times)])
 
 
 def rise(contact: Contact, speed: float, plateau_angle: float, basis: str) -> float:
@@ -421,10 +421,10 @@ def curves(params: Params, fits: list[Fit]) -> pd.DataFrame:
     )
     for fit in fits:
         limit = float(capture_velocity(fit.contact))
-        own = np.union1d(speed, [limit]) if math.isfinite(limit) else speed
-        e = normal_impact(fit.contact, own).coefficient_of_restitution
-        e = np.where(own > limit, e, 0.0)
-        frames.append(_frame(fit.targets, fit.law.name, own, e, "calibrated"))
+        grid = np.union1d(speed, [limit]) if math.isfinite(limit) else speed
+        e = normal_impact(fit.contact, grid).coefficient_of_restitution
+        e = np.where(grid > limit, e, 0.0)
+        frames.append(_frame(fit.targets, fit.law.name, grid, e, "calibrated"))
     speed, value, error = printed(params)
     ends, limit = (value - error, value + error), params.capture_velocity_m_per_s
     for targets in TARGETS:

@@ -96,8 +96,8 @@ def admissible_band(params: Params, inputs: Tables) -> pd.DataFrame:
     The force is zero after the end of a contact.
     """
     diameter = params.diameter_um * 1e-6
-    found = admissible_beside(inputs, params.admissible, params.case, diameter)
-    contacts = [one.at(place) for one in found.values() for place in np.ndindex(one.shape)]
+    band_contacts = admissible_beside(inputs, params.admissible, params.case, diameter)
+    contacts = [one.at(place) for one in band_contacts.values() for place in np.ndindex(one.shape)]
     if not contacts:
         return pd.DataFrame()
     at, points = (params.speed_m_per_s, params.angle_deg), INSTANTS

@@ -83,10 +83,13 @@ def run(params: Params, inputs: Tables) -> Tables:
         largest = max(params.largest_speed_m_per_s, case.fitted_to * limit)
         speed = _speeds(DRAWN_FROM * limit, limit, largest, params.points)
         e = simulate(contact, speed).coefficient_of_restitution
-        found, curves = _digitised_fits(case, params, inputs.get("digitised"), limit)
-        later += found
-        own = frames[case.figure]
-        own += [_frame(f"{case.case}, simulation", speed, e, case.result_evidence), *curves]
+        digitised_rows, curves = _digitised_fits(case, params, inputs.get("digitised"), limit)
+        later += digitised_rows
+        figure_frames = frames[case.figure]
+        figure_frames += [
+            _frame(f"{case.case}, simulation", speed, e, case.result_evidence),
+            *curves,
+        ]
         if not case.fitted:
             continue
         sampled = np.geomspace(params.fitted_from, case.fitted_to, params.fitted_points) * limit
@@ -95,15 +98,15 @@ def run(params: Params, inputs: Tables) -> Tables:
         rows += [_row(case, limit, fit) for fit in fits]
         free = fits[0]
         speed = _speeds(DRAWN_FROM * limit, free.v_c, largest, params.points)
-        own += [
+        figure_frames += [
             _frame(f"{case.case}, fit", speed, free.curve(speed), case.result_evidence),
             _frame(f"{case.case}, v_c of the fit", free.v_c, [0.0, V_C_MARK], case.result_evidence),
         ]
         if (printed := case.printed_capture_velocity_m_per_s) is None:
             continue
         mark = _frame(f"printed, {printed:g} m/s", printed, 0.0, "printed")
-        if not any(mark.equals(other) for other in own):
-            own.append(mark)
+        if not any(mark.equals(other) for other in figure_frames):
+            figure_frames.append(mark)
     tables = {name: pd.concat(parts, ignore_index=True) for name, parts in frames.items()}
     return tables | {"restitution_fits": pd.DataFrame(rows + later)}
 

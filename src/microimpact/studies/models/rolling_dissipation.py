@@ -81,13 +81,13 @@ def run(params: Params, inputs: Tables) -> Tables:
         contact = resized(calibrated_contact(inputs, case), diameter * 1e-6)
         start = {"case": case, "diameter_um": diameter, "speed_m_per_s": speed}
         moments = _moments(params, contact, speed)
-        found = {a: moments(a) for a in _rebounding(contact, speed, np.array(params.angles_deg))}
+        impulses = {a: moments(a) for a in _rebounding(contact, speed, np.array(params.angles_deg))}
         rows += [
-            {**start, "angle_deg": angle, **_row(contact, speed, found.get(angle))}
+            {**start, "angle_deg": angle, **_row(contact, speed, impulses.get(angle))}
             for angle in params.angles_deg
         ]
-        if len(found) > 1:
-            summary += [start | _summary(params, moments, found, grade) for grade in GRADES]
+        if len(impulses) > 1:
+            summary += [start | _summary(params, moments, impulses, grade) for grade in GRADES]
     return {
         "rolling_dissipation": pd.DataFrame(rows).assign(evidence="computed"),
         "rolling_ranges": pd.DataFrame(summary).assign(evidence="computed"),
@@ -130,12 +130,12 @@ def _row(contact: Contact, speed: float, moments: RollingImpulses | None) -> Row
 def _summary(
     params: Params,
     moments: Callable[[float], RollingImpulses],
-    found: Mapping[float, RollingImpulses],
+    impulses: Mapping[float, RollingImpulses],
     grade: str,
 ) -> Row:
     """Return the row of one grade, from the moments at the angles of rebounds."""
-    angles = np.array(list(found))
-    ratios = np.array([ratio(of, grade) for of in found.values()])
+    angles = np.array(list(impulses))
+    ratios = np.array([ratio(of, grade) for of in impulses.values()])
 
     def excess(angle: float) -> float:
         return ratio(moments(angle), grade) - params.negligible

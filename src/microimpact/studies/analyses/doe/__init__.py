@@ -123,7 +123,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     Raises ValueError, naming the first run without a finite capture velocity.
     """
     experiments = list(_experiments(params, inputs))
-    found = pd.concat([effect_table(each) for each in experiments], ignore_index=True)
+    effect_rows = pd.concat([effect_table(each) for each in experiments], ignore_index=True)
     tables = {
         "doe_levels": [_level_table(each) for each in experiments],
         "doe_design": [_design_table(each) for each in experiments],
@@ -131,13 +131,13 @@ def run(params: Params, inputs: Tables) -> Tables:
         "doe_elasticities": [_elasticity_table(case.case, inputs) for case in params.cases],
     }
     drawn = {
-        FIGURES[each.variation]: figure_frame(each, found)
+        FIGURES[each.variation]: figure_frame(each, effect_rows)
         for each in experiments
         if each.case == params.drawn_case
     }
     return {name: pd.concat(parts, ignore_index=True) for name, parts in tables.items()} | {
         "doe_aliases": pd.DataFrame(alias_rows(experiments[0].relation)),
-        "doe_effects": found,
+        "doe_effects": effect_rows,
         **drawn,
     }
 
@@ -284,14 +284,14 @@ def _design_table(each: DesignedExperiment) -> pd.DataFrame:
 
 
 def _elasticity_table(case: str, inputs: Tables) -> pd.DataFrame:
-    found = elasticities(calibrated_contact(inputs, case))
+    elasticity = elasticities(calibrated_contact(inputs, case))
     return pd.DataFrame(
         {
             "case": case,
             "factor": list(LETTERS),
             "name": NAMES,
-            "at_fixed_zeta": found.at_fixed_zeta,
-            "at_fixed_damping": found.at_fixed_damping,
+            "at_fixed_zeta": elasticity.at_fixed_zeta,
+            "at_fixed_damping": elasticity.at_fixed_damping,
             "unit": "-",
             "evidence": "computed",
         }
@@ -373,8 +373,8 @@ def _percent(
     design: FloatArray, words: list[str], values: FloatArray, *, logarithmic: bool
 ) -> FloatArray:
     """Effects in % of the mean response; of a logarithm, in hundredths."""
-    found = effects(design, LETTERS, words, values)
-    return 100.0 * (found if logarithmic else found / values.mean(axis=-1, keepdims=True))
+    contrasts = effects(design, LETTERS, words, values)
+    return 100.0 * (contrasts if logarithmic else contrasts / values.mean(axis=-1, keepdims=True))
 
 
 def bd_aliasing(each: DesignedExperiment) -> Iterator[Row]:
@@ -382,14 +382,18 @@ def bd_aliasing(each: DesignedExperiment) -> Iterator[Row]:
 
     def percent(runs: BoolArray) -> float:
         response = each.response[runs]
-        (found,) = effects(each.full[runs], LETTERS, ["BD"], response) / response.mean()
-        return float(100.0 * found)
+        (effect,) = effects(each.full[runs], LETTERS, ["BD"], response) / response.mean()
+        return float(100.0 * effect)
 
     whole = percent(np.ones(len(each.full), bool))
-    for (first, second), (one, other) in combinations(
+    for (first, second), (sign_of_first, sign_of_second) in combinations(
         quarter_fractions(LETTERS), combinations((1, -1), repeat=2)
     ):
-        relation = {first: one, second: other, product(first, second): one * other}
+        relation = {
+            first: sign_of_first,
+            second: sign_of_second,
+            product(first, second): sign_of_first * sign_of_second,
+        }
         columns = {w: each.full[:, [LETTERS.index(c) for c in w]].prod(axis=1) for w in relation}
         kept = np.all([columns[word] == sign for word, sign in relation.items()], axis=0)
         others = {product("BD", word): sign for word, sign in relation.items()}
@@ -407,13 +411,13 @@ def bd_aliasing(each: DesignedExperiment) -> Iterator[Row]:
 
 def figure_frame(each: DesignedExperiment, table: pd.DataFrame) -> pd.DataFrame:
     """Return the effects of an experiment as drawn: panels by plot, series by response and word."""
-    own = table[
+    effect_rows = table[
         (table["case"] == each.case)
         & (table["variation"] == each.variation)
         & (table["design"] == "fraction")
     ]
     frames = []
-    for response, rows in own.groupby("response", sort=False):
+    for response, rows in effect_rows.groupby("response", sort=False):
         for panel, column, x in (
             ("normal", "normal_quantile", rows["effect_percent"]),
             ("half_normal", "half_normal_quantile", rows["effect_percent"].abs()),

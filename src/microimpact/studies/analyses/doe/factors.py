@@ -100,8 +100,8 @@ def flat_family(contact: Contact, inputs: Tables) -> pd.DataFrame:
 
 
 def _either_side(values: Iterable[float]) -> tuple[float, float]:
-    found = list(values)
-    half = float(np.sqrt(max(found) / min(found)))
+    extremes = list(values)
+    half = float(np.sqrt(max(extremes) / min(extremes)))
     return 1.0 / half, half
 
 
@@ -109,9 +109,9 @@ def _stiffness_ends(contact: Contact, materials: pd.DataFrame) -> tuple[float, f
     """Return K with all elastic constants at their lower, and at their upper, declared bounds."""
     ends = []
     elastic = materials["property"] != "density"
-    for end, other in (("low", "high"), ("high", "low")):
+    for end, opposite in (("low", "high"), ("high", "low")):
         # A larger modulus and a larger Poisson's ratio both stiffen.
-        bound = materials[end].fillna(materials[other]).fillna(materials["value"])
+        bound = materials[end].fillna(materials[opposite]).fillna(materials["value"])
         value = bound.where(elastic, materials["value"])
         rows: Any = materials.assign(value=value).to_dict("records")
         known = materials_from_rows(rows)

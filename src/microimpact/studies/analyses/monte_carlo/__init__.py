@@ -100,8 +100,8 @@ class Params:
         known = self.process.distributions
         for source in self.ablation.sources:
             if source.parameter not in known:
-                told = f"{source.parameter!r} must be one of {', '.join(known)}"
-                raise ValueError(f"ablation.sources: {told}")
+                complaint = f"{source.parameter!r} must be one of {', '.join(known)}"
+                raise ValueError(f"ablation.sources: {complaint}")
         require_meaning(self.model, self.process)
         require_varying(self.correlation, known)
 
@@ -184,8 +184,8 @@ def stream(
         raise ValueError(f"events and threads must be 1 or more, got {events} and {threads}")
     number = numbers[variant]
     impact = impact_of(params.model, calibrated_contact(inputs, params.smooth), params.process)
-    one = _stream(_ensemble(params, impact, params.variants[number], number), LONG_RUN)
-    long = long_run(one, events)
+    ensemble = _stream(_ensemble(params, impact, params.variants[number], number), LONG_RUN)
+    long = long_run(ensemble, events)
     with progress(f"{variant}, {angle_deg:g} deg", long.plan.replicates * long.plan.events) as done:
         return estimate(long, angle_deg, threads=threads, done=done)
 
@@ -212,14 +212,14 @@ def _ensemble(params: Params, impact: Impact, variant: Variant, number: int) -> 
     )
     if not (isinstance(slope, Inferred) and variant.drawn):
         return ensemble
-    found = _inferred(params, ensemble, variant)
-    if not found["reached"]:
+    inference = _inferred(params, ensemble, variant)
+    if not inference["reached"]:
         raise ValueError(
             f"variants.{variant.name}: no slope gives a restitution of "
             f"{params.slope_inference.restitution:g} at {params.slope_inference.angle_deg:g} deg; "
             "declare process.slope"
         )
-    return with_slope(ensemble, float(str(found["slope_sd"])), two_axes=variant.two_axes)
+    return with_slope(ensemble, float(str(inference["slope_sd"])), two_axes=variant.two_axes)
 
 
 def _inferred(params: Params, ensemble: Ensemble, variant: Variant) -> Row:
@@ -233,14 +233,17 @@ def _stream(ensemble: Ensemble, analysis: int) -> Ensemble:
     return replace(ensemble, seed=seed)
 
 
-def _means(params: Params, variant: str, found: list[Estimate], base: Ensemble) -> pd.DataFrame:
+def _means(params: Params, variant: str, estimates: list[Estimate], base: Ensemble) -> pd.DataFrame:
     """Estimates of a variant at every angle, ascending, beside the smooth surface's."""
     angles = sorted(params.angles_deg)
-    own, smooth = pd.DataFrame(found), pd.DataFrame([estimate(base, angle) for angle in angles])
+    rough, smooth = (
+        pd.DataFrame(estimates),
+        pd.DataFrame([estimate(base, angle) for angle in angles]),
+    )
     reference = angles.index(params.reference_angle_deg)
-    e, error, bare = own["restitution"], own["restitution_error"], smooth["restitution"]
-    relative_error = np.hypot(error, error[reference]).where(own.index != reference, 0.0)
-    table = own.rename(columns={name: f"{name}_share" for name in SHARES}).assign(
+    e, error, bare = rough["restitution"], rough["restitution_error"], smooth["restitution"]
+    relative_error = np.hypot(error, error[reference]).where(rough.index != reference, 0.0)
+    table = rough.rename(columns={name: f"{name}_share" for name in SHARES}).assign(
         relative_restitution=e - e[reference],
         relative_restitution_error=relative_error,
         smooth_restitution=bare,

@@ -360,13 +360,13 @@ class Struck(ABC):
         draws = {name: np.broadcast_to(values, n) for name, values in events.draws.items()}
         facets = [(np.broadcast_to(a, n), np.broadcast_to(b, n)) for a, b in events.facets]
         before, spin = _approach(draws, events.angle_deg)
-        found = collide(surface, before, spin, facets, self(draws))
-        faced, accepted, after = found.contacts > 0, found.observed(rules), found.velocity
+        rebound = collide(surface, before, spin, facets, self(draws))
+        faced, accepted, after = rebound.contacts > 0, rebound.observed(rules), rebound.velocity
         change = after[accepted] - before[accepted]
         e, mu = np.zeros((2, n))
         e[accepted] = -after[accepted, 2] / before[accepted, 2]
         mu[accepted] = -change[:, 0] / change[:, 2]
-        counts = (~faced, found.kept, faced & ~found.kept & ~accepted, accepted)
+        counts = (~faced, rebound.kept, faced & ~rebound.kept & ~accepted, accepted)
         sums = [
             values.reshape(events.replicates, -1).sum(axis=1, dtype=float)
             for values in (*counts, e, e**2, mu, mu**2)

@@ -83,8 +83,8 @@ class RigidBody:
         """Return the velocity scales of spheres, m/s, and their places in the family."""
         size = draws["diameter_um"] / draws["work_of_adhesion_factor"]
         steps, family = (5.0 / 6.0) * np.log(size / self.size), self.law.family
-        place = np.zeros(1) if family.alike else -steps / family.half_width
-        return np.asarray(family.velocity_scale * np.exp(-steps)), np.asarray(place)
+        shape_index = np.zeros(1) if family.alike else -steps / family.half_width
+        return np.asarray(family.velocity_scale * np.exp(-steps)), np.asarray(shape_index)
 
     def sums(self, ensemble: Ensemble, groups: Iterable[Events]) -> FloatArray:
         """Return the sums over events, see `Impact`."""

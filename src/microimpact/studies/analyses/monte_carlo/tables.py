@@ -65,7 +65,7 @@ def sampling_table(ensemble: Ensemble, settings: Comparison) -> pd.DataFrame:
     rows = []
     for method, generator in METHODS:
         plan = Plan(method=method, generator=generator, **size)
-        one = estimate(replace(ensemble, plan=plan), settings.angle_deg)
+        sampled = estimate(replace(ensemble, plan=plan), settings.angle_deg)
         rows += [
             {
                 "method": method,
@@ -73,8 +73,8 @@ def sampling_table(ensemble: Ensemble, settings: Comparison) -> pd.DataFrame:
                 "quantity": quantity,
                 "angle_deg": settings.angle_deg,
                 "events": settings.replicates * settings.events,
-                "estimate": getattr(one, quantity),
-                "standard_error": getattr(one, f"{quantity}_error"),
+                "estimate": getattr(sampled, quantity),
+                "standard_error": getattr(sampled, f"{quantity}_error"),
             }
             for quantity in QUANTITIES
         ]
@@ -99,10 +99,12 @@ def ablation_table(
     rows = []
     for (variant, ensemble), angle in product(ensembles.items(), settings.angles_deg):
         sources = {"all": ensemble} | {s.parameter: _alone(ensemble, s) for s in settings.sources}
-        found = {name: estimate(one, angle) for name, one in sources.items()}
+        estimates = {name: estimate(one, angle) for name, one in sources.items()}
         bare = estimate(base, angle)
-        for (name, one), quantity in product(found.items(), QUANTITIES):
-            smooth, value, full = (getattr(of, quantity) for of in (bare, one, found["all"]))
+        for (name, source_estimate), quantity in product(estimates.items(), QUANTITIES):
+            smooth, value, full = (
+                getattr(of, quantity) for of in (bare, source_estimate, estimates["all"])
+            )
             rows.append(
                 {
                     "variant": variant,
@@ -111,7 +113,7 @@ def ablation_table(
                     "quantity": quantity,
                     "smooth": smooth,
                     "estimate": value,
-                    "standard_error": getattr(one, f"{quantity}_error"),
+                    "standard_error": getattr(source_estimate, f"{quantity}_error"),
                     "share": (value - smooth) / (full - smooth),
                 }
             )

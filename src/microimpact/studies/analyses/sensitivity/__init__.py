@@ -240,8 +240,8 @@ def calibrated(
     )
     _require_admissible(targets)
     sample, met = calibrated_sample(contact, targets)
-    found = capture_velocity(sample.replace(diameter=sample.diameter * radius))
-    response = np.where(met, found, np.nan).reshape(cube.shape[:2])
+    limits = capture_velocity(sample.replace(diameter=sample.diameter * radius))
+    response = np.where(met, limits, np.nan).reshape(cube.shape[:2])
     return Draw(case=case, variation="calibrated", response=response), sample
 
 
@@ -277,8 +277,8 @@ def multiples_of(
         evenly: FloatArray = low + (high - low) * cube
         return evenly
     middle, half = 0.5 * np.log(low * high), 0.5 * np.log(high / low)
-    found: FloatArray = np.exp(middle + half * ndtri(cube) / ndtri(quantile))
-    return found
+    multiples: FloatArray = np.exp(middle + half * ndtri(cube) / ndtri(quantile))
+    return multiples
 
 
 def _generator(params: Params, key: tuple[int, ...]) -> np.random.Generator:
@@ -291,22 +291,22 @@ def index_tables(draw: Draw, effects: pd.DataFrame, find: Find) -> Iterator[pd.D
     keys = ["case", "variation", "design"]
     whole = effects[(effects[keys] == [draw.case, draw.variation, "full"]).all(axis=1)]
     for response, values in {"v_c": draw.kept(), "ln v_c": np.log(draw.kept())}.items():
-        found = find(values)
+        indices = find(values)
         size = whole[whole["response"] == response].set_index("effect")["effect_percent"]
         square = size**2 / float((size**2).sum())
         words = [[letter in word for word in square.index] for letter in LETTERS]
-        own = size[list(LETTERS)].to_numpy(float)
+        main_effects = size[list(LETTERS)].to_numpy(float)
         columns = {
             "response": response,
             "standard_deviation_percent": _spread(draw.kept()),
             "factor": list(LETTERS),
             "name": NAMES,
-            **asdict(found),
-            "effect_percent": own,
+            **asdict(indices),
+            "effect_percent": main_effects,
             "effect_first": square[list(LETTERS)].to_numpy(float),
             "effect_total": [float(square[of].sum()) for of in words],
-            "rank_by_total": _ranks(found.total),
-            "rank_by_effect": _ranks(np.abs(own)),
+            "rank_by_total": _ranks(indices.total),
+            "rank_by_effect": _ranks(np.abs(main_effects)),
             "evidence": "computed",
         }
         yield pd.DataFrame(draw.label | columns)
@@ -333,16 +333,18 @@ def group_tables(draw: Draw, radius: int, find: Find) -> Iterator[pd.DataFrame]:
         yield _input_table(draw, "group", [name], find(draw.kept()[:, columns]))
 
 
-def _input_table(draw: Draw, kind: str, names: Sequence[str], found: Indices) -> pd.DataFrame:
+def _input_table(
+    draw: Draw, kind: str, names: Sequence[str], sobol_indices: Indices
+) -> pd.DataFrame:
     spread = {"standard_deviation_percent": _spread(draw.kept())}
-    indices = {"kind": kind, "input": names, **asdict(found), "evidence": "computed"}
+    indices = {"kind": kind, "input": names, **asdict(sobol_indices), "evidence": "computed"}
     return pd.DataFrame(draw.label | spread | indices)
 
 
 def parameter_table(case: str, sample: Contact) -> pd.DataFrame:
     """Return medians, 90 % ranges and rank correlations of what is calibrated."""
-    of = factor_values(sample)
-    values = pd.DataFrame({letter: of[letter] for letter in CALIBRATED_FACTORS})
+    factors = factor_values(sample)
+    values = pd.DataFrame({letter: factors[letter] for letter in CALIBRATED_FACTORS})
     low, median, high = np.quantile(values, [0.5 - CENTRAL / 2, 0.5, 0.5 + CENTRAL / 2], axis=0)
     ranks = values.rank()
     return pd.DataFrame(
@@ -368,17 +370,17 @@ def drawn(tables: Tables, case: str) -> pd.DataFrame:
     frames = []
     of_v_c = rows[rows["response"] == "v_c"]
     for (name, variation), part in of_v_c.groupby(["case", "variation"], sort=False):
-        place = np.arange(len(part), dtype=float)
+        x = np.arange(len(part), dtype=float)
         for series, column in (
             ("total index", "total"),
             ("first-order index", "first"),
             ("share of squared effects", "effect_total"),
         ):
-            frames.append(_frame(f"{variation}, {name}", series, place, part, column))
+            frames.append(_frame(f"{variation}, {name}", series, x, part, column))
     shown = groups[(groups["variation"] == "calibrated") & (groups["kind"] == "input")]
     for name, part in shown.groupby("case", sort=False):
-        place = np.arange(len(part), dtype=float)
-        frames.append(_frame("calibrated", str(name), place, part, "total"))
+        x = np.arange(len(part), dtype=float)
+        frames.append(_frame("calibrated", str(name), x, part, "total"))
     chosen = steps[(steps["case"] == case) & (steps["variation"] == "realistic")]
     for letter, part in chosen.groupby("factor"):
         samples = part["samples"].to_numpy(float)
@@ -386,12 +388,10 @@ def drawn(tables: Tables, case: str) -> pd.DataFrame:
     return pd.concat(frames, ignore_index=True)
 
 
-def _frame(
-    panel: str, series: str, place: FloatArray, rows: pd.DataFrame, column: str
-) -> pd.DataFrame:
+def _frame(panel: str, series: str, x: FloatArray, rows: pd.DataFrame, column: str) -> pd.DataFrame:
     ends = [rows[name] for end in ("low", "high") if (name := f"{column}_{end}") in rows]
     y = rows[column]
-    return series_frame(panel, series, place, y, "computed", *ends, x_unit="1", y_unit="1")
+    return series_frame(panel, series, x, y, "computed", *ends, x_unit="1", y_unit="1")
 
 
 def _spread(kept: FloatArray) -> float:

@@ -62,8 +62,8 @@ def calibrated_sample(start: Contact, targets: Targets) -> tuple[Contact, BoolAr
         met = np.all(np.abs(miss) < TOLERANCE, axis=0)
         if np.all(met):
             break
-        some = targets.some(left)
-        search = _moved(start, some.stiffness, damping[left]), some
+        subset = targets.some(left)
+        search = _moved(start, subset.stiffness, damping[left]), subset
         steps = _move(*search, logs[:, left], miss[:, left])
         logs[:, left] -= np.clip(steps, -LARGEST_MOVE, LARGEST_MOVE)
         miss[:, left] = _misses(*search, logs[:, left])
@@ -89,8 +89,8 @@ def material_damping(speed: float, restitution: FloatArray) -> FloatArray:
     def excess(share: FloatArray, e: FloatArray) -> FloatArray:
         # The unknown is e d, between 0 and 1; the square takes out the root at zero.
         d = share / e
-        found: FloatArray = (d - np.log1p(d) + share + np.log1p(-share)) / d**2
-        return found
+        quotient: FloatArray = (d - np.log1p(d) + share + np.log1p(-share)) / d**2
+        return quotient
 
     share = roots(excess, 1e-4, 1.0 - 1e-12, restitution)
     return share / restitution / speed

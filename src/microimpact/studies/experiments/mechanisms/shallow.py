@@ -84,9 +84,11 @@ def _both(params: Shallow, sample: Sample) -> tuple[Curve, Curve]:
 
 def _curve(params: Shallow, sample: Sample, speed: float, normal_speed: FloatArray) -> Curve:
     width = params.half_width_m_per_s
-    own = sample.but(speed_m_per_s=speed, speed_range_m_per_s=(speed - width, speed + width))
+    speed_class = sample.but(
+        speed_m_per_s=speed, speed_range_m_per_s=(speed - width, speed + width)
+    )
     angle = np.degrees(np.arcsin(np.minimum(normal_speed / speed, 1.0)))
-    samples = [own.seen(float(a)) for a in angle]
+    samples = [speed_class.seen(float(a)) for a in angle]
     free = [one.captured_share <= params.most_captured for one in samples]
     ratio = np.where(free, [one.means["impulse_ratio"].value for one in samples], np.nan)
     if np.sum(np.isfinite(ratio)) < FEWEST_MEANS:
@@ -108,8 +110,8 @@ def adhesion_or_roughness(
     for (case, cause), (slow, fast) in curves.items():
         by_speed = _spread(slow.normal_speed, slow.ratio, fast.normal_speed, fast.ratio)
         by_angle = _spread(slow.angle, slow.ratio, fast.angle, fast.ratio)
-        found = np.isfinite(fast.ratio)
-        shallowest = int(np.flatnonzero(found)[0])
+        finite = np.isfinite(fast.ratio)
+        shallowest = int(np.flatnonzero(finite)[0])
         steep, flat = sorted(params.trend_deg, reverse=True)
         rebounding = np.isfinite(slow.ratio)
         known = slow.angle[rebounding], slow.ratio[rebounding]
@@ -130,8 +132,10 @@ def adhesion_or_roughness(
 
 def _spread(x: FloatArray, y: FloatArray, other_x: FloatArray, other_y: FloatArray) -> float:
     """Largest difference of two curves where both are known."""
-    known, other = np.isfinite(y), np.isfinite(other_y)
-    there = np.interp(x[known], other_x[other], other_y[other], left=np.nan, right=np.nan)
+    known, other_known = np.isfinite(y), np.isfinite(other_y)
+    there = np.interp(
+        x[known], other_x[other_known], other_y[other_known], left=np.nan, right=np.nan
+    )
     return float(np.nanmax(np.abs(y[known] - there)))
 
 

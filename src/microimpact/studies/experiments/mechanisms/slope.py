@@ -77,11 +77,11 @@ def sweep_rows(params: Slope, sampling: Sampling, inputs: Tables) -> Iterator[di
         for angle in params.angles_deg:
             smooth = sample.but(surface_slope=0.0).seen(angle)
             for slope in params.slope_sds:
-                found = sample.but(surface_slope=slope).seen(angle)
+                sloped = sample.but(surface_slope=slope).seen(angle)
                 yield (
                     {"case": case, "slope_sd": slope, "angle_deg": angle}
-                    | mean_columns(found)
-                    | difference_columns(found, smooth, sampling)
+                    | mean_columns(sloped)
+                    | difference_columns(sloped, smooth, sampling)
                     | {"evidence": "virtual experiment"}
                 )
 
@@ -94,11 +94,11 @@ def pair_rows(params: Slope, sampling: Sampling, inputs: Tables) -> Iterator[dic
         assert work is not None
         sloped = sloped.on(sloped.contact.replace(work_of_adhesion=work * pair.adhesion_factor))
         for angle in params.angles_deg:
-            smooth, found = flat.seen(angle), sloped.seen(angle)
-            e, e_rough = (one.means["restitution"].value for one in (smooth, found))
+            smooth, rough = flat.seen(angle), sloped.seen(angle)
+            e, e_rough = (one.means["restitution"].value for one in (smooth, rough))
             predicted = e**2 - e_rough**2
-            width = half_width(found.means["energy_loss"], smooth.means["energy_loss"], sampling)
-            columns = difference_columns(found, smooth, sampling)
+            width = half_width(rough.means["energy_loss"], smooth.means["energy_loss"], sampling)
+            columns = difference_columns(rough, smooth, sampling)
             error = columns["energy_loss_difference"] - predicted
             yield {
                 "pair": pair.name,
@@ -106,7 +106,7 @@ def pair_rows(params: Slope, sampling: Sampling, inputs: Tables) -> Iterator[dic
                 "adhesion_factor": pair.adhesion_factor,
                 "slope_sd": pair.rough.slope_sd,
                 "angle_deg": angle,
-                **mean_columns(found),
+                **mean_columns(rough),
                 **columns,
                 "difference_of_squared_restitutions": predicted,
                 "loss_less_squares_over_half_width": error / width,
@@ -140,16 +140,16 @@ def formica_comparison(
     both = (params.formica_steel, params.formica_spore)
     steel, spore = (Sample.of(dropped, sampling, inputs) for dropped in both)
     for angle in params.angles_deg:
-        one, other = steel.seen(angle), spore.seen(angle)
-        free = other.means["restitution"].value
+        steel_seen, spore_seen = steel.seen(angle), spore.seen(angle)
+        free = spore_seen.means["restitution"].value
         yield (
             {"angle_deg": angle}
-            | {f"steel_{name}": value for name, value in mean_columns(one).items()}
-            | {f"spore_{name}": value for name, value in mean_columns(other).items()}
-            | difference_columns(one, other, sampling)
+            | {f"steel_{name}": value for name, value in mean_columns(steel_seen).items()}
+            | {f"spore_{name}": value for name, value in mean_columns(spore_seen).items()}
+            | difference_columns(steel_seen, spore_seen, sampling)
             | {
                 # Captured particles have a restitution of zero.
-                "spore_bias_of_conditional_mean": free * other.captured_share,
+                "spore_bias_of_conditional_mean": free * spore_seen.captured_share,
                 "evidence": "virtual experiment",
                 "squared_sine": np.sin(np.radians(angle)) ** 2,
             }

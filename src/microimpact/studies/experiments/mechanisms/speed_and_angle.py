@@ -57,39 +57,39 @@ def speed_tables(
     params: SpeedAndAngle, sampling: Sampling, inputs: Tables
 ) -> dict[str, pd.DataFrame]:
     """Return the tables, by name."""
-    rows, found = [], []
+    rows, regions = [], []
     for case in params.cases:
         sample = Sample.of(replace(params.dropped, case=case), sampling, inputs)
         rows += [class_row(params, sample, one) for one in params.classes]
-        found += region_rows(params, sample)
+        regions += region_rows(params, sample)
     return {
         "speed_and_angle": pd.DataFrame(rows),
-        "impulse_regions": pd.DataFrame(found),
+        "impulse_regions": pd.DataFrame(regions),
         "loss_slopes": pd.DataFrame(loss_slopes(params)),
         "loss_resolution": pd.DataFrame([resolution(params, sampling, inputs)]),
     }
 
 
-def class_row(params: SpeedAndAngle, sample: Sample, one: SpeedClass) -> dict[str, Any]:
+def class_row(params: SpeedAndAngle, sample: Sample, speed_class: SpeedClass) -> dict[str, Any]:
     """Restitution of the mean sphere and of the sieve class, and where the loss departs."""
-    own = sample.but(**asdict(one))
+    class_sample = sample.but(**asdict(speed_class))
     steep, shallow = sorted(params.trend_deg, reverse=True)
-    sphere = simulate(sample.contact, one.speed_m_per_s, np.array([steep, shallow]))
+    sphere = simulate(sample.contact, speed_class.speed_m_per_s, np.array([steep, shallow]))
     e = sphere.coefficient_of_restitution
-    losses = [own.seen(angle).means["energy_loss"] for angle in params.angles_deg]
+    losses = [class_sample.seen(angle).means["energy_loss"] for angle in params.angles_deg]
     departed = (
         angle
         for angle, loss in zip(params.angles_deg[1:], losses[1:], strict=True)
         if abs(loss.value - losses[0].value) > half_width(loss, losses[0], sample.sampling)
     )
     return {
-        "case": own.dropped.case,
-        "speed_m_per_s": one.speed_m_per_s,
+        "case": class_sample.dropped.case,
+        "speed_m_per_s": speed_class.speed_m_per_s,
         "restitution_steep": e[0],
         "restitution_shallow": e[1],
         "fall_of_restitution": e[0] - e[1],
-        "conditional_mean_steep": own.mean("restitution", steep),
-        "conditional_mean_shallow": own.mean("restitution", shallow),
+        "conditional_mean_steep": class_sample.mean("restitution", steep),
+        "conditional_mean_shallow": class_sample.mean("restitution", shallow),
         "steep_deg": steep,
         "shallow_deg": shallow,
         "energy_loss_steep": losses[0].value,
@@ -100,18 +100,22 @@ def class_row(params: SpeedAndAngle, sample: Sample, one: SpeedClass) -> dict[st
 
 def region_rows(params: SpeedAndAngle, sample: Sample) -> list[dict[str, Any]]:
     """Regions of the mean impulse ratio of the fastest class."""
-    own = sample.but(**asdict(params.classes[0]))
-    samples = [own.seen(angle) for angle in params.region_angles_deg]
+    class_sample = sample.but(**asdict(params.classes[0]))
+    samples = [class_sample.seen(angle) for angle in params.region_angles_deg]
     means = np.array([s.means["impulse_ratio"].value for s in samples])
     known = np.isfinite(means)
     ratio = [s.means["impulse_ratio"] for s, k in zip(samples, known, strict=True) if k]
     counts = np.array([len(s.measured) for s in samples])[known]
     # The interval of one mean: that of its difference from an exactly known number.
-    width = np.array([half_width(of, EXACT, own.sampling) for of in ratio])
+    width = np.array([half_width(of, EXACT, class_sample.sampling) for of in ratio])
     scatter = np.array([of.sd for of in ratio]) / np.sqrt(counts)
     angles, means = np.array(params.region_angles_deg)[known], means[known]
     return [
-        {"case": own.dropped.case, "speed_m_per_s": own.dropped.speed_m_per_s, "errors": name}
+        {
+            "case": class_sample.dropped.case,
+            "speed_m_per_s": class_sample.dropped.speed_m_per_s,
+            "errors": name,
+        }
         | row
         | {"evidence": "virtual experiment"}
         for name, error in (("sample", scatter), ("experiment", width / ERROR_BAR))
@@ -145,14 +149,14 @@ def rigid_loss(e: float, friction: float, angle: np.ndarray) -> np.ndarray:
 def resolution(params: SpeedAndAngle, sampling: Sampling, inputs: Tables) -> dict[str, Any]:
     """Differences of printed restitutions and of their losses against what 40 events resolve."""
     angle, both = params.resolved_deg, (params.resolved_steel, params.resolved_spore)
-    one, other = (Sample.of(dropped, sampling, inputs).seen(angle).means for dropped in both)
+    smooth, rough = (Sample.of(dropped, sampling, inputs).seen(angle).means for dropped in both)
     e = params.resolved_restitutions
     losses = [
         float(rigid_loss(value, dropped.friction, np.array(angle)))
         for value, dropped in zip(e, both, strict=True)
     ]
     width, width_of_loss = (
-        half_width(one[name], other[name], sampling) for name in ("restitution", "energy_loss")
+        half_width(smooth[name], rough[name], sampling) for name in ("restitution", "energy_loss")
     )
     return {
         "angle_deg": angle,

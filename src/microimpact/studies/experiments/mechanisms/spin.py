@@ -72,15 +72,15 @@ def _grid(params: Spin, sample: Sample) -> list[dict[str, Any]]:
     rows = []
     for spin_mean, sd in spins:
         turning = sample.but(spin=InitialSpin(mean=spin_mean, sd=sd))
-        found = [turning.seen(angle) for angle in params.angles_deg]
-        mu = np.array([one.means["impulse_ratio"].value for one in found])
+        samples = [turning.seen(angle) for angle in params.angles_deg]
+        mu = np.array([one.means["impulse_ratio"].value for one in samples])
         known = np.isfinite(mu)
         trend = float(np.corrcoef(np.array(params.angles_deg)[known], mu[known])[0, 1])
         rows += [
             {"case": sample.dropped.case, "spin_mean": spin_mean, "spin_sd": sd, "angle_deg": angle}
             | mean_columns(one)
             | {"correlation_of_impulse_ratio_with_angle": trend, "evidence": "virtual experiment"}
-            for angle, one in zip(params.angles_deg, found, strict=True)
+            for angle, one in zip(params.angles_deg, samples, strict=True)
         ]
     return rows
 

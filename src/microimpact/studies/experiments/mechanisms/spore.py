@@ -136,8 +136,8 @@ def spore_tables(
 ) -> dict[str, pd.DataFrame]:
     """Return the tables of the spore mechanisms, by name."""
     sample = Sample.of(params.spore, sampling, inputs)
-    found, most = causes(params, sample), params.seen_dropped
-    found[CAMERA] = {
+    samples_by_cause, most = causes(params, sample), params.seen_dropped
+    samples_by_cause[CAMERA] = {
         angle: as_imaged(sample, angle, instrument, events=params.seen_events, most_dropped=most)
         for angle in params.seen_deg
     }
@@ -145,12 +145,15 @@ def spore_tables(
         {"mechanism": name, "angle_deg": angle}
         | mean_columns(one)
         | {"evidence": "virtual experiment"}
-        for name, samples in found.items()
+        for name, samples in samples_by_cause.items()
         for angle, one in samples.items()
     ]
-    rows = [trend_row(name, samples, sampling) for name, samples in found.items()]
+    rows = [trend_row(name, samples, sampling) for name, samples in samples_by_cause.items()]
     second = {"mechanism": "second contacts, added to slopes"}
-    rows.append(second | trends(found["slopes"], sampling, found["slopes, first contacts"]))
+    rows.append(
+        second
+        | trends(samples_by_cause["slopes"], sampling, samples_by_cause["slopes, first contacts"])
+    )
     return {
         "spore_mechanism": pd.DataFrame(means),
         "spore_trends": pd.DataFrame(rows),
@@ -222,12 +225,12 @@ def comparison(params: Spore, sampling: Sampling, inputs: Tables) -> Iterator[di
     for case in params.steel_cases:
         steel = calibrated(replace(params.steel, case=case))
         for angle in params.compared_deg:
-            one, other = steel.seen(angle), spore.seen(angle)
+            steel_seen, spore_seen = steel.seen(angle), spore.seen(angle)
             yield (
                 {"case": case, "angle_deg": angle}
-                | {f"steel_{name}": one.means[name].value for name in QUANTITIES}
-                | {f"spore_{name}": other.means[name].value for name in QUANTITIES}
-                | difference_columns(one, other, sampling)
+                | {f"steel_{name}": steel_seen.means[name].value for name in QUANTITIES}
+                | {f"spore_{name}": spore_seen.means[name].value for name in QUANTITIES}
+                | difference_columns(steel_seen, spore_seen, sampling)
                 | {"evidence": "virtual experiment"}
             )
 

@@ -223,9 +223,11 @@ def _summary(
     errors = speed_and_angle_errors(measured.velocities, exact)
     for k, leg in enumerate(LEGS):
         for error, name in zip(errors, ("speed_error", "direction_error_deg"), strict=True):
-            of = error[:, k]
-            row[f"{leg}_{name}"] = float(np.mean(of)) if of.size else np.nan
-            row[f"{leg}_{name}_sd"] = float(np.std(of, ddof=1)) if of.size > 1 else np.nan
+            component = error[:, k]
+            row[f"{leg}_{name}"] = float(np.mean(component)) if component.size else np.nan
+            row[f"{leg}_{name}_sd"] = (
+                float(np.std(component, ddof=1)) if component.size > 1 else np.nan
+            )
     bias = max(abs(row[f"{leg}_speed_error"]) for leg in LEGS)
     enough = row["fraction_observed"] >= params.least_observed
     return {**row, "covered": bool(enough and bias <= params.largest_bias)}
@@ -257,16 +259,16 @@ def rendered_range(params: Params, searched: pd.DataFrame) -> tuple[pd.DataFrame
 
 
 def _fates(setup: Setup, method: str, fates: tuple[str, ...]) -> pd.DataFrame:
-    found = pd.Series(fates).value_counts().sort_index()
+    counts = pd.Series(fates).value_counts().sort_index()
     return pd.DataFrame(
         {
             "speed_m_per_s": setup.speed,
             "angle_deg": setup.angle,
             "pixel_um": setup.instrument.pixel_um,
             "method": method,
-            "fate": found.index,
-            "events": found.to_numpy(),
-            "fraction": found.to_numpy() / len(fates),
+            "fate": counts.index,
+            "events": counts.to_numpy(),
+            "fraction": counts.to_numpy() / len(fates),
         }
     )
 
@@ -275,12 +277,12 @@ def views(params: Params, searched: pd.DataFrame) -> pd.DataFrame:
     """Return which of the speeds each field of view covers, and whether one covers them all."""
     view = ["pixel_um", "view_width_mm", "view_height_mm", "angle_deg"]
     covered = searched.assign(speed=searched["speed_m_per_s"].where(searched["covered"]))
-    found = covered.groupby(view, as_index=False).agg(
+    view_rows = covered.groupby(view, as_index=False).agg(
         speeds_covered=("speed", "count"),
         lowest_m_per_s=("speed", "min"),
         highest_m_per_s=("speed", "max"),
     )
-    return found.assign(covers_range=found["speeds_covered"] == len(params.speeds_m_per_s))
+    return view_rows.assign(covers_range=view_rows["speeds_covered"] == len(params.speeds_m_per_s))
 
 
 def error_cases(params: Params) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
@@ -346,8 +348,8 @@ def accuracy(params: Params, ranges: pd.DataFrame) -> pd.DataFrame:
     frames = []
     for leg in LEGS:
         for method, name, evidence in series:
-            own = rows[rows["method"] == method].merge(rendered).sort_values("speed_m_per_s")
-            mean, sd = (100.0 * own[f"{leg}_speed_error{end}"] for end in ("", "_sd"))
-            points = own["speed_m_per_s"], mean, evidence, mean - sd, mean + sd
+            compared = rows[rows["method"] == method].merge(rendered).sort_values("speed_m_per_s")
+            mean, sd = (100.0 * compared[f"{leg}_speed_error{end}"] for end in ("", "_sd"))
+            points = compared["speed_m_per_s"], mean, evidence, mean - sd, mean + sd
             frames.append(series_frame(leg, name, *points, x_unit="m_per_s", y_unit="percent"))
     return pd.concat(frames, ignore_index=True)

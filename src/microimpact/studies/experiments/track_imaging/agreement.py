@@ -42,7 +42,7 @@ def impacts(
     alpha = np.radians(angle)
     v_n, v_t = velocity_components(speed, angle)
     lateral = particles.lateral_speed_m_per_s * rng.standard_normal((n, 2))
-    place = 1e-3 * particles.lateral_position_mm * rng.standard_normal((n, 2))
+    position = 1e-3 * particles.lateral_position_mm * rng.standard_normal((n, 2))
     velocity = np.stack(
         [v_t + lateral[:, 0] * np.sin(alpha), lateral[:, 1], v_n + lateral[:, 0] * np.cos(alpha)],
         axis=1,
@@ -59,7 +59,7 @@ def impacts(
     return Impacts(
         time=np.arange(n, dtype=float),
         diameter=np.full(n, 2.0 * radius),
-        position=place / [np.sin(alpha), 1.0],
+        position=position / [np.sin(alpha), 1.0],
         velocity=velocity,
         spin=np.zeros((n, 3)),
         rebound_velocity=after,
@@ -69,11 +69,11 @@ def impacts(
     )
 
 
-def speed_and_angle_errors(found: FloatArray, true: FloatArray) -> tuple[FloatArray, FloatArray]:
+def speed_and_angle_errors(measured: FloatArray, true: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return relative errors of the speed and errors of its direction (degrees), each (k, 2)."""
-    speed = np.linalg.norm(found, axis=2) / np.linalg.norm(true, axis=2) - 1.0
-    turned = found[..., 0] * true[..., 1] - found[..., 1] * true[..., 0]
-    angle = np.degrees(np.arctan2(turned, np.sum(found * true, axis=2)))
+    speed = np.linalg.norm(measured, axis=2) / np.linalg.norm(true, axis=2) - 1.0
+    turned = measured[..., 0] * true[..., 1] - measured[..., 1] * true[..., 0]
+    angle = np.degrees(np.arctan2(turned, np.sum(measured * true, axis=2)))
     return speed, angle
 
 
@@ -189,9 +189,9 @@ def verdicts(
     normalised = np.concatenate([(one.residual / one.spread).ravel() for one in experiments])
     n = normalised.size
     scatter = np.log(np.linalg.norm(normalised) / np.sqrt(n)) if n else np.nan
-    found = abs(scatter), (2 * n or np.nan) ** -0.5
+    ratio = abs(scatter), (2 * n or np.nan) ** -0.5
     name = "scatter of frames over model, logarithm"
-    yield verdict(name, "1", [found], np.log(tolerances.scatter))
+    yield verdict(name, "1", [ratio], np.log(tolerances.scatter))
 
     frames, model = (
         np.concatenate([np.array(of.fates) == MEASURED for of in observed])
@@ -216,23 +216,23 @@ def _mean(values: FloatArray) -> tuple[float, float]:
     return float(abs(values.mean())), float(values.std(ddof=1) / np.sqrt(len(values)))
 
 
-def _means_apart(one: Compared, name: str) -> tuple[float, float]:
+def _means_apart(sample: Compared, name: str) -> tuple[float, float]:
     """Return how far the means of frames and model are apart, and the noise of the difference."""
-    frames, model = (quantities(of.measured)[name] for of in (one.frames, one.model))
-    events = one.frames.measured.event, one.model.measured.event
+    frames, model = (quantities(of.measured)[name] for of in (sample.frames, sample.model))
+    events = sample.frames.measured.event, sample.model.measured.event
     _, of_frames, of_model = np.intersect1d(*events, return_indices=True)
     _, noise = _mean(frames[of_frames] - model[of_model])
     return (np.nan if np.isnan(noise) else float(abs(frames.mean() - model.mean()))), noise
 
 
 def verdict(
-    quantity: str, unit: str, found: Sequence[tuple[float, float]], tolerance: float
+    quantity: str, unit: str, ratio: Sequence[tuple[float, float]], tolerance: float
 ) -> dict[str, Any]:
     """Return a row that says whether a size is below its tolerance, as far as it is known.
 
     Of sizes with their standard errors, the largest.
     """
-    value, error = max((of for of in found if np.isfinite(of[0])), default=(np.nan, np.nan))
+    value, error = max((of for of in ratio if np.isfinite(of[0])), default=(np.nan, np.nan))
     decided = abs(tolerance - value) >= DECIDED * error
     return {
         "quantity": quantity,

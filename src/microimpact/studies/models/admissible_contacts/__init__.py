@@ -81,8 +81,8 @@ def run(params: Params, inputs: Tables) -> Tables:
     speed. `inputs`: ``materials``, ``contacts``: the declared rows of the pairs; ``calibration``:
     the two-stage estimates.
     """
-    found = [posterior(case, inputs, params.sampler, params.seed) for case in params.cases]
-    pairs = [(p, v, p.chosen(v, params.draws)) for p in found for v in params.variants]
+    posteriors = [posterior(case, inputs, params.sampler, params.seed) for case in params.cases]
+    pairs = [(p, v, p.chosen(v, params.draws)) for p in posteriors for v in params.variants]
     draws = [table(p, v, chosen, inputs) for p, v, chosen in pairs]
     rows = [row for one, drawn in zip(pairs, draws, strict=True) for row in summary(*one, drawn)]
     rows += [row for case in params.cases for row in two_stage(case, inputs)]
@@ -114,12 +114,14 @@ def derived(case: Case, contact: Contact) -> dict[str, FloatArray]:
     }
 
 
-def table(found: Posterior, variant: Variant, chosen: Chosen, inputs: Tables) -> pd.DataFrame:
+def table(
+    posterior_of_case: Posterior, variant: Variant, chosen: Chosen, inputs: Tables
+) -> pd.DataFrame:
     """Return the draws of one case and variant, a row each."""
-    case, bare = found.case, bare_contact(found.case, inputs)
+    case, bare = posterior_of_case.case, bare_contact(posterior_of_case.case, inputs)
     contact = contacts(case, bare, chosen.points, np.array([case.diameter_um]))
-    own = values(case, chosen.points)
-    limits = found.limits[chosen.taken]
+    predictions = values(case, chosen.points)
+    limits = posterior_of_case.limits[chosen.taken]
     return pd.DataFrame(
         {
             "case": case.case,
@@ -127,7 +129,7 @@ def table(found: Posterior, variant: Variant, chosen: Chosen, inputs: Tables) ->
             "draw": np.arange(len(limits)),
             "particle": case.particle,
             "surface": case.surface,
-            **{name: own.get(name, getattr(bare, field)) for name, field in FIELDS.items()},
+            **{name: predictions.get(name, getattr(bare, field)) for name, field in FIELDS.items()},
             "reference_velocity_m_per_s": case.speed_m_per_s,
             "diameter_um": np.array(case.classes_um)[chosen.classes],
             "friction_basis": np.array(case.friction_bases)[chosen.bases],
@@ -152,17 +154,17 @@ def most_central(points: FloatArray) -> BoolArray:
     return np.asarray(np.arange(len(points)) == np.argmin(distance))
 
 
-def diagnostics(found: Posterior, variant: Variant, chosen: Chosen) -> Row:
+def diagnostics(posterior_of_case: Posterior, variant: Variant, chosen: Chosen) -> Row:
     """Return how well the draws of one case and variant came about."""
-    weights = found.weights(variant)
+    weights = posterior_of_case.weights(variant)
     return {
-        "case": found.case.case,
+        "case": posterior_of_case.case.case,
         "variant": variant.variant,
-        "open_parameters": len(found.case.ranges.open()),
-        "acceptance": found.pool.acceptance,
-        "split_r_hat": float(np.max(found.pool.split_r_hat)),
-        "kept": found.pool.kept,
-        "effective_size": found.pool.effective_size,
+        "open_parameters": len(posterior_of_case.case.ranges.open()),
+        "acceptance": posterior_of_case.pool.acceptance,
+        "split_r_hat": float(np.max(posterior_of_case.pool.split_r_hat)),
+        "kept": posterior_of_case.pool.kept,
+        "effective_size": posterior_of_case.pool.effective_size,
         "pool": len(weights),
         "effective_size_weighted": ensemble.effective_number(weights),
         "largest_weight": float(np.max(weights) / np.sum(weights)),
@@ -171,10 +173,12 @@ def diagnostics(found: Posterior, variant: Variant, chosen: Chosen) -> Row:
     }
 
 
-def summary(found: Posterior, variant: Variant, chosen: Chosen, draws: pd.DataFrame) -> list[Row]:
+def summary(
+    posterior_of_case: Posterior, variant: Variant, chosen: Chosen, draws: pd.DataFrame
+) -> list[Row]:
     """Return medians and intervals of the numbers of one case and variant."""
-    case = found.case
-    sizes = limits_by_size(case, found.limits[chosen.taken])
+    case = posterior_of_case.case
+    sizes = limits_by_size(case, posterior_of_case.limits[chosen.taken])
     numbers = {name: draws[name].to_numpy(float) for name in TOLD} | sizes
     names = {"case": case.case, "estimate": variant.variant}
     rows: list[Row] = [
@@ -192,12 +196,12 @@ def summary(found: Posterior, variant: Variant, chosen: Chosen, draws: pd.DataFr
 def two_stage(case: Case, inputs: Tables) -> list[Row]:
     """Return the same numbers of the two-stage estimates, which have no interval."""
     rows = []
-    for other in case.compared:
-        contact = calibrated_contact(inputs, other)
+    for compared in case.compared:
+        contact = calibrated_contact(inputs, compared)
         limits = capture_velocity(resized(contact, np.array(case.classes_um) * 1e-6))
         numbers = {name: getattr(contact, field) for name, field in FIELDS.items()}
         numbers |= derived(case, contact) | limits_by_size(case, limits)
-        names = {"case": case.case, "estimate": f"{TWO_STAGE}, {other}"}
+        names = {"case": case.case, "estimate": f"{TWO_STAGE}, {compared}"}
         rows += [names | {"quantity": n, "median": float(v)} for n, v in numbers.items()]
     return rows
 
@@ -208,42 +212,51 @@ def limits_by_size(case: Case, limits: FloatArray) -> dict[str, FloatArray]:
     return dict(zip(names, np.moveaxis(limits, -1, 0), strict=True))
 
 
-def told(found: Posterior, variant: Variant, chosen: Chosen) -> list[Row]:
+def told(posterior_of_case: Posterior, variant: Variant, chosen: Chosen) -> list[Row]:
     """Return what each statement says and what the draws of one case and variant have.
 
     A statement that the variant leaves out is told, too: what the draws predict for it.
     """
     rows: list[Row] = []
-    for one in found.case.all_statements:
-        value = found.quantities[one.statement][chosen.taken]
+    for statement in posterior_of_case.case.all_statements:
+        value = posterior_of_case.quantities[statement.statement][chosen.taken]
         if value.ndim == 2:
-            kinds = chosen.bases if isinstance(one, Within) and one.frictional else chosen.classes
+            kinds = (
+                chosen.bases
+                if isinstance(statement, Within) and statement.frictional
+                else chosen.classes
+            )
             value = value[np.arange(len(value)), kinds]
         row: Row = {
-            "case": found.case.case,
+            "case": posterior_of_case.case.case,
             "variant": variant.variant,
-            "statement": one.statement,
-            "stated": one.statement not in variant.without,
+            "statement": statement.statement,
+            "stated": statement.statement not in variant.without,
             "quantity": "share captured",
         }
-        if isinstance(one, Within):
-            low, high = one.interval
-            row |= {"quantity": one.quantity, "interval_low": low, "interval_high": high}
-            row |= {"tail": one.tail, "share_inside": np.mean((low <= value) & (value <= high))}
+        if isinstance(statement, Within):
+            low, high = statement.interval
+            row |= {"quantity": statement.quantity, "interval_low": low, "interval_high": high}
+            row |= {
+                "tail": statement.tail,
+                "share_inside": np.mean((low <= value) & (value <= high)),
+            }
         row |= dict(zip(COLUMNS, np.quantile(value, BAND), strict=True))
-        row["log_likelihood"] = np.median(one.log_likelihood(value))
-        rows.append(row | left_out(found, variant, one.statement))
+        row["log_likelihood"] = np.median(statement.log_likelihood(value))
+        rows.append(row | left_out(posterior_of_case, variant, statement.statement))
     return rows
 
 
-def left_out(found: Posterior, variant: Variant, statement: str) -> dict[str, float]:
+def left_out(posterior_of_case: Posterior, variant: Variant, statement: str) -> dict[str, float]:
     """Return the capture velocity that is left if one more statement is left out.
 
     The pool was drawn with all statements on impacts: where the draws that then count are few, the
     effective size says so.
     """
-    weights = found.weights(replace(variant, without=(*variant.without, statement)))
-    limits = found.limits[:, found.case.classes_um.index(found.case.diameter_um)]
+    weights = posterior_of_case.weights(replace(variant, without=(*variant.without, statement)))
+    limits = posterior_of_case.limits[
+        :, posterior_of_case.case.classes_um.index(posterior_of_case.case.diameter_um)
+    ]
     order = np.argsort(limits)
     share = np.cumsum(weights[order]) / np.sum(weights)
     ends = np.interp(BAND, share, limits[order])
@@ -255,8 +268,8 @@ def density(values: FloatArray, at: FloatArray) -> FloatArray:
     """Return the density of draws at some places, its highest value 1 (Gaussian kernels)."""
     from scipy.stats import gaussian_kde
 
-    found = gaussian_kde(values)(at)
-    return np.asarray(found / np.max(found))
+    estimate = gaussian_kde(values)(at)
+    return np.asarray(estimate / np.max(estimate))
 
 
 def marginals(
@@ -269,9 +282,9 @@ def marginals(
     share = partial(series_frame, "share", x_unit="1", y_unit="1")
     rate = partial(series_frame, "rate", x_unit="1", y_unit="1")
     work = partial(series_frame, "work", x_unit="J_per_m2", y_unit="m_per_s")
-    own = draws[draws["case"] == case.case].groupby("variant")
+    by_variant = draws[draws["case"] == case.case].groupby("variant")
     for variant in variants:
-        rows = own.get_group(variant.variant)
+        rows = by_variant.get_group(variant.variant)
         v_c, part = rows["v_c_derived_m_per_s"].to_numpy(), rows["adhesion_share"].to_numpy()
         n, w = rows["rate_exponent"], rows["work_of_adhesion_J_per_m2"]
         name, kind = variant.variant, "calibrated"
@@ -305,19 +318,19 @@ def bands(case: Case, variants: Iterable[Variant], inputs: Tables, points: int) 
     frame = partial(series_frame, case.case, x_unit="m_per_s", y_unit="1")
     speeds = np.geomspace(*case.shown_m_per_s, points)
     table, frames = inputs["admissible_contacts"], []
-    own = table[table["case"] == case.case].groupby("variant")
+    by_variant = table[table["case"] == case.case].groupby("variant")
     for variant in variants:
         contact = resized(
             admissible_contact(inputs, case.case, variant.variant), case.diameter_um * 1e-6
         )
         e = normal_impact(contact, speeds[:, None]).coefficient_of_restitution
         low, high = np.quantile(e, BAND[::2], axis=1)
-        single = e[:, int(np.argmax(own.get_group(variant.variant)["most_central"]))]
+        single = e[:, int(np.argmax(by_variant.get_group(variant.variant)["most_central"]))]
         frames.append(frame(variant.variant, speeds, single, "calibrated", low, high))
-    for other in case.compared:
-        contact = resized(calibrated_contact(inputs, other), case.diameter_um * 1e-6)
+    for compared in case.compared:
+        contact = resized(calibrated_contact(inputs, compared), case.diameter_um * 1e-6)
         e = normal_impact(contact, speeds).coefficient_of_restitution
-        frames.append(frame(f"{TWO_STAGE}, {other}", speeds, e, "calibrated"))
+        frames.append(frame(f"{TWO_STAGE}, {compared}", speeds, e, "calibrated"))
     for size, speed, (low, high) in case.printed_restitutions():
         name = f"{PRINTED}, {size:g} um"
         frames.append(frame(name, speed, 0.5 * (low + high), PRINTED, low, high))

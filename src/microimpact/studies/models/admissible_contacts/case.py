@@ -113,8 +113,8 @@ class Case:
 
     def __post_init__(self) -> None:
         """Refuse diameters at which no capture velocity is computed."""
-        own = {s.statement: s.diameter_um for s in self.statements if s.of_capture}
-        for name, size in {"diameter_um": self.diameter_um, **own}.items():
+        diameters = {s.statement: s.diameter_um for s in self.statements if s.of_capture}
+        for name, size in {"diameter_um": self.diameter_um, **diameters}.items():
             if size not in {None, *self.classes_um}:
                 raise ValueError(f"{name}: {size} must be one of classes_um {self.classes_um}")
 

@@ -129,9 +129,9 @@ def shared_impacts(
     """
     parts = [impacts_of(statement, classes_um) for statement in statements]
     impacts = np.concatenate(parts)
-    normal, place = np.unique(impacts[:, :2], axis=0, return_inverse=True)
+    normal, index = np.unique(impacts[:, :2], axis=0, return_inverse=True)
     ends = np.cumsum([len(part) for part in parts])
-    return impacts, normal, np.split(place.ravel(), ends[:-1])
+    return impacts, normal, np.split(index.ravel(), ends[:-1])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -222,15 +222,15 @@ class Evaluation:
         within = [s for s in statements if isinstance(s, Within) and not s.of_capture]
         frictional = [s for s in within if s.frictional]
         normal = [s for s in within if not s.frictional]
-        found = self._normal(points, normal)
+        values = self._normal(points, normal)
         if frictional:
-            likely = self.likelihood(normal, found).total > UNLIKELY
+            likely = self.likelihood(normal, values).total > UNLIKELY
             for name, value in self._frictional(points[likely], frictional).items():
-                found[name] = np.full((len(points), len(self.bases)), np.nan)
-                found[name][likely] = value
+                values[name] = np.full((len(points), len(self.bases)), np.nan)
+                values[name][likely] = value
         if limits is not None:
-            found |= self._captures(limits, [s for s in statements if s.of_capture])
-        return found
+            values |= self._captures(limits, [s for s in statements if s.of_capture])
+        return values
 
     def likelihood(
         self, statements: Sequence[Statement], quantities: Mapping[str, FloatArray]
@@ -239,9 +239,9 @@ class Evaluation:
         (n,) = {len(value) for value in quantities.values()}
         plain, by_class = np.zeros(n), np.zeros((n, len(self.classes_um)))
         by_basis = np.zeros((n, len(self.bases)))
-        for one in statements:
-            log = one.log_likelihood(quantities[one.statement])
-            if isinstance(one, Within) and one.frictional:
+        for statement in statements:
+            log = statement.log_likelihood(quantities[statement.statement])
+            if isinstance(statement, Within) and statement.frictional:
                 by_basis += log
             elif log.ndim == 1:
                 plain += log
@@ -256,21 +256,23 @@ class Evaluation:
         _, events, places = shared_impacts(tuple(statements), self.classes_um)
         contact = self.contacts(points, events[:, 0])
         outcome = normal_impact(contact, events[:, 1])
-        found = {}
-        for statement, own in zip(statements, places, strict=True):
+        values = {}
+        for statement, columns in zip(statements, places, strict=True):
             if statement.quantity == "contact time in ns":
-                value = outcome.contact_time[:, own] * 1e9
+                value = outcome.contact_time[:, columns] * 1e9
             elif statement.quantity == "adhesion over hertz":
                 # Both forces peak at the greatest compression, and K r^(1/2) s^(3/2) is Hertz's.
-                value = (contact.equilibrium_compression / outcome.maximum_compression)[:, own]
+                value = (contact.equilibrium_compression / outcome.maximum_compression)[:, columns]
             elif statement.quantity == "dissipation over adhesion":
                 assert self.ratio is not None
                 damping = np.asarray(contact.adhesion_damping_at(events[:, 1]))
-                value = self.ratio.ev(np.asarray(contact.hertz_damping), np.log(damping))[:, own]
+                value = self.ratio.ev(np.asarray(contact.hertz_damping), np.log(damping))[
+                    :, columns
+                ]
             else:
-                value = outcome.coefficient_of_restitution[:, own]
-            found[statement.statement] = statement.value(value, len(self.classes_um))
-        return found
+                value = outcome.coefficient_of_restitution[:, columns]
+            values[statement.statement] = statement.value(value, len(self.classes_um))
+        return values
 
     def _frictional(
         self, points: FloatArray, statements: Sequence[Within]
@@ -279,8 +281,8 @@ class Evaluation:
         impacts, events, places = shared_impacts(tuple(statements), self.classes_um)
         diameter, v_n, v_t = impacts.T
         contact = self.contacts(points, events[:, 0])
-        found = normal_impact(contact, events[:, 1], ledger="hertz" in self.bases)
-        normal = part_of(found, np.concatenate(places))
+        impact = normal_impact(contact, events[:, 1], ledger="hertz" in self.bases)
+        normal = part_of(impact, np.concatenate(places))
         contact = self.contacts(points, diameter)
         ratios = [
             planar(contact, -v_n, v_t, 0.0, basis, law=lambda *_: normal).impulse_ratio
