@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -290,6 +291,33 @@ def test_fit_refuses_in_one_line(microimpact, own_data, options, message):
     done = microimpact("fit", str(own_data), *options)
     require_refusal(done, message)
     assert done.stderr.count("\n") == 1
+
+
+def test_digits_of_a_fit_follow_the_interval(microimpact, answered, tmp_path):
+    random, file = np.random.default_rng(1), tmp_path / "many.csv"
+    v = np.exp(random.uniform(np.log(0.2002), np.log(3.0), 2000))
+    e = 0.9 * np.sqrt(1.0 - (0.2 / v) ** 2) + random.normal(0.0, 1e-4, v.size)
+    np.savetxt(file, np.column_stack([v, e]), "%.9g", ",", header="v,e", comments="")
+    arguments = ("fit", str(file), "--sigma", "1e-6", "--model", "fixed loss")
+    text, found = microimpact(*arguments).stdout, answered(*arguments)
+    v_c, low, high = map(
+        float, re.search(r"v_c = (\S+) m/s, 95 %: (\S+) to (\S+) m/s", text).groups()
+    )
+    width = np.diff(found["v_c_interval"])[0]
+    assert width < 1e-4
+    assert [v_c, low, high] == pytest.approx(
+        [found["v_c"], *found["v_c_interval"]], abs=0.1 * width
+    )
+    assert f"{found['models']['fixed loss']['chi_square']:.1f}" in text
+
+
+def test_the_option_sigma_is_drawn(microimpact, own_data, tmp_path, monkeypatch):
+    drawn = []
+    monkeypatch.setattr("microimpact.measured.picture.draw", lambda data, *_: drawn.append(data))
+    bare = tmp_path / "bare.csv"
+    pd.read_csv(own_data).drop(columns="sigma").to_csv(bare, index=False)
+    microimpact("fit", str(bare), "--sigma", "0.03", "--plot", "x.svg")
+    assert drawn[0].sigma.tolist() == [0.03] * 20
 
 
 def test_a_sweep_is_a_table(microimpact, answered):

@@ -54,6 +54,17 @@ _NUMBERS = {
     "reference-velocity": "v_N, m/s.",
     "friction": "Coulomb coefficient f.",
 }
+# Properties of a pair, and their symbols.
+_SYMBOLS = {
+    "diameter": "d",
+    "work_of_adhesion": "w_A",
+    "ring_force": "f_0",
+    "hertz_damping": "c_H",
+    "adhesion_damping": "c_A",
+    "adhesion_rate_exponent": "n",
+    "reference_velocity": "v_N",
+    "friction": "f",
+}
 # Options of a material: its field, the factor to SI, and words.
 _ELASTIC = {
     "youngs-modulus-gpa": ("youngs_modulus", 1e9, "E, GPa"),
@@ -339,10 +350,10 @@ def materials_command(materials: str | None, as_json: bool) -> None:
     )
     print_table(
         "Declared pairs (SI units)",
-        ("particle", "surface", "properties"),
+        ("particle", "surface", *_SYMBOLS.values()),
         [
-            (*pair, ", ".join(f"{name} {value:g}" for name, value in own.items()))
-            for pair, own in pairs.items()
+            (*pair, *(f"{values[name]:g}" if name in values else "" for name in _SYMBOLS))
+            for pair, values in pairs.items()
         ],
     )
 

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
 import numpy as np
 
 from microimpact.cli.contacts import contact_of, contact_options
-from microimpact.cli.output import number, print_json, print_table, warn
+from microimpact.cli.output import number, precise, print_json, print_table, warn
 
 if TYPE_CHECKING:
-    from microimpact.core.arrays import FloatArray
     from microimpact.measured.rebounds import Rebounds
 
 _unit_option = click.option(
@@ -50,9 +50,9 @@ def fit_command(
     """
     from microimpact.model.empirical.comparison import compare_models
 
-    measured, spread = _measured(data, unit, sigma)
+    measured = _measured(data, unit, sigma)
     found = compare_models(
-        measured.v, measured.e, spread, confidence=confidence, models=models or None
+        measured.v, measured.e, measured.sigma, confidence=confidence, models=models or None
     )
     if plot:
         from microimpact.measured.picture import draw
@@ -77,13 +77,12 @@ def fit_command(
         return
     captured = int((measured.e == 0.0).sum())
     title = f"{data}: {measured.v.size - captured} rebounds, {captured} captured"
-    criterion = "AICc" if spread is None else "AIC"
+    criterion = "AICc" if measured.sigma is None else "AIC"
     header = ("model", "v_c (m/s)", "from", "to", "free", "chi2", criterion, "weight")
     rows = [
         (
             model.name,
-            f"{model.v_c:.4g}",
-            *(f"{end:.4g}" for end in model.interval),
+            *_with_interval(model.v_c, model.interval),
             str(model.free),
             "" if model.chi_square is None else f"{model.chi_square:.1f}",
             f"{model.criterion:.1f}",
@@ -92,9 +91,9 @@ def fit_command(
         for model in found.models
     ]
     print_table(title, header, rows)
-    low, high = found.v_c_interval
+    v_c, low, high = _with_interval(found.v_c, found.v_c_interval)
     click.echo(
-        f"v_c = {found.v_c:.4g} m/s, {100 * confidence:g} %: {low:.4g} to {high:.4g} m/s, averaged "
+        f"v_c = {v_c} m/s, {100 * confidence:g} %: {low} to {high} m/s, averaged "
         "over the models by weight.\nOn condition that one of them has the shape of the true curve."
     )
     warn(found.warnings)
@@ -160,13 +159,13 @@ def calibrate_command(
         targets: Any = (at_speed, restitution, capture_velocity)
         contact = best = two_stage(start, *targets).contact
     else:
-        measured, spread = _measured(data, unit, sigma)
-        if spread is None:
+        measured = _measured(data, unit, sigma)
+        if measured.sigma is None:
             raise ValueError(
                 "sigma is needed, as a column or as --sigma: without it all contacts fit"
             )
-        v, e = measured.v, measured.e
-        found = calibrate(start, v, e, spread, wanted, draws=draws, seed=seed)
+        points = measured.v, measured.e, measured.sigma
+        found = calibrate(start, *points, wanted, draws=draws, seed=seed)
         contact, best = found.contact, found.best
     if output:
         write_contacts(output, contact, best)
@@ -185,16 +184,22 @@ def calibrate_command(
         click.echo(f"Written: {output}")
 
 
-def _measured(
-    data: str, unit: str | None, sigma: float | None
-) -> tuple[Rebounds, FloatArray | float | None]:
-    """Return measurements and their standard deviations, if known."""
+def _measured(data: str, unit: str | None, sigma: float | None) -> Rebounds:
+    """Read measurements; ``sigma`` is the standard deviation of e where the file has none."""
     from microimpact.measured.rebounds import read_rebounds
 
     measured = read_rebounds(data, unit)
-    if sigma is not None and measured.sigma is not None:
+    if sigma is None:
+        return measured
+    if measured.sigma is not None:
         raise ValueError("sigma stands in the file; leave out --sigma")
-    return measured, measured.sigma if sigma is None else sigma
+    return replace(measured, sigma=np.full(measured.e.shape, sigma))
+
+
+def _with_interval(value: float, interval: tuple[float, float]) -> list[str]:
+    """Return a number and the ends of its interval."""
+    low, high = interval
+    return [precise(number, high - low) for number in (value, low, high)]
 
 
 def _wanted(free: str) -> list[str]:

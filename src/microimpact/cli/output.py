@@ -17,6 +17,14 @@ def number(value: Any, factor: float = 1.0) -> str:
     return f"{value * factor:.6g}"
 
 
+def precise(value: float, width: float) -> str:
+    """Return a number in four digits, or in as many as show two of an interval's width."""
+    if not (value and 0.0 < width < np.inf):
+        return f"{value:.4g}"
+    digits = int(np.floor(np.log10(abs(value))) - np.floor(np.log10(width))) + 2
+    return f"{value:.{max(digits, 4)}g}"
+
+
 def print_json(values: Mapping[str, Any]) -> None:
     """Print JSON; infinite numbers, which JSON does not have, are null and named ``infinite``."""
     infinite: list[str] = []
@@ -38,16 +46,13 @@ def print_json(values: Mapping[str, Any]) -> None:
 
 
 def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    """Print a table below its title."""
-    from rich.console import Console
-    from rich.table import Table
-
-    table = Table(*columns)
-    table.columns[0].no_wrap = True
-    for row in rows:
-        table.add_row(*row)
+    """Print a table below its title, as wide as its cells."""
+    lines = [tuple(columns), *map(tuple, rows)]
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    lines.insert(1, tuple("-" * width for width in widths))
     click.echo(title)
-    Console(markup=False).print(table)
+    for line in lines:
+        click.echo("  ".join(map(str.ljust, line, widths)).rstrip())
 
 
 def warn(sentences: Iterable[str]) -> None:

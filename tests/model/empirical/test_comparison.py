@@ -1,5 +1,7 @@
 """Capture velocity by several models: truth inside, profiles that another search confirms."""
 
+import re
+
 import numpy as np
 import pytest
 from scipy.optimize import least_squares
@@ -159,6 +161,25 @@ def test_what_is_no_curve_is_refused():
     random = np.random.default_rng(4)
     with pytest.raises(ValueError, match="e must depend on v"):
         compare_models(random.uniform(0.1, 5.0, 40), random.uniform(0.0, 1.0, 40), NOISE)
+
+
+@pytest.mark.parametrize("sigma", [0.01, None])
+@pytest.mark.parametrize("low", [0.0, 0.02])
+def test_a_stray_row_is_named(sigma, low):
+    """A sphere that hit dirt: in the refusal, and among fifty clean rows in the warning."""
+    for points in (20, 50):
+        v = np.geomspace(0.21, 2.4, points)
+        e = 0.85 * np.sqrt(1.0 - (0.2 / v) ** 2)
+        e += np.random.default_rng(1).normal(0.0, 0.01, points)
+        e[-6] = low
+        row = rf"largest residuals: row 6 \(v = {v[-6]:.4g} m/s, e = {low:g}, -\d+.\d sigma\)"
+        if points == 20:
+            with pytest.raises(ValueError, match=row):
+                compare_models(v[::-1], e[::-1], sigma)
+        else:
+            first = compare_models(v[::-1], e[::-1], sigma).warnings[0]
+            assert re.search(row, first)
+            assert first.count("row ") == (3 if sigma else 1)
 
 
 @pytest.mark.parametrize(

@@ -74,6 +74,17 @@ def test_slopes_match_differences():
     np.testing.assert_allclose(curve(x), restitution(v, *np.exp(logs), 0.39), rtol=1e-12)
 
 
+@pytest.mark.parametrize("seed", [70, 121, 240, 322, 527, 633, 637, 669, 844, 1215])
+def test_an_overlooked_minimum_ends_in_an_interval(seed):
+    """No curve at all, and a small sigma: on the way the profile meets a lower minimum."""
+    random = np.random.default_rng(seed)
+    v, e = np.exp(random.uniform(-2.0, 2.0, 15)), random.uniform(0.0, 1.0, 15)
+    found = fit_restitution(v, e, 1e-5)
+    low, high = found.v_c_interval
+    assert 0.0 <= low <= found.v_c * (1.0 + 1e-9)
+    assert found.v_c * (1.0 - 1e-9) <= high <= v.min()
+
+
 @pytest.mark.parametrize("number", range(4))
 @pytest.mark.parametrize("q", [None, 0.5])
 def test_noisy_data_give_the_truth_within_errors(number, q):

@@ -59,8 +59,10 @@ FIRST_VALUES = np.append(
 NEGLIGIBLE = 30.0
 # Models lighter than this are left out of words.
 LIGHT = 0.05
-# Shares by which tests reject: misfit, residuals in runs.
+# Shares by which tests reject: misfit, residuals in runs, a stray row.
 REJECTED = 0.01
+# Rows that a message names at most.
+NAMED = 3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -217,31 +219,39 @@ def compare_sets(
     side by side. For arguments and errors see there.
     """
     level = float(checked("confidence", confidence, CONFIDENCE))
-    alike: dict[tuple[int, int, bool], list[tuple[int, DataSets]]] = defaultdict(list)
+    alike: dict[tuple[int, int, bool], list[tuple[int, DataSets, Places]]] = defaultdict(list)
     for number, (v, e, sigma) in enumerate(sets):
         given = sigma is not None
         spread = 1.0 if sigma is None else sigma
         speed, measured, spread = measurements(v, e, spread, FRACTION, SPREAD)
         require_telling(speed, measured, FEWEST, FEWEST - 1)
-        order = np.argsort(speed, kind="stable")[None]
-        data = in_own_units(speed[order], measured[order], 1.0 / spread[order], None)
-        alike[speed.size, int(np.sum(data.v >= 1.0)), given].append((number, data))
+        order = np.argsort(speed, kind="stable")
+        data = in_own_units(*(x[None, order] for x in (speed, measured, 1.0 / spread)), None)
+        alike[speed.size, int(np.sum(data.v >= 1.0)), given].append((number, data, order + 1))
     for name in models or ():
         if name not in CANDIDATES:
             raise ValueError(f"models: {name!r} must be one of {'; '.join(CANDIDATES)}")
     asked = {name: CANDIDATES[name] for name in models or CANDIDATES}
     found: dict[int, Comparison] = {}
     for (_, count, given), members in alike.items():
-        numbers, parts = zip(*members, strict=True)
-        compared = _compared(stacked_sets(parts), count, given, level, asked)
+        numbers, parts, rows = zip(*members, strict=True)
+        compared = _compared(stacked_sets(parts), rows, count, given, level, asked)
         found |= zip(numbers, compared, strict=True)
     return [found[number] for number in range(len(sets))]
 
 
 def _compared(
-    sets: DataSets, count: int, given: bool, level: float, asked: dict[str, Candidate]
+    sets: DataSets,
+    rows: Sequence[Places],
+    count: int,
+    given: bool,
+    level: float,
+    asked: dict[str, Candidate],
 ) -> list[Comparison]:
-    """Compare models of data sets that each hold ``count`` points from the slowest rebound up."""
+    """Compare models of data sets that each hold ``count`` points from the slowest rebound up.
+
+    ``rows`` are the numbers (n,), from 1, that the points of each set had before they were sorted.
+    """
     spare = 0 if given else 2  # AICc divides by what is left
     tried = {name: of for name, of in asked.items() if count > of.free + spare}
     if not tried:
@@ -287,8 +297,8 @@ def _compared(
         ]
         fitted.sort(key=lambda model: model.criterion)
         data, interval = sets.select(slice(i, i + 1)), (float(low[i]), float(high[i]))
-        e, missed = _missed(data, fitted[0])
-        _require_a_curve(e, missed)
+        residuals = _residuals(data, rows[i], fitted[0])
+        _require_a_curve(residuals)
         compared.append(
             Comparison(
                 models=tuple(fitted),
@@ -297,7 +307,7 @@ def _compared(
                 confidence=level,
                 sigma=float(np.sqrt(scatter[i])) if not given else None,
                 scatter=float(np.sqrt(scatter[i])) if given else 1.0,
-                warnings=tuple(_warnings(data, fitted, missed, float(middle[i]), interval)),
+                warnings=tuple(_warnings(data, fitted, residuals, float(middle[i]), interval)),
             )
         )
     return compared
@@ -417,31 +427,57 @@ def _criterion(least: FloatArray, free: FloatArray, count: int, given: bool) -> 
     return np.asarray(loss + 2.0 * numbers * count / (count - numbers - 1.0))
 
 
-def _missed(data: DataSets, model: Model) -> tuple[FloatArray, FloatArray]:
-    """Return e from the slowest rebound upwards, and what the model leaves of it."""
+class _Residuals(NamedTuple):
+    """Data (m,) from the slowest rebound upwards, and their residuals from a model."""
+
+    rows: Places  # Numbers of the rows as they were passed, from 1
+    v: FloatArray  # m/s
+    e: FloatArray
+    missed: FloatArray  # e less the model
+    in_sigma: FloatArray  # The same over sigma; if sigma is not given, over that of all other rows
+
+    def largest(self, least: float = 0.0) -> str:
+        """Rows of the largest residuals, in words, if these are at least so many sigma."""
+        size = np.abs(self.in_sigma)
+        words = ", ".join(
+            f"row {self.rows[i]} (v = {self.v[i]:.4g} m/s, e = {self.e[i]:.3g}, "
+            f"{self.in_sigma[i]:+.1f} sigma)"
+            for i in np.argsort(-size, kind="stable")[:NAMED]
+            if size[i] >= least
+        )
+        return f"; largest residuals: {words}" if words else ""
+
+
+def _residuals(data: DataSets, rows: Places, model: Model) -> _Residuals:
     telling = data.v[0] >= 1.0
-    e = data.e[0, telling]
-    return e, e - model.law(data.unit * data.v[0, telling])
+    v, e = data.unit * data.v[0, telling], data.e[0, telling]
+    missed = e - model.law(v)
+    in_sigma = missed * data.weight[0, telling]
+    if model.chi_square is None:
+        squares = np.maximum(np.sum(missed**2) - missed**2, TINY)
+        in_sigma = missed / np.sqrt(squares / (e.size - model.free - 1))
+    return _Residuals(rows[telling], v, e, missed, in_sigma)
 
 
-def _require_a_curve(e: FloatArray, missed: FloatArray) -> None:
+def _require_a_curve(residuals: _Residuals) -> None:
     """Refuse data that no model describes better than chance would."""
+    e, missed = residuals.e, residuals.missed
     scatter = float(np.sqrt(np.mean(missed**2)))
     if scatter > WILD and np.sum(missed**2) > 0.5 * np.sum((e - e.mean()) ** 2):
         raise ValueError(
             f"e must depend on v as a rebound does: the closest of all models leaves a scatter of "
-            f"{scatter:.2g}, and explains less than half of the variance"
+            f"{scatter:.2g}, and explains less than half of the variance{residuals.largest()}"
         )
 
 
 def _warnings(
     data: DataSets,
     models: list[Model],
-    missed: FloatArray,
+    residuals: _Residuals,
     v_c: float,
     interval: tuple[float, float],
 ) -> Iterator[str]:
-    yield from _about_the_fit(models[0], missed)
+    yield from _about_the_fit(models[0], residuals)
     heavy = [model for model in models if model.weight >= LIGHT]
     for one, other in combinations(heavy, 2):
         if one.interval[0] > other.interval[1] or other.interval[0] > one.interval[1]:
@@ -469,13 +505,19 @@ def _warnings(
         yield "the upper end is the slowest rebound itself"
 
 
-def _about_the_fit(best: Model, missed: FloatArray) -> Iterator[str]:
+def _about_the_fit(best: Model, residuals: _Residuals) -> Iterator[str]:
+    missed, freedom = residuals.missed, residuals.missed.size - best.free
     if best.chi_square is None:
-        yield "sigma is not given, so that no misfit can be told from noise"
-    elif scipy.special.chdtrc(freedom := missed.size - best.free, best.chi_square) < REJECTED:
+        # So far out lies one row in that share of all data sets (Bonferroni).
+        stray = scipy.special.stdtrit(freedom - 1, 1.0 - 0.5 * REJECTED / missed.size)
         yield (
-            f"the scatter about the best model is {np.sqrt(best.chi_square / freedom):.2g} times "
-            "the sigma given: the intervals are widened by that"
+            "sigma is not given, so that no misfit can be told from noise"
+            f"{residuals.largest(stray)}"
+        )
+    elif scipy.special.chdtrc(freedom, best.chi_square) < REJECTED:
+        yield (
+            f"the scatter about the best model is {np.sqrt(best.chi_square / freedom):.3g} times "
+            f"the sigma given: the intervals are widened by that{residuals.largest()}"
         )
     if _runs(missed) < REJECTED:
         yield "residuals of one sign come in runs: no model has the shape of the data"

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, BoolArray, FloatArray, Real, checked
-from microimpact.core.solve import roots
+from microimpact.core.solve import TINY, roots
 from microimpact.model.empirical.data import DataSets, Places
 from microimpact.model.empirical.kernel import V_C
 from microimpact.model.empirical.search import CLOSEST, BatchFit, profile
@@ -71,21 +70,15 @@ def interval_batch(sets: DataSets, fit: BatchFit, rise: ArrayLike) -> Intervals:
     way = _Way(sets, np.tile(fit.logs(sets), (2, 1)), fit, limit)
     best = np.maximum(1.0 - fit.v_c / sets.unit, CLOSEST)
     outermost = np.concatenate([np.ones(count), np.minimum(best, AT_REBOUND)])
-    inside, outside = _bracket(way, np.tile(best, 2), outermost)
-    held = inside == outside
-    crossed = np.flatnonzero(~held)
-    ends = np.repeat([0.0, 1.0], count)
-    found = roots(way.excess, inside[crossed], outside[crossed], crossed, relative=TOLERANCE)
+    gap, inside, rows = outermost.copy(), np.tile(best, 2), np.arange(2 * count)
     # A search from its neighbour's end may stay in a higher valley than one from a fresh start.
-    further = way.excess(found, crossed, fresh=True) < -TOLERANCE * way.limit[crossed]
-    found[further] = roots(
-        partial(way.excess, fresh=True),
-        found[further],
-        outside[crossed[further]],
-        crossed[further],
-        relative=TOLERANCE,
-    )
-    ends[crossed] = 1.0 - found
+    for fresh in (False, True):
+        gap[rows] = way.crossing(*_bracket(way, inside, outermost[rows], rows), rows, fresh=fresh)
+        rows = rows[gap[rows] != outermost[rows]]
+        rows = rows[way.excess(gap[rows], rows, fresh=True) < -TOLERANCE * way.limit[rows]]
+        inside = gap[rows]
+    held = gap == outermost
+    ends = np.where(held, np.repeat([0.0, 1.0], count), 1.0 - gap)
     lowest = np.argmin(way.least.reshape(2, -1), axis=0) * count + np.arange(count)
     return Intervals(
         ends=ends.reshape(2, -1).T * sets.unit[:, None],
@@ -103,9 +96,8 @@ class _Way:
         self.minimum, self.limit = np.tile(fit.chi_square, 2), np.tile(limit, 2)
         self.least = self.minimum.copy()
 
-    def excess(self, gap: FloatArray, rows: Places, *, fresh: bool = False) -> FloatArray:
+    def excess(self, gap: FloatArray, rows: Places, *, fresh: bool) -> FloatArray:
         """Root of the rise of chi-square, which is nearly linear in v_c, less that of the limit."""
-        rows = rows.astype(np.intp)
         owner = rows % len(self.sets.unit)
         found = profile(self.sets, owner, gap, self.logs[rows], fresh=int(fresh))
         chi_square, logs = found.chi_square, found.x[:, :V_C]
@@ -117,19 +109,42 @@ class _Way:
         self.at[rows[lower]] = np.column_stack([logs, v_c])[lower]
         return value
 
+    def crossing(
+        self, within: FloatArray, beyond: FloatArray, rows: Places, *, fresh: bool
+    ) -> FloatArray:
+        """Distance of v_c from the slowest rebound at which the rise of chi-square is the limit.
 
-def _bracket(way: _Way, best: FloatArray, outermost: FloatArray) -> tuple[FloatArray, FloatArray]:
+        The ends keep the signs that they had when they were bracketed: a later search may come to a
+        minimum that the fit overlooked, which `least` reports, and from there both are within.
+        """
+
+        def signed(
+            gap: FloatArray, rows: FloatArray, within: FloatArray, beyond: FloatArray
+        ) -> FloatArray:
+            value = self.excess(gap, rows.astype(np.intp), fresh=fresh)
+            value = np.where(gap == within, np.minimum(value, -TINY), value)
+            return np.where(gap == beyond, np.maximum(value, TINY), value)
+
+        gap, apart = beyond.copy(), within != beyond
+        ends = within[apart], beyond[apart]
+        gap[apart] = roots(signed, *ends, rows[apart], *ends, relative=TOLERANCE)
+        return gap
+
+
+def _bracket(
+    way: _Way, best: FloatArray, outermost: FloatArray, rows: Places
+) -> tuple[FloatArray, FloatArray]:
     """Distances of v_c from the slowest rebound within the limit and beyond it.
 
     Both are the outermost one where the limit is never met.
     """
     inside, outside = best.copy(), outermost.copy()
-    rows = np.arange(len(best))
-    while rows.size:
-        last, end = inside[rows], outermost[rows]
+    growing = np.arange(len(best))
+    while growing.size:
+        last, end = inside[growing], outermost[growing]
         gap = np.where(end >= last, np.minimum(last * STRIDE, end), np.maximum(last / STRIDE, end))
-        within = way.excess(gap, rows, fresh=True) <= 0.0
-        outside[rows] = gap
-        inside[rows[within]] = gap[within]
-        rows = rows[within & (gap != end)]
+        within = way.excess(gap, rows[growing], fresh=True) <= 0.0
+        outside[growing] = gap
+        inside[growing[within]] = gap[within]
+        growing = growing[within & (gap != end)]
     return inside, outside
