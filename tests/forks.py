@@ -29,7 +29,7 @@ from typing import NoReturn
 IMPORTED = (
     *("snakemake.cli", "snakemake.report", "click", "emcee", "grimp", "jinja2", "numba", "pandas"),
     *("matplotlib.figure", "matplotlib.backends.backend_pdf", "pydantic.dataclasses"),
-    *("rich.table", "scipy.constants", "scipy.special"),
+    *("scipy.constants", "scipy.special"),
 )
 # Started for each call, so it does next to nothing.
 CLIENT = """#!/bin/sh
