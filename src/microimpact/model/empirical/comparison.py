@@ -226,7 +226,8 @@ def compare_sets(
         speed, measured, spread = measurements(v, e, spread, FRACTION, SPREAD)
         require_telling(speed, measured, FEWEST, FEWEST - 1)
         order = np.argsort(speed, kind="stable")
-        data = in_own_units(*(x[None, order] for x in (speed, measured, 1.0 / spread)), None)
+        row = order[None]
+        data = in_own_units(speed[row], measured[row], 1.0 / spread[row], None)
         alike[speed.size, int(np.sum(data.v >= 1.0)), given].append((number, data, order + 1))
     for name in models or ():
         if name not in CANDIDATES:
@@ -509,7 +510,7 @@ def _about_the_fit(best: Model, residuals: _Residuals) -> Iterator[str]:
     missed, freedom = residuals.missed, residuals.missed.size - best.free
     if best.chi_square is None:
         # So far out lies one row in that share of all data sets (Bonferroni).
-        stray = scipy.special.stdtrit(freedom - 1, 1.0 - 0.5 * REJECTED / missed.size)
+        stray = float(scipy.special.stdtrit(freedom - 1, 1.0 - 0.5 * REJECTED / missed.size))
         yield (
             "sigma is not given, so that no misfit can be told from noise"
             f"{residuals.largest(stray)}"
