@@ -40,9 +40,10 @@ INSTALLER := $(filter .venv/bin/uv,$(UV))
 
 # An environment holds absolute paths, so one that was copied or moved along with the project
 # still points to the old place; it is made anew, as is one of another interpreter than asked for.
+# A link that leads to the project is no other place.
 ifneq ($(wildcard .venv/.origin),)
 STALE := $(shell { read -r place; read -r python; } < .venv/.origin; \
-	[ "$$place" = "$$PWD" ] $(if $(filter command,$(origin PYTHON)),&& [ "$$python" = "$(PYTHON)" ]) \
+	[ "$$place" = "$$(pwd -P)" ] $(if $(filter command,$(origin PYTHON)),&& [ "$$python" = "$(PYTHON)" ]) \
 	|| echo stale)
 endif
 
@@ -124,7 +125,7 @@ clean: ## remove results and everything else that was generated
 	rm -rf build dist .snakemake .hypothesis .mypy_cache .pytest_cache .ruff_cache
 
 distclean: clean ## remove the environments, too
-	rm -rf .venv .venv-benchmark .venv-slurm
+	rm -rf .venv .venv-before .venv-benchmark .venv-slurm
 
 # One set of versions for all interpreters and platforms, so that results do not depend on them.
 # No index address is written: hashes pin the files wherever they come from.
@@ -132,9 +133,13 @@ compile = .venv/bin/uv pip compile --quiet --universal --python-version 3.11 \
 	--fork-strategy fewest --generate-hashes --no-emit-index-url \
 	--custom-compile-command "make lock" $(LOCK_ARGS) $(1) -o requirements/$(2).txt
 
+comma := ,
 fail = { echo "make: $(1)" >&2; exit 1; }
 
-.venv/.environment: requirements/bootstrap.txt $(STALE)
+# The environment of before stands aside until the new one is whole; if that fails, it comes back.
+broken = { [ ! -e .venv-before ] || { rm -rf .venv; mv .venv-before .venv; }; $(call fail,$(1)); }
+
+.venv/.environment: $(STALE)
 	@command -v "$(PYTHON)" > /dev/null \
 		|| $(call fail,no '$(PYTHON)' here. Python 3.11 or later is needed; on Debian: apt install git make python3-venv)
 	@"$(PYTHON)" -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
@@ -142,31 +147,35 @@ fail = { echo "make: $(1)" >&2; exit 1; }
 	@"$(PYTHON)" -c 'import ensurepip, venv' 2> /dev/null \
 		|| $(call fail,'$(PYTHON)' cannot make environments. On Debian: apt install git make python3-venv)
 	@echo "Making .venv ..."
-	@"$(PYTHON)" -m venv --clear .venv
-	@printf '%s\n' "$$PWD" "$(PYTHON)" > .venv/.origin
+	@if [ -e .venv-before ]; then rm -rf .venv; elif [ -e .venv ]; then mv .venv .venv-before; fi
+	@"$(PYTHON)" -m venv .venv || $(call broken,.venv could not be made)
+	@printf '%s\n' "$$(pwd -P)" "$(PYTHON)" > .venv/.origin
 	@touch $@
 
-.venv/bin/uv: | .venv/.environment
+.venv/bin/uv: requirements/bootstrap.txt | .venv/.environment
 	@.venv/bin/python -m pip install --quiet --require-hashes --only-binary :all: \
 		-r requirements/bootstrap.txt \
-		|| $(call fail,uv could not be installed. Without it: make UV= ...)
+		|| $(call broken,uv could not be installed. Without it: make UV= ...)
+	@touch $@
 
 # $(call install,ENVIRONMENT,GROUP)  All that is locked for the group, then the package itself.
 # The stamps go first, lest an interrupted change pass for a finished one.
 ifneq ($(UV),)
 install = rm -f $(1)/.run $(1)/.test; \
-	"$(UV)" pip sync --python $(1)/bin/python --require-hashes \
-		--build-constraints requirements/build.txt requirements/bootstrap.txt requirements/$(2).txt; \
-	"$(UV)" pip install --quiet --python $(1)/bin/python --no-deps \
+	{ "$(UV)" pip sync --python $(1)/bin/python --require-hashes \
+		--build-constraints requirements/build.txt requirements/bootstrap.txt requirements/$(2).txt \
+	&& "$(UV)" pip install --quiet --python $(1)/bin/python --no-deps \
 		--build-constraints requirements/build.txt --editable .; \
-	$(call bytecode,$(1))
+	} || $(call broken,not installed. Behind a proxy with a certificate of its own: make UV= ...$(comma) or SSL_CERT_FILE=...); \
+	$(call bytecode,$(1))$(if $(filter .venv,$(1)),; rm -rf .venv-before)
 else
 install = rm -f $(1)/.run $(1)/.test; \
-	$(1)/bin/python -m pip install --require-hashes --no-deps -r requirements/build.txt; \
-	$(1)/bin/python -m pip install --require-hashes --no-deps --no-build-isolation \
-		-r requirements/$(2).txt; \
-	$(1)/bin/python -m pip install --quiet --no-deps --no-build-isolation --editable .; \
-	$(call bytecode,$(1))
+	{ $(1)/bin/python -m pip install --require-hashes --no-deps -r requirements/build.txt \
+	&& $(1)/bin/python -m pip install --require-hashes --no-deps --no-build-isolation \
+		-r requirements/$(2).txt \
+	&& $(1)/bin/python -m pip install --quiet --no-deps --no-build-isolation --editable .; \
+	} || $(call broken,not installed); \
+	$(call bytecode,$(1))$(if $(filter .venv,$(1)),; rm -rf .venv-before)
 endif
 
 # Some shells forbid Python to write any. The packages' own tests, a third of all, need none.

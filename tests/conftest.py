@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 from hypothesis import settings
 from scipy.integrate import solve_ivp
-from tests.forks import forking
 from tests.shared import settings_as_shipped, tables_made_once
 
 import microimpact
@@ -143,13 +142,6 @@ def made(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("microimpact.run.study._made", tables)
         yield tables
-
-
-@pytest.fixture(scope="session")
-def forked():
-    """What stands for ``python`` in a command ``python -m NAME ...`` that is to start quickly."""
-    with forking() as python:
-        yield python
 
 
 def pytest_collection_modifyitems(items):

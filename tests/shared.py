@@ -5,7 +5,10 @@ from __future__ import annotations
 import fcntl
 import os
 import shutil
+import signal
+import subprocess
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -65,6 +68,37 @@ def made_once(folders: pytest.TempPathFactory, name: str, make: Callable[[Path],
             make(place)
             finished.touch()
     return place
+
+
+def require(*programs: str, package: str) -> None:
+    """Skip a test without programs; where MICROIMPACT_REQUIRE_TOOLS is set, as in CI, fail it."""
+    if missing := [name for name in programs if shutil.which(name) is None]:
+        end = pytest.fail if os.environ.get("MICROIMPACT_REQUIRE_TOOLS") else pytest.skip
+        end(f"needs {' and '.join(missing)}; on Debian: apt install {package}")
+
+
+def execute(*command, check=True, timeout=600, **options) -> subprocess.CompletedProcess[str]:
+    """Run a program; it and all that it started end after a time limit, in s.
+
+    No other module starts programs, but those that kill them: `make lint` sees to it.
+    """
+    with subprocess.Popen(
+        command,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        encoding="utf-8",
+        errors="replace",
+        start_new_session=True,
+        **options,
+    ) as process:
+        try:
+            stdout, stderr = process.communicate(timeout=timeout)
+        finally:
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+    assert not (check and process.returncode), stdout + stderr
+    return subprocess.CompletedProcess(command, process.returncode, stdout, stderr)
 
 
 def copy_project(target: Path) -> None:

@@ -1,14 +1,13 @@
 """What importing loads, and where compiled code is kept."""
 
 import os
-import subprocess
 import sys
 from importlib.metadata import version
 from pathlib import Path
 
 import pytest
 from tests.docs.blocks import blocks
-from tests.shared import ROOT
+from tests.shared import ROOT, execute
 
 import microimpact
 
@@ -28,14 +27,7 @@ print(float(simulate(contact, 1.0).coefficient_of_restitution))
 
 
 def run(code, **environment):
-    return subprocess.run(
-        [sys.executable, "-c", code],
-        env={**os.environ, **environment},
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=True,
-    ).stdout
+    return execute(sys.executable, "-c", code, env={**os.environ, **environment}).stdout
 
 
 def loaded_after(*steps):

@@ -1,6 +1,6 @@
 """The commands of the documentation run, page by page, in a small copy of the project.
 
-A block is run by a shell as it stands. Only three programs are not those of the reader: `make`
+A block is run by a shell as it stands. Only four programs are not those of the reader: `make`
 plans what it would do, and so does `snakemake` without a target, or without an input of the
 reader's own: what is made of those as shipped, the small build of all makes. It does so, too, with
 the input of the README, since the guide makes the same figure of another; `pytest` finds files.
@@ -10,14 +10,13 @@ from __future__ import annotations
 
 import os
 import re
-import shlex
 import shutil
-import subprocess
 import sys
 
 import pytest
 import yaml
 from tests.docs.blocks import ROOT, blocks
+from tests.shared import execute, require
 from tests.workflow.conftest import TINY, copied
 
 from microimpact.declared.references import merged
@@ -35,18 +34,17 @@ FEWER = {
 BLOCKS = blocks("written", "appended", "command", "output")
 PROGRAMS = {
     "python": 'exec "$PYTHON" "$@"',
-    "microimpact": 'exec forked -m microimpact.cli "$@"',
-    "cc": 'exec "$CC" "$@"',
+    "microimpact": 'exec "$PYTHON" -m microimpact.cli "$@"',
     "snakemake": 'case "$*" in *my-run.yaml) set -- --dry-run "$@";; '
     '?*" --configfile "*|*digitised*);; *) set -- --dry-run "$@";; esac\n'
-    'exec forked -m snakemake --cores 1 "$@"',
+    'exec "$PYTHON" -m snakemake --cores 1 "$@"',
     "make": 'exec "$MAKE" --dry-run -C "$ROOT" "$@"',
     "pytest": 'cd "$ROOT"; exec ls "$@"',
 }
 
 
 @pytest.fixture(scope="module")
-def shell(forked, tmp_path_factory):
+def shell(tmp_path_factory):
     """Run a block in the copy; files of earlier blocks are there."""
     root = copied(tmp_path_factory.mktemp("documented")).root
     (root / "tests").symlink_to(ROOT / "tests")
@@ -58,7 +56,7 @@ def shell(forked, tmp_path_factory):
         changes = {key: small[key] for key in small if key in content}
         path.write_text(yaml.safe_dump(merged(content, changes), sort_keys=False))
     programs = tmp_path_factory.mktemp("bin")
-    for name, text in {**PROGRAMS, "forked": f'exec {shlex.join(forked)} "$@"'}.items():
+    for name, text in PROGRAMS.items():
         (programs / name).write_text(f"#!/bin/sh\n{text}\n")
         (programs / name).chmod(0o755)
     environment = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")} | {
@@ -66,16 +64,13 @@ def shell(forked, tmp_path_factory):
         "PYTHONPATH": str(root / "src"),
         "PYTHON": sys.executable,
         "MAKE": shutil.which("make") or "make",
-        "CC": shutil.which("cc") or "cc",
         "ROOT": str(ROOT),
         "COLUMNS": "200",
     }
 
     def run(text):
         command = ["bash", "-euo", "pipefail", "-c", text]
-        done = subprocess.run(
-            command, cwd=root, env=environment, capture_output=True, text=True, check=False
-        )
+        done = execute(*command, cwd=root, env=environment, check=False)
         return done.returncode, done.stdout + done.stderr
 
     run.root = root
@@ -85,6 +80,8 @@ def shell(forked, tmp_path_factory):
 @pytest.mark.parametrize("page", sorted({block.page for block in BLOCKS}))
 def test_commands_of_a_page(shell, page):
     own = [block for block in BLOCKS if block.page == page]
+    if any("cc" in block.text.split() for block in own):
+        require("cc", package="gcc")
     told = ""
     for block, following in zip(own, [*own[1:], None], strict=True):
         path = shell.root / block.path
@@ -115,4 +112,4 @@ def test_three_dots_stand_for_anything():
 
 def test_all_programs_that_a_page_calls_are_known():
     lines = [line for b in BLOCKS if b.task == "command" for line in b.text.splitlines()]
-    assert {line.split()[0] for line in lines} <= set(PROGRAMS)
+    assert {line.split()[0] for line in lines} <= {*PROGRAMS, "cc"}

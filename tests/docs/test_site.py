@@ -2,37 +2,22 @@
 
 from __future__ import annotations
 
-import os
 import re
-import subprocess
 import sys
-from importlib.util import find_spec
 
 import pytest
 from tests.docs.blocks import PAGES, ROOT
+from tests.shared import execute
 
 import microimpact
 
 SPHINX = (sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q")
-TOOLS = ("sphinx", "myst_parser", "furo")
 
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
-    missing = [name for name in TOOLS if find_spec(name) is None]
-    if missing:
-        message = f"not installed: {', '.join(missing)}; make test installs what is missing"
-        if os.environ.get("MICROIMPACT_REQUIRE_TOOLS"):
-            pytest.fail(message)
-        pytest.skip(message)
     target = tmp_path_factory.mktemp("site")
-    done = subprocess.run(
-        [*SPHINX, "-d", str(target / "doctrees"), str(ROOT / "docs"), str(target / "html")],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
+    execute(*SPHINX, "-d", target / "doctrees", ROOT / "docs", target / "html")
     return target / "html"
 
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import re
-import subprocess
 
 import pytest
 from tests.docs.blocks import ROOT
+from tests.shared import execute
 
 # American spelling, and everyday words in place of technical terms; names of libraries' own
 # parameters and options are not among them.
@@ -24,9 +24,7 @@ KINDS = {".py", ".md", ".yaml", ".smk", ".html", ".js", ".rst", ".jinja", ".toml
 
 
 def written():
-    listed = subprocess.run(
-        ["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=False
-    )
+    listed = execute("git", "ls-files", cwd=ROOT, check=False)
     paths = (ROOT / name for name in listed.stdout.splitlines())
     return [
         path

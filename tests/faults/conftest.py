@@ -11,10 +11,10 @@ from tests.faults.projects import TARGETS, copied
 
 
 @pytest.fixture(scope="session")
-def project(tmp_path_factory, forked):
+def project(tmp_path_factory):
     """A copy of the project with one undisturbed run of a few targets on one core."""
     project = copied(tmp_path_factory.mktemp("undisturbed") / "project")
-    replace(project, python=forked).run(*TARGETS)
+    project.run(*TARGETS)
     return project
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 import shlex
 import shutil
-import subprocess
 from contextlib import contextmanager
 
 import pytest
+from tests.shared import execute
 
 # Root may write anywhere, so for root a folder is made read-only by a mount, seen by one process
 # and its children alone, and gone with them.
@@ -19,7 +19,7 @@ def may_mount():
     command = ["unshare", "--mount", "mount", "-t", "tmpfs", "none", "/mnt"]
     if not (IS_ROOT and shutil.which("unshare") and shutil.which("mount")):
         return False
-    return subprocess.run(command, capture_output=True, check=False).returncode == 0
+    return execute(*command, check=False).returncode == 0
 
 
 def mounted(*commands):

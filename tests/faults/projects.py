@@ -21,11 +21,7 @@ TARGETS = ("fig17", "track_imaging", "declared_inputs")
 
 @dataclass
 class Project:
-    """A copy of the project; where its small results go; what its environment has of its own.
-
-    What stands for ``python`` may be the quick start of the fixture `forked`, but where the run is
-    killed or another environment is what is tested.
-    """
+    """A copy of the project; where its small results go; what its environment has of its own."""
 
     root: Path
     out: str = OUT

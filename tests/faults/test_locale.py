@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import shutil
-import subprocess
 import sys
 
 import pytest
-from tests.shared import ROOT
+from tests.shared import ROOT, execute
 
 # A table and a figure, from the declared numbers, in a program that takes on its user's locale.
 PROGRAM = """
@@ -41,15 +40,8 @@ print(locale.localeconv()["decimal_point"])
 
 def built(out, **environment):
     """Return the decimal point of the locale, and the bytes that a program in it wrote."""
-    done = subprocess.run(
-        [sys.executable, "-c", PROGRAM, str(out)],
-        cwd=ROOT,
-        env={"PYTHONPATH": str(ROOT / "src"), **environment},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
+    environment = {"PYTHONPATH": str(ROOT / "src"), **environment}
+    done = execute(sys.executable, "-c", PROGRAM, str(out), cwd=ROOT, env=environment)
     return done.stdout.strip(), {path.name: path.read_bytes() for path in out.iterdir()}
 
 
@@ -59,7 +51,7 @@ def test_a_locale_with_a_decimal_comma_and_one_without_letters_beyond_ascii(tmp_
     for folder in (place, german, plain):
         folder.mkdir()
     command = ["localedef", "-i", "de_DE", "-f", "UTF-8", str(place / "de_DE.UTF-8")]
-    made = shutil.which(command[0]) and not subprocess.run(command, check=False).returncode
+    made = shutil.which(command[0]) and not execute(*command, check=False).returncode
     own = {"LC_ALL": "de_DE.UTF-8", "LOCPATH": str(place)} if made else {"LC_ALL": "C.UTF-8"}
     comma, files = built(german, TZ="Europe/Berlin", **own)
     ascii_alone = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}

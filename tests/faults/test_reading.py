@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import shutil
-import subprocess
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from tests.shared import execute
 from workflow.scripts.job import logged
 
 from microimpact.core.files import AlteredError, of_other_inputs, require_unaltered, write_checksums
@@ -161,17 +161,12 @@ def test_results_of_other_inputs_are_told(results):
 
 
 def test_coreutils_read_the_records(results, table):
-    if not shutil.which("sha256sum"):
-        pytest.skip("needs sha256sum (coreutils)")
     command = "cat $(find checksums -type f) | sha256sum --check"
 
     write_checksums(results, [table], "inputs in a comment")
 
     def told():
-        done = subprocess.run(
-            ["sh", "-c", command], cwd=results, capture_output=True, text=True, check=False
-        )
-        return done.stdout
+        return execute("sh", "-c", command, cwd=results, check=False).stdout
 
     assert told() == "data/fig17.csv: OK\n"
     table.write_text("x")

@@ -11,15 +11,15 @@ import json
 import os
 import shlex
 import signal
-import subprocess
 import time
 from contextlib import suppress
-from dataclasses import replace
+from subprocess import TimeoutExpired
 
 import numpy as np
 import pytest
 from tests.faults.places import mounted, read_only
 from tests.faults.projects import TARGETS, finished, kill
+from tests.shared import execute
 
 pytestmark = [pytest.mark.workflow, pytest.mark.slow]
 
@@ -32,9 +32,8 @@ def test_two_runs_on_one_core_and_on_two_elsewhere(project, undisturbed, another
 
 
 def test_the_lock_of_a_run_and_what_it_leaves_when_it_is_killed(
-    project, undisturbed, another, elsewhere, forked
+    project, undisturbed, another, elsewhere
 ):
-    second = replace(elsewhere, python=forked)
     locks = project.root / ".snakemake/locks"
     first = elsewhere.start(*TARGETS)
     try:
@@ -42,7 +41,7 @@ def test_the_lock_of_a_run_and_what_it_leaves_when_it_is_killed(
             assert first.poll() is None
             time.sleep(0.05)
         os.killpg(first.pid, signal.SIGSTOP)  # that it does not end too soon
-        told = second.run("fig17", check=False)
+        told = elsewhere.run("fig17", check=False)
     finally:
         kill(first)
     assert "Directory cannot be locked" in told
@@ -50,13 +49,13 @@ def test_the_lock_of_a_run_and_what_it_leaves_when_it_is_killed(
     assert "--unlock" in told  # which serves now that the first run is no more
     for share in np.random.default_rng(20011).uniform(0.4, 0.9, 2):
         run = elsewhere.start("--nolock", *TARGETS)
-        with suppress(subprocess.TimeoutExpired):
+        with suppress(TimeoutExpired):
             run.communicate(timeout=share * another.seconds)
         kill(run)
         # Whatever a reader can see is whole.
         assert elsewhere.results().items() <= undisturbed.items()
-    second.run("--unlock")
-    second.run(*TARGETS)
+    elsewhere.run("--unlock")
+    elsewhere.run(*TARGETS)
     assert elsewhere.results() == undisturbed
 
 
@@ -82,22 +81,15 @@ def test_the_stamp_tells_where_the_second_run_went(project, another):
     assert first["packages"] == second["packages"]
 
 
-def test_a_table_that_lost_its_last_row_stops_its_readers_until_it_is_gone(
-    undisturbed, another, forked
-):
-    project = replace(another, python=forked)
+def test_a_table_that_lost_its_last_row_stops_its_readers_until_it_is_gone(undisturbed, another):
+    project = another
     table = project.root / project.out / "data/fig17.csv"
     table.write_bytes(b"".join(table.read_bytes().splitlines(keepends=True)[:-1]))
     told = project.run("fig17", check=False)
     assert f"coulomb_friction_figures: {table}: not as it was written: cut short, damaged" in told
-    checked = subprocess.run(
-        [*project.python, "-m", "microimpact.cli", "check", project.out],
-        cwd=project.root,
-        env={"PYTHONPATH": str(project.root / "src")},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    command = (*project.python, "-m", "microimpact.cli", "check", project.out)
+    environment = {"PYTHONPATH": str(project.root / "src")}
+    checked = execute(*command, cwd=project.root, env=environment, check=False)
     assert checked.returncode
     table.unlink()
     project.run(*TARGETS)

@@ -10,7 +10,7 @@ import time
 
 import numpy as np
 from tests.faults.places import read_only
-from tests.shared import ROOT
+from tests.shared import ROOT, execute
 
 from microimpact.core.files import altered_files, write_checksums, write_file
 from microimpact.report.check.results import figure_files, table_files
@@ -32,6 +32,7 @@ def test_a_writer_killed_at_random_moments_leaves_a_whole_file(tmp_path):
         writer = subprocess.Popen([sys.executable, "-c", WRITER, str(path)])
         begun = path.stat().st_mtime_ns
         while path.stat().st_mtime_ns == begun:  # until it writes
+            assert writer.poll() is None
             time.sleep(0.001)
         time.sleep(wait)
         writer.send_signal(signal.SIGKILL)
@@ -61,9 +62,7 @@ def test_a_file_that_finds_no_room_is_named_and_leaves_the_old_one(tmp_path):
         "resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)); "  # of each file, in bytes
         f"write_file({str(path)!r}, 'new' * 1000)"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=False
-    )
+    done = execute(sys.executable, "-c", program, check=False)
     last = done.stderr.splitlines()[-1]
     assert last == f"OSError: [Errno 27] cannot be written: File too large: '{path}'"
     assert path.read_text() == "old\n"
@@ -75,9 +74,7 @@ def test_a_folder_that_is_read_only_is_named_by_the_file(tmp_path):
     write_file(path, "old\n")
     program = f"from microimpact.core.files import write_file; write_file({str(path)!r}, 'new')"
     with read_only(tmp_path) as prefix:
-        done = subprocess.run(
-            [*prefix, sys.executable, "-c", program], capture_output=True, text=True, check=False
-        )
+        done = execute(*prefix, sys.executable, "-c", program, check=False)
     last = done.stderr.splitlines()[-1]
     assert "cannot be written: " in last
     assert last.endswith(f": '{path}'")

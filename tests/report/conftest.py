@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import base64
-import os
 import shutil
 from dataclasses import replace
 
 import pytest
-from tests.shared import ROOT, made_once
+from tests.shared import ROOT, made_once, require
 
 from microimpact.declared.documents import load
 from microimpact.figures.registry import filled
@@ -42,22 +41,17 @@ ARGUMENTS = (
 @pytest.fixture(scope="module")
 def chromium(tmp_path_factory):
     """A headless browser that keeps what pages say on the console; tests are skipped without."""
-    tools = {name: shutil.which(name) for name in ("chromium", "chromedriver")}
-    if missing := [name for name, path in tools.items() if path is None]:
-        message = f"needs {' and '.join(missing)} (Debian: chromium, chromium-driver)"
-        if os.environ.get("MICROIMPACT_REQUIRE_TOOLS"):
-            pytest.fail(message)
-        pytest.skip(message)
+    require("chromium", "chromedriver", package="chromium chromium-driver")
     from selenium import webdriver
 
     options = webdriver.ChromeOptions()
-    options.binary_location = tools["chromium"]
+    options.binary_location = shutil.which("chromium")
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     for argument in ARGUMENTS:
         options.add_argument(argument)
     options.add_argument(f"--user-data-dir={tmp_path_factory.mktemp('browser')}")
     driver = webdriver.Chrome(
-        options=options, service=webdriver.ChromeService(tools["chromedriver"])
+        options=options, service=webdriver.ChromeService(shutil.which("chromedriver"))
     )
     yield driver
     driver.quit()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 import shutil
-import subprocess
 from datetime import datetime
 from pathlib import Path
 from urllib.parse import unquote
@@ -13,7 +12,7 @@ from urllib.parse import unquote
 import pytest
 from rocrate.rocrate import ROCrate
 from tests.report.results_roots import results, run
-from tests.shared import ROOT
+from tests.shared import ROOT, execute
 
 from microimpact.report.check.results import ResultsError
 from microimpact.report.crate import declared_inputs, write_crate
@@ -275,7 +274,7 @@ def test_results_of_another_commit_are_refused(tmp_path):
     project = write(tmp_path / "project", PROJECT)
     identity = ("-c", "user.name=a", "-c", "user.email=a@b")
     for words in (("init", "-q"), ("add", "."), (*identity, "commit", "-q", "-m", "a")):
-        subprocess.run(["git", "-C", str(project), *words], check=True, timeout=30)
+        execute("git", "-C", project, *words)
     root = finished(tmp_path / "results", git={"commit": "abc", "dirty": False})
     with pytest.raises(ResultsError, match="the run is of commit abc, the project is at"):
         write_crate(root, project)

@@ -9,6 +9,7 @@ import shutil
 import numpy as np
 import pandas as pd
 import pytest
+from axe_core_python.selenium import Axe
 from tests.shared import ROOT
 
 from microimpact.core.files import write_file
@@ -488,7 +489,6 @@ def test_each_plot_names_what_it_shows_and_only_files_were_read(browser):
 @pytest.mark.parametrize("theme", ["light", "dark"])
 @pytest.mark.parametrize("size", [(1300, 1000), (390, 844)])
 def test_it_is_accessible_and_fits_the_window(browser, theme, size):
-    selenium = pytest.importorskip("axe_core_python.selenium")
     browser.execute_cdp_cmd(
         "Emulation.setDeviceMetricsOverride",
         {"width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": size[0] < 600},
@@ -502,7 +502,7 @@ def test_it_is_accessible_and_fits_the_window(browser, theme, size):
         wide = browser.execute_script("return document.documentElement.scrollWidth")
         assert wide <= size[0]
         own = {"runOnly": ["color-contrast"]} if theme == "dark" else None
-        violations = selenium.Axe().run(browser, options=own)["violations"]
+        violations = Axe().run(browser, options=own)["violations"]
         assert [(v["id"], [n["target"] for n in v["nodes"]]) for v in violations] == []
     finally:
         browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})

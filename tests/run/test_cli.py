@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import json
 import re
-import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -13,7 +12,7 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
-from tests.shared import ROOT
+from tests.shared import ROOT, execute
 
 from microimpact import Contact, Material, cli, simulate
 from microimpact.core.materials import declared_file
@@ -56,7 +55,7 @@ def require_refusal(done, message):
 
 def test_it_is_installed_as_a_command():
     command = Path(sys.executable).with_name("microimpact")
-    done = subprocess.run([command, "--version"], capture_output=True, text=True, check=True)
+    done = execute(command, "--version")
     assert done.stdout.startswith("microimpact, version")
 
 
@@ -153,7 +152,7 @@ def test_a_contact_needs_no_package_of_the_study():
     absent = "sys.modules |= dict.fromkeys(('pandas', 'pydantic', 'yaml', 'matplotlib'))"
     command = ["microimpact", "capture", *STEEL]
     code = f"import sys; {absent}; sys.argv = {command}; from microimpact.cli import main; main()"
-    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    found = execute(sys.executable, "-c", code)
     assert "0.179983" in found.stdout
 
 

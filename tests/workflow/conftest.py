@@ -5,15 +5,13 @@ from __future__ import annotations
 import os
 import re
 import shutil
-import subprocess
-import sys
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 import yaml
-from tests.shared import ROOT, copy_project, made_once
+from tests.shared import ROOT, copy_project, execute, made_once
 
 from microimpact.declared.references import merged
 
@@ -56,24 +54,16 @@ TINY = {
 
 @dataclass
 class Project:
-    """A project folder and ways to run and to edit it.
-
-    What stands for ``python`` may be the quick start of the fixture `forked`.
-    """
+    """A project folder and ways to run and to edit it."""
 
     root: Path
-    python: tuple[str, ...] = (sys.executable,)
 
     def call(self, name, *arguments, **environment):
         """Run a module with arguments and return how that went."""
         inherited = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
-        done = subprocess.run(
-            [*self.python, "-m", name, *arguments],
-            cwd=self.root,
-            env=inherited | environment,
-            capture_output=True,
-            text=True,
-            check=False,
+        program = (*self.python, "-m", name)
+        done = execute(
+            *program, *arguments, cwd=self.root, env=inherited | environment, check=False
         )
         done.text = done.stdout + done.stderr
         return done
@@ -124,13 +114,13 @@ def swap(old, new):
     return edit
 
 
-def copied(target, *python):
+def copied(target):
     copy_project(target)
-    return Project(target, *python)
+    return Project(target)
 
 
 @pytest.fixture(scope="session")
-def built(forked, tmp_path_factory):
+def built(tmp_path_factory):
     """A project built small into build/ci, once for all workers; nobody edits it.
 
     Where the environment variable MICROIMPACT_BUILT is set, what stands in build/ci of this
@@ -138,7 +128,7 @@ def built(forked, tmp_path_factory):
     """
 
     def build(place):
-        project = copied(place, forked)
+        project = copied(place)
         arguments = [*SMALL, "--cores", "2"]
         if "MICROIMPACT_BUILT" in os.environ:
             for folder in ("build/ci", ".snakemake/metadata"):
@@ -153,8 +143,8 @@ def built(forked, tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def project(built, forked, tmp_path_factory):
+def project(built, tmp_path_factory):
     """The project, built small into build/ci, for the tests of one worker to edit."""
     root = tmp_path_factory.mktemp("project") / "copy"
     shutil.copytree(built, root)
-    return Project(root, forked)
+    return Project(root)

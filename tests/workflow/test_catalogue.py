@@ -22,10 +22,10 @@ use rule * from microimpact
 
 
 @pytest.fixture
-def elsewhere(forked, tmp_path):
+def elsewhere(tmp_path):
     """A folder with nothing but a workflow that uses the rules of this one."""
     (tmp_path / "Snakefile").write_text(SNAKEFILE)
-    return Project(tmp_path, forked)
+    return Project(tmp_path)
 
 
 def test_another_workflow_plans_all_of_this_one(elsewhere):

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import re
 import shutil
-import subprocess
 
 import pytest
-from tests.shared import ROOT
+from tests.shared import ROOT, execute
 from tests.workflow.conftest import SMALL, Project, swap
 
 OUT = "build/ci"
@@ -19,12 +18,12 @@ pytestmark = [pytest.mark.workflow, pytest.mark.slow]
 
 
 @pytest.fixture(scope="module")
-def checked(built, forked, tmp_path_factory):
+def checked(built, tmp_path_factory):
     """A copy of the project with references of its own, made from its small run.
 
     A check reads all pictures; those that are never drawn again here are left out.
     """
-    project = Project(tmp_path_factory.mktemp("checked") / "copy", forked)
+    project = Project(tmp_path_factory.mktemp("checked") / "copy")
     shutil.copytree(built, project.root)
     for path in (project.root / OUT / "figures").iterdir():
         if path.stem not in FIGURES:
@@ -116,7 +115,5 @@ def test_make_offers_check_and_reference():
         (["reference", "RESULTS=build/x"], "microimpact reference build/x"),
         (["check"], "rm -rf build/ci\n"),
     ):
-        done = subprocess.run(
-            ["make", "--dry-run", *arguments], cwd=ROOT, capture_output=True, text=True, check=True
-        )
+        done = execute("make", "--dry-run", *arguments, cwd=ROOT)
         assert expected in done.stdout

@@ -160,8 +160,8 @@ def test_an_edit_reruns_what_it_can_affect(project, path, edit, reruns, spares):
     assert not ((spares | {"restitution_trends"}) & planned)
 
 
-def test_the_number_of_parts_changes_no_byte(built, forked, tmp_path):
-    project = Project(tmp_path / "copy", forked)
+def test_the_number_of_parts_changes_no_byte(built, tmp_path):
+    project = Project(tmp_path / "copy")
     shutil.copytree(built, project.root)
     names = ("data/capture_recovery.csv", "tables/fit_coverage.csv")
     before = [(project.root / OUT / name).read_bytes() for name in names]

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import subprocess
 import sys
 
 import numpy as np
 import pytest
+from tests.shared import execute
 
 from microimpact import bootstrap_v_c, fit_restitution, restitution, simulate
 from microimpact.model.empirical.data import data_sets
@@ -385,7 +385,7 @@ def test_bad_arguments_of_the_bootstrap_are_named(fit, arguments, error, message
 
 def test_optimisers_load_only_when_a_fit_is_made():
     code = "import sys, microimpact.model.empirical.fit; sys.exit('scipy' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+    execute(sys.executable, "-c", code)
 
 
 def test_interval_ends_in_the_lowest_valley_of_the_profile():

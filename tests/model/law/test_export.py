@@ -1,13 +1,12 @@
 """The law for other programs: C against the package, tables against integration."""
 
 import ctypes
-import shutil
-import subprocess
 from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 import pytest
+from tests.shared import execute, require
 
 from microimpact.model.choices import FORMATS, FRICTION_BASES
 from microimpact.model.dynamics.capture import capture_velocity
@@ -17,9 +16,13 @@ from microimpact.model.law.table import tabulate
 STRICT = ("gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O2")
 FASTEST, COUNT = 20.0, 4000
 
-compiled_here = pytest.mark.skipif(
-    not (shutil.which("gcc") and shutil.which("g++")), reason="apt install g++ to compile the law"
-)
+
+@pytest.fixture
+def compiler():
+    require("gcc", "g++", package="g++")
+
+
+compiled_here = pytest.mark.usefixtures("compiler")
 
 # So that many impacts are one call: what a host program's loop would do.
 LOOP = """
@@ -104,8 +107,7 @@ def compiled(pair, tmp_path_factory):
         folder = tmp_path_factory.mktemp("header")
         tabulate(pair, 0.1, FASTEST).export(folder, "c", basis)
         (folder / "loop.c").write_text(LOOP, encoding="utf-8")
-        command = [*STRICT, "-shared", "-fPIC", "loop.c", "-o", "loop.so", "-lm"]
-        subprocess.run(command, cwd=folder, check=True)
+        execute(*STRICT, "-shared", "-fPIC", "loop.c", "-o", "loop.so", "-lm", cwd=folder)
         return ctypes.CDLL(str(folder / "loop.so")).all
 
     return make
@@ -214,26 +216,24 @@ def test_tables_are_integration(pair, tmp_path):
 @compiled_here
 def test_the_example_runs(pair, tmp_path):
     tabulate(pair, 0.1, FASTEST).export(tmp_path, "c")
-    subprocess.run([*STRICT, "example.c", "-lm"], cwd=tmp_path, check=True)
+    execute(*STRICT, "example.c", "-lm", cwd=tmp_path)
 
-    def run(*words):
-        return subprocess.run(
-            [tmp_path / "a.out", *words], capture_output=True, text=True, check=False
-        )
+    def example(*words):
+        return execute(tmp_path / "a.out", *words, check=False)
 
     after = planar(pair, -8.0, 1.0)
-    first = float(run("8", "1", "0").stdout.split()[1])
+    first = float(example("8", "1", "0").stdout.split()[1])
     assert first == pytest.approx(float(after.normal_velocity), rel=1e-6)
-    assert run("1e-3", "1", "0").stdout.startswith("captured")
-    assert run("1").returncode == run("1e9", "0", "0").returncode == 2
+    assert example("1e-3", "1", "0").stdout.startswith("captured")
+    assert example("1").returncode == example("1e9", "0", "0").returncode == 2
 
 
 @compiled_here
 def test_fluents_boundary_condition_against_a_stub(pair, tmp_path):
     tabulate(pair, 0.1, FASTEST).export(tmp_path, "fluent")
     (tmp_path / "udf.h").write_text(FLUENT, encoding="utf-8")
-    library = [*STRICT, "-I.", "-shared", "-fPIC", "microimpact_fluent.c", "-o", "bc.so", "-lm"]
-    subprocess.run(library, cwd=tmp_path, check=True)
+    library = ("-I.", "-shared", "-fPIC", "microimpact_fluent.c", "-o", "bc.so", "-lm")
+    execute(*STRICT, *library, cwd=tmp_path)
     wall = ctypes.CDLL(str(tmp_path / "bc.so")).microimpact_wall
     vector = ctypes.c_double * 3
 
@@ -307,9 +307,9 @@ def test_openfoams_patch_interaction_against_a_stub(pair, tmp_path):
         (tmp_path / name).write_text(f"#pragma once\n{FOAM if name[0] == 'P' else ''}")
     program = OF_FOAM.replace("SIZES", ", ".join(map(str, SIZES)))
     (tmp_path / "main.cpp").write_text(program, encoding="utf-8")
-    command = ["g++", "-std=c++14", "-Wall", "-Werror", "-I.", "main.cpp", "-o", "foam"]
-    subprocess.run(command, cwd=tmp_path, check=True)
-    text = subprocess.run([tmp_path / "foam"], capture_output=True, text=True, check=True).stdout
+    command = ("g++", "-std=c++14", "-Wall", "-Werror", "-I.", "main.cpp", "-o", "foam")
+    execute(*command, cwd=tmp_path)
+    text = execute(tmp_path / "foam").stdout
     fast, slow, other, sizes = (
         [float(word) for word in line.split()] for line in text.splitlines()
     )
