@@ -50,7 +50,7 @@ endif
 .PHONY: help reproduce check reference pages test lint types docs mutants dead-inputs test-slurm test-faults bench test-peers lock clean distclean stale
 
 help: ## list these targets
-	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1|\2/p' Makefile | column -t -s '|'
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 22
 
 reproduce: .venv/.compiled ## run the whole study into results/ (VERBOSE=1: say all)
 	@$(ACTIVE) .venv/bin/snakemake $(SNAKEMAKE_ARGS) $(if $(VERBOSE),--verbose)

@@ -77,7 +77,7 @@ def require(*programs: str, package: str) -> None:
         end(f"needs {' and '.join(missing)}; on Debian: apt install {package}")
 
 
-def execute(*command, check=True, timeout=600, **options) -> subprocess.CompletedProcess[str]:
+def execute(*command, check=True, timeout=1200, **options) -> subprocess.CompletedProcess[str]:
     """Run a program; it and all that it started end after a time limit, in s.
 
     No other module starts programs, but those that kill them: `make lint` sees to it.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import shutil
+import sys
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -61,10 +62,8 @@ class Project:
     def call(self, name, *arguments, **environment):
         """Run a module with arguments and return how that went."""
         inherited = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
-        program = (*self.python, "-m", name)
-        done = execute(
-            *program, *arguments, cwd=self.root, env=inherited | environment, check=False
-        )
+        command = (sys.executable, "-m", name, *arguments)
+        done = execute(*command, cwd=self.root, env=inherited | environment, check=False)
         done.text = done.stdout + done.stderr
         return done
 
