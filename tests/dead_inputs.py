@@ -264,7 +264,7 @@ def made(name: str, rests: Rests, results: Path) -> Tables:
         return {name: _picture(figure_spec(name.removeprefix(FIGURES), rests.branch), results)}
     inputs = Inputs(name, rests.rows, results)
     if name == "equations":
-        return {name: equations.judge(inputs)}
+        return {name: equations.judge(inputs)["equations"]}
     if name.startswith("claims."):
         return {name: _verdict(name.removeprefix("claims."), rests.branch, inputs)}
     of = study(name)
@@ -292,7 +292,7 @@ def _verdict(name: str, criteria: Document, inputs: Inputs) -> pd.DataFrame:
     with tempfile.NamedTemporaryFile("w", suffix=".yaml", encoding="utf-8") as file:
         yaml.safe_dump({DIGITISED: load(ROOT / "config/claims.yaml")[DIGITISED], **criteria}, file)
         file.flush()
-        judged = claims.judge(inputs, file.name)
+        judged = claims.judge(inputs, file.name)["claims"]
     return judged.drop(columns=CRITERION)
 
 

@@ -126,7 +126,7 @@ def world(run_study, settings, branch, declared, tables, monkeypatch):
 
 def verdict_of(claims, name, numbers):
     found = verdicts({name: claims[name]}, numbers[numbers["claim"] == name])
-    return found["verdict"].iloc[0]
+    return found[0]["verdict"].iloc[0]
 
 
 def test_every_number_of_every_testable_claim_is_there_in_its_unit(claims, numbers):
@@ -134,7 +134,7 @@ def test_every_number_of_every_testable_claim_is_there_in_its_unit(claims, numbe
     assert set(CLAIMS) == {name for name, claim in claims.items() if claim.testable}
     assert (numbers["problem"] == "").all()
     # verdicts refuses a number that is missing, not finite, twice there or of another unit
-    assert list(verdicts(claims, numbers)["id"]) == list(claims)
+    assert list(verdicts(claims, numbers)[0]["id"]) == list(claims)
 
 
 def test_evidence_says_what_was_sampled_and_what_was_fitted(claims, numbers):
@@ -239,7 +239,7 @@ def test_slow_impacts_leave_claims_not_computed_and_the_others_alone(claims, wor
     assert {"C07", "C10", "C59"} <= set(problems.index)
     assert problems["C10"] == ("ValueError: steel.speed_m_per_s: at 0.01 it rebounds at no angle")
     assert set(found.loc[found["problem"] != "", "quantity"]) == {NOT_COMPUTED}
-    ledger = verdicts(claims, found).set_index("id")
+    ledger = verdicts(claims, found)[0].set_index("id")
     assert (ledger["verdict"] == NOT_COMPUTED).to_dict() == {
         name: name in problems.index for name in ledger.index
     }

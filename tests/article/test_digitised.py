@@ -238,10 +238,10 @@ def test_points_drawn_from_a_curve_agree_with_it_and_others_do_not(
     for x, y in zip(own.iloc[:, 3], own.iloc[:, 4] + noise + shift, strict=True):
         bar = "," if sd is None else f"{y - 2 * sd:.6f},{y + 2 * sd:.6f}"
         lines.append(f"friction: 0.15,{x:.6f},{y:.6f},{bar}")
-    (row,) = ledger_of(points("fig17", *lines))
+    ((row,), _) = ledger_of(points("fig17", *lines))
     assert row["id"] == "D17-friction-0.15"
     assert row["evidence"] == "digitised"
-    assert row["criterion"].startswith("rms_difference" if sd is None else "normalised_rms")
+    assert row["criterion"].startswith("rms difference" if sd is None else "normalised rms")
     assert row["verdict"] == verdict
 
 

@@ -12,7 +12,7 @@ from tests.docs.blocks import ROOT
 from microimpact.cli import commands
 from microimpact.ledgers.claims.criteria import read_claims
 from microimpact.ledgers.claims.words import in_words, readable
-from microimpact.report.documents import deviations
+from microimpact.report.documents import LEDGERS, deviations
 
 REFERENCE = ROOT / "tests/reference/full"
 CRITERIA = ROOT / "config/claims.yaml"
@@ -30,8 +30,8 @@ def made():
 def run(tmp_path):
     """Tables of a run that may be changed."""
     (tmp_path / "tables").mkdir()
-    for name in ("claims.csv", "equations.csv"):
-        shutil.copy(REFERENCE / "tables" / name, tmp_path / "tables")
+    for name in LEDGERS:
+        shutil.copy(REFERENCE / f"tables/{name}.csv", tmp_path / "tables")
     return tmp_path
 
 

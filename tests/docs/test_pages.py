@@ -12,8 +12,8 @@ from tests.docs.blocks import ROOT
 
 from microimpact.cli import commands
 from microimpact.ledgers.claims.criteria import read_claims
-from microimpact.ledgers.claims.judging import described
-from microimpact.report.documents import SUFFIX, Numbers, PageError, outdated, pages, renew
+from microimpact.ledgers.claims.words import bounds, in_words
+from microimpact.report.documents import LEDGERS, SUFFIX, Numbers, PageError, outdated, pages, renew
 
 FULL = ROOT / "tests/reference/full"
 CRITERIA = ROOT / "config/claims.yaml"
@@ -53,7 +53,7 @@ def test_kept_verdicts_are_on_the_declared_statements_and_criteria():
     assert list(kept.index) == list(declared), RENEW
     for name, claim in declared.items():
         row = kept.loc[name]
-        criterion = "; ".join(f"{c.quantity} {described(c)}" for c in claim.criteria)
+        criterion = "; ".join(f"{in_words(c.quantity)} {bounds(c.row)}" for c in claim.criteria)
         assert row["statement"] == claim.statement, f"{name}: {RENEW}"
         assert row["criterion"] == criterion, f"{name}: {RENEW}"
 
@@ -69,7 +69,7 @@ def test_a_changed_number_changes_the_page_and_the_kept_table(docs, run, tmp_pat
     assert outdated(kept, docs, CRITERIA) == ["sizes.md"]
     assert renew(kept, docs, CRITERIA, kept) == [page]
     assert page.read_text(encoding="utf-8").endswith("0.50 of 25 %\n")
-    assert {path.stem for path in (kept / "tables").iterdir()} == {"claims", "equations", "sizes"}
+    assert {path.stem for path in (kept / "tables").iterdir()} == {*LEDGERS, "sizes"}
 
 
 @pytest.mark.parametrize(

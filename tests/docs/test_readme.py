@@ -10,12 +10,12 @@ import pytest
 from PIL import Image
 from tests.docs.blocks import PAGES, ROOT
 
-from microimpact.ledgers.claims.words import computed_numbers
 from microimpact.report.documents import verdict_counts
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 TABLES = ROOT / "tests/reference/full/tables"
 CLAIMS = pd.read_csv(TABLES / "claims.csv", keep_default_na=False).set_index("id")
+RESULTS = pd.read_csv(TABLES / "claim_results.csv")
 EQUATIONS = pd.read_csv(TABLES / "equations.csv", keep_default_na=False)
 FINDINGS = re.findall(r"^\| (C\d+) \| (.+) \| (.+) \|$", README, flags=re.MULTILINE)
 GALLERY = runpy.run_path(str(ROOT / "docs/gallery.py"))
@@ -58,7 +58,7 @@ def test_a_finding_gives_verdict_and_numbers_of_its_claim(name, stated, found):
     claim = CLAIMS.loc[name]
     words, _, reasons = found.partition(":")
     assert words == claim["verdict"]
-    computed = [value for _, _, value, _ in computed_numbers(claim["computed_value"])]
+    computed = RESULTS.loc[RESULTS["id"] == name, "value"]
     # Numbers of the statement itself, of equations and of settings are no results.
     known = set(re.findall(r"\d+(?:\.\d+)?", claim["statement"])) | {"0", "1"}
     numbers = re.findall(r"(?<!Eq\. )(?<![\w.])(\d+(?:\.\d+)?)( %)?", reasons)

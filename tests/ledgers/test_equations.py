@@ -17,7 +17,6 @@ from microimpact.ledgers.equations import (
     PROOFS,
     agreement,
     check,
-    errata,
     judge,
     proof_of,
     reference_case,
@@ -62,7 +61,7 @@ def case(tables):
 
 @pytest.fixture(scope="module")
 def ledger(tables):
-    return judge(tables).set_index("equation")
+    return judge(tables)["equations"].set_index("equation")
 
 
 def judged(equation, case):
@@ -249,8 +248,8 @@ def test_the_period_of_eq_23_as_claim_c103_has_it(ledger):
     assert 1.0 / ledger.loc["23 period", "consequence_value"] == pytest.approx(0.3107, abs=5e-5)
 
 
-def test_errata_name_place_words_and_reason():
-    found = errata()
+def test_errata_name_place_words_and_reason(tables):
+    found = judge(tables)["errata"]
     assert (found != "").all().all()
     assert set(found["kind"]) == {"word", "citation", "label"}
     assert not found.duplicated("printed").any()
@@ -273,7 +272,7 @@ def test_other_materials_change_numbers_and_no_verdict(tables, ledger):
     soft = tables["materials"].assign(value=lambda t: t["value"].astype(object))
     chosen = (soft["material"] == "silicon") & (soft["property"] == "youngs_modulus")
     soft.loc[chosen, "value"] = 50.0
-    other = judge({**tables, "materials": soft}).set_index("equation")
+    other = judge({**tables, "materials": soft})["equations"].set_index("equation")
     assert (other["verdict"] == ledger["verdict"]).all()
     assert other.loc["20", "consequence_value"] < 0.9 * ledger.loc["20", "consequence_value"]
 

@@ -5,7 +5,14 @@ import pytest
 from tests.ledgers.test_claims import claim
 
 from microimpact.ledgers.claims.criteria import ClaimsError
-from microimpact.ledgers.claims.independent import AGREES, DISAGREES, independent
+from microimpact.ledgers.claims.independent import (
+    AGREES,
+    DISAGREES,
+    SPLIT,
+    agreements,
+    independent,
+)
+from microimpact.ledgers.claims.words import agreement as in_words
 
 TABLE = pd.DataFrame(
     [
@@ -20,27 +27,24 @@ TABLE = pd.DataFrame(
 
 
 @pytest.mark.parametrize(
-    ("facts", "told"),
+    ("facts", "agreement", "words"),
     [
-        (["no target"], f"{AGREES} | no target: yes for a"),
-        (["half is lost"], f"{DISAGREES} | half is lost: no for b"),
-        (
-            ["falls with size"],
-            "agrees in part with independent data | falls with size: yes for a; no for b",
-        ),
+        (["no target"], AGREES, ["no target: yes for a"]),
+        (["half is lost"], DISAGREES, ["half is lost: no for b"]),
+        (["falls with size"], SPLIT, ["falls with size: yes for a; no for b"]),
         (
             ["no target", "half is lost"],
-            "agrees in part with independent data | no target: yes for a | half is lost: no for b",
+            SPLIT,
+            ["no target: yes for a", "half is lost: no for b"],
         ),
-        (["never computed"], ""),
+        (["never computed"], None, []),
+        ([], None, []),
     ],
 )
-def test_what_independent_data_say(facts, told):
-    assert independent({"C01": claim(external=facts)}, TABLE) == {"C01": told}
-
-
-def test_a_claim_that_names_no_fact_has_none():
-    assert independent({"C01": claim()}, TABLE) == {}
+def test_what_independent_data_say(facts, agreement, words):
+    evidence = independent({"C01": claim(external=facts)}, TABLE)
+    assert agreements(evidence).get("C01") == agreement
+    assert list(map(in_words, evidence.to_dict("records"))) == words
 
 
 def test_a_fact_that_nobody_found_is_refused():

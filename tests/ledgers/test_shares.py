@@ -6,6 +6,7 @@ import pytest
 from tests.ledgers.test_claims import claim, numbers
 
 from microimpact.ledgers.claims import verdicts
+from microimpact.ledgers.claims.judging import verdict
 from microimpact.ledgers.claims.shares import NUMBERS, Share, separation, shares
 
 COLUMNS = ["claim", "contact", "variant", "draw", "alternative", "quantity", "value"]
@@ -48,21 +49,23 @@ def with_share(count, of=20):
 def test_shares_decide_at_95_and_5_per_cent(count, expected):
     found = shares({"C01": claim(**CASES)}, with_share(count), contacts())["C01"]
     assert found.share == pytest.approx(count / 20)
-    assert found.verdict("reproduced") == expected
+    assert verdict("reproduced", found.margin) == expected
     assert bool(found.decided_by) == (expected == "not identified")
 
 
 def test_the_first_variant_decides_and_the_other_is_told():
     both = pd.concat([with_share(20), drawn([0.9] * 20, variant="without")])
     found = shares({"C01": claim(**CASES)}, both, contacts())["C01"]
+    assert found.share == 1.0
+    assert verdict("reproduced", found.margin) == "reproduced"
     assert found.variants == {"with": 1.0, "without": 0.0}
-    assert found.in_words().startswith("Met by 100 % with, 0 % without, of the admissible contacts")
+    assert found.in_words() == "Met by 100 % with, 0 % without, of the admissible contacts"
 
 
 def test_each_alternative_of_a_claim_counts_for_each_draw():
     both = pd.concat([drawn([0.7] * 20, alternative="x"), drawn([0.9] * 20, alternative="y")])
     found = shares({"C01": claim(**CASES)}, both, contacts())["C01"]
-    assert (found.share, found.draws) == (0.5, 20)
+    assert (found.share, len(found.margin)) == (0.5, 40)
     assert found.decided_by == "alternative (1.00)"
 
 
@@ -99,10 +102,14 @@ def test_the_share_decides_in_the_ledger_and_the_cases_are_examples():
         for case in "ab"
         for name, value, unit in (("e", 0.7, "-"), ("v", 1.0, "m/s"))
     ]
-    share = Share(variants={"with": 0.4}, draws=20, decided_by="friction (0.90)")
+    share = Share(
+        variants={"with": 0.4},
+        margin=np.repeat([np.inf, -np.inf], [4, 6]),
+        decided_by="friction (0.90)",
+    )
     claims = {"C01": claim(**CASES)}
-    assert verdicts(claims, numbers(*rows))["verdict"].iloc[0] == "reproduced"
-    row = verdicts(claims, numbers(*rows), {"C01": share}).iloc[0]
+    assert verdicts(claims, numbers(*rows))[0]["verdict"].iloc[0] == "reproduced"
+    row = verdicts(claims, numbers(*rows), {"C01": share})[0].iloc[0]
     assert (row["verdict"], row["share"]) == ("not identified", 0.4)
     assert row["decided_by"] == "friction (0.90)"
-    assert row["note"].startswith("Met by 40 % with, of the admissible contacts (20 draws)")
+    assert row["note"].startswith("Met by 40 % with, of the admissible contacts")

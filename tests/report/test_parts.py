@@ -17,7 +17,7 @@ from microimpact.report.site.code import modules, place
 from microimpact.report.site.figures import departures, joined, studies_behind
 from microimpact.report.site.formula import mathml, prose
 from microimpact.report.site.graph import needs, picture, upstream
-from microimpact.report.site.ledgers import changed_later, computed, counts, failures, parts
+from microimpact.report.site.ledgers import counts
 from microimpact.report.site.pages import ASSETS
 from microimpact.report.site.reached import reached
 from microimpact.report.site.record import Rule
@@ -137,36 +137,6 @@ def test_bars_fill_the_whole_width():
     ]
 
 
-ROW = {
-    "criterion": "speed_at_0p45_m_per_s at most 1; share between 0 and 0.5",
-    "computed_value": "other = 2.37797e-17; speed_at_0p45_m_per_s (a) = 2377.97 MPa;"
-    " speed_at_0p45_m_per_s (b) = 0.0993185 MPa; share = 123456",
-    "reason": "because",
-    "note": "a: speed_at_0p45_m_per_s = 2378 (required: at most 1)"
-    " | Changed after first judging, b",
-}
-
-
-def test_numbers_of_a_claim_are_written_as_a_person_would():
-    """Those with a criterion first, three digits, failures told apart, no rounding noise."""
-    first, second, third = computed(ROW)
-    assert (first.words, first.criterion) == ("speed at 0.45 m/s", "at most 1")
-    assert first.cells == (("a", "2378 MPa", True), ("b", "0.0993 MPa", False))
-    assert second.cells == (("", "1.23 × 10⁵", False),)
-    assert (third.words, third.criterion, third.cells) == ("other", "", (("", "0", False),))
-
-
-def test_what_is_no_number_is_shown_as_it_is():
-    (found,) = computed(ROW | {"computed_value": "<b>none</b>"})
-    assert (found.words, found.cells) == ("<b>none</b>", ())
-
-
-def test_reasons_failures_and_changes_are_told_apart():
-    assert failures(ROW) == ["a: speed at 0.45 m/s = 2378 (required: at most 1)"]
-    assert failures(ROW | {"note": "because"}) == []
-    assert changed_later([ROW, ROW | {"note": "because"}]) == 1
-
-
 @pytest.mark.parametrize(
     ("sentence", "shown"),
     [
@@ -205,13 +175,6 @@ def test_the_font_has_the_signs_of_all_formulas():
     known = set(map(chr, TTFont(io.BytesIO(data)).getBestCmap()))
     forms = [form for each in EQUATIONS.values() for form in (each.printed, each.form_used)]
     assert set("".join(map(text, forms))) <= known
-
-
-def test_names_of_quantities_as_words():
-    assert parts("share_below_0p3_m_per_s (n = 0) = 0.7; peak = 2 m/s") == [
-        "share below 0.3 m/s (n = 0) = 0.7",
-        "peak = 2 m/s",
-    ]
 
 
 def test_a_claim_tells_the_departures_that_it_rests_on_alone():

@@ -13,8 +13,7 @@ def main(job: Any) -> str:
 
     The rule gives rows of declared tables as ``params.rows`` (name -> CSV text), tables of studies
     as named input files and, for some, a file of criteria, with the values that its words take as
-    ``params.branch``; its first output is the ledger, and a second one, ``errata``, the slips that
-    the ledger of equations tells besides.
+    ``params.branch``; its outputs are the tables of the ledger by their names.
     """
     ledger = import_module(f"microimpact.ledgers.{job.rule}")
     tables = {name: parse_table(text) for name, text in job.params.rows.items()}
@@ -22,10 +21,9 @@ def main(job: Any) -> str:
     criteria = files.pop("criteria", None)
     tables |= {name: read_table(path) for name, path in files.items()}
     judged = ledger.judge(tables, *((criteria, job.params.branch) if criteria else ()))
-    write_table(judged, job.output[0])
-    if path := dict(job.output.items()).get("errata"):
-        write_table(ledger.errata(), path)
-    counts = judged["verdict"].value_counts().items()
+    for name, path in job.output.items():
+        write_table(judged[name], path)
+    counts = judged[job.rule]["verdict"].value_counts().items()
     return f"{job.rule}: {', '.join(f'{count} {verdict}' for verdict, count in counts)}\n"
 
 

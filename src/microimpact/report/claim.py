@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,16 +16,15 @@ from microimpact.core.materials import declared_file
 from microimpact.core.nearest import nearest
 from microimpact.core.tables import parse_table, read_table
 from microimpact.declared.parameters import build
-from microimpact.ledgers.claims import in_words, verdicts
+from microimpact.ledgers.claims import verdicts, words
 from microimpact.ledgers.claims.criteria import Claim, read_claims
-from microimpact.ledgers.claims.shares import Share, shares
-from microimpact.ledgers.claims.words import article_value, by_quantity, readable
+from microimpact.ledgers.claims.independent import independent
+from microimpact.ledgers.claims.shares import shares
 from microimpact.report.check.results import ResultsError
 from microimpact.report.site.pages import render
 from microimpact.report.site.record import read_record
 from microimpact.run.config import study_rows
 from microimpact.run.study import Made
-from microimpact.studies.claims import NUMBER_COLUMNS
 from microimpact.studies.claims.claim_numbers import CLAIMS, Params, numbers_of, part
 from microimpact.studies.claims.claim_numbers.draws import COLUMNS as DRAW_COLUMNS
 
@@ -46,46 +45,50 @@ def tell(name: str, changes: Mapping[str, Any], results: Path) -> str:
         raise ValueError(f"{name!r} is no claim{nearest(name, claims)}")
     claim = claims[name]
     if not claim.testable:
-        return _page(claim, {"verdict": claim.verdicts[0]})
+        return _page(claim, {"verdict": claim.verdicts[0]}, evidence=[])
     folder = results if _shipped(results) else None
+    made = Made(STUDY, changes, folder)
+    branch = made.settings.branches[STUDY]
+    claim = read_claims(file, branch)[name]
     if folder and not changes:
-        table = read_table(folder / f"tables/{STUDY}.csv", NUMBER_COLUMNS)
-        numbers = table[table["claim"] == name]
-        ledger = read_table(folder / "tables/claims.csv").set_index("id").loc[name]
-        claim = replace(claim, reason=str(ledger["reason"]))
+        numbers, draws = (
+            read_table(folder / f"tables/{table}.csv").query("claim == @name")
+            for table in (STUDY, "claim_draws")
+        )
     else:
-        made = Made(STUDY, changes, folder)
-        branch = made.settings.branches[STUDY]
-        claim = read_claims(file, branch)[name]
-        numbers, drawn = _computed(claim, build(Params, branch), made)
-        ledger = verdicts({name: claim}, numbers, drawn).iloc[0]
+        numbers, draws = _computed(claim, build(Params, branch), made)
+    drawn = shares({name: claim}, draws, made["admissible_contacts"]) if len(draws) else {}
+    ledger, rows = verdicts({name: claim}, numbers, drawn)
+    facts = folder / "tables/external_evidence.csv" if folder else None
+    evidence = independent({name: claim}, read_table(facts)).to_dict("records") if facts else []
     function = CLAIMS[name].of
-    place = f"{inspect.getsourcefile(function)}:{inspect.getsourcelines(function)[1]}"
+    where = f"{inspect.getsourcefile(function)}:{inspect.getsourcelines(function)[1]}"
     makers = studies.needs(STUDY)
     read = sorted({name for text in numbers["inputs"].dropna() for name in text.split()})
     anew = "computed anew" if changes else "computed now"
     rest = f"{anew}; what rests on no change from {folder}" if changes else str(folder)
     return _page(
         claim,
-        {key: value for key, value in ledger.dropna().items() if value != ""},
+        {key: value for key, value in ledger.iloc[0].dropna().items() if value != ""},
+        results=rows,
+        evidence=evidence,
         problems=[each for each in dict.fromkeys(numbers["problem"].dropna()) if each],
-        code=f"{function.__module__}.{function.__qualname__}, {place}",
+        code=f"{function.__module__}.{function.__qualname__}, {where}",
         inputs=[f"{name} (of {makers[name]})" if name in makers else name for name in read],
         changes=changes and yaml.safe_dump(dict(changes), default_flow_style=True).strip(),
         source=rest if folder else anew,
     )
 
 
-def _page(claim: Claim, row: Mapping[Any, Any], **others: Any) -> str:
-    words = {"in_words": in_words, "article_value": article_value, "readable": readable}
+def _page(claim: Claim, row: Mapping[Any, Any], **facts: Any) -> str:
     page = render(
         "claim.txt.jinja",
         templates=Path(__file__).parent,
         claim=claim,
+        amendments=[asdict(amendment) for amendment in claim.amendments],
         row=row,
-        by_quantity=by_quantity,
-        **words,
-        **others,
+        words=words,
+        **facts,
     )
     return page.rstrip()
 
@@ -120,15 +123,12 @@ def _shipped(results: Path) -> bool:
         return False
 
 
-def _computed(claim: Claim, params: Params, made: Made) -> tuple[pd.DataFrame, dict[str, Share]]:
-    """Return the numbers of a claim, and its share of the admissible contacts if it has one."""
+def _computed(claim: Claim, params: Params, made: Made) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Return the numbers of a claim, and those for admissible contacts if it has some."""
     rows = study_rows(STUDY, made.settings, {})
     made.update({key: parse_table(text) for key, text in rows.items()})
     numbers = numbers_of(claim.id, params, made)
-    if claim.id not in params.draws.claims:
-        return numbers, {}
-    alone = replace(params, draws=replace(params.draws, claims=(claim.id,)))
-    table = pd.DataFrame(
-        [row for _, own in part(alone, made, 0, 1) for row in own], columns=list(DRAW_COLUMNS)
-    )
-    return numbers, shares({claim.id: claim}, table, made["admissible_contacts"])
+    own = tuple(name for name in params.draws.claims if name == claim.id)
+    alone = replace(params, draws=replace(params.draws, claims=own))
+    draws = [row for _, rows in part(alone, made, 0, 1) for row in rows] if own else []
+    return numbers, pd.DataFrame(draws, columns=list(DRAW_COLUMNS))

@@ -18,14 +18,15 @@ import pandas as pd
 from microimpact.core.files import write_file
 from microimpact.core.nearest import nearest
 from microimpact.ledgers.claims.criteria import CLAIM_NAME, UNCOUNTED, read_claims
-from microimpact.ledgers.claims.words import article_value, by_quantity, readable
+from microimpact.ledgers.claims.words import agreement, quantities, readable, with_unit
+from microimpact.report.site.ledgers import by_claim, read_rows
 from microimpact.report.site.pages import render
 from microimpact.report.site.record import read_record
 
 SETTINGS = "config/config.yaml"
 DEVIATIONS, SUFFIX = "deviations.md", ".jinja"
 # Tables of the page of deviations and of the counts in the README.
-LEDGERS = ("claims", "equations")
+LEDGERS = ("claims", "equations", "claim_evidence", "claim_results")
 ABOUT = "<!-- Made by `make pages` from {template} and tables of a full run; do not edit. -->\n\n"
 
 
@@ -131,7 +132,7 @@ def deviations(results: Path, criteria: Path, settings: str) -> str:
     Parameters
     ----------
     results
-        Folder with ``tables/claims.csv`` and ``tables/equations.csv``.
+        Folder with the tables `LEDGERS`.
     criteria
         The file of claims, see `read_claims`.
     settings
@@ -144,8 +145,9 @@ def deviations(results: Path, criteria: Path, settings: str) -> str:
     """
     tables = results / "tables"
     claims, equations = (
-        pd.read_csv(tables / f"{name}.csv", keep_default_na=False) for name in LEDGERS
+        pd.read_csv(tables / f"{name}.csv", keep_default_na=False) for name in LEDGERS[:2]
     )
+    evidence, numbers = (by_claim(read_rows(tables / f"{name}.csv")) for name in LEDGERS[2:])
     # Rows after the claims are about digitised points of the user's own.
     claims = claims[claims["id"].str.match(CLAIM_NAME)]
     declared = read_claims(criteria)
@@ -165,9 +167,12 @@ def deviations(results: Path, criteria: Path, settings: str) -> str:
         claims=claims.to_dict("records"),
         declared=declared,
         amended=[claim for claim in declared.values() if claim.amendments],
-        article_value=article_value,
-        by_quantity=by_quantity,
+        evidence=evidence,
+        results=numbers,
+        agreement=agreement,
+        quantities=quantities,
         readable=readable,
+        with_unit=with_unit,
     )
     return page.rstrip() + "\n"
 

@@ -4,38 +4,37 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from microimpact.core.nearest import nearest
-from microimpact.ledgers.claims.criteria import NOT_COMPUTED, Amendment, Claim, Finding, read_claims
+from microimpact.core.tables import Row
+from microimpact.ledgers.claims.criteria import NOT_COMPUTED, Claim, read_claims
 from microimpact.ledgers.claims.digitised import digitised_rows, read_digitised
-from microimpact.ledgers.claims.independent import independent
+from microimpact.ledgers.claims.independent import agreements, independent
 from microimpact.ledgers.claims.judging import (
-    NO_ERRORS,
-    Numbers,
-    described,
-    failures,
-    judged,
-    least_margin,
-    place,
+    RESULT_COLUMNS,
+    margins,
+    nearest_margin,
+    results,
+    verdict,
 )
 from microimpact.ledgers.claims.shares import Share, shares
+from microimpact.ledgers.claims.words import bounds, computed_values, failing, in_words, sentence
 
 # Loaded where a ledger is judged: the pages, which read it as text, do without.
 if TYPE_CHECKING:
     import pandas as pd
-
-# Begins what a note tells of a part that was changed.
-CHANGED = "Changed after first judging"
 
 COLUMNS = (
     *("id", "where", "statement", "kind", "criterion", "article_value", "computed_value"),
     *("unit", "verdict", "margin", "share", "decided_by", "independent", "evidence"),
     *("figures", "code", "inputs", "reason", "note"),
 )
+AMENDMENT_COLUMNS = ("id", "part", "was", "now", "reason")
 
 NO_SHARES: Mapping[str, Share] = {}
 
@@ -48,31 +47,49 @@ def judge(
     tables: Mapping[str, pd.DataFrame],
     criteria: Path | str,
     values: Mapping[str, Any] | None = None,
-) -> pd.DataFrame:
+) -> dict[str, pd.DataFrame]:
     """Return the verdict on every claim of a file, from tables of numbers.
 
-    `tables`: ``claim_numbers``; ``claim_draws`` and ``admissible_contacts``, for the shares;
-    ``external_evidence``; and ``digitised_residuals``, whose series of digitised points have rows
-    after the claims. `criteria`, `values`: file of claims and values in its words, see
-    `read_claims`.
+    Parameters
+    ----------
+    tables
+        ``claim_numbers``; ``claim_draws`` and ``admissible_contacts``, for the shares;
+        ``external_evidence``; and ``digitised_residuals``, whose series of digitised points have
+        rows after the claims.
+    criteria, values
+        File of claims and values in its words, see `read_claims`.
+
+    Returns
+    -------
+    dict of pandas.DataFrame
+        ``claims``, a row per claim; ``claim_results``, a row per number and its test;
+        ``claim_evidence``, a row per fact found by others; ``claim_amendments``.
     """
     import pandas as pd
 
-    read = read_claims(criteria, values)
-    drawn = shares(read, tables["claim_draws"], tables["admissible_contacts"])
-    claims = verdicts(read, tables["claim_numbers"], drawn)
-    told = independent(read, tables["external_evidence"])
-    claims["independent"] = [told.get(name, "") for name in claims["id"]]
-    rows = digitised_rows(read_digitised(criteria), tables["digitised_residuals"])
-    if not rows:
-        return claims
-    return pd.concat([claims, pd.DataFrame(rows, columns=list(COLUMNS))], ignore_index=True)
+    claims = read_claims(criteria, values)
+    drawn = shares(claims, tables["claim_draws"], tables["admissible_contacts"])
+    ledger, numbers = verdicts(claims, tables["claim_numbers"], drawn)
+    evidence = independent(claims, tables["external_evidence"])
+    ledger["independent"] = ledger["id"].map(agreements(evidence)).fillna("")
+    rows, residuals = digitised_rows(read_digitised(criteria), tables["digitised_residuals"])
+    amendments = [
+        {"id": name, **asdict(amendment)}
+        for name, claim in claims.items()
+        for amendment in claim.amendments
+    ]
+    return {
+        "claims": pd.DataFrame([*ledger.to_dict("records"), *rows], columns=list(COLUMNS)),
+        "claim_results": pd.DataFrame([*numbers, *residuals], columns=list(RESULT_COLUMNS)),
+        "claim_evidence": evidence,
+        "claim_amendments": pd.DataFrame(amendments, columns=list(AMENDMENT_COLUMNS)),
+    }
 
 
 def verdicts(
     claims: Mapping[str, Claim], numbers: pd.DataFrame, drawn: Mapping[str, Share] = NO_SHARES
-) -> pd.DataFrame:
-    """Return the verdict on every claim.
+) -> tuple[pd.DataFrame, list[Row]]:
+    """Return the verdict on every claim, and the results from which it follows.
 
     Parameters
     ----------
@@ -82,9 +99,10 @@ def verdicts(
 
     Returns
     -------
-    pandas.DataFrame
-        One row per claim with `COLUMNS`: the numbers behind the verdict and which criterion of
-        which case failed, or why the claim could not be computed.
+    ledger : pandas.DataFrame
+        One row per claim with `COLUMNS`.
+    results : list of dict
+        One row per number and its test with `RESULT_COLUMNS`.
 
     Raises
     ------
@@ -103,102 +121,88 @@ def verdicts(
     problems += [f"{name}: no such claim{nearest(name, claims)}" for name in strangers]
     if problems:
         raise LedgerError("\n".join(problems))
-    found = [_row(claim, numbers, drawn.get(name)) for name, claim in claims.items()]
-    return pd.DataFrame(found, columns=list(COLUMNS))
-
-
-def verdict(
-    claim: Claim, values: Numbers, errors: Numbers = NO_ERRORS
-) -> tuple[Finding, list[str]]:
-    """Return the verdict on one claim, and which criteria failed, in words.
-
-    Parameters
-    ----------
-    values, errors
-        Numbers by quantity, by case, and standard errors; the only case of a claim without
-        alternatives is ``""``.
-    """
-    if not claim.testable:
-        return "not testable", []
-    unidentified = failures(claim.identified_if, values)
-    if unidentified:
-        return "not identified", unidentified
-    return judged(claim.if_met, claim.criteria, values, errors)
+    judged = [
+        _judged(claim, numbers[numbers["claim"] == name], drawn.get(name))
+        for name, claim in claims.items()
+    ]
+    ledger = pd.DataFrame([row for row, _ in judged], columns=list(COLUMNS))
+    return ledger, [row for _, rows in judged for row in rows]
 
 
 def _problems(claim: Claim, numbers: pd.DataFrame) -> list[str]:
-    own = numbers[(numbers["claim"] == claim.id) & (numbers["problem"] == "")]
-    whole = len(own) == (numbers["claim"] == claim.id).sum()
+    rows = numbers[(numbers["claim"] == claim.id) & (numbers["problem"] == "")]
+    whole = len(rows) == (numbers["claim"] == claim.id).sum()
     cases = claim.cases or ("",)
     names = claim.quantities if claim.testable else ()
     wanted = {(case, name) for case in cases for name in names}
-    given = list(zip(own["case"], own["quantity"], strict=True))
-    missing = sorted(wanted - set(given)) if whole else []
-    lines = [f"{claim.id}: {place(*key)} is missing" for key in missing]
-    for key, unit, value in zip(given, own["unit"], own["value"], strict=True):
+    keys = list(zip(rows["case"], rows["quantity"], strict=True))
+
+    def name(case: str, quantity: str) -> str:
+        return f"{claim.id}: {quantity} ({case})" if case else f"{claim.id}: {quantity}"
+
+    lines = [f"{name(*key)} is missing" for key in sorted(wanted - set(keys)) if whole]
+    for key, unit, value in zip(keys, rows["unit"], rows["value"], strict=True):
         if key not in wanted:
-            lines.append(f"{claim.id}: {place(*key)} is not declared")
+            lines.append(f"{name(*key)} is not declared")
         elif unit != claim.quantities[key[1]]:
-            lines.append(f"{claim.id}: {place(*key)} in {unit}, not {claim.quantities[key[1]]}")
+            lines.append(f"{name(*key)} in {unit}, not {claim.quantities[key[1]]}")
         elif not np.isfinite(value):
-            lines.append(f"{claim.id}: {place(*key)} = {value} must be finite")
-    if len(set(given)) != len(given):
+            lines.append(f"{name(*key)} = {value} must be finite")
+    if len(set(keys)) != len(keys):
         lines.append(f"{claim.id}: a number is given twice")
     return lines
 
 
-def _row(claim: Claim, numbers: pd.DataFrame, share: Share | None) -> dict[str, object]:
-    own = numbers[numbers["claim"] == claim.id]
-    computed = own[own["problem"] == ""]
-    values, errors = (
-        {
-            str(case): dict(zip(rows["quantity"], rows[column].astype(float), strict=True))
-            for case, rows in computed.groupby("case", sort=False)
-        }
-        for column in ("value", "error")
-    )
-    found: Finding
-    if len(computed) == len(own):
-        found, failed = verdict(claim, values, errors)
-        if share and claim.testable:
-            found, failed = share.verdict(claim.if_met), [share.in_words(), *failed]
-    else:
-        lacking = own[own["problem"] != ""]
-        found = NOT_COMPUTED
+def _judged(claim: Claim, numbers: pd.DataFrame, share: Share | None) -> tuple[Row, list[Row]]:
+    computed = numbers[numbers["problem"] == ""]
+    lacking = numbers[numbers["problem"] != ""]
+    labels = {name: in_words(name) for name in claim.quantities}
+    criteria = (*claim.identified_if, *claim.criteria)
+    rows = results(computed, criteria, labels, claim.quantities)
+    failed = list(map(sentence, failing(rows)))
+    if not claim.testable:
+        decision, margin = "not testable", math.nan
+    elif len(lacking):
+        decision, margin = NOT_COMPUTED, math.nan
         failed = [
             f"{case}: {problem}" if case else str(problem)
             for case, problem in zip(lacking["case"], lacking["problem"], strict=True)
         ]
-    told = "; ".join(
-        f"{place(case, name)} = {value:.6g}"
-        + ("" if claim.quantities[name] == "-" else f" {claim.quantities[name]}")
-        for case, some in values.items()
-        for name, value in some.items()
-    )
-    return {
+    else:
+        decision, margin = _decision(claim, computed)
+        if share:
+            decision, failed = verdict(claim.if_met, share.margin), [share.in_words(), *failed]
+    row = {
         "id": claim.id,
         "where": claim.where,
         "statement": claim.statement,
         "kind": claim.kind,
-        "criterion": "; ".join(f"{c.quantity} {described(c)}" for c in claim.criteria),
+        "criterion": "; ".join(f"{labels[c.quantity]} {bounds(c.row)}" for c in claim.criteria),
         "article_value": claim.article_value,
-        "computed_value": told,
+        "computed_value": computed_values(rows),
         "unit": claim.unit,
-        "verdict": found,
+        "verdict": decision,
         "share": share.share if share else math.nan,
         "decided_by": share.decided_by if share else "",
         "independent": "",
-        "margin": least_margin((*claim.identified_if, *claim.criteria), values, errors),
-        "evidence": "; ".join(dict.fromkeys(own["evidence"])),
+        "margin": margin,
+        "evidence": "; ".join(dict.fromkeys(numbers["evidence"])),
         "figures": " ".join(claim.figures),
-        "code": " ".join(dict.fromkeys(own["code"])),
-        "inputs": " ".join(sorted({name for text in own["inputs"] for name in text.split()})),
+        "code": " ".join(dict.fromkeys(numbers["code"])),
+        "inputs": " ".join(sorted({name for text in numbers["inputs"] for name in text.split()})),
         "reason": claim.reason,
-        "note": " | ".join(["; ".join(failed) or claim.reason, *map(in_words, claim.amendments)]),
+        "note": "; ".join(failed) or claim.reason,
     }
+    return row, [{"id": claim.id, **row} for row in rows]
 
 
-def in_words(amendment: Amendment) -> str:
-    """Return what was changed after a claim had first been judged, and why."""
-    was, now = (text.rstrip(".") for text in (amendment.was, amendment.now))
-    return f"{CHANGED}, {amendment.part}: was {was}; now {now}. {amendment.reason}"
+def _decision(claim: Claim, numbers: pd.DataFrame) -> tuple[str, float]:
+    """Return the verdict by the cases of a claim, and the margin that decides it."""
+    values, errors = (
+        numbers.pivot(index="case", columns="quantity", values=column)
+        for column in ("value", "error")
+    )
+    margin = margins((*claim.identified_if, *claim.criteria), values, errors)
+    if claim.identified_if and np.any(margins(claim.identified_if, values) < 0.0):
+        return "not identified", nearest_margin(margin)
+    return verdict(claim.if_met, margins(claim.criteria, values, errors)), nearest_margin(margin)

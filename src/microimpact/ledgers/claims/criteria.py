@@ -1,7 +1,7 @@
 """Claims of the article and the criteria fixed for them beforehand, read from one file.
 
 ``config/claims.yaml`` says what the article states, which numbers decide it and within which
-bounds; it contains no result. `read_claims` checks it, `holds` applies one criterion to one number.
+bounds; it contains no result.
 """
 
 from __future__ import annotations
@@ -13,8 +13,10 @@ from decimal import Decimal
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import Field, ValidationError
 
+from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.nearest import nearest
 from microimpact.declared.documents import filled, load
 from microimpact.declared.parameters import Finite, Name, NonNegative, build, explain
@@ -98,11 +100,23 @@ class Criterion:
         bound = float(centre)
         return (bound, math.inf) if self.test == "at_least" else (-math.inf, bound)
 
-    def distance(self, value: float) -> float:
-        """Return how far a number is from the nearest bound: negative where it fails."""
+    @property
+    def row(self) -> dict[str, object]:
+        """Test and ends in the columns of the table of results, nan for an infinite end."""
+        ends = (end if math.isfinite(end) else math.nan for end in self.interval)
+        return {"test": self.test, **dict(zip(("low", "high"), ends, strict=True))}
+
+    def distance(self, value: Real) -> FloatArray:
+        """Return the distance of numbers to the nearest bound, negative where they fail.
+
+        Boundaries belong to the accepted side, and are those of the decimal numbers as written:
+        `within` accepts ``value - tolerance <= x <= value + tolerance``, `at_least` ``x >= value``,
+        `at_most` ``x <= value``, `between` ``low <= x <= high``, and `outside` ``x <= low`` or
+        ``x >= high``.
+        """
         low, high = self.interval
-        inside = min(value - low, high - value)
-        return -inside if self.test == "outside" else inside
+        inside = np.minimum(value - low, high - value)
+        return np.asarray(-inside if self.test == "outside" else inside)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -215,22 +229,6 @@ class Claim:
             return ("not testable",)
         is_open: tuple[Verdict, ...] = ("not identified",)
         return (self.if_met, "not reproduced", *is_open * bool(self.cases or self.identified_if))
-
-
-def holds(criterion: Criterion, value: float) -> bool:
-    """Tell whether a number meets a criterion.
-
-    Boundaries belong to the accepted side, and are those of the decimal numbers as written:
-    `within` accepts ``value - tolerance <= x <= value + tolerance``, `at_least` ``x >= value``,
-    `at_most` ``x <= value``, `between` ``low <= x <= high``, and `outside` ``x <= low`` or ``x >=
-    high``. Raises ValueError if the number is not finite.
-    """
-    if not math.isfinite(value):
-        raise ValueError(f"{criterion.quantity}: {value} must be a finite number")
-    low, high = criterion.interval
-    if criterion.test == "outside":
-        return value <= low or value >= high
-    return low <= value <= high
 
 
 def read_claims(path: Path | str, values: Mapping[str, Any] | None = None) -> dict[str, Claim]:

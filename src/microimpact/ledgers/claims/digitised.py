@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pydantic import ValidationError
 
+from microimpact.core.tables import Row
 from microimpact.declared.documents import load
 from microimpact.declared.parameters import Name, Positive, build, explain
 from microimpact.ledgers.claims.criteria import (
@@ -17,15 +17,14 @@ from microimpact.ledgers.claims.criteria import (
     ClaimsError,
     Criterion,
     FigureName,
-    Finding,
 )
-from microimpact.ledgers.claims.judging import Numbers, described, judged, place
+from microimpact.ledgers.claims.judging import margins, results, verdict
+from microimpact.ledgers.claims.words import bounds, computed_values, failing, sentence
 
 if TYPE_CHECKING:
     import pandas as pd
 
 CODE = "microimpact.studies.analyses.digitised_comparison.run"
-COMPARED = ("rms_difference", "normalised_rms", "bias")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,82 +49,88 @@ def read_digitised(path: Path | str) -> DigitisedCriteria:
         raise ClaimsError("\n".join(explain(error, DigitisedCriteria, DIGITISED))) from None
 
 
-def digitised_rows(criteria: DigitisedCriteria, residuals: pd.DataFrame) -> list[dict[str, Any]]:
-    """Return the verdict on every series of digitised points.
+def digitised_rows(
+    criteria: DigitisedCriteria, residuals: pd.DataFrame
+) -> tuple[list[Row], list[Row]]:
+    """Return the verdict on every series of digitised points, and the results behind it.
 
     It is judged against the computed series of its panel that bears its name, alone or before a
     comma; if none does, all are cases: points that some meet and others do not identify none.
 
-    A row per series of points, with the columns of the ledger. `criteria`: what counts as
-    agreement; `residuals`: table of that name, a row per series of points and computed series; may
-    be empty.
+    Parameters
+    ----------
+    criteria
+        When points agree.
+    residuals
+        Table of that name, a row per series of points and computed series; may be empty.
+
+    Returns
+    -------
+    ledger, results : list of dict
+        A row per series of points with the columns of the ledger, and a row per number with those
+        of the table of results.
     """
-    return list(_rows(criteria, residuals))
+    keys = ["figure", "panel", "points", "points_evidence"]
+    judged = [_judged(criteria, rows) for _, rows in residuals.groupby(keys, sort=False)]
+    return [row for row, _ in judged], [row for _, rows in judged for row in rows]
 
 
-def _rows(criteria: DigitisedCriteria, residuals: pd.DataFrame) -> Iterator[dict[str, Any]]:
-    for key, own in residuals.groupby(["figure", "panel", "points", "points_evidence"], sort=False):
-        figure, panel, points, evidence = map(str, key)
-        number = figure.removeprefix("fig")
-        against = _against(own)
-        criterion = _criterion(criteria, figure, against)
-        verdict, note = _verdict(criteria, criterion, own, against)
-        yield {
-            "id": f"D{number}-{panel}-{points}",
-            "where": f"Fig. {int(number)}, panel {panel}",
-            "statement": f"Points {evidence}{' from' if evidence == 'digitised' else ', as in'}"
-            f" Fig. {int(number)}, series {points}, agree with"
-            " the computed curve within the criterion.",
-            "kind": "digitised",
-            "criterion": f"{criterion.quantity} {described(criterion)}",
-            "article_value": f"{int(own[['n', 'beyond']].iloc[0].sum())} points",
-            "computed_value": "; ".join(
-                f"{place(case, name)} = {value:.6g}"
-                for case, values in _numbers(against, COMPARED).items()
-                for name, value in values.items()
-                if not math.isnan(value)
-            ),
-            "unit": str(own["unit"].iloc[0]).replace("1", "-"),
-            "verdict": verdict,
-            "evidence": evidence,
-            "figures": figure,
-            "code": CODE,
-            "reason": criteria.reason,
-            "note": note,
-        }
+def _judged(criteria: DigitisedCriteria, residuals: pd.DataFrame) -> tuple[Row, list[Row]]:
+    """Judge one series of points."""
+    keys = ("figure", "panel", "points", "points_evidence")
+    figure, panel, points, evidence = (str(residuals[key].iloc[0]) for key in keys)
+    number = figure.removeprefix("fig")
+    name = f"D{number}-{panel}-{points}"
+    deciding = _deciding(residuals)
+    criterion = _criterion(criteria, figure, deciding)
+    unit = str(residuals["unit"].iloc[0]).replace("1", "-")
+    units = {"rms_difference": unit, "normalised_rms": "-", "bias": unit}
+    labels = {quantity: quantity.replace("_", " ") for quantity in units}
+    numbers = deciding.melt("series", [*units], "quantity").dropna(subset="value")
+    numbers = numbers.rename(columns={"series": "case"}).assign(error=math.nan)
+    rows = results(numbers, [criterion], labels, units)
+    if deciding.empty:
+        finding, note = "not testable", "No point lies where a series is computed"
+    else:
+        finding = verdict("reproduced", margins([criterion], deciding))
+        note = "; ".join(map(sentence, failing(rows))) or criteria.reason
+        if beyond := int(residuals["beyond"].max()):
+            note += f" Not judged: {beyond} points beyond a curve."
+    row: Row = {
+        "id": name,
+        "where": f"Fig. {int(number)}, panel {panel}",
+        "statement": f"Points {evidence}{' from' if evidence == 'digitised' else ', as in'}"
+        f" Fig. {int(number)}, series {points}, agree with"
+        " the computed curve within the criterion.",
+        "kind": "digitised",
+        "criterion": f"{labels[criterion.quantity]} {bounds(criterion.row)}",
+        "article_value": f"{int(residuals[['n', 'beyond']].iloc[0].sum())} points",
+        "computed_value": computed_values(rows),
+        "unit": unit,
+        "verdict": finding,
+        "independent": "",
+        "evidence": evidence,
+        "figures": figure,
+        "code": CODE,
+        "inputs": "digitised_residuals",
+        "reason": criteria.reason,
+        "note": note,
+    }
+    return row, [{"id": name, **row} for row in rows]
 
 
-def _against(own: pd.DataFrame) -> pd.DataFrame:
-    """Return the rows that decide: of series with points in their range, those named alike."""
-    within = own[own["n"] > 0]
+def _deciding(residuals: pd.DataFrame) -> pd.DataFrame:
+    """Return the series with points in their range: those named as the points, else all."""
+    within = residuals[residuals["n"] > 0]
     named = within[within["named"].astype(bool)]
     return within if named.empty else named
 
 
-def _criterion(criteria: DigitisedCriteria, figure: str, against: pd.DataFrame) -> Criterion:
+def _criterion(criteria: DigitisedCriteria, figure: str, deciding: pd.DataFrame) -> Criterion:
     """Return that of points with error bars if all have one, else that of the figure."""
-    if len(against) and (against["bars"] == against["n"]).all():
+    if len(deciding) and (deciding["bars"] == deciding["n"]).all():
         return Criterion(quantity="normalised_rms", test="at_most", value=criteria.normalised_rms)
     if figure not in criteria.rms_difference:
         raise ValueError(f"digitised.rms_difference: {figure} has no bound")
     bound = criteria.rms_difference[figure]
     return Criterion(quantity="rms_difference", test="at_most", value=bound)
-
-
-def _verdict(
-    criteria: DigitisedCriteria, criterion: Criterion, own: pd.DataFrame, against: pd.DataFrame
-) -> tuple[Finding, str]:
-    if against.empty:
-        return "not testable", "No point lies where a series is computed"
-    verdict, failed = judged("reproduced", [criterion], _numbers(against, (criterion.quantity,)))
-    beyond = int(own["beyond"].max())
-    words = "; ".join(failed) or criteria.reason
-    return verdict, f"{words} Not judged: {beyond} points beyond a curve." if beyond else words
-
-
-def _numbers(rows: pd.DataFrame, names: tuple[str, ...]) -> Numbers:
-    columns = list(names)
-    return {
-        str(series): dict(zip(names, values, strict=True))
-        for series, values in zip(rows["series"], rows[columns].to_numpy(float), strict=True)
-    }

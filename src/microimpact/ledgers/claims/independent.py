@@ -1,4 +1,4 @@
-"""What data found by others say of a claim: rows of the table of external evidence, in words."""
+"""Facts found by others, beside the claims that they concern."""
 
 from __future__ import annotations
 
@@ -13,43 +13,55 @@ if TYPE_CHECKING:
 
 AGREES, DISAGREES = "agrees with independent data", "disagrees with independent data"
 SPLIT = "agrees in part with independent data"
+EVIDENCE_COLUMNS = ("id", "fact", "agreeing", "disagreeing")
 
 
-def independent(claims: Mapping[str, Claim], table: pd.DataFrame) -> dict[str, str]:
-    """Return what independent data say of the claims that name some, by id.
+def independent(claims: Mapping[str, Claim], external: pd.DataFrame) -> pd.DataFrame:
+    """Return the contacts for which each fact that a claim names agrees with the model, or not.
 
-    The class of agreement, and for each fact the contacts that agree and those that do not.
-    `claims`: by id; `table`: ``external_evidence``: a row per fact and contact, with ``agreement``.
-    Raises ClaimsError if a claim names a fact that the table lacks.
+    Parameters
+    ----------
+    claims
+        By id.
+    external
+        Table ``external_evidence``: a row per fact and contact, with ``agreement``.
+
+    Returns
+    -------
+    pandas.DataFrame
+        A row per claim and fact with `EVIDENCE_COLUMNS`; none for a fact without any computation.
+
+    Raises
+    ------
+    ClaimsError
+        If a claim names a fact that the table lacks.
     """
-    known = list(dict.fromkeys(table["fact"]))
+    import pandas as pd
+
+    known = list(dict.fromkeys(external["fact"]))
+    named = [(name, fact) for name, claim in claims.items() for fact in claim.external]
     wrong = [
         f"{name}.external: {fact!r} is no fact of external_evidence{nearest(fact, known)}"
-        for name, claim in claims.items()
-        for fact in claim.external
+        for name, fact in named
         if fact not in known
     ]
     if wrong:
         raise ClaimsError("\n".join(wrong))
-    named = {name: claim.external for name, claim in claims.items() if claim.external}
-    return {
-        name: _told(table[table["fact"].isin(facts) & table["agreement"].isin([AGREES, DISAGREES])])
-        for name, facts in named.items()
+    sides = {
+        fact: [
+            " / ".join(rows.loc[rows["agreement"] == side, "contact"].astype(str))
+            for side in (AGREES, DISAGREES)
+        ]
+        for fact, rows in external.groupby("fact", sort=False)
     }
+    table = [(name, fact, *sides[fact]) for name, fact in named if any(sides[fact])]
+    return pd.DataFrame(table, columns=list(EVIDENCE_COLUMNS))
 
 
-def _told(rows: pd.DataFrame) -> str:
-    if rows.empty:
-        return ""
-    found = set(rows["agreement"])
-    classed = SPLIT if len(found) > 1 else found.pop()
-    parts = []
-    for fact, own in rows.groupby("fact", sort=False):
-        by = {
-            word: " / ".join(own.loc[own["agreement"] == agreement, "contact"].astype(str))
-            for word, agreement in (("yes", AGREES), ("no", DISAGREES))
-        }
-        parts.append(
-            f"{fact}: " + "; ".join(f"{word} for {who}" for word, who in by.items() if who)
-        )
-    return f"{classed} | " + " | ".join(parts)
+def agreements(evidence: pd.DataFrame) -> dict[str, str]:
+    """Return by claim whether it agrees with the facts of `independent`, wholly or in part."""
+    classes = {(True, False): AGREES, (False, True): DISAGREES, (True, True): SPLIT}
+    return {
+        str(name): classes[any(rows["agreeing"]), any(rows["disagreeing"])]
+        for name, rows in evidence.groupby("id", sort=False)
+    }

@@ -1,109 +1,118 @@
-"""How a verdict follows from criteria and numbers, for claims and for digitised points alike."""
+"""How a verdict follows from criteria and numbers, for claims and for digitised points alike.
+
+A claim is evaluated for alternatives that the published facts leave open: calibrated cases, or
+draws of the contacts that the printed statements admit. The share of them that meets all criteria
+decides.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
 
-from microimpact.ledgers.claims.criteria import UNDECIDED, Criterion, Finding, Verdict, holds
+import numpy as np
 
-# Begins the bound that a number fails, in the words of a verdict.
-REQUIRED = " (required: "
+from microimpact.core.arrays import FloatArray
+from microimpact.core.tables import Row
+from microimpact.ledgers.claims.criteria import UNDECIDED, Criterion, Finding, Verdict
 
+if TYPE_CHECKING:
+    import pandas as pd
+
+# Columns of the table of results: every number with the test that it must pass, if there is one.
+RESULT_COLUMNS = (
+    *("id", "case", "quantity", "label", "value", "error", "unit", "test", "low", "high"),
+    "passed",
+)
+NUMBER = ("case", "quantity", "value", "error")
+UNTESTED: Row = {"test": "", "low": math.nan, "high": math.nan, "passed": None}
+# A claim is decided if its criteria hold in at least, or at most, these shares of the alternatives.
+MOST, FEWEST = 0.95, 0.05
 # Standard errors that a 95 % interval extends to either side.
 COVERED = 1.96
 
-# By case, then by quantity; the only case of what has no alternatives is "".
-Numbers = Mapping[str, Mapping[str, float]]
-NO_ERRORS: Numbers = {}
 
+def margins(
+    criteria: Iterable[Criterion], values: pd.DataFrame, errors: pd.DataFrame | None = None
+) -> FloatArray:
+    """Return the distance of the worst number of each alternative from its bound.
 
-def judged(
-    positive: Verdict, criteria: Iterable[Criterion], values: Numbers, errors: Numbers = NO_ERRORS
-) -> tuple[Finding, list[str]]:
-    """Return the verdict, and which criteria failed, in words.
+    Parameters
+    ----------
+    criteria
+        At least one.
+    values, errors
+        Numbers, and the standard errors of those that have some: a row per alternative, a column
+        per quantity.
 
-    `positive`: the verdict if all criteria hold in every case; `criteria`: must all hold. If they
-    do in some cases and not in others, it is `not identified`; `values`, `errors`: the numbers, and
-    the standard errors of those that have one. Where the 95 % interval of a number covers the bound
-    that would decide, it is `undecided`.
+    Returns
+    -------
+    numpy.ndarray
+        Shape (alternatives,), in standard errors; negative where a criterion fails, and infinite
+        where the number that decides has no error.
     """
-    of = tuple(criteria)
-    words = failures(of, values)
-    found = {_case(of, own, errors.get(case, {})) for case, own in values.items()}
-    if found == {True}:
-        return positive, []
-    if {True, False} <= found:
-        return "not identified", words
-    if None not in found:
-        return "not reproduced", words
-    covered = [
-        f"{f'{case}: ' if case else ''}{c.quantity} = {own[c.quantity]:.4g} ± "
-        f"{COVERED * errors[case][c.quantity]:.2g} covers its bound ({described(c)})"
-        for case, own in values.items()
-        for c in of
-        if abs(margin(c, own, errors.get(case, {}))) < COVERED
-    ]
-    return UNDECIDED, [*words, *covered]
+
+    def margin(criterion: Criterion) -> FloatArray:
+        distance = criterion.distance(values[criterion.quantity].to_numpy(float))
+        exact = np.where(distance >= 0.0, np.inf, -np.inf)
+        if errors is None:
+            return exact
+        error = errors[criterion.quantity].to_numpy(float)
+        errors_away: FloatArray = np.divide(distance, error, out=exact, where=error > 0.0)
+        return errors_away
+
+    return np.asarray(np.min([margin(criterion) for criterion in criteria], axis=0))
 
 
-def margin(criterion: Criterion, values: Mapping[str, float], errors: Mapping[str, float]) -> float:
-    """Return the distance of a number to its bound in standard errors; infinite without error.
+def verdict(positive: Verdict, margin: FloatArray) -> Finding:
+    """Return the verdict that the margins of all alternatives give.
 
-    Negative where the criterion fails.
+    `positive` if at least `MOST` of them meet the criteria, ``not reproduced`` if at most `FEWEST`
+    do, else ``not identified``; ``undecided`` where the 95 % intervals of numbers cover the bounds
+    that would decide.
     """
-    value, error = values[criterion.quantity], errors.get(criterion.quantity, 0.0)
-    if error > 0.0:
-        return criterion.distance(value) / error
-    return math.inf if holds(criterion, value) else -math.inf
+    certain, possible = np.mean(margin >= COVERED), np.mean(margin > -COVERED)
+    if certain >= MOST:
+        return positive
+    if possible <= FEWEST:
+        return "not reproduced"
+    return "not identified" if certain > FEWEST and possible < MOST else UNDECIDED
 
 
-def least_margin(criteria: Iterable[Criterion], values: Numbers, errors: Numbers) -> float:
-    """Return the margin that decides: in each case the worst, of these the nearest to its bound.
+def nearest_margin(margin: FloatArray) -> float:
+    """Return the finite margin nearest to its bound, nan without one."""
+    finite = margin[np.isfinite(margin)]
+    return float(finite[np.argmin(np.abs(finite))]) if finite.size else math.nan
 
-    Nan where the criteria that decide have no error.
+
+def results(
+    numbers: pd.DataFrame,
+    criteria: Iterable[Criterion],
+    labels: Mapping[str, str],
+    units: Mapping[str, str],
+) -> list[Row]:
+    """Return the rows of the table of results for one claim, without its id.
+
+    Parameters
+    ----------
+    numbers
+        Table with `NUMBER`, columns of a number.
+    criteria
+        Tests of the quantities; a number has a row for each of its tests.
+    labels, units
+        By quantity.
     """
-    of = tuple(criteria)
-    worst = [
-        min(margin(criterion, own, errors.get(case, {})) for criterion in of)
-        for case, own in values.items()
-        if of
-    ]
-    return min((one for one in worst if math.isfinite(one)), key=abs, default=math.nan)
-
-
-def _case(
-    criteria: Iterable[Criterion], values: Mapping[str, float], errors: Mapping[str, float]
-) -> bool | None:
-    """Tell whether all criteria hold in a case; none if the error of a number hides it."""
-    margins = [margin(criterion, values, errors) for criterion in criteria]
-    if any(one <= -COVERED for one in margins):
-        return False
-    return None if any(one < COVERED for one in margins) else True
-
-
-def failures(criteria: Iterable[Criterion], values: Numbers) -> list[str]:
-    """Return in words which criteria fail in which case."""
-    of = tuple(criteria)
-    return [
-        f"{f'{case}: ' if case else ''}{criterion.quantity} = {own[criterion.quantity]:.4g}"
-        f"{REQUIRED}{described(criterion)})"
-        for case, own in values.items()
-        for criterion in of
-        if not holds(criterion, own[criterion.quantity])
-    ]
-
-
-def described(criterion: Criterion) -> str:
-    """Return a criterion in words and numbers."""
-    low, high = criterion.interval
-    if criterion.test == "within":
-        return f"{criterion.value:g} ± {criterion.tolerance:g}"
-    if criterion.test in {"between", "outside"}:
-        return f"{criterion.test} {low:g} and {high:g}"
-    return f"{criterion.test.replace('_', ' ')} {criterion.value:g}"
-
-
-def place(case: str, quantity: str) -> str:
-    """Return the name of a quantity, with its case if it has one."""
-    return f"{quantity} ({case})" if case else quantity
+    tests: dict[str, list[Criterion]] = {}
+    for criterion in criteria:
+        tests.setdefault(criterion.quantity, []).append(criterion)
+    rows: list[Row] = []
+    for number in numbers[[*NUMBER]].itertuples(index=False):
+        row: dict[str, Any] = dict(zip(NUMBER, number, strict=True))
+        row |= {"label": labels[row["quantity"]], "unit": units[row["quantity"]]}
+        for criterion in tests.get(row["quantity"], []):
+            passed = bool(criterion.distance(row["value"]) >= 0.0)
+            rows.append(row | criterion.row | {"passed": passed})
+        if row["quantity"] not in tests:
+            rows.append(row | UNTESTED)
+    return rows

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from microimpact.ledgers.claims.criteria import Claim, Verdict, holds
+from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.ledgers.claims.criteria import Claim
+from microimpact.ledgers.claims.judging import FEWEST, MOST, margins
 
 if TYPE_CHECKING:
     import pandas as pd
 
-# A claim is decided if its criteria hold in at least, or at most, these shares.
-MOST, FEWEST = 0.95, 0.05
 # Parameters of an admissible contact that can decide: numbers, and words.
 NUMBERS = (
     "work_of_adhesion_J_per_m2",
@@ -33,7 +33,8 @@ class Share:
     # Share of the draws that meet its criteria, by variant; the first decides. A claim with
     # alternatives of its own counts each of them for each draw.
     variants: Mapping[str, float]
-    draws: int  # Draws of the first variant with numbers
+    # Margins of the draws of the first variant: infinite, since a draw has no error.
+    margin: FloatArray
     # Parameter whose distribution differs most between draws of the first variant that meet the
     # criteria and those that do not, and by how much, from 0 to 1; empty if the share is not split.
     decided_by: str
@@ -43,17 +44,11 @@ class Share:
         """Share that decides."""
         return next(iter(self.variants.values()))
 
-    def verdict(self, positive: Verdict) -> Verdict:
-        """Return the verdict that follows."""
-        if self.share >= MOST:
-            return positive
-        return "not reproduced" if self.share <= FEWEST else "not identified"
-
     def in_words(self) -> str:
-        """Return both shares, and what decides, in a sentence."""
+        """Return all shares, and what decides, in a sentence."""
         shares = ", ".join(f"{100 * share:.0f} % {name}" for name, share in self.variants.items())
         by = f", decided by {self.decided_by}" if self.decided_by else ""
-        return f"Met by {shares}, of the admissible contacts ({self.draws} draws){by}"
+        return f"Met by {shares}, of the admissible contacts{by}"
 
 
 def shares(
@@ -61,34 +56,37 @@ def shares(
 ) -> dict[str, Share]:
     """Return the shares of all claims that have numbers for admissible contacts.
 
-    `claims`: by id; `draws`: table ``claim_draws``; `contacts`: table ``admissible_contacts``, with
-    `NUMBERS`.
+    Parameters
+    ----------
+    claims
+        By id.
+    draws
+        Table ``claim_draws``.
+    contacts
+        Table ``admissible_contacts``, with `NUMBERS`.
     """
     draws = draws.assign(alternative=draws["alternative"].astype(object).fillna(""))
     return {
-        str(name): _share(claims[str(name)], own, contacts)
-        for name, own in draws.groupby("claim", sort=True)
+        str(name): _share(claims[str(name)], rows, contacts)
+        for name, rows in draws.groupby("claim", sort=True)
         if str(name) in claims
     }
 
 
-def _share(claim: Claim, own: pd.DataFrame, contacts: pd.DataFrame) -> Share:
+def _share(claim: Claim, draws: pd.DataFrame, contacts: pd.DataFrame) -> Share:
     keys = ["contact", "variant", "draw", "alternative"]
-    wide = own.pivot_table(index=keys, columns="quantity", values="value", sort=False)
-    met = [
-        all(holds(criterion, float(row[criterion.quantity])) for criterion in claim.criteria)
-        for _, row in wide.iterrows()
-    ]
-    table = wide.index.to_frame(index=False).assign(met=met)
-    by_variant = table.groupby("variant", sort=False)["met"]
-    found = {str(name): float(share) for name, share in by_variant.mean().items()}
-    first = table[table["variant"] == next(iter(found))]
-    split = FEWEST < next(iter(found.values())) < MOST
-    known = first.merge(contacts.rename(columns={"case": "contact"}), on=keys[:3], how="left")
+    values = draws.pivot_table(index=keys, columns="quantity", values="value", sort=False)
+    margin = margins(claim.criteria, values)
+    table = values.index.to_frame(index=False).assign(met=margin > 0.0)
+    by_variant = table.groupby("variant", sort=False)["met"].mean()
+    first = table["variant"] == by_variant.index[0]
+    known = table[first].merge(
+        contacts.rename(columns={"case": "contact"}), on=keys[:3], how="left"
+    )
     return Share(
-        variants=found,
-        draws=int(first["draw"].nunique()),
-        decided_by=_decided_by(known) if split else "",
+        variants={str(name): float(share) for name, share in by_variant.items()},
+        margin=margin[first],
+        decided_by=_decided_by(known) if FEWEST < by_variant.iloc[0] < MOST else "",
     )
 
 
@@ -98,14 +96,15 @@ def _decided_by(table: pd.DataFrame) -> str:
     for name in WORDS:
         words = table[name].astype(str).to_numpy()
         apart[name] = max(
-            abs(float(np.mean(words[met] == one) - np.mean(words[~met] == one)))
-            for one in set(words)
+            abs(float(np.mean(words[met] == word) - np.mean(words[~met] == word)))
+            for word in set(words)
         )
-    best = max(apart, key=lambda name: apart[name])
-    return f"{_spoken(best)} ({apart[best]:.2f})"
+    name = max(apart, key=lambda name: apart[name])
+    spoken = name.removesuffix("_J_per_m2").removesuffix("_s_per_m").replace("_", " ")
+    return f"{spoken} ({apart[name]:.2f})"
 
 
-def separation(values: Sequence[float] | np.ndarray, met: np.ndarray) -> float:
+def separation(values: Sequence[float] | FloatArray, met: BoolArray) -> float:
     """Return how far two samples are apart by their ranks: 0 if not at all, 1 if they are disjoint.
 
     Twice the distance of the statistic of Mann and Whitney, over its greatest value, from a half.
@@ -113,14 +112,8 @@ def separation(values: Sequence[float] | np.ndarray, met: np.ndarray) -> float:
     import pandas as pd
 
     ranks = pd.Series(values).rank().to_numpy()
-    n, others = int(met.sum()), int((~met).sum())
-    if n == 0 or others == 0:
+    n, rest = int(met.sum()), int((~met).sum())
+    if n == 0 or rest == 0:
         return 0.0
     statistic = ranks[met].sum() - 0.5 * n * (n + 1)
-    return float(abs(2.0 * statistic / (n * others) - 1.0))
-
-
-def _spoken(column: str) -> str:
-    for unit in ("_J_per_m2", "_s_per_m"):
-        column = column.removesuffix(unit)
-    return column.replace("_", " ")
+    return float(abs(2.0 * statistic / (n * rest) - 1.0))

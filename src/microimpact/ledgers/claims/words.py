@@ -1,15 +1,15 @@
-"""Numbers and names of the claims as a person writes them, for pages and the command line."""
+"""Sentences on claims, made from rows of the ledger's tables: for pages and the command line."""
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Callable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from decimal import Decimal
+from typing import Any
 
 import numpy as np
-
-from microimpact.ledgers.claims.criteria import Claim, Criterion, holds
-from microimpact.ledgers.claims.judging import described
 
 # Smaller than this, in the units of the claims, a difference of numbers is rounding.
 ROUNDING = 1e-9
@@ -17,19 +17,22 @@ ROUNDING = 1e-9
 DIGITS = 3
 MOST_DIGITS = 6
 
-_NUMBER = re.compile(
-    r"^(?P<quantity>\w+)(?: \((?P<case>[^)]*)\))? = (?P<value>\S+)(?: (?P<unit>.+))?$"
-)
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+# Columns of contacts that meet a fact found by others, and that do not.
+SIDES = {"yes": "agreeing", "no": "disagreeing"}
+
+# A row of one of the ledger's tables, as numbers or as the text of its file.
+Row = Mapping[str, Any]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Computed:
-    """The numbers of one quantity of a claim in words, and the criteria about it."""
+class Quantity:
+    """The numbers of one quantity of a claim in words, and the bounds that they must meet."""
 
-    words: str
-    criterion: str
-    # Case, which of a claim without alternatives is "", number, and whether that fails a criterion.
+    label: str
+    bounds: str
+    # Case, which of a claim without alternatives is "", number, and whether it fails a criterion.
     cells: tuple[tuple[str, str, bool], ...]
 
 
@@ -42,7 +45,9 @@ def readable(value: float, unit: str = "-", rounding: float = 0.0, *, digits: in
         0.9 < abs(value) < 1.0 and digits < MOST_DIGITS and float(f"{value:.{digits}g}") in {-1, 1}
     ):
         digits += 1
-    if abs(value) <= rounding:
+    if not math.isfinite(value):
+        text = f"{value:g}"
+    elif abs(value) <= rounding:
         text = "0"
     elif 1e-3 <= abs(value) < 1e5:
         rounded = float(f"{value:.{digits}g}")
@@ -63,11 +68,6 @@ def in_words(quantity: str) -> str:
     return re.sub(r"(?<=\d) deg\b", "°", re.sub(r"(?<=\d) um\b", " µm", spoken))
 
 
-def article_value(claim: Claim) -> str:
-    """Return what the article gives, with its unit if it is a number."""
-    return with_unit(claim.article_value, claim.unit)
-
-
 def with_unit(text: str, unit: str) -> str:
     """Return what the article gives with a unit, if it ends as a number."""
     if unit == "-" or not text[-1:].isdigit():
@@ -75,48 +75,78 @@ def with_unit(text: str, unit: str) -> str:
     return f"{text}°" if unit == "deg" else f"{text} {unit}"
 
 
-def computed_numbers(text: str) -> list[tuple[str, str, float, str]]:
-    """Return quantity, case, value and unit of the numbers in a cell of computed values."""
-    matches = [(part, _NUMBER.match(part)) for part in text.split("; ")]
-    for part, match in matches:
-        if match is None:
-            raise ValueError(
-                f"computed value {part!r} must be of the form 'name (case) = 1.0 unit'"
+def bounds(result: Row) -> str:
+    """Return the test of a result in words and numbers; empty without one."""
+    test = result["test"]
+    if not isinstance(test, str) or not test:
+        return ""
+    if test in {"between", "outside"}:
+        return f"{test} {float(result['low']):g} and {float(result['high']):g}"
+    if test != "within":
+        return (
+            f"{test.replace('_', ' ')} {float(result['low' if test == 'at_least' else 'high']):g}"
+        )
+    # As decimals, so that 0.695 and 0.705 are 0.7 ± 0.005.
+    low, high = (Decimal(repr(float(result[end]))) for end in ("low", "high"))
+    return f"{float((low + high) / 2):g} ± {float((high - low) / 2):g}"
+
+
+def fails(result: Row) -> bool:
+    """Tell whether a number fails its test."""
+    return str(result["passed"]) == "False"
+
+
+def failing(results: Iterable[Row]) -> list[Row]:
+    """Return the results that fail their tests."""
+    return [row for row in results if fails(row)]
+
+
+def number(result: Row) -> str:
+    """Return the value of a result in three digits with its unit, or in four if it fails."""
+    return readable(float(result["value"]), result["unit"], ROUNDING, digits=DIGITS + fails(result))
+
+
+def sentence(result: Row) -> str:
+    """Return a result in words: its number, where it holds, and the bound it fails."""
+    case = f" ({result['case']})" if result["case"] else ""
+    required = f" (required: {bounds(result)})" if fails(result) else ""
+    return f"{result['label']}{case} = {number(result)}{required}"
+
+
+def computed_values(results: Iterable[Row]) -> str:
+    """Return all numbers of a claim in words."""
+    return "; ".join(dict.fromkeys(sentence({**row, "passed": None}) for row in results))
+
+
+def quantities(results: Iterable[Row]) -> list[Quantity]:
+    """Return the results of one claim by quantity, those first that are tested."""
+    by_name: dict[str, list[Row]] = {}
+    for row in results:
+        by_name.setdefault(row["quantity"], []).append(row)
+    table = []
+    for rows in by_name.values():
+        cells: dict[str, tuple[str, bool]] = {}
+        for row in rows:
+            if row["case"] not in cells or fails(row):
+                cells[row["case"]] = number(row), fails(row)
+        table.append(
+            Quantity(
+                label=rows[0]["label"],
+                bounds="; ".join(filter(None, dict.fromkeys(map(bounds, rows)))),
+                cells=tuple((case, *cell) for case, cell in cells.items()),
             )
-    return [
-        (match["quantity"], match["case"] or "", float(match["value"]), match["unit"] or "-")
-        for _, match in matches
-        if match is not None
-    ]
+        )
+    return sorted(table, key=lambda quantity: not quantity.bounds)
 
 
-def tabled(
-    computed: str, bound: Callable[[str], str], fails: Callable[[str, str, float], bool]
-) -> list[Computed]:
-    """Return the numbers in a cell of computed values, quantity by quantity.
-
-    `bound`: gives the criteria about a quantity in words; `fails`: tells of quantity, case and
-    value whether they fail one.
-    """
-    found: dict[str, list[tuple[str, str, bool]]] = {}
-    for quantity, case, value, unit in computed_numbers(computed):
-        failed = fails(quantity, case, value)
-        text = readable(value, unit, ROUNDING, digits=DIGITS + failed)
-        found.setdefault(quantity, []).append((case, text, failed))
-    return [
-        Computed(words=in_words(name), criterion=bound(name), cells=tuple(cells))
-        for name, cells in found.items()
-    ]
+def amended(amendment: Row) -> str:
+    """Return what was changed after a claim had first been judged, and why."""
+    was, now = (amendment[key].rstrip(".") for key in ("was", "now"))
+    changed = f"Changed after first judging, {amendment['part']}"
+    return f"{changed}: was {was}; now {now}. {amendment['reason']}"
 
 
-def by_quantity(computed: str, claim: Claim) -> list[Computed]:
-    """Return the numbers in a cell of computed values beside the criteria of their claim."""
-
-    def about(quantity: str) -> list[Criterion]:
-        return [c for c in (*claim.criteria, *claim.identified_if) if c.quantity == quantity]
-
-    return tabled(
-        computed,
-        lambda quantity: "; ".join(map(described, about(quantity))),
-        lambda quantity, _, value: not all(holds(one, value) for one in about(quantity)),
-    )
+def agreement(fact: Row) -> str:
+    """Return by which contacts a fact that others found is met, and by which not."""
+    sides = (f"{word} for {fact[side]}" for word, side in SIDES.items() if fact[side])
+    return f"{fact['fact']}: {'; '.join(sides)}"

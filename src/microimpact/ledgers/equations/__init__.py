@@ -110,23 +110,20 @@ def verdict(equation: Equation, printed: Checks, used: Checks, apart: float | No
     return {"none": "definition", "open": "undecidable"}.get(printed.derivation, "correct")
 
 
-def judge(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+def judge(tables: Mapping[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
     """Judge all relations.
 
-    `tables`: ``materials`` and ``contacts``, declared rows of one pair, steel on silicon.
+    `tables`: ``materials`` and ``contacts``, declared rows of one pair, steel on silicon. Gives
+    ``equations``, and as ``errata`` the slips of the article outside its equations, one row each.
     """
     case = reference_case(tables)
-    return pd.DataFrame([row(each, proof_of(each), case) for each in EQUATIONS.values()])
+    rows = [row(equation, proof_of(equation), case) for equation in EQUATIONS.values()]
+    return {"equations": pd.DataFrame(rows), "errata": pd.DataFrame(DECLARED[ERRATA])}
 
 
 def proof_of(equation: Equation) -> Proof:
     """Return the proof of a relation; an empty one of a definition."""
     return PROOFS.get(equation.id, Proof())
-
-
-def errata() -> pd.DataFrame:
-    """Return the slips of the article outside its equations, one row each."""
-    return pd.DataFrame(DECLARED[ERRATA])
 
 
 def row(equation: Equation, proof: Proof, case: ReferenceCase) -> dict[str, Any]:

@@ -27,7 +27,12 @@ INPUTS = "tables/inputs.csv"
 CLAIMS = "tables/claims.csv"
 
 # Columns that name a row, where they are not simply all columns of text.
-KEYS = {INPUTS: ("file", "key"), CLAIMS: ("id",), "tables/equations.csv": ("equation",)}
+KEYS = {
+    INPUTS: ("file", "key"),
+    CLAIMS: ("id",),
+    "tables/claim_results.csv": ("id", "case", "quantity", "test"),
+    "tables/equations.csv": ("equation",),
+}
 FIGURE_KEYS = ("panel", "series", "evidence")
 
 

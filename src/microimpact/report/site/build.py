@@ -15,6 +15,7 @@ from zipfile import ZipFile, ZipInfo
 
 from microimpact.core.files import write_file
 from microimpact.figures.registry import FORMATS
+from microimpact.ledgers.claims import words
 from microimpact.ledgers.claims.words import in_words
 from microimpact.report.site import PAGES, code, ledgers
 from microimpact.report.site.figures import (
@@ -50,6 +51,8 @@ CLAIM_COLUMNS = (
 )
 # Of a ledger of claims; those of earlier versions have none of these.
 LATER_COLUMNS = ("margin", "share", "decided_by", "independent", "code", "inputs", "reason")
+# Tables with rows of single claims.
+PARTS_OF_CLAIMS = {"results": "results", "facts": "evidence", "amendments": "amendments"}
 # Tables that the page of claims shows below them.
 BESIDE = ("rival_explanations", "capture_evidence", "external_evidence")
 EQUATION_COLUMNS = (
@@ -156,6 +159,11 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
         "beside": {name: read_rows(results / f"tables/{name}.csv") for name in BESIDE},
         "errata": read_rows(results / "tables/errata.csv", ERRATA_COLUMNS),
         "claim_counts": ledgers.counts(ledgers.counted(claims), ledgers.CLAIM_VERDICTS),
+        **{
+            name: ledgers.by_claim(read_rows(results / f"tables/claim_{table}.csv"))
+            for name, table in PARTS_OF_CLAIMS.items()
+        },
+        "words": words,
         "equation_counts": ledgers.counts(equations, ledgers.EQUATION_VERDICTS),
         "shown": shown,
         "first": [figure for figure in shown if figure.name in FIRST] or shown[: len(FIRST)],

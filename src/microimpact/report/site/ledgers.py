@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -11,10 +12,8 @@ from pathlib import Path
 
 from markupsafe import Markup
 
-from microimpact.ledgers.claims import CHANGED
 from microimpact.ledgers.claims.criteria import UNCOUNTED
-from microimpact.ledgers.claims.judging import REQUIRED
-from microimpact.ledgers.claims.words import Computed, readable, tabled, with_unit
+from microimpact.ledgers.claims.words import readable, with_unit
 from microimpact.report.site.formula import mathml
 
 Row = dict[str, str]
@@ -43,10 +42,6 @@ EQUATION_VERDICTS = {
     "undecidable": "open",
 }
 CONTRADICTION = "contradiction"
-
-# Names of quantities; symbols such as v_c are none.
-_KEY = re.compile(r"\b[A-Za-z]\w+_\w+\b")
-_POINT = re.compile(r"(?<=\d)p(?=\d)")
 
 
 class MissingColumnError(ValueError):
@@ -109,24 +104,12 @@ def not_reproduced(claims: Sequence[Row]) -> list[Row]:
     return sorted(failed, key=lambda r: (r["kind"] != CONTRADICTION, -len(r["figures"].split())))
 
 
-def failed(claim: Row) -> int:
-    """Return how many criteria of a claim failed, over all cases."""
-    return claim["note"].count(REQUIRED)
-
-
-def computed(claim: Row) -> list[Computed]:
-    """Return the numbers of a claim, those first that a criterion is about; else its text."""
-    text = claim["computed_value"]
-    criteria = dict(part.partition(" ")[::2] for part in claim["criterion"].split("; "))
-
-    def fails(quantity: str, case: str, _: float) -> bool:
-        return f"{f'{case}: ' if case else ''}{quantity} = " in claim["note"]
-
-    try:
-        found = tabled(text, lambda quantity: criteria.get(quantity, ""), fails) if text else []
-    except ValueError:
-        return [Computed(words=part, criterion="", cells=()) for part in parts(text)]
-    return sorted(found, key=lambda one: not one.criterion)
+def by_claim(rows: Sequence[Row]) -> defaultdict[str, list[Row]]:
+    """Group the rows of a table of the ledger by claim; a claim without rows has none."""
+    groups = defaultdict[str, list[Row]](list)
+    for row in rows:
+        groups[row["id"]].append(row)
+    return groups
 
 
 def printed(claim: Row) -> str:
@@ -134,36 +117,9 @@ def printed(claim: Row) -> str:
     return with_unit(claim["article_value"], claim["unit"])
 
 
-def changed_later(claims: Sequence[Row]) -> int:
-    """Return how many claims were changed after they had first been judged."""
-    return sum(CHANGED in row["note"] for row in claims)
-
-
-def changes(claim: Row) -> list[str]:
-    """Return what of a claim was changed after first judging, and why, one text per change."""
-    return [part for part in claim["note"].split(" | ") if part.startswith(CHANGED)]
-
-
-def failures(claim: Row) -> list[str]:
-    """Return which criteria failed, or why there are no numbers; nothing where all hold."""
-    first = claim["note"].split(" | ")[0]
-    return [] if first in {claim["reason"], ""} else parts(first)
-
-
 def anchor(prefix: str, name: str) -> str:
     """Return an id for an element: ``14 total`` gives ``eq-14-total``."""
     return f"{prefix}-" + re.sub(r"[^A-Za-z0-9]+", "-", name).strip("-").lower()
-
-
-def words(text: str) -> str:
-    """Return a text with names of quantities as words: ``speed_at_0p45_m_per_s`` and the like."""
-    spoken = _KEY.sub(lambda found: _POINT.sub(".", found[0]).replace("_", " "), text)
-    return spoken.replace(" m per s", " m/s")
-
-
-def parts(text: str) -> list[str]:
-    """Return the statements of a cell, which semicolons separate, as words."""
-    return [words(part.strip()) for part in text.split(";") if part.strip()]
 
 
 @cache
