@@ -60,15 +60,15 @@ ifeq ($(RESULTS),)
 	rm -rf build/ci
 	@$(ACTIVE) .venv/bin/snakemake $(SNAKEMAKE_ARGS) --configfile config/ci.yaml
 endif
-	@.venv/bin/microimpact check $(or $(RESULTS),build/ci)
+	@.venv/bin/python -m microimpact.report.commands check $(or $(RESULTS),build/ci)
 
 reference: .venv/.run ## show how RESULTS=... differs from tests/reference, then replace these
 	@[ -n "$(RESULTS)" ] || $(call fail,which run? Say: make reference RESULTS=build/ci)
-	@.venv/bin/microimpact reference $(RESULTS) $(REFERENCE_ARGS)
+	@.venv/bin/python -m microimpact.report.commands reference $(RESULTS) $(REFERENCE_ARGS)
 
 pages: .venv/.run ## renew the pages with numbers, docs/deviations.md and others, from RESULTS=..., a full run
 	@[ -n "$(RESULTS)" ] || $(call fail,which run? Say: make pages RESULTS=results)
-	@.venv/bin/microimpact pages $(RESULTS)
+	@.venv/bin/python -m microimpact.report.commands pages $(RESULTS)
 
 test: .venv/.test .venv/.compiled ## run the tests, on all cores
 	@$(ACTIVE) .venv/bin/pytest -n auto --dist loadfile --no-loadscope-reorder $(PYTEST_ARGS)
@@ -91,7 +91,7 @@ dead-inputs: .venv/.test ## change every declared value once and list those that
 	@OPENBLAS_NUM_THREADS=1 .venv/bin/python -m tests.dead_inputs $(DEAD_ARGS)
 
 docs: .venv/.test ## build the guide and the reference of the package into build/docs
-	@.venv/bin/microimpact pages
+	@.venv/bin/python -m microimpact.report.commands pages
 	@.venv/bin/sphinx-build -W --keep-going -q -d build/doctrees docs build/docs
 	@echo "Open build/docs/index.html"
 

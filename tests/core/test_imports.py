@@ -207,7 +207,7 @@ def test_the_physics_needs_none_of_the_studys_packages(tmp_path):
         "from microimpact import fit_restitution, tabulate, trajectory\n"
         "from microimpact.cli import main\n"
         f"for sys.argv[1:] in {commands!r}:\n    main()\n"
-        "sys.argv[1:] = ['check', 'x']\n"
+        "sys.argv[1:] = ['compare', 'x', 'x']\n"
         "try:\n    main()\nexcept SystemExit as end:\n    print('ended', end.code)\n"
     )
     assert run(code).rstrip().endswith("ended 2")

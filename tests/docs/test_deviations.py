@@ -9,9 +9,9 @@ import pytest
 from click.testing import CliRunner
 from tests.docs.blocks import ROOT
 
-from microimpact.cli import commands
 from microimpact.ledgers.claims.criteria import read_claims
 from microimpact.ledgers.claims.words import in_words, readable
+from microimpact.report.commands import commands
 from microimpact.report.documents import LEDGERS, deviations
 
 REFERENCE = ROOT / "tests/reference/full"

@@ -10,9 +10,9 @@ import pytest
 from click.testing import CliRunner
 from tests.docs.blocks import ROOT
 
-from microimpact.cli import commands
 from microimpact.ledgers.claims.criteria import read_claims
 from microimpact.ledgers.claims.words import bounds, in_words
+from microimpact.report.commands import commands
 from microimpact.report.documents import LEDGERS, SUFFIX, Numbers, PageError, outdated, pages, renew
 
 FULL = ROOT / "tests/reference/full"

@@ -87,7 +87,7 @@ def test_a_table_that_lost_its_last_row_stops_its_readers_until_it_is_gone(undis
     table.write_bytes(b"".join(table.read_bytes().splitlines(keepends=True)[:-1]))
     told = project.run("fig17", check=False)
     assert f"coulomb_friction_figures: {table}: not as it was written: cut short, damaged" in told
-    command = (*project.python, "-m", "microimpact.cli", "check", project.out)
+    command = (*project.python, "-m", "microimpact.report.commands", "check", project.out)
     environment = {"PYTHONPATH": str(project.root / "src")}
     checked = execute(*command, cwd=project.root, env=environment, check=False)
     assert checked.returncode

@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 
 from microimpact import cli
 from microimpact.figures.style import context, save
+from microimpact.report.commands import commands
 
 INPUTS = """file,key,value,low,high,unit,evidence,source
 config,seed,20011,,,-,chosen,root of every draw
@@ -82,7 +83,7 @@ def run(*arguments):
     given = ["microimpact", *map(str, arguments)]
     with patch.object(sys, "argv", given), redirect_stdout(out), redirect_stderr(err):
         try:
-            cli.main()
+            cli.run(commands)
             code = 0
         except SystemExit as end:
             code = end.code

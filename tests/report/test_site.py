@@ -15,10 +15,10 @@ from tests.report.conftest import REFERENCE
 from tests.report.pages import Page
 from tests.shared import ROOT
 
-from microimpact.cli import commands
 from microimpact.figures.registry import FORMATS
 from microimpact.ledgers.equations import errata
 from microimpact.report.check.results import ResultsError, table_files
+from microimpact.report.commands import commands
 from microimpact.report.site import PAGES
 from microimpact.report.site.build import (
     CLAIM_COLUMNS,

@@ -59,6 +59,12 @@ def test_it_is_installed_as_a_command():
     assert done.stdout.startswith("microimpact, version")
 
 
+def test_the_study_adds_what_users_need(microimpact):
+    listed = re.findall(r"^  (\w+) ", microimpact("--help").stdout, re.MULTILINE)
+    assert {"simulate", "claim", "compare"} <= set(listed)
+    assert not {"check", "reference", "pages", "deviations", "report", "crate"} & set(listed)
+
+
 def test_simulate_as_table_and_as_json_agree(microimpact):
     arguments = ("simulate", *STEEL, "--diameter-um", "62", "--speed", "1.66", "--angle", "50")
     table, found = microimpact(*arguments), microimpact(*arguments, "--json")

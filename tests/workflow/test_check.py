@@ -35,7 +35,7 @@ def checked(built, tmp_path_factory):
 
 def microimpact(project, *arguments):
     own = {"PYTHONPATH": str(project.root / "src"), "COLUMNS": "120"}
-    return project.call("microimpact.cli", *arguments, **own)
+    return project.call("microimpact.report.commands", *arguments, **own)
 
 
 def raised(found):
@@ -111,8 +111,8 @@ def test_each_small_change_is_seen_in_its_figures_and_tables_alone(checked):
 
 def test_make_offers_check_and_reference():
     for arguments, expected in (
-        (["check", "RESULTS=build/x"], "microimpact check build/x\n"),
-        (["reference", "RESULTS=build/x"], "microimpact reference build/x"),
+        (["check", "RESULTS=build/x"], "commands check build/x\n"),
+        (["reference", "RESULTS=build/x"], "commands reference build/x"),
         (["check"], "rm -rf build/ci\n"),
     ):
         done = execute("make", "--dry-run", *arguments, cwd=ROOT)

@@ -59,5 +59,5 @@ rule check:
         results=RESULTS,
         reference=PROJECT / "tests/reference",
     shell:
-        "python -m microimpact.cli check {params.results:q} --reference {params.reference:q}"
+        "python -m microimpact.report.commands check {params.results:q} --reference {params.reference:q}"
         " 2>&1 | tee {log:q}"

@@ -1,8 +1,10 @@
-"""The command ``microimpact``: impacts, capture velocities, measurements; results compared."""
+"""The command ``microimpact``: impacts, capture velocities, measurements."""
 
 from __future__ import annotations
 
 import sys
+from importlib.metadata import EntryPoint, entry_points
+from importlib.util import find_spec
 
 import click
 
@@ -13,13 +15,17 @@ from microimpact.cli.contacts import (
     simulate_command,
 )
 from microimpact.cli.measured import calibrate_command, fit_command
-from microimpact.report.commands import COMMANDS as RESULTS
 
 
 def main() -> None:
-    """Run the command; bad input ends with one line and exit code 2, a failure with 1."""
+    """Run the command ``microimpact``."""
+    run(commands)
+
+
+def run(group: click.Group) -> None:
+    """Run a group of commands; bad input ends with one line and exit code 2, a failure with 1."""
     try:
-        commands.main(standalone_mode=False)
+        group.main(standalone_mode=False)
     except click.exceptions.NoArgsIsHelpError as error:
         error.show()
         sys.exit(error.exit_code)
@@ -30,11 +36,11 @@ def main() -> None:
         sys.exit(130)
     except ModuleNotFoundError as error:
         extra = "plot" if error.name == "matplotlib" else "study"
-        click.echo(f"microimpact: needs {error.name}: pip install 'microimpact[{extra}]'", err=True)
+        click.echo(f"microimpact: needs {error.name}: pip install '.[{extra}]'", err=True)
         sys.exit(2)
     except OSError as error:
-        told = f"{error.filename}: {error.strerror}" if error.filename else error
-        click.echo(f"microimpact: {told}", err=True)
+        message = f"{error.filename}: {error.strerror}" if error.filename else error
+        click.echo(f"microimpact: {message}", err=True)
         sys.exit(2)
     except (ValueError, TypeError) as error:
         click.echo(f"microimpact: {error}", err=True)
@@ -45,7 +51,29 @@ def main() -> None:
         sys.exit(1)
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+class _Extensible(click.Group):
+    """Own commands, and those that other packages register as entry points."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return sorted({*super().list_commands(ctx), *_registered()})
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        command = super().get_command(ctx, cmd_name)
+        if command is None and cmd_name in (registered := _registered()):
+            command = registered[cmd_name].load()
+        return command
+
+
+def _registered() -> dict[str, EntryPoint]:
+    """Entry points of commands whose packages are here."""
+    points = entry_points(group="microimpact.commands")
+    return {point.name: point for point in points if find_spec(point.module.partition(".")[0])}
+
+
+@click.group(
+    cls=_Extensible,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+)
 @click.version_option(package_name="microimpact")
 def commands() -> None:
     """Impact, rebound and capture of microparticles on surfaces.
@@ -62,6 +90,5 @@ for _command in (
     calibrate_command,
     export_command,
     materials_command,
-    *RESULTS,
 ):
     commands.add_command(_command)

@@ -13,8 +13,7 @@ import numpy as np
 
 from microimpact.cli.output import Sweep, number, print_json, print_table, warn
 from microimpact.core.arrays import POSITIVE, checked
-from microimpact.core.materials import Material, declared_file, materials_from_rows
-from microimpact.declared.selection import TABLES, read_all, read_materials
+from microimpact.core.materials import Material, declared_file, read_materials
 from microimpact.model.choices import (
     CALIBRATED,
     FORMATS,
@@ -362,13 +361,12 @@ def _declared(
     own: str | None = None,
 ) -> tuple[dict[str, Material], Mapping[tuple[str, str], Mapping[str, float]]]:
     """Return the materials, those of a file of one's own in place of those shipped, and pairs."""
-    from microimpact.model.pairs import pairs_from_rows
+    from microimpact.model.pairs import declared_pairs
 
-    tables = read_all(*(str(declared_file(f"{name}.csv")) for name in TABLES)).resolved()
-    materials = materials_from_rows(tables.materials.rows)
+    materials = read_materials(declared_file("materials.csv"))
     if own is not None:
-        materials |= materials_from_rows(read_materials(own).rows)
-    return materials, pairs_from_rows(tables.contacts.rows)
+        materials |= read_materials(own)
+    return materials, declared_pairs()
 
 
 def contact_of(

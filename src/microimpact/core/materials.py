@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import csv
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -78,6 +79,53 @@ def declared_file(name: str) -> Path:
     package = Path(__file__).parents[1]
     packaged = package / "config" / name
     return packaged if packaged.exists() else package.parents[1] / "config" / name
+
+
+def read_rows(path: Path | str, columns: Sequence[str]) -> list[dict[str, str]]:
+    """Read the rows of a CSV file.
+
+    Parameters
+    ----------
+    path
+        The file, with a header.
+    columns
+        Columns that it must have, among others.
+
+    Raises
+    ------
+    ValueError
+        If the file is no such table, by its name and line.
+    """
+    rows = []
+    with Path(path).open(encoding="utf-8-sig", newline="") as file:
+        reader = csv.DictReader(file, strict=True)
+        try:
+            for row in reader:
+                if None in row or None in row.values():
+                    count = len(reader.fieldnames or ())
+                    raise ValueError(f"{path}, line {reader.line_num}: must have {count} fields")
+                rows.append(row)
+        except csv.Error as error:
+            raise ValueError(f"{path}, line {reader.line_num + 1}: {error}") from None
+        except UnicodeDecodeError as error:
+            raise ValueError(
+                f"{path}: must be a text in UTF-8, byte {error.start} is not"
+            ) from None
+    header = reader.fieldnames or ()
+    if missing := [column for column in columns if column not in header]:
+        raise ValueError(
+            f"{path}: the header must have {', '.join(missing)}, too; it is {', '.join(header)}"
+        )
+    return rows
+
+
+def read_materials(path: Path | str) -> dict[str, Material]:
+    """Read a table of materials, see `read_rows` and `materials_from_rows`."""
+    rows = read_rows(path, ("material", "property", "value", "unit"))
+    try:
+        return materials_from_rows(rows)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
 
 
 def quantity(row: Row, units: Mapping[str, dict[str, float]], where: str) -> float:

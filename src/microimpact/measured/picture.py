@@ -16,11 +16,21 @@ from microimpact.model.empirical.comparison import LIGHT, Comparison
 
 FORMATS = (".png", ".svg", ".pdf")
 LINES = ("solid", "dashed", "dashdot", "dotted", (0, (1, 3)), (0, (8, 2)), (0, (5, 1, 1, 1, 1, 1)))
-STYLE_FILE = Path(__file__).parents[1] / "figures" / "microimpact.mplstyle"
 WIDTH_INCH, HEIGHT_INCH, POINTS = 6.9, 4.1, 400
 
 
-@rc_context(fname=STYLE_FILE)
+@rc_context(
+    {
+        "font.family": "STIXGeneral",
+        "font.size": 8.5,
+        "mathtext.fontset": "stix",
+        "legend.frameon": False,
+        "lines.linewidth": 1.2,
+        "lines.markersize": 4.5,
+        "figure.constrained_layout.use": True,
+        "savefig.dpi": 300,
+    }
+)
 def draw(data: Rebounds, found: Comparison, path: Path | str) -> None:
     """Draw data, models, interval of v_c, and residuals of the best model.
 

@@ -14,8 +14,10 @@ from microimpact.core.materials import (
     SPEED,
     Material,
     Row,
+    declared_file,
     find_material,
     quantity,
+    read_rows,
 )
 from microimpact.core.nearest import nearest
 from microimpact.model.contact import Contact
@@ -66,6 +68,18 @@ def pairs_from_rows(rows: Iterable[Row]) -> dict[Pair, dict[str, float]]:
             raise ValueError(f"{where}: {row['property']} is declared twice")
         properties[row["property"]] = quantity(row, UNITS, where)
     return found
+
+
+def declared_pairs() -> dict[Pair, dict[str, float]]:
+    """Return the properties of the shipped pairs; a value may name a printed or another one."""
+    columns = ("particle", "surface", "property", "value", "unit")
+    rows = read_rows(declared_file("contacts.csv"), columns)
+    printed = read_rows(declared_file("printed_values.csv"), ("key", "value"))
+    values = {f"from printed.{row['key']}": row["value"] for row in printed} | {
+        "from contacts.{particle} on {surface}.{property}".format(**row): row["value"]
+        for row in rows
+    }
+    return pairs_from_rows({**row, "value": values.get(row["value"], row["value"])} for row in rows)
 
 
 def pair_contact(

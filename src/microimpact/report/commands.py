@@ -1,6 +1,7 @@
-"""The commands ``microimpact check``, ``compare``, ``report``, ...: all that read results.
+"""Commands that read results: ``python -m microimpact.report.commands check``, ``pages``, ....
 
-They end with 0 if all is the same, 1 if something differs, and 2 on bad input.
+``microimpact`` has two of them, ``claim`` and ``compare``, by entry points. They end with 0 if all
+is the same, 1 if something differs, and 2 on bad input.
 """
 
 from __future__ import annotations
@@ -8,6 +9,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import click
+
+from microimpact.cli import run
 
 REFERENCE = Path("tests/reference")
 # Tables of a full run that the pages of the documentation read.
@@ -196,7 +199,16 @@ def timings_command(results: Path) -> None:
     click.echo(as_text(results))
 
 
-COMMANDS = (
+@click.group()
+def commands() -> None:
+    """Results of the study: checked, compared, described."""
+
+
+for _command in (
     *(check_command, reference_command, compare_command, claim_command, crate_command),
     *(report_command, deviations_command, pages_command, timings_command),
-)
+):
+    commands.add_command(_command)
+
+if __name__ == "__main__":
+    run(commands)
