@@ -261,12 +261,11 @@ def test_plastic_restitution():
 
 
 def test_a_case_without_a_printed_velocity(study, draw, legend_texts):
-    case = "fluorescein-molybdenum, nominal"
+    case = "lycopodium-silicon"
     tables = study(pairs=[{"case": case}], points=9)
-    table = tables["capture_laws"].set_index("law")
+    table = tables["capture_laws"]
     assert set(table["pair"]) == {case}
     assert table["printed_m_per_s"].isna().all()
-    assert table.loc["model", "capture_velocity_m_per_s"] == pytest.approx(1.274, abs=2e-3)
     figure = draw("capture_laws", tables)
     assert "printed capture velocity" not in legend_texts(figure)
 

@@ -237,5 +237,3 @@ def test_wrong_parameters_are_refused(run_study, settings, calibration):
     spore = settings.branches["mechanisms"]["spore"]
     with pytest.raises(ValueError, match="must hold 38"):
         run_study("mechanisms", calibration, spore={**spore, "angles_deg": [85, 45, 20, 15, 10, 5]})
-    with pytest.raises(ValueError, match="same length"):
-        run_study("mechanisms", calibration, printed_deg=[48.0])

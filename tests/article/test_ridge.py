@@ -81,9 +81,10 @@ def test_a_target_that_is_not_printed_is_marked_as_assumed(run_study, tables):
         marks = made["ridge_curves"].query("series == 'targets'")
         return dict(zip(marks["x_m_per_s"], marks["evidence"], strict=True))
 
-    assert evidence(tables) == {0.18: "printed", 1.66: "printed"}
+    # Of normal impact no restitution is printed.
+    assert evidence(tables) == {0.18: "printed", 1.66: "assumed"}
     few = {"rate_exponents": [1.0], "works_of_adhesion_J_per_m2": [0.7]}
     case = "steel-silicon, n = 1"
     changed = {**few, "capture_velocity_m_per_s": 0.15, "members": {case: {}}}
     found = evidence(run_study("calibration", two_stage=changed))
-    assert found == {0.15: "assumed", 1.66: "printed"}
+    assert found == {0.15: "assumed", 1.66: "assumed"}

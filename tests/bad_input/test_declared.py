@@ -66,7 +66,9 @@ CASES = [
     # names that are not declared
     (MODELS, "case: fluorescein-molybdenum, nominal", "case: fluorescein-molybdenum, nomial", ["force_history.case: 'fluorescein-molybdenum, nomial' is not declared in cases (did you mean 'fluorescein-molybdenum, nominal'?)"]),
     (LABORATORY, "    surface: {from: surfaces.Formica}", "    surface: formcia", ["cases.steel-formica.surface: 'formcia' is not declared in config/materials.csv (did you mean 'formica'?)"]),
-    (MODELS, "- plateau_end_angle", "- plateau_end", ["oblique_impact.anchors[0]: 'plateau_end' is not declared in config/printed_values.csv", "did you mean 'plateau_end_angle'?"]),
+    (EXPERIMENTS, "printed: impulse_ratio_plateau", "printed: impulse_ratio_plat", ["oblique_experiments.marks.printed plateau.printed: 'impulse_ratio_plat' is not declared in config/printed_values.csv", "did you mean 'impulse_ratio_plateau'?"]),
+    (PRINTED, "1.59 to 1.69,50 to 15", "1.59 to fast,50 to 15", ["printed_values.csv, line", "speed_m_per_s '1.59 to fast' must be numbers, as 49; 62 or 15 to 85, or empty"]),
+    (PRINTED, "\ndoe_small_variation,", "\ndoe_variation,", ["printed_values.csv: doe_small_variation: missing; doe reads it"]),
     (CONFIG, "digitised: config/digitised", "digitised: config/nowhere", ["digitised: 'config/nowhere' must be a folder"]),
     (CONFIG, "figures: config/figures.yaml", "figures: config/materials.csv", ["config/materials.csv"]),
     (LABORATORY, "    case: steel-formica", "    case: {surface: formica}", ["drops.steel on Formica.case: {'surface': 'formica'} must be a name that is declared in cases (did you mean 'steel-formica'?)"]),
@@ -282,12 +284,7 @@ def test_a_byte_order_mark_and_other_line_ends_do_no_harm(declared):
 
 
 def test_a_study_whose_branch_names_no_rows(declared):
-    declared.replace(
-        MODELS,
-        "  anchors: [peak_adhesion_over_peak_hertz, peak_adhesion_dissipation_over_adhesion]\n",
-        "  anchors: []\n",
-    )
-    rows = declared.read()[0].rows["force_history"]
+    rows = declared.read()[0].rows["rolling_dissipation"]
     assert set(rows) == {"materials"}
-    with pytest.raises(ValueError, match="no rows of 'anchors': the study's branch must name some"):
-        NamedTables(rows)["anchors"]
+    with pytest.raises(ValueError, match="no rows of 'printed': the study's branch must name some"):
+        NamedTables(rows)["printed"]

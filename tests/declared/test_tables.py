@@ -89,14 +89,14 @@ class Dropped:
     particle: MaterialName
     surface: CounterpartName
     case: CaseName
-    anchors: tuple[PrintedName, ...]
+    marks: tuple[PrintedName, ...]
 
 
 GIVEN = {
     "particle": "ammonium-fluorescein",
     "surface": "molybdenum",
     "case": "steel-formica",
-    "anchors": ["capture_velocity_af_mica"],
+    "marks": ["capture_velocity_af_mica"],
 }
 BODIES = {"steel-formica": ("stainless-steel-316", "formica")}
 
@@ -119,7 +119,7 @@ def test_the_rows_of_a_branch_follow_from_what_its_types_call_names(declared):
     materials = {line.split(",")[0] for line in rows["materials"].splitlines()[1:]}
     assert materials == {"ammonium-fluorescein", "molybdenum", *BODIES["steel-formica"]}
     assert {line.split(",")[1] for line in rows["contacts"].splitlines()[1:]} == {"molybdenum"}
-    assert rows["anchors"].count("\n") == 2
+    assert rows["printed"].count("\n") == 2
     assert declared.named([], BODIES) == {}
 
 
@@ -129,7 +129,7 @@ def test_the_rows_of_a_branch_follow_from_what_its_types_call_names(declared):
         ({"particle": "ammonium"}, "x.particle: 'ammonium' is not declared in .*materials.csv"),
         ({"surface": "mica-2"}, "'ammonium-fluorescein on mica-2' is not declared .*did you mean"),
         ({"case": "steel-formic"}, r"'steel-formic' is not declared in cases \(did you mean"),
-        ({"anchors": ["friction"]}, r"x.anchors\[0\]: 'friction' is not declared in .*printed"),
+        ({"marks": ["friction"]}, r"x.marks\[0\]: 'friction' is not declared in .*printed"),
     ],
 )
 def test_an_unknown_name_is_refused_with_the_nearest(declared, change, line):

@@ -84,7 +84,7 @@ def record(registry):
             purpose=f"Tables of {study}.",
             inputs=("tables/calibration.csv",) if study == "normal_experiments" else (),
             outputs=tuple(dict.fromkeys(files)),
-            declared={"materials": ("silicon",), "anchors": ("drop_height",)},
+            declared={"materials": ("silicon",), "printed": ("drop_height",)},
         )
         for study, files in made.items()
     ]

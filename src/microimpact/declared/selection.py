@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -24,7 +25,9 @@ PLACED = "from "
 
 MATERIAL_COLUMNS = ("material", "property", "value", "unit", "low", "high", "evidence", "source")
 CONTACT_COLUMNS = ("particle", "surface", "property", "value", "unit", "evidence", "source")
-PRINTED_COLUMNS = ("key", "value", "low", "high", "unit", "where", "note")
+# The impact that a printed value is of; empty where it is general.
+IMPACT = ("particle", "surface", "diameter_um", "speed_m_per_s", "angle_deg")
+PRINTED_COLUMNS = ("key", "value", "low", "high", "unit", *IMPACT, "where", "note")
 EXTERNAL_COLUMNS = (
     *("name", "quantity", "reading", "at", "at_unit"),
     *("value", "low", "high", "unit", "reading_error", "evidence", "source"),
@@ -123,11 +126,18 @@ def _problems(row: Mapping[Any, Any], numbers: Sequence[str]) -> Iterator[str]:
     ]
     yield from wrong or _out_of_order(row, is_range=is_range)
     wordless = placed and not (row["evidence"] or row["source"])
+    for column in IMPACT[2:]:
+        if "key" in row and not all(map(finite_number, _numbers(row[column]))):
+            yield f"{column} {row[column]!r} must be numbers, as 49; 62 or 15 to 85, or empty"
     if "evidence" in row and row["evidence"] not in EVIDENCE and not wordless:
         yield f"evidence {row['evidence']!r} must be one of {', '.join(EVIDENCE)}"
     for column in ("unit",) if wordless else ("source", "unit"):
         if column in row and not row[column].strip():
             yield f"{column} is empty"
+
+
+def _numbers(cell: str) -> list[str]:
+    return re.split("; | to ", cell) if cell else []
 
 
 def _out_of_order(row: Mapping[Any, Any], *, is_range: bool) -> Iterator[str]:
@@ -243,7 +253,7 @@ class DeclaredTables:
         tables = {
             "materials": self.materials.where(wanted.get("materials", ()), "material"),
             "contacts": self.contacts.where(wanted.get("contacts", ()), "particle", "surface"),
-            "anchors": self.printed_values.where(wanted.get("printed_values", ()), "key"),
+            "printed": self.printed_values.where(wanted.get("printed_values", ()), "key"),
             "external": self.external.where(wanted.get("external", ()), "name"),
         }
         return {name: text for name, text in tables.items() if text.count("\n") > 1}

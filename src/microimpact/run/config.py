@@ -139,7 +139,8 @@ def validate(
     for name in only or studies.homes():
         check.known.named.clear()
         params[name] = check.branch(branches, name)
-        named[name] = list(check.known.named)
+        found += _unprinted(name, tables.printed_values)
+        named[name] = check.known.named + [("printed_values", k) for k in studies.printed(name)]
     wanted = {name for each in named.values() for sort, name in each if sort == "cases"}
     if laboratory and params.get(CALIBRATION):
         calibrated = params[CALIBRATION].calibrated
@@ -202,6 +203,13 @@ class _Check:
         except ValidationError as error:
             self.found += explain(error, kind, "", self.resolver.aliases)
             return None
+
+
+def _unprinted(name: str, table: DeclaredTable) -> Iterator[str]:
+    """Yield a line for each printed value that a study reads and the table lacks."""
+    for key in studies.printed(name):
+        if key not in table.known("key"):
+            yield f"{table.path}: {key}: missing; {name} reads it"
 
 
 def _refuse(lines: Iterable[str]) -> None:

@@ -5,9 +5,10 @@ parts are its own, that is directly in one of the folders here, and defines a fr
 ``Params`` and a pure function ``run(params, inputs)`` that returns its tables by name. If it takes
 tables of earlier studies, ``NEEDS`` names them by the study that makes them. They are among the
 inputs by their names, and so are declared rows: ``materials`` and ``contacts`` of what the
-parameters name, and as ``anchors`` the printed values. If its parameters must agree with those of
-a study that it needs, ``disagreements(params, others)`` yields a line for each that does not, which
-is told before anything is made. Studies are found by name; nothing is registered here.
+parameters name, and as ``printed`` the printed values that they name or that ``PRINTED_VALUES``
+lists. If its parameters must agree with those of a study that it needs,
+``disagreements(params, others)`` yields a line for each that does not, which is told before
+anything is made. Studies are found by name; nothing is registered here.
 """
 
 from __future__ import annotations
@@ -45,3 +46,11 @@ def needs(name: str) -> dict[str, str]:
     """
     needed = getattr(study(name), "NEEDS", {})
     return {table: maker for maker, tables in needed.items() for table in tables}
+
+
+def printed(name: str) -> tuple[str, ...]:
+    """Return the keys of the printed values that a study reads whatever its parameters are.
+
+    Raises KeyError if there is no such study.
+    """
+    return tuple(getattr(study(name), "PRINTED_VALUES", ()))

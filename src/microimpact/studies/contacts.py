@@ -6,12 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from microimpact.core.materials import Material, materials_from_rows
 from microimpact.core.nearest import nearest
 from microimpact.core.tables import Tables
-from microimpact.declared.parameters import MaterialName, Name, Positive
+from microimpact.declared.parameters import Name
+from microimpact.declared.selection import IMPACT
 from microimpact.model.contact import Contact, resized
 from microimpact.model.pairs import Pairs, pair_contact, pairs_from_rows
 
@@ -27,52 +29,75 @@ DRAWN = {
 }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PrintedPair:
-    """The pair that printed values are of."""
-
-    particle: MaterialName
-    surface: MaterialName
-
-    def is_of(self, inputs: Tables, case: str) -> bool:
-        """Whether a case, as `calibrated_contact` takes it, is of this pair."""
-        return pair_of(inputs, case) == (self.particle, self.surface)
+# Printed numbers have two or three digits.
+DIGITS = 0.01
+CAPTURE_VELOCITIES = (
+    "capture_velocity_psl_quartz",
+    "capture_velocity_af_molybdenum",
+    "capture_velocity_af_mica",
+    "capture_velocity_sst_silicon",
+)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PrintedImpact(PrintedPair):
-    """The impact that printed values are of."""
+def printed_beside(inputs: Tables, *pair: str, **impact: float) -> pd.DataFrame:
+    """Return the printed values that are of an impact, by key.
 
-    diameter_um: Positive
-    speed_m_per_s: Positive
+    Parameters
+    ----------
+    inputs
+        ``printed``: rows of the printed values, each with the impact that it is of.
+    *pair
+        Materials of particle and surface.
+    **impact
+        ``diameter_um``, ``speed_m_per_s``, ``angle_deg``.
 
-
-def printed_rows(inputs: Tables, of: PrintedPair | None = None, *cases: str) -> pd.DataFrame:
-    """Return value and ends, ``low`` and ``high``, of the printed values that a study names by key.
-
-    `inputs`: ``anchors``, declared rows; `of`, `cases`: the pair that they are of, and what they
-    stand beside, as `calibrated_contact` takes it: none beside another pair.
+    Returns
+    -------
+    pandas.DataFrame
+        Rows whose cells are empty or name this impact; a cell that is not asked for counts as
+        empty. ``value``, ``low`` and ``high`` are numbers.
     """
-    rows = inputs["anchors"].set_index("key")[["value", "low", "high"]].astype(float)
-    return rows if of is None or all(of.is_of(inputs, case) for case in cases) else rows.iloc[:0]
+    rows = inputs["printed"].set_index("key")
+    rows[["value", "low", "high"]] = rows[["value", "low", "high"]].astype(float)
+    cells = rows[list(IMPACT)].astype(object).fillna("").astype(str)
+    quantities: dict[str, str | float] = {**dict(zip(IMPACT, pair, strict=False)), **impact}
+    for column, quantity in quantities.items():
+        cells = cells[cells[column].map(lambda cell, q=quantity: names(cell, q)).astype(bool)]
+    return rows.loc[cells.index]
+
+
+def intervals(cell: Any) -> list[tuple[float, ...]]:
+    """Return the numbers, and pairs of ends, in a cell like ``49; 62`` or ``85 to 15``."""
+    parts = [] if pd.isna(cell) else str(cell).split("; ")
+    return [tuple(map(float, part.split(" to "))) for part in parts]
+
+
+def names(cell: str, quantity: str | float) -> bool:
+    """Return whether a cell is empty, or holds a name, or a number within its `DIGITS`."""
+    if not cell or isinstance(quantity, str):
+        return not cell or quantity in cell.split("; ")
+    low, high = quantity / (1 + DIGITS), quantity * (1 + DIGITS)
+    return any(min(ends) <= high and max(ends) >= low for ends in intervals(cell))
 
 
 def all_printed(inputs: Tables) -> pd.Series:
-    """Return the printed values that a study names by key, as `printed_rows`."""
-    return printed_rows(inputs)["value"]
+    """Return the printed values that a study reads, by key."""
+    return printed_beside(inputs)["value"]
 
 
-def printed_values(
-    inputs: Tables, of: PrintedImpact, case: str, diameter_um: float, speed_m_per_s: float
-) -> pd.Series:
-    """Return the printed values by key; none for another pair, diameter or speed than theirs.
+def printed_capture_velocity(inputs: Tables, contact: Contact) -> float:
+    """Return the capture velocity (m/s) printed of a contact, nan if there is none."""
+    pair, diameter = (contact.particle.name, contact.surface.name), 1e6 * float(contact.diameter)
+    values = printed_beside(inputs, *pair, diameter_um=diameter)["value"]
+    values = values[values.index.isin(CAPTURE_VELOCITIES)]
+    return float(values.iloc[0]) if len(values) else np.nan
 
-    `inputs`: ``anchors``, declared rows, and what `calibrated_contact` takes; `of`: what the values
-    are of; `case`, `diameter_um`, `speed_m_per_s`: what is computed.
-    """
-    values = printed_rows(inputs, of, case)["value"]
-    own, theirs = (diameter_um, speed_m_per_s), (of.diameter_um, of.speed_m_per_s)
-    return values if own == theirs else values.iloc[:0]
+
+def fitted_to(inputs: Tables, case: str, quantity: str) -> bool:
+    """Return whether a case was calibrated to a quantity: a target of the table ``calibration``."""
+    table = inputs["calibration"]
+    rows = table[(table["case"] == case) & (table["role"] == "target")]
+    return quantity in set(rows["quantity"])
 
 
 # Lower end, middle and upper end of what is told or drawn of admissible contacts.

@@ -22,7 +22,7 @@ ACRONYMS = {"ptis", "pdpa"}
 TABLES = {
     "materials": "materials",
     "contacts": "contacts",
-    "anchors": "printed_values",
+    "printed": "printed_values",
     "external": "external",
 }
 _MICROMETRE = re.compile(r"\bum\b")

@@ -33,9 +33,10 @@ from microimpact.model.choices import TANGENTIAL_LAWS
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import Impact, simulate
 from microimpact.model.rigid_body.algebra import INERTIA, SLIP_PER_IMPULSE
-from microimpact.studies.contacts import PrintedPair, calibrated_contact
+from microimpact.studies.contacts import calibrated_contact, pair_of, printed_beside
 
 NEEDS = {"calibration": ("calibration",)}
+PRINTED_VALUES = ("rolling_to_sliding_angle",)
 
 QUANTITIES = {"tangential_restitution": "-", "spin": "rad/s", "rebound_angle_centre": "deg"}
 # Panels of the figure, and the units of their axes.
@@ -60,7 +61,6 @@ class Microspheres:
     speed_m_per_s: Positive
     transition_deg: AngleDegrees
     transition_within_deg: NonNegative
-    printed_for: PrintedPair  # Another pair has neither mark nor row of the article
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -104,7 +104,8 @@ def run(params: Params, inputs: Tables) -> Tables:
     compared = comparison(inputs["external"], contact, params.speed_m_per_s)
     figures = [*curves(params, contact, small), *marks(compared, params, contact)]
     limits = bounds(params, compared, contact, small)
-    if spheres.printed_for.is_of(inputs, spheres.case):
+    pair = pair_of(inputs, spheres.case)
+    if len(printed_beside(inputs, *pair, speed_m_per_s=spheres.speed_m_per_s)):
         mark, bound = printed_transition(spheres)
         figures.append(mark)
         limits = pd.concat([bound, limits], ignore_index=True)

@@ -24,7 +24,6 @@ from microimpact.declared.parameters import (
     Must,
     OpenShare,
     Positive,
-    PrintedName,
 )
 from microimpact.model.separation import (
     PLACEMENTS,
@@ -39,6 +38,7 @@ from microimpact.model.separation import (
 )
 from microimpact.studies.contacts import all_printed
 
+PRINTED_VALUES = ("separation_force_bare_over_jkr", "separation_force_silica_over_bare")
 Span = tuple[Positive, Positive]
 
 
@@ -134,7 +134,6 @@ class Params:
     points: Annotated[int, Field(ge=5)]
     far_exceeds_factor: AboveOne
     about_factor: AboveOne
-    anchors: tuple[PrintedName, ...]
 
     def __post_init__(self) -> None:
         """Refuse a range upside down, and more than all patches."""

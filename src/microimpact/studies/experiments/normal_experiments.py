@@ -21,7 +21,6 @@ from microimpact.declared.parameters import (
     Keyed,
     Name,
     Positive,
-    PrintedName,
 )
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.experiment import Drop, StopRule, Target
@@ -32,9 +31,10 @@ from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.statistics.distributions import Distribution, generator, mean
 from microimpact.statistics.intervals import mean_and_error
-from microimpact.studies.contacts import PrintedPair, calibrated_contact, printed_rows
+from microimpact.studies.contacts import calibrated_contact, pair_of, printed_beside
 
 NEEDS = {"calibration": ("calibration",)}
+PRINTED_VALUES = ("restitution_sst76_silicon", "speed_oblique_sst76", "pile_up_speed_sst_silicon")
 
 _frame = partial(series_frame, "all", x_unit="m_per_s", y_unit="1")
 # Speed, m/s, and restitution of a curve.
@@ -66,8 +66,6 @@ class Params:
     points: Annotated[int, Field(ge=10)]
     plateau_share: Fraction
     hidden_share: Fraction
-    anchors: tuple[PrintedName, ...]
-    printed_for: PrintedPair  # Another pair has no printed values
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -97,7 +95,7 @@ def run(params: Params, inputs: Tables) -> Tables:
         for case, contact in contacts.items()
         for population in params.populations
     }
-    printed = printed_rows(inputs, params.printed_for, params.case)
+    printed = printed_beside(inputs, *pair_of(inputs, params.case))
     series = sieves_drawn(params, params.case, curves)
     spheres = spheres_drawn(params, contacts[params.case], next(iter(curves.values())).speed)
     drawn = {**series, **sieves_drawn(params, params.other_case, curves, ", other end"), **spheres}
@@ -220,7 +218,7 @@ def figure_data(
         for ends in [(own[f"{quantity}_low"], own[f"{quantity}_high"])]
     ]
     frames += [_frame(name, speed, transform(e)) for name, (speed, e) in drawn.items()]
-    if len(printed):
+    if set(PRINTED_VALUES) <= set(printed.index):
         # None is printed for normal impact.
         oblique = transform(printed["value"]["restitution_sst76_silicon"])
         speed = printed["value"]["speed_oblique_sst76"]

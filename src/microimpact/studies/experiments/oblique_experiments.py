@@ -19,7 +19,6 @@ from microimpact.declared.parameters import (
     ExperimentSeed,
     Fraction,
     Keyed,
-    MaterialName,
     Must,
     Name,
     ObliqueDegrees,
@@ -34,9 +33,9 @@ from microimpact.lab.reduction import QUANTITIES, interval_columns, quantities
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import simulate, velocity_components
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
-from microimpact.statistics.distributions import child, generator
+from microimpact.statistics.distributions import child, generator, mean
 from microimpact.statistics.intervals import mean_and_error
-from microimpact.studies.contacts import printed_rows
+from microimpact.studies.contacts import intervals, printed_beside
 from microimpact.studies.samples import Dropped, contact_of, in_class
 
 NEEDS = {"calibration": ("calibration",)}
@@ -92,18 +91,16 @@ POINTS = {"fig18_points": {"adhesion": "impulse_ratio"}, "fig21_points": {"loss"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mark:
-    """A printed number drawn beside the points: a value or both ends of a range, at angles.
+    """A printed number drawn beside the points: a value or both ends of a range.
 
-    It is not drawn where no series of the figure is of its particle and one of its surfaces.
+    It is drawn at the angles that it is printed for, in figures with a series of its impact.
     """
 
     figures: tuple[Name, ...]
     panel: Name
     name: Name
-    particle: MaterialName
-    surfaces: tuple[MaterialName, ...]
-    anchors: tuple[PrintedName, ...]
-    angles_deg: tuple[AngleDegrees, ...]
+    printed: PrintedName
+    angles_deg: tuple[AngleDegrees, ...] = ()  # Where none is printed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -155,10 +152,9 @@ def run(params: Params, inputs: Tables) -> Tables:
             outcome = collect(drop, params.instrument, params.stop, rng)
             truth = restitution_of_rebounds(params, series, drop, child(rng, UNSELECTED))
             rows.append(experiment_row(series, angle, outcome, truth))
-    printed = printed_rows(inputs)
     table = pd.DataFrame(rows)
     return {
-        **{of: figure_data(params, of, table, contacts, printed) for of in FIGURES},
+        **{of: figure_data(params, of, table, contacts, inputs) for of in FIGURES},
         **{of: points_beside(params, of, table) for of in POINTS},
         "fig23_points": relative_points(params, table),
         "oblique_experiments": table,
@@ -204,7 +200,7 @@ def figure_data(
     figure: str,
     table: pd.DataFrame,
     contacts: Mapping[str, Contact],
-    printed: pd.DataFrame,
+    inputs: Tables,
 ) -> pd.DataFrame:
     """Return the data of one figure: points, curves, Coulomb friction, printed marks."""
     frames = [
@@ -212,15 +208,24 @@ def figure_data(
         *_rebounds(params, figure, table),
         *_curves(params, figure, contacts),
     ]
-    own_contacts = [contacts[series.name] for series in params.series if figure in series.figures]
-    pairs = {(contact.particle.name, contact.surface.name) for contact in own_contacts}
+    drawn = [series for series in params.series if figure in series.figures]
+    printed = [printed_of(series, contacts[series.name], inputs) for series in drawn]
+    rows = {str(key): row for table in printed for key, row in table.iterrows()}
     for mark in params.marks:
-        if figure in mark.figures and pairs & {(mark.particle, name) for name in mark.surfaces}:
-            heights = printed.loc[list(mark.anchors)].to_numpy().ravel()
-            heights = heights[np.isfinite(heights)]
-            x, y = np.broadcast_arrays(np.array(mark.angles_deg)[:, None], heights)
+        if figure in mark.figures and mark.printed in rows:
+            row = rows[mark.printed]
+            heights = row[["value", "low", "high"]].dropna().to_numpy(float)
+            angles = [end for ends in intervals(row["angle_deg"]) for end in ends]
+            x, y = np.broadcast_arrays(np.array(angles or mark.angles_deg)[:, None], heights)
             frames.append(_frame(mark.panel, mark.name, x.ravel(), y.ravel(), "printed"))
     return pd.concat(frames, ignore_index=True)
+
+
+def printed_of(series: Series, contact: Contact, inputs: Tables) -> pd.DataFrame:
+    """Return the printed values of the impacts of a series."""
+    pair = contact.particle.name, contact.surface.name
+    size, speed = mean(series.diameter_um), series.speed_m_per_s
+    return printed_beside(inputs, *pair, diameter_um=size, speed_m_per_s=speed)
 
 
 def relative_points(params: Params, table: pd.DataFrame) -> pd.DataFrame:

@@ -22,7 +22,6 @@ from microimpact.declared.parameters import (
     Must,
     NonNegative,
     Positive,
-    PrintedName,
 )
 from microimpact.lab.bounces import Resting, resting
 from microimpact.lab.dispenser import Dispenser, InitialSpin
@@ -32,9 +31,10 @@ from microimpact.model.calibration import two_stage
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.statistics.distributions import Distribution, generator, mean
-from microimpact.studies.contacts import PrintedPair, calibrated_contact, printed_rows
+from microimpact.studies.contacts import calibrated_contact, pair_of, printed_beside
 
 NEEDS = {"calibration": ("calibration",)}
+PRINTED_VALUES = ("pile_up_speed_sst_silicon",)
 
 # Of the spheres dropped, those at rest on the target, and those captured there by one impact.
 SHARES = "share_on_target", "share_captured_at_first_impact"
@@ -69,8 +69,6 @@ class Params:
     drawn_slope_deg: Annotated[NonNegative, Must("one of", "slopes_deg")]
     speeds_m_per_s: Annotated[tuple[Positive, ...], Ascending]
     shares: tuple[Fraction, ...]  # Shares of spheres on the target at which it begins to pile up
-    anchors: tuple[PrintedName, ...]
-    printed_for: PrintedPair  # Another pair has no printed values
 
 
 def run(params: Params, inputs: Tables) -> Tables:
@@ -80,8 +78,9 @@ def run(params: Params, inputs: Tables) -> Tables:
     ``pile_up_onsets``: speeds below which it piles up. ``pile_up_onset``: data of the figure.
     """
     table = pd.DataFrame(_rows(params, contacts(params, inputs)))
-    printed = printed_rows(inputs, params.printed_for, params.case)
-    ends = printed.loc[printed.index.isin(params.anchors[:1]), ["low", "high"]].to_numpy().ravel()
+    size = mean(params.diameter_um)
+    printed = printed_beside(inputs, *pair_of(inputs, params.case), diameter_um=size)
+    ends = printed[["low", "high"]].to_numpy().ravel()
     return {
         "pile_up": table,
         "pile_up_onsets": pd.DataFrame(onsets(params, table)),

@@ -27,13 +27,21 @@ from microimpact.model.closed_forms import jkr_sticking_velocity
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
-from microimpact.studies.contacts import PrintedPair, calibrated_contact, printed_rows
+from microimpact.studies.contacts import (
+    CAPTURE_VELOCITIES,
+    calibrated_contact,
+    pair_of,
+    printed_beside,
+    printed_capture_velocity,
+)
 from microimpact.studies.experiments.pile_up import onset_column
 
 NEEDS = {"calibration": ("calibration",), "pile_up": ("pile_up", "pile_up_onsets")}
 
 RIVAL = "probe alone"
 PILES_BEGIN = "pile_up_speed_sst_silicon"
+MARKS = ("speed_oblique_sst76", "restitution_sst76_silicon", PILES_BEGIN)
+PRINTED_VALUES = (*CAPTURE_VELOCITIES, *MARKS, "plateau_speed_sst_silicon")
 _frame = partial(series_frame, panel="restitution", x_unit="m_per_s", y_unit="1")
 
 
@@ -69,12 +77,9 @@ class Params:
     slow_speed_m_per_s: Positive
     # Of the contact of JKR that gives the scale of energy.
     compared_work_of_adhesion_J_per_m2: Positive  # noqa: N815 (the unit)
-    # Contacts of other particles, by the printed value of their capture velocity.
-    captured: dict[PrintedName, CaseName]
+    captured: tuple[CaseName, ...]  # Contacts of other particles
     # Of steel on silicon: as printed, and much lower.
     capture_velocities_m_per_s: tuple[Positive, Positive]
-    anchors: tuple[PrintedName, ...]
-    printed_for: PrintedPair  # Another pair has no printed marks
 
 
 # What is asked of piles, and where the study of piles has all that it computes.
@@ -102,11 +107,14 @@ def run(params: Params, inputs: Tables) -> Tables:
     ``rival_restitution``: data of the figure. ``rival_explanations``: per printed observation what
     each explanation gives, and whether it tells them apart. ``capture_evidence``: what piles, slow
     rebounds and energies give for two capture velocities. `inputs`: ``calibration``, ``pile_up``,
-    ``pile_up_onsets``: tables of these studies; ``materials``: declared rows; ``anchors``: printed
-    values.
+    ``pile_up_onsets``: tables of these studies; ``materials``: declared rows; ``printed``:
+    printed values.
     """
     contacts = {case: calibrated_contact(inputs, case) for case in params.cases}
-    printed, marks = printed_rows(inputs), printed_rows(inputs, params.printed_for, *params.cases)
+    printed = printed_beside(inputs)
+    pairs = {pair_of(inputs, case) for case in params.cases}
+    is_marked = all(set(MARKS) <= set(printed_beside(inputs, *pair).index) for pair in pairs)
+    marks = printed if is_marked else printed.iloc[:0]
     return {
         "rival_restitution": figure_data(params, contacts, marks),
         "rival_explanations": pd.DataFrame(observations(params, contacts, printed)),
@@ -148,7 +156,7 @@ def figure_data(
     seen = np.isfinite(e)
     frames.append(_frame(series=RIVAL, evidence="computed", x=before[seen], y=e[seen]))
     if len(printed):
-        speed, e = printed["value"][["speed_oblique_sst76", "restitution_sst76_silicon"]]
+        speed, e = printed["value"][list(MARKS[:2])]
         frames.append(_frame(series="printed, oblique impact", evidence="printed", x=speed, y=e))
         band = ends_of(printed, PILES_BEGIN)
         frames.append(_frame(series="printed pile-up", evidence="printed", x=band, y=0.0))
@@ -243,8 +251,8 @@ def evidence(
     name = f"share captured at once at {params.slow_speed_m_per_s:g} m/s, where rebounds are seen"
     yield weighed(name, "1", at, (0.0, 0.025))
     others = [
-        energy_ratio(params, calibrated_contact(inputs, case), printed["value"][key])
-        for key, case in params.captured.items()
+        energy_ratio(params, contact, printed_capture_velocity(inputs, contact))
+        for contact in (calibrated_contact(inputs, case) for case in params.captured)
     ]
     steel = resized(next(iter(contacts.values())), params.diameters_um[0] * 1e-6)
     at = [energy_ratio(params, steel, velocity) for velocity in (strong, weak)]

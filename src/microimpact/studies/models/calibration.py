@@ -27,7 +27,6 @@ from microimpact.declared.parameters import (
     MaterialName,
     NonNegative,
     Positive,
-    PrintedName,
 )
 from microimpact.model.calibration import (
     NoSolutionError,
@@ -42,7 +41,13 @@ from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.normal import losses
-from microimpact.studies.contacts import all_printed, declared_contact
+from microimpact.studies.contacts import (
+    CAPTURE_VELOCITIES,
+    declared_contact,
+    printed_capture_velocity,
+)
+
+PRINTED_VALUES = CAPTURE_VELOCITIES
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,8 +91,6 @@ class TwoStageTargets:
     works_of_adhesion_J_per_m2: tuple[Positive, ...]  # noqa: N815
     members: Annotated[tuple[Member, ...], Keyed("case")]
     facts: Facts
-    # Where capture velocity and restitution are printed; other values are marked as assumed.
-    anchors: tuple[PrintedName, PrintedName]
 
 
 def bare_contact(targets: TwoStageTargets, inputs: Tables) -> Contact:
@@ -196,12 +199,11 @@ def curves(targets: TwoStageTargets, members: Sequence[Contact], inputs: Tables)
         exponent, work = member_target.rate_exponent, member_target.work_of_adhesion_J_per_m2
         name = f"n = {exponent:g}, w = {work:g} J/m2"
         frames.append(frame(name, speed, e, "calibrated"))
-    printed = all_printed(inputs)
-    wanted = targets.capture_velocity_m_per_s, targets.restitution
-    marks = (wanted[0], 0.0), (targets.speed_m_per_s, wanted[1])
-    for (x, y), target, anchor in zip(marks, wanted, targets.anchors, strict=True):
-        evidence = "printed" if target == printed[anchor] else "assumed"
-        frames.append(frame("targets", x, y, evidence))
+    # Of normal impact only the capture velocity is printed.
+    limit = targets.capture_velocity_m_per_s
+    is_printed = limit == printed_capture_velocity(inputs, members[0])
+    frames.append(frame("targets", limit, 0.0, "printed" if is_printed else "assumed"))
+    frames.append(frame("targets", targets.speed_m_per_s, targets.restitution, "assumed"))
     return pd.concat(frames, ignore_index=True)
 
 

@@ -23,9 +23,7 @@ from microimpact.declared.parameters import (
     CaseName,
     Keyed,
     Must,
-    Name,
     Positive,
-    PrintedName,
 )
 from microimpact.model.closed_forms import (
     adhesion_energy,
@@ -39,9 +37,15 @@ from microimpact.model.closed_forms import (
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
-from microimpact.studies.contacts import all_printed, calibrated_contact
+from microimpact.studies.contacts import (
+    CAPTURE_VELOCITIES,
+    calibrated_contact,
+    fitted_to,
+    printed_capture_velocity,
+)
 
 NEEDS = {"calibration": ("calibration",)}
+PRINTED_VALUES = CAPTURE_VELOCITIES
 
 _frame = partial(series_frame, x_unit="um", y_unit="m_per_s")
 
@@ -64,14 +68,11 @@ NOTES = {
 class PairCase:
     """One pair, calibrated.
 
-    `case`: a case of the table ``calibration``; `anchors`: key of the printed capture velocity, if
-    there is one; `calibration_targets`: holds ``capture_velocity`` if the printed one fixed a
-    parameter of the contact; `yield_strength_MPa`: of the softer body, for the onset of yield.
+    `case`: a case of the table ``calibration``; `yield_strength_MPa`: of the softer body, for the
+    onset of yield.
     """
 
     case: CaseName
-    anchors: Annotated[tuple[PrintedName, ...], Field(max_length=1)] = ()
-    calibration_targets: tuple[Name, ...] = ()
     yield_strength_MPa: Positive | None = None  # noqa: N815 (the unit)
 
 
@@ -117,10 +118,18 @@ def run(params: Params, inputs: Tables) -> Tables:
         if not 0.0 < limit < np.inf:
             complaint = f"a capture velocity of {limit:g} m/s has no law beside it"
             raise ValueError(f"{pair.case}: {complaint}")
-        printed = float(all_printed(inputs)[pair.anchors[0]]) if pair.anchors else np.nan
+        printed = printed_capture_velocity(inputs, contact)
         laws = laws_of(pair, contact, params.plateau_speed_ratio)
-        rows += [_row(params, pair, contact, name, laws, printed) for name in laws]
-        frames += _curves(params, pair, contact, laws, printed)
+        # Of these capture velocities only this model's can have been fitted.
+        fitted = (MODEL,) if fitted_to(inputs, pair.case, "capture_velocity") else ()
+        evidence = {name: result_evidence(name, fitted) for name in laws}
+        for name in laws:
+            row = _row(params, pair, contact, name, laws, printed)
+            rows.append(row | {"evidence": evidence[name], "note": NOTES[name]})
+        frames += _curves(params, pair, contact, laws, evidence)
+        if np.isfinite(printed):
+            diameter = contact.diameter * 1e6
+            frames.append(_frame(pair.case, "printed", diameter, printed, "printed"))
     return {
         "capture_laws": pd.DataFrame(rows),
         "capture_law_curves": pd.concat(frames, ignore_index=True),
@@ -164,12 +173,6 @@ def local_exponent(velocity: Callable[[Contact], Real], contact: Contact, step: 
     return float(np.diff(np.log(ends))[0] / (2.0 * step))
 
 
-def _evidence(pair: PairCase, law: str) -> str:
-    """Only this model's own capture velocity can have fixed a parameter."""
-    targets = pair.calibration_targets if law == MODEL else ()
-    return result_evidence("capture_velocity", targets)
-
-
 def _row(
     params: Params,
     pair: PairCase,
@@ -194,13 +197,15 @@ def _row(
         "exponent": local_exponent(law.velocity, contact, params.exponent_step),
         "compared_speed_m_per_s": compared,
         "restitution_at_compared_speed": float(gives_e(compared)) if gives_e else np.nan,
-        "evidence": _evidence(pair, name),
-        "note": NOTES[name],
     }
 
 
 def _curves(
-    params: Params, pair: PairCase, contact: Contact, laws: Mapping[str, Law], printed: float
+    params: Params,
+    pair: PairCase,
+    contact: Contact,
+    laws: Mapping[str, Law],
+    evidence: Mapping[str, str],
 ) -> list[pd.DataFrame]:
     diameter = np.geomspace(params.smallest_diameter_um, params.largest_diameter_um, params.points)
     sized = resized(contact, diameter * 1e-6)
@@ -208,8 +213,6 @@ def _curves(
     for name, law in laws.items():
         velocity = np.broadcast_to(law.velocity(sized), diameter.shape)
         finite = np.isfinite(velocity)
-        curve = diameter[finite], velocity[finite], _evidence(pair, name)
+        curve = diameter[finite], velocity[finite], evidence[name]
         frames.append(_frame(pair.case, name, *curve))
-    if np.isfinite(printed):
-        frames.append(_frame(pair.case, "printed", contact.diameter * 1e6, printed, "printed"))
     return frames

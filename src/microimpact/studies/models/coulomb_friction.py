@@ -12,11 +12,14 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from microimpact.core.tables import Tables, series_frame
-from microimpact.declared.parameters import Finite, Fraction, NonNegative, Positive, PrintedName
+from microimpact.declared.parameters import Finite, Fraction, NonNegative, Positive
 from microimpact.model.rigid_body.algebra import rigid_body_rebound
 from microimpact.studies.contacts import all_printed
 
 _frame = partial(series_frame, x_unit="deg", y_unit="1")
+
+
+PRINTED_VALUES = ("impulse_ratio_normal_incidence_no_spin",)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,7 +35,6 @@ class Params:
     spin_ratio: tuple[Finite, ...]
     spin_friction: Positive
     points: Annotated[int, Field(ge=2)]
-    anchors: tuple[PrintedName, ...]
 
 
 def run(params: Params, inputs: Tables) -> Tables:

@@ -11,17 +11,18 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.tables import Tables, result_evidence, series_frame
-from microimpact.declared.parameters import AngleDegrees, CaseName, Name, Positive, PrintedName
+from microimpact.declared.parameters import AngleDegrees, CaseName, Positive
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.trajectory import Trajectory, trajectory
 from microimpact.studies.contacts import (
     BAND,
     Admissible,
-    PrintedImpact,
     admissible_beside,
     calibrated_contact,
-    printed_values,
+    fitted_to,
+    pair_of,
+    printed_beside,
 )
 
 TERMS = {
@@ -33,6 +34,8 @@ TERMS = {
 }
 
 NEEDS = {"calibration": ("calibration",), "admissible_contacts": ("admissible_contacts",)}
+# Ratios of peaks. The damping is fitted to the second.
+PRINTED_VALUES = ("peak_adhesion_over_peak_hertz", "peak_adhesion_dissipation_over_adhesion")
 # Points in time of the band.
 INSTANTS = 200
 
@@ -46,11 +49,8 @@ class Params:
     speed_m_per_s: Positive
     angle_deg: AngleDegrees
     points: Annotated[int, Field(ge=20)]
-    anchors: tuple[PrintedName, ...]
     admissible: Admissible
     band_contacts: Annotated[int, Field(ge=10)]  # At most so many of the admissible contacts
-    printed_for: PrintedImpact  # Another impact has no printed values
-    calibration_targets: tuple[Name, ...]
 
 
 def run(params: Params, inputs: Tables) -> Tables:
@@ -75,15 +75,23 @@ def run(params: Params, inputs: Tables) -> Tables:
         ("coefficient_of_restitution", "-"): float(outcome.coefficient_of_restitution),
         ("capture_velocity", "m/s"): float(capture_velocity(contact)),
     }
-    drawn = params.case, params.diameter_um, params.speed_m_per_s
-    printed = printed_values(inputs, params.printed_for, *drawn)
+    printed = printed_beside(
+        inputs,
+        *pair_of(inputs, params.case),
+        diameter_um=params.diameter_um,
+        speed_m_per_s=params.speed_m_per_s,
+        angle_deg=params.angle_deg,
+    )["value"]
+    fitted = (
+        PRINTED_VALUES[1:] if fitted_to(inputs, params.case, "dissipation_over_adhesion") else ()
+    )
     table = pd.DataFrame(
         {
             "quantity": quantity,
             "value": value,
             "unit": unit,
             "printed": printed.get(quantity, np.nan),
-            "evidence": result_evidence(quantity, params.calibration_targets),
+            "evidence": result_evidence(quantity, fitted),
         }
         for (quantity, unit), value in numbers.items()
     )

@@ -12,7 +12,7 @@ from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import Tables, series_frame
-from microimpact.declared.parameters import CaseName, Finite, Fraction, Positive, PrintedName
+from microimpact.declared.parameters import CaseName, Finite, Fraction, Positive
 from microimpact.model.choices import FRICTION_BASES
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
@@ -22,13 +22,15 @@ from microimpact.model.rigid_body.algebra import rigid_body_rebound
 from microimpact.studies.contacts import (
     BAND,
     Admissible,
-    PrintedImpact,
     admissible_beside,
     calibrated_contact,
-    printed_values,
+    pair_of,
+    printed_beside,
 )
 
 NEEDS = {"calibration": ("calibration",), "admissible_contacts": ("admissible_contacts",)}
+# Ends and height of the friction plateau.
+PRINTED_VALUES = ("plateau_end_angle", "rolling_to_sliding_angle", "impulse_ratio_plateau")
 # The share that must rebound where a band is drawn, and the step in which it takes the angles.
 REBOUNDING, STEP = 0.5, 4
 
@@ -46,8 +48,6 @@ class Params:
     spin_rad_per_s: Finite
     points: Annotated[int, Field(ge=20)]
     admissible: Admissible
-    anchors: tuple[PrintedName, ...]
-    printed_for: PrintedImpact  # Another impact has no printed values
 
 
 def run(params: Params, inputs: Tables) -> Tables:
@@ -93,11 +93,11 @@ def impulse_ratios(
         frames.append(_frame("basis", basis, angle[rebound], ratio))
         if basis == "compressive":
             frames.append(_frame("adhesion", "simulation", angle[rebound], ratio))
-    drawn = params.case, params.diameter_um, params.speed_m_per_s
-    printed = printed_values(inputs, params.printed_for, *drawn)
-    if not printed.empty:
-        ends = printed[["plateau_end_angle", "rolling_to_sliding_angle"]]
-        plateau = printed["impulse_ratio_plateau"]
+    size, speed = params.diameter_um, params.speed_m_per_s
+    pair = pair_of(inputs, params.case)
+    printed = printed_beside(inputs, *pair, diameter_um=size, speed_m_per_s=speed)["value"]
+    if set(PRINTED_VALUES) <= set(printed.index):
+        *ends, plateau = printed[list(PRINTED_VALUES)]
         frames.append(_frame("adhesion", "printed plateau", ends, plateau, "printed"))
     frames.append(_capture_line("adhesion", params, contact))
     frames.append(_capture_line("basis", params, contact))

@@ -16,9 +16,15 @@ from microimpact.declared.parameters import AboveOne, CaseName, Fraction, Keyed,
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.empirical.fit import RestitutionFit, fit_restitution
-from microimpact.studies.contacts import calibrated_contact
+from microimpact.studies.contacts import (
+    CAPTURE_VELOCITIES,
+    calibrated_contact,
+    fitted_to,
+    printed_capture_velocity,
+)
 
 NEEDS = {"calibration": ("calibration",)}
+PRINTED_VALUES = CAPTURE_VELOCITIES
 
 _frame = partial(series_frame, "restitution", x_unit="m_per_s", y_unit="1")
 
@@ -40,10 +46,8 @@ class FittedCase:
 
     case: CaseName
     figure: Literal["fig15", "fig16"]
-    result_evidence: Literal["computed", "calibrated"]
     fitted: bool
     fitted_to: AboveOne
-    printed_capture_velocity_m_per_s: Positive | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,39 +84,38 @@ def run(params: Params, inputs: Tables) -> Tables:
     for case in params.cases:
         contact = calibrated_contact(inputs, case.case)
         limit = float(capture_velocity(contact))
+        printed = printed_capture_velocity(inputs, contact)
+        known: Row = {"simulated_v_c_m_per_s": limit, "printed_v_c_m_per_s": printed}
+        is_fitted = fitted_to(inputs, case.case, "capture_velocity")
+        evidence = "calibrated" if is_fitted else "computed"
         largest = max(params.largest_speed_m_per_s, case.fitted_to * limit)
         speed = _speeds(DRAWN_FROM * limit, limit, largest, params.points)
         e = simulate(contact, speed).coefficient_of_restitution
-        digitised_rows, curves = _digitised_fits(case, params, inputs.get("digitised"), limit)
+        digitised_rows, curves = _digitised_fits(case, params, inputs.get("digitised"), known)
         later += digitised_rows
         figure_frames = frames[case.figure]
-        figure_frames += [
-            _frame(f"{case.case}, simulation", speed, e, case.result_evidence),
-            *curves,
-        ]
+        figure_frames += [_frame(f"{case.case}, simulation", speed, e, evidence), *curves]
         if not case.fitted:
             continue
         sampled = np.geomspace(params.fitted_from, case.fitted_to, params.fitted_points) * limit
         measured = simulate(contact, sampled).coefficient_of_restitution
         fits = [fit_restitution(sampled, measured, q=q) for q in (None, params.fixed_exponent)]
-        rows += [_row(case, limit, fit) for fit in fits]
+        rows += [_row(case, known, evidence, fit) for fit in fits]
         free = fits[0]
         speed = _speeds(DRAWN_FROM * limit, free.v_c, largest, params.points)
         figure_frames += [
-            _frame(f"{case.case}, fit", speed, free.curve(speed), case.result_evidence),
-            _frame(f"{case.case}, v_c of the fit", free.v_c, [0.0, V_C_MARK], case.result_evidence),
+            _frame(f"{case.case}, fit", speed, free.curve(speed), evidence),
+            _frame(f"{case.case}, v_c of the fit", free.v_c, [0.0, V_C_MARK], evidence),
         ]
-        if (printed := case.printed_capture_velocity_m_per_s) is None:
-            continue
         mark = _frame(f"printed, {printed:g} m/s", printed, 0.0, "printed")
-        if not any(mark.equals(other) for other in figure_frames):
+        if np.isfinite(printed) and not any(mark.equals(frame) for frame in figure_frames):
             figure_frames.append(mark)
     tables = {name: pd.concat(parts, ignore_index=True) for name, parts in frames.items()}
     return tables | {"restitution_fits": pd.DataFrame(rows + later)}
 
 
 def _digitised_fits(
-    case: FittedCase, params: Params, points: pd.DataFrame | None, limit: float
+    case: FittedCase, params: Params, points: pd.DataFrame | None, known: Row
 ) -> tuple[list[Row], list[pd.DataFrame]]:
     """Rows of the fits to the user's points of a case, and the curve of that with q free."""
     if points is None:
@@ -128,9 +131,9 @@ def _digitised_fits(
         try:
             fit = fit_restitution(v, e, q=q)
         except ValueError as error:  # too few points, or what is no coefficient of restitution
-            row |= _known(case, limit) | {"note": f"not fitted: {error}"}
+            row |= known | {"note": f"not fitted: {error}"}
         else:
-            row = _row(case, limit, fit) | row
+            row = _row(case, known, evidence[0], fit) | row
             if q is None:
                 curves.append(_fitted_curve(case, fit, params.points))
         rows.append(row)
@@ -150,14 +153,7 @@ def _speeds(start: float, v_c: float, end: float, points: int) -> FloatArray:
     return np.union1d(np.geomspace(start, end, points), near)
 
 
-def _known(case: FittedCase, limit: float) -> Row:
-    return {
-        "simulated_v_c_m_per_s": limit,
-        "printed_v_c_m_per_s": case.printed_capture_velocity_m_per_s or np.nan,
-    }
-
-
-def _row(case: FittedCase, limit: float, fit: RestitutionFit) -> Row:
+def _row(case: FittedCase, known: Row, evidence: str, fit: RestitutionFit) -> Row:
     low, high = fit.v_c_interval
     return {
         "case": case.case,
@@ -169,10 +165,10 @@ def _row(case: FittedCase, limit: float, fit: RestitutionFit) -> Row:
         "v_c_m_per_s": fit.v_c,
         "v_c_low_m_per_s": low,
         "v_c_high_m_per_s": high,
-        **_known(case, limit),
+        **known,
         "rms_residual": float(np.sqrt(np.mean(np.square(fit.residuals)))),
         "r_squared": fit.r_squared,
         "on_bound": " ".join(fit.on_bound),
-        "evidence": case.result_evidence,
+        "evidence": evidence,
         "note": "",
     }

@@ -23,7 +23,6 @@ from microimpact.declared.parameters import (
     Name,
     OpenShare,
     Positive,
-    PrintedName,
 )
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
@@ -56,6 +55,7 @@ from microimpact.studies.analyses.doe.factors import (
 from microimpact.studies.contacts import all_printed, calibrated_contact
 
 NEEDS = {"calibration": ("calibration", "calibration_family")}
+PRINTED_VALUES = ("doe_small_variation",)
 
 # Place of this study among the random draws of one seed.
 ANALYSIS = 24
@@ -90,7 +90,7 @@ class FitSampling:
 class Params:
     """The cases, the design, and the levels.
 
-    ``diameters_um`` are the ends of a sieve class; ``anchors`` names the printed small variation.
+    ``diameters_um`` are the ends of a sieve class.
     """
 
     seed: Annotated[int, Field(ge=0)]
@@ -99,7 +99,6 @@ class Params:
     generator: Name
     confidence: OpenShare
     diameters_um: tuple[Positive, Positive]
-    anchors: tuple[PrintedName]
     sampling: FitSampling
 
     def __post_init__(self) -> None:
@@ -166,7 +165,7 @@ class DesignedExperiment:
 
 def _experiments(params: Params, inputs: Tables) -> Iterator[DesignedExperiment]:
     """Yield each case with each set of levels, its runs made."""
-    share = float(all_printed(inputs)[params.anchors[0]]) / 100.0
+    share = float(all_printed(inputs)[PRINTED_VALUES[0]]) / 100.0
     small = Levels(**{name: (1.0 - share, 1.0 + share) for name, _ in FACTORS.values()})
     designed = [case.case for case in params.cases if case.designed]
     for turn, case in enumerate(designed):

@@ -85,7 +85,6 @@ class Params:
     comparison: Comparison
     ablation: Ablation
     slope_inference: SlopeInference
-    calibration_targets: tuple[Name, ...]
 
     def __post_init__(self) -> None:
         """Refuse what only shows when parameters are seen together."""
@@ -155,7 +154,6 @@ def gather(params: Params, inputs: Tables, parts: Sequence[Sequence[Numbered]]) 
             base,
             points=params.points,
             events_measured=params.events_measured,
-            calibration_targets=params.calibration_targets,
         ),
         "monte_carlo": means,
         "monte_carlo_sampling": sampling_table(first, params.comparison),

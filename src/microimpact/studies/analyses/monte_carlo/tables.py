@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
@@ -29,6 +29,9 @@ METHODS: tuple[tuple[Method, Generator], ...] = (
 )
 CONFIDENCE = 0.95
 QUANTITIES = ("restitution", "impulse_ratio")
+
+# The slope is inferred from a restitution.
+FITTED = ("relative_restitution",)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -137,12 +140,10 @@ def figure_data(
     *,
     points: int,
     events_measured: int,
-    calibration_targets: Sequence[str],
 ) -> pd.DataFrame:
     """Return the data of both panels of Fig. 23, from the table ``monte_carlo``.
 
-    The curve of the smooth surface has so many points; ``calibration_targets`` are columns of the
-    table on which an input was fitted.
+    The curve of the smooth surface has so many points.
     """
     reference = float(means["reference_angle_deg"].iloc[0])
     angles = np.linspace(90.0 / points, 90.0, points)
@@ -165,6 +166,6 @@ def figure_data(
             bands = {str(variant): BAND * rows[f"{column}_error"].to_numpy()}
             if variant == first:
                 bands["measured means"] = spread * rows[f"{panel}_sd"].to_numpy()
-            curve = rows["angle_deg"], y, result_evidence(column, calibration_targets)
+            curve = rows["angle_deg"], y, result_evidence(column, FITTED)
             frames += [frame(panel, k, *curve, y - half, y + half) for k, half in bands.items()]
     return pd.concat(frames, ignore_index=True)

@@ -57,6 +57,12 @@ NEEDS = {
     "doe": ("doe_bd_aliasing", "doe_design", "doe_effects", "doe_elasticities", "doe_levels"),
     "monte_carlo": ("monte_carlo",),
 }
+PRINTED_VALUES = (
+    "restitution_sst76_silicon",
+    "capture_velocity_sst_silicon",
+    "normal_speed_lycopodium_48deg",
+    "normal_speed_lycopodium_38deg",
+)
 
 # Modules in the order of the article; each registers the claims of its sections.
 SECTIONS = (
@@ -105,7 +111,7 @@ def run(params: Params, inputs: Tables) -> Tables:
 
     ``claim_numbers``: per claim, case and quantity its value, unit, evidence and code; in the
     column ``problem``, why there is none. ``claim_draws``: numbers of some claims for admissible
-    contacts. `inputs`: ``materials``, ``contacts``, ``anchors``: declared rows; tables of earlier
+    contacts. `inputs`: ``materials``, ``contacts``, ``printed``: declared rows; tables of earlier
     studies by name.
     """
     return gather(params, inputs, [part(params, inputs, 0, 1)])

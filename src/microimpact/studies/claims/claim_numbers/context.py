@@ -251,10 +251,7 @@ class Context:
 
     def printed(self, key: str) -> float:
         """Return a printed value."""
-        rows = all_printed(self.inputs)
-        if key not in rows:
-            raise ValueError(f"anchors: {key!r} is not named")
-        return float(rows[key])
+        return float(all_printed(self.inputs)[key])
 
     def table(self, name: str, **where: object) -> pd.DataFrame:
         """Return the rows of a table with these values, of the case if it has a column of cases.

@@ -19,7 +19,6 @@ from microimpact.declared.parameters import (
     ObliqueDegrees,
     Positive,
     PositiveRange,
-    PrintedName,
 )
 from microimpact.lab.experiment import SpeedClass
 from microimpact.lab.pdpa.analyser import Analyser
@@ -382,4 +381,3 @@ class Params:
     roughness: Roughness
     capture: Capture
     draws: Draws
-    anchors: tuple[PrintedName, ...]  # Printed values that are read

@@ -12,11 +12,11 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.tables import Tables, series_frame
-from microimpact.declared.parameters import AngleDegrees, CaseName, Count, Name, PrintedName
+from microimpact.declared.parameters import AngleDegrees, CaseName, Count, Name
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.ptis.system import ImagingSystem
 from microimpact.statistics.intervals import student_half_width
-from microimpact.studies.contacts import PrintedPair, printed_rows
+from microimpact.studies.contacts import pair_of, printed_beside
 from microimpact.studies.experiments.mechanisms.shallow import (
     Curve,
     Shallow,
@@ -31,6 +31,7 @@ from microimpact.studies.experiments.mechanisms.spore import CAMERA, Spore, spor
 from microimpact.studies.samples import Sampling
 
 NEEDS = {"calibration": ("calibration",)}
+PRINTED_VALUES = ("restitution_lycopodium_silicon_48deg", "restitution_lycopodium_silicon_38deg")
 
 _frame = partial(series_frame, x_unit="deg", y_unit="1")
 
@@ -52,14 +53,6 @@ class Params:
     drawn_case: CaseName
     drawn_angles_deg: tuple[AngleDegrees, ...]
     drawn_mechanisms: tuple[Name, ...]
-    anchors: tuple[PrintedName, ...]
-    printed_deg: tuple[AngleDegrees, ...]
-    printed_for: PrintedPair  # Spores of another pair have no printed marks
-
-    def __post_init__(self) -> None:
-        """Refuse printed values without their angles."""
-        if len(self.anchors) != len(self.printed_deg):
-            raise ValueError("anchors and printed_deg must have the same length")
 
 
 def run(params: Params, inputs: Tables) -> Tables:
@@ -87,7 +80,7 @@ def run(params: Params, inputs: Tables) -> Tables:
         "adhesion_or_roughness": pd.DataFrame(adhesion_or_roughness(params.shallow, curves)),
         **speed_tables(params.speed, sampling, inputs),
     }
-    printed = printed_rows(inputs, params.printed_for, params.spore.spore.case)
+    printed = printed_beside(inputs, *pair_of(inputs, params.spore.spore.case))
     return {**tables, **figure_data(params, tables, curves, printed)}
 
 
@@ -143,5 +136,5 @@ def _spore_frames(
             y_high=e + half if seen else np.nan,
         )
     if len(printed):
-        values = printed.loc[list(params.anchors), "value"]
-        yield _frame("spore", "printed", params.printed_deg, values, evidence="printed")
+        angle = printed["angle_deg"].astype(float)
+        yield _frame("spore", "printed", angle, printed["value"], evidence="printed")
