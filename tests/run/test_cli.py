@@ -191,7 +191,6 @@ def test_materials_lists_materials_and_pairs(microimpact, answered):
         (("simulate", *STEEL, "--speed", "1,5"), "first:last:count"),
         (("simulate", *STEEL, "--speed", "1:2"), "first:last:count"),
         (("simulate", *STEEL, "--speed", "1:2:0"), "first:last:count"),
-        (("simulate", *STEEL, "--contact", "x.json", "--speed", "1"), "holds the whole contact"),
         (("simulate", "--contact", "nowhere.json", "--speed", "1"), "nowhere.json"),
         (
             (
@@ -222,19 +221,51 @@ def test_materials_lists_materials_and_pairs(microimpact, answered):
             ("capture", *STEEL, "--particle-density", "-8"),
             "--particle 'stainless-steel-316': density",
         ),
-        (("capture", "--contact", "x.json", "--friction", "0"), "leave out --friction"),
         (
-            ("capture", "--contact", "x.json", "--surface-density", "8"),
-            "leave out --surface-density",
-        ),
-        (
-            ("capture", "--contact", "x.json", "--stiffness-model", "reduced"),
-            "leave out --stiffness-model",
+            ("simulate", *STEEL, "--contact", "nowhere.json", "--speed", "1"),
+            "nowhere.json: No such",
         ),
     ],
 )
 def test_bad_input_ends_with_one_clear_line(microimpact, arguments, words):
     require_refusal(microimpact(*arguments), words)
+
+
+@pytest.mark.parametrize(
+    ("options", "flags"),
+    [
+        (STEEL, "--particle, --surface"),
+        (("--friction", "0"), "--friction"),
+        (("--surface-density", "8"), "--surface-density"),
+        (("--stiffness-model", "reduced"), "--stiffness-model"),
+    ],
+)
+def test_a_file_of_contacts_holds_the_whole_contact(microimpact, tmp_path, options, flags):
+    file = tmp_path / "contacts.json"
+    targets = ("--restitution", "0.7", "--at-speed", "1.66", "--capture-velocity", "0.18")
+    microimpact("calibrate", *STEEL, *targets, "-o", str(file))
+    done = microimpact("capture", "--contact", str(file), *options)
+    require_refusal(done, f"but the diameter may change; leave out {flags}")
+
+
+@pytest.mark.parametrize(
+    ("options", "replaced"),
+    [
+        (("--particle-density", "7000"), {"particle_density": 8000.0}),
+        (("--surface-poissons-ratio", "0.5"), {"surface_poissons_ratio": 0.25}),
+        (("--friction", "0.5"), {"friction": 0.15}),
+        (("--diameter-um", "30"), {}),
+        (("--friction", "0.15", "--hertz-damping", "0.2148"), {}),
+    ],
+)
+def test_a_pair_that_is_no_longer_the_declared_one_says_so(
+    microimpact, answered, options, replaced
+):
+    assert answered("capture", *STEEL, *options)["inputs"]["in_place_of"] == replaced
+    text = microimpact("capture", *STEEL, *options).stdout
+    assert ("No longer the declared contact" in text) == bool(replaced)
+    for name, declared in replaced.items():
+        assert f"{name} {float(options[1]):g} in place of {declared:g}" in text
 
 
 def test_export_writes_what_it_names(microimpact, answered, tmp_path):
@@ -407,8 +438,11 @@ def test_two_numbers_calibrate_too(answered):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (STEEL, "give either DATA, or --restitution, --at-speed, --capture-velocity"),
-        ((*STEEL, "--restitution", "0.7"), "give either DATA"),
+        (STEEL, "give either DATA, or --at-speed, --restitution, --capture-velocity"),
+        (
+            (*STEEL, "--restitution", "0.7", "--at-speed", "1.66"),
+            "without DATA give --capture-velocity, too",
+        ),
         (("own.csv", *STEEL, "--restitution", "0.7"), "give either DATA"),
         (("nowhere.csv", *STEEL), "nowhere.csv"),
         (("nowhere.csv", *STEEL, "--free", "w"), "--free: 'w' is none of w_A"),

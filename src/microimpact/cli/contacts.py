@@ -27,6 +27,9 @@ if TYPE_CHECKING:
     from microimpact.model.contact import Contact
 
 Command = Callable[..., None]
+Pair = tuple[str, str]
+# Values of impacts (n,) by "value", and over draws by "low" and "high", too.
+Summary = Mapping[str, Any]
 
 # Result field -> label, unit, factor from SI.
 _IMPACT = {
@@ -53,6 +56,9 @@ _NUMBERS = {
     "reference-velocity": "v_N, m/s.",
     "friction": "Coulomb coefficient f.",
 }
+_FIELDS = [name.replace("-", "_") for name in _NUMBERS if name != "diameter-um"]
+# Numbers whose replacement makes another contact of a declared pair; w_A speaks for f_0.
+REPLACEABLE = (*CALIBRATED, "friction")
 # Properties of a pair, and their symbols.
 _SYMBOLS = {
     "diameter": "d",
@@ -80,23 +86,30 @@ _basis_option = click.option(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Asked:
-    """A contact, the numbers of its declared pair that options replaced, and what is odd of it.
+class Chosen:
+    """The contact that the options make.
 
-    A contact from a file of draws has arrays of shape (draws, 1); ``best`` is its best one.
+    Attributes
+    ----------
+    contact
+        The contact; from a file of draws, an array of shape (draws, 1).
+    best
+        The best draw, or the contact itself.
+    replaced
+        Numbers of the declared pair that options replaced: its own, and the present one.
     """
 
     contact: Contact
     best: Contact
-    replaced: Mapping[str, float]
+    replaced: Mapping[str, tuple[float, float]]
 
     @property
     def draws(self) -> int:
         """Number of draws, 0 for one contact."""
         return int(np.prod(self.contact.shape)) if self.contact.shape else 0
 
-    def words(self) -> str:
-        """Return the pair with its parameters, and what of the declared contact is left."""
+    def title(self) -> str:
+        """Pair and parameters, and a line on draws or on numbers that are not the declared ones."""
         contact = self.best
         title = (
             f"{contact.particle.name} on {contact.surface.name}, {contact.diameter * 1e6:g} um: "
@@ -107,27 +120,25 @@ class Asked:
             return f"{title}\nThe best of {self.draws} contacts; ranges are from 5 to 95 % of them."
         if not self.replaced:
             return title
-        changed = ", ".join(
-            f"{name} {float(getattr(contact, name)):.4g} in place of {value:.4g}"
-            for name, value in self.replaced.items()
+        changes = ", ".join(
+            f"{name} {present:.4g} in place of {declared:.4g}"
+            for name, (declared, present) in self.replaced.items()
         )
         kept = ", ".join(name for name in CALIBRATED[:4] if name not in self.replaced)
-        left = f"; {kept} kept as declared" if kept else ""
-        return (
-            f"{title}\nNo longer the declared contact, nor what it was calibrated to: "
-            f"{changed}{left}."
-        )
+        rest = f"; {kept} kept as declared" if kept else ""
+        return f"{title}\nNo longer the declared contact: {changes}{rest}."
 
     def inputs(self) -> dict[str, Any]:
-        """Return all parameters in SI units: with them the answer can be had again."""
+        """All parameters in SI units, from which the answer can be computed again."""
         contact = self.contact if self.draws else self.best
-        numbers = ("diameter", "friction", "ring_force", *CALIBRATED)
-        values = {name: getattr(contact, name) for name in numbers}
-        return (
-            {role: asdict(getattr(contact, role)) for role in ("particle", "surface")}
-            | {name: None if of is None else np.squeeze(of) for name, of in values.items()}
-            | {"stiffness_model": contact.stiffness_model, "in_place_of": dict(self.replaced)}
-        )
+        inputs: dict[str, Any] = {
+            role: asdict(getattr(contact, role)) for role in ("particle", "surface")
+        }
+        for name in ("diameter", "friction", "ring_force", *CALIBRATED):
+            value = getattr(contact, name)
+            inputs[name] = None if value is None else np.squeeze(value)
+        declared = {name: declared for name, (declared, _) in self.replaced.items()}
+        return inputs | {"stiffness_model": contact.stiffness_model, "in_place_of": declared}
 
 
 def contact_options(command: Command) -> Command:
@@ -186,49 +197,56 @@ def simulate_command(
     from microimpact.model.dynamics.impact import simulate
     from microimpact.model.plausibility import doubts
 
-    asked = contact_of(**pair)
+    chosen = contact_of(**pair)
     # All combinations, the last axis the fastest.
-    grid = (axis.ravel() for axis in np.meshgrid(speed, angle, spin, indexing="ij"))
-    before = dict(zip(("speed", "angle", "spin"), grid, strict=True))
+    axes = np.meshgrid(speed, angle, spin, indexing="ij")
+    names = ("speed", "angle", "spin")
+    before = {name: axis.ravel() for name, axis in zip(names, axes, strict=True)}
     laws: dict[str, Any] = {"friction_basis": friction_basis, "tangential": tangential}
-    outcome = simulate(asked.contact, before["speed"], before["angle"], before["spin"], **laws)
+    outcome = simulate(chosen.contact, before["speed"], before["angle"], before["spin"], **laws)
     limit = None
     if yield_strength_mpa is not None:
         limit = 1e6 * float(checked("yield-strength-mpa", yield_strength_mpa, POSITIVE))
-    warn(doubts(asked.contact, outcome.maximum_compression, limit))
-    found = {name: _summary(getattr(outcome, name), asked.draws) for name in _IMPACT}
+    warn(doubts(chosen.contact, outcome.maximum_compression, limit))
+    after = {name: _summary(getattr(outcome, name), chosen.draws) for name in _IMPACT}
     single = before["speed"].size == 1
     if as_json:
-        given = {name: of[0] if single else of for name, of in before.items()}
-        after = {n: {k: v[0] if single else v for k, v in of.items()} for n, of in found.items()}
-        outputs = {n: of["value"] if not asked.draws else of for n, of in after.items()}
-        print_json({"inputs": asked.inputs() | given | laws, "outputs": outputs})
-        return
-    if not single:
-        click.echo(_csv(before, found), nl=False)
-        return
-    first = {name: float(of[0]) for name, of in before.items()}
-    title = (
-        f"{asked.words()}\n{first['speed']:g} m/s at {first['angle']:g} deg, spin "
-        f"{first['spin']:g} rad/s, friction {asked.best.friction:g}, supported by the "
-        f"{friction_basis} force"
-        f"{'' if tangential == 'rigid' else f', tangential compliance {tangential}'}"
-    )
+        row = 0 if single else slice(None)
+        incident = {name: values[row] for name, values in before.items()}
+        outputs: dict[str, Any] = {}
+        for name, summary in after.items():
+            numbers = {key: values[row] for key, values in summary.items()}
+            outputs[name] = numbers if chosen.draws else numbers["value"]
+        print_json({"inputs": chosen.inputs() | incident | laws, "outputs": outputs})
+    elif single:
+        v, degrees, omega = (float(before[name][0]) for name in names)
+        title = (
+            f"{chosen.title()}\n{v:g} m/s at {degrees:g} deg, spin {omega:g} rad/s, "
+            f"friction {chosen.best.friction:g}, supported by the {friction_basis} force"
+            f"{'' if tangential == 'rigid' else f', tangential compliance {tangential}'}"
+        )
+        _print_impact(title, after, draws=bool(chosen.draws))
+    else:
+        click.echo(_csv(before, after), nl=False)
+
+
+def _print_impact(title: str, after: Mapping[str, Summary], *, draws: bool) -> None:
+    """Print one impact, or the median and the range over draws of the contact."""
     rows: list[tuple[str, ...]] = []
     for name, (label, unit, factor) in _IMPACT.items():
-        of = {end: number(value[0], factor) for end, value in found[name].items()}
-        if asked.draws:
-            of["value"] += "" if "low" in of else " of all"
-            span = f"{of['low']} to {of['high']}" if "low" in of else ""
-            rows.append((label, of["value"], span, unit))
+        numbers = {key: number(values[0], factor) for key, values in after[name].items()}
+        if not draws:
+            rows.append((label, numbers["value"], unit))
+        elif "low" in numbers:
+            rows.append((label, numbers["value"], f"{numbers['low']} to {numbers['high']}", unit))
         else:
-            rows.append((label, of["value"], unit))
-    ranges = ["5 to 95 %"] if asked.draws else []
-    print_table(title, ("", "median" if asked.draws else "value", *ranges, "unit"), rows)
+            rows.append((label, f"{numbers['value']} of all", "", unit))
+    header = ("", "median", "5 to 95 %", "unit") if draws else ("", "value", "unit")
+    print_table(title, header, rows)
 
 
-def _summary(values: Any, draws: int) -> dict[str, Any]:
-    """Return the values (n,), or of draws (draws, n) the median and 5 and 95 %; shares of yes."""
+def _summary(values: Any, draws: int) -> Summary:
+    """Values (n,), or of draws (draws, n) the median and 5 and 95 %; shares of yes."""
     if not draws:
         return {"value": np.atleast_1d(values)}
     if np.asarray(values).dtype == bool:
@@ -239,19 +257,19 @@ def _summary(values: Any, draws: int) -> dict[str, Any]:
     return {"value": middle, "low": low, "high": high}
 
 
-def _csv(before: Mapping[str, FloatArray], found: Mapping[str, Mapping[str, Any]]) -> str:
-    """Return one row an impact, SI units in the header."""
+def _csv(before: Mapping[str, FloatArray], after: Mapping[str, Summary]) -> str:
+    """One row an impact, SI units in the header."""
     units = {"speed": "m_per_s", "angle": "deg", "spin": "rad_per_s"}
-    columns = {f"{name}_{units[name]}": of for name, of in before.items()}
+    columns = {f"{name}_{units[name]}": values for name, values in before.items()}
     for name, (_, unit, _) in _IMPACT.items():
         si = {"ns": "_s", "nm": "_m", "": ""}.get(unit, f"_{unit.replace('/', '_per_')}")
-        own = f"{name}_after" if name == "spin" else name
-        for end, of in found[name].items():
-            columns[f"{own}{'' if end == 'value' else f'_{end}'}{si}"] = of
+        stem = f"{name}_after" if name == "spin" else name
+        for key, values in after[name].items():
+            columns[f"{stem}{'' if key == 'value' else f'_{key}'}{si}"] = values
     target = io.StringIO()
     writer = csv.writer(target, lineterminator="\n")
     writer.writerow(columns)
-    writer.writerows(zip(*(np.asarray(of).tolist() for of in columns.values()), strict=True))
+    writer.writerows(zip(*(values.tolist() for values in columns.values()), strict=True))
     return target.getvalue()
 
 
@@ -262,17 +280,17 @@ def capture_command(as_json: bool, **pair: Any) -> None:
     from microimpact.model.dynamics.capture import capture_velocity
     from microimpact.model.plausibility import doubts
 
-    asked = contact_of(**pair)
-    contact, found = asked.best, _summary(np.ravel(capture_velocity(asked.contact)), 0)["value"]
-    warn(doubts(asked.contact))
+    chosen = contact_of(**pair)
+    limits = np.ravel(capture_velocity(chosen.contact))
+    warn(doubts(chosen.contact))
     if as_json:
-        limit = found if asked.draws else found[0]
-        print_json({"inputs": asked.inputs(), "outputs": {"capture_velocity": limit}})
+        outputs = {"capture_velocity": limits if chosen.draws else limits[0]}
+        print_json({"inputs": chosen.inputs(), "outputs": outputs})
         return
-    own = float(capture_velocity(contact))
+    contact = chosen.best
     hertz_group, adhesion_group = contact.groups
     rows = [
-        ("capture velocity", number(own), "m/s"),
+        ("capture velocity", number(float(capture_velocity(contact))), "m/s"),
         ("velocity scale V", number(contact.velocity_scale), "m/s"),
         ("damping group C_H", number(hertz_group), ""),
         ("damping group C_A", number(adhesion_group), ""),
@@ -281,11 +299,11 @@ def capture_command(as_json: bool, **pair: Any) -> None:
         ("work of adhesion w_A", number(contact.work_of_adhesion), "J/m2"),
         ("equilibrium contact radius", number(contact.equilibrium_contact_radius, 1e9), "nm"),
     ]
-    if asked.draws:
-        low, middle, high = np.quantile(found, [0.05, 0.5, 0.95], method="nearest")
+    if chosen.draws:
+        low, middle, high = np.quantile(limits, [0.05, 0.5, 0.95], method="nearest")
         span = f"{number(middle)} ({number(low)} to {number(high)})"
         rows.insert(1, ("of all contacts, median (5 to 95 %)", span, "m/s"))
-    print_table(asked.words(), ("", "value", "unit"), rows)
+    print_table(chosen.title(), ("", "value", "unit"), rows)
 
 
 @click.command("export")
@@ -313,17 +331,17 @@ def export_command(
     from microimpact.model.law.table import tabulate
     from microimpact.model.plausibility import doubts
 
-    asked = contact_of(**pair)
+    chosen = contact_of(**pair)
     checked("fastest", fastest, SPEED)
-    law = tabulate(asked.best, fastest / 2.0, fastest)
+    law = tabulate(chosen.best, fastest / 2.0, fastest)
     written = [str(path) for path in law.export(output, form, friction_basis, tolerance)]
-    warn(doubts(asked.best))
+    warn(doubts(chosen.best))
     if as_json:
         options = {"format": form, "fastest": fastest, "tolerance": tolerance}
-        inputs = replace(asked, contact=asked.best).inputs() | options
+        inputs = replace(chosen, contact=chosen.best).inputs() | options
         print_json({"inputs": inputs | {"friction_basis": friction_basis}, "files": written})
         return
-    click.echo(asked.words())
+    click.echo(chosen.title())
     click.echo("\n".join(written))
 
 
@@ -332,10 +350,14 @@ def export_command(
 @click.option("--json", "as_json", is_flag=True, help="Print JSON in SI units.")
 def materials_command(materials: str | None, as_json: bool) -> None:
     """List the declared materials and pairs."""
-    known, pairs = _declared(materials)
-    properties = {"youngs_modulus": 1e-9, "poissons_ratio": 1.0, "density": 1.0}
+    known, pairs = _shipped()
+    if materials is not None:
+        known |= read_materials(materials)
+    factors = {"youngs_modulus": 1e-9, "poissons_ratio": 1.0, "density": 1.0}
     if as_json:
-        listed = {name: {p: getattr(of, p) for p in properties} for name, of in known.items()}
+        listed = {
+            name: {key: getattr(body, key) for key in factors} for name, body in known.items()
+        }
         declared = [{"particle": p, "surface": s} | dict(pairs[p, s]) for p, s in pairs]
         print_json({"materials": listed, "pairs": declared})
         return
@@ -343,8 +365,8 @@ def materials_command(materials: str | None, as_json: bool) -> None:
         "Materials",
         ("material", "Young's modulus (GPa)", "Poisson's ratio", "density (kg/m3)"),
         [
-            (name, *(number(getattr(of, p), factor) for p, factor in properties.items()))
-            for name, of in known.items()
+            (name, *(number(getattr(body, key), factor) for key, factor in factors.items()))
+            for name, body in known.items()
         ],
     )
     print_table(
@@ -357,16 +379,11 @@ def materials_command(materials: str | None, as_json: bool) -> None:
     )
 
 
-def _declared(
-    own: str | None = None,
-) -> tuple[dict[str, Material], Mapping[tuple[str, str], Mapping[str, float]]]:
-    """Return the materials, those of a file of one's own in place of those shipped, and pairs."""
+def _shipped() -> tuple[dict[str, Material], dict[Pair, dict[str, float]]]:
+    """Shipped materials and pairs."""
     from microimpact.model.pairs import declared_pairs
 
-    materials = read_materials(declared_file("materials.csv"))
-    if own is not None:
-        materials |= read_materials(own)
-    return materials, declared_pairs()
+    return read_materials(declared_file("materials.csv")), declared_pairs()
 
 
 def contact_of(
@@ -376,82 +393,117 @@ def contact_of(
     diameter_um: float | None,
     materials: str | None,
     **options: Any,
-) -> Asked:
+) -> Chosen:
     """Return the contact that the options make.
 
-    Raises ValueError if they do not suffice, or contradict each other.
-    """
-    from microimpact.model.pairs import IncompletePairError, pair_contact
+    Parameters
+    ----------
+    particle, surface
+        Names of the materials.
+    file
+        Contacts as `measured.contacts.write_contacts` writes them: all but the diameter.
+    diameter_um
+        um; None: that of the pair or of the file.
+    materials
+        CSV of own materials.
+    **options
+        All other options of `contact_options`; None where they are not set.
 
+    Raises
+    ------
+    OSError, ValueError
+        If a file cannot be read, or the options do not suffice or contradict each other.
+    """
     diameter = None if diameter_um is None else diameter_um * 1e-6
-    fields = (name.replace("-", "_") for name in _NUMBERS if name != "diameter-um")
-    changes = {name: options[name] for name in fields}
     if file is not None:
-        others = options | {"particle": particle, "surface": surface, "materials": materials}
-        model = others.pop("stiffness_model")
-        given = [name for name, value in others.items() if value is not None]
-        given += ["stiffness_model"] * (model != STIFFNESS_MODELS[0])
-        if given:
+        chosen = _from_file(file, diameter)
+        excess = options | {"particle": particle, "surface": surface, "materials": materials}
+        if excess["stiffness_model"] == STIFFNESS_MODELS[0]:
+            del excess["stiffness_model"]
+        flags = [_flag(name) for name, value in excess.items() if value is not None]
+        if flags:
             raise ValueError(
                 "--contact holds the whole contact, but the diameter may change; leave out "
-                f"{', '.join('--' + name.replace('_', '-') for name in given)}"
+                f"{', '.join(flags)}"
             )
-        return _from_file(file, diameter)
+        return chosen
     if particle is None or surface is None:
         raise ValueError("give --particle and --surface, or --contact")
-    known, pairs = _declared(materials)
+    shipped, pairs = _shipped()
+    known = shipped | ({} if materials is None else read_materials(materials))
     for role, name in (("particle", particle), ("surface", surface)):
-        known |= _own_material(role, name, known, options)
+        known = known | _with_options(role, name, known, options)
+    changes = {name: options[name] for name in _FIELDS}
+    changes |= {"diameter": diameter, "stiffness_model": options["stiffness_model"]}
+    contact = _contact(particle, surface, known, pairs, changes)
+    replaced = {}
+    if (particle, surface) in pairs:
+        same = {name: changes[name] for name in ("diameter", "stiffness_model")}
+        declared = _contact(particle, surface, shipped, pairs, same)
+        replaced = _differences(declared, contact)
+    return Chosen(contact=contact, best=contact, replaced=replaced)
+
+
+def _contact(
+    particle: str,
+    surface: str,
+    known: Mapping[str, Material],
+    pairs: Mapping[Pair, Mapping[str, float]],
+    changes: Mapping[str, Any],
+) -> Contact:
+    """Build the contact of a pair; an incomplete one names the options to give."""
+    from microimpact.model.pairs import IncompletePairError, pair_contact
+
     try:
-        contact = pair_contact(
-            particle,
-            surface,
-            known,
-            pairs,
-            diameter=diameter,
-            stiffness_model=options["stiffness_model"],
-            **changes,
-        )
+        return pair_contact(particle, surface, known, pairs, **changes)
     except IncompletePairError as error:
-        flags = [f"--{name.replace('_', '-')}" for name in error.missing]
-        wanted = ", ".join("--diameter-um" if flag == "--diameter" else flag for flag in flags)
-        raise ValueError(f"{error.pair}; give {wanted}{error.near}") from None
-    own = pairs.get((particle, surface), {})
-    if changes["ring_force"] is not None and "work_of_adhesion" in own:
-        changes["work_of_adhesion"] = float(contact.work_of_adhesion)  # type: ignore[arg-type]
-    replaced = {name: own[name] for name in CALIBRATED if own.get(name) is not None}
-    replaced = {n: v for n, v in replaced.items() if changes[n] not in {None, v}}
-    return Asked(contact=contact, best=contact, replaced=replaced)
+        flags = ["--diameter-um" if name == "diameter" else _flag(name) for name in error.missing]
+        raise ValueError(f"{error.pair}; give {', '.join(flags)}{error.near}") from None
 
 
-def _own_material(
+def _differences(declared: Contact, contact: Contact) -> dict[str, tuple[float, float]]:
+    """Numbers in which a contact differs from the declared one of its pair: declared, present."""
+    pairs = {name: (getattr(declared, name), getattr(contact, name)) for name in REPLACEABLE}
+    for role in ("particle", "surface"):
+        bodies = getattr(declared, role), getattr(contact, role)
+        for field, _, _ in _ELASTIC.values():
+            pairs[f"{role}_{field}"] = tuple(getattr(body, field) for body in bodies)
+    return {name: ends for name, ends in pairs.items() if None not in ends and ends[0] != ends[1]}
+
+
+def _flag(name: str) -> str:
+    """Command line option of a parameter."""
+    return f"--{name.replace('_', '-')}"
+
+
+def _with_options(
     role: str, name: str, known: Mapping[str, Material], options: Mapping[str, Any]
 ) -> dict[str, Material]:
-    """Return the material with what options say of it, if anything."""
-    said = {option: options[f"{role}_{option.replace('-', '_')}"] for option in _ELASTIC}
-    given: dict[str, Any] = {
-        field: factor * said[option]
+    """Material of a body with the properties that options give, if any."""
+    values = {option: options[f"{role}_{option.replace('-', '_')}"] for option in _ELASTIC}
+    fields: dict[str, Any] = {
+        field: factor * values[option]
         for option, (field, factor, _) in _ELASTIC.items()
-        if said[option] is not None
+        if values[option] is not None
     }
-    if not given:
+    if not fields:
         return {}
-    missing = [f"--{role}-{option}" for option, value in said.items() if value is None]
+    missing = [f"--{role}-{option}" for option, value in values.items() if value is None]
     if missing and name not in known:
         raise ValueError(f"the material {name!r} is not declared; give {', '.join(missing)}, too")
     try:
-        own = replace(known[name], **given) if name in known else Material(name=name, **given)
+        body = replace(known[name], **fields) if name in known else Material(name=name, **fields)
     except ValueError as error:
         raise ValueError(f"--{role} {name!r}: {error}") from None
-    return {name: own}
+    return {name: body}
 
 
-def _from_file(file: str, diameter: float | None) -> Asked:
-    """Return the contacts of a file, at another diameter if wished."""
+def _from_file(file: str, diameter: float | None) -> Chosen:
+    """Contacts of a file, at another diameter if one is given."""
     from microimpact.measured.contacts import read_contacts
     from microimpact.model.contact import resized
 
     contact, best = read_contacts(file)
     if diameter is not None:
         contact, best = resized(contact, diameter), resized(best, diameter)
-    return Asked(contact=contact, best=best, replaced={})
+    return Chosen(contact=contact, best=best, replaced={})

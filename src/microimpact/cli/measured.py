@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,7 @@ from microimpact.cli.output import number, precise, print_json, print_table, war
 
 if TYPE_CHECKING:
     from microimpact.measured.rebounds import Rebounds
+    from microimpact.model.contact import Contact
 
 _unit_option = click.option(
     "--unit", help="Unit of the speeds where the header says none; default m/s."
@@ -51,26 +53,26 @@ def fit_command(
     from microimpact.model.empirical.comparison import compare_models
 
     measured = _measured(data, unit, sigma)
-    found = compare_models(
+    comparison = compare_models(
         measured.v, measured.e, measured.sigma, confidence=confidence, models=models or None
     )
     if plot:
         from microimpact.measured.picture import draw
 
-        draw(measured, found, plot)
+        draw(measured, comparison, plot)
     if as_json:
         numbers = ("free", "v_c", "interval", "chi_square", "criterion", "weight")
         print_json(
             {
-                "v_c": found.v_c,
-                "v_c_interval": list(found.v_c_interval),
-                "confidence": found.confidence,
-                "sigma": found.sigma,
-                "scatter_over_sigma": found.scatter,
-                "warnings": list(found.warnings),
+                "v_c": comparison.v_c,
+                "v_c_interval": list(comparison.v_c_interval),
+                "confidence": comparison.confidence,
+                "sigma": comparison.sigma,
+                "scatter_over_sigma": comparison.scatter,
+                "warnings": list(comparison.warnings),
                 "models": {
                     model.name: {name: getattr(model, name) for name in numbers}
-                    for model in found.models
+                    for model in comparison.models
                 },
             }
         )
@@ -88,15 +90,15 @@ def fit_command(
             f"{model.criterion:.1f}",
             f"{model.weight:.2f}",
         )
-        for model in found.models
+        for model in comparison.models
     ]
     print_table(title, header, rows)
-    v_c, low, high = _with_interval(found.v_c, found.v_c_interval)
+    v_c, low, high = _with_interval(comparison.v_c, comparison.v_c_interval)
     click.echo(
         f"v_c = {v_c} m/s, {100 * confidence:g} %: {low} to {high} m/s, averaged "
         "over the models by weight.\nOn condition that one of them has the shape of the true curve."
     )
-    warn(found.warnings)
+    warn(comparison.warnings)
 
 
 @click.command("calibrate")
@@ -108,7 +110,7 @@ def fit_command(
     "--free",
     default="w_A,c_H,c_A",
     show_default=True,
-    help="What the data are to tell, of w_A, c_H, c_A and n.",
+    help="Parameters to be found, of w_A, c_H, c_A and n.",
 )
 @click.option("--draws", type=int, default=400, show_default=True, help="Contacts to be drawn.")
 @click.option("--seed", type=int, default=0, show_default=True)
@@ -132,56 +134,74 @@ def calibrate_command(
 ) -> None:
     """Find contacts from measured restitutions, or c_H and c_A from two numbers.
 
-    DATA is a CSV file as of 'microimpact fit'. The answer are many contacts, all of which the data
-    admit; predictions from them ('microimpact simulate --contact FILE') have a range.
+    DATA is a CSV file as of 'microimpact fit'. The result is a sample of contacts that agree with
+    the data; predictions from it ('microimpact simulate --contact FILE') have a range.
     """
     from microimpact.measured.contacts import write_contacts
+    from microimpact.model.calibration import two_stage
     from microimpact.model.dynamics.capture import capture_velocity as captured_below
     from microimpact.model.posterior import calibrate
 
-    numbers = {"--restitution": restitution, "--at-speed": at_speed}
-    numbers["--capture-velocity"] = capture_velocity
-    given = [name for name, value in numbers.items() if value is not None]
-    if (data is None) != (len(given) == len(numbers)) or (data and given):
-        raise ValueError(f"give either DATA, or {', '.join(numbers)}")
-    wanted = _wanted(free) if data else ["hertz_damping", "adhesion_damping"]
-    for name in wanted:  # what is to be found need not be given
-        if (
-            pair["file"] is None
-            and pair[name] is None
-            and not (name == "work_of_adhesion" and pair["ring_force"])
-        ):
-            pair[name] = 0.1
-    start, found = contact_of(**pair).best, None
-    if data is None:
-        from microimpact.model.calibration import two_stage
-
-        targets: Any = (at_speed, restitution, capture_velocity)
+    targets = _targets(data, restitution, at_speed, capture_velocity)
+    free_fields = ["hertz_damping", "adhesion_damping"] if targets else _fields(free)
+    start = _start(pair, free_fields)
+    diagnostics = ""
+    if targets:
         contact = best = two_stage(start, *targets).contact
     else:
-        measured = _measured(data, unit, sigma)
+        measured = _measured(str(data), unit, sigma)
         if measured.sigma is None:
             raise ValueError(
                 "sigma is needed, as a column or as --sigma: without it all contacts fit"
             )
         points = measured.v, measured.e, measured.sigma
-        found = calibrate(start, *points, wanted, draws=draws, seed=seed)
-        contact, best = found.contact, found.best
+        posterior = calibrate(start, *points, free_fields, draws=draws, seed=seed)
+        contact, best, diagnostics = posterior.contact, posterior.best, f"{posterior}\n"
     if output:
         write_contacts(output, contact, best)
     limit = np.atleast_1d(captured_below(contact))
-    ranges = {n: _range(getattr(contact, of), getattr(best, of)) for n, of in _SHORT.items()}
+    ranges = {
+        symbol: _range(getattr(contact, name), getattr(best, name))
+        for symbol, name in _SHORT.items()
+    }
     ranges["v_c (m/s)"] = _range(limit, captured_below(best))
     if as_json:
         print_json({"contacts": ranges, "draws": limit.size, "file": output})
         return
     title = f"{best.particle.name} on {best.surface.name}, {best.diameter * 1e6:g} um"
-    rows = [(name, *map(number, of.values())) for name, of in ranges.items()]
+    rows = [(symbol, *map(number, numbers.values())) for symbol, numbers in ranges.items()]
     print_table(title, ("", "best", "median", "5 %", "95 %"), rows)
-    if found is not None:
-        click.echo(str(found))
+    click.echo(diagnostics, nl=False)
     if output:
         click.echo(f"Written: {output}")
+
+
+def _targets(
+    data: str | None,
+    restitution: float | None,
+    at_speed: float | None,
+    capture_velocity: float | None,
+) -> tuple[float, float, float] | None:
+    """Speed, e at it and v_c, or None where data take their place."""
+    numbers = {"--at-speed": at_speed, "--restitution": restitution}
+    numbers["--capture-velocity"] = capture_velocity
+    values = [value for value in numbers.values() if value is not None]
+    if (data is None) == (not values):
+        raise ValueError(f"give either DATA, or {', '.join(numbers)}")
+    missing = [name for name, value in numbers.items() if value is None]
+    if values and missing:
+        raise ValueError(f"without DATA give {', '.join(missing)}, too")
+    return (values[0], values[1], values[2]) if values else None
+
+
+def _start(pair: dict[str, Any], free_fields: Sequence[str]) -> Contact:
+    """Contact from which a search starts; numbers that it is to find need not be given."""
+    if pair["file"] is None:
+        for name in free_fields:
+            ring_force = name == "work_of_adhesion" and pair["ring_force"] is not None
+            if pair[name] is None and not ring_force:
+                pair[name] = 0.1
+    return contact_of(**pair).best
 
 
 def _measured(data: str, unit: str | None, sigma: float | None) -> Rebounds:
@@ -202,8 +222,8 @@ def _with_interval(value: float, interval: tuple[float, float]) -> list[str]:
     return [precise(number, high - low) for number in (value, low, high)]
 
 
-def _wanted(free: str) -> list[str]:
-    """Return the fields of a contact that short names mean."""
+def _fields(free: str) -> list[str]:
+    """Fields of a contact by their symbols, separated by commas."""
     from microimpact.core.nearest import nearest
 
     names = [name.strip() for name in free.split(",")]

@@ -39,10 +39,10 @@ def print_json(values: Mapping[str, Any]) -> None:
             return {key: plain(child, str(key)) for key, child in node.items()}
         return [plain(child, name) for child in node] if isinstance(node, list | tuple) else node
 
-    found = plain(values)
+    record = plain(values)
     if infinite:
-        found["infinite"] = sorted(set(infinite))
-    click.echo(json.dumps(found, indent=2, allow_nan=False))
+        record["infinite"] = sorted(set(infinite))
+    click.echo(json.dumps(record, indent=2, allow_nan=False))
 
 
 def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
