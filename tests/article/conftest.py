@@ -15,8 +15,8 @@ from microimpact.ledgers.claims.criteria import read_claims
 
 
 @pytest.fixture(scope="session")
-def claims():
-    return read_claims(ROOT / "config/claims.yaml")
+def claims(settings):
+    return read_claims(ROOT / "config/claims.yaml", settings.branches["claim_numbers"])
 
 
 @pytest.fixture(scope="session")

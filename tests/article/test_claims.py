@@ -325,7 +325,7 @@ def test_without_adhesion_the_impulse_ratio_is_the_friction(value):
 
 def test_net_friction_gives_no_rise_and_hertz_the_greatest(value):
     net, compressive, hertz = (
-        value("C69", f"impulse_ratio_8_over_15_deg{ending}") for ending in ("_net", "", "_hertz")
+        value("C69", f"rise_of_impulse_ratio{ending}") for ending in ("_net", "", "_hertz")
     )
     assert net == pytest.approx(1.0, abs=1e-12)
     assert (compressive > 1.0).all()

@@ -65,7 +65,8 @@ NUMBER = re.compile(r"(?<![\w.])(?:\d+\.\d+|\d+(?= (?:m/s|µm|mm|nm|v|events)\b|
 @pytest.mark.parametrize("claim", CLAIMS.values(), ids=CLAIMS)
 def test_a_reason_repeats_no_number_that_is_declared_elsewhere(claim):
     written = re.sub(r"\[\[.*?\]\]|(Section|Eqs?\.|Figs?\.) \S+|\b\d\.\d\.\d", "", claim.reason)
-    said = " ".join([claim.statement, claim.article_value, *map(str, claim.criteria)])
+    texts = (claim.statement, claim.article_value, *claim.labels.values())
+    said = " ".join([*texts, *map(str, claim.criteria)])
     own = {float(number) for number in re.findall(r"\d+(?:\.\d+)?", said)}
     assert {float(number) for number in NUMBER.findall(written)} <= own
 
@@ -76,6 +77,8 @@ def test_a_changed_value_changes_the_reasons_that_tell_it():
     for name, claim in CLAIMS.items():
         assert (here[name].reason != there[name].reason) == ("[[" in claim.reason)
         assert "[[" not in here[name].reason
+    labels = (of["C16"].labels["captured_share"] for of in (here, there))
+    assert list(labels) == ["captured share below 0.2 m/s", "captured share below 0.4 m/s"]
     assert "restitution 0.70, sliding with friction 0.15" in here["C45"].reason
     assert "at 0.25, 0.45, 0.75 and 1.66 m/s" in here["C101"].reason
     with pytest.raises(ConfigError, match=r"C\d+\.reason: no parameter 'fall\.\S+'"):

@@ -97,11 +97,7 @@ def test_separation_of_two_samples(values, expected):
 
 
 def test_the_share_decides_in_the_ledger_and_the_cases_are_examples():
-    rows = [
-        ("C01", case, name, value, unit)
-        for case in "ab"
-        for name, value, unit in (("e", 0.7, "-"), ("v", 1.0, "m/s"))
-    ]
+    rows = [("C01", case, name, value) for case in "ab" for name, value in (("e", 0.7), ("v", 1.0))]
     share = Share(
         variants={"with": 0.4},
         margin=np.repeat([np.inf, -np.inf], [4, 6]),

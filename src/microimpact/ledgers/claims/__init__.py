@@ -23,7 +23,7 @@ from microimpact.ledgers.claims.judging import (
     verdict,
 )
 from microimpact.ledgers.claims.shares import Share, shares
-from microimpact.ledgers.claims.words import bounds, computed_values, failing, in_words, sentence
+from microimpact.ledgers.claims.words import bounds, computed_values, failing, sentence
 
 # Loaded where a ledger is judged: the pages, which read it as text, do without.
 if TYPE_CHECKING:
@@ -107,8 +107,7 @@ def verdicts(
     Raises
     ------
     LedgerError
-        If a number is missing, not finite, of an unknown claim, case or quantity, or of another
-        unit than declared.
+        If a number is missing, not finite, or of an unknown claim, case or quantity.
     """
     import pandas as pd
 
@@ -141,11 +140,9 @@ def _problems(claim: Claim, numbers: pd.DataFrame) -> list[str]:
         return f"{claim.id}: {quantity} ({case})" if case else f"{claim.id}: {quantity}"
 
     lines = [f"{name(*key)} is missing" for key in sorted(wanted - set(keys)) if whole]
-    for key, unit, value in zip(keys, rows["unit"], rows["value"], strict=True):
+    for key, value in zip(keys, rows["value"], strict=True):
         if key not in wanted:
             lines.append(f"{name(*key)} is not declared")
-        elif unit != claim.quantities[key[1]]:
-            lines.append(f"{name(*key)} in {unit}, not {claim.quantities[key[1]]}")
         elif not np.isfinite(value):
             lines.append(f"{name(*key)} = {value} must be finite")
     if len(set(keys)) != len(keys):
@@ -156,9 +153,9 @@ def _problems(claim: Claim, numbers: pd.DataFrame) -> list[str]:
 def _judged(claim: Claim, numbers: pd.DataFrame, share: Share | None) -> tuple[Row, list[Row]]:
     computed = numbers[numbers["problem"] == ""]
     lacking = numbers[numbers["problem"] != ""]
-    labels = {name: in_words(name) for name in claim.quantities}
+    labels = claim.labels
     criteria = (*claim.identified_if, *claim.criteria)
-    rows = results(computed, criteria, labels, claim.quantities)
+    rows = results(computed, criteria, labels, claim.units)
     failed = list(map(sentence, failing(rows)))
     if not claim.testable:
         decision, margin = "not testable", math.nan
@@ -186,7 +183,7 @@ def _judged(claim: Claim, numbers: pd.DataFrame, share: Share | None) -> tuple[R
         "decided_by": share.decided_by if share else "",
         "independent": "",
         "margin": margin,
-        "evidence": "; ".join(dict.fromkeys(numbers["evidence"])),
+        "evidence": claim.evidence,
         "figures": " ".join(claim.figures),
         "code": " ".join(dict.fromkeys(numbers["code"])),
         "inputs": " ".join(sorted({name for text in numbers["inputs"] for name in text.split()})),

@@ -40,7 +40,8 @@ NOT_COMPUTED: Literal["not computed"] = "not computed"
 # What it gets if the error of a number covers the bound that decides; none declares that, either.
 UNDECIDED: Literal["undecided"] = "undecided"
 Finding = Literal[Verdict, "not computed", "undecided"]
-QuantityName = Annotated[str, Field(pattern=r"^[a-z][a-z0-9]*(_[a-z0-9]+)*$")]
+# Without numbers, but those of equations: settings that it hangs on are told by its label.
+QuantityName = Annotated[str, Field(pattern=r"^[a-z]+(_[a-z]+|_eq_\d+)*$")]
 # A figure of the article, 01 to 25, or one of the project's own.
 FigureName = Annotated[str, Field(pattern=r"^(fig(0[1-9]|1\d|2[0-5])|[a-z]+(_[a-z]+)*)$")]
 EquationNumber = Annotated[str, Field(pattern=r"^([1-9]|[1-3]\d|4[01])$")]
@@ -120,6 +121,14 @@ class Criterion:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Quantity:
+    """A number to compute: its unit, ``-`` for none, and what it is called."""
+
+    unit: Name
+    label: Name
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Break:
     """One changed input or misprinted equation, and the verdict that must then come out."""
 
@@ -160,7 +169,7 @@ class Claim:
     article_value, unit
         The printed number, or the shape, sign or order claimed; its unit, ``-`` for none.
     quantities
-        Numbers to compute, with their units.
+        Numbers to compute: units, or units and labels where the name does not say all.
     criteria
         All must hold.
     reason
@@ -191,7 +200,7 @@ class Claim:
     kind: Kind
     article_value: Name
     unit: Name = "-"
-    quantities: dict[QuantityName, Name] = field(default_factory=dict)
+    quantities: dict[QuantityName, Name | Quantity] = field(default_factory=dict)
     criteria: tuple[Criterion, ...] = ()
     reason: Name
     if_met: Positive = "reproduced"
@@ -221,6 +230,31 @@ class Claim:
         if self.break_ and self.break_.expect not in self.verdicts:
             told = f"'{self.break_.expect}', which is not among the verdicts"
             raise ValueError(f"break expects {told}: {', '.join(self.verdicts)}")
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Units by quantity."""
+        return {
+            name: quantity if isinstance(quantity, str) else quantity.unit
+            for name, quantity in self.quantities.items()
+        }
+
+    @property
+    def labels(self) -> dict[str, str]:
+        """Labels by quantity."""
+        return {
+            name: name.replace("_", " ") if isinstance(quantity, str) else quantity.label
+            for name, quantity in self.quantities.items()
+        }
+
+    @property
+    def evidence(self) -> str:
+        """What its numbers rest on."""
+        if not self.testable:
+            return ""
+        if self.if_met == "calibrated":
+            return self.if_met
+        return self.kind if self.kind == "virtual experiment" else "computed"
 
     @property
     def verdicts(self) -> tuple[Verdict, ...]:

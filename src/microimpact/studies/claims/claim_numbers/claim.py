@@ -10,8 +10,6 @@ from typing import Any
 from microimpact.core.tables import Row
 from microimpact.studies.claims.claim_numbers.context import Context, Estimate, Numbers
 
-VIRTUAL, CALIBRATED = "virtual experiment", "calibrated"
-
 # The quantity of the row that stands for numbers that cannot be computed.
 NOT_COMPUTED = "not computed"
 # What the settings or the physics forbid. Errors of the program are none of these and end the run.
@@ -24,12 +22,6 @@ class Claim:
 
     of: Callable[[Context], Numbers]  # Numbers from the context
     by_case: bool  # Whether there are numbers for every case of steel on silicon
-    evidence: str  # Their evidence
-    units: str | Mapping[str, str]  # Unit of all quantities, or of those that have one
-
-    def unit(self, quantity: str) -> str:
-        """Return the unit of a quantity, ``-`` for none."""
-        return self.units if isinstance(self.units, str) else self.units.get(quantity, "-")
 
 
 class Read(dict[str, Any]):
@@ -49,21 +41,27 @@ CLAIMS: dict[str, Claim] = {}
 
 
 def claim(
-    name: str,
-    *,
-    by_case: bool = False,
-    evidence: str = "computed",
-    units: str | Mapping[str, str] = "-",
+    name: str, *, by_case: bool = False
 ) -> Callable[[Callable[[Context], Numbers]], Callable[[Context], Numbers]]:
-    """Register the function that computes the numbers of a claim; fields as in `Claim`.
+    """Register the function that computes the numbers of a claim.
 
-    Raises ValueError if the claim has a function already.
+    Parameters
+    ----------
+    name
+        The claim's, as in ``config/claims.yaml``.
+    by_case
+        As in `Claim`.
+
+    Raises
+    ------
+    ValueError
+        If the claim has a function already.
     """
 
     def register(of: Callable[[Context], Numbers]) -> Callable[[Context], Numbers]:
         if name in CLAIMS:
             raise ValueError(f"claim {name!r} has a function already, {CLAIMS[name].of.__name__}")
-        CLAIMS[name] = Claim(of=of, by_case=by_case, evidence=evidence, units=units)
+        CLAIMS[name] = Claim(of=of, by_case=by_case)
         return of
 
     return register
@@ -73,7 +71,7 @@ def rows(name: str, context: Context) -> Iterator[Row]:
     """Yield the rows of a claim, with `COLUMNS`: numbers, or why there are none in a case."""
     own = CLAIMS[name]
     code = f"{own.of.__module__}.{own.of.__qualname__}"
-    row = {"claim": name, "evidence": own.evidence, "code": code}
+    row = {"claim": name, "code": code}
     read = Read(context.inputs)
     context = replace(context, inputs=read)
     for each in context.cases() if own.by_case else (context,):
@@ -83,13 +81,11 @@ def rows(name: str, context: Context) -> Iterator[Row]:
             why = " ".join(f"{type(error).__name__}: {error}".split())
             found = [(each.case, NOT_COMPUTED, Estimate(math.nan, math.nan), why)]
         for case, quantity, number, problem in found:
-            unit = own.unit(quantity) if not problem else "-"
             yield row | {
                 "case": case,
                 "quantity": quantity,
                 "value": number.value,
                 "error": number.error,
-                "unit": unit,
                 "inputs": " ".join(sorted(read.names)),
                 "problem": problem,
             }

@@ -14,7 +14,7 @@ from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import planar, simulate, velocity_components
 from microimpact.model.dynamics.rolling import gravity_ratio, rolling_distance
 from microimpact.statistics.distributions import generator
-from microimpact.studies.claims.claim_numbers.claim import VIRTUAL, claim
+from microimpact.studies.claims.claim_numbers.claim import claim
 from microimpact.studies.claims.claim_numbers.context import Context, Numbers, without_adhesion
 
 ANALYSIS = 98
@@ -24,14 +24,14 @@ AROUND = 1e-3
 APPARENT = 1e-3
 
 
-@claim("C40", by_case=True, units={"largest_final_spin": "rad/s"})
+@claim("C40", by_case=True)
 def c40(context: Context) -> Numbers:
     """Spin after impact, the largest over all rebounds."""
     _, impact = context.rebounds()
     return {"largest_final_spin": np.max(np.abs(impact.spin))}
 
 
-@claim("C58", units={"yield_strength_for_no_yield": "MPa", "peak_hertz_pressure": "GPa"})
+@claim("C58")
 def c58(context: Context) -> Numbers:
     """Loss by plastic deformation (Thornton and Ning 1998) over the loss measured, by hardness.
 
@@ -92,7 +92,7 @@ def c97(context: Context) -> Numbers:
     return found
 
 
-@claim("C98", by_case=True, evidence=VIRTUAL)
+@claim("C98", by_case=True)
 def c98(context: Context) -> Numbers:
     """Normal speeds of capture without slopes, and where half are captured with them."""
     capture, contact = context.params.capture, context.steel
@@ -103,7 +103,7 @@ def c98(context: Context) -> Numbers:
     apart = np.max(np.abs(np.array(speeds) / upright - 1.0))
     return {
         "largest_difference_of_normal_capture_speeds_over_angles": apart,
-        "apparent_capture_speed_10_over_90_deg_with_slopes": apparent / steep,
+        "ratio_of_apparent_capture_speeds": apparent / steep,
         "share_that_rolls_away_or_bounces_again": share_lost(context, contact, apparent),
     }
 

@@ -57,7 +57,7 @@ def c54(context: Context) -> Numbers:
     }
 
 
-@claim("C55", by_case=True, units={"largest_effect_taken_for_bd_by_a_quarter_of_the_design": "%"})
+@claim("C55", by_case=True)
 def c55(context: Context) -> Numbers:
     """Interaction BD at small levels over those of the same factors.
 

@@ -45,7 +45,7 @@ def c43(context: Context) -> Numbers:
     return {
         "rms_relative_error_of_fitted_capture_velocity": Estimate(rms, scatter),
         "relative_error_without_noise": fitted / limit - 1.0,
-        "relative_error_from_data_above_2_capture_velocities": later / steel_limit - 1.0,
+        "relative_error_from_later_data": later / steel_limit - 1.0,
     }
 
 

@@ -17,7 +17,7 @@ from microimpact.model.dynamics.impact import simulate
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.rigid_body.algebra import energy_loss
 from microimpact.statistics.distributions import Distribution, generator
-from microimpact.studies.claims.claim_numbers.claim import CALIBRATED, VIRTUAL, claim
+from microimpact.studies.claims.claim_numbers.claim import claim
 from microimpact.studies.claims.claim_numbers.context import (
     Context,
     Estimate,
@@ -36,7 +36,7 @@ LEVEL, LEVEL_TOLERANCE = 0.95, 0.015
 ERROR_BAR = 1.96
 
 
-@claim("C01", units="m/s")
+@claim("C01")
 def c01(context: Context) -> Numbers:
     """Speeds after the shortest and longest fall, from a speed at the exit of the dispenser."""
     fall = context.params.fall
@@ -61,7 +61,7 @@ def c02(context: Context) -> Numbers:
     return {"largest_error_of_restitution": np.max(np.abs(-rebound / incident - e))}
 
 
-@claim("C03", by_case=True, evidence=VIRTUAL, units={"slowest_rebound_seen": "m/s"})
+@claim("C03", by_case=True)
 def c03(context: Context) -> Numbers:
     """Slowest rebound that climbs to the probe, and share of the rebounds that do not."""
     fall = context.params.fall
@@ -88,7 +88,7 @@ def c03(context: Context) -> Numbers:
         raise ValueError(f"fall.pile_up_speed_m_per_s: no sphere rebounds at {speed:g}")
     return {
         "slowest_rebound_seen": slowest,
-        "share_of_rebounds_below_probe_at_0p3_m_per_s": (slow - captured) / (count - captured),
+        "share_of_rebounds_below_probe": (slow - captured) / (count - captured),
     }
 
 
@@ -106,14 +106,14 @@ def restitutions(
     return np.where(impact.captured, 0.0, impact.coefficient_of_restitution)
 
 
-@claim("C04", units={"drop_height_for_0p3_m_per_s": "m"})
+@claim("C04")
 def c04(context: Context) -> Numbers:
     """Height of free fall that gives the faster end of the piling up."""
     speed = context.params.fall.pile_up_speed_m_per_s
-    return {"drop_height_for_0p3_m_per_s": speed**2 / (2.0 * gravity)}
+    return {"drop_height": speed**2 / (2.0 * gravity)}
 
 
-@claim("C05", by_case=True, evidence=CALIBRATED)
+@claim("C05", by_case=True)
 def c05(context: Context) -> Numbers:
     """Restitution against that at 1.66 m/s: greatest change down to 0.75 m/s, fall at 0.3 m/s."""
     normal = context.params.normal
@@ -121,8 +121,8 @@ def c05(context: Context) -> Numbers:
     e = context.steel_impacts(speeds).coefficient_of_restitution
     slow = context.steel_impacts(normal.slow_speed_m_per_s).coefficient_of_restitution
     return {
-        "largest_relative_change_of_restitution_above_0p75_m_per_s": np.max(np.abs(e / e[-1] - 1)),
-        "relative_fall_of_restitution_at_0p3_m_per_s": 1.0 - slow / e[-1],
+        "largest_relative_change_of_restitution": np.max(np.abs(e / e[-1] - 1)),
+        "relative_fall_of_restitution": 1.0 - slow / e[-1],
     }
 
 
@@ -160,8 +160,8 @@ def c07(context: Context) -> Numbers:
         for diameter in context.params.normal.compared_diameters_um
     )
     return {
-        "capture_velocity_ratio_75_to_49_um": capture_velocity(large) / capture_velocity(small),
-        "speed_ratio_at_0p9_of_plateau_75_to_49_um": speed_of_share(context, large)
+        "ratio_of_capture_velocities": capture_velocity(large) / capture_velocity(small),
+        "ratio_of_speeds_below_plateau": speed_of_share(context, large)
         / speed_of_share(context, small),
     }
 
@@ -182,12 +182,12 @@ def speed_of_share(context: Context, contact: Contact) -> float:
     raise ValueError(f"restitution never falls to {normal.plateau_share:g} of its plateau")
 
 
-@claim("C08", by_case=True, evidence=CALIBRATED, units="m/s")
+@claim("C08", by_case=True)
 def c08(context: Context) -> Numbers:
     """Capture velocity of the mean sphere of the smaller sieve class."""
     diameter = context.params.sieves.named_diameter_um * 1e-6
     found = context.limits("C08", lambda steel: sized(context, steel, diameter))
-    return {"capture_velocity_49_um": found}
+    return {"capture_velocity": found}
 
 
 def sized(context: Context, contact: Contact, diameter: Real) -> Contact:
@@ -198,7 +198,7 @@ def sized(context: Context, contact: Contact, diameter: Real) -> Contact:
     )
 
 
-@claim("C61", evidence=VIRTUAL, units={"disk_speed_needed": "rev/min", "best_field_of_view": "mm"})
+@claim("C61")
 def c61(context: Context) -> Numbers:
     """Speeds that some field of view serves, and those that the best one does at its best angle.
 
@@ -220,7 +220,7 @@ def c61(context: Context) -> Numbers:
     }
 
 
-@claim("C62", evidence=VIRTUAL)
+@claim("C62")
 def c62(context: Context) -> Numbers:
     """Largest change of precision and recall with the height of the probe, at any of the speeds.
 
@@ -246,11 +246,7 @@ def c62(context: Context) -> Numbers:
     return found
 
 
-@claim(
-    "C63",
-    evidence=VIRTUAL,
-    units={"speed_at_least_coverage": "m/s", "angle_at_least_coverage": "deg"},
-)
+@claim("C63")
 def c63(context: Context) -> Numbers:
     """Share of intervals of restitution that hold either mean: the extremes over experiments."""
     table = context.table("interval_coverage", quantity="restitution")
@@ -264,12 +260,14 @@ def c63(context: Context) -> Numbers:
         "greatest_coverage_of_mean_of_observable_events": highest,
         "speed_at_least_coverage": least["speed_m_per_s"],
         "angle_at_least_coverage": least["angle_deg"],
-        "share_of_experiments_within_0p015": ((coverage - LEVEL).abs() <= LEVEL_TOLERANCE).mean(),
+        "share_of_experiments_within_tolerance": (
+            (coverage - LEVEL).abs() <= LEVEL_TOLERANCE
+        ).mean(),
         "least_coverage_of_mean_of_all_impacts": table["coverage_all"].min(),
     }
 
 
-@claim("C64", by_case=True, evidence=VIRTUAL)
+@claim("C64", by_case=True)
 def c64(context: Context) -> Numbers:
     """Ratio of the speeds at which restitution has fallen to a share of its plateau.
 
@@ -293,7 +291,7 @@ def c64(context: Context) -> Numbers:
         ratio = ratio * fallen_speed(speed[rebounding], curve, sieves.plateau_share) ** power
         drawn = drawn * fallen_speed(speed[rebounding], sample, sieves.plateau_share) ** power
     return {
-        "speed_ratio_at_0p9_of_plateau_smaller_to_larger_class": ratio[0],
+        "ratio_of_speeds_below_plateau": ratio[0],
         "lower_end_of_its_interval": np.quantile(drawn, LOWER_END),
     }
 
@@ -316,7 +314,7 @@ def fallen_speed(speed: FloatArray, restitution: FloatArray, share: float) -> Fl
     return found
 
 
-@claim("C65", by_case=True, evidence=VIRTUAL)
+@claim("C65", by_case=True)
 def c65(context: Context) -> Numbers:
     """Range of speeds over which capture sets in, over the capture velocity of the named sphere.
 
@@ -328,10 +326,10 @@ def c65(context: Context) -> Numbers:
     sizes = np.append(ends, sieves.named_diameter_um * 1e-6)[:, None]
     *found, named = context.limits("C65", lambda steel: resized(steel, sizes))
     width = np.ptp(found) / named
-    return {"width_of_capture_10_to_90_percent_over_capture_velocity_49_um": width}
+    return {"width_of_capture_over_capture_velocity": width}
 
 
-@claim("C66", evidence=VIRTUAL, units="m/s")
+@claim("C66")
 def c66(context: Context) -> Numbers:
     """Speeds below which a target piles up, for strong and weak capture, by share that stays."""
     shares = context.params.instruments.pile_shares
@@ -355,8 +353,8 @@ def piles(context: Context, share: float) -> Numbers:
     strong, weak = found[near]
     difference = [abs(strong - weak) for strong, weak in found.values()]
     return {
-        "onset_speed_at_capture_velocity_0p18": strong,
-        "onset_speed_at_capture_velocity_0p02": weak,
+        "onset_speed_with_strong_capture": strong,
+        "onset_speed_with_weak_capture": weak,
         "largest_difference_of_onset_speeds": max(difference),
         "least_difference_of_onset_speeds": min(difference),
     }
@@ -377,7 +375,7 @@ def first_pile(
     return float(speed[0]) if np.all(share < wanted) else onset(speed, share, wanted)
 
 
-@claim("C105", by_case=True, evidence=VIRTUAL)
+@claim("C105", by_case=True)
 def c105(context: Context) -> Numbers:
     """How the mean e of a sieve class's rebounds changes from the nominal speed down."""
     sieves = context.params.sieves
@@ -389,8 +387,8 @@ def c105(context: Context) -> Numbers:
     average = np.sum(impact.coefficient_of_restitution, axis=1) / np.maximum(rebounds, 1)
     change = np.max(np.abs(average / average[-1] - 1.0))
     return {
-        "largest_relative_change_of_conditional_mean_above_0p75_m_per_s": change,
-        "captured_share_at_0p75_m_per_s": np.mean(impact.captured[0]),
+        "largest_relative_change_of_conditional_mean": change,
+        "captured_share": np.mean(impact.captured[0]),
     }
 
 

@@ -18,7 +18,7 @@ from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import Impact, simulate, velocity_components
 from microimpact.model.rigid_body.roughness import measured_restitution
 from microimpact.statistics.distributions import generator
-from microimpact.studies.claims.claim_numbers.claim import VIRTUAL, claim
+from microimpact.studies.claims.claim_numbers.claim import claim
 from microimpact.studies.claims.claim_numbers.context import (
     Context,
     Estimate,
@@ -51,7 +51,7 @@ def c09(context: Context) -> Numbers:
         normal_capture_speed(case, shallow) / normal_capture_speed(case, steep)
         for case in context.cases()
     ]
-    return {"normal_capture_speed_ratio_30_to_90_deg": max(ratios)}
+    return {"ratio_of_normal_capture_speeds": max(ratios)}
 
 
 def normal_capture_speed(context: Context, angle: float) -> float:
@@ -69,7 +69,7 @@ def normal_capture_speed(context: Context, angle: float) -> float:
     return float(speed * np.sin(np.radians(angle)))
 
 
-@claim("C10", by_case=True, units={"rolling_to_sliding_angle": "deg"})
+@claim("C10", by_case=True)
 def c10(context: Context) -> Numbers:
     """Angle at which the sphere that leaves begins to roll."""
     context.rebounds()  # or there is no limit
@@ -131,7 +131,7 @@ def c13(context: Context) -> Numbers:
     """Translational loss at 10 deg, and its greatest rise above any value at a steeper angle."""
     loss = translational_loss(context, context.speed, *context.params.oblique.falling_loss_deg)
     return {
-        "energy_loss_at_10_deg": loss[-1],
+        "energy_loss_at_shallow_angle": loss[-1],
         "largest_rise_towards_shallow_angles": np.max(loss - np.minimum.accumulate(loss)),
     }
 
@@ -152,8 +152,8 @@ def c14(context: Context) -> Numbers:
     below = eta[angles < 45.0]
     return {
         "largest_difference_from_eq_13": np.max(np.abs(-v_t / v_n - eta)),
-        "least_eta_below_45_deg": np.min(below),
-        "least_ratio_of_square_to_eta_below_45_deg": np.min(np.square(below) / below),
+        "least_eta": np.min(below),
+        "least_ratio_of_square_to_eta": np.min(np.square(below) / below),
     }
 
 
@@ -170,10 +170,10 @@ def c15(context: Context) -> Numbers:
     speed = min(slow.speeds_m_per_s)
     spin = slow.spin_ratio * speed / contact.radius
     impact = simulate(contact, speed, slow.spin_deg, spin)
-    return {"impulse_ratio_at_45_deg_with_greatest_spin": impact.impulse_ratio}
+    return {"impulse_ratio_with_greatest_spin": impact.impulse_ratio}
 
 
-@claim("C16", by_case=True, evidence=VIRTUAL)
+@claim("C16", by_case=True)
 def c16(context: Context) -> Numbers:
     """Share captured, and mean restitution, of slow impacts below a normal speed.
 
@@ -193,8 +193,8 @@ def c16(context: Context) -> Numbers:
         rebound = np.where(chosen.captured, 0.0, chosen.rebound_velocity[:, 2])
         restitution += (-rebound / chosen.velocity[:, 2]).tolist()
     return {
-        "captured_share_below_0p2_m_per_s": of_share(np.mean(stayed), len(stayed)),
-        "mean_restitution_below_0p2_m_per_s": np.mean(restitution),
+        "captured_share": of_share(np.mean(stayed), len(stayed)),
+        "mean_restitution": np.mean(restitution),
     }
 
 
@@ -206,7 +206,7 @@ def sampled(context: Context, dropped: Dropped, angle: float) -> Impacts:
     return impacts.select(in_class(own, impacts))
 
 
-@claim("C67", by_case=True, evidence=VIRTUAL, units={"width_of_transition": "deg"})
+@claim("C67", by_case=True)
 def c67(context: Context) -> Numbers:
     """Kinds of regions of the mean impulse ratio, and the transition, with and without spins."""
     smooth = context.params.smooth
@@ -246,8 +246,8 @@ def c68(context: Context) -> Numbers:
     )
     stray = np.max(np.abs(level.coefficient_of_restitution - context.params.steel.restitution))
     return {
-        "largest_difference_from_plateau_15_to_85_deg": stray,
-        "restitution_at_10_deg": grazing.coefficient_of_restitution,
+        "largest_difference_from_plateau": stray,
+        "restitution_at_grazing_angle": grazing.coefficient_of_restitution,
     }
 
 
@@ -262,10 +262,10 @@ def c69(context: Context) -> Numbers:
     """Ratios of impulse ratios between angles, friction following the declared force."""
     oblique = context.params.oblique
     return {
-        "impulse_ratio_15_over_40_deg": quotient(context, oblique.level_angles_deg),
-        "impulse_ratio_8_over_15_deg": quotient(context, oblique.rise_angles_deg),
-        "impulse_ratio_8_over_15_deg_hertz": quotient(context, oblique.rise_angles_deg, "hertz"),
-        "impulse_ratio_8_over_15_deg_net": quotient(context, oblique.rise_angles_deg, "net"),
+        "level_of_impulse_ratio": quotient(context, oblique.level_angles_deg),
+        "rise_of_impulse_ratio": quotient(context, oblique.rise_angles_deg),
+        "rise_of_impulse_ratio_hertz": quotient(context, oblique.rise_angles_deg, "hertz"),
+        "rise_of_impulse_ratio_net": quotient(context, oblique.rise_angles_deg, "net"),
     }
 
 
@@ -275,7 +275,7 @@ def quotient(context: Context, angles: tuple[float, float], basis: str = "") -> 
     return float(ratio[0] / ratio[1])
 
 
-@claim("C71", evidence=VIRTUAL)
+@claim("C71")
 def c71(context: Context) -> Numbers:
     """Least difference of restitution above 20 deg, by slopes alone and with weaker adhesion."""
     named = context.params.mechanisms
@@ -310,7 +310,7 @@ def pair(
     return context.column("surface_pairs", column, angles, pair=name)
 
 
-@claim("C72", evidence=VIRTUAL)
+@claim("C72")
 def c72(context: Context) -> Numbers:
     """Largest excess of the impulse ratio on the rough surface, at any angle."""
     name, column = context.params.mechanisms.slopes_alone, "impulse_ratio_difference"
@@ -318,7 +318,7 @@ def c72(context: Context) -> Numbers:
     return {"largest_excess_of_rough_surface_over_half_width": excess.max()}
 
 
-@claim("C73", evidence=VIRTUAL)
+@claim("C73")
 def c73(context: Context) -> Numbers:
     """Largest difference of the energy loss above 50 deg, with half the adhesion and without."""
     named = context.params.mechanisms
@@ -333,7 +333,7 @@ def c73(context: Context) -> Numbers:
     }
 
 
-@claim("C74", evidence=VIRTUAL)
+@claim("C74")
 def c74(context: Context) -> Numbers:
     """Least difference of the losses on the mirror, and its error by squared restitutions."""
     named = context.params.mechanisms
@@ -345,7 +345,7 @@ def c74(context: Context) -> Numbers:
     }
 
 
-@claim("C75", by_case=True, evidence=VIRTUAL)
+@claim("C75", by_case=True)
 def c75(context: Context) -> Numbers:
     """Falls of restitution with the speed and the angle: means of the rebounds of a class.
 
@@ -357,11 +357,11 @@ def c75(context: Context) -> Numbers:
     speeds = np.array(slow.speeds_m_per_s[:2])
     sphere = simulate(context.steel, speeds, slow.trend_deg[0]).coefficient_of_restitution
     return {
-        "fall_at_85_deg_1p60_to_0p45_m_per_s": fast - slowest,
-        "fall_85_to_25_deg_at_0p45_less_at_1p60_m_per_s": (slowest - slowest_shallow)
+        "fall_to_slowest_class": fast - slowest,
+        "fall_with_angle_of_slowest_less_fastest_class": (slowest - slowest_shallow)
         - (fast - fast_shallow),
-        "fall_at_85_deg_1p60_to_1p05_m_per_s": fast - middle,
-        "fall_at_85_deg_1p60_to_1p05_m_per_s_mean_sphere": sphere[0] - sphere[1],
+        "fall_to_middle_class": fast - middle,
+        "fall_of_mean_sphere_to_middle_speed": sphere[0] - sphere[1],
     }
 
 
@@ -381,16 +381,16 @@ def class_mean(context: Context, name: str, angle: float) -> Estimate:
     return context.mean("restitution", dropped, angle)
 
 
-@claim("C76", by_case=True, evidence=VIRTUAL)
+@claim("C76", by_case=True)
 def c76(context: Context) -> Numbers:
     """Fall of restitution from steep to shallow: means of the rebounds of the fastest class."""
     slow = context.params.slow
     fastest = next(iter(slow.classes))
     steep, shallow = (class_mean(context, fastest, angle) for angle in slow.trend_deg)
-    return {"fall_of_restitution_85_to_25_deg": steep - shallow}
+    return {"fall_of_restitution": steep - shallow}
 
 
-@claim("C77", by_case=True, units="deg")
+@claim("C77", by_case=True)
 def c77(context: Context) -> Numbers:
     """How far the end of rolling moves towards steep angles as the speed falls, by spin."""
     slow = context.params.slow
@@ -398,9 +398,8 @@ def c77(context: Context) -> Numbers:
     base = rolling_limit(context.steel, fast, 0.0)
     return {
         name: {
-            f"shift_of_rolling_limit_at_{words}_m_per_s": rolling_limit(context.steel, speed, spin)
-            - base
-            for words, speed in (("0p45", slowest), ("1p05", middle))
+            f"shift_of_rolling_limit_at_{words}": rolling_limit(context.steel, speed, spin) - base
+            for words, speed in (("slowest", slowest), ("middle", middle))
         }
         for name, spin in (("no spin", 0.0), ("back spin", slow.limit_spin_ratio))
     }
@@ -429,7 +428,7 @@ def c111(context: Context) -> Numbers:
     }
 
 
-@claim("C78", by_case=True, evidence=VIRTUAL)
+@claim("C78", by_case=True)
 def c78(context: Context) -> Numbers:
     """Least mean impulse ratio over spreads of spins about two means, and the spins needed.
 
@@ -472,7 +471,7 @@ def spread_needed(context: Context) -> float:
     return root(lower_end, 0.0, WIDEST_SPREAD, absolute=1e-2)
 
 
-@claim("C79", by_case=True, evidence=VIRTUAL, units="deg")
+@claim("C79", by_case=True)
 def c79(context: Context) -> Numbers:
     """First angle at which the loss differs from that at the steepest.
 
@@ -481,9 +480,9 @@ def c79(context: Context) -> Numbers:
     table = context.table("speed_and_angle").sort_values("speed_m_per_s")
     slow, middle, fast = table["first_departure_of_loss_deg"].to_numpy(float)
     return {
-        "angle_of_departure_at_1p05_m_per_s": middle,
-        "angle_of_departure_at_0p45_m_per_s": slow,
-        "angle_of_departure_at_1p60_m_per_s": fast,
+        "angle_of_departure_of_middle_class": middle,
+        "angle_of_departure_of_slowest_class": slow,
+        "angle_of_departure_of_fastest_class": fast,
     }
 
 
@@ -494,7 +493,7 @@ def c80(context: Context) -> Numbers:
     Its error is that of a mean over as many pairs of restitution and friction drawn at random.
     """
     shares = context.table("loss_slopes")["share_falling"].to_list()
-    return {"share_of_falling_slopes_below_45_deg": over_draws(shares)}
+    return {"share_of_falling_slopes": over_draws(shares)}
 
 
 @claim("C106", by_case=True)
@@ -510,10 +509,10 @@ def c106(context: Context) -> Numbers:
         return simulate(rubbing, slowest, angle, 0.0, basis).impulse_ratio
 
     ratio = context.of_steel(("C106",), ratios)
-    return {"impulse_ratio_30_less_50_deg_at_0p45_m_per_s": ratio[0] - ratio[1]}
+    return {"difference_of_impulse_ratios": ratio[0] - ratio[1]}
 
 
-@claim("C109", evidence=VIRTUAL)
+@claim("C109")
 def c109(context: Context) -> Numbers:
     """Mean half-width of -mu in experiments with spin over that in those without.
 
@@ -524,7 +523,7 @@ def c109(context: Context) -> Numbers:
     bare = half_widths(context, NO_SPIN)
     error = np.hypot(spun.error / spun.value, bare.error / bare.value)
     ratio = spun.value / bare.value
-    return {"interval_width_with_over_without_spin_at_70_deg": Estimate(ratio, ratio * error)}
+    return {"interval_width_with_over_without_spin": Estimate(ratio, ratio * error)}
 
 
 def half_widths(context: Context, spin: InitialSpin) -> Estimate:
@@ -539,7 +538,7 @@ def half_widths(context: Context, spin: InitialSpin) -> Estimate:
     return over_draws([0.5 * (of.high - of.low) for of in means])
 
 
-@claim("C110", by_case=True, units="deg")
+@claim("C110", by_case=True)
 def c110(context: Context) -> Numbers:
     """Largest angle at which -mu of a rebound exceeds that at 40 deg by a share."""
     contact, oblique = context.steel, context.params.oblique

@@ -16,7 +16,7 @@ from microimpact.model.rigid_body.algebra import (
     deformation_impulse,
     restitution_with_adhesion,
 )
-from microimpact.studies.claims.claim_numbers.claim import VIRTUAL, claim
+from microimpact.studies.claims.claim_numbers.claim import claim
 from microimpact.studies.claims.claim_numbers.context import Context, Numbers, without_adhesion
 from microimpact.studies.claims.claim_numbers.experiments import rebounding_speeds
 
@@ -100,7 +100,7 @@ def c21(context: Context) -> Numbers:
     return {
         "restitution_just_above_capture": e,
         "adhesion_coefficient_just_above_capture": 1.0 - e / body,
-        "restitution_without_adhesion_at_1_mm_per_s": at_rest,
+        "restitution_without_adhesion": at_rest,
     }
 
 
@@ -156,7 +156,7 @@ def c24(context: Context) -> Numbers:
     return {"largest_relative_residual_of_energy": max(np.max(part) for part in residuals)}
 
 
-@claim("C91", units={"tilt_for_impulse_ratio_of_0p01": "deg"})
+@claim("C91")
 def c91(context: Context) -> Numbers:
     """Spin, or tilt, that gives a mean impulse ratio of 0.01 at normal incidence.
 
@@ -166,13 +166,13 @@ def c91(context: Context) -> Numbers:
     table = context.table("spin_or_tilt")
     tilt = table["tilt_deg"].min()
     return {
-        "spin_over_speed_for_impulse_ratio_of_0p01": table["spin_over_speed"].max(),
-        "tilt_for_impulse_ratio_of_0p01": tilt,
+        "spin_over_speed_needed": table["spin_over_speed"].max(),
+        "tilt_needed": tilt,
         "tilt_over_its_uncertainty": tilt / context.params.slopes.printed_angle_error_deg,
     }
 
 
-@claim("C92", by_case=True, evidence=VIRTUAL)
+@claim("C92", by_case=True)
 def c92(context: Context) -> Numbers:
     """Rise by adhesion, and spread at equal normal speed of two speeds, by adhesion or slopes."""
     table = context.table("adhesion_or_roughness").set_index("cause")
@@ -180,7 +180,7 @@ def c92(context: Context) -> Numbers:
     return {
         "spread_over_speeds_at_equal_normal_speed_by_adhesion": spread["adhesion"],
         "spread_over_speeds_at_equal_normal_speed_by_slopes": spread["slopes"],
-        "rise_at_shallowest_rebound_at_1p66_m_per_s_by_adhesion": rise["adhesion"],
+        "rise_at_shallowest_rebound_by_adhesion": rise["adhesion"],
     }
 
 
@@ -195,7 +195,7 @@ def c93(context: Context) -> Numbers:
     momentum = max((along - i.tangential_velocity) / context.speed for i in limits)
     difference = max(abs(i.impulse_ratio - contact.friction) for i in limits)
     return {
-        "tangential_impulse_over_momentum_at_0p1_deg": momentum,
+        "tangential_impulse_over_momentum": momentum,
         "largest_difference_of_impulse_ratio_from_friction": difference,
     }
 

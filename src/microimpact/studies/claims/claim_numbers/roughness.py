@@ -15,7 +15,7 @@ from microimpact.model.rigid_body.algebra import rigid_body_rebound
 from microimpact.model.rigid_body.roughness import measured_impulse_ratio, measured_restitution
 from microimpact.statistics.distributions import Constant, mean
 from microimpact.studies.analyses.roughness_expansions import EQUATIONS, FORMS, SlopedImpacts
-from microimpact.studies.claims.claim_numbers.claim import CALIBRATED, VIRTUAL, claim
+from microimpact.studies.claims.claim_numbers.claim import claim
 from microimpact.studies.claims.claim_numbers.context import Context, Numbers
 from microimpact.studies.claims.claim_numbers.oblique import at_angles
 from microimpact.studies.claims.claim_numbers.spores import rise
@@ -152,7 +152,7 @@ def on_slope(
     )
 
 
-@claim("C51", evidence=VIRTUAL)
+@claim("C51")
 def c51(context: Context) -> Numbers:
     """Rise of e_m on Formica, and the change of e on the smooth surface of Fig. 23."""
     formica = context.params.formica
@@ -162,24 +162,24 @@ def c51(context: Context) -> Numbers:
     )
     risen = rise(context, "restitution", formica.steel)
     return {
-        "rise_on_rough_surface_45_to_15_deg_over_half_width": risen,
-        "change_on_smooth_surface_45_to_15_deg": shallow - steep,
+        "rise_on_rough_surface_over_half_width": risen,
+        "change_on_smooth_surface": shallow - steep,
     }
 
 
-@claim("C52", evidence=VIRTUAL)
+@claim("C52")
 def c52(context: Context) -> Numbers:
     """Return -mu of the smooth surface of Fig. 23, and the rise of -mu_m on Formica."""
     formica, name = context.params.formica, "smooth_impulse_ratio"
     smooth = context.number("monte_carlo", name, angle_deg=formica.trend_deg[1])
     risen = rise(context, "impulse_ratio", formica.steel)
     return {
-        "impulse_ratio_of_smooth_surface_at_15_deg": smooth,
-        "rise_on_rough_surface_45_to_15_deg_over_half_width": risen,
+        "impulse_ratio_of_smooth_surface": smooth,
+        "rise_on_rough_surface_over_half_width": risen,
     }
 
 
-@claim("C60", evidence=VIRTUAL, units="deg")
+@claim("C60")
 def c60(context: Context) -> Numbers:
     """Largest declared angle at which e_m exceeds that without slopes significantly."""
     samples = context.params.roughness
@@ -194,14 +194,14 @@ def c60(context: Context) -> Numbers:
     return {"largest_angle_with_bias_of_restitution": next(biased, 0.0)}
 
 
-@claim("C94", evidence=CALIBRATED)
+@claim("C94")
 def c94(context: Context) -> Numbers:
     """Differences of relative e_m, Formica with slopes less the same without."""
     samples = context.params.roughness
     alike = [abs(departure(context, angle)) for angle in samples.alike_angles_deg]
     return {
-        "largest_difference_from_85_to_45_deg": max(alike),
-        "difference_at_20_deg": abs(departure(context, samples.differ_angle_deg)),
+        "largest_difference_at_steep_angles": max(alike),
+        "difference_at_shallow_angle": abs(departure(context, samples.differ_angle_deg)),
     }
 
 
@@ -247,7 +247,7 @@ def c95(context: Context) -> Numbers:
     }
 
 
-@claim("C96", evidence=CALIBRATED)
+@claim("C96")
 def c96(context: Context) -> Numbers:
     """Share of the departure of e_m that some sources explain, by angle.
 
@@ -255,12 +255,11 @@ def c96(context: Context) -> Numbers:
     which none does; the others are at their means, or at none.
     """
     pair, angles = context.params.roughness.pair, context.params.roughness.explained_angles_deg
-    wanted: list[tuple[str, tuple[str, ...], float]]
-    wanted = [("slope_and_diameter", pair, angle) for angle in angles]
-    wanted += [(source, (source,), angles[0]) for source in SOURCES]
+    larger, smaller = angles
     return {
-        f"share_explained_by_{words}_at_{angle:g}_deg": share(context, sources, angle)
-        for words, sources, angle in wanted
+        "share_explained_by_pair": share(context, pair, larger),
+        "share_explained_by_pair_at_shallow_angle": share(context, pair, smaller),
+        **{f"share_explained_by_{name}": share(context, (name,), larger) for name in SOURCES},
     }
 
 

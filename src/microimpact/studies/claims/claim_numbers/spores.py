@@ -9,7 +9,7 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import FloatArray
-from microimpact.studies.claims.claim_numbers.claim import CALIBRATED, VIRTUAL, claim
+from microimpact.studies.claims.claim_numbers.claim import claim
 from microimpact.studies.claims.claim_numbers.context import Context, Estimate, Numbers
 from microimpact.studies.experiments.mechanisms.spore import as_imaged
 from microimpact.studies.samples import Dropped, Sample, Sampling, Seen
@@ -18,7 +18,7 @@ from microimpact.studies.samples import Dropped, Sample, Sampling, Seen
 ERROR_BAR = 1.96
 
 
-@claim("C17", units="m/s")
+@claim("C17")
 def c17(context: Context) -> Numbers:
     """Total speeds that the two printed normal speeds of the spores mean."""
     angles = np.radians(context.params.formica.spore_angles_deg)
@@ -27,7 +27,7 @@ def c17(context: Context) -> Numbers:
     return {"difference_of_total_speeds": speeds[0] - speeds[1], "total_speed": speeds.mean()}
 
 
-@claim("C81", by_case=True, evidence=CALIBRATED)
+@claim("C81", by_case=True)
 def c81(context: Context) -> Numbers:
     """Largest difference of restitution, steel less spores, each calibrated at 85 deg alone."""
     found = context.column(
@@ -35,10 +35,10 @@ def c81(context: Context) -> Numbers:
         "restitution_difference_over_half_width",
         context.params.mechanisms.compared_deg,
     )
-    return {"largest_difference_at_70_and_55_deg_over_half_width": found.abs().max()}
+    return {"largest_difference_over_half_width": found.abs().max()}
 
 
-@claim("C82", units={"angle_of_quoted_capture_velocity": "deg"})
+@claim("C82")
 def c82(context: Context) -> Numbers:
     """Printed normal speed over the quoted capture velocity; what the smooth spore does below."""
     first = context.table("smooth_spore").iloc[0]
@@ -46,13 +46,13 @@ def c82(context: Context) -> Numbers:
     printed = context.printed("normal_speed_lycopodium_38deg")
     restitution = context.column("smooth_spore", "restitution", (38.0, 10.0))
     return {
-        "normal_speed_at_38_deg_over_quoted_capture_velocity": printed / quoted,
-        "fall_of_restitution_of_smooth_spore_38_to_10_deg": restitution[38.0] - restitution[10.0],
+        "normal_speed_over_quoted_capture_velocity": printed / quoted,
+        "fall_of_restitution_of_smooth_spore": restitution[38.0] - restitution[10.0],
         "angle_of_quoted_capture_velocity": first["angle_of_quoted_capture_velocity_deg"],
     }
 
 
-@claim("C83", evidence=VIRTUAL)
+@claim("C83")
 def c83(context: Context) -> Numbers:
     """Rise of restitution from 38 to 15 deg by each cause alone, and the greatest."""
     named = context.params.mechanisms
@@ -62,8 +62,8 @@ def c83(context: Context) -> Numbers:
         "collisions_off_centre": named.spore_off_centre,
     }
     rises = {w: trend(context, name, "restitution_rise_38_to_15") for w, name in causes.items()}
-    return {"greatest_rise_38_to_15_deg_over_half_width": max(rises.values())} | {
-        f"rise_38_to_15_deg_by_{words}_over_half_width": of.value for words, of in rises.items()
+    return {"greatest_rise_over_half_width": max(rises.values())} | {
+        f"rise_by_{words}_over_half_width": rise.value for words, rise in rises.items()
     }
 
 
@@ -81,14 +81,14 @@ def trend(context: Context, mechanism: str, column: str) -> Estimate:
     return Estimate(found, np.sqrt(context.params.sampling.events / rebounds) / ERROR_BAR)
 
 
-@claim("C84", evidence=VIRTUAL)
+@claim("C84")
 def c84(context: Context) -> Numbers:
     """Rises and fall of the impulse ratio as the camera sees them."""
     seen = context.params.mechanisms.spore_seen
-    trends = "rise_85_to_20", "rise_45_to_20", "fall_15_to_5"
+    trends = {"rise": "rise_85_to_20", "later_rise": "rise_45_to_20", "fall": "fall_15_to_5"}
     return {
-        f"{name}_deg_over_half_width": trend(context, seen, f"impulse_ratio_{name}")
-        for name in trends
+        f"{name}_over_half_width": trend(context, seen, f"impulse_ratio_{column}")
+        for name, column in trends.items()
     }
 
 
@@ -100,13 +100,13 @@ def c85(context: Context) -> Numbers:
         abs(row[f"difference_of_{name}_over_half_width"]) for name in ("losses", "restitutions")
     )
     return {
-        "resolution_by_losses_over_that_by_restitutions_at_40_deg": losses / restitutions,
-        "difference_of_losses_at_40_deg_over_half_width": losses,
-        "difference_of_restitutions_at_40_deg_over_half_width": restitutions,
+        "resolution_by_losses_over_that_by_restitutions": losses / restitutions,
+        "difference_of_losses_over_half_width": losses,
+        "difference_of_restitutions_over_half_width": restitutions,
     }
 
 
-@claim("C86", evidence=CALIBRATED, units={"slope_deviation_of_formica": "rad"})
+@claim("C86")
 def c86(context: Context) -> Numbers:
     """Restitution of steel less that of spores, rises of both, and that of steel itself.
 
@@ -127,9 +127,9 @@ def on_formica(context: Context, spore: Dropped) -> Numbers:
         "least_difference_steel_less_spore_over_half_width": min(
             compared(context, "restitution", spore)
         ),
-        "lesser_rise_45_to_15_deg_over_half_width": lesser_rise(context, "restitution", spore),
-        "measured_restitution_of_steel_at_20_deg": steel[20.0],
-        "measured_restitution_of_steel_at_15_deg": steel[15.0],
+        "lesser_rise_over_half_width": lesser_rise(context, "restitution", spore),
+        "measured_restitution_of_steel": steel[20.0],
+        "measured_restitution_of_steel_below": steel[15.0],
         "slope_deviation_of_formica": context.params.formica.steel.surface_slope,
     }
 
@@ -162,7 +162,7 @@ def compared(context: Context, quantity: str, spore: Dropped) -> list[Estimate]:
     ]
 
 
-@claim("C87", evidence=VIRTUAL)
+@claim("C87")
 def c87(context: Context) -> Numbers:
     """Largest difference of the impulse ratios over its half-width, and the lesser rise.
 
@@ -176,15 +176,13 @@ def c87(context: Context) -> Numbers:
             "largest_difference_of_impulse_ratios_over_half_width": max(
                 map(abs, compared(context, "impulse_ratio", spore))
             ),
-            "lesser_rise_45_to_15_deg_over_half_width": lesser_rise(
-                context, "impulse_ratio", spore
-            ),
+            "lesser_rise_over_half_width": lesser_rise(context, "impulse_ratio", spore),
         }
         for name, spore in alternatives.items()
     }
 
 
-@claim("C88", evidence=VIRTUAL)
+@claim("C88")
 def c88(context: Context) -> Numbers:
     """How far the difference of the losses shrinks from 80 to 30 deg, over its half-width.
 
@@ -196,10 +194,9 @@ def c88(context: Context) -> Numbers:
     change = Estimate(abs(losses[1]) - abs(losses[0]), np.hypot(*errors))
     sines: FloatArray = np.sin(np.radians(angles))
     return {
-        "shrinking_of_difference_of_losses_80_to_30_deg_over_half_width": change
-        / np.hypot(*widths),
-        "difference_of_losses_30_over_80_deg": losses[0] / losses[1],
-        "difference_of_restitutions_at_30_deg_over_half_width": Estimate(apart, error) / width,
+        "shrinking_of_difference_of_losses_over_half_width": change / np.hypot(*widths),
+        "ratio_of_differences_of_losses": losses[0] / losses[1],
+        "difference_of_restitutions_over_half_width": Estimate(apart, error) / width,
         "squared_ratio_of_sines": (sines[0] / sines[1]) ** 2,
     }
 
@@ -219,7 +216,7 @@ def differences(context: Context, quantity: str, angles: list[float]) -> list[Fl
     return [difference, width, np.hypot(*errors)]
 
 
-@claim("C89", evidence=VIRTUAL)
+@claim("C89")
 def c89(context: Context) -> Numbers:
     """Share of spores captured, or not seen by the camera, while restitution rises."""
     spore, (_, shallow) = context.params.formica.spore, context.params.formica.trend_deg
@@ -228,10 +225,10 @@ def c89(context: Context) -> Numbers:
         for name in ("captured_share", "bias_of_conditional_mean")
     )
     return {
-        "captured_share_at_15_deg": captured,
-        "rise_45_to_15_deg_over_half_width": rise(context, "restitution", spore, context.series),
-        "share_not_observed_at_15_deg": watched(context).captured_share,
-        "bias_of_conditional_mean_at_15_deg": bias,
+        "captured_share": captured,
+        "rise_over_half_width": rise(context, "restitution", spore, context.series),
+        "share_not_observed": watched(context).captured_share,
+        "bias_of_conditional_mean": bias,
     }
 
 
