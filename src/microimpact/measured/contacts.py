@@ -1,4 +1,4 @@
-"""Calibrated contacts in a file: what one command finds, others take."""
+"""Calibrated contacts in a file, to hand them from one command to others."""
 
 from __future__ import annotations
 
@@ -19,9 +19,21 @@ TEXTS = ("stiffness_model",)
 
 
 def write_contacts(path: Path | str, contact: Contact, best: Contact) -> None:
-    """Write a contact, or an array of them (draws,), and the best one as JSON in SI units.
+    """Write contacts as JSON in SI units.
 
-    Raises OSError if the file cannot be written.
+    Parameters
+    ----------
+    path
+        The file.
+    contact
+        One contact, or an array of draws (draws,).
+    best
+        The best draw.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
     """
     record: dict[str, Any] = {
         role: asdict(getattr(contact, role)) for role in ("particle", "surface")
@@ -31,16 +43,28 @@ def write_contacts(path: Path | str, contact: Contact, best: Contact) -> None:
         record[name] = value if value is None else np.asarray(value).tolist()
     record |= {name: getattr(contact, name) for name in TEXTS}
     numbers = {name: getattr(best, name) for name in NUMBERS}
-    record["best"] = {name: None if of is None else float(of) for name, of in numbers.items()}
+    record["best"] = {
+        name: value if value is None else float(value) for name, value in numbers.items()
+    }
     write_file(path, json.dumps(record, indent=1, allow_nan=False) + "\n")
 
 
 def read_contacts(path: Path | str) -> tuple[Contact, Contact]:
-    """Read what `write_contacts` wrote.
+    """Read a file that `write_contacts` wrote.
 
-    The contact, its arrays of shape (draws, 1), to broadcast with speeds; and the best one. Raises
-    OSError if the file cannot be read. Raises ValueError if it is no such file, or a number is out
-    of range.
+    Returns
+    -------
+    contact
+        Its arrays have the shape (draws, 1), to broadcast with speeds.
+    best
+        The best draw.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    ValueError
+        If it is no such file, or a number is out of range.
     """
     name = Path(path).name
     try:

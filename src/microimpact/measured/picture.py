@@ -31,23 +31,33 @@ WIDTH_INCH, HEIGHT_INCH, POINTS = 6.9, 4.1, 400
         "savefig.dpi": 300,
     }
 )
-def draw(data: Rebounds, found: Comparison, path: Path | str) -> None:
+def draw(data: Rebounds, comparison: Comparison, path: Path | str) -> None:
     """Draw data, models, interval of v_c, and residuals of the best model.
 
-    `data`, `found`: the measurements and the comparison made of them; `path`: file to be written,
-    of one of `FORMATS`. Raises ValueError if the ending is another. Raises OSError if the file
-    cannot be written.
+    Parameters
+    ----------
+    data, comparison
+        The measurements, and the models fitted to them.
+    path
+        File to be written, of one of `FORMATS`.
+
+    Raises
+    ------
+    ValueError
+        If the file has another ending.
+    OSError
+        If it cannot be written.
     """
     if Path(path).suffix not in FORMATS:
         raise ValueError(f"plot must end in {', '.join(FORMATS)}, got {str(path)!r}")
     figure = Figure(figsize=(WIDTH_INCH, HEIGHT_INCH))
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
-    low, high = found.v_c_interval
-    above.axvspan(low, high, color="0.85", label=f"$v_c$, {100 * found.confidence:g} %")
-    above.axvline(found.v_c, color="0.4", linewidth=0.8)
-    v = np.geomspace(max(0.8 * min(data.v.min(), found.v_c), 1e-9), 1.1 * data.v.max(), POINTS)
-    shown = [model for model in found.models if model.weight >= LIGHT][: len(LINES)]
-    for model, line in zip(shown, LINES[: len(shown)], strict=True):
+    low, high = comparison.v_c_interval
+    above.axvspan(low, high, color="0.85", label=f"$v_c$, {100 * comparison.confidence:g} %")
+    above.axvline(comparison.v_c, color="0.4", linewidth=0.8)
+    v = np.geomspace(max(0.8 * min(data.v.min(), comparison.v_c), 1e-9), 1.1 * data.v.max(), POINTS)
+    heavy = [model for model in comparison.models if model.weight >= LIGHT][: len(LINES)]
+    for model, line in zip(heavy, LINES[: len(heavy)], strict=True):
         label = f"{model.name} (weight {model.weight:.2f})"
         above.plot(v, model.law(v), linestyle=line, marker="none", color="black", label=label)
     captured = data.e == 0.0
@@ -57,7 +67,7 @@ def draw(data: Rebounds, found: Comparison, path: Path | str) -> None:
             error = None if data.sigma is None else data.sigma[chosen]
             mark = points | {"marker": marker, "label": label, "markerfacecolor": "white"}
             above.errorbar(data.v[chosen], data.e[chosen], yerr=error, **mark)
-    missed = data.e - shown[0].law(data.v)
+    missed = data.e - heavy[0].law(data.v)
     below.errorbar(data.v, missed, yerr=data.sigma, marker="o", **points)
     below.axhline(0.0, color="black", linewidth=0.8)
     above.set(ylabel="coefficient of restitution e", ylim=(-0.03, 1.03), xscale="log")

@@ -38,28 +38,38 @@ class Rebounds:
 def read_rebounds(path: Path | str, unit: str | None = None) -> Rebounds:
     """Read a CSV file with the columns `COLUMNS`, of which v and e or V are needed.
 
-    `path`: the file; lines that begin with ``#`` are comments. A captured sphere has ``captured``
-    yes, or e (or V) 0; `unit`: unit of the speeds, one of `SPEED_UNITS`, where the header does not
-    say it; m/s else. Raises OSError if the file cannot be read. Raises ValueError, naming file,
-    line, column, value and what is allowed.
+    Parameters
+    ----------
+    path
+        The file; lines that begin with ``#`` are comments. A captured sphere has ``captured`` yes,
+        or e (or V) 0.
+    unit
+        Unit of the speeds, one of `SPEED_UNITS`, where the header has none; None: m/s.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    ValueError
+        With file, line, column, value and the allowed values.
     """
     name = Path(path).name
     try:
         lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
     except UnicodeDecodeError as error:
         raise ValueError(f"{name}: must be a text in UTF-8, byte {error.start} is not") from None
-    kept = [(at, line) for at, line in enumerate(lines, 1) if line.strip() and line[0] != "#"]
-    if not kept:
+    data_lines = [(at, line) for at, line in enumerate(lines, 1) if line.strip() and line[0] != "#"]
+    if not data_lines:
         raise ValueError(f"{name}: no header; columns are {', '.join(COLUMNS)}")
-    table = [_cells(f"{name}, line {at}", line) for at, line in kept]
-    if len(table[0]) == 1 and (other := re.search(r"[;\t|]|(?<=\w) (?=\w)", kept[0][1])):
+    table = [_cells(f"{name}, line {at}", line) for at, line in data_lines]
+    if len(table[0]) == 1 and (separator := re.search(r"[;\t|]|(?<=\w) (?=\w)", data_lines[0][1])):
         raise ValueError(
-            f"{name}, line {kept[0][0]}: the columns must be separated by commas, got "
-            f"{other[0]!r}; numbers have a decimal point"
+            f"{name}, line {data_lines[0][0]}: the columns must be separated by commas, got "
+            f"{separator[0]!r}; numbers have a decimal point"
         )
     units = _columns(name, table[0], unit)
     rows = []
-    for (at, _), cells in zip(kept[1:], table[1:], strict=True):
+    for (at, _), cells in zip(data_lines[1:], table[1:], strict=True):
         if len(cells) != len(table[0]):
             raise ValueError(
                 f"{name}, line {at}: {len(cells)} cells, but {len(table[0])} columns in the header"
@@ -85,7 +95,7 @@ def _columns(name: str, header: list[str], unit: str | None) -> dict[str, float]
     """Return the columns and the factors from their units to SI."""
     if unit is not None and unit not in SPEED_UNITS:
         raise ValueError(f"unit must be one of {', '.join(SPEED_UNITS)}, got {unit!r}")
-    found: dict[str, float] = {}
+    factors: dict[str, float] = {}
     for cell in header:
         match = _HEADER.match(cell)
         column = match[1] if match else cell
@@ -94,25 +104,25 @@ def _columns(name: str, header: list[str], unit: str | None) -> dict[str, float]
                 f"{name}: the column {cell.strip()!r} is none of {', '.join(COLUMNS)}"
                 f"{nearest(column, COLUMNS)}"
             )
-        if column in found:
+        if column in factors:
             raise ValueError(f"{name}: the column {column} stands there twice")
-        said = f"{match[3]}/{match[4]}" if match[3] else match[2]
+        written = f"{match[3]}/{match[4]}" if match[3] else match[2]
         if column in {"v", "V"}:
-            said = said or unit or "m/s"
-            if said not in SPEED_UNITS:
+            written = written or unit or "m/s"
+            if written not in SPEED_UNITS:
                 raise ValueError(
                     f"{name}: the unit of {column} must be one of {', '.join(SPEED_UNITS)}, "
-                    f"got {said!r}"
+                    f"got {written!r}"
                 )
-            found[column] = SPEED_UNITS[said]
-        elif said not in {None, "", "1", "-"}:
-            raise ValueError(f"{name}: {column} has no unit, got {said!r}; give fractions")
+            factors[column] = SPEED_UNITS[written]
+        elif written not in {None, "", "1", "-"}:
+            raise ValueError(f"{name}: {column} has no unit, got {written!r}; give fractions")
         else:
-            found[column] = 1.0
-    if "v" not in found or ("e" in found) == ("V" in found):
-        got = ", ".join(found)
+            factors[column] = 1.0
+    if "v" not in factors or ("e" in factors) == ("V" in factors):
+        got = ", ".join(factors)
         raise ValueError(f"{name}: the columns v and either e or V are needed, got {got}")
-    return found
+    return factors
 
 
 def _row(where: str, cells: dict[str, str], units: dict[str, float]) -> tuple[float, float, float]:

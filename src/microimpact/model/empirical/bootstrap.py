@@ -104,12 +104,12 @@ def bootstrap_v_c(
     truth = np.tile(fit.parameters, (replicates, 1))
     truth[:, [0, 2, V_C]] /= sets.unit[:, None]
     truth[:, V_C] = np.clip(truth[:, V_C], CLOSEST, 1.0)
-    found = fit_batch(sets, guess=np.log(truth))
+    fits = fit_batch(sets, guess=np.log(truth))
     tail = 0.5 * (1.0 - level)
-    low, high = np.quantile(found.v_c, [tail, 1.0 - tail]).tolist()
+    low, high = np.quantile(fits.v_c, [tail, 1.0 - tail]).tolist()
     return CaptureBootstrap(
         interval=(low, high),
-        sample=found.v_c,
-        on_bound=int(np.count_nonzero(found.capture_on_bound)),
+        sample=fits.v_c,
+        on_bound=int(np.count_nonzero(fits.capture_on_bound)),
         confidence=level,
     )

@@ -34,7 +34,7 @@ from microimpact.model.empirical.data import (
 )
 from microimpact.model.empirical.equations import restitution
 from microimpact.model.empirical.kernel import V_C
-from microimpact.model.empirical.search import STARTS, Found, profile
+from microimpact.model.empirical.search import STARTS, Minima, profile
 
 CONFIDENCE = Range(lower=0.0, upper=1.0)
 FRACTION = Range(lower=0.0, upper=1.0, lower_closed=True, upper_closed=True)
@@ -100,18 +100,20 @@ class Model:
 
 # Data sets, the one of each search (m,), v_c (m,) in its unit, and variables (s, m, 5) to start
 # from, if any.
-Profile = Callable[[DataSets, Places, FloatArray, FloatArray], Found]
+Profile = Callable[[DataSets, Places, FloatArray, FloatArray], Minima]
 
 
 def _empirical(
     q: float | None, data: DataSets, owner: Places, v_c: FloatArray, starts: FloatArray
-) -> Found:
+) -> Minima:
     """Profile of Eq. (34)."""
     fresh = 0 if len(starts) else len(STARTS)
     return profile(replace(data, q=q), owner, 1.0 - v_c, *starts, fresh=fresh)
 
 
-def _of_law(name: str, data: DataSets, owner: Places, v_c: FloatArray, starts: FloatArray) -> Found:
+def _of_law(
+    name: str, data: DataSets, owner: Places, v_c: FloatArray, starts: FloatArray
+) -> Minima:
     """Profile of a law of contact."""
     return shapes.profile(name, data, owner, v_c, *starts)
 
@@ -221,52 +223,52 @@ def compare_sets(
     level = float(checked("confidence", confidence, CONFIDENCE))
     alike: dict[tuple[int, int, bool], list[tuple[int, DataSets, Places]]] = defaultdict(list)
     for number, (v, e, sigma) in enumerate(sets):
-        given = sigma is not None
+        known = sigma is not None
         spread = 1.0 if sigma is None else sigma
         speed, measured, spread = measurements(v, e, spread, FRACTION, SPREAD)
         require_telling(speed, measured, FEWEST, FEWEST - 1)
         order = np.argsort(speed, kind="stable")
         row = order[None]
         data = in_own_units(speed[row], measured[row], 1.0 / spread[row], None)
-        alike[speed.size, int(np.sum(data.v >= 1.0)), given].append((number, data, order + 1))
+        alike[speed.size, int(np.sum(data.v >= 1.0)), known].append((number, data, order + 1))
     for name in models or ():
         if name not in CANDIDATES:
             raise ValueError(f"models: {name!r} must be one of {'; '.join(CANDIDATES)}")
-    asked = {name: CANDIDATES[name] for name in models or CANDIDATES}
-    found: dict[int, Comparison] = {}
-    for (_, count, given), members in alike.items():
+    candidates = {name: CANDIDATES[name] for name in models or CANDIDATES}
+    comparisons: dict[int, Comparison] = {}
+    for (_, count, known), members in alike.items():
         numbers, parts, rows = zip(*members, strict=True)
-        compared = _compared(stacked_sets(parts), rows, count, given, level, asked)
-        found |= zip(numbers, compared, strict=True)
-    return [found[number] for number in range(len(sets))]
+        compared = _compared(stacked_sets(parts), rows, count, known, level, candidates)
+        comparisons |= zip(numbers, compared, strict=True)
+    return [comparisons[number] for number in range(len(sets))]
 
 
 def _compared(
     sets: DataSets,
     rows: Sequence[Places],
     count: int,
-    given: bool,
+    known: bool,
     level: float,
-    asked: dict[str, Candidate],
+    candidates: dict[str, Candidate],
 ) -> list[Comparison]:
     """Compare models of data sets that each hold ``count`` points from the slowest rebound up.
 
     ``rows`` are the numbers (n,), from 1, that the points of each set had before they were sorted.
     """
-    spare = 0 if given else 2  # AICc divides by what is left
-    tried = {name: of for name, of in asked.items() if count > of.free + spare}
+    spare = 0 if known else 2  # AICc divides by what is left
+    tried = {name: model for name, model in candidates.items() if count > model.free + spare}
     if not tried:
-        fewest = 1 + spare + min(of.free for of in asked.values())
+        fewest = 1 + spare + min(model.free for model in candidates.values())
         raise ValueError(
             f"v must hold at least {fewest} points from the smallest rebounding speed upwards for "
             f"these models, got {count}"
         )
-    free = np.array([of.free for of in tried.values()])[:, None]
-    drawn = [_drawn(of.profile, sets, count - of.free, given) for of in tried.values()]
-    profiles, v_c = np.stack([found.rows for found in drawn]), np.stack([of.v_c for of in drawn])
+    free = np.array([model.free for model in tried.values()])[:, None]
+    drawn = [_drawn(model.profile, sets, count - model.free, known) for model in tried.values()]
+    profiles, v_c = (np.stack([getattr(best, name) for best in drawn]) for name in ("rows", "v_c"))
     least = profiles[..., 1].min(axis=2)
     leftover = least / (count - free)  # variance of e in units of sigma squared
-    criterion = _criterion(least, free, count, given)
+    criterion = _criterion(least, free, count, known)
     best, every = np.argmin(criterion, axis=0), np.arange(len(sets.unit))
     criterion = criterion - criterion[best, every]
     weights = np.exp(-0.5 * criterion)
@@ -274,8 +276,8 @@ def _compared(
     scatter = leftover[best, every]
     widened = np.maximum(1.0, scatter)
     # With sigma known the signed roots are normal; else, of Student's distribution.
-    freedom = np.where(given & (widened == 1.0), np.inf, count - free)
-    tails = _Tails(profiles, v_c, widened if given else leftover, freedom)
+    freedom = np.where(known & (widened == 1.0), np.inf, count - free)
+    tails = _Tails(profiles, v_c, widened if known else leftover, freedom)
     half = 0.5 * (1.0 - level)
     alone = sets.unit * np.stack([tails.quantiles(half), tails.quantiles(1.0 - half)])
     low, middle, high = (
@@ -286,15 +288,15 @@ def _compared(
         fitted = [
             Model(
                 name=name,
-                free=of.free,
+                free=candidate.free,
                 v_c=float(unit * v_c[k, i]),
                 interval=(float(alone[0, k, i]), float(alone[1, k, i])),
-                chi_square=float(least[k, i]) if given else None,
+                chi_square=float(least[k, i]) if known else None,
                 criterion=float(criterion[k, i]),
                 weight=float(weights[k, i]),
-                law=partial(_in_metres, of, drawn[k].x[i], float(v_c[k, i]), float(unit)),
+                law=partial(_in_metres, candidate, drawn[k].x[i], float(v_c[k, i]), float(unit)),
             )
-            for k, (name, of) in enumerate(tried.items())
+            for k, (name, candidate) in enumerate(tried.items())
         ]
         fitted.sort(key=lambda model: model.criterion)
         data, interval = sets.select(slice(i, i + 1)), (float(low[i]), float(high[i]))
@@ -306,16 +308,18 @@ def _compared(
                 v_c=float(middle[i]),
                 v_c_interval=interval,
                 confidence=level,
-                sigma=float(np.sqrt(scatter[i])) if not given else None,
-                scatter=float(np.sqrt(scatter[i])) if given else 1.0,
+                sigma=float(np.sqrt(scatter[i])) if not known else None,
+                scatter=float(np.sqrt(scatter[i])) if known else 1.0,
                 warnings=tuple(_warnings(data, fitted, residuals, float(middle[i]), interval)),
             )
         )
     return compared
 
 
-def _in_metres(of: Candidate, x: FloatArray, v_c: float, unit: float, v: FloatArray) -> FloatArray:
-    return of.restitution(x, v_c, np.asarray(v) / unit)
+def _in_metres(
+    candidate: Candidate, x: FloatArray, v_c: float, unit: float, v: FloatArray
+) -> FloatArray:
+    return candidate.restitution(x, v_c, np.asarray(v) / unit)
 
 
 class _Drawn(NamedTuple):
@@ -326,13 +330,13 @@ class _Drawn(NamedTuple):
     x: FloatArray  # The variables there (r, 5)
 
 
-def _drawn(of: Profile, sets: DataSets, freedom: int, given: bool) -> _Drawn:
+def _drawn(search: Profile, sets: DataSets, freedom: int, known: bool) -> _Drawn:
     """Draw profiles, closer and closer about their low parts."""
     every = np.arange(len(sets.unit))
 
     def searched(owner: Places, v_c: FloatArray, starts: FloatArray) -> FloatArray:
         """v_c, chi-square and the variables of each search (m, 7)."""
-        return np.column_stack([v_c, *of(sets, owner, v_c, starts)[:2]])
+        return np.column_stack([v_c, *search(sets, owner, v_c, starts)[:2]])
 
     first = np.append(FIRST_VALUES[:-1:APART], GREATEST)
     owner, v_c = np.repeat(every, first.size), np.tile(first, every.size)
@@ -341,14 +345,14 @@ def _drawn(of: Profile, sets: DataSets, freedom: int, given: bool) -> _Drawn:
     for _ in range(ROUNDS + 1):
         # Neighbours on both sides are close starts; a value that is there already stays as it is.
         after = np.sum(rows[:, None, :, 0] < between[..., None], axis=2)
-        before, own = (rows[every[:, None], at] for at in (after - 1, after))
-        new = own[..., 0] != between
-        starts = np.stack([before[new, 2:], own[new, 2:]])
-        own[new] = searched(np.nonzero(new)[0], between[new], starts)
-        rows = np.concatenate([rows, own], axis=1)
+        before, more = (rows[every[:, None], at] for at in (after - 1, after))
+        new = more[..., 0] != between
+        starts = np.stack([before[new, 2:], more[new, 2:]])
+        more[new] = searched(np.nonzero(new)[0], between[new], starts)
+        rows = np.concatenate([rows, more], axis=1)
         rows = np.take_along_axis(rows, np.argsort(rows[..., :1], axis=1, kind="stable"), axis=1)
         rise = rows[..., 1] - (lowest := rows[..., 1].min(axis=1, keepdims=True))
-        unit = np.maximum(lowest / freedom, 1.0 if given else TINY)
+        unit = np.maximum(lowest / freedom, 1.0 if known else TINY)
         low, last = rise < NEGLIGIBLE * unit, rows.shape[1] - 1
         ends = low.argmax(axis=1) - 1, last - low[:, ::-1].argmax(axis=1) + 1
         start, stop = (rows[every, np.clip(end, 0, last), 0] for end in ends)
@@ -385,17 +389,17 @@ class _Tails:
     def quantiles(self, level: float) -> FloatArray:
         """Return v_c (k, r) below which so large a share lies; 0 or 1 where the range sets it."""
         here = np.asarray(scipy.special.stdtrit(self.freedom, level), float)
-        found = _interpolated(here, self.roots, self.values)
-        found = np.where(here > self.roots[..., 0], found, 0.0)
-        return np.where(here < self.roots[..., -1], found, 1.0 * (here >= self.roots[..., -1]))
+        v_c = _interpolated(here, self.roots, self.values)
+        v_c = np.where(here > self.roots[..., 0], v_c, 0.0)
+        return np.where(here < self.roots[..., -1], v_c, 1.0 * (here >= self.roots[..., -1]))
 
 
-def _interpolated(x: FloatArray, places: FloatArray, values: FloatArray) -> FloatArray:
+def _interpolated(x: FloatArray, points: FloatArray, values: FloatArray) -> FloatArray:
     """Return the values (...) at x (...) between places that grow along the last axis."""
-    after = np.sum(places < x[..., None], axis=-1, keepdims=True).clip(1, places.shape[-1] - 1)
+    after = np.sum(points < x[..., None], axis=-1, keepdims=True).clip(1, points.shape[-1] - 1)
     (x_0, x_1), (y_0, y_1) = (
-        [np.take_along_axis(of, at, axis=-1)[..., 0] for at in (after - 1, after)]
-        for of in (places, values)
+        [np.take_along_axis(array, at, axis=-1)[..., 0] for at in (after - 1, after)]
+        for array in (points, values)
     )
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(y_0 + (x - x_0) * ((y_1 - y_0) / (x_1 - x_0)))
@@ -409,18 +413,18 @@ def _averaged(weights: FloatArray, tails: _Tails, level: float) -> FloatArray:
 
     every = np.arange(weights.shape[1])
     bottom, top = (excess(np.full(every.size, end), every) for end in (LEAST, GREATEST))
-    found = np.where(bottom >= 0.0, 0.0, 1.0)
+    v_c = np.where(bottom >= 0.0, 0.0, 1.0)
     within = np.flatnonzero((bottom < 0.0) & (top > 0.0))
-    found[within] = roots(excess, LEAST, GREATEST, within, absolute=1e-9)
-    return found
+    v_c[within] = roots(excess, LEAST, GREATEST, within, absolute=1e-9)
+    return v_c
 
 
-def _criterion(least: FloatArray, free: FloatArray, count: int, given: bool) -> FloatArray:
+def _criterion(least: FloatArray, free: FloatArray, count: int, known: bool) -> FloatArray:
     """Akaike's criterion; that for few data where sigma is estimated, too.
 
     With sigma too small for every model, chi-square counts in units of what the best leaves.
     """
-    if given:
+    if known:
         unit = np.maximum(1.0, np.min(least / (count - free), axis=0))
         return np.asarray(least / unit + 2.0 * free)
     numbers = free + 1
@@ -480,9 +484,9 @@ def _warnings(
 ) -> Iterator[str]:
     yield from _about_the_fit(models[0], residuals)
     heavy = [model for model in models if model.weight >= LIGHT]
-    for one, other in combinations(heavy, 2):
-        if one.interval[0] > other.interval[1] or other.interval[0] > one.interval[1]:
-            yield f"models disagree: {one.name} and {other.name} have intervals that do not meet"
+    for first, second in combinations(heavy, 2):
+        if first.interval[0] > second.interval[1] or second.interval[0] > first.interval[1]:
+            yield f"models disagree: {first.name} and {second.name} have intervals that do not meet"
     if len(heavy) == 1 < len(models):
         yield (
             f"one model alone, {models[0].name}, carries the interval, which supposes it true: of "

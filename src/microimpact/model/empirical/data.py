@@ -56,14 +56,14 @@ def require_telling(v: FloatArray, e: FloatArray, points: int, different: int) -
         raise ValueError("e must be positive somewhere: no sphere rebounds")
     slowest = float(v[e > 0.0].min())
     telling = v[v >= slowest]
-    for least, found, what in (
+    for least, number, what in (
         (points, telling.size, "points"),
         (different, np.unique(telling).size, "different speeds"),
     ):
-        if found < least:
+        if number < least:
             raise ValueError(
                 f"v must hold at least {least} {what} from the smallest rebounding speed "
-                f"{slowest:g} m/s upwards, got {found}"
+                f"{slowest:g} m/s upwards, got {number}"
             )
 
 

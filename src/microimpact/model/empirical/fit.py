@@ -241,8 +241,8 @@ def fit_restitution(
         from the smallest rebounding speed upwards, there are fewer points than free parameters
         and one more or fewer different speeds than free parameters.
     """
-    given = 1.0 if sigma is None else sigma
-    speed, measured, spread = measurements(v, e, given, MEASURED_E, SIGMA)
+    spread = 1.0 if sigma is None else sigma
+    speed, measured, spread = measurements(v, e, spread, MEASURED_E, SIGMA)
     fixed = None if q is None else scalar("q", q)
     level = scalar("confidence", confidence, CONFIDENCE)
     free = 5 if fixed is None else 4

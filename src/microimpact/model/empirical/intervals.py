@@ -42,13 +42,13 @@ def profile_batch(sets: DataSets, fit: BatchFit, v_c: ArrayLike, enough: Real = 
     chi-square, one number or (r,), below which the least does not matter; above it a second search
     is made from a start of its own.
     """
-    given = np.broadcast_to(checked("v_c", v_c, NON_NEGATIVE), sets.unit.shape) / sets.unit
-    gap = np.maximum(1.0 - given, CLOSEST)
+    share = np.broadcast_to(checked("v_c", v_c, NON_NEGATIVE), sets.unit.shape) / sets.unit
+    gap = np.maximum(1.0 - share, CLOSEST)
     limit = np.broadcast_to(enough, gap.shape)
     every = np.arange(len(gap))
     chi_square = profile(sets, every, gap, fit.logs(sets), enough=limit).chi_square
-    chi_square[given > 1.0] = np.inf
-    more = np.flatnonzero((chi_square > limit) & (given <= 1.0))
+    chi_square[share > 1.0] = np.inf
+    more = np.flatnonzero((chi_square > limit) & (share <= 1.0))
     if more.size:
         again = profile(sets, more, gap[more], fresh=1, enough=limit[more])
         chi_square[more] = np.minimum(chi_square[more], again.chi_square)
@@ -99,8 +99,8 @@ class _Way:
     def excess(self, gap: FloatArray, rows: Places, *, fresh: bool) -> FloatArray:
         """Root of the rise of chi-square, which is nearly linear in v_c, less that of the limit."""
         owner = rows % len(self.sets.unit)
-        found = profile(self.sets, owner, gap, self.logs[rows], fresh=int(fresh))
-        chi_square, logs = found.chi_square, found.x[:, :V_C]
+        minimum = profile(self.sets, owner, gap, self.logs[rows], fresh=int(fresh))
+        chi_square, logs = minimum.chi_square, minimum.x[:, :V_C]
         value = np.sqrt(np.maximum(chi_square - self.minimum[rows], 0.0)) - self.limit[rows]
         within, lower = value <= 0.0, chi_square < self.least[rows]
         self.logs[rows[within]] = logs[within]

@@ -161,8 +161,8 @@ def evaluate(points, groups, state, slopes):  # type: ignore[no-untyped-def]  # 
                 for lane in range(LANES):
                     total = 0.0
                     for k in range(GROUP):
-                        one, other = COLUMNS * k + row, COLUMNS * k + column
-                        total += slopes[one, lane] * slopes[other, lane]
+                        left, right = COLUMNS * k + row, COLUMNS * k + column
+                        total += slopes[left, lane] * slopes[right, lane]
                     state[entry, lane] += total
 
 
@@ -203,9 +203,9 @@ def _solve(state):  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912
                 state[below, lane] = state[above, lane] * state[pivot, lane]
                 state[TRIAL + i, lane] -= state[below, lane] * state[TRIAL + k, lane]
             for j in range(i, VARIABLES):
-                entry, other = FACTOR + COLUMNS * i + j, FACTOR + COLUMNS * k + j
+                entry, upper = FACTOR + COLUMNS * i + j, FACTOR + COLUMNS * k + j
                 for lane in range(LANES):
-                    state[entry, lane] -= state[below, lane] * state[other, lane]
+                    state[entry, lane] -= state[below, lane] * state[upper, lane]
     for i in range(VARIABLES):
         for lane in range(LANES):
             state[TRIAL + i, lane] *= state[FACTOR + (COLUMNS + 1) * i, lane]
@@ -326,15 +326,15 @@ def _lines(grid, at, low, high, weights, lines) -> None:  # type: ignore[no-unty
             first, second = rows[k], rows[min(k + 1, last)]
             third, fourth = rows[min(k + 2, last)], rows[min(k + 3, last)]
             rate, along = weights[0, 1, n] * weights[1, 0, p], weights[0, 0, n] * weights[1, 1, p]
-            own = weights[0, 0, n] * weights[1, 0, p]
+            product = weights[0, 0, n] * weights[1, 0, p]
             for m in range(high - low):
                 e = a * first[m] + b * second[m] + c * third[m] + d * fourth[m]
                 across = a_slope * first[m] + b_slope * second[m]
                 across += c_slope * third[m] + d_slope * fourth[m]
                 by_rate[m] += rate * e
                 by_one[m] += along * e
-                by_two[m] += own * across
-                value[m] += own * e
+                by_two[m] += product * across
+                value[m] += product * e
 
 
 @_jit
@@ -364,15 +364,15 @@ def _tabled(grid, points, count, lane, ends, near, ratios, lines, weights, sums,
         by_rate = by_one = by_two = 0.0
         if near[n] >= 0:
             for k in range(4):
-                share, place = ratios[n, k], near[n] + k
-                by_rate += share * lines[0, place]
-                by_one += share * lines[1, place]
-                by_two += share * lines[2, place]
-                misfit += share * lines[3, place]
-        found = (weight * by_rate, weight * by_one, weight * by_two, weight * misfit)
+                share, node = ratios[n, k], near[n] + k
+                by_rate += share * lines[0, node]
+                by_one += share * lines[1, node]
+                by_two += share * lines[2, node]
+                misfit += share * lines[3, node]
+        derivatives = (weight * by_rate, weight * by_one, weight * by_two, weight * misfit)
         for i in range(PARAMETERS + 1):
             for j in range(i, PARAMETERS + 1):
-                sums[i, j] += found[i] * found[j]
+                sums[i, j] += derivatives[i] * derivatives[j]
     for i in range(PARAMETERS + 1):
         for j in range(i, PARAMETERS + 1):
             state[NEW_SUMS + COLUMNS * TABLED[i] + TABLED[j], lane] = sums[i, j]

@@ -85,7 +85,7 @@ class Search(NamedTuple):
     tolerance: float
 
 
-class Found(NamedTuple):
+class Minima(NamedTuple):
     """Of m searches the lowest minima (m,), their variables (m, d), and whether they converged.
 
     The last field is the chi-square (s, m) that each of s starts led to.
@@ -97,7 +97,7 @@ class Found(NamedTuple):
     each: FloatArray
 
 
-def lowest(search: Search, starts: Sequence[FloatArray]) -> Found:
+def lowest(search: Search, starts: Sequence[FloatArray]) -> Minima:
     """Lower the sums of squares from several starts (m, d) each as far as possible within the box.
 
     A variable whose bounds are equal is fixed.
@@ -108,7 +108,7 @@ def lowest(search: Search, starts: Sequence[FloatArray]) -> Found:
     each = chi_square.reshape(len(starts), -1)
     rows = np.arange(len(search.end))
     best = rows + len(rows) * np.argmin(each, axis=0)
-    return Found(chi_square[best], x[best], converged[best], each)
+    return Minima(chi_square[best], x[best], converged[best], each)
 
 
 def ranges(sets: DataSets) -> tuple[Places, FloatArray, FloatArray]:
@@ -213,11 +213,11 @@ def fit_batch(
     if guess is not None:
         gap = np.clip(upper - np.exp(guess[owner, V_C]), CLOSEST * width, width)
         points.append(np.column_stack([guess[owner, :V_C], np.log(gap)]))
-    found = lowest(search, points)
+    minima = lowest(search, points)
     # The lowest of all pieces of each data set.
-    order = np.lexsort((found.chi_square, owner))
+    order = np.lexsort((minima.chi_square, owner))
     piece = order[np.unique(owner[order], return_index=True)[1]]
-    x, chi_square = found.x[piece], found.chi_square[piece]
+    x, chi_square = minima.x[piece], minima.chi_square[piece]
     near = (x - search.low[piece] < ON_BOUND) | (search.high[piece] - x < ON_BOUND)
     gap, span = np.exp(x[:, V_C]), width[piece]
     # v_c is held to be on a bound much closer to it than the others.
@@ -234,8 +234,8 @@ def fit_batch(
         parameters=parameters,
         chi_square=chi_square,
         at_bound=near,
-        converged=found.converged[piece] | (chi_square <= SAME_AS_NONE * data),
-        agreeing=np.sum(found.each[:, piece] <= same, axis=0),
+        converged=minima.converged[piece] | (chi_square <= SAME_AS_NONE * data),
+        agreeing=np.sum(minima.each[:, piece] <= same, axis=0),
     )
 
 
@@ -246,7 +246,7 @@ def profile(
     *starts: FloatArray,
     fresh: int = 0,
     enough: Real = 0.0,
-) -> Found:
+) -> Minima:
     """Search with v_c held, for ln(k, p, kappa, q).
 
     `sets`: the data; `owner`: data set of each search (m,); `gap`: v_c is 1 - gap (m,), in units of

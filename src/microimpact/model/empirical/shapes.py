@@ -22,7 +22,7 @@ from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.empirical.data import DataSets, Places
 from microimpact.model.empirical.kernel import PARAMETERS, VARIABLES, curves
-from microimpact.model.empirical.search import Found, Search, lowest
+from microimpact.model.empirical.search import Minima, Search, lowest
 
 # Places over v/v_c, up to a ratio of 10,000, and over each parameter of a law with two, or one; a
 # law that begins to yield has a kink.
@@ -117,11 +117,11 @@ LAWS = {
 def table(name: str) -> FloatArray:
     """Return e at all places of a law, (n, first parameter, second, v/v_c)."""
     law = LAWS[name]
-    rates, one, two = law.values
+    rates, firsts, seconds = law.values
     ratio = np.exp(np.linspace(0.0, np.sqrt(np.log(LARGEST_RATIO)), RATIOS) ** 2)
     if law.contact is None:
-        return (one[:, None] * np.sqrt(1.0 - ratio**-2))[None, :, None]
-    first, second = (of.reshape(-1, 1) for of in np.meshgrid(one, two, indexing="ij"))
+        return (firsts[:, None] * np.sqrt(1.0 - ratio**-2))[None, :, None]
+    first, second = (axis.reshape(-1, 1) for axis in np.meshgrid(firsts, seconds, indexing="ij"))
     limit = capture_velocity(law.contact(first, second))
     leaves = np.isfinite(limit).ravel()
     contact = law.contact(first[leaves], second[leaves])
@@ -133,14 +133,14 @@ def table(name: str) -> FloatArray:
     # Beyond the last contact that anything leaves, all are like it.
     kept = np.maximum.accumulate(np.where(leaves, np.arange(leaves.size), 0))
     # In order in memory, as all tables are: the search is compiled once.
-    return np.ascontiguousarray(e[:, kept]).reshape(rates.size, one.size, two.size, -1)
+    return np.ascontiguousarray(e[:, kept]).reshape(rates.size, firsts.size, seconds.size, -1)
 
 
 def places(ratio: FloatArray) -> FloatArray:
     """Return where speeds in units of v_c are in a table; below 0 where captured."""
     logs = np.log(np.minimum(ratio, LARGEST_RATIO))
-    found = np.sqrt(np.maximum(logs, 0.0) / np.log(LARGEST_RATIO)) * (RATIOS - 1)
-    return np.where(ratio > 1.0, found, -1.0)
+    positions = np.sqrt(np.maximum(logs, 0.0) / np.log(LARGEST_RATIO)) * (RATIOS - 1)
+    return np.where(ratio > 1.0, positions, -1.0)
 
 
 def restitution(name: str, at: FloatArray, ratio: FloatArray) -> FloatArray:
@@ -152,7 +152,7 @@ def restitution(name: str, at: FloatArray, ratio: FloatArray) -> FloatArray:
 
 def profile(
     name: str, sets: DataSets, owner: Places, v_c: FloatArray, *starts: FloatArray
-) -> Found:
+) -> Minima:
     """Search for a law's parameters with v_c held.
 
     Parameters

@@ -17,14 +17,13 @@ from string import Template
 
 import numpy as np
 
-from microimpact.core.arrays import POSITIVE, FloatArray, checked, choice
+from microimpact.core.arrays import FloatArray, checked, choice
 from microimpact.core.files import write_file
 from microimpact.model.choices import FORMATS, FRICTION_BASES
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.normal import integrate
 from microimpact.model.law.families import Family, quantities
-from microimpact.model.law.pieces import Table, piecewise
-from microimpact.model.law.table import SPLITS, Law
+from microimpact.model.law.pieces import SPLITS, TOLERANCES, Table, piecewise
 from microimpact.model.passes import RESTITUTION, SUPPORT, WIDTH
 from microimpact.model.rigid_body.algebra import INERTIA, SLIP_PER_IMPULSE
 
@@ -53,24 +52,24 @@ class Rebounds:
 
     @property
     def offset(self) -> float:
-        """What is taken from v/unit."""
+        """Offset of the table's variable, v/unit less this."""
         return 1.0 if self.capture_velocity else 0.0
 
     @property
     def coefficients(self) -> FloatArray:
-        """Polynomials of `RESTITUTION` and `IMPULSE` as they are written, (pieces, powers, 2)."""
-        both = self.table.coefficients[0, :, 0, [RESTITUTION, IMPULSE]]
-        return np.moveaxis(both, 0, -1)
+        """Powers' coefficients of `RESTITUTION` and `IMPULSE`, (pieces, powers, 2)."""
+        rows = self.table.coefficients[0, :, 0, [RESTITUTION, IMPULSE]]
+        return np.moveaxis(rows, 0, -1)
 
     def __call__(self, speed: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return e and the impulse per mass and normal speed at normal speeds (n,), m/s."""
         x = speed / self.unit - self.offset
         lowest = math.ldexp(0.5, self.table.lowest)
-        found = self.table(np.maximum(x, lowest), np.zeros(1))
-        e = found[RESTITUTION]
+        values = self.table(np.maximum(x, lowest), np.zeros(1))
+        e = values[RESTITUTION]
         if self.offset:
             e = e * np.sqrt(np.clip(x / lowest, 0.0, 1.0))
-        return e, np.where((x > 0.0) | (self.offset == 0.0), found[IMPULSE], 0.0)
+        return e, np.where((x > 0.0) | (self.offset == 0.0), values[IMPULSE], 0.0)
 
 
 def rebounds(
@@ -78,10 +77,21 @@ def rebounds(
 ) -> Rebounds:
     """Return the rebound law of one contact up to a normal speed.
 
-    `contact`, `family`: the contact, and the family it was tabulated in; `fastest`: m/s; `basis`:
-    normal force in Coulomb's law; `tolerance`: largest error of both, see `Rebounds`. Raises
-    ValueError if there are several contacts, none rebounds up to ``fastest``, or no table is that
-    close.
+    Parameters
+    ----------
+    contact, family
+        The contact, and its family.
+    fastest
+        m/s.
+    basis
+        Normal force in Coulomb's law.
+    tolerance
+        Largest error of e and of the impulse, see `Rebounds`.
+
+    Raises
+    ------
+    ValueError
+        If there are several contacts, none rebounds up to ``fastest``, or no table is that close.
     """
     if contact.shape:
         raise ValueError(f"contact must be a single one to be exported, got {contact.shape}")
@@ -96,13 +106,13 @@ def rebounds(
             f"fastest must be above the capture velocity {limit * scale:.6g} m/s, got {fastest:g}"
         )
 
-    def sampled(x: FloatArray, place: FloatArray) -> FloatArray:
+    def sampled(x: FloatArray, position: FloatArray) -> FloatArray:
         w = (1.0 + x) * limit if limit else x
-        problems = family.problems(w, place)
-        found = quantities(problems, integrate(problems, ledger=True))
+        problems = family.problems(w, position)
+        values = quantities(problems, integrate(problems, ledger=True))
         out = np.zeros((WIDTH, x.size))
-        out[RESTITUTION] = found[RESTITUTION]
-        out[IMPULSE] = found[SUPPORT[basis]] / (w if family.adhesive else 1.0)
+        out[RESTITUTION] = values[RESTITUTION]
+        out[IMPULSE] = values[SUPPORT[basis]] / (w if family.adhesive else 1.0)
         return out
 
     octaves = math.frexp(top)[1] - lowest + 1
@@ -127,13 +137,19 @@ def rebounds(
 
 
 def export(
-    tabulated: Law, path: Path | str, form: str, friction_basis: str, tolerance: float
+    contact: Contact,
+    family: Family,
+    fastest: float,
+    path: Path | str,
+    form: str,
+    friction_basis: str,
+    tolerance: float,
 ) -> list[Path]:
-    """Write the rebound law for another program; see `model.law.table.Law.export`."""
+    """Write the rebound law of a contact for another program; see `model.law.table.Law.export`."""
     choice("format", form, FORMATS)
     basis = choice("friction_basis", friction_basis, FRICTION_BASES)
-    limit = float(checked("tolerance", tolerance, POSITIVE))
-    law = rebounds(tabulated.contact, tabulated.family, tabulated.fastest, basis, limit)
+    limit = float(checked("tolerance", tolerance, TOLERANCES))
+    law = rebounds(contact, family, fastest, basis, limit)
     contents: dict[str, str | bytes] = {}
     if form in {"c", "fluent", "openfoam"}:
         contents["microimpact_rebound.h"] = _filled("rebound.h", law)
@@ -160,7 +176,7 @@ WORKED = {
 
 
 def _filled(name: str, law: Rebounds) -> str:
-    """Return a template with the numbers of the law."""
+    """Template with the numbers of the law."""
     text = (files(__package__) / "templates" / name).read_text(encoding="utf-8")
     rows = (
         "{" + ", ".join("{" + f"{e!r}, {i!r}" + "}" for e, i in piece) + "}"
@@ -168,7 +184,7 @@ def _filled(name: str, law: Rebounds) -> str:
     )
     contact = law.contact
     return Template(text).substitute(
-        described="\n * ".join(_described(law)),
+        described="\n * ".join(_description(law)),
         version=version("microimpact"),
         basis=law.basis,
         net=int(law.basis == "net"),
@@ -193,8 +209,8 @@ def _filled(name: str, law: Rebounds) -> str:
     )
 
 
-def _described(law: Rebounds) -> list[str]:
-    """Return the contact, the range and the error in words."""
+def _description(law: Rebounds) -> list[str]:
+    """Contact, range and error, in lines of words."""
     contact = law.contact
     rate = contact.reference_velocity
     return [
@@ -209,7 +225,7 @@ def _described(law: Rebounds) -> list[str]:
 
 
 def _sampled(law: Rebounds) -> dict[str, FloatArray]:
-    """Return e and the impulse ratio of sliding over the normal speed, dense near capture."""
+    """Columns of e and of the sliding impulse ratio over the normal speed, dense near capture."""
     unit, offset = law.unit, law.offset
     x = np.geomspace(1e-4, law.fastest / unit - offset, ROWS, endpoint=False)
     e, impulse = law(unit * (x + offset))
@@ -228,7 +244,7 @@ def _sampled(law: Rebounds) -> dict[str, FloatArray]:
 
 
 def _text(columns: dict[str, FloatArray]) -> str:
-    """Return columns as CSV."""
+    """Columns as CSV."""
     rows = zip(*(column.tolist() for column in columns.values()), strict=True)
     return "".join(",".join(map(str, row)) + "\n" for row in (columns, *rows))
 
@@ -242,12 +258,13 @@ A captured sphere ends rolling. v_n is the normal speed, not the total one."""
 
 
 def _commented(law: Rebounds) -> str:
-    lines = [*_described(law), *RULE.splitlines()]
+    """Description and rule, as comments of a table."""
+    lines = [*_description(law), *RULE.splitlines()]
     return "".join(f"# {line}\n" for line in lines)
 
 
 def _archive(law: Rebounds) -> bytes:
-    """Return columns and polynomials as an archive of NumPy."""
+    """Columns and polynomials as an archive of NumPy."""
     target = io.BytesIO()
     np.savez(
         target,
@@ -266,7 +283,7 @@ def _archive(law: Rebounds) -> bytes:
 
 
 def _wall_table(law: Rebounds) -> str:
-    """Return the force without damping, of Eq. (25), over the distance of centre and wall."""
+    """Table of the undamped force of Eq. (25) over the distance of centre and wall."""
     contact = law.contact
     radius, bent = float(contact.radius), float(contact.hertz_radius)
     deepest = 2.0 * float(
@@ -284,7 +301,7 @@ def _wall_table(law: Rebounds) -> str:
             zip((radius - n).tolist(), energy.tolist(), force.tolist(), strict=True), 1
         )
     )
-    head = "".join(f"# {line}\n" for line in _described(law))
+    head = "".join(f"# {line}\n" for line in _description(law))
     return (
         f"{head}# Units: si. Force without damping: no loss, so no capture.\n\n"
         f"CONTACT\nN {n.size}\n\n" + "\n".join(rows) + "\n"

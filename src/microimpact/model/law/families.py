@@ -150,9 +150,9 @@ class Family:
         return all(bool(np.all(np.abs(a - b) <= LIKE * b)) for a, b in pairs)
 
     def coordinates(self, contact: Contact, speed: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return what determines impacts: the scaled speed, and the place of V.
+        """Scaled speed, and position of V in the family, in [-1, 1] within it.
 
-        Within the family places are in [-1, 1].
+        Both together determine an impact.
         """
         if not self.adhesive:
             return np.asarray(speed * (contact.hertz_damping if self.hertz else 1.0)), np.zeros(1)
@@ -160,8 +160,8 @@ class Family:
         w = np.asarray(speed / scale)
         if self.alike:
             return w, np.zeros(1)
-        place = np.log(scale / self.velocity_scale) / self.half_width
-        return w, np.full(w.shape, place)
+        position = np.log(scale / self.velocity_scale) / self.half_width
+        return w, np.full(w.shape, position)
 
     def scales(self, contact: Contact, speed: FloatArray) -> tuple[Real, Real, Real]:
         """Return the units of length, velocity and mass of impacts."""
@@ -171,55 +171,55 @@ class Family:
         return (contact.mass * speed**2 / hertz) ** 0.4, speed, contact.mass
 
     def columns(self, contact: Contact, shape: tuple[int, ...]) -> FloatArray:
-        """Return what contacts give to a compiled pass of impacts of a shape, see `model.passes`.
+        """Columns of contacts (n, columns) for a compiled pass, see `model.passes`.
 
-        Of shape (n, columns), or (1, columns) where it is one contact.
+        One contact is one row.
         """
-        found: dict[int, Real] = {passes.RADIUS: contact.radius, passes.FRICTION: contact.friction}
-        found[passes.UNIT] = 1.0 / contact.hertz_damping if self.hertz else 1.0
+        fields: dict[int, Real] = {passes.RADIUS: contact.radius, passes.FRICTION: contact.friction}
+        fields[passes.UNIT] = 1.0 / contact.hertz_damping if self.hertz else 1.0
         if self.adhesive:
             scale = np.asarray(contact.velocity_scale)
             length, velocity, _ = self.scales(contact, scale)
-            found |= {passes.UNIT: scale, passes.VELOCITY: velocity}
-            found |= {passes.LENGTH: length, passes.TIME: length / velocity}
+            fields |= {passes.UNIT: scale, passes.VELOCITY: velocity}
+            fields |= {passes.LENGTH: length, passes.TIME: length / velocity}
             if not self.alike:
-                found[passes.PLACE] = np.log(scale / self.velocity_scale) / self.half_width
+                fields[passes.PLACE] = np.log(scale / self.velocity_scale) / self.half_width
         else:
-            found[passes.LENGTH] = self.scales(contact, np.ones(()))[0]
+            fields[passes.LENGTH] = self.scales(contact, np.ones(()))[0]
         shape = shape if contact.shape else (1,)
         columns = np.zeros((*shape, len(passes.CONTACT_COLUMNS)))
-        for column, values in found.items():
+        for column, values in fields.items():
             columns[..., column] = values
         return columns.reshape(-1, columns.shape[-1])
 
-    def groups(self, w: FloatArray, place: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def groups(self, w: FloatArray, position: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return C_H and, at the scaled speed w, C_A."""
-        rho = np.exp(self.half_width * place)
+        rho = np.exp(self.half_width * position)
         with np.errstate(over="ignore"):
             rate = np.power(rho, 1.0 - self.exponent) * np.power(w, -self.exponent)
         return np.asarray(self.hertz * rho), np.asarray(self.adhesion * rate)
 
-    def capture_speed(self, place: FloatArray) -> FloatArray:
+    def capture_speed(self, position: FloatArray) -> FloatArray:
         """Return the capture velocity in velocity scales."""
         if not self.adhesive:
-            return np.zeros_like(place)
-        hertz, adhesion = self.groups(np.ones_like(place), place)
+            return np.zeros_like(position)
+        hertz, adhesion = self.groups(np.ones_like(position), position)
         return scaled_capture_velocity(
             hertz,
             adhesion,
-            np.full_like(place, self.exponent),
-            np.ones_like(place),
+            np.full_like(position, self.exponent),
+            np.ones_like(position),
             damped_attachment=self.damped_attachment,
         )
 
-    def problems(self, w: FloatArray, place: FloatArray) -> FloatArray:
+    def problems(self, w: FloatArray, position: FloatArray) -> FloatArray:
         """Write impacts as problems of the kernel, in the adhesive scale (in their own without)."""
         problems = np.zeros((w.size, kernel.PROBLEM_COLUMNS))
         if not self.adhesive:
             problems[:, kernel.START_U] = 1.0
             problems[:, kernel.HERTZ_DAMPING] = self.hertz * w
             return problems
-        hertz, adhesion = self.groups(w, place)
+        hertz, adhesion = self.groups(w, position)
         always_captured = hertz > ALWAYS_CAPTURED_HERTZ_GROUP
         always_captured |= adhesion > ALWAYS_CAPTURED_ADHESION_GROUP
         problems[:, kernel.START_U] = w
@@ -234,11 +234,11 @@ class Family:
 
 def quantities(problems: FloatArray, results: FloatArray) -> FloatArray:
     """Return the quantities of a table (WIDTH, n) from the kernel's results."""
-    found, one = np.empty((passes.WIDTH, len(problems))), np.ones(1)
-    kernel.outcomes(problems, results, one, one, one, found)
+    values, unit = np.empty((passes.WIDTH, len(problems))), np.ones(1)
+    kernel.outcomes(problems, results, unit, unit, unit, values)
     captured = results[:, kernel.STATUS] == kernel.CAPTURED
-    found[passes.COMPRESSIVE :, captured] = 0.0
-    return found
+    values[passes.COMPRESSIVE :, captured] = 0.0
+    return values
 
 
 def _same(values: FloatArray) -> bool:

@@ -17,14 +17,16 @@ from functools import cache
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from microimpact.core.arrays import FloatArray
+from microimpact.core.arrays import FloatArray, Range
 from microimpact.model import passes
 from microimpact.model.passes import DEGREE, WIDTH
 
 # Impacts that one call of the compiled code computes; threads share them out.
 BLOCK = 1 << 15
 
-# What compiled passes are handed of a law.
+# Pieces per octave that are tried in turn, until the error is within the tolerance.
+SPLITS, TOLERANCES = (1, 2, 4, 8), Range(lower=0.0, upper=1.0)
+# Arguments of the compiled look-up.
 Compiled = tuple[FloatArray | tuple[int, ...] | float, ...]
 # Of x and g, arrays of one shape (n,), the quantities (WIDTH, n).
 Sampled = Callable[[FloatArray, FloatArray], FloatArray]
@@ -60,18 +62,26 @@ NOTHING = Table(coefficients=np.empty((1, 0, 1, WIDTH, DEGREE + 1)), lowest=0, s
 def compiled(
     slowness: FloatArray, captures: Table, rebounds: Table, gap: float, error: float
 ) -> Compiled:
-    """Return a law as compiled passes take it: polynomials of both tables row by row.
+    """Arguments of the compiled look-up: polynomials of both tables row by row.
 
-    `slowness`: chebyshev coefficients in g of one over the threshold of x; empty without threshold,
-    where ``rebounds`` is a table over x itself; `captures`, `rebounds`: tables over x over the
-    threshold, and over that less one; `gap`: so close below one, the table is not asked; `error`:
-    bound of the relative errors.
+    Parameters
+    ----------
+    slowness
+        Chebyshev coefficients in g of one over the threshold of x; empty without threshold, where
+        ``rebounds`` is a table over x itself.
+    captures, rebounds
+        Tables over x over the threshold, and over that less one.
+    gap
+        Distance below the threshold within which the table is not asked.
+    error
+        Bound of the relative errors.
     """
-    both = captures, rebounds
-    rows = [t.coefficients.reshape(-1, *t.coefficients.shape[2:]) for t in both if t.pieces]
+    tables = captures, rebounds
+    rows = [t.coefficients.reshape(-1, *t.coefficients.shape[2:]) for t in tables if t.pieces]
     first = 0, captures.pieces
     whole = [
-        (n, *t.coefficients.shape[:2], t.lowest, t.split) for n, t in zip(first, both, strict=True)
+        (n, *t.coefficients.shape[:2], t.lowest, t.split)
+        for n, t in zip(first, tables, strict=True)
     ]
     return slowness, np.concatenate(rows or [NOTHING.coefficients[0]]), *whole, gap, error
 
@@ -117,11 +127,18 @@ def _places(lowest: int, octaves: int, split: int, points: FloatArray) -> FloatA
 def piecewise(
     sampled: Sampled, *, lowest: int, octaves: int, split: int, widths: int = 1, bands: int = 1
 ) -> Table:
-    """Return the table of a function.
+    """Table of a function.
 
-    `sampled`: the function; quantities that are not wanted are zero; `lowest`, `octaves`: binary
-    exponent of the first octave of x, in the sense of `math.frexp`, and their number; `split`:
-    pieces per octave; `widths`, `bands`: nodes in g in a band, and number of bands.
+    Parameters
+    ----------
+    sampled
+        The function; quantities that are not needed are zero.
+    lowest, octaves
+        Binary exponent of the first octave of x, as of `math.frexp`, and their number.
+    split
+        Pieces per octave.
+    widths, bands
+        Nodes in g in a band, and number of bands.
     """
 
     def points(along: FloatArray, across: FloatArray) -> tuple[FloatArray, ...]:

@@ -22,7 +22,6 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from microimpact.core.arrays import (
-    POSITIVE,
     BoolArray,
     FloatArray,
     Numbers,
@@ -43,9 +42,12 @@ from microimpact.model.dynamics.impact import (
     velocity_components,
 )
 from microimpact.model.dynamics.normal import NormalImpact, integrate
+from microimpact.model.law.export import export
 from microimpact.model.law.families import Family, NoTableError, quantities
 from microimpact.model.law.pieces import (
     NOTHING,
+    SPLITS,
+    TOLERANCES,
     Compiled,
     Sampled,
     Table,
@@ -62,10 +64,10 @@ TOLERANCE = 1e-9
 THRESHOLD = 2.0**-9
 NEAREST = -8  # the binary exponent of it
 
-# Octaves of speed that a table has at most; pieces per octave, and bands of velocity scales, that
-# are tried in turn; nodes in a band.
+# Octaves of speed that a table has at most; bands of velocity scales that are tried in turn; nodes
+# in a band.
 MOST_OCTAVES = 64
-SPLITS, BANDS = (1, 2, 4, 8), (1, 2, 4, 8, 16, 32)
+BANDS = (1, 2, 4, 8, 16, 32)
 WIDTHS = 6
 
 # Nodes for the capture velocity over the velocity scale; its error, divided by THRESHOLD, enters e.
@@ -89,7 +91,7 @@ class Law:
     fastest
         Normal speed up to which it was asked for, m/s.
     slowness
-        Chebyshev coefficients, over the place in the family, of the reciprocal of the capture
+        Chebyshev coefficients, over the position in the family, of the reciprocal of the capture
         velocity in velocity scales, which is nearly linear; empty where nothing is captured.
     rebounds, captures
         Tables of the impacts above and below it; empty where no speed asked for is there.
@@ -136,15 +138,15 @@ class Law:
         RuntimeError
             If an integration failed.
         """
-        given, shape = incident(self.contact, speed, angle, spin, friction_basis)
-        speed, angle, spin = states = [passes.flat(values, shape) for values in given.values()]
+        before, shape = incident(self.contact, speed, angle, spin, friction_basis)
+        speed, angle, spin = states = [passes.flat(values, shape) for values in before.values()]
         contacts = self.family.columns(self.contact, shape)
-        out, told = passes.outcomes(shape)
+        out, flags = passes.outcomes(shape)
         support = passes.SUPPORT[friction_basis]
 
         def run(which: IntArray, integrated: FloatArray) -> None:
             passes.tabulated(
-                which, integrated, self.compiled, *states, contacts, support, out, told
+                which, integrated, self.compiled, *states, contacts, support, out, flags
             )
 
         def block(part: slice) -> None:
@@ -153,23 +155,23 @@ class Law:
         in_blocks(block, math.prod(shape), threads)
         rest = np.flatnonzero(np.isnan(out[passes.OUT_RESTITUTION]))
         if rest.size:
-            own, toward, tilt = (a[rest % len(a)] for a in (contacts, speed, angle))
-            w = -velocity_components(toward, tilt)[0] / own[:, passes.UNIT]
-            place = own[:, passes.PLACE]
-            run(rest, self._integrated(w, place)[0])
-            out[passes.OUT_ERROR, rest] = self._error(w, place)
+            columns, toward, tilt = (a[rest % len(a)] for a in (contacts, speed, angle))
+            w = -velocity_components(toward, tilt)[0] / columns[:, passes.UNIT]
+            position = columns[:, passes.PLACE]
+            run(rest, self._integrated(w, position)[0])
+            out[passes.OUT_ERROR, rest] = self._error(w, position)
         fields = {"contact_time": passes.OUT_CONTACT_TIME, "interpolation_error": passes.OUT_ERROR}
         fields |= {"maximum_compression": passes.OUT_COMPRESSION}
         return Impact(
             **planar_fields(out, shape),
             **{name: out[row].reshape(shape)[()] for name, row in fields.items()},
-            captured=told[passes.OUT_CAPTURED].reshape(shape)[()],
-            rolling=told[passes.OUT_ROLLING].reshape(shape)[()],
+            captured=flags[passes.OUT_CAPTURED].reshape(shape)[()],
+            rolling=flags[passes.OUT_ROLLING].reshape(shape)[()],
         )
 
     @cached_property
     def compiled(self) -> Compiled:
-        """What compiled passes are handed of it."""
+        """Arguments of the compiled look-up."""
         return compiled(self.slowness, self.captures, self.rebounds, THRESHOLD, self.error)
 
     def export(
@@ -209,9 +211,9 @@ class Law:
         OSError
             If a file cannot be written.
         """
-        from microimpact.model.law.export import export
-
-        return export(self, path, format, friction_basis, tolerance)
+        return export(
+            self.contact, self.family, self.fastest, path, format, friction_basis, tolerance
+        )
 
     @property
     def pieces(self) -> int:
@@ -219,50 +221,50 @@ class Law:
         return self.rebounds.pieces + self.captures.pieces
 
     def quantities(
-        self, w: FloatArray, place: FloatArray, *, threads: int = 1
+        self, w: FloatArray, position: FloatArray, *, threads: int = 1
     ) -> tuple[FloatArray, BoolArray]:
         """Return the scaled quantities (WIDTH, n) of impacts, and which are captured.
 
         Parameters
         ----------
-        w, place
-            Coordinates of the impacts, see `Family.coordinates`; a place of one element is all
-            impacts' own.
+        w, position
+            Coordinates of the impacts, see `Family.coordinates`; a position of one element holds
+            for all impacts.
         threads
             Among which the work is shared; results do not depend on it.
         """
-        found = np.empty((passes.WIDTH, w.size))
+        values = np.empty((passes.WIDTH, w.size))
 
         def block(part: slice) -> None:
-            places = place if place.size == 1 else place[part]
-            passes.look_up(w[part], places, self.compiled, found, part.start)
+            positions = position if position.size == 1 else position[part]
+            passes.look_up(w[part], positions, self.compiled, values, part.start)
 
         in_blocks(block, w.size, threads)
-        rest = np.flatnonzero(np.isnan(found[passes.RESTITUTION]))
-        captured = found[passes.CONTACT_TIME] == np.inf
+        rest = np.flatnonzero(np.isnan(values[passes.RESTITUTION]))
+        captured = values[passes.CONTACT_TIME] == np.inf
         if rest.size:
-            found[:, rest], captured[rest] = self._integrated(
-                w[rest], np.broadcast_to(place, w.shape)[rest]
+            values[:, rest], captured[rest] = self._integrated(
+                w[rest], np.broadcast_to(position, w.shape)[rest]
             )
-        return found, captured
+        return values, captured
 
     def _integrated(
-        self, w: FloatArray, place: FloatArray, *, ledger: bool = True
+        self, w: FloatArray, position: FloatArray, *, ledger: bool = True
     ) -> tuple[FloatArray, BoolArray]:
         """Return the quantities of impacts that are integrated, and which are captured."""
-        problems = self.family.problems(w, place)
+        problems = self.family.problems(w, position)
         results = integrate(problems, ledger=ledger)
         return quantities(problems, results), results[:, kernel.STATUS] == kernel.CAPTURED
 
-    def restitution(self, w: FloatArray, place: FloatArray) -> FloatArray:
+    def restitution(self, w: FloatArray, position: FloatArray) -> FloatArray:
         """Return e alone, shape (n,), of impacts given as in `quantities`; 0 where captured."""
-        found = np.empty(w.size)
-        passes.restitution(w, place, self.compiled, found)
-        rest = np.flatnonzero(np.isnan(found))
+        e = np.empty(w.size)
+        passes.restitution(w, position, self.compiled, e)
+        rest = np.flatnonzero(np.isnan(e))
         if rest.size:
-            places = np.broadcast_to(place, w.shape)[rest]
-            found[rest] = self._integrated(w[rest], places, ledger=False)[0][passes.RESTITUTION]
-        return found
+            positions = np.broadcast_to(position, w.shape)[rest]
+            e[rest] = self._integrated(w[rest], positions, ledger=False)[0][passes.RESTITUTION]
+        return e
 
     def normal_impact(self, contact: Contact, speed: Real, *, threads: int = 1) -> NormalImpact:
         """Return normal impacts of contacts of this family; as `normal.normal_impact`.
@@ -284,12 +286,12 @@ class Law:
         """
         self.family.require(contact)
         shape = common_shape({"contact": np.empty(contact.shape), "speed": speed})
-        w, place = self.family.coordinates(contact, np.broadcast_to(speed, shape))
-        found, captured = self.quantities(np.ravel(w), np.ravel(place), threads=threads)
+        w, position = self.family.coordinates(contact, np.broadcast_to(speed, shape))
+        values, captured = self.quantities(np.ravel(w), np.ravel(position), threads=threads)
         length, velocity, mass = self.family.scales(contact, np.asarray(speed))
 
         def scaled(column: int, unit: Real = 1.0) -> FloatArray:
-            return np.asarray(found[column].reshape(shape) * unit)
+            return np.asarray(values[column].reshape(shape) * unit)
 
         return NormalImpact(
             captured=captured.reshape(shape),
@@ -300,16 +302,16 @@ class Law:
             compressive_impulse=scaled(passes.COMPRESSIVE, mass * velocity),
             peak_net_impulse=scaled(passes.PEAK, mass * velocity),
             hertz_impulse=scaled(passes.HERTZ, mass * velocity),
-            interpolation_error=self._error(np.ravel(w), np.ravel(place)).reshape(shape),
+            interpolation_error=self._error(np.ravel(w), np.ravel(position)).reshape(shape),
         )
 
-    def _error(self, w: FloatArray, place: FloatArray) -> FloatArray:
+    def _error(self, w: FloatArray, position: FloatArray) -> FloatArray:
         """Bound of the relative difference from integration."""
         if not self.slowness.size:
             return np.full(w.shape, self.error + passes.ROUNDING)
-        excess = np.asarray(np.abs(w * chebyshev.chebval(place, self.slowness) - 1.0))
-        if np.any(beyond := np.broadcast_to(np.abs(place) > 1.0, w.shape)):
-            limit = self.family.capture_speed(np.broadcast_to(place, w.shape)[beyond])
+        excess = np.asarray(np.abs(w * chebyshev.chebval(position, self.slowness) - 1.0))
+        if np.any(beyond := np.broadcast_to(np.abs(position) > 1.0, w.shape)):
+            limit = self.family.capture_speed(np.broadcast_to(position, w.shape)[beyond])
             excess[beyond] = np.abs(w[beyond] / limit - 1.0)
         with np.errstate(divide="ignore"):
             return np.asarray(self.error + passes.ROUNDING / excess)
@@ -349,7 +351,7 @@ def tabulate(contact: Contact, slowest: float, fastest: float, tolerance: float 
     fastest = float(
         checked("fastest", fastest, Range(lower=slowest, upper=SPEED.upper, lower_closed=True))
     )
-    tolerance = float(checked("tolerance", tolerance, POSITIVE))
+    tolerance = float(checked("tolerance", tolerance, TOLERANCES))
     family = Family.of(contact)
     slow, fast = (family.coordinates(contact, np.asarray(v))[0] for v in (slowest, fastest))
     slowness = _slowness(family)
@@ -393,8 +395,8 @@ def _slowness(family: Family) -> FloatArray:
             return np.zeros(0)
         coefficients = chebyshev.chebfit(nodes(count), 1.0 / limit, count - 1)
         held_out = between(count)
-        found = chebyshev.chebval(held_out, coefficients) * family.capture_speed(held_out)
-        if np.max(np.abs(found - 1.0)) <= CAPTURE_TOLERANCE:
+        product = chebyshev.chebval(held_out, coefficients) * family.capture_speed(held_out)
+        if np.max(np.abs(product - 1.0)) <= CAPTURE_TOLERANCE:
             return np.asarray(coefficients)
     raise NoTableError("the velocity scales of these contacts differ by too much")
 
@@ -407,22 +409,22 @@ def _fitted(
     *,
     captured: bool = False,
 ) -> Table:
-    """Return the smallest table that reaches the tolerance."""
+    """Smallest table that reaches the tolerance."""
 
-    def sampled(x: FloatArray, place: FloatArray) -> FloatArray:
+    def sampled(x: FloatArray, position: FloatArray) -> FloatArray:
         w = x
         if slowness.size:
-            w = (x if captured else 1.0 + x) / chebyshev.chebval(place, slowness)
-        problems = family.problems(w, place)
+            w = (x if captured else 1.0 + x) / chebyshev.chebval(position, slowness)
+        problems = family.problems(w, position)
         if captured:
             problems[:, kernel.ALWAYS_CAPTURED] = 1.0
         results = integrate(problems, ledger=True)
-        found = quantities(problems, results)
+        values = quantities(problems, results)
         wrong = (results[:, kernel.STATUS] == kernel.CAPTURED) != captured
-        found[:, wrong] = np.nan
+        values[:, wrong] = np.nan
         if captured:
-            found[passes.CONTACT_TIME] = 0.0  # really infinite, and not asked of the table
-        return found
+            values[passes.CONTACT_TIME] = 0.0  # really infinite, and not asked of the table
+        return values
 
     made = _tried(sampled, span, SPLITS, (1,), 1, tolerance if family.alike else 0.25 * tolerance)
     if not family.alike:
