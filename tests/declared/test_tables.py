@@ -112,6 +112,14 @@ def known(declared):
     return Known(declared.names() | {"cases": ("cases", set(BODIES))})
 
 
+def test_printed_numbers_of_contacts_are_those_that_are_printed(declared):
+    printed = {(row["where"], row["value"]) for row in declared.printed_values.rows}
+    rows = [row for row in declared.contacts.rows if row["evidence"] == "printed"]
+    contacts = {(row["source"], row["value"]) for row in rows if row["property"] != "ring_force"}
+    assert len(contacts) >= 4
+    assert contacts <= printed
+
+
 def test_the_rows_of_a_branch_follow_from_what_its_types_call_names(declared):
     names = known(declared)
     build(Dropped, GIVEN, names)

@@ -11,17 +11,13 @@ import csv
 import io
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from microimpact.core.nearest import nearest
 from microimpact.declared.provenance import EVIDENCE, Declared, as_text, finite_number
 
 Row = dict[str, str]
-
-# Begins the value of a contact that is a printed one, or of another: ``from printed.d10_sst76``.
-PLACED = "from "
 
 MATERIAL_COLUMNS = ("material", "property", "value", "unit", "low", "high", "evidence", "source")
 CONTACT_COLUMNS = ("particle", "surface", "property", "value", "unit", "evidence", "source")
@@ -117,21 +113,18 @@ def _problems(row: Mapping[Any, Any], numbers: Sequence[str]) -> Iterator[str]:
         yield f"must have {len([key for key in row if key is not None])} fields"
         return
     is_range = bool(row.get("low") and row.get("high"))
-    placed = "low" not in row and row["value"].startswith(PLACED)
     wrong = [
         f"{column} {row[column]!r} must be a finite number"
         for column in numbers
-        if not (placed or finite_number(row[column]))
-        and (row[column] or not (is_range or column in _OPTIONAL))
+        if not finite_number(row[column]) and (row[column] or not (is_range or column in _OPTIONAL))
     ]
     yield from wrong or _out_of_order(row, is_range=is_range)
-    wordless = placed and not (row["evidence"] or row["source"])
     for column in IMPACT[2:]:
         if "key" in row and not all(map(finite_number, _numbers(row[column]))):
             yield f"{column} {row[column]!r} must be numbers, as 49; 62 or 15 to 85, or empty"
-    if "evidence" in row and row["evidence"] not in EVIDENCE and not wordless:
+    if "evidence" in row and row["evidence"] not in EVIDENCE:
         yield f"evidence {row['evidence']!r} must be one of {', '.join(EVIDENCE)}"
-    for column in ("unit",) if wordless else ("source", "unit"):
+    for column in ("source", "unit"):
         if column in row and not row[column].strip():
             yield f"{column} is empty"
 
@@ -182,13 +175,12 @@ class DeclaredTables:
 
     def pairs(self) -> dict[str, dict[str, Declared]]:
         """Return the contacts to be referred to, by pair and property."""
-        found: dict[str, dict[str, Declared]] = {}
+        pairs: dict[str, dict[str, Declared]] = {}
         for row in self.contacts.rows:
             pair, name = f"{row['particle']} on {row['surface']}", row["property"]
-            if finite_number(row["value"]):
-                words = _number(row["value"]), row["evidence"], row["source"]
-                found.setdefault(pair, {})[name] = Declared(*words, f"contacts.{pair}.{name}")
-        return found
+            words = row["evidence"], row["source"], f"contacts.{pair}.{name}"
+            pairs.setdefault(pair, {})[name] = Declared(_number(row["value"]), *words)
+        return pairs
 
     def units(self) -> dict[str, str]:
         """Return the units of what can be referred to, by its place."""
@@ -197,31 +189,6 @@ class DeclaredTables:
             f"contacts.{row['particle']} on {row['surface']}.{row['property']}": row["unit"]
             for row in self.contacts.rows
         }
-
-    def resolved(self) -> DeclaredTables:
-        """Return the tables with what contacts name put in place, and its words if they have none.
-
-        Raises SelectionError, one line per contact that names no printed value and no contact.
-        """
-        known = {one.place: one for own in self.pairs().values() for one in own.values()}
-        for one in self.printed().values():
-            if isinstance(one, Declared):
-                known[one.place] = one
-        rows, wrong = [], []
-        for row in self.contacts.rows:
-            place = row["value"].removeprefix(PLACED)
-            if place in known:
-                one = known[place]
-                words = {} if row["evidence"] else {"evidence": one.evidence, "source": one.source}
-                row = {**row, "value": as_text(one.value), **words}  # noqa: PLW2901
-            elif place != row["value"]:
-                pair = f"{row['particle']} on {row['surface']}.{row['property']}"
-                told = f"{place!r} is no single value that is declared{nearest(place, known)}"
-                wrong.append(f"{self.contacts.path}: {pair}: {told}")
-            rows.append(row)
-        if wrong:
-            raise SelectionError("\n".join(wrong))
-        return replace(self, contacts=replace(self.contacts, rows=tuple(rows)))
 
     def names(self) -> dict[str, tuple[str, set[str]]]:
         """Return what can be named, by its sort: the file it stands in, and its names."""

@@ -71,15 +71,9 @@ def pairs_from_rows(rows: Iterable[Row]) -> dict[Pair, dict[str, float]]:
 
 
 def declared_pairs() -> dict[Pair, dict[str, float]]:
-    """Return the properties of the shipped pairs; a value may name a printed or another one."""
+    """Return the properties of the shipped pairs."""
     columns = ("particle", "surface", "property", "value", "unit")
-    rows = read_rows(declared_file("contacts.csv"), columns)
-    printed = read_rows(declared_file("printed_values.csv"), ("key", "value"))
-    values = {f"from printed.{row['key']}": row["value"] for row in printed} | {
-        "from contacts.{particle} on {surface}.{property}".format(**row): row["value"]
-        for row in rows
-    }
-    return pairs_from_rows({**row, "value": values.get(row["value"], row["value"])} for row in rows)
+    return pairs_from_rows(read_rows(declared_file("contacts.csv"), columns))
 
 
 def pair_contact(

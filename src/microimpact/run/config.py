@@ -257,7 +257,7 @@ def _tables(resolver: Resolver, found: list[str]) -> DeclaredTables | None:
     found += missing
     try:
         usable = not missing and all(isinstance(path, str) for path in paths.values())
-        return read_all(*paths.values()).resolved() if usable else None
+        return read_all(*paths.values()) if usable else None
     except (ValueError, OSError) as error:
         found.append(str(error))
         return None
