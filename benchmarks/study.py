@@ -11,6 +11,7 @@ lengthens. With `--docs` the numbers go into docs/performance.md.
 from __future__ import annotations
 
 import argparse
+import csv
 import os
 import resource
 import subprocess
@@ -23,7 +24,6 @@ from pathlib import Path
 import yaml
 
 from benchmarks.report import renew
-from microimpact.report.timings import Timing, read_timings
 
 PROJECT = Path(__file__).parents[1]
 # A cheap analysis with one figure: what is left is what any change costs.
@@ -57,7 +57,7 @@ def _measured(folder: Path, cores: int, rounds: int) -> str:
     results = folder / "results"
     plain = _overlay(folder / "plain.yaml", results, {})
     costs = {"the whole study": _run(plain, cores)}
-    timings, disk = read_timings(results), _megabytes(results)
+    jobs, disk = _jobs(results), _megabytes(results)
     costs["nothing to be done"] = _least([_run(plain, cores) for _ in range(rounds)])
     changed = [_overlay(folder / f"{k}.yaml", results, _shifted(k)) for k in range(rounds)]
     costs["one value changed: its analysis, figure and the report"] = _least(
@@ -69,7 +69,7 @@ def _measured(folder: Path, cores: int, rounds: int) -> str:
         figure.unlink()
         drawn.append(_run(changed[-1], cores, FIGURE))
     costs["one figure drawn anew"] = _least(drawn)
-    memory = max(timing.memory for timing in timings)
+    memory = max(float(job["max_rss"]) for job in jobs.values() if job["max_rss"] != "NA")
     return "\n".join(
         [
             f"| on {cores} cores | time / s | processor time / s |",
@@ -81,7 +81,7 @@ def _measured(folder: Path, cores: int, rounds: int) -> str:
             "",
             "| jobs | number | processor time / s | share |",
             "| --- | ---: | ---: | ---: |",
-            *_by_kind(timings),
+            *_by_kind(jobs),
         ]
     )
 
@@ -119,15 +119,24 @@ def _megabytes(folder: Path) -> float:
     return sum(path.lstat().st_size for path in files) / 1e6
 
 
-def _by_kind(timings: Sequence[Timing]) -> list[str]:
+def _jobs(results: Path) -> dict[str, dict[str, str]]:
+    """Return the costs of all jobs by name, as Snakemake has measured them."""
+    jobs = {}
+    for path in sorted((results / "benchmarks").glob("*.tsv")):
+        with path.open(encoding="utf-8", newline="") as file:
+            (jobs[path.stem],) = csv.DictReader(file, delimiter="\t")
+    return jobs
+
+
+def _by_kind(jobs: dict[str, dict[str, str]]) -> list[str]:
     """Return a row for each kind of job, and one for the rest."""
     kinds: dict[str, list[float]] = {kind: [] for kind in [*KINDS, "all others"]}
-    for timing in timings:
+    for name, job in jobs.items():
         kind = next(
-            (k for k, words in KINDS.items() if any(word in timing.rule for word in words.split())),
+            (k for k, words in KINDS.items() if any(word in name for word in words.split())),
             "all others",
         )
-        kinds[kind].append(timing.processor)
+        kinds[kind].append(0.0 if job["cpu_time"] == "NA" else float(job["cpu_time"]))
     total = sum(map(sum, kinds.values()))
     return [
         f"| {kind} | {len(own)} | {sum(own):.0f} | {sum(own) / total:.0%} |".replace("%", " %")

@@ -75,12 +75,12 @@ def __getattr__(name: str) -> object:
 
 def _run_study() -> object:
     try:
-        from microimpact.run.study import run_study
+        study = import_module("microimpact.run.study")
     except ModuleNotFoundError as error:
         raise ImportError(
             f"run_study needs the packages of the study ({error}): pip install '.[study]'"
         ) from error
-    return run_study
+    return study.run_study
 
 
 def __dir__() -> list[str]:

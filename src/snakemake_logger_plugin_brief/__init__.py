@@ -1,4 +1,4 @@
-"""Snakemake on the terminal in brief: a progress bar and one line per finished step.
+"""Snakemake on the terminal in brief: one line per finished step, and a bar.
 
 A logger plugin as Snakemake finds them, by the name of this package: ``--logger brief``, set in
 ``profiles/default``. Snakemake's own full account is in ``.snakemake/log``; with ``--verbose``
@@ -31,7 +31,7 @@ _REPEATED = (
 _IDLE = "Nothing to be done"
 
 
-def _told(error: str) -> str:
+def _message(error: str) -> str:
     """Return an error without its place in a Snakefile; of a wrong target, the nearest name."""
     wrong = _NO_TARGET.search(error)
     if not wrong:
@@ -70,6 +70,7 @@ class LogHandler(LogHandlerBase):
         )
         self._task = self._bar.add_task("steps", total=None)
         self._steps: dict[int, tuple[str, float, list[str]]] = {}
+        self._done, self._total = 0, 0
         self._full = self.common_settings.verbose or self.common_settings.dryrun
 
     def emit(self, record: logging.LogRecord) -> None:
@@ -84,7 +85,7 @@ class LogHandler(LogHandlerBase):
         if not self._full and record.getMessage().startswith(_REPEATED):
             return
         if event == LogEvent.ERROR and not self.common_settings.verbose:
-            self._print(_told(record.getMessage()))
+            self._print(_message(record.getMessage()))
         elif self._full:
             self._print(self.format(record))
         elif event:
@@ -95,24 +96,23 @@ class LogHandler(LogHandlerBase):
             self._print("Everything is up to date.")
 
     def _event(self, event: LogEvent, record: logging.LogRecord) -> None:
-        told = record.__dict__
+        fields = record.__dict__
         if event == LogEvent.JOB_INFO:
-            parts = told.get("wildcards") or {}
-            name = " ".join([told["rule_name"], *map(str, parts.values())])
-            self._steps[told["jobid"]] = name, time.monotonic(), list(told.get("log") or [])
+            parts = fields.get("wildcards") or {}
+            name = " ".join([fields["rule_name"], *map(str, parts.values())])
+            self._steps[fields["jobid"]] = name, time.monotonic(), list(fields.get("log") or [])
         elif event == LogEvent.RUN_INFO:
-            self._bar.update(self._task, total=told["stats"]["total"])
+            self._total = fields["stats"]["total"]
             self._bar.start()
-        elif event == LogEvent.PROGRESS:
-            self._bar.update(self._task, completed=told["done"], total=told["total"])
-            if told["done"] == told["total"]:
-                self._bar.stop()
         elif event == LogEvent.JOB_FINISHED:
-            name, began, logs = self._steps.get(told["job_id"], ("", 0.0, []))
+            self._done += 1
+            self._bar.update(self._task, completed=self._done, total=self._total)
+            name, began, logs = self._steps.get(fields["job_id"], ("", 0.0, []))
             if logs:  # a target alone does nothing
-                self._print(f"{name}  {time.monotonic() - began:.1f} s")
+                count = f"{self._done} of {self._total}"
+                self._print(f"{name}  {time.monotonic() - began:.1f} s  {count}")
         elif event == LogEvent.JOB_ERROR:
-            name, _, logs = self._steps.get(told["jobid"], (told["rule_name"], 0.0, []))
+            name, _, logs = self._steps.get(fields["jobid"], (fields["rule_name"], 0.0, []))
             self._print(f"{name} failed; see {', '.join(logs)}")
 
     def _print(self, text: str) -> None:

@@ -84,7 +84,7 @@ class Project:
     def done(self, *arguments):
         """Run, and return the names of the rules that were executed."""
         text = self.snakemake(*arguments).text
-        return set(re.findall(r"^(\w+)  +[\d.]+ s$", text, flags=re.MULTILINE))
+        return set(re.findall(r"^(\w+)  +[\d.]+ s  \d+ of \d+$", text, flags=re.MULTILINE))
 
     def files(self, *, under="."):
         """Return all files below a folder, relative to the project."""

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from tests.shared import ROOT
-from workflow.scripts.closure import closure, digest, imports_of, source_files
+from workflow.scripts.closure import closure, digest_of_files, imports_of, source_files
 
 SCRIPTS = ROOT / "workflow/scripts"
 
@@ -64,7 +64,7 @@ def test_a_digest_tells_content_and_names_and_nothing_else(tmp_path):
         paths = [tmp_path / folder / name for name in texts]
         for path, text in zip(paths, texts.values(), strict=True):
             path.write_text(text)
-        return digest(paths, tmp_path / folder)
+        return digest_of_files(paths, tmp_path / folder)
 
     first = digest_of("first", a="1", b="2")
     assert digest_of("later and elsewhere", b="2", a="1") == first
@@ -73,7 +73,7 @@ def test_a_digest_tells_content_and_names_and_nothing_else(tmp_path):
     found = {first, *(digest_of(name, **texts) for name, texts in others.items())}
     assert len(found) == 1 + len(others)
     a, b = tmp_path / "first/a", tmp_path / "first/b"
-    assert digest([b, a, a], tmp_path / "first") == first
+    assert digest_of_files([b, a, a], tmp_path / "first") == first
 
 
 def test_an_unknown_module_is_refused():

@@ -6,9 +6,9 @@ use rule study as declared_inputs with:
     output:
         **tables("inputs"),
     pathvars:
-        name="declared_inputs",
+        study="declared_inputs",
     params:
-        **of("declared_inputs"),
+        **parameters("declared_inputs"),
 
 
 use rule study as roughness_expansions with:
@@ -17,25 +17,25 @@ use rule study as roughness_expansions with:
         **tables("roughness_expansions", "roughness_ranges"),
         **data("roughness"),
     pathvars:
-        name="roughness_expansions",
+        study="roughness_expansions",
     params:
-        **of("roughness_expansions"),
+        **parameters("roughness_expansions"),
 
 
 use rule study_part as monte_carlo_part with:
     input:
-        **needs("monte_carlo"),
+        **tables("calibration"),
         samples=sample_files("monte_carlo"),
     pathvars:
-        name="monte_carlo",
+        study="monte_carlo",
     params:
-        **of("monte_carlo"),
+        **parameters("monte_carlo"),
 
 
 use rule study as monte_carlo with:
     """data/fig23.csv; tables/monte_carlo*.csv and slope_inference.csv."""
     input:
-        **needs("monte_carlo"),
+        **tables("calibration"),
         samples=sample_files("monte_carlo"),
         parts=parts("monte_carlo"),
     output:
@@ -47,15 +47,15 @@ use rule study as monte_carlo with:
         ),
         **data("fig23"),
     pathvars:
-        name="monte_carlo",
+        study="monte_carlo",
     params:
-        **of("monte_carlo"),
+        **parameters("monte_carlo"),
 
 
 use rule study as doe with:
     """data/fig24.csv, data/fig25.csv: effects drawn; tables/doe_*.csv: designs and their analysis."""
     input:
-        **needs("doe"),
+        **tables("calibration", "calibration_family"),
     output:
         **tables(
             "doe_levels",
@@ -67,15 +67,15 @@ use rule study as doe with:
         ),
         **data("fig24", "fig25"),
     pathvars:
-        name="doe",
+        study="doe",
     params:
-        **of("doe"),
+        **parameters("doe"),
 
 
 use rule study as sensitivity with:
     """data/sobol.csv: indices drawn; tables/sensitivity_*.csv: indices, groups, convergence."""
     input:
-        **needs("sensitivity"),
+        **tables("calibration", "calibration_family", "doe_levels", "doe_effects"),
     output:
         **tables(
             "sensitivity_indices",
@@ -85,9 +85,9 @@ use rule study as sensitivity with:
         ),
         **data("sobol"),
     pathvars:
-        name="sensitivity",
+        study="sensitivity",
     params:
-        **of("sensitivity"),
+        **parameters("sensitivity"),
 
 
 use rule study as particle_separation with:
@@ -96,34 +96,34 @@ use rule study as particle_separation with:
         **tables("particle_separation"),
         **data("separation"),
     pathvars:
-        name="particle_separation",
+        study="particle_separation",
     params:
-        **of("particle_separation"),
+        **parameters("particle_separation"),
 
 
 use rule study as oblique_data with:
     """tables/oblique_*.csv, tangential_bounds.csv: measured oblique impacts against the laws."""
     input:
-        **needs("oblique_data"),
+        **tables("calibration"),
     output:
         **tables("oblique_comparison", "oblique_residuals", "tangential_bounds"),
         **data("oblique_velocity", "oblique_spin", "contact_point"),
     pathvars:
-        name="oblique_data",
+        study="oblique_data",
     params:
-        **of("oblique_data"),
+        **parameters("oblique_data"),
 
 
 use rule study as external_evidence with:
     """tables/external_evidence.csv: facts that others found beside what the model gives."""
     input:
-        **needs("external_evidence"),
+        **tables("calibration", "doe_levels", "doe_effects", "monte_carlo", "oblique_residuals"),
     output:
         **tables("external_evidence"),
     pathvars:
-        name="external_evidence",
+        study="external_evidence",
     params:
-        **of("external_evidence"),
+        **parameters("external_evidence"),
 
 
 use rule study as digitised_comparison with:
@@ -133,6 +133,6 @@ use rule study as digitised_comparison with:
     output:
         **tables("digitised_residuals"),
     pathvars:
-        name="digitised_comparison",
+        study="digitised_comparison",
     params:
-        **of("digitised_comparison"),
+        **parameters("digitised_comparison"),

@@ -5,9 +5,9 @@ use rule study_part as claim_numbers_part with:
     input:
         **tables("calibration", "admissible_contacts"),
     pathvars:
-        name="claim_numbers",
+        study="claim_numbers",
     params:
-        **of("claim_numbers"),
+        **parameters("claim_numbers"),
 
 
 use rule study as claim_numbers with:
@@ -16,14 +16,43 @@ use rule study as claim_numbers with:
     tables/claim_draws.csv: these numbers for every drawn contact that the printed statements admit.
     """
     input:
-        **needs("claim_numbers"),
+        **tables(
+            "admissible_contacts",
+            "calibration",
+            "calibration_family",
+            "molybdenum_capture",
+            "force_ratios",
+            "rolling_dissipation",
+            "restitution_fits",
+            "ptis_range",
+            "pairing_quality",
+            "interval_coverage",
+            "pile_up",
+            "adhesion_or_roughness",
+            "formica_mechanism",
+            "loss_resolution",
+            "loss_slopes",
+            "smooth_spore",
+            "speed_and_angle",
+            "spin_needed",
+            "spin_or_tilt",
+            "spore_comparison",
+            "spore_trends",
+            "surface_pairs",
+            "doe_bd_aliasing",
+            "doe_design",
+            "doe_effects",
+            "doe_elasticities",
+            "doe_levels",
+            "monte_carlo",
+        ),
         parts=parts("claim_numbers"),
     output:
         **tables("claim_numbers", "claim_draws"),
     pathvars:
-        name="claim_numbers",
+        study="claim_numbers",
     params:
-        **of("claim_numbers"),
+        **parameters("claim_numbers"),
 
 
 rule claims:
@@ -48,11 +77,14 @@ rule claims:
         ),
     log:
         "<results>/logs/claims.log",
+    benchmark:
+        "<results>/benchmarks/claims.tsv"
     params:
+        ledger="claims",
         rows={},
         branch=SETTINGS.branches["claim_numbers"],
-        rests_on=inputs_behind("claim_numbers", "digitised_comparison"),
-        code=code_of("microimpact.ledgers.claims", script="judge_ledger.py"),
+        rests_on=digest_of_inputs("claim_numbers", "digitised_comparison"),
+        code=digest_of_code("microimpact.ledgers.claims", script="judge_ledger.py"),
     script:
         "../scripts/judge_ledger.py"
 
@@ -72,9 +104,12 @@ rule equations:
         errata="<results>/tables/errata.csv",
     log:
         "<results>/logs/equations.log",
+    benchmark:
+        "<results>/benchmarks/equations.tsv"
     params:
+        ledger="equations",
         rows=SETTINGS.tables.of_pair("stainless-steel-316", "silicon"),
-        code=code_of(
+        code=digest_of_code(
             "microimpact.ledgers.equations",
             script="judge_ledger.py",
             files=[PROJECT / "config/equations.yaml"],

@@ -4,7 +4,7 @@
 use rule study as schematics with:
     """data/fig01.csv ... fig22.csv: Figs. 1, 2, 3, 13, 19, 22; tables/schematic_values.csv."""
     input:
-        **needs("schematics"),
+        **tables("calibration"),
     output:
         **tables("schematic_values"),
         **data(
@@ -18,42 +18,42 @@ use rule study as schematics with:
             "fig22",
         ),
     pathvars:
-        name="schematics",
+        study="schematics",
     params:
-        **of("schematics"),
+        **parameters("schematics"),
 
 
 use rule study as normal_experiments with:
     """data/fig04.csv, data/fig05.csv: normal impacts seen by the PDPA; tables of the same."""
     input:
-        **needs("normal_experiments"),
+        **tables("calibration"),
     output:
         **tables("normal_experiments", "size_effects"),
         **data("fig04", "fig05"),
     pathvars:
-        name="normal_experiments",
+        study="normal_experiments",
     params:
-        **of("normal_experiments"),
+        **parameters("normal_experiments"),
 
 
 use rule study as oblique_experiments with:
     """data/fig06.csv to fig12.csv: oblique impacts seen by the PTIS; table of the experiments."""
     input:
-        **needs("oblique_experiments"),
+        **tables("calibration"),
     output:
         **tables("oblique_experiments"),
         **data("fig06", "fig07", "fig08", "fig09", "fig10", "fig11", "fig12"),
         **data("fig18_points", "fig21_points", "fig23_points"),
     pathvars:
-        name="oblique_experiments",
+        study="oblique_experiments",
     params:
-        **of("oblique_experiments"),
+        **parameters("oblique_experiments"),
 
 
 use rule study as pair_search with:
     """tables/pairing_*.csv, surface_correction.csv, slow_rebounds.csv; data of doppler_pairs."""
     input:
-        **needs("pair_search"),
+        **tables("calibration"),
     output:
         **tables(
             "pairing_quality",
@@ -64,9 +64,9 @@ use rule study as pair_search with:
         ),
         **data("doppler_stream", "pairing_curves", "correction_curves"),
     pathvars:
-        name="pair_search",
+        study="pair_search",
     params:
-        **of("pair_search"),
+        **parameters("pair_search"),
 
 
 use rule study as track_imaging with:
@@ -75,61 +75,61 @@ use rule study as track_imaging with:
         **tables("ptis_range", "ptis_views", "ptis_errors", "ptis_agreement", "ptis_losses"),
         **data("ptis_frame", "ptis_pixels", "ptis_accuracy"),
     pathvars:
-        name="track_imaging",
+        study="track_imaging",
     params:
-        **of("track_imaging"),
+        **parameters("track_imaging"),
 
 
 use rule study_part as campaign_part with:
     input:
-        **needs("campaign"),
+        **tables("calibration"),
     pathvars:
-        name="campaign",
+        study="campaign",
     params:
-        **of("campaign"),
+        **parameters("campaign"),
 
 
 use rule study as campaign with:
     """tables/campaign.csv: all 187 experiments; campaign_summary.csv; data of campaign_map."""
     input:
-        **needs("campaign"),
+        **tables("calibration"),
         parts=parts("campaign"),
     output:
         **tables("campaign", "campaign_summary"),
         **data("campaign_map"),
     pathvars:
-        name="campaign",
+        study="campaign",
     params:
-        **of("campaign"),
+        **parameters("campaign"),
 
 
 use rule study_part as interval_coverage_part with:
     input:
-        **needs("interval_coverage"),
+        **tables("calibration"),
     pathvars:
-        name="interval_coverage",
+        study="interval_coverage",
     params:
-        **of("interval_coverage"),
+        **parameters("interval_coverage"),
 
 
 use rule study as interval_coverage with:
     """tables/interval_coverage.csv: how often 95 % intervals hold each mean; figure data."""
     input:
-        **needs("interval_coverage"),
+        **tables("calibration"),
         parts=parts("interval_coverage"),
     output:
         **tables("interval_coverage"),
         **data("coverage_by_speed", "coverage_by_angle"),
     pathvars:
-        name="interval_coverage",
+        study="interval_coverage",
     params:
-        **of("interval_coverage"),
+        **parameters("interval_coverage"),
 
 
 use rule study as mechanisms with:
     """Tables of spin, slope, spore, adhesion and speed mechanisms; data of the figure causes."""
     input:
-        **needs("mechanisms"),
+        **tables("calibration"),
     output:
         **tables(
             "spin_mechanism",
@@ -152,44 +152,44 @@ use rule study as mechanisms with:
         ),
         **data("causes", "causes_slope", "causes_shallow"),
     pathvars:
-        name="mechanisms",
+        study="mechanisms",
     params:
-        **of("mechanisms"),
+        **parameters("mechanisms"),
 
 
 use rule study as pile_up with:
     """data/pile_up_onset.csv: spheres that end on the target; tables of shares and onsets."""
     input:
-        **needs("pile_up"),
+        **tables("calibration"),
     output:
         **tables("pile_up", "pile_up_onsets"),
         **data("pile_up_onset"),
     pathvars:
-        name="pile_up",
+        study="pile_up",
     params:
-        **of("pile_up"),
+        **parameters("pile_up"),
 
 
 use rule study as rival_explanations with:
     """data/rival_restitution.csv; tables: what adhesion, a probe above the surface and v_c give."""
     input:
-        **needs("rival_explanations"),
+        **tables("calibration", "pile_up", "pile_up_onsets"),
     output:
         **tables("rival_explanations", "capture_evidence"),
         **data("rival_restitution"),
     pathvars:
-        name="rival_explanations",
+        study="rival_explanations",
     params:
-        **of("rival_explanations"),
+        **parameters("rival_explanations"),
 
 
 use rule study as laboratory_sensitivity with:
     """tables/laboratory_sensitivity.csv: means with each declared spread halved and doubled."""
     input:
-        **needs("laboratory_sensitivity"),
+        **tables("calibration"),
     output:
         **tables("laboratory_sensitivity"),
     pathvars:
-        name="laboratory_sensitivity",
+        study="laboratory_sensitivity",
     params:
-        **of("laboratory_sensitivity"),
+        **parameters("laboratory_sensitivity"),

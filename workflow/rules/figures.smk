@@ -4,13 +4,11 @@ FIGURES_OF = {}
 for figure, spec in FIGURES.items():
     FIGURES_OF.setdefault(spec.study, []).append(figure)
 
-FIGURE_JOBS = {f"{study}_figures": names for study, names in FIGURES_OF.items()}
-
-for job, drawn in FIGURE_JOBS.items():
+for study, drawn in FIGURES_OF.items():
 
     rule:
         name:
-            job
+            f"{study}_figures"
         input:
             **data(*(table for figure in drawn for table in FIGURES[figure].data)),
             **{f"{name}_digitised": DIGITISED[name].path for name in drawn if name in DIGITISED},
@@ -26,13 +24,15 @@ for job, drawn in FIGURE_JOBS.items():
             ],
             [f"<results>/figures/{figure}.{kind}" for figure in drawn for kind in ("png", "pdf")],
         log:
-            f"<results>/logs/{job}.log",
+            f"<results>/logs/{study}_figures.log",
+        benchmark:
+            f"<results>/benchmarks/{study}_figures.tsv"
         # Nothing but the report waits for a figure; studies wait for studies.
         priority: -1
         params:
             entries={figure: FIGURE_ENTRIES[figure] for figure in drawn},
-            rests_on=inputs_behind(*drawn),
-            code=code_of(
+            rests_on=digest_of_inputs(*drawn),
+            code=digest_of_code(
                 *sorted({FIGURES[figure].module for figure in drawn}), script="draw_figures.py"
             ),
         script:
@@ -46,3 +46,4 @@ for figure in FIGURES:
             figure
         input:
             [f"<results>/figures/{figure}.{kind}" for kind in FORMATS],
+            "<results>/tables/inputs.csv",

@@ -7,15 +7,15 @@ use rule study as calibration with:
         **tables("calibration", "calibration_family", "molybdenum_capture"),
         **data("ridge", "ridge_curves"),
     pathvars:
-        name="calibration",
+        study="calibration",
     params:
-        **of("calibration"),
+        **parameters("calibration"),
 
 
 use rule study as admissible_contacts with:
     """tables/admissible_*.csv: contacts that the printed statements admit, and how they were drawn."""
     input:
-        **needs("admissible_contacts"),
+        **tables("calibration"),
     output:
         **tables(
             "admissible_contacts",
@@ -30,9 +30,9 @@ use rule study as admissible_contacts with:
             "admissible_bands",
         ),
     pathvars:
-        name="admissible_contacts",
+        study="admissible_contacts",
     params:
-        **of("admissible_contacts"),
+        **parameters("admissible_contacts"),
 
 
 use rule study as restitution_trends with:
@@ -40,9 +40,9 @@ use rule study as restitution_trends with:
     output:
         **data("fig14"),
     pathvars:
-        name="restitution_trends",
+        study="restitution_trends",
     params:
-        **of("restitution_trends"),
+        **parameters("restitution_trends"),
 
 
 use rule study as coulomb_friction with:
@@ -50,34 +50,34 @@ use rule study as coulomb_friction with:
     output:
         **data("fig17"),
     pathvars:
-        name="coulomb_friction",
+        study="coulomb_friction",
     params:
-        **of("coulomb_friction"),
+        **parameters("coulomb_friction"),
 
 
 use rule study as oblique_impact with:
     """data/fig18.csv: impulse ratio, data/fig21.csv: energy loss."""
     input:
-        **needs("oblique_impact"),
+        **tables("calibration", "admissible_contacts"),
     output:
         **data("fig18", "fig21"),
     pathvars:
-        name="oblique_impact",
+        study="oblique_impact",
     params:
-        **of("oblique_impact"),
+        **parameters("oblique_impact"),
 
 
 use rule study as force_history with:
     """data/fig20.csv: normal force and its terms (Eq. 25), tables/force_ratios.csv: peaks of the normal force and of its terms."""
     input:
-        **needs("force_history"),
+        **tables("calibration", "admissible_contacts"),
     output:
         **tables("force_ratios"),
         **data("fig20"),
     pathvars:
-        name="force_history",
+        study="force_history",
     params:
-        **of("force_history"),
+        **parameters("force_history"),
 
 
 use rule study as contact_properties with:
@@ -85,81 +85,81 @@ use rule study as contact_properties with:
     output:
         **tables("contact_properties"),
     pathvars:
-        name="contact_properties",
+        study="contact_properties",
     params:
-        **of("contact_properties"),
+        **parameters("contact_properties"),
 
 
 use rule study as restitution_fits with:
     """data/fig15.csv, data/fig16.csv: simulated e and its fits; tables/restitution_fits.csv."""
     input:
-        **needs("restitution_fits"),
+        **tables("calibration"),
     output:
         **tables("restitution_fits"),
         **data("fig15", "fig16"),
     pathvars:
-        name="restitution_fits",
+        study="restitution_fits",
     params:
-        **of("restitution_fits"),
+        **parameters("restitution_fits"),
 
 
 use rule study_part as fit_coverage_part with:
     input:
-        **needs("fit_coverage"),
+        **tables("calibration", "restitution_fits", "contact_law_fits"),
     pathvars:
-        name="fit_coverage",
+        study="fit_coverage",
     params:
-        **of("fit_coverage"),
+        **parameters("fit_coverage"),
 
 
 use rule study as fit_coverage with:
     """tables/fit_*.csv, averaged_intervals.csv: how well the capture velocity is found."""
     input:
-        **needs("fit_coverage"),
+        **tables("calibration", "restitution_fits", "contact_law_fits"),
         parts=parts("fit_coverage"),
     output:
         **tables("fit_coverage", "fit_intervals", "averaged_intervals"),
         **data("capture_recovery", "averaged_coverage"),
     pathvars:
-        name="fit_coverage",
+        study="fit_coverage",
     params:
-        **of("fit_coverage"),
+        **parameters("fit_coverage"),
 
 
 use rule study as capture_velocities with:
     """tables/capture_laws.csv: v_c per pair and law, data/capture_law_curves.csv: over diameter."""
     input:
-        **needs("capture_velocities"),
+        **tables("calibration"),
     output:
         **tables("capture_laws"),
         **data("capture_law_curves"),
     pathvars:
-        name="capture_velocities",
+        study="capture_velocities",
     params:
-        **of("capture_velocities"),
+        **parameters("capture_velocities"),
 
 
 use rule study as contact_laws with:
     """tables/contact_law_*.csv: fits, facts, claims by law; data/contact_law_curves.csv: e(v)."""
     input:
-        **needs("contact_laws"),
+        **tables("calibration"),
     output:
         **tables("contact_law_fits", "contact_law_facts", "contact_law_claims"),
         **data("contact_law_curves"),
     pathvars:
-        name="contact_laws",
+        study="contact_laws",
     params:
-        **of("contact_laws"),
+        **parameters("contact_laws"),
 
 
 use rule study as rolling_dissipation with:
     """tables/rolling_dissipation.csv, rolling_ranges.csv: neglected moments; data/rolling.csv."""
     input:
-        **needs("rolling_dissipation"),
+        **tables("calibration"),
     output:
         **tables("rolling_dissipation", "rolling_ranges"),
         **data("rolling"),
     pathvars:
-        name="rolling_dissipation",
+        study="rolling_dissipation",
     params:
-        **of("rolling_dissipation"),
+        **parameters("rolling_dissipation"),

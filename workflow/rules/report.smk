@@ -4,6 +4,29 @@ REPORT = PROJECT / "src/microimpact/report"
 PAGES = [*REPORT.glob("*/templates/*"), *REPORT.glob("*/assets/*")]
 
 
+def recorded_rules():
+    """Return the rules of tables and the figures, as the report shows them."""
+    files = {*results("tables/", "data/")}
+    makers = [each for each in result_rules() if {*map(str, each.output)} <= files]
+    return [
+        site_record.Rule(
+            name=each.name,
+            purpose=" ".join((each.docstring or "").split()),
+            inputs=tuple(relative(path) for path in each.input if str(path) in files),
+            outputs=tuple(map(relative, each.output)),
+            declared=site_record.row_names(each.params.rows),
+        )
+        for each in makers
+    ] + [
+        site_record.Rule(
+            name=figure,
+            inputs=tuple(f"data/{table}.csv" for table in spec.data),
+            outputs=tuple(f"figures/{figure}.{kind}" for kind in FORMATS),
+        )
+        for figure, spec in FIGURES.items()
+    ]
+
+
 rule explorer:
     """report/explorer.html: any impact computed in a browser; its look comes with the report."""
     input:
@@ -13,10 +36,14 @@ rule explorer:
         page="<results>/report/explorer.html",
     log:
         "<results>/logs/explorer.log",
+    benchmark:
+        "<results>/benchmarks/explorer.tsv"
     params:
         rows=SETTINGS.tables.contact_rows(),
-        rests_on=inputs_behind("contact_properties", "calibration"),
-        code=code_of("microimpact.report.explorer.build", script="write_explorer.py", files=PAGES),
+        rests_on=digest_of_inputs("contact_properties", "calibration"),
+        code=digest_of_code(
+            "microimpact.report.explorer.build", script="write_explorer.py", files=PAGES
+        ),
     script:
         "../scripts/write_explorer.py"
 
@@ -26,7 +53,7 @@ rule explorer:
 rule report:
     """report/index.html and all pages it leads to: figures, ledgers, tables, workflow, run."""
     input:
-        lambda wildcards: [path for path in everything() if is_shown(relative(path))],
+        lambda wildcards: results("tables/", "data/", "figures/"),
         # The pages link to it.
         explorer="<results>/report/explorer.html",
     output:
@@ -34,16 +61,18 @@ rule report:
         record="<results>/report/record.json",
     log:
         "<results>/logs/report.log",
+    benchmark:
+        "<results>/benchmarks/report.tsv"
     params:
         record=lambda wildcards: site_record.record_of(
             config=config,
             shipped=SHIPPED,
             figures=FIGURE_ENTRIES,
-            rules=result_rules(),
+            rules=recorded_rules(),
             project=PROJECT,
         ).plain(),
         # The code of the studies is read, too.
-        code=code_of(*studies.homes().values(), script="write_report.py", files=PAGES),
+        code=digest_of_code(*studies.homes().values(), script="write_report.py", files=PAGES),
     script:
         "../scripts/write_report.py"
 
@@ -52,7 +81,7 @@ rule report:
 rule check:
     """No file; fails, and shows the differences, if any table or figure differs."""
     input:
-        lambda wildcards: everything(),
+        lambda wildcards: results(),
     log:
         "<results>/logs/check.log",
     params:

@@ -1,23 +1,41 @@
-"""What the rules of all studies have in common; each says what it needs and what it makes."""
+"""The rule that all studies use; each says what it takes and what it makes.
+
+A study of many draws may be made in parts, by jobs of their own, and gathered by its own rule.
+"""
+
+
+wildcard_constraints:
+    chunk=r"\d+-of-\d+",
 
 
 rule study:
-    """No file: what the rules of all studies have in common."""
+    """No file: the script, log and costs of all studies."""
     log:
-        "<results>/logs/<name>.log",
+        "<results>/logs/<study>.log",
+    benchmark:
+        "<results>/benchmarks/<study>.tsv"
     pathvars:
-        name="study",
+        study="study",
     script:
         "../scripts/run_study.py"
 
 
 rule study_part:
-    """chunks/*.json: what one part of a study gives, until all are gathered."""
+    """chunks/*.json: one part of a study, until all are gathered."""
     output:
-        temp("<results>/chunks/<name>-{chunk}.json"),
+        temp("<results>/chunks/<study>-{chunk}.json"),
     log:
-        "<results>/logs/<name>-{chunk}.log",
+        "<results>/logs/<study>-{chunk}.log",
+    benchmark:
+        "<results>/benchmarks/<study>-{chunk}.tsv"
     pathvars:
-        name="study",
+        study="study",
     script:
         "../scripts/run_study.py"
+
+
+def parts(study):
+    """Return the parts that a study is gathered from; in one part it is run at once."""
+    count = SETTINGS.general.chunks
+    numbers = range(1, count + 1) if count > 1 else ()
+    return [f"<results>/chunks/{study}-{n}-of-{count}.json" for n in numbers]

@@ -72,16 +72,16 @@ def _data_files(folder: Path) -> list[Path]:
     return [path for path in found if path.suffix not in CODE]
 
 
-def digest(files: Iterable[Path | str], root: Path) -> str:
-    """Return a word that tells files by their content and their names, relative to a folder.
+def digest_of_files(files: Iterable[Path | str], root: Path) -> str:
+    """Return a digest of the contents and names, relative to a folder, of files in any order.
 
-    They may come in any order, and more than once. Raises OSError if one cannot be read.
+    Raises OSError if one cannot be read.
     """
-    return word("".join(sorted({_line(str(file), str(root)) for file in files})))
+    return digest("".join(sorted({_line(str(file), str(root)) for file in files})))
 
 
-def word(text: str) -> str:
-    """Return 32 hexadecimal digits that tell a text from any other."""
+def digest(text: str) -> str:
+    """Return the SHA-256 of a text, its first 32 hexadecimal digits."""
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import gc
-import resource
 import sys
-import time
 import traceback
 from collections.abc import Callable
 from pathlib import Path
@@ -19,8 +17,6 @@ from microimpact.core.files import (
 )
 
 LOGS = "logs"
-# When the process began: what came before this was all work.
-BEGAN = time.perf_counter() - time.process_time()
 
 # A job is over before the memory that only the collector would find is missed.
 gc.disable()
@@ -41,8 +37,7 @@ def logged(main: Callable[[Any], str], job: Any) -> int:
     """Run a job and log the line it returns; a failure leaves its full account in the log.
 
     Results that the job reads must be as they were written, and what it writes is recorded, so
-    that a table that lost its last lines is not taken for a whole one. What the job has cost is
-    written beside the logs (see `microimpact.report.timings`).
+    that a table that lost its last lines is not taken for a whole one.
 
     Parameters
     ----------
@@ -65,7 +60,6 @@ def logged(main: Callable[[Any], str], job: Any) -> int:
         account = main(job)
         write_checksums(root, job.output, job.params.get("rests_on", ""))
         write_file(log, account)
-        write_file(root / "benchmarks" / f"{log.stem}.tsv", _cost())
     except Exception as error:
         sys.stderr.write(f"{job.rule}: {error}\n")
         _log_failure(log)
@@ -85,13 +79,6 @@ def results_root(log: Path) -> Path:
         if folder.name == LOGS:
             return folder.parent
     raise ValueError(f"{log}: a log must stand in the folder {LOGS} of the results")
-
-
-def _cost() -> str:
-    """Return the time of the clock and of the processor, s, and the largest memory, MB, so far."""
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-    wall, processor = time.perf_counter() - BEGAN, time.process_time()
-    return f"s\tcpu_time\tmax_rss\n{wall:.2f}\t{processor:.2f}\t{memory:.1f}\n"
 
 
 def _log_failure(log: Path) -> None:

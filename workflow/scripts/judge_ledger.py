@@ -1,4 +1,4 @@
-"""Judge the ledger that bears the rule's name and write its verdicts."""
+"""Judge a ledger and write its verdicts."""
 
 from importlib import import_module
 from typing import Any
@@ -11,11 +11,12 @@ from microimpact.core.tables import parse_table, read_table, write_table
 def main(job: Any) -> str:
     """Judge one ledger and return a line that counts its verdicts.
 
-    The rule gives rows of declared tables as ``params.rows`` (name -> CSV text), tables of studies
-    as named input files and, for some, a file of criteria, with the values that its words take as
-    ``params.branch``; its outputs are the tables of the ledger by their names.
+    The rule names it as ``params.ledger`` and gives rows of declared tables as ``params.rows``
+    (name -> CSV text), tables of studies as named input files and, for some, a file of criteria,
+    with the values that its words take as ``params.branch``; its outputs are the tables of the
+    ledger by their names.
     """
-    ledger = import_module(f"microimpact.ledgers.{job.rule}")
+    ledger = import_module(f"microimpact.ledgers.{job.params.ledger}")
     tables = {name: parse_table(text) for name, text in job.params.rows.items()}
     files = dict(job.input.items())
     criteria = files.pop("criteria", None)
@@ -23,7 +24,7 @@ def main(job: Any) -> str:
     judged = ledger.judge(tables, *((criteria, job.params.branch) if criteria else ()))
     for name, path in job.output.items():
         write_table(judged[name], path)
-    counts = judged[job.rule]["verdict"].value_counts().items()
+    counts = judged[job.params.ledger]["verdict"].value_counts().items()
     return f"{job.rule}: {', '.join(f'{count} {verdict}' for verdict, count in counts)}\n"
 
 

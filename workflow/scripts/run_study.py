@@ -1,4 +1,4 @@
-"""Run the study that bears the rule's name, or one part of it, and write what it gives."""
+"""Run a study, or one part of it, and write the tables it returns."""
 
 from pathlib import Path
 from typing import Any
@@ -19,14 +19,16 @@ OTHERS = {"parts", "samples"}
 def main(job: Any) -> str:
     """Run one study and return a line on what was written.
 
-    The rule gives plain parameter values as ``params.branch``, rows of declared tables as
-    ``params.rows`` (name -> CSV text), and tables of earlier studies as named input files. The
-    rule ``STUDY_part`` makes part ``chunk``, as in ``1-of-2``, of a study that comes in parts;
-    the study's own rule gathers the files ``parts``.
+    The rule names it as ``params.study``, with its branch of the configuration as
+    ``params.branch``, rows of declared tables as ``params.rows`` (name -> CSV text), and tables of
+    earlier studies as named input files. The rule ``STUDY_part`` makes part ``chunk``, as in
+    ``1-of-2``, of a study that comes in parts; the study's own rule gathers the files ``parts``.
     """
-    study = studies.study(job.rule.removesuffix("_part"))
+    study = studies.study(job.params.study)
     inputs = NamedTables({name: parse_table(text) for name, text in job.params.rows.items()})
     inputs |= {name: read_table(path) for name, path in job.input.items() if name not in OTHERS}
+    if missing := {*studies.needs(job.params.study)} - {*inputs}:
+        raise ValueError(f"the rule must have the input tables {sorted(missing)}, too")
     params = build(study.Params, job.params.branch)
     if chunk := job.wildcards.get("chunk"):
         number, count = map(int, chunk.split("-of-"))

@@ -80,12 +80,6 @@ def of_other_inputs(root: Path, rests_on: Mapping[str, str]) -> list[str]:
     ]
 
 
-def recorded_since(root: Path, name: str, begin: float) -> bool:
-    """Tell whether a result below a root was recorded at a time, s since 1970, or later."""
-    record = _record(root, root / name)
-    return record.is_file() and record.stat().st_mtime >= begin
-
-
 def recorded_inputs(root: Path, name: str) -> str:
     """Return the word for the inputs of a result below a root; empty if none is recorded."""
     record = _record(root, root / name)

@@ -190,15 +190,6 @@ def pages_command(results: Path, docs: Path, tables: Path, check: bool) -> None:
     click.echo("\n".join(map(str, changed)) or "no page changes")
 
 
-@click.command("timings")
-@click.argument("results", type=_folder)
-def timings_command(results: Path) -> None:
-    """Tell what each job of the run in RESULTS has cost, the longest first, and what decides."""
-    from microimpact.report.timings import as_text
-
-    click.echo(as_text(results))
-
-
 @click.group()
 def commands() -> None:
     """Results of the study: checked, compared, described."""
@@ -206,7 +197,7 @@ def commands() -> None:
 
 for _command in (
     *(check_command, reference_command, compare_command, claim_command, crate_command),
-    *(report_command, deviations_command, pages_command, timings_command),
+    *(report_command, deviations_command, pages_command),
 ):
     commands.add_command(_command)
 
