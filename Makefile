@@ -36,6 +36,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 ACTIVE = PATH="$(CURDIR)/.venv/bin:$$PATH"
 
 LOCKED := .venv/.environment pyproject.toml requirements/build.txt requirements/run.txt
+SCHEMAS := workflow/schemas/config.schema.json
 INSTALLER := $(filter .venv/bin/uv,$(UV))
 
 # An environment holds absolute paths, so one that was copied or moved along with the project
@@ -52,7 +53,7 @@ endif
 help: ## list these targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 22
 
-reproduce: .venv/.compiled ## run the whole study into results/ (VERBOSE=1: say all)
+reproduce: .venv/.compiled $(SCHEMAS) ## run the whole study into results/ (VERBOSE=1: say all)
 	@$(ACTIVE) .venv/bin/snakemake $(SNAKEMAKE_ARGS) $(if $(VERBOSE),--verbose)
 
 check: .venv/.compiled ## compare RESULTS=..., or a new small run, with tests/reference
@@ -200,6 +201,10 @@ COMPILED := $(shell grep -rl --include='*.py' 'core.compiled import jit' src)
 	@echo "Compiling ..."
 	@.venv/bin/python -m microimpact.lab.warm
 	@touch $@
+
+# Editors complete the keys of the configuration by these.
+$(SCHEMAS): .venv/.run $(shell find src -name '*.py')
+	@.venv/bin/python -m microimpact.run.schema $(@D)
 
 .venv-benchmark/.benchmark: $(LOCKED) requirements/benchmark.txt | $(INSTALLER)
 	@.venv/bin/python -m venv --clear .venv-benchmark

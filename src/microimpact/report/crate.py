@@ -45,7 +45,7 @@ COPIES = "crate"
 WORKFLOW = "Snakefile"
 CONFIGURATION = ("config/config.yaml", "config/laboratory.yaml", "config/analyses")
 # What a Snakefile includes, runs, checks by and reports with.
-WORKFLOW_PARTS = ("rules/*.smk", "scripts/*.py", "schemas/*.json", "report/*.rst")
+WORKFLOW_PARTS = ("rules/*.smk", "scripts/*.py", "report/*.rst")
 RESULTS = (*TABLE_FOLDERS, "figures")
 # Not results: what the engine and the jobs tell of the run.
 TRACES = ("benchmarks", "checksums", "logs")
