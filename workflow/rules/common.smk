@@ -91,6 +91,13 @@ def data(*names):
     return {name: f"<results>/data/{name}.csv" for name in names}
 
 
+def parts(study):
+    """Return the parts that a study is gathered from; in one part it is run at once."""
+    count = SETTINGS.general.chunks
+    numbers = range(1, count + 1) if count > 1 else ()
+    return [f"<results>/chunks/{study}-{n}-of-{count}.json" for n in numbers]
+
+
 def sample_files(study):
     """Return the files of measured values that a study draws from."""
     return list(_sample_files(SETTINGS.branches[study]))
@@ -165,6 +172,29 @@ def results(*folders):
 def relative(path):
     """Return the name of a file in the results folder."""
     return Path(path).relative_to(RESULTS).as_posix()
+
+
+def recorded_rules():
+    """Return the rules of tables and the figures, as the report shows them."""
+    files = {*results("tables/", "data/")}
+    makers = [each for each in result_rules() if {*map(str, each.output)} <= files]
+    return [
+        site_record.Rule(
+            name=each.name,
+            purpose=" ".join((each.docstring or "").split()),
+            inputs=tuple(relative(path) for path in each.input if str(path) in files),
+            outputs=tuple(map(relative, each.output)),
+            declared=site_record.row_names(each.params.rows),
+        )
+        for each in makers
+    ] + [
+        site_record.Rule(
+            name=figure,
+            inputs=tuple(f"data/{table}.csv" for table in spec.data),
+            outputs=tuple(f"figures/{figure}.{kind}" for kind in FORMATS),
+        )
+        for figure, spec in FIGURES.items()
+    ]
 
 
 def outdated():

@@ -32,10 +32,3 @@ rule study_part:
         study="study",
     script:
         "../scripts/run_study.py"
-
-
-def parts(study):
-    """Return the parts that a study is gathered from; in one part it is run at once."""
-    count = SETTINGS.general.chunks
-    numbers = range(1, count + 1) if count > 1 else ()
-    return [f"<results>/chunks/{study}-{n}-of-{count}.json" for n in numbers]

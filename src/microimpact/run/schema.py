@@ -107,7 +107,7 @@ def schemas() -> dict[str, Schema]:
 
 
 def _generated(kind: type[Any]) -> Schema:
-    return adapter(kind).json_schema(schema_generator=DeclaredSchema)
+    return adapter(kind).json_schema(schema_generator=DeclaredSchema)  # type: ignore[arg-type]
 
 
 def _registry(pattern: str, kind: type[Any]) -> Schema:
