@@ -16,36 +16,8 @@ use rule study as claim_numbers with:
     tables/claim_draws.csv: these numbers for every drawn contact that the printed statements admit.
     """
     input:
-        **tables(
-            "admissible_contacts",
-            "calibration",
-            "calibration_family",
-            "molybdenum_capture",
-            "force_ratios",
-            "rolling_dissipation",
-            "restitution_fits",
-            "ptis_range",
-            "pairing_quality",
-            "interval_coverage",
-            "pile_up",
-            "adhesion_or_roughness",
-            "formica_mechanism",
-            "loss_resolution",
-            "loss_slopes",
-            "smooth_spore",
-            "speed_and_angle",
-            "spin_needed",
-            "spin_or_tilt",
-            "spore_comparison",
-            "spore_trends",
-            "surface_pairs",
-            "doe_bd_aliasing",
-            "doe_design",
-            "doe_effects",
-            "doe_elasticities",
-            "doe_levels",
-            "monte_carlo",
-        ),
+        # Each claim names those it takes.
+        **tables(*studies.needs("claim_numbers")),
         parts=parts("claim_numbers"),
     output:
         **tables("claim_numbers", "claim_draws"),
