@@ -31,8 +31,7 @@ THIN, NEAR = 0.7, 9.0
 NO_MARK, TICKS = ("None", "none", "", " ", None), ("|", "_")
 
 
-def drawn(name):
-    spec = SPECS[name]
+def drawn(spec):
     tables = {key: parse_table(read_text(FILES[f"data/{key}.csv"])) for key in spec.data}
     return getattr(import_module(spec.module), spec.function)(tables, spec)
 
@@ -206,7 +205,7 @@ def test_all_can_be_read(name):
     if missing := [key for key in spec.data if f"data/{key}.csv" not in FILES]:
         pytest.skip(f"no reference yet of {', '.join(missing)}")
     with style.context():
-        figure = drawn(name)
+        figure = drawn(spec)
         assert not list(faults(figure, schematic=spec.is_schematic))
     found = [str(text.get_text())[:3] for text, _ in texts(figure, 0.0)]
     letters = sorted(word for word in found if re.fullmatch(r"\([a-h]\)", word))

@@ -22,7 +22,11 @@ for study, drawn in FIGURES_OF.items():
                 )
                 for figure in drawn
             ],
-            [f"<results>/figures/{figure}.{kind}" for figure in drawn for kind in ("png", "pdf")],
+            [
+                f"<results>/figures/{figure}.{kind}"
+                for figure in drawn
+                for kind in ("png", "pdf", "csv")
+            ],
         log:
             f"<results>/logs/{study}_figures.log",
         benchmark:

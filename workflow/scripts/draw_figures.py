@@ -1,4 +1,4 @@
-"""Draw the figures of one study from its tables, each as SVG, PNG and PDF."""
+"""Draw the figures of one study from its tables, each as SVG, PNG, PDF and table of its content."""
 
 from importlib import import_module
 from pathlib import Path
@@ -6,7 +6,8 @@ from typing import Any
 
 from job import run
 
-from microimpact.core.tables import read_figure_data
+from microimpact.core.tables import read_figure_data, write_table
+from microimpact.figures.content import content
 from microimpact.figures.registry import FORMATS, figure_spec
 from microimpact.figures.style import save
 from microimpact.run.digitised import overlaid, read_points
@@ -31,7 +32,9 @@ def main(job: Any) -> str:
             tables = overlaid(tables, spec, points)
             origin = f", {points.evidence} points from {points.source}"
         draw = getattr(import_module(spec.module), spec.function)
-        save(draw(tables, spec), *(folder / f"{figure}.{kind}" for kind in FORMATS))
+        picture = draw(tables, spec)
+        save(picture, *(folder / f"{figure}.{kind}" for kind in FORMATS))
+        write_table(content(picture, spec), folder / f"{figure}.csv")
         account.append(f"{figure}: drawn from {', '.join(tables)}{origin}\n")
     return "".join(account)
 

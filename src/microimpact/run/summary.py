@@ -36,7 +36,7 @@ def summary(results: Path, made: Sequence[str], outdated: Sequence[str] = ()) ->
 
 
 def _told(made: Sequence[str]) -> str:
-    shown = [name for name in made if not name.endswith((".png", ".pdf"))]
+    shown = [n for n in made if not n.startswith("figures/") or n.endswith(".svg")]
     if len(shown) <= FEW:
         return ", ".join(shown)
     figures = [name for name in shown if name.startswith("figures/")]

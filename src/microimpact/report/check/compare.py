@@ -5,50 +5,67 @@ from __future__ import annotations
 import base64
 import json
 import re
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from microimpact.core.files import recorded_inputs
-from microimpact.report.check.differences import Difference, compare_tables
+from microimpact.report.check.differences import Difference, Kind, compare_tables
 from microimpact.report.check.results import (
     CLAIMS,
     INPUTS,
     figure_files,
-    key_columns,
     read_cells,
     read_json,
     require_results,
     table_files,
 )
-from microimpact.report.check.shapes import PictureTolerance, compare_shapes, read_shape
 from microimpact.report.check.wording import by_file, cells, markdown, summary, worst
 from microimpact.report.site.pages import render
+from microimpact.run.stamp import STAMP
 from microimpact.run.stamp import changes as configured
 
 SIDES = ("baseline", "changed")
 SAME = "Inputs, numbers, verdicts and figures are the same."
 UNSEEN = "same parts, slightly moved"
-# Characters of a cell in the page.
-WIDTH = 120
+# Columns of the ledger of claims that are declared, not computed.
+DECLARED = ("statement", "criterion", "article_value")
+# Kinds of rows that one run alone has.
+LONE: tuple[Kind, Kind] = ("missing row", "extra row")
+# How references name what a file declares; by the name of the file where it is not here.
+PREFIX = {"config": "", "printed_values": "printed."}
+# Characters of a cell in the page, and parts of a figure that are named.
+WIDTH, FEW = 120, 5
 _ITEM = re.compile(r"\[\d+\].*")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FigureChange:
-    """A figure that is not the same in both runs: its SVG in each, and what changed."""
+    """A figure of both runs: its SVG in each, and the parts that differ."""
 
     name: str
     baseline: Path
     changed: Path
-    what: str
+    parts: tuple[Difference, ...]
+
+    @property
+    def same(self) -> bool:
+        """Whether both runs have the same picture of the same parts."""
+        return not self.parts and self.baseline.read_bytes() == self.changed.read_bytes()
+
+    @property
+    def words(self) -> str:
+        """Counts of the parts that differ, and the names of the first."""
+        names = list(dict.fromkeys(part.row for part in self.parts))
+        more = ", ..." if len(names) > FEW else ""
+        return f"{summary(self.parts)} ({', '.join(names[:FEW])}{more})" if names else UNSEEN
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Changes:
-    """What changed from one results folder to another.
+    """Changes from one results folder to another.
 
     `runs` compares the stamps: commit, versions, seed. It makes no difference by itself, nor do
     files that one of the runs has not built, `not_built`, by the name of the side. Figures that
@@ -80,33 +97,37 @@ def compare(baseline: Path, changed: Path) -> Changes:
     for root in (baseline, changed):
         require_results(root)
     before, after = _files(baseline), _files(changed)
-    tables = {name: path for name, path in before.items() if path.suffix != ".svg"}
-    differences = [
-        difference
-        for name in tables
-        if name in after
-        for difference in _table(name, before[name], after[name])
-    ]
-    inputs = _inputs(baseline, changed, [d for d in differences if d.file == INPUTS])
+    topics: dict[str, list[Difference]] = defaultdict(list)
+    for name in table_files(baseline):
+        if name in after:
+            differences = compare_tables(name, read_cells(before[name]), read_cells(after[name]))
+            for difference in _by_series(differences) if name.startswith("data/") else differences:
+                topics[_topic(difference)].append(difference)
     names = [name for name in figure_files(baseline) if f"figures/{name}.svg" in after]
     resting = [name for name in names if _rests_on_other_inputs(name, baseline, changed)]
+    parts = by_file(topics["figures"])
     figures = [
-        _figure(n, before[f"figures/{n}.svg"], after[f"figures/{n}.svg"])
-        for n in sorted(names, key=lambda n: (n not in resting, n))
+        FigureChange(
+            name=name,
+            baseline=before[f"figures/{name}.svg"],
+            changed=after[f"figures/{name}.svg"],
+            parts=tuple(parts.get(f"figures/{name}.csv", ())),
+        )
+        for name in sorted(names, key=lambda name: (name not in resting, name))
     ]
     return Changes(
         baseline=baseline,
         changed=changed,
         runs=tuple(_stamps(baseline, changed)),
-        inputs=tuple(inputs),
+        inputs=tuple(_inputs(baseline, changed, topics["inputs"])),
         resting=tuple(resting),
-        verdicts=tuple(d for d in differences if _topic(d) == "verdicts"),
-        numbers=tuple(d for d in differences if _topic(d) == "numbers"),
-        figures=tuple(figure for figure in figures if figure.what),
-        unchanged_figures=tuple(figure.name for figure in figures if not figure.what),
+        verdicts=tuple(topics["verdicts"]),
+        numbers=tuple(topics["numbers"]),
+        figures=tuple(figure for figure in figures if not figure.same),
+        unchanged_figures=tuple(figure.name for figure in figures if figure.same),
         not_built={
-            side: tuple(name for name in one if name not in other)
-            for side, one, other in zip(SIDES, (after, before), (before, after), strict=True)
+            side: tuple(name for name in there if name not in here)
+            for side, here, there in zip(SIDES, (before, after), (after, before), strict=True)
         },
     )
 
@@ -117,99 +138,101 @@ def _files(root: Path) -> dict[str, Path]:
 
 
 def _topic(difference: Difference) -> str:
-    if difference.file == INPUTS:
+    if difference.file.startswith("figures/"):
+        return "figures"
+    is_claim = difference.file == CLAIMS
+    if difference.file == INPUTS or (is_claim and difference.column in DECLARED):
         return "inputs"
     # A claim that only one run has judged is a change of verdict, too.
-    one_sided = difference.file == CLAIMS and not difference.column
-    return "verdicts" if one_sided or difference.column == "verdict" else "numbers"
-
-
-def _table(name: str, before: Path, after: Path) -> list[Difference]:
-    cells = read_cells(before), read_cells(after)
-    found = compare_tables(name, *cells, keys=key_columns(name), renamed=False)
-    return _by_series(found) if name.startswith("data/") else found
+    is_lone_claim = is_claim and difference.kind in LONE
+    return "verdicts" if is_lone_claim or difference.column == "verdict" else "numbers"
 
 
 def _by_series(differences: Sequence[Difference]) -> list[Difference]:
-    """Tell points that one run alone has by their series: one difference each."""
-    lone = [d for d in differences if d.kind in {"missing row", "extra row"}]
+    """Join the points that one run alone has by their series: one difference each."""
+    lone = [d for d in differences if d.kind in LONE]
     points = Counter((d.kind, d.row.rpartition(" #")[0] or d.row) for d in lone)
-    told = [
+    series = [
         Difference(
             file=lone[0].file,
             kind=kind,
-            row=series,
-            reference=f"{count} points" if kind == "missing row" else "",
-            found=f"{count} points" if kind == "extra row" else "",
+            row=name,
+            reference=f"{count} points" if kind == LONE[0] else "",
+            result=f"{count} points" if kind == LONE[1] else "",
         )
-        for (kind, series), count in points.items()
+        for (kind, name), count in points.items()
     ]
-    return told + [d for d in differences if d.kind not in {"missing row", "extra row"}]
+    return series + [d for d in differences if d.kind not in LONE]
 
 
-def _inputs(baseline: Path, changed: Path, numbers: Sequence[Difference]) -> list[Difference]:
-    """Return changed inputs: of the configurations whole values, texts and lists among them."""
+def _inputs(baseline: Path, changed: Path, differences: Sequence[Difference]) -> list[Difference]:
+    """Return one difference per changed input, with the number of its uses that changed, too.
+
+    `differences`: of the tables of inputs, which have a row per use, and of declared words.
+    """
     left, right = (_stamp(root).get("config", {}) for root in (baseline, changed))
-    found = [
-        _text(INPUTS, f"config, {change.key}", _shown(change.shipped), _shown(change.used))
+    inputs = {
+        change.key: _text(INPUTS, change.key, change.shipped, change.used)
         for change in configured(right, left)
+    }
+    places = _places(baseline) | _places(changed)
+    uses: Counter[str] = Counter()
+    # The value of an input comes before its evidence and source.
+    for difference in sorted(differences, key=lambda d: d.column != "value"):
+        file, _, key = difference.row.partition(", ")
+        declared = f"{PREFIX.get(file, f'{file}.')}{key}" if key else difference.row
+        name = _ITEM.sub("", places.get(key, declared))
+        uses[name] += key in places and difference.column == "value"
+        inputs.setdefault(name, replace(difference, row=name))
+    return [
+        replace(d, column=f"{d.column}, {uses[name]} uses") if uses[name] else d
+        for name, d in inputs.items()
     ]
-    told = {d.row for d in found}
-    others = [d for d in numbers if _ITEM.sub("", d.row) not in told]
-    return found + sorted(others, key=lambda d: d.column != "value")  # before its words
 
 
-def _shown(value: object) -> str:
-    if value is None:
-        return ""
-    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+def _places(root: Path) -> dict[str, str]:
+    """Return where each used input is declared, by its key."""
+    path = table_files(root).get(INPUTS)
+    if path is None or "place" not in (table := read_cells(path)):
+        return {}
+    return {key: place for key, place in zip(table["key"], table["place"], strict=True) if place}
 
 
 def _rests_on_other_inputs(figure: str, baseline: Path, changed: Path) -> bool:
-    """Tell whether a figure was made from other inputs in one run than in the other."""
     before, after = (recorded_inputs(root, f"figures/{figure}.svg") for root in (baseline, changed))
     return bool(before and after) and before != after
 
 
-def _figure(name: str, baseline: Path, changed: Path) -> FigureChange:
-    if baseline.read_bytes() == changed.read_bytes():
-        what = ""
-    else:
-        shapes = read_shape(baseline), read_shape(changed)
-        what = summary(compare_shapes(name, *shapes, PictureTolerance())) or UNSEEN
-    return FigureChange(name=name, baseline=baseline, changed=changed, what=what)
-
-
 def _stamps(baseline: Path, changed: Path) -> list[Difference]:
-    left, right = (_told(_stamp(root)) for root in (baseline, changed))
+    left, right = (_versions(_stamp(root)) for root in (baseline, changed))
     return [
-        _text("run.json", key, left.get(key, ""), right.get(key, ""))
+        _text("run.json", key, left.get(key), right.get(key))
         for key in dict.fromkeys((*left, *right))
         if left.get(key) != right.get(key)
     ]
 
 
-def _text(file: str, row: str, before: str, after: str) -> Difference:
+def _text(file: str, row: str, *cells: object) -> Difference:
+    before, after = (
+        cell if isinstance(cell, str) else "" if cell is None else json.dumps(cell)
+        for cell in cells
+    )
     return Difference(
-        file=file, kind="text", row=row, column="value", reference=before, found=after
+        file=file, kind="text", row=row, column="value", reference=before, result=after
     )
 
 
 def _stamp(root: Path) -> dict[str, Any]:
-    path = root / "run.json"
-    return read_json(path) if path.exists() else {}
+    return read_json(root / STAMP) if (root / STAMP).exists() else {}
 
 
-def _told(stamp: Mapping[str, Any]) -> dict[str, str]:
-    """Return what a run stamp says of versions and commit; the inputs tell the configuration."""
+def _versions(stamp: Mapping[str, Any]) -> dict[str, Any]:
+    """Return commit, versions and platform of a run stamp; the inputs tell the configuration."""
     flat: dict[str, Any] = {}
     for key in sorted(stamp.keys() - {"config", "started", "ended"}):
-        value = stamp[key]
-        if isinstance(value, dict):
-            flat |= {f"{key} {name}": part for name, part in value.items()}
-        else:
-            flat[key] = value
-    return {key: _shown(value) for key, value in flat.items()}
+        value = stamp[key] if isinstance(stamp[key], dict) else {"": stamp[key]}
+        flat |= {f"{key} {name}".strip(): part for name, part in value.items()}
+    return flat
 
 
 def as_text(changes: Changes, few: int = 5) -> str:
@@ -218,22 +241,21 @@ def as_text(changes: Changes, few: int = 5) -> str:
     parts += [f"{len(n)} files were not built in {root}." for root, n in lone_files(changes)]
     if changes.same:
         parts.append(SAME)
-    for title, found, shown in sections(changes, few):
-        if found:
-            parts += [f"## {title}", markdown(found, shown, names=SIDES)]
+    for title, differences, shown in sections(changes, few):
+        if differences:
+            parts += [f"## {title}", markdown(differences, shown, names=SIDES)]
         if title == "Inputs" and changes.resting:
             parts.append(f"Figures that rest on them: {', '.join(changes.resting)}.")
     if changes.figures:
-        lines = [f"- {figure.name}: {figure.what}" for figure in changes.figures]
+        lines = [f"- {figure.name}: {figure.words}" for figure in changes.figures]
         parts += ["## Figures", "\n".join(lines)]
     return "\n\n".join(parts)
 
 
 def lone_files(changes: Changes) -> list[tuple[Path, tuple[str, ...]]]:
-    """Return for each folder that lacks files of the other which these are."""
-    roots = (changes.baseline, changes.changed)
-    found = [(root, changes.not_built[side]) for side, root in zip(SIDES, roots, strict=True)]
-    return [(root, names) for root, names in found if names]
+    """Return the folders that lack files of the other one, with these files."""
+    sides = zip(SIDES, (changes.baseline, changes.changed), strict=True)
+    return [(root, changes.not_built[side]) for side, root in sides if changes.not_built[side]]
 
 
 def sections(changes: Changes, few: int) -> list[tuple[str, tuple[Difference, ...], int]]:
@@ -249,8 +271,7 @@ def sections(changes: Changes, few: int) -> list[tuple[str, tuple[Difference, ..
 def page(changes: Changes, few: int = 20) -> str:
     """Return the changes as one HTML page that needs nothing else, figures side by side.
 
-    `changes`: what `compare` found; `few`: how many differences of each kind are shown per table of
-    numbers.
+    `few`: how many differences of each kind are shown per table of numbers.
     """
     return render(
         "compare.html",
@@ -260,19 +281,18 @@ def page(changes: Changes, few: int = 20) -> str:
         same=SAME,
         lone_files=lone_files(changes),
         sections=[
-            (title, [(file, *_in_page(each, shown)) for file, each in by_file(found).items()])
-            for title, found, shown in sections(changes, few)
-            if found
+            (title, [(file, *_in_page(part, shown)) for file, part in by_file(members).items()])
+            for title, members, shown in sections(changes, few)
+            if members
         ],
         inline=_inline,
     )
 
 
 def _in_page(differences: Sequence[Difference], few: int) -> tuple[str, list[tuple[str, ...]], int]:
-    """Return what is said of one file, its rows, and how many are not shown."""
-    shown = [d for d in worst(differences, few) if not d.kind.endswith("file")]
-    rows = [cells(difference, WIDTH) for difference in shown]
-    return summary(differences), rows, len(differences) - len(shown)
+    """Return the summary of one file, its rows, and the number that is not shown."""
+    rows = [cells(difference, WIDTH) for difference in worst(differences, few)]
+    return summary(differences), rows, len(differences) - len(rows)
 
 
 def _inline(svg: Path) -> str:

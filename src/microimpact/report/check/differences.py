@@ -1,18 +1,19 @@
-"""Differences of two tables, found in both directions."""
+"""Differences of two tables, by the names of their rows and within tolerances."""
 
 from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Literal, get_args
+from functools import partial
+from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from microimpact.declared.parameters import NonNegative
+from microimpact.report.check.results import key_columns
 
 # In the order in which they are reported.
 Kind = Literal[
@@ -25,37 +26,29 @@ Kind = Literal[
     "extra row",
     "text",
     "number",
-    "structure",
-    "picture",
 ]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
-# What its keys say, and which one of those that say the same it is.
-RowName = tuple[tuple[str, ...], int]
+# Keys of a row, and its number among the rows of these keys.
+RowName: TypeAlias = tuple[tuple[str, ...], int]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tolerance:
-    """Numbers agree if ``|found - reference| <= atol + rtol |reference|``."""
+    """Numbers agree if ``|result - reference| <= atol + rtol |reference|``."""
 
     rtol: NonNegative = 1e-8
     atol: NonNegative = 0.0
 
-    def admits(self, reference: float, found: float) -> bool:
-        """Tell whether two numbers agree; missing ones (NaN) agree with each other."""
-        if math.isfinite(reference) and math.isfinite(found):
-            return abs(found - reference) <= self.atol + self.rtol * abs(reference)
-        return reference == found or (math.isnan(reference) and math.isnan(found))
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Difference:
-    """One difference: where, what the reference says, what was found.
+    """One difference: its place, the cell of the reference and that of the result.
 
-    `relative` is the relative difference of two numbers, infinite if it has no bound, as
-    beside zero or a missing number; it is NaN for all else. `share` is the difference over the
-    largest number of the column, by which differences are ranked: numbers that are all but zero
-    differ by any factor.
+    `relative` is the relative difference of two numbers, infinite if it has no bound, as beside
+    zero or a missing number, and NaN for all else. `share` is the difference over the largest
+    number of the column, by which differences are ranked: numbers that are all but zero differ by
+    any factor.
     """
 
     file: str
@@ -63,144 +56,124 @@ class Difference:
     row: str = ""
     column: str = ""
     reference: str = ""
-    found: str = ""
+    result: str = ""
     relative: float = math.nan
     share: float = field(default=math.nan, compare=False)
-
-
-def number(cell: str) -> float | None:
-    """Return the number in a cell, NaN for an empty one, None for any other text."""
-    try:
-        return float(cell) if cell else math.nan
-    except ValueError:
-        return None
 
 
 def compare_tables(
     file: str,
     reference: pd.DataFrame,
-    found: pd.DataFrame,
-    *,
-    keys: Sequence[str] = (),
+    result: pd.DataFrame,
     tolerance: Callable[[str], Tolerance] = lambda _: Tolerance(),
-    renamed: bool = True,
 ) -> list[Difference]:
     """Return all differences of two tables.
 
-    Rows are matched by what their key columns say, and rows that say the same in the order in
-    which they occur. If equally many rows of either table remain, a key was changed, and they
-    are matched in order; otherwise, and if `renamed` is false, they are missing or extra.
+    Rows are matched by their key columns, rows of the same keys by their order.
 
-    `file`: name of the table in the differences; `reference`, `found`: tables of text, shapes (n,
-    m) and (k, l); `keys`: columns that name a row. Without any, all columns that hold words do;
-    `tolerance`: gives the tolerance of a column by its name; `renamed`: whether rows whose keys
-    differ may be the same.
+    Parameters
+    ----------
+    file
+        Name of the table, which has its key columns; if none are declared, all columns of words
+        are keys.
+    reference, result
+        Tables of text, shapes (n, m) and (k, l).
+    tolerance
+        Tolerance of a column by its name.
     """
-    columns = [c for c in reference.columns if c in found.columns]
-    by = [c for c in keys if c in columns] or [
-        c for c in columns if _has_words(reference[c]) or _has_words(found[c])
+    columns = [str(column) for column in reference if column in result]
+    declared = [column for column in key_columns(file) if column in columns]
+    keys = declared or [c for c in columns if _has_words(reference[c]) or _has_words(result[c])]
+    before, after = (_named_rows(table, keys) for table in (reference, result))
+    label = _labels([*before, *after])
+    at = partial(Difference, file=file)
+    differences = [
+        *(at(kind="missing column", column=str(c)) for c in reference if c not in result),
+        *(at(kind="extra column", column=str(c)) for c in result if c not in reference),
+        *(
+            at(kind="missing row", row=label(name), reference=_cells(reference, i, keys))
+            for name, i in before.items()
+            if name not in after
+        ),
+        *(
+            at(kind="extra row", row=label(name), result=_cells(result, i, keys))
+            for name, i in after.items()
+            if name not in before
+        ),
     ]
-    rows = _match(_named_rows(reference, by), _named_rows(found, by), renamed=renamed)
-    gone, new = ([c for c in table.columns if c not in columns] for table in (reference, found))
-    differences = [Difference(file=file, kind="missing column", column=c) for c in gone]
-    differences += [Difference(file=file, kind="extra column", column=c) for c in new]
-    for label, place in rows.missing:
-        told = _told(reference, place, by)
-        differences.append(Difference(file=file, kind="missing row", row=label, reference=told))
-    for label, place in rows.extra:
-        told = _told(found, place, by)
-        differences.append(Difference(file=file, kind="extra row", row=label, found=told))
+    names = [name for name in before if name in after]
     for column in columns:
-        before = reference[column].to_numpy()[rows.before]
-        after = found[column].to_numpy()[rows.after]
-        accepted, largest = tolerance(column), _largest(reference[column])
-        for i in np.flatnonzero(before != after):
-            changed = _changed(before[i], after[i], accepted)
-            if changed is not None:
-                kind, relative = changed
-                where = {"file": file, "row": rows.labels[i], "column": column}
-                cells = {"reference": before[i], "found": after[i]}
-                share = _share(before[i], after[i], largest) if kind == "number" else math.nan
-                differences.append(
-                    Difference(kind=kind, relative=relative, share=share, **where, **cells)
-                )
+        a = reference[column].iloc[[before[name] for name in names]]
+        b = result[column].iloc[[after[name] for name in names]]
+        sizes = _sizes(a, b, tolerance(column))
+        differences += [
+            at(row=label(names[i]), column=column, reference=a.iloc[i], result=b.iloc[i], **size)
+            for i, size in sizes.items()
+        ]
     return differences
 
 
-def _has_words(column: pd.Series) -> bool:
-    return any(number(cell) is None for cell in set(column) - {"True", "False"})
+def _has_words(cells: pd.Series) -> bool:
+    return bool((~cells.isin(["True", "False"]) & _is_text(cells)).any())
 
 
-def _named_rows(table: pd.DataFrame, by: Sequence[str]) -> dict[RowName, int]:
-    seen: Counter[tuple[str, ...]] = Counter()
-    named = {}
-    keys = table[list(by)].itertuples(index=False, name=None) if by else [()] * len(table)
-    for i, key in enumerate(keys):
-        seen[key] += 1
-        named[key, seen[key]] = i
-    return named
+def _is_text(cells: pd.Series) -> pd.Series:
+    return _numbers(cells).isna() & ~cells.str.lower().isin(["", "nan"])
 
 
-@dataclass(frozen=True, slots=True)
-class _Rows:
-    """Positions of matched rows in both tables with their labels, and the unmatched rows."""
-
-    before: NDArray[np.intp]
-    after: NDArray[np.intp]
-    labels: list[str]
-    missing: list[tuple[str, int]]
-    extra: list[tuple[str, int]]
+def _numbers(cells: pd.Series) -> pd.Series:
+    return pd.to_numeric(cells, errors="coerce").astype(float)
 
 
-def _match(left: Mapping[RowName, int], right: Mapping[RowName, int], *, renamed: bool) -> _Rows:
-    missing, extra = [n for n in left if n not in right], [n for n in right if n not in left]
-    pairs = [(name, name) for name in left if name in right]
-    if renamed and len(missing) == len(extra):
-        pairs += zip(missing, extra, strict=True)
-        missing, extra = [], []
-    repeated = {key for key, n in (*left, *right) if n > 1}
-    # A column that is the same in every row distinguishes none.
-    values = list(zip(*(key for key, _ in (*left, *right)), strict=True))
-    telling = [i for i, column in enumerate(values) if len(set(column)) > 1]
+def _named_rows(table: pd.DataFrame, keys: Sequence[str]) -> dict[RowName, int]:
+    """Return the position of each row by its keys and its number among rows of the same keys."""
+    counts: Counter[tuple[str, ...]] = Counter()
+    rows = {}
+    cells = table[list(keys)].itertuples(index=False, name=None) if keys else [()] * len(table)
+    for i, key in enumerate(cells):
+        counts[key] += 1
+        rows[key, counts[key]] = i
+    return rows
+
+
+def _labels(names: Sequence[RowName]) -> Callable[[RowName], str]:
+    """Return the function that labels a row by the keys that distinguish rows."""
+    columns = enumerate(zip(*(key for key, _ in names), strict=True))
+    telling = [i for i, column in columns if len(set(column)) > 1]
+    repeated = {key for key, number in names if number > 1}
 
     def label(name: RowName) -> str:
-        key, n = name
+        key, number = name
         words = ", ".join(key[i] for i in telling)
         if not words:
-            return f"row {n}"
-        return f"{words} #{n}" if key in repeated else words
+            return f"row {number}"
+        return f"{words} #{number}" if key in repeated else words
 
-    return _Rows(
-        np.array([left[name] for name, _ in pairs], dtype=np.intp),
-        np.array([right[name] for _, name in pairs], dtype=np.intp),
-        [label(name) for name, _ in pairs],
-        [(label(name), left[name]) for name in missing],
-        [(label(name), right[name]) for name in extra],
-    )
+    return label
 
 
-def _told(table: pd.DataFrame, row: int, by: Sequence[str]) -> str:
-    cells = table.iloc[row].drop(by)
+def _cells(table: pd.DataFrame, row: int, keys: Sequence[str]) -> str:
+    cells = table.iloc[row].drop(list(keys))
     return ", ".join(f"{column} {cell}" for column, cell in cells.items() if cell)
 
 
-def _changed(before: str, after: str, tolerance: Tolerance) -> tuple[Kind, float] | None:
-    a, b = number(before), number(after)
-    if a is None or b is None:
-        return "text", math.nan
-    if tolerance.admits(a, b):
-        return None
-    if not (math.isfinite(a) and math.isfinite(b)) or a == 0:
-        return "number", math.inf
-    return "number", abs(b - a) / abs(a)
-
-
-def _largest(column: pd.Series) -> float:
-    numbers = (number(cell) for cell in set(column))
-    return max((abs(n) for n in numbers if n is not None and math.isfinite(n)), default=0.0)
-
-
-def _share(before: str, after: str, largest: float) -> float:
-    """Return a difference over the largest number of its column; infinite if it has no bound."""
-    difference = abs(float(after or "nan") - float(before or "nan"))
-    return difference / largest if math.isfinite(difference) and largest else math.inf
+def _sizes(before: pd.Series, after: pd.Series, tolerance: Tolerance) -> dict[int, dict[str, Any]]:
+    """Return kind and size of each difference of two columns of cells, by its position."""
+    if np.array_equal(before.to_numpy(), after.to_numpy()):
+        return {}
+    a, b = (_numbers(cells).to_numpy() for cells in (before, after))
+    is_text = _is_text(before).to_numpy() | _is_text(after).to_numpy()
+    agree = np.isclose(b, a, rtol=tolerance.rtol, atol=tolerance.atol, equal_nan=True) & ~is_text
+    largest = np.max(np.abs(a), initial=0.0, where=np.isfinite(a))
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        sizes = np.stack((np.abs(b - a) / np.abs(a), np.abs(b - a) / largest))
+    # A size without bound is infinite, and a text has none.
+    sizes = np.where(is_text, np.nan, np.where(np.isfinite(sizes), sizes, np.inf))
+    return {
+        i: {
+            "kind": "text" if is_text[i] else "number",
+            "relative": float(sizes[0, i]),
+            "share": float(sizes[1, i]),
+        }
+        for i in np.flatnonzero((before.to_numpy() != after.to_numpy()) & ~agree).tolist()
+    }

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-TABLE_FOLDERS = ("tables", "data")
+# Folders with tables; those of figures tell what each figure shows.
+TABLE_FOLDERS = ("tables", "data", "figures")
 INPUTS = "tables/inputs.csv"
 CLAIMS = "tables/claims.csv"
 
@@ -32,8 +33,9 @@ KEYS = {
     CLAIMS: ("id",),
     "tables/claim_results.csv": ("id", "case", "quantity", "test"),
     "tables/equations.csv": ("equation",),
+    "data/": ("panel", "series", "evidence"),
+    "figures/": ("panel", "artist"),
 }
-FIGURE_KEYS = ("panel", "series", "evidence")
 
 
 class ResultsError(ValueError):
@@ -48,7 +50,7 @@ def require_results(root: Path, *needed: str) -> None:
     if not root.is_dir():
         raise ResultsError(f"{root}: no such folder")
     if not table_files(root) and not figure_files(root):
-        folders = ", ".join(f"{name}/" for name in (*TABLE_FOLDERS, "figures"))
+        folders = ", ".join(f"{name}/" for name in TABLE_FOLDERS)
         raise ResultsError(f"{root}: not a results folder: no files in {folders}")
     if missing := [name for name in needed if not (root / name).is_file()]:
         raise ResultsError(f"{root}: has no {', '.join(missing)}: build them with `snakemake`")
@@ -71,15 +73,15 @@ def table_files(root: Path) -> dict[str, Path]:
 
     A table may be compressed, then its file ends in ``.csv.gz``.
     """
-    found = {
+    tables = {
         f"{folder}/{path.name.removesuffix('.gz')}": path
         for folder in TABLE_FOLDERS
         for pattern in ("*.csv", "*.csv.gz")
         for path in sorted((root / folder).glob(pattern))
         if not path.name.startswith(".")
     }
-    order = sorted(found, key=lambda name: (name != INPUTS, not name.startswith("tables/"), name))
-    return {name: found[name] for name in order}
+    order = sorted(tables, key=lambda name: (name != INPUTS, not name.startswith("tables/"), name))
+    return {name: tables[name] for name in order}
 
 
 def figure_files(root: Path) -> dict[str, Path]:
@@ -90,7 +92,7 @@ def figure_files(root: Path) -> dict[str, Path]:
 
 def key_columns(name: str) -> tuple[str, ...]:
     """Return the columns that name a row of a table; none if its columns of text do."""
-    return KEYS.get(name, FIGURE_KEYS if name.startswith("data/") else ())
+    return next((keys for start, keys in KEYS.items() if name.startswith(start)), ())
 
 
 def read_cells(path: Path) -> pd.DataFrame:

@@ -1,7 +1,7 @@
 """Check of results against committed references, and the explicit renewal of these.
 
-A folder of references holds ``tables/`` and ``data/`` (CSV), ``figures/`` (one JSON per figure,
-see `shapes`) and ``tolerances.yaml``. Nothing is thinned: every number is compared.
+A folder of references holds ``tables/``, ``data/`` and ``figures/`` (see `figures.content`), all
+CSV, and ``tolerances.yaml``. Nothing is thinned: every number is compared.
 """
 
 from __future__ import annotations
@@ -18,25 +18,15 @@ import pandas as pd
 from microimpact.core.files import altered_files, write_file
 from microimpact.declared.documents import load
 from microimpact.declared.parameters import Name
-from microimpact.report.check.differences import Difference, Tolerance, compare_tables, number
+from microimpact.report.check.differences import Difference, Tolerance, compare_tables
 from microimpact.report.check.results import (
     INPUTS,
     TABLE_FOLDERS,
     ResultsError,
     built,
-    figure_files,
-    key_columns,
     read_cells,
-    read_json,
     require_results,
     table_files,
-)
-from microimpact.report.check.shapes import (
-    PictureTolerance,
-    as_json,
-    compare_shapes,
-    from_json,
-    read_shape,
 )
 
 FILE = "tolerances.yaml"
@@ -66,7 +56,6 @@ class Tolerances:
     """All tolerances; of several for one column the first counts."""
 
     default: Tolerance = field(default_factory=Tolerance)
-    pictures: PictureTolerance = field(default_factory=PictureTolerance)
     columns: tuple[ColumnTolerance, ...] = ()
 
     def of(self, file: str) -> Callable[[str], Tolerance]:
@@ -79,8 +68,8 @@ class Tolerances:
     def require_use(self, columns: Mapping[str, Iterable[str]], name: str) -> None:
         """Refuse a tolerance that fits no column of any table: it has outlived its reason.
 
-        `columns`: columns of all tables, those of the references and those found; `name`: name of
-        the file of tolerances. Raises ResultsError, naming the tolerance.
+        `columns`: columns of all tables, references and results; `name`: of the file of tolerances.
+        Raises ResultsError, naming the tolerance.
         """
         for i, rule in enumerate(self.columns):
             tables = [c for file, c in columns.items() if fnmatchcase(file, rule.file)]
@@ -101,27 +90,26 @@ def read_tolerances(path: Path) -> Tolerances:
 def require_same_settings(results: Path, reference: Path) -> None:
     """Refuse results of a run with other settings altogether than the references come from.
 
-    One or a few changed inputs are differences to be told; a full run beside the references of a
-    small one differs everywhere. Raises ResultsError, naming one of the inputs that differ and how
-    many there are.
+    A few changed inputs are differences to report; a full run beside the references of a small one
+    differs everywhere. Raises ResultsError, naming one of the inputs that differ and their number.
     """
     if not all(INPUTS in table_files(root) for root in (results, reference)):
         return
     before, after = (_configured(root) for root in (reference, results))
-    other = [key for key in before if key in after and before[key] != after[key]]
-    if len(other) > FEW_CHANGES:
-        key = other[0]
+    changed = [key for key in before if key in after and before[key] != after[key]]
+    if len(changed) > FEW_CHANGES:
+        key = changed[0]
         raise ResultsError(
-            f"{results}: made with other settings than {reference}: {len(other)} inputs differ, as "
-            f"{key}: {after[key]} where the references have {before[key]}; these are of the small "
-            "run: snakemake --configfile config/ci.yaml"
+            f"{results}: made with other settings than {reference}: {len(changed)} inputs differ, "
+            f"as {key}: {after[key]} where the references have {before[key]}; these are of the "
+            "small run: snakemake --configfile config/ci.yaml"
         )
 
 
 def _configured(root: Path) -> dict[str, str]:
     table = read_cells(table_files(root)[INPUTS])
-    own = table[table["file"] == "config"]
-    return dict(zip(own["key"], own["value"], strict=True))
+    table = table[table["file"] == "config"]
+    return dict(zip(table["key"], table["value"], strict=True))
 
 
 def verify(results: Path, reference: Path) -> list[Difference]:
@@ -133,55 +121,31 @@ def verify(results: Path, reference: Path) -> list[Difference]:
     if not reference.is_dir():
         raise ResultsError(f"{reference}: no such folder")
     tolerances = read_tolerances(reference / FILE)
-    return [
-        *_altered(results),
-        *_tables(results, reference, tolerances),
-        *_figures(results, reference, tolerances),
+    before, after = table_files(reference), table_files(results)
+    differences = [
+        *(Difference(file=name, kind="altered file") for name in _altered(results)),
+        *(Difference(file=name, kind="missing file") for name in before if name not in after),
+        *(Difference(file=name, kind="extra file") for name in after if name not in before),
     ]
-
-
-def _altered(results: Path) -> list[Difference]:
-    paths = [path.relative_to(results) for path in altered_files(results)]
-    names = dict.fromkeys(
-        (path.with_suffix("") if path.parts[0] == "figures" else path).as_posix() for path in paths
-    )
-    return [Difference(file=name, kind="altered file") for name in names]
-
-
-def _tables(results: Path, reference: Path, tolerances: Tolerances) -> list[Difference]:
-    expected, found = table_files(reference), table_files(results)
-    differences, columns = [], {}
-    for name in dict.fromkeys((*found, *expected)):
-        tables = [read_cells(files[name]) for files in (expected, found) if name in files]
+    columns: dict[str, list[str]] = {}
+    for name in dict.fromkeys((*before, *after)):
+        tables = [read_cells(files[name]) for files in (before, after) if name in files]
+        if name in before and name in after:
+            differences += compare_tables(name, tables[0], tables[1], tolerances.of(name))
         columns[name] = [column for table in tables for column in table.columns]
-        if len(tables) == 2:
-            differences += compare_tables(
-                name, *tables, keys=key_columns(name), tolerance=tolerances.of(name)
-            )
     tolerances.require_use(columns, str(reference / FILE))
-    return [*_lone_files(expected, found), *differences]
-
-
-def _figures(results: Path, reference: Path, tolerances: Tolerances) -> list[Difference]:
-    kept = {path.stem: path for path in sorted((reference / "figures").glob("*.json"))}
-    expected = {f"figures/{name}": path for name, path in kept.items()}
-    found = {f"figures/{name}": path for name, path in figure_files(results).items()}
-    differences = _lone_files(expected, found)
-    for name, path in expected.items():
-        if name in found:
-            before = from_json(read_json(path), str(path))
-            differences += compare_shapes(
-                name, before, read_shape(found[name]), tolerances.pictures
-            )
     return differences
 
 
-def _lone_files(expected: Iterable[str], found: Iterable[str]) -> list[Difference]:
-    before, after = set(expected), set(found)
-    return [
-        *(Difference(file=name, kind="missing file") for name in expected if name not in after),
-        *(Difference(file=name, kind="extra file") for name in found if name not in before),
-    ]
+def _altered(results: Path) -> list[str]:
+    """Return the files that are not as the run wrote them, a picture by its table."""
+    paths = [path.relative_to(results) for path in altered_files(results)]
+    return sorted(
+        {
+            (path.with_suffix(".csv") if path.parts[0] == "figures" else path).as_posix()
+            for path in paths
+        }
+    )
 
 
 def concerned(
@@ -192,10 +156,12 @@ def concerned(
     `drawn_from`: for each figure the tables of figure data it is drawn from.
     """
     files = {d.file for d in differences}
-    data = {Path(name).stem for name in files if name.startswith("data/")}
-    figures = {name.removeprefix("figures/") for name in files if name.startswith("figures/")}
-    figures |= {figure for figure, tables in drawn_from.items() if data & set(tables)}
-    return sorted(figures), sorted(Path(n).stem for n in files if n.startswith("tables/"))
+    names = {
+        folder: {Path(file).stem for file in files if file.startswith(f"{folder}/")}
+        for folder in TABLE_FOLDERS
+    }
+    figures = {figure for figure, tables in drawn_from.items() if names["data"] & {*tables}}
+    return sorted(figures | names["figures"]), sorted(names["tables"])
 
 
 def renew(
@@ -225,27 +191,22 @@ def renew(
         raise ResultsError(
             f"{results}: not as the run wrote them: {', '.join(altered)}; delete them and run again"
         )
-    tables, figures = table_files(results), figure_files(results)
-    changed: list[Path] = []
+    tables = table_files(results)
+    changed: dict[Path, None] = {}
     for name in dict.fromkeys(d.file for d in differences):
-        folder = name.partition("/")[0]
-        plain = reference / (name if folder in TABLE_FOLDERS else f"{name}.json")
-        packed = plain.with_name(plain.name + ".gz")
+        plain, packed = reference / name, reference / f"{name}.gz"
         for path in (plain, packed):
             if path.exists():
                 path.unlink()
-                changed.append(path)
+                changed[path] = None
         if name in tables:
             text = _stored(read_cells(tables[name]))
-            small = len(text) <= PLAIN_BYTES
             # Without a date in it, equal tables give equal bytes.
-            target, content = (plain, text) if small else (packed, gzip.compress(text, mtime=0))
-            write_file(target, content)
-            changed.append(target)
-        elif folder == "figures" and name not in missing:
-            write_file(plain, as_json(read_shape(figures[plain.stem])))
-            changed.append(plain)
-    return list(dict.fromkeys(changed))
+            is_small = len(text) <= PLAIN_BYTES
+            target = plain if is_small else packed
+            write_file(target, text if is_small else gzip.compress(text, mtime=0))
+            changed[target] = None
+    return list(changed)
 
 
 def _stored(table: pd.DataFrame) -> bytes:
@@ -256,8 +217,8 @@ def _stored(table: pd.DataFrame) -> bytes:
 
 
 def _rounded(cell: str) -> str:
-    value = number(cell)
-    if value is None:
+    try:
+        short = f"{float(cell):.{DIGITS}g}"
+    except ValueError:
         return cell
-    short = f"{value:.{DIGITS}g}"
     return short if len(short) < len(cell) else cell
