@@ -31,13 +31,12 @@ COMPARE = """
 import sys
 from pathlib import Path
 from microimpact.report.check.differences import compare_tables
-from microimpact.report.check.results import key_columns, read_cells
+from microimpact.report.check.results import read_cells
 from microimpact.report.check.verify import FILE, read_tolerances
 name, kept = sys.argv[1], Path("tests/reference")
 tables = [read_cells(root / "tables" / f"{name}.csv") for root in (kept, Path("build/ci"))]
 accepted = read_tolerances(kept / FILE).of(f"tables/{name}.csv")
-keys = key_columns(f"tables/{name}.csv")
-sys.exit(bool(compare_tables(name, *tables, keys=keys, tolerance=accepted)))
+sys.exit(bool(compare_tables(f"tables/{name}.csv", *tables, accepted)))
 """
 # What pytest says of tests that failed; anything else is a fault of the run itself.
 PASSED, FAILED = 0, 1

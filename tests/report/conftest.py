@@ -108,7 +108,6 @@ def results(tmp_path_factory, registry):
         for file, path in table_files(REFERENCE).items():
             (root / file).parent.mkdir(parents=True, exist_ok=True)
             (root / file).write_text(read_text(path), encoding="utf-8", newline="")
-        (root / "figures").mkdir()
         for name in registry:
             (root / f"figures/{name}.svg").write_text(SVG, encoding="utf-8")
             (root / f"figures/{name}.png").write_bytes(PNG)

@@ -86,7 +86,7 @@ def test_a_changed_input_is_one_row_whatever_its_form_and_however_often_it_is_us
     assert told(compare(baseline, other).inputs) == [
         ("friction.surface", "value", "silicon", "glass"),
         ("friction.angles", "value", "[5, 15]", "[10, 15]"),
-        ("printed.v", "value, 2 uses", "1", "2"),
+        ("printed.v", "value (uses: 2)", "1", "2"),
     ]
 
 

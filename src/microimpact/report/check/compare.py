@@ -185,7 +185,7 @@ def _inputs(baseline: Path, changed: Path, differences: Sequence[Difference]) ->
         uses[name] += key in places and difference.column == "value"
         inputs.setdefault(name, replace(difference, row=name))
     return [
-        replace(d, column=f"{d.column}, {uses[name]} uses") if uses[name] else d
+        replace(d, column=f"{d.column} (uses: {uses[name]})") if uses[name] else d
         for name, d in inputs.items()
     ]
 

@@ -6,6 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from itertools import groupby
+from os.path import commonprefix
 
 from microimpact.report.check.differences import KINDS, Difference
 
@@ -45,9 +46,17 @@ def worst(differences: Sequence[Difference], few: int) -> list[Difference]:
 def cells(difference: Difference, width: int = WIDTH) -> tuple[str, ...]:
     """Return row, column, both values and the relative difference as short texts."""
     relative = "" if math.isnan(difference.relative) else f"{difference.relative:.1e}"
-    texts = (difference.column or difference.kind, difference.reference, difference.result)
-    cut = (text if len(text) <= width else f"{text[: width - 1]}…" for text in texts)
-    return (difference.row, *cut, relative)
+    texts = [difference.reference, difference.result]
+    # Long texts begin shortly before the first letter that differs.
+    same = len(commonprefix(texts))  # noqa: RUF071 (letters are meant)
+    start = max(0, same - width // 3) if max(map(len, texts)) > width else 0
+    cut = (f"{'…' * (start > 0)}{shortened(text[start:], width)}" for text in texts)
+    return (difference.row, difference.column or difference.kind, *cut, relative)
+
+
+def shortened(text: str, width: int) -> str:
+    """Return a text of at most so many characters."""
+    return text if len(text) <= width else f"{text[: width - 1]}…"
 
 
 def markdown(
