@@ -9,6 +9,7 @@ from contextlib import redirect_stderr, redirect_stdout
 from unittest.mock import patch
 
 from microimpact import cli
+from microimpact.report.commands import commands
 
 INPUTS = """file,key,value,low,high,unit,evidence,source,place
 config,seed,20011,,,-,chosen,root of every draw,
@@ -75,7 +76,7 @@ def run(*arguments):
     words = ["microimpact", *map(str, arguments)]
     with patch.object(sys, "argv", words), redirect_stdout(out), redirect_stderr(err):
         try:
-            cli.main()
+            cli.run(commands)
             code = 0
         except SystemExit as end:
             code = end.code
