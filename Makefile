@@ -9,7 +9,6 @@
 #   make check RESULTS=build/ci      an existing run; without RESULTS a new one
 #   make reference RESULTS=build/ci REFERENCE_ARGS=--remove
 #   make pages RESULTS=results       after a full run
-#   make dead-inputs DEAD_ARGS="--only campaign --processes 2"   all take an hour and a half of one processor
 
 PYTHON := python3
 UV := .venv/bin/uv
@@ -18,7 +17,6 @@ PYTEST_ARGS ?=
 LOCK_ARGS ?=
 BENCH_ARGS ?=
 REFERENCE_ARGS ?=
-DEAD_ARGS ?=
 RESULTS ?=
 
 SHELL := /bin/bash
@@ -48,7 +46,7 @@ STALE := $(shell { read -r place; read -r python; } < .venv/.origin; \
 	|| echo stale)
 endif
 
-.PHONY: help reproduce check reference pages test lint types docs mutants dead-inputs test-slurm test-faults bench test-peers lock clean distclean stale
+.PHONY: help reproduce check reference pages test lint types docs mutants test-slurm bench test-peers lock clean distclean stale
 
 help: ## list these targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 22
@@ -84,12 +82,7 @@ types: .venv/.test ## check types, strictly
 	.venv/bin/mypy
 
 mutants: .venv/.test ## put wrong forms into copies of the project and see that the tests notice
-	$(ACTIVE) .venv/bin/python -m tests.mutation.run
-
-# Studies run beside each other: more threads in each would only wait for one another.
-dead-inputs: .venv/.test ## change every declared value once and list those that move no output
-	@$(ACTIVE) .venv/bin/snakemake $(SNAKEMAKE_ARGS) --configfile config/ci.yaml
-	@OPENBLAS_NUM_THREADS=1 .venv/bin/python -m tests.dead_inputs $(DEAD_ARGS)
+	$(ACTIVE) .venv/bin/python -m tests.mutants
 
 docs: .venv/.test ## build the guide and the reference of the package into build/docs
 	@.venv/bin/python -m microimpact.report.commands pages
@@ -103,9 +96,6 @@ test-slurm: .venv/.test .venv-slurm/.slurm ## run a part of the study through a 
 			|| $(call fail,no $$program here. On Debian as root: apt-get install slurm-wlm munge); \
 	done
 	@MICROIMPACT_SLURM=1 .venv/bin/pytest tests/slurm $(PYTEST_ARGS)
-
-test-faults: .venv/.test ## kill runs, damage tables, fill disks: the same numbers in the end
-	@$(ACTIVE) .venv/bin/pytest tests/faults $(PYTEST_ARGS)
 
 bench: .venv-benchmark/.benchmark ## compare speed and error with other solvers
 	.venv-benchmark/bin/python -m benchmarks.compare $(BENCH_ARGS)

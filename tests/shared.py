@@ -101,10 +101,10 @@ def execute(*command, check=True, timeout=1200, **options) -> subprocess.Complet
     return subprocess.CompletedProcess(command, process.returncode, stdout, stderr)
 
 
-def copy_project(target: Path) -> None:
-    """Copy what a run needs; compiled code comes along: dates are kept, so it stays valid."""
+def copy_project(target: Path, *parts: str) -> None:
+    """Copy what a run needs, and more; compiled code comes along: its dates are kept."""
     target.mkdir(parents=True, exist_ok=True)
-    for part in PARTS:
+    for part in (*PARTS, *parts):
         copy = shutil.copytree if (ROOT / part).is_dir() else shutil.copy2
         copy(ROOT / part, target / part)
 
