@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from microimpact.measured.rebounds import read_rebounds
+from microimpact.measured.rebounds import SPEED_UNITS, read_rebounds
 
 
 @pytest.fixture
@@ -32,6 +32,22 @@ def test_units_and_forms(written, text, unit):
     assert np.allclose(data.v, [0.5, 0.1])
     assert np.allclose(data.e, [0.6, 0.0])
     assert data.sigma is None
+
+
+@pytest.mark.parametrize(
+    ("unit", "speed"),
+    [("m/s", 36.0), ("mm/s", 0.036), ("cm/s", 0.36), ("um/s", 3.6e-5), ("km/h", 10.0)],
+)
+def test_every_unit_of_speed(written, unit, speed):
+    for data in (
+        read_rebounds(written(f"v ({unit}),e\n36,0.6\n")),
+        read_rebounds(written("v,e\n36,0.6\n"), unit),
+    ):
+        assert data.v == pytest.approx([speed], rel=1e-15)
+
+
+def test_every_unit_of_speed_is_tried():
+    assert set(SPEED_UNITS) == {"m/s", "mm/s", "cm/s", "um/s", "km/h"}
 
 
 def test_sigma_is_read(written):

@@ -73,9 +73,23 @@ def test_simulate_as_table_and_as_json_agree(microimpact):
     assert answer["inputs"]["diameter"] == pytest.approx(62e-6)
     assert answer["inputs"]["speed"] == 1.66
     values = answer["outputs"]
-    assert f"{values['coefficient_of_restitution']:.6g}" in table.stdout
     assert values["captured"] is False
     assert values["rolling"] is True
+    rows = (line.rsplit("  ", 2) for line in table.stdout.splitlines())
+    printed = {row[0].strip(): [cell.strip() for cell in row[1:]] for row in rows if len(row) == 3}
+    for label, name, factor, unit in (
+        ("tangential velocity after", "tangential_velocity", 1.0, "m/s"),
+        ("spin after", "spin", 1.0, "rad/s"),
+        ("contact time", "contact_time", 1e9, "ns"),
+        ("maximum compression", "maximum_compression", 1e9, "nm"),
+    ):
+        assert printed[label] == [f"{values[name] * factor:.6g}", unit]
+    for label, name in (
+        ("coefficient of restitution", "coefficient_of_restitution"),
+        ("impulse ratio (-mu)", "impulse_ratio"),
+        ("energy loss, total", "energy_loss"),
+    ):
+        assert re.search(rf"^{re.escape(label)} +{values[name]:.6g}$", table.stdout, re.MULTILINE)
 
 
 def test_capture_uses_the_declared_pair_and_its_overrides(microimpact, answered):

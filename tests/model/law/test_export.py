@@ -1,6 +1,7 @@
 """The law for other programs: C against the package, tables against integration."""
 
 import ctypes
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,7 @@ from tests.shared import execute, require
 from microimpact.model.choices import FORMATS, FRICTION_BASES
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import planar
+from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.law.table import tabulate
 
 STRICT = ("gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O2")
@@ -200,17 +202,90 @@ def test_a_name_with_signs_of_c_compiles(pair, compiled):
     assert rebounds(compiled(named), *np.array([[-1.0], [0.0], [0.0]]))[3].tolist() == [0]
 
 
-def test_tables_are_integration(pair, tmp_path):
+def loaded(written):
+    with np.load(written[0]) as archive:
+        return dict(archive)
+
+
+SUPPORTING = {
+    "compressive": "compressive_impulse",
+    "hertz": "hertz_impulse",
+    "net": "peak_net_impulse",
+}
+
+
+@pytest.mark.parametrize("basis", FRICTION_BASES)
+def test_tables_are_integration(pair, tmp_path, basis):
     law = tabulate(pair, 0.1, FASTEST)
-    table = pd.read_csv(law.export(tmp_path, "csv")[0], comment="#")
-    archive = np.load(law.export(tmp_path, "npz")[0])
+    table = pd.read_csv(law.export(tmp_path, "csv", basis)[0], comment="#")
+    archive = loaded(law.export(tmp_path, "npz", basis))
     speed = table["normal_speed_m_per_s"].to_numpy()
     # So fast along the surface that the sphere slides throughout.
-    slides = planar(pair, -speed, np.full_like(speed, 1e3))
-    assert np.allclose(table["restitution"], slides.coefficient_of_restitution, rtol=0, atol=1e-6)
-    assert np.allclose(table["impulse_ratio_of_sliding"], slides.impulse_ratio, rtol=0, atol=1e-6)
+    slides = planar(pair, -speed, np.full_like(speed, 1e3), friction_basis=basis)
+    error = table["error"][0]
+    assert np.allclose(table["restitution"], slides.coefficient_of_restitution, rtol=0, atol=error)
+    assert np.allclose(
+        table["impulse_ratio_of_sliding"], slides.impulse_ratio, rtol=0, atol=pair.friction * error
+    )
     assert np.allclose(table["v_n_over_v_c"], speed / capture_velocity(pair), rtol=1e-12)
-    assert np.array_equal(archive["restitution"], table["restitution"])
+    for name in ("restitution", "impulse_ratio_of_sliding"):
+        assert np.array_equal(archive[name], table[name])
+
+
+@pytest.mark.parametrize("basis", FRICTION_BASES)
+def test_polynomials_of_the_archive_are_the_law_to_the_stated_error(pair, tmp_path, basis):
+    """Put together by hand, of the numbers in the file alone."""
+    archive = loaded(tabulate(pair, 0.1, FASTEST).export(tmp_path, "npz", basis))
+    octaves = archive["lowest"] - 1, np.log2(FASTEST / float(capture_velocity(pair)) - 1.0)
+    speed = archive["capture_velocity"] * (1.0 + np.exp2(np.linspace(*octaves, 4 * COUNT)))[1:]
+    mantissa, exponent = np.frexp(speed / archive["unit"] - archive["offset"])
+    along = (2.0 * mantissa - 1.0) * archive["split"]
+    piece = (exponent - archive["lowest"]) * archive["split"] + along.astype(int)
+    powers = (2.0 * (along % 1.0) - 1.0)[:, None] ** np.arange(archive["coefficients"].shape[1])
+    values = np.einsum("np,npq->qn", powers, archive["coefficients"][piece])
+    exact = normal_impact(pair, speed, ledger=True)
+    impulse = getattr(exact, SUPPORTING[basis]) / (pair.mass * speed)
+    expected = np.stack([exact.coefficient_of_restitution, impulse])
+    error = np.max(np.abs(values - expected) / np.maximum(expected, 1.0))
+    assert 0.25 * archive["error"][0] < error <= archive["error"][0] <= 1e-6
+
+
+def test_the_comment_describes_the_contact(pair, tmp_path):
+    pair = pair.replace(reference_velocity=2.5)
+    text = tabulate(pair, 0.1, FASTEST).export(tmp_path, "c", "hertz")[0].read_text("utf-8")
+    comment = text.partition("*/")[0]
+    symbols = {
+        "w_A": pair.work_of_adhesion,
+        "c_H": pair.hertz_damping,
+        "c_A": pair.adhesion_damping,
+        "n": pair.adhesion_rate_exponent,
+        "v_N": pair.reference_velocity,
+        "f": pair.friction,
+    }
+    assert len({f"{value:.6g}" for value in symbols.values()}) == len(symbols)
+    for symbol, value in symbols.items():
+        (number,) = re.findall(rf"\b{symbol} = ([\d.e-]+)", comment)
+        assert float(number) == pytest.approx(value, rel=1e-5), symbol
+    assert f"{pair.particle.name} on {pair.surface.name}, {1e6 * pair.diameter:g} um" in comment
+    assert "on the hertz force" in comment
+    assert f"Capture velocity {capture_velocity(pair):.6g} m/s" in comment
+
+
+def test_the_wall_of_lammps_pulls_and_pushes_as_the_contact_does(pair, tmp_path):
+    lines = tabulate(pair, 0.1, FASTEST).export(tmp_path, "lammps")[0].read_text().splitlines()
+    rows = np.array([line.split() for line in lines if line[:1].isdigit()], dtype=float)
+    r, energy, force = rows[:, 1:].T
+    assert (rows[:, 0] == np.arange(1, len(rows) + 1)).all()
+    assert f"N {len(rows)}" in lines
+    # F = -dU/dr, and nothing at first touch.
+    slope = np.gradient(energy, r)[2:-2]
+    assert np.max(np.abs(slope + force[2:-2])) < 1e-4 * np.max(force)
+    assert (r[-1], energy[-1], force[-1]) == pytest.approx((pair.radius, 0.0, 0.0), abs=1e-30)
+    # K a^3/r - 2 pi a f_0 is least at a^2 = 2 pi f_0 r/(3 K).
+    a = np.sqrt(2.0 * np.pi * pair.ring_force * pair.radius / (3.0 * pair.stiffness))
+    assert np.min(force) == pytest.approx(-4.0 / 3.0 * np.pi * a * pair.ring_force, rel=5e-3)
+    # Deep enough for the fastest sphere.
+    assert energy[0] > 0.5 * pair.mass * FASTEST**2
 
 
 @compiled_here
@@ -328,6 +403,7 @@ def test_openfoams_patch_interaction_against_a_stub(pair, tmp_path):
         ({"format": "fortran"}, "format"),
         ({"friction_basis": "all"}, "friction_basis"),
         ({"tolerance": 0.0}, "tolerance"),
+        ({"tolerance": 10.0}, r"tolerance must be finite and in \(0, 1\), got 10"),
         ({"tolerance": 1e-15}, "tolerance 1e-15 is not reached"),
     ],
 )

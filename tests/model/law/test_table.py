@@ -327,7 +327,12 @@ def test_what_cannot_be_tabulated_is_refused(scaled):
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
-    [((0.0, 1.0), "slowest"), ((2.0, 1.0), "fastest"), ((0.1, 1.0, -1e-9), "tolerance")],
+    [
+        ((0.0, 1.0), "slowest"),
+        ((2.0, 1.0), "fastest"),
+        ((0.1, 1.0, -1e-9), "tolerance"),
+        ((0.1, 1.0, 10.0), "tolerance"),
+    ],
 )
 def test_bad_ranges_are_refused_by_name(contact, arguments, message):
     with pytest.raises(ValueError, match=message):

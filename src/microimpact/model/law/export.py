@@ -229,9 +229,7 @@ def _sampled(law: Rebounds) -> dict[str, FloatArray]:
     unit, offset = law.unit, law.offset
     x = np.geomspace(1e-4, law.fastest / unit - offset, ROWS, endpoint=False)
     e, impulse = law(unit * (x + offset))
-    sliding = np.asarray(law.contact.friction) * (
-        1.0 if law.basis == "net" else impulse / (1.0 + e)
-    )
+    sliding = law.contact.friction * (np.ones(ROWS) if law.basis == "net" else impulse / (1.0 + e))
     columns: dict[str, FloatArray] = {"normal_speed_m_per_s": unit * (x + offset)}
     if law.capture_velocity:
         columns = {"v_n_over_v_c": x + 1.0} | columns
