@@ -9,9 +9,9 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+import yaml
 from tests.shared import ROOT, shipped
 
-from microimpact.declared import documents
 from microimpact.run.config import read_configuration, read_inputs, validate
 
 DIGITISED = """# source: made up
@@ -24,7 +24,7 @@ another,2.0,0.5,,
 
 
 # All files but one are as shipped: their text is parsed once. What cannot be read is not kept.
-PARSED = cache(documents._read)
+PARSED = cache(yaml.load)
 
 
 class Declared:
@@ -58,7 +58,7 @@ class Declared:
 
 @pytest.fixture
 def declared(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Declared]:
-    monkeypatch.setattr(documents, "_read", PARSED)
+    monkeypatch.setattr(yaml, "load", PARSED)
     shutil.copytree(ROOT / "config", tmp_path / "config")
     (tmp_path / "config/digitised/fig14.csv").write_text(DIGITISED, encoding="utf-8")
     return Declared(tmp_path)

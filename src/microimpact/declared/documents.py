@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
@@ -30,98 +29,48 @@ def located(path: Path | str) -> Iterator[None]:
         ) from None
 
 
-# Far beyond any study's inputs; a few aliases of aliases are soon beyond it.
-MOST_VALUES = 1_000_000
-
-
-# Deeper documents are left to the slow loader: they make libyaml's crash the interpreter.
-DEEPEST = 100
-
-
-class _Unique:
+# libyaml reads eight times faster; a PyYAML built without it has no such loader.
+class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
     """Plain values only; a key that is given twice would silently replace the first."""
 
     def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:
-        seen = set()
+        names = set()
         for key, _ in node.value:
             if isinstance(key.value, str) and key.value != "<<":
-                if key.value in seen:
+                if key.value in names:
                     raise yaml.MarkedYAMLError(
                         problem=f"the key {key.value!r} is given twice", problem_mark=key.start_mark
                     )
-                seen.add(key.value)
-        content: dict[Any, Any] = super().construct_mapping(node, deep)  # type: ignore[misc]
+                names.add(key.value)
+        content: dict[Any, Any] = super().construct_mapping(node, deep)
         return content
-
-
-class _Loader(_Unique, yaml.SafeLoader):
-    pass
-
-
-# libyaml reads eight times faster; a PyYAML built without it has no such loader.
-class _FastLoader(_Unique, getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
-    pass
-
-
-def _read(text: str) -> object:
-    """Return the content of a document, by the fast loader where that is safe and finds no fault.
-
-    Errors are reported by the slow one, so that messages do not depend on the installation.
-    """
-    try:
-        if _is_shallow(text):
-            return yaml.load(text, _FastLoader)
-    except (yaml.YAMLError, ValueError, AttributeError, IndexError, TypeError):
-        pass
-    return yaml.load(text, _Loader)
-
-
-def _is_shallow(text: str) -> bool:
-    depths = accumulate(
-        isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
-        for event in yaml.parse(text, _FastLoader)
-    )
-    return all(depth <= DEEPEST for depth in depths)
 
 
 def load(path: Path | str) -> dict[str, Any]:
     """Read a YAML file that holds a mapping.
 
-    Raises ConfigError, in one line, if the file is not UTF-8, not YAML, repeats a key, holds
-    something else than a mapping, or grows without end where its aliases are written out.
+    Raises ConfigError, in one line, if the file is not UTF-8, not YAML, repeats a key, or holds
+    something else than a mapping.
     """
+    text = ""
     try:
-        content = _read(Path(path).read_text(encoding="utf-8-sig"))
+        text = Path(path).read_text(encoding="utf-8-sig")
+        content = yaml.load(text, _Loader)
     except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark
-        where = f", line {mark.line + 1}, column {mark.column + 1}" if mark else ""
-        raise ConfigError(f"{path}{where}: not valid YAML: {error.problem}") from None
+        if not (mark := error.problem_mark):
+            raise ConfigError(f"{path}: not valid YAML: {error.problem}") from None
+        near = "".join(text.splitlines()[mark.line : mark.line + 1])[mark.column :][:20]
+        raise ConfigError(
+            f"{path}, line {mark.line + 1}, column {mark.column + 1}: not valid YAML: "
+            f"{error.problem}: {near!r}"
+        ) from None
     # The last three come out of the YAML library where a tag does not fit its value.
     except (yaml.YAMLError, ValueError, AttributeError, IndexError, TypeError) as error:
         reason = " ".join(str(error).split())
         raise ConfigError(f"{path}: not valid YAML: {reason}") from None
-    except RecursionError:
-        raise ConfigError(f"{path}: not valid YAML: nested too deeply") from None
     if not isinstance(content, dict):
         raise ConfigError(f"{path}: must hold a mapping of keys to values")
-    if _is_endless(content):
-        raise ConfigError(
-            f"{path}: with its aliases written out it holds more than {MOST_VALUES} values"
-        )
     return content
-
-
-def _is_endless(content: object) -> bool:
-    """Tell whether a document refers to itself, or is far too large."""
-    waiting, seen = [content], 0
-    while waiting and seen <= MOST_VALUES:
-        node = waiting.pop()
-        seen += 1
-        if isinstance(node, dict):
-            waiting.extend(node.values())
-        elif isinstance(node, list):
-            waiting.extend(node)
-    return bool(waiting)
 
 
 _PLACE = re.compile(r"\[\[([^\[\]:]+)(?::([^\]]*))?\]\]")
