@@ -73,9 +73,9 @@ def test_a_malformed_file_stops_the_run_before_anything_is_written(project):
         done = project.snakemake("fig14", *root, check=False)
     assert done.returncode
     for line in (
-        "config/digitised/fig17.csv, line 5, column y: '0,1' must be a finite number",
-        "config/digitised/fig014.csv: no figure 'fig014' (did you mean 'fig14'?)",
-        "config/digitised/fig01.csv: 'fig01' is a schematic and takes no digitised points",
+        "config/digitised/fig17.csv, line 5, y: '0,1' must be a valid number",
+        "config/digitised/fig014.csv: must be named for a plot of the article (did you mean 'fig14.csv'?)",
+        "config/digitised/fig01.csv: must be named for a plot of the article",
     ):
         assert [line in told for told in done.text.splitlines()].count(True) == 1
     assert "Traceback" not in done.text

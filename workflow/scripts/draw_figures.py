@@ -30,7 +30,7 @@ def main(job: Any) -> str:
         if path := job.input.get(f"{figure}_digitised"):
             points = read_points(path, spec)
             tables = overlaid(tables, spec, points)
-            origin = f", {points.evidence} points from {points.source}"
+            origin = f", {points.evidence} points from {points.header.source}"
         draw = getattr(import_module(spec.module), spec.function)
         picture = draw(tables, spec)
         save(picture, *(folder / f"{figure}.{kind}" for kind in FORMATS))
