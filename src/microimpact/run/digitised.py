@@ -172,7 +172,8 @@ def _points(rows: Any, spec: FigureSpec, problems: list[str]) -> list[Point]:
     """Return the points below the column names."""
     lines: dict[Point, int] = {}
     try:
-        if tuple(names := next(filter(None, rows), [])) != COLUMNS:
+        names: list[str] = next(filter(None, rows), [])
+        if tuple(names) != COLUMNS:
             raise csv.Error(f"column names {','.join(names)!r} must be {','.join(COLUMNS)}")
         for fields in filter(None, rows):
             try:
