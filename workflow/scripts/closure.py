@@ -1,4 +1,4 @@
-"""Which files a module depends on: its import closure, parents and data files included."""
+"""Source files of a module: its import closure, with parent packages and data files."""
 
 from __future__ import annotations
 
@@ -24,19 +24,18 @@ def _graph() -> grimp.ImportGraph:
 
 
 def closure(modules: Iterable[str]) -> list[str]:
-    """Return the names of package modules and of all others of the package that they depend on.
+    """Return the names of modules and of all others of the package that they import, at any depth.
 
-    That is all they import at any depth and anywhere in their text, also inside functions, and the
-    packages these stand in with all that those import. Raises ModuleNotFoundError if one is not
-    part of the package.
+    Imports inside functions count, and so do the packages that a module stands in. Raises
+    ModuleNotFoundError if one is not part of the package.
     """
-    found, waiting = set[str](), list(modules)
+    modules_seen, waiting = set[str](), list(modules)
     while waiting:
         module = waiting.pop()
-        if module not in found:
-            found.add(module)
+        if module not in modules_seen:
+            modules_seen.add(module)
             waiting += _needed_by(module)
-    return sorted(found)
+    return sorted(modules_seen)
 
 
 @cache
@@ -48,10 +47,9 @@ def _needed_by(module: str) -> list[str]:
 
 
 def source_files(*modules: str, scripts: Iterable[Path] = ()) -> list[str]:
-    """Return the files, by absolute paths, that decide what modules and scripts do.
+    """Return the absolute paths of scripts, and of the closure of modules and scripts.
 
-    The scripts, which may stand outside the package, and the closure of the modules and of what the
-    scripts import; and the data files beside its modules.
+    With the data files beside the modules of the closure.
     """
     imported = [name for script in scripts for name in imports_of(script)]
     files = {_file(module) for module in closure([*modules, *imported])}
@@ -68,8 +66,8 @@ def _file(module: str) -> Path:
 
 @cache
 def _data_files(folder: Path) -> list[Path]:
-    found = [path for path in folder.iterdir() if path.is_file() and path.name[0] != "."]
-    return [path for path in found if path.suffix not in CODE]
+    visible = [path for path in folder.iterdir() if path.is_file() and path.name[0] != "."]
+    return [path for path in visible if path.suffix not in CODE]
 
 
 def digest_of_files(files: Iterable[Path | str], root: Path) -> str:
@@ -93,11 +91,11 @@ def _line(file: str, root: str) -> str:
 @cache
 def imports_of(script: Path) -> list[str]:
     """Return the package modules that a Python file names in its import statements."""
-    found = set[str]()
+    names = set[str]()
     for node in ast.walk(ast.parse(script.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
-            found.update(alias.name for alias in node.names)
+            names.update(alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
-            found.add(node.module)
-            found.update(f"{node.module}.{alias.name}" for alias in node.names)
-    return sorted(found & _graph().modules)
+            names.add(node.module)
+            names.update(f"{node.module}.{alias.name}" for alias in node.names)
+    return sorted(names & _graph().modules)

@@ -1,4 +1,4 @@
-"""A job of the workflow with its log: what all of its scripts share."""
+"""A job of the workflow, with its log and the checksums of its results."""
 
 from __future__ import annotations
 

@@ -33,8 +33,8 @@ def main(job: Any) -> str:
         write_file(job.output[0], part_text(study.part(params, inputs, number - 1, count)))
         return f"{job.rule}: part {chunk}\n"
     if parts := job.input.get("parts"):
-        found = [part_from_text(Path(path).read_text(encoding="utf-8")) for path in parts]
-        tables = study.gather(params, inputs, found)
+        pieces = [part_from_text(Path(path).read_text(encoding="utf-8")) for path in parts]
+        tables = study.gather(params, inputs, pieces)
     else:
         tables = study.run(params, inputs)
     outputs = dict(job.output.items())

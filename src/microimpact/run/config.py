@@ -1,4 +1,4 @@
-"""What is declared: files read, overlays merged, references resolved, all of it checked.
+"""The configuration: files read, overlays merged, references resolved, all of it checked.
 
 A top-level key is one of `General`, a section of `studies.laboratory`, or the branch of an
 analysis: it bears the name of a module of `microimpact.studies` and is checked against that
@@ -85,14 +85,14 @@ def read_configuration(folder: Path | str) -> dict[str, Any]:
 
     Raises ConfigError, in one line, if a file is no proper YAML, or a key stands in two of them.
     """
-    folder, found = Path(folder), dict[str, Any]()
+    folder, configuration = Path(folder), dict[str, Any]()
     analyses = sorted((folder / "analyses").glob("*.yaml"))
     for path in (folder / "config.yaml", folder / "laboratory.yaml", *analyses):
         content = load(path)
-        if twice := set(found) & set(content):
+        if twice := set(configuration) & set(content):
             raise ConfigError(f"{path}: {', '.join(sorted(twice))}: stands in another file, too")
-        found |= content
-    return found
+        configuration |= content
+    return configuration
 
 
 def validate(
@@ -120,13 +120,13 @@ def validate(
     resolver = Resolver(config, base, SECTIONS)
     known_keys = [*GENERAL, *SECTIONS, *studies.homes()]
     unknown = [key for key in config if key not in known_keys]
-    found = [f"{key}: unknown key{nearest(str(key), known_keys)}" for key in unknown]
-    check = _Check(config, resolver, found)
+    problems = [f"{key}: unknown key{nearest(str(key), known_keys)}" for key in unknown]
+    check = _Check(config, resolver, problems)
     general = check.sections(General, GENERAL)
     shown = list(resolver.rows)
-    tables = _tables(resolver, found)
+    tables = _tables(resolver, problems)
     if tables is None:  # nothing can be named
-        raise ConfigError("\n".join([*resolver.problems, *_others(found, resolver.problems)]))
+        raise ConfigError("\n".join([*resolver.problems, *_others(problems, resolver.problems)]))
     resolver.declare("printed", tables.printed())
     resolver.declare("contacts", tables.pairs())
     cases = [*config["cases"], *tables.contacts.known("particle", "surface")]
@@ -139,25 +139,25 @@ def validate(
     for name in only or studies.homes():
         check.known.named.clear()
         params[name] = check.branch(branches, name)
-        found += _unprinted(name, tables.printed_values)
+        problems += _unprinted(name, tables.printed_values)
         named[name] = check.known.named + [("printed_values", k) for k in studies.printed(name)]
     wanted = {name for each in named.values() for sort, name in each if sort == "cases"}
     if laboratory and params.get(CALIBRATION):
         calibrated = params[CALIBRATION].calibrated
-        found += [
+        problems += [
             f"cases.{case}: is named, but {CALIBRATION} does not calibrate it"
             for case in sorted(wanted & set(laboratory.cases) - calibrated)
         ]
-    for name, own in params.items():
+    for name, settings in params.items():
         disagreements = getattr(studies.study(name), "disagreements", None)
-        if own and disagreements:
+        if settings and disagreements:
             others = {maker: params.get(maker) for maker in studies.needs(name).values()}
-            found += [f"{name}.{line}" for line in disagreements(own, others)]
-    _refuse([*resolver.problems, *_others(found, resolver.problems)])
+            problems += [f"{name}.{line}" for line in disagreements(settings, others)]
+    _refuse([*resolver.problems, *_others(problems, resolver.problems)])
     _refuse(_out_of_unit(resolver.rows, tables.units()))
     bodies = {name: (case.particle, case.surface) for name, case in laboratory.cases.items()}
     used = {stands[f"cases.{case}.{body}"] for case in wanted & set(bodies) for body in _BODIES}
-    unused = tuple(place for place in resolver.unused() if place not in used)
+    unused = tuple(key for key in resolver.unused() if key not in used)
     changed = () if only else {change.key for change in changes(config, base)}
     _refuse(f"{key}: changes nothing: no analysis names it" for key in unused if key in changed)
     return Settings(
@@ -175,11 +175,11 @@ def validate(
 
 @dataclass(slots=True)
 class _Check:
-    """Builds what a configuration declares, and gathers what is wrong with it."""
+    """Builder of dataclasses from a configuration, which gathers the problems."""
 
     config: Mapping[str, Any]
     resolver: Resolver
-    found: list[str]
+    problems: list[str]
     known: Known = field(default_factory=lambda: Known({}))
 
     def branch(self, kind: type[Any], key: str) -> Any:
@@ -187,21 +187,21 @@ class _Check:
         values = self.resolver.resolved(get_type_hints(kind)[key], key)
         if isinstance(values, Mapping):
             return getattr(self._built(kind, {key: values}), key, None)
-        given = f"{self.config[key]!r} must be a mapping" if key in self.config else "missing"
-        self.found.append(f"{key}: {given}")
+        problem = f"{self.config[key]!r} must be a mapping" if key in self.config else "missing"
+        self.problems.append(f"{key}: {problem}")
         return None
 
     def sections(self, kind: type[Any], keys: Sequence[str]) -> Any:
         """Return an instance of a dataclass whose fields are top-level keys, or None."""
         hints = get_type_hints(kind, include_extras=True)
-        given = [key for key in keys if key in self.config]
-        return self._built(kind, {k: self.resolver.resolved(hints[k], k) for k in given})
+        declared = [key for key in keys if key in self.config]
+        return self._built(kind, {k: self.resolver.resolved(hints[k], k) for k in declared})
 
     def _built(self, kind: type[Any], values: Mapping[str, Any]) -> Any:
         try:
             return build(kind, values, self.known if self.known.names else None)
         except ValidationError as error:
-            self.found += explain(error, kind, "", self.resolver.aliases)
+            self.problems += explain(error, kind, "", self.resolver.aliases)
             return None
 
 
@@ -225,7 +225,7 @@ def _refuse(lines: Iterable[str]) -> None:
 
 
 def _out_of_unit(rows: Iterable[Declared], units: Mapping[str, str]) -> Iterator[str]:
-    """Yield what is wrong with a value in the unit of its key, or with that of what it names."""
+    """Yield a line for each value doubtful in its unit, or named for another unit."""
     for row in rows:
         key, values = row.key, [row.value]
         if key.endswith(".path"):  # of a file of values
@@ -235,18 +235,18 @@ def _out_of_unit(rows: Iterable[Declared], units: Mapping[str, str]) -> Iterator
         wanted = {row.unit, unit_of(row.key.rpartition(".")[0])} - {"-"}
         unit = units.get(row.place.partition("[")[0])
         if unit and wanted and unit not in wanted:
-            told = " or ".join(sorted(wanted))
-            yield f"{row.place}: the unit {unit} must be {told}, as that of {row.key}"
+            allowed = " or ".join(sorted(wanted))
+            yield f"{row.place}: the unit {unit} must be {allowed}, as that of {row.key}"
 
 
 @cache
 def _branches(names: tuple[str, ...]) -> type[Any]:
     """Return a dataclass of branches: one validator for what they share takes half the time."""
-    own = [(name, studies.study(name).Params, field(default=None)) for name in names]
-    return make_dataclass("Branches", own, frozen=True)
+    parts = [(name, studies.study(name).Params, field(default=None)) for name in names]
+    return make_dataclass("Branches", parts, frozen=True)
 
 
-def _tables(resolver: Resolver, found: list[str]) -> DeclaredTables | None:
+def _tables(resolver: Resolver, problems: list[str]) -> DeclaredTables | None:
     """Read the declared tables, whatever is wrong with other general keys."""
     paths = {name: resolver.resolved(str, name) for name in TABLES}
     missing = [
@@ -254,28 +254,28 @@ def _tables(resolver: Resolver, found: list[str]) -> DeclaredTables | None:
         for name, path in paths.items()
         if isinstance(path, str) and not Path(path).is_file()
     ]
-    found += missing
+    problems += missing
     try:
         usable = not missing and all(isinstance(path, str) for path in paths.values())
         return read_all(*paths.values()) if usable else None
     except (ValueError, OSError) as error:
-        found.append(str(error))
+        problems.append(str(error))
         return None
 
 
 def _others(lines: Iterable[str], malformed: Sequence[str]) -> list[str]:
-    """Leave out what is refused only because its declaration is malformed."""
+    """Drop the problems that follow from a malformed declaration of the same key."""
 
     def follows(line: str) -> bool:
         key = line.partition(": ")[0]
-        return any(other.startswith((f"{key}.", f"{key}:")) for other in malformed)
+        return any(fault.startswith((f"{key}.", f"{key}:")) for fault in malformed)
 
     return [line for line in lines if not follows(line)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Inputs:
-    """What a run is made from besides its configuration."""
+    """Inputs of a run besides its configuration."""
 
     # Rows of the declared tables that each study is given, as CSV by table.
     rows: Mapping[str, Mapping[str, str]]
@@ -336,8 +336,8 @@ def _materials(table: DeclaredTable) -> dict[str, Material]:
 def study_rows(name: str, settings: Settings, digitised: Mapping[str, Digitised]) -> dict[str, str]:
     """Return the declared rows that a study is given, as CSV by table.
 
-    That are the rows its branch names; but the study of all contacts has all, and the table of
-    declared inputs everything. Digitised points go to the studies that compare with them.
+    The rows that its branch names; all contacts for the study of contacts, and everything for the
+    table of declared inputs. Digitised points go to the studies that compare with them.
     """
     if name == "declared_inputs":
         return settings.tables.everything(settings.declared)

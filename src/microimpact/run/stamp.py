@@ -1,4 +1,4 @@
-"""The stamp of a run: what was run, with which versions, from which commit, and when.
+"""The stamp of a run: configuration, versions, commit and time.
 
 A results folder holds results of one set of inputs. The folder that the shipped configuration names
 is kept for the inputs of that file: an overlay that changes one names a folder of its own.
@@ -121,20 +121,31 @@ def write_stamp(
     outdated: Sequence[str] = (),
     declared: Sequence[Declared] = (),
 ) -> None:
-    """Write the stamp of a run, as JSON: when it begins, and again when it ends.
+    """Write the stamp of a run as JSON.
 
-    `path`: the file to write; `config`: the merged configuration of the run; `project`: root of the
-    project, whose commit is recorded; `started`: when the run began, see `run_date`; `ended`: when
-    it ended well; None for a run that still goes on, failed, or was killed; `outdated`: results
-    that were made earlier, from other inputs than those of this run; `declared`: every value as it
-    was used; told are those in place of a value of the laboratory.
+    Parameters
+    ----------
+    path
+        File to write.
+    config
+        Merged configuration of the run.
+    project
+        Root of the project, whose commit is recorded.
+    started
+        Begin of the run, see `run_date`.
+    ended
+        End of a run that went well; None while it goes on, and after a failure.
+    outdated
+        Results of earlier runs with other inputs.
+    declared
+        All values as used; recorded are those that override a value of the laboratory.
     """
     stamp = {
         "started": started.isoformat(),
         "ended": ended and ended.isoformat(),
         "outdated": list(outdated),
         **origin(config, project),
-        "overrides": {one.key: one.overrides for one in declared if one.overrides},
+        "overrides": {row.key: row.overrides for row in declared if row.overrides},
         "config": config,
     }
     write_file(path, json.dumps(stamp, indent=2, ensure_ascii=False, default=str) + "\n")

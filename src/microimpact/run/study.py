@@ -63,11 +63,11 @@ def run_study(
     text = json.dumps(changes, default=_plain)
     settings = _settings(name, text) if changes else _declared()
     rows = study_rows(name, settings, {})
-    given = dict(tables or {})
+    inputs = dict(tables or {})
     for table, maker in studies.needs(name).items():
-        if table not in given:
-            given[table] = _made(maker)[table].copy()
-    return run_with(name, settings.branches[name], rows, given)
+        if table not in inputs:
+            inputs[table] = _made(maker)[table].copy()
+    return run_with(name, settings.branches[name], rows, inputs)
 
 
 def _plain(value: object) -> object:
@@ -82,7 +82,7 @@ def run_with(
     rows: Mapping[str, str],
     tables: Mapping[str, pd.DataFrame],
 ) -> dict[str, pd.DataFrame]:
-    """Run one study with all that it is given.
+    """Run one study with its parameters and tables.
 
     Parameters
     ----------
@@ -96,8 +96,8 @@ def run_with(
     study = studies.study(name)
     inputs = NamedTables({key: parse_table(text) for key, text in rows.items()})
     inputs.update(tables)
-    found: dict[str, pd.DataFrame] = dict(study.run(build(study.Params, branch), inputs))
-    return found
+    made: dict[str, pd.DataFrame] = dict(study.run(build(study.Params, branch), inputs))
+    return made
 
 
 class Made(dict[str, "pd.DataFrame"]):
@@ -108,8 +108,8 @@ class Made(dict[str, "pd.DataFrame"]):
     name
         Study that takes them.
     changes
-        Keys of the configuration that differ from the shipped ones, at every depth; what rests on
-        one of them is computed anew.
+        Keys of the configuration that differ from the shipped ones, at every depth; a study
+        whose parameters or needs they change is computed anew.
     results
         Folder of a run of the shipped configuration, from which the other tables are read; without
         one, they are computed.
@@ -133,9 +133,9 @@ class Made(dict[str, "pd.DataFrame"]):
         maker = self.makers[table]
         if self.moved(maker):
             self.makers |= studies.needs(maker)
-            given = {name: self[name] for name in studies.needs(maker)}
+            needed = {name: self[name] for name in studies.needs(maker)}
             rows = study_rows(maker, self.settings, {})
-            self.update(run_with(maker, self.settings.branches[maker], rows, given))
+            self.update(run_with(maker, self.settings.branches[maker], rows, needed))
         elif self.results:
             self[table] = read_table(self.results / f"tables/{table}.csv")
         else:
@@ -143,9 +143,9 @@ class Made(dict[str, "pd.DataFrame"]):
         return self[table]
 
     def moved(self, name: str) -> bool:
-        """Tell whether a study rests on what was changed."""
-        own = self.settings.branches[name] != _declared().branches[name]
-        return own or any(self.moved(maker) for maker in set(studies.needs(name).values()))
+        """Return whether a study, or one that it needs, has changed parameters."""
+        changed = self.settings.branches[name] != _declared().branches[name]
+        return changed or any(self.moved(maker) for maker in set(studies.needs(name).values()))
 
 
 @cache

@@ -1,4 +1,4 @@
-"""What a run has made, what did not hold, and which page to open: a few lines at its end."""
+"""The account of a run at its end: files made, verdicts, and the page to open."""
 
 from __future__ import annotations
 
@@ -14,10 +14,22 @@ FEW = 6
 def summary(results: Path, made: Sequence[str], outdated: Sequence[str] = ()) -> str:
     """Return a few lines on a run.
 
-    `results`: results root; `made`: results that the run has made, by their names below the root;
-    `outdated`: results that stand there from an earlier run with other inputs.
+    Parameters
+    ----------
+    results
+        Results root.
+    made
+        Files made by the run, relative to the root.
+    outdated
+        Files left by an earlier run with other inputs.
+
+    Returns
+    -------
+    str
+        One line each on files, verdicts of a full run, outdated files, and the page to open.
     """
-    lines = [f"In {results}: {_told(made)}."] if made else [f"In {results} nothing was made anew."]
+    files = f": {_listed(made)}" if made else " nothing was made anew"
+    lines = [f"In {results}{files}."]
     if "report/index.html" in made:
         lines += [
             f"{words}: {counts}."
@@ -35,17 +47,18 @@ def summary(results: Path, made: Sequence[str], outdated: Sequence[str] = ()) ->
     return "\n".join(lines)
 
 
-def _told(made: Sequence[str]) -> str:
+def _listed(made: Sequence[str]) -> str:
+    """Return the names of results, or their numbers by kind if they are many."""
     shown = [n for n in made if not n.startswith("figures/") or n.endswith(".svg")]
     if len(shown) <= FEW:
         return ", ".join(shown)
     figures = [name for name in shown if name.startswith("figures/")]
     counts = Counter(name.partition("/")[0] for name in shown)
-    told = figures if len(figures) <= FEW else [f"{len(figures)} figures"]
+    parts = figures if len(figures) <= FEW else [f"{len(figures)} figures"]
     for key, words in {"data": " of figure data", "tables": ""}.items():
         if counts[key]:
-            told.append(f"{counts[key]} table{'s' if counts[key] > 1 else ''}{words}")
-    return ", ".join(told)
+            parts.append(f"{counts[key]} table{'s' if counts[key] > 1 else ''}{words}")
+    return ", ".join(parts)
 
 
 def _verdicts(ledger: Path) -> str:
