@@ -217,7 +217,7 @@ def _measured(data: str, unit: str | None, sigma: float | None) -> Rebounds:
 
 
 def _with_interval(value: float, interval: tuple[float, float]) -> list[str]:
-    """Return a number and the ends of its interval."""
+    """Format a number and the ends of its interval."""
     low, high = interval
     return [precise(number, high - low) for number in (value, low, high)]
 

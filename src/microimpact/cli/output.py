@@ -1,4 +1,4 @@
-"""What the commands print: tables for people, JSON for programs, warnings aside."""
+"""Output of the commands: tables for people, JSON for programs, warnings on standard error."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ import numpy as np
 
 
 def number(value: Any, factor: float = 1.0) -> str:
-    """Return a number in six digits, or yes or no."""
+    """Format a number in six digits, or as yes or no."""
     if isinstance(value, bool | np.bool_):
         return "yes" if value else "no"
     return f"{value * factor:.6g}"
 
 
 def precise(value: float, width: float) -> str:
-    """Return a number in four digits, or in as many as show two of an interval's width."""
+    """Format a number in four digits, or in as many as show two of an interval's width."""
     if not (value and 0.0 < width < np.inf):
         return f"{value:.4g}"
     digits = int(np.floor(np.log10(abs(value))) - np.floor(np.log10(width))) + 2
@@ -71,7 +71,7 @@ class Sweep(click.ParamType):  # type: ignore[type-arg]
     name = "number or first:last:count"
 
     def convert(self, value: Any, param: Any, ctx: Any) -> Any:
-        """Return an array of the numbers."""
+        """Parse the numbers as an array."""
         if not isinstance(value, str):
             return np.atleast_1d(np.asarray(value, dtype=float))
         try:

@@ -92,7 +92,7 @@ def _cells(where: str, line: str) -> list[str]:
 
 
 def _columns(name: str, header: list[str], unit: str | None) -> dict[str, float]:
-    """Return the columns and the factors from their units to SI."""
+    """Factors from the units of the columns to SI."""
     if unit is not None and unit not in SPEED_UNITS:
         raise ValueError(f"unit must be one of {', '.join(SPEED_UNITS)}, got {unit!r}")
     factors: dict[str, float] = {}
@@ -126,7 +126,7 @@ def _columns(name: str, header: list[str], unit: str | None) -> dict[str, float]
 
 
 def _row(where: str, cells: dict[str, str], units: dict[str, float]) -> tuple[float, float, float]:
-    """Return v in m/s, e and sigma of a row."""
+    """Parse v in m/s, e and sigma of a row."""
     said = cells.get("captured", "").lower()
     if said not in _YES | _NO:
         raise ValueError(f"{where}: captured must be yes or no, got {cells['captured']!r}")

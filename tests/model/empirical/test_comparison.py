@@ -1,6 +1,7 @@
 """Capture velocity by several models: truth inside, profiles that another search confirms."""
 
 import re
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from scipy.optimize import least_squares
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.empirical import shapes
-from microimpact.model.empirical.comparison import compare_models, compare_sets
+from microimpact.model.empirical.comparison import _runs, compare_models, compare_sets
 from microimpact.model.empirical.data import in_own_units
 from microimpact.model.empirical.fit import fit_restitution
 
@@ -121,16 +122,62 @@ def test_data_sets_side_by_side_are_compared_as_each_alone(compared, rated):
         assert [(model.name, model.weight) for model in one.models] == weights
 
 
-def test_a_sigma_too_small_widens_and_warns(compared):
-    _, v, e, found = compared
-    wrong = compare_models(v, e, NOISE / 5.0)
+@pytest.mark.parametrize("sigma", [NOISE, NOISE / 5.0, None])
+def test_the_criterion_is_akaikes(compared, sigma):
+    _, v, e, _ = compared
+    models = compare_models(v, e, sigma).models
+    above = v >= v[e > 0.0].min()
+    count, free = above.sum(), np.array([model.free for model in models])
+    squares = np.array([np.sum((e - model.law(v))[above] ** 2) for model in models])
+    if sigma is None:  # corrected for few data; sigma is a parameter, too
+        numbers = free + 1
+        criterion = count * np.log(squares / count)
+        criterion += 2 * numbers + 2 * numbers * (numbers + 1) / (count - numbers - 1)
+    else:
+        scatter = np.min(squares / sigma**2 / (count - free))
+        criterion = squares / sigma**2 / max(1.0, scatter) + 2 * free
+    expected = criterion - criterion.min()
+    assert [model.criterion for model in models] == pytest.approx(expected, abs=1e-6)
+    weights = np.exp(-0.5 * expected) / np.sum(np.exp(-0.5 * expected))
+    assert [model.weight for model in models] == pytest.approx(weights, abs=1e-6)
+
+
+@pytest.mark.parametrize("sigma", [NOISE, NOISE / 5.0, None])
+def test_intervals_of_eq_34_are_those_of_its_own_fit(compared, sigma):
+    """With sigma too small or unknown, sigma is what the residuals say, and tails are Student's."""
+    _, v, e, _ = compared
+    (model,) = compare_models(v, e, sigma, models=["Eq. 34, q free"]).models
+    estimated = None if sigma != NOISE else NOISE
+    low, high = fit_restitution(v, e, estimated).v_c_interval
+    assert model.interval == pytest.approx((low, high), abs=0.01 * (high - low))
+
+
+def test_a_sigma_too_small_or_unknown_is_told(compared):
+    _, v, e, _ = compared
+    wrong, without = compare_models(v, e, NOISE / 5.0), compare_models(v, e)
     assert wrong.scatter > 2.0
     assert any("times the sigma given" in warning for warning in wrong.warnings)
-    without = compare_models(v, e)
     assert without.sigma == pytest.approx(NOISE, rel=0.5)
     assert any("sigma is not given" in warning for warning in without.warnings)
-    for other in (wrong, without):
-        assert np.diff(other.v_c_interval) > 0.3 * np.diff(found.v_c_interval)
+
+
+@pytest.mark.parametrize(("more", "less"), [(8, 8), (9, 5)])
+def test_runs_of_signs_are_as_rare_as_counting_says(more, less):
+    signs = [np.isin(range(more + less), c) for c in combinations(range(more + less), more)]
+    runs = np.array([1 + np.sum(s[1:] != s[:-1]) for s in signs])
+    for count in range(3, more + less - 2):
+        series = signs[np.flatnonzero(runs == count)[0]] if count in runs else None
+        if series is not None:
+            share = _runs(np.where(series, 1.0, -1.0))
+            assert share == pytest.approx(np.mean(runs <= count), abs=0.02)
+
+
+def test_captures_just_below_are_near_capture():
+    v = 0.2 * np.append([0.9, 0.95], np.geomspace(1.5, 10.0, 15))
+    e = 0.8 * np.sqrt(np.maximum(1.0 - (0.2 / v) ** 2, 0.0))
+    assert not any("near capture" in warning for warning in compare_models(v, e, 0.01).warnings)
+    far = compare_models(v[2:], e[2:], 0.01).warnings
+    assert any("no speed is near capture" in warning for warning in far)
 
 
 def test_data_far_from_capture_say_so(rated):

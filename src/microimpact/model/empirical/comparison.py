@@ -1,4 +1,4 @@
-"""Capture velocity from restitutions by several models, and an interval that rests on no one.
+"""Capture velocity from restitutions by several models, and a model-averaged interval.
 
 Each model of e(v) has its own profile of chi-square over v_c. Models are weighted by Akaike's
 criterion, corrected for few data where sigma is estimated (AICc; Burnham and Anderson 2002). The
@@ -119,13 +119,13 @@ def _of_law(
 
 
 def _eq_34(x: FloatArray, v_c: float, v: FloatArray) -> FloatArray:
-    """Return Eq. (34) at speeds (n,), of logarithms of k, p, kappa and q."""
+    """Eq. (34) at speeds (n,), by logarithms of k, p, kappa and q."""
     k, p, kappa, q = np.exp(x[:V_C])
     return restitution(v, k, p, kappa, q, v_c)
 
 
 def _by_law(name: str, x: FloatArray, v_c: float, v: FloatArray) -> FloatArray:
-    """Return e of a law of contact at speeds (n,)."""
+    """Coefficients of restitution of a law of contact at speeds (n,)."""
     return shapes.restitution(name, x, v / v_c)
 
 
@@ -215,10 +215,10 @@ def compare_sets(
     confidence: float = 0.95,
     models: Sequence[str] | None = None,
 ) -> list[Comparison]:
-    """Return what `compare_models` does of many data sets, each speeds, restitutions and sigma.
+    """Compare models of many data sets, each speeds, restitutions and sigma, by `compare_models`.
 
-    Those with as many points, and as many of them from the slowest rebound upwards, are searched
-    side by side. For arguments and errors see there.
+    Sets with as many points, and as many of them from the slowest rebound upwards, are searched
+    side by side. Arguments and errors are the same.
     """
     level = float(checked("confidence", confidence, CONFIDENCE))
     alike: dict[tuple[int, int, bool], list[tuple[int, DataSets, Places]]] = defaultdict(list)
@@ -382,12 +382,12 @@ class _Tails:
         self.roots = np.where(below, -outer, inner[..., ::-1])
 
     def below(self, v_c: FloatArray, rows: Places) -> FloatArray:
-        """Return the shares (k, m) below v_c (m,) in data sets (m,)."""
+        """Shares (k, m) of the probability below v_c (m,) in data sets (m,)."""
         root = _interpolated(v_c, self.values[:, rows], self.roots[:, rows])
         return np.asarray(scipy.special.stdtr(self.freedom[:, rows], root))
 
     def quantiles(self, level: float) -> FloatArray:
-        """Return v_c (k, r) below which so large a share lies; 0 or 1 where the range sets it."""
+        """Quantiles (k, r) of v_c; 0 or 1 where the range sets them."""
         here = np.asarray(scipy.special.stdtrit(self.freedom, level), float)
         v_c = _interpolated(here, self.roots, self.values)
         v_c = np.where(here > self.roots[..., 0], v_c, 0.0)
@@ -395,7 +395,7 @@ class _Tails:
 
 
 def _interpolated(x: FloatArray, points: FloatArray, values: FloatArray) -> FloatArray:
-    """Return the values (...) at x (...) between places that grow along the last axis."""
+    """Interpolate values at x (...) linearly between points that grow along the last axis."""
     after = np.sum(points < x[..., None], axis=-1, keepdims=True).clip(1, points.shape[-1] - 1)
     (x_0, x_1), (y_0, y_1) = (
         [np.take_along_axis(array, at, axis=-1)[..., 0] for at in (after - 1, after)]
@@ -406,7 +406,7 @@ def _interpolated(x: FloatArray, points: FloatArray, values: FloatArray) -> Floa
 
 
 def _averaged(weights: FloatArray, tails: _Tails, level: float) -> FloatArray:
-    """Return v_c (r,) below which so large an averaged share lies; 0 or 1 where the range ends."""
+    """Quantiles (r,) of v_c by averaged tail areas; 0 or 1 where the range ends."""
 
     def excess(v_c: FloatArray, rows: Places) -> FloatArray:
         return np.asarray(np.sum(weights[:, rows] * tails.below(v_c, rows), axis=0) - level)
@@ -529,7 +529,7 @@ def _about_the_fit(best: Model, residuals: _Residuals) -> Iterator[str]:
 
 
 def _runs(missed: FloatArray) -> float:
-    """Return how often chance alone gives so few runs of signs (Wald and Wolfowitz 1940)."""
+    """Probability of so few runs of signs by chance (Wald and Wolfowitz 1940)."""
     above = missed > 0.0
     more, less = int(above.sum()), int((~above).sum())
     total = more + less

@@ -19,7 +19,7 @@ Given = Numbers | ArrayLike
 def measurements(
     v: Given, e: Given, sigma: Given, e_range: Range, sigma_range: Range
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return speeds, restitutions and their standard deviations, checked, each (n,).
+    """Check speeds, restitutions and their standard deviations, each (n,).
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ class DataSets:
         return self.points[:, WEIGHT]
 
     def select(self, rows: slice | Places) -> DataSets:
-        """Return some of the data sets."""
+        """Index the data sets."""
         return DataSets(**{name: getattr(self, name)[rows] for name in ARRAYS}, q=self.q)
 
     @property
@@ -108,14 +108,26 @@ class DataSets:
 
 
 def data_sets(v: ArrayLike, e: ArrayLike, weight: ArrayLike, q: float | None = None) -> DataSets:
-    """Return data sets ready to be fitted.
+    """Check data sets and scale them to their slowest rebounds.
 
-    `v`: normal impact speeds, (n,) or (r, n), m/s; positive; `e`: coefficients of restitution (r,
-    n), 0 or more; 0 for a captured sphere; `weight`: 1/sigma, of a shape that broadcasts to (r, n);
-    0 leaves a datum out; `q`: exponent of Eq. (33), positive; None: free. Raises TypeError if an
-    argument does not hold real numbers. Raises ValueError if a number is out of range, or a data
-    set has too few points from its smallest rebounding speed upwards: fewer than free parameters
-    and one more.
+    Parameters
+    ----------
+    v
+        Normal impact speeds, (n,) or (r, n), m/s; positive.
+    e
+        Coefficients of restitution (r, n), 0 or more; 0 for a captured sphere.
+    weight
+        1/sigma, of a shape that broadcasts to (r, n); 0 leaves a datum out.
+    q
+        Exponent of Eq. (33), positive; None: free.
+
+    Raises
+    ------
+    TypeError
+        If an argument does not hold real numbers.
+    ValueError
+        If a number is out of range, or a data set has no more points than free parameters from its
+        smallest rebounding speed upwards.
     """
     measured = np.atleast_2d(checked("e", e, NON_NEGATIVE))
     speed = np.broadcast_to(checked("v", v, POSITIVE), measured.shape)
@@ -134,7 +146,7 @@ def data_sets(v: ArrayLike, e: ArrayLike, weight: ArrayLike, q: float | None = N
 
 
 def in_own_units(v: FloatArray, e: FloatArray, weight: FloatArray, q: float | None) -> DataSets:
-    """Return checked data sets, all arrays (r, n), in units of their slowest rebounds."""
+    """Scale checked data sets, all arrays (r, n), to their slowest rebounds."""
     unit = np.where((weight > 0.0) & (e > 0.0), v, np.inf).min(axis=1)
     ratio = v / unit[:, None]
     top = np.where(weight > 0.0, ratio, 0.0).max(axis=1)
@@ -143,6 +155,6 @@ def in_own_units(v: FloatArray, e: FloatArray, weight: FloatArray, q: float | No
 
 
 def stacked_sets(parts: Sequence[DataSets]) -> DataSets:
-    """Return data sets of one number of points and one q as those of one batch."""
+    """Join data sets of one number of points and one q into a batch."""
     arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in ARRAYS}
     return DataSets(**arrays, q=parts[0].q)

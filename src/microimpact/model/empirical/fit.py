@@ -170,7 +170,7 @@ def _summary(fit: RestitutionFit) -> str:
 
 
 def _trust(fit: RestitutionFit) -> str:
-    """Return what the errors and the interval rest on."""
+    """Supposition behind the errors and the interval, in words."""
     from scipy.special import chdtrc
 
     if not fit.sigma_estimated and chdtrc(fit.degrees_of_freedom, fit.chi_square) < TOO_LARGE:

@@ -35,12 +35,17 @@ class Intervals(NamedTuple):
 
 
 def profile_batch(sets: DataSets, fit: BatchFit, v_c: ArrayLike, enough: Real = 0.0) -> FloatArray:
-    """Return the least chi-square (r,) of every data set for a given v_c.
+    """Least chi-square (r,) of every data set with v_c held.
 
-    `sets`, `fit`: the data and their fit, from which the search starts; `v_c`: capture velocity,
-    one number or (r,), m/s; infinite chi-square where it is above the slowest rebound; `enough`:
-    chi-square, one number or (r,), below which the least does not matter; above it a second search
-    is made from a start of its own.
+    Parameters
+    ----------
+    sets, fit
+        The data and their fit, from which the search starts.
+    v_c
+        Capture velocity, one number or (r,), m/s; chi-square is infinite above the slowest rebound.
+    enough
+        Chi-square, one number or (r,), below which a search may end; above it a second search
+        starts elsewhere.
     """
     share = np.broadcast_to(checked("v_c", v_c, NON_NEGATIVE), sets.unit.shape) / sets.unit
     gap = np.maximum(1.0 - share, CLOSEST)
@@ -56,13 +61,17 @@ def profile_batch(sets: DataSets, fit: BatchFit, v_c: ArrayLike, enough: Real = 
 
 
 def interval_batch(sets: DataSets, fit: BatchFit, rise: ArrayLike) -> Intervals:
-    """Return the profile intervals of v_c.
+    """Profile intervals of v_c.
 
     From the fit outwards, the first v_c at which the least chi-square over all other parameters
-    exceeds that of the fit by more than the rise admitted.
+    exceeds that of the fit by more than the rise.
 
-    `sets`, `fit`: the data and their fit; `rise`: admissible rise of chi-square above the minimum,
-    positive, of a shape that broadcasts to (r,).
+    Parameters
+    ----------
+    sets, fit
+        The data and their fit.
+    rise
+        Rise of chi-square above the minimum, positive, of a shape that broadcasts to (r,).
     """
     count = len(sets.unit)
     limit = np.broadcast_to(np.sqrt(checked("rise", rise, POSITIVE)), count)

@@ -69,7 +69,7 @@ def model(v: FloatArray, logs: FloatArray, end: float, gap: float) -> tuple[Floa
 
 
 class Search(NamedTuple):
-    """What is fitted to what, and the box of d variables of each of m searches.
+    """Data, and box of d variables, of each of m searches.
 
     A search ends where it lowers chi-square by less than the share ``tolerance`` of it.
     """
@@ -198,10 +198,21 @@ def fit_batch(
 ) -> BatchFit:
     """Fit Eq. (34) to every data set by weighted least squares.
 
-    `sets`: from `data_sets`; `starts`: number of searches for each data set, 1 to 5; the lowest
-    counts; `guess`: one more start, ln(k, p, kappa, q, v_c) (r, 5) in units of the slowest
-    rebounds; `tolerance`: share of chi-square by which the last step of a search may still lower
-    it. Raises ValueError if ``starts`` is out of range.
+    Parameters
+    ----------
+    sets
+        From `data_sets`.
+    starts
+        Number of searches for each data set, 1 to 5; the lowest minimum counts.
+    guess
+        One more start, ln(k, p, kappa, q, v_c) (r, 5) in units of the slowest rebounds.
+    tolerance
+        Share of chi-square by which the last step of a search may still lower it.
+
+    Raises
+    ------
+    ValueError
+        If ``starts`` is out of range.
     """
     if not 1 <= starts <= len(STARTS):
         raise ValueError(f"starts must be 1 to {len(STARTS)}, got {starts}")
@@ -249,10 +260,18 @@ def profile(
 ) -> Minima:
     """Search with v_c held, for ln(k, p, kappa, q).
 
-    `sets`: the data; `owner`: data set of each search (m,); `gap`: v_c is 1 - gap (m,), in units of
-    the slowest rebounds; `starts`: starts (m, 4 or more), of which what follows ln q does not
-    count; `fresh`: how many of those that depend on no search are tried; `enough`: chi-square (m,)
-    below which no search goes on.
+    Parameters
+    ----------
+    sets, owner
+        The data, and the data set of each search (m,).
+    gap
+        v_c is 1 - gap (m,), in units of the slowest rebounds.
+    starts
+        Starts (m, 4 or more), of which what follows ln q does not count.
+    fresh
+        Number of starts tried that depend on no other search.
+    enough
+        Chi-square (m,) below which no search goes on.
     """
     fixed = np.log(gap)
     search = searches(sets, owner, np.ones(len(gap)), fixed, fixed, enough=enough)

@@ -115,7 +115,7 @@ LAWS = {
 
 @cache
 def table(name: str) -> FloatArray:
-    """Return e at all places of a law, (n, first parameter, second, v/v_c)."""
+    """Table of e of a law, (rate exponents, first parameter, second, v/v_c)."""
     law = LAWS[name]
     rates, firsts, seconds = law.values
     ratio = np.exp(np.linspace(0.0, np.sqrt(np.log(LARGEST_RATIO)), RATIOS) ** 2)
@@ -137,14 +137,14 @@ def table(name: str) -> FloatArray:
 
 
 def places(ratio: FloatArray) -> FloatArray:
-    """Return where speeds in units of v_c are in a table; below 0 where captured."""
+    """Positions of speeds in units of v_c along a table's last axis; negative if captured."""
     logs = np.log(np.minimum(ratio, LARGEST_RATIO))
     positions = np.sqrt(np.maximum(logs, 0.0) / np.log(LARGEST_RATIO)) * (RATIOS - 1)
     return np.where(ratio > 1.0, positions, -1.0)
 
 
 def restitution(name: str, at: FloatArray, ratio: FloatArray) -> FloatArray:
-    """Return e (n,) of a law at the places of its parameters (3 or more,), by its table."""
+    """Coefficients of restitution (n,) of a law by its table, at parameters (3 or more,)."""
     e = np.empty(ratio.size)
     curves(table(name), places(ratio)[None], at[None], e[None])
     return e

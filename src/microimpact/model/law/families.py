@@ -23,9 +23,9 @@ from microimpact.model.dynamics.normal import (
     ALWAYS_CAPTURED_HERTZ_GROUP,
 )
 
-# Numbers that differ by no more are the same, computed in another order.
+# Relative difference of numbers computed in another order.
 SAME = 1e-14
-# And that of contacts of which one was made from the other.
+# Relative difference of contacts derived from each other.
 LIKE = 1e-9
 # Places stay this far inside [-1, 1] of a family made for them.
 MARGIN = 1e-6
@@ -164,7 +164,7 @@ class Family:
         return w, np.full(w.shape, position)
 
     def scales(self, contact: Contact, speed: FloatArray) -> tuple[Real, Real, Real]:
-        """Return the units of length, velocity and mass of impacts."""
+        """Units of length, velocity and mass of impacts."""
         if self.adhesive:
             return contact.equilibrium_compression, contact.velocity_scale, contact.mass
         hertz = np.sqrt(contact.hertz_radius) * contact.stiffness
@@ -193,14 +193,14 @@ class Family:
         return columns.reshape(-1, columns.shape[-1])
 
     def groups(self, w: FloatArray, position: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return C_H and, at the scaled speed w, C_A."""
+        """Damping groups C_H and, at the scaled speed w, C_A."""
         rho = np.exp(self.half_width * position)
         with np.errstate(over="ignore"):
             rate = np.power(rho, 1.0 - self.exponent) * np.power(w, -self.exponent)
         return np.asarray(self.hertz * rho), np.asarray(self.adhesion * rate)
 
     def capture_speed(self, position: FloatArray) -> FloatArray:
-        """Return the capture velocity in velocity scales."""
+        """Capture velocity in velocity scales."""
         if not self.adhesive:
             return np.zeros_like(position)
         hertz, adhesion = self.groups(np.ones_like(position), position)
@@ -233,7 +233,7 @@ class Family:
 
 
 def quantities(problems: FloatArray, results: FloatArray) -> FloatArray:
-    """Return the quantities of a table (WIDTH, n) from the kernel's results."""
+    """Quantities of a table (WIDTH, n) from the kernel's results."""
     values, unit = np.empty((passes.WIDTH, len(problems))), np.ones(1)
     kernel.outcomes(problems, results, unit, unit, unit, values)
     captured = results[:, kernel.STATUS] == kernel.CAPTURED

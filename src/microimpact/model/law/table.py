@@ -223,7 +223,7 @@ class Law:
     def quantities(
         self, w: FloatArray, position: FloatArray, *, threads: int = 1
     ) -> tuple[FloatArray, BoolArray]:
-        """Return the scaled quantities (WIDTH, n) of impacts, and which are captured.
+        """Scaled quantities (WIDTH, n) of impacts, and the captured ones (n,).
 
         Parameters
         ----------
@@ -251,13 +251,13 @@ class Law:
     def _integrated(
         self, w: FloatArray, position: FloatArray, *, ledger: bool = True
     ) -> tuple[FloatArray, BoolArray]:
-        """Return the quantities of impacts that are integrated, and which are captured."""
+        """Integrate impacts: quantities (WIDTH, n), and the captured ones (n,)."""
         problems = self.family.problems(w, position)
         results = integrate(problems, ledger=ledger)
         return quantities(problems, results), results[:, kernel.STATUS] == kernel.CAPTURED
 
     def restitution(self, w: FloatArray, position: FloatArray) -> FloatArray:
-        """Return e alone, shape (n,), of impacts given as in `quantities`; 0 where captured."""
+        """Coefficients of restitution (n,) at coordinates as of `quantities`; 0 where captured."""
         e = np.empty(w.size)
         passes.restitution(w, position, self.compiled, e)
         rest = np.flatnonzero(np.isnan(e))
