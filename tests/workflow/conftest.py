@@ -30,10 +30,7 @@ TINY = {
     "fit_coverage": {
         "noise_of_e": [0.01],
         "lowest_speeds_in_v_c": [1.5],
-        "replicates": 6,
-        "interval_replicates": 2,
-        "methods": {"replicates": 2, "resamples": 20},
-        "averaged": {"sets": 1},
+        "sets": 2,
     },
     "interval_coverage": {
         "experiments": 20,

@@ -113,12 +113,12 @@ use rule study_part as fit_coverage_part with:
 
 
 use rule study as fit_coverage with:
-    """tables/fit_*.csv, averaged_intervals.csv: how well the capture velocity is found."""
+    """tables/fit_coverage.csv, averaged_intervals.csv: how well the capture velocity is found."""
     input:
         **tables("calibration", "restitution_fits", "contact_law_fits"),
         parts=parts("fit_coverage"),
     output:
-        **tables("fit_coverage", "fit_intervals", "averaged_intervals"),
+        **tables("fit_coverage", "averaged_intervals"),
         **data("capture_recovery", "averaged_coverage"),
     pathvars:
         study="fit_coverage",
