@@ -50,7 +50,7 @@ def with_later_impacts(impacts: Impacts, later: Later, limit: int) -> Impacts:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Resting:
-    """What becomes of n spheres on a target without edge."""
+    """Fates of n spheres on a target without edge."""
 
     # True where the sphere came to rest within the bounces followed, shape (n,).
     captured: BoolArray

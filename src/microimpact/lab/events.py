@@ -60,7 +60,7 @@ class Impacts(Falling):
 
     @property
     def in_plane(self) -> Measured:
-        """What an instrument without errors would report of all; captured ones at rest."""
+        """Report of an instrument without errors on all impacts; captured ones at rest."""
         after = np.where(self.captured[:, None], 0.0, self.rebound_velocity)
         legs = self.velocity[:, ::2], after[:, ::2]
         return Measured(event=np.arange(len(self)), velocities=np.stack(legs, axis=1))
@@ -68,7 +68,7 @@ class Impacts(Falling):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Measured(Columns):
-    """What an instrument reports: k events of which both tracks or both records were found.
+    """Report of an instrument: k events of which both tracks or both records were found.
 
     Attributes
     ----------

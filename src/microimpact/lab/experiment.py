@@ -101,7 +101,7 @@ class Target:
         return collide(self.surface, velocity, spin, shares, strike)
 
     def later(self, diameter: FloatArray, rng: np.random.Generator) -> Later:
-        """Return what happens to spheres of given diameters (m) that fall back on the target."""
+        """Return the rebounds of spheres of some diameters (m) that fall back on the target."""
         return lambda velocity, spin, sphere: self.hit(diameter[sphere], velocity, spin, rng)
 
 
@@ -117,7 +117,7 @@ def _table(contact: Contact, diameter_um: Distribution) -> Law | None:
 
 
 def impacts_of(falling: Falling, rebound: Rebound) -> Impacts:
-    """Return the impacts of particles that arrive, given what becomes of them."""
+    """Return the impacts of arriving particles, from their rebounds."""
     return Impacts(
         **{name: getattr(falling, name) for name in Falling.__dataclass_fields__},
         rebound_velocity=rebound.velocity,
@@ -135,7 +135,7 @@ def in_range(speed: FloatArray, speed_range: tuple[float, float]) -> BoolArray:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Drop:
-    """What is dropped on what, from where and how fast.
+    """Particles, target, height and speed of a drop.
 
     Attributes
     ----------
@@ -170,7 +170,7 @@ class Drop:
 
     @property
     def key(self) -> tuple[int, ...]:
-        """Key of its random draws: by what it is, so that it is the same in every study."""
+        """Key of its random draws, from its conditions, so that it is the same in every study."""
         contact, slope = self.target.contact, self.target.surface.slope
         # The slope that one facet in six exceeds: one standard deviation.
         exceeded = float(slope.quantile(np.asarray(scipy.special.ndtr(1.0))))
@@ -262,7 +262,7 @@ class StopRule:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Outcome:
-    """What either instrument gives of one experiment.
+    """Result of one experiment with either instrument.
 
     Attributes
     ----------

@@ -92,7 +92,7 @@ def quantities(measured: Measured | Impact) -> dict[str, FloatArray]:
 def shared_error(
     measured: Measured, shifted: Callable[[Measured, Any], Measured], error: Real
 ) -> dict[str, FloatArray]:
-    """Return what an error that all events share does to the mean of every quantity.
+    """Return the standard uncertainty of every mean from an error that all events share.
 
     Parameters
     ----------

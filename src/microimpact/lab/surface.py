@@ -140,7 +140,7 @@ class Rebound:
 def drawn_shares(
     rng: np.random.Generator, n: int, rules: Rules = LABORATORY
 ) -> Iterator[FloatArray]:
-    """Yield plain shares for `collide`, those of each contact when it is asked for."""
+    """Yield plain shares for `collide`, drawn for each contact as it comes."""
     # All n are drawn for, so that the facets of one sphere do not depend on another's fate.
     return (uniforms(rng, (2, n)) for _ in range(rules.most_contacts))
 
@@ -206,7 +206,7 @@ class Spheres(NamedTuple):
 
 
 def rigid_sums(surface: Surface, law: Law, groups: Iterable[Spheres]) -> FloatArray:
-    """Let rigid spheres hit a surface, and return sums over what is observed.
+    """Let rigid spheres hit a surface, and return sums over the observed rebounds.
 
     As `collide` with contacts of rigid bodies, but in one compiled pass without arrays between, and
     with one group in memory at a time. Contacts so close to capture that they must be integrated

@@ -268,7 +268,7 @@ def generator(seed: int, *key: int) -> np.random.Generator:
 
 
 def child(rng: np.random.Generator, *key: int) -> np.random.Generator:
-    """Return the independent generator of one part of what another generator is for.
+    """Return an independent generator for one part of another generator's use.
 
     Nothing is drawn from `rng`; its seed alone matters, so that results do not depend on the order
     or the grouping of the parts. Raises TypeError if `rng` was not made from a

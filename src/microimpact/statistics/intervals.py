@@ -38,7 +38,7 @@ def mean_and_error(values: FloatArray | BoolArray) -> tuple[float, float]:
 
 
 def share_error(share: float, count: int) -> float:
-    """Return the binomial standard error of a share; never zero, as of half a case more or less."""
+    """Return the binomial standard error of a share, at least the error of half a case."""
     inside = min(max(share, 0.5 / count), 1.0 - 0.5 / count)
     return float(np.sqrt(inside * (1.0 - inside) / count))
 

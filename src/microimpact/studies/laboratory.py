@@ -53,7 +53,7 @@ class DeclaredSpeed:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Protocol(StopRule):
-    """What an experiment is: when it ends, and the angles of the target."""
+    """End of an experiment, and the angles of the target."""
 
     angles_deg: tuple[AngleDegrees, ...]
 
@@ -69,7 +69,7 @@ class Pile:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
-    """A contact: its materials, what it is calibrated to, and what the article leaves open."""
+    """A contact: its materials, targets of its calibration, and numbers left open."""
 
     particle: MaterialName
     surface: MaterialName

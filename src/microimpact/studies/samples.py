@@ -39,7 +39,7 @@ KEPT_SAMPLES = 16
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Dropped:
-    """What is dropped on what: contact, sizes, slopes, speed class and spin."""
+    """Contact, sizes, slopes, speed class and spin of a drop."""
 
     case: CaseName
     friction: Fraction
@@ -56,7 +56,7 @@ class Dropped:
         return float(np.hypot(self.surface_slope, self.particle_slope))
 
     def drop(self, contact: Contact, angle: float, dispenser: Dispenser) -> Drop:
-        """Return what is dropped, on a contact and at an angle of incidence in degrees."""
+        """Return the drop on a contact at an angle of incidence in degrees."""
         return Drop(
             target=Target(contact=contact, surface=rough(self.slope_sd)),
             diameter_um=self.diameter_um,
@@ -70,7 +70,7 @@ class Dropped:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sampling:
-    """How samples are drawn and what an experiment is."""
+    """Sizes of the samples, and of the experiments that they stand for."""
 
     seed: int  # Root of all draws; all samples share them (common random numbers)
     impacts: Count  # Particles dropped per sample
@@ -113,7 +113,7 @@ class Sample:
         return cls(dropped=dropped, contact=contact_of(dropped, inputs), sampling=sampling)
 
     def but(self, **changes: Any) -> Sample:
-        """Return the same with other fields of what is dropped; the contact stays."""
+        """Return the sample with other fields of its drop; the contact stays."""
         return replace(self, dropped=replace(self.dropped, **changes))
 
     def on(self, contact: Contact) -> Sample:

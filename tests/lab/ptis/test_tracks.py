@@ -179,6 +179,18 @@ def test_a_missing_dash_is_noticed():
     assert reduce_legs(incident, np.delete(rebound, 2, axis=0), setup) == IRREGULAR
 
 
+@pytest.mark.parametrize(("bend", "single"), [(2.0, True), (8.0, False)])
+def test_a_kinked_leg_is_no_single_flight(bend, single):
+    """A leg whose second half turns aside, until its last dash lies so many pixels off its line."""
+    setup = setup_for(1.66, 45.0)
+    incident, rebound = (falling(setup, leg, 8, speed=1.66) for leg in (0, 1))
+    along = rebound[-1] - rebound[0]
+    across = np.array([-along[1], along[0]]) / np.linalg.norm(along)
+    aside = np.clip(np.arange(8) - 3.5, 0.0, None) / 3.5
+    track = reduce_legs(incident, rebound + bend * aside[:, None] * across, setup)
+    assert isinstance(track, Track) if single else track == IRREGULAR
+
+
 def test_a_second_bounce_is_noticed():
     setup = replace(setup_for(0.3, 60.0), speed=0.9)
     path = flights(impacts(0.3, 60.0, restitution=0.3), setup)

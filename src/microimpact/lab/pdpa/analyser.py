@@ -140,7 +140,7 @@ class Passages:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RecordStream(Columns):
-    """What the analyser stores: k records by time of acquisition, s, m/s (signed) and m."""
+    """Records of the analyser: k by time of acquisition, s, with m/s (signed) and m."""
 
     time: FloatArray
     velocity: FloatArray
@@ -262,7 +262,7 @@ def _fall_through(position, velocity, height, axes, g, inside):  # type: ignore[
 def _cross(  # type: ignore[no-untyped-def]
     impact, position, flight, level, sign, axes, g, reached, inside, time, velocity, chord, transit
 ):
-    """One leg of each flight; sign is that of the vertical velocity, and of time."""
+    """One leg of each flight; sign of the vertical velocity, and of time."""
     for i in range(impact.size):
         vx, vy = flight[i, 0], flight[i, 1]
         square, after = _level(abs(flight[i, 2]), level[i], sign, g)

@@ -61,7 +61,7 @@ _jit = jit()
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Expected:
-    """What the reduction gives of k events on average, and its spread.
+    """Mean and covariance of the reduced velocities of k events.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ class Expected:
 def theory(
     impacts: Impacts, setup: Setup, errors: Systematics, rngs: Sequence[Generator]
 ) -> tuple[NDArray[np.object_], Expected]:
-    """Return what becomes of impacts that all rebound: mean and spread of what is measured.
+    """Return the fates of rebounding impacts, with mean and spread of their velocities.
 
     The fates are `MEASURED` or why not, one per impact; the rest is of those that are measured.
     Each impact draws from a generator of its own, or all in turn from one.

@@ -99,7 +99,7 @@ def flights(impacts: Impacts, setup: Setup) -> Flight:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Exposure:
-    """What each pulse lights of the paths of n spheres: m pieces, by sphere, in order of time."""
+    """Lit pieces of the paths of n spheres: m pieces, by sphere, in order of time."""
 
     leg: IntArray  # Of the `flight`, shape (m,)
     # s after impact; of the part in the sheet (none if not `start` < `end`), in whatever field.
@@ -124,7 +124,7 @@ class Exposure:
         return self.leg // LEGS
 
     def select(self, which: IntArray) -> Exposure:
-        """Return what is lit of some events, numbers that ascend."""
+        """Return the lit pieces of some events, by ascending numbers."""
         number = np.full(len(self), -1)
         number[which] = np.arange(len(which))
         kept = number[self.event] >= 0
@@ -209,7 +209,7 @@ def exposures(
 
 @_jit
 def _lit(pulses, legs, pull, view, leg, start, end, flags):  # type: ignore[no-untyped-def]
-    """Write what pulses (n, m) light, as fields of an `Exposure`; return how many pieces."""
+    """Write the pieces lit by pulses (n, m), as fields of an `Exposure`; return their number."""
     opening, closing, field, exposure = pulses
     begin, last, entry, leaving, since, origin, velocity = legs
     imaging, frame, margin = view
@@ -263,7 +263,7 @@ def _in_sheet(path: Flight, half: float) -> tuple[FloatArray, FloatArray]:
 
 
 def unseen(exposure: Exposure, setup: Setup) -> NDArray[np.object_]:
-    """Say what keeps a leg from having enough whole dashes in the frame; nothing if it has.
+    """Reason why a leg has too few whole dashes in the frame; empty if it has enough.
 
     For each event, the first that does of: time, light sheet, field of view, and where the field
     ends.

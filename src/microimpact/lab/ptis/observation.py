@@ -24,7 +24,7 @@ from microimpact.lab.ptis.tracks import Rejection, Track, find_spots, reduce_leg
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ImagedEvents:
-    """What became of n impacts."""
+    """Fates and velocities of n impacts."""
 
     measured: Measured  # The events of which both legs were measured
     fates: tuple[str, ...]  # One word per impact: `MEASURED` or why not, n
@@ -33,13 +33,13 @@ class ImagedEvents:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Photographed:
-    """What the frames of n impacts show, before any reduction."""
+    """Frames of n impacts, sorted into legs, before any reduction."""
 
     fates: NDArray[np.object_]  # Why there is no frame, or nothing, n
     legs: list[tuple[FloatArray, FloatArray] | Rejection]  # Of every frame, as from `sort_legs`
 
     def reduced(self, setup: Setup, *, with_gravity: bool = True) -> ImagedEvents:
-        """Return what is measured, by paths under gravity or by straight lines."""
+        """Return the velocities, by paths under gravity or by straight lines."""
         tracks = [
             legs
             if isinstance(legs, Rejection)
@@ -61,7 +61,7 @@ def modelled(
     rng: Generator,
     draws: Sequence[Generator] | None = None,
 ) -> ImagedEvents:
-    """Return what is measured of every impact, by the error model.
+    """Return the fates and velocities of all impacts, by the error model.
 
     The same generator gives an event the same field and the same pulses as in `observe`, apart
     from their jitter: nothing is drawn from it but from its children, one per event. They draw in

@@ -118,7 +118,7 @@ class Setup:
     diameter: float
 
     def __post_init__(self) -> None:
-        """Refuse what cannot be imaged."""
+        """Refuse settings that cannot be imaged."""
         if self.angle == 90.0:
             raise ValueError(
                 "angle: at 90 deg incident and rebound tracks lie on each other and cannot be "

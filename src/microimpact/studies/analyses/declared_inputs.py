@@ -16,7 +16,7 @@ COLUMNS = [
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """No parameter: the table shows those of all other analyses."""
+    """No parameter: the table shows the inputs of all other analyses."""
 
 
 def run(params: Params, inputs: Tables) -> Tables:

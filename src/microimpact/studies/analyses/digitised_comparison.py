@@ -27,7 +27,7 @@ class Params:
 
 
 def run(params: Params, inputs: Tables) -> Tables:
-    """Compare digitised points with what was computed or measured on virtual particles.
+    """Compare digitised points with computed curves and means of virtual experiments.
 
     ``digitised_residuals``: a row per digitised series and series of its panel that is a function
     of x; ``named`` says whether the latter has the name of the points, alone or before a comma.

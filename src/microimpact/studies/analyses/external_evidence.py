@@ -70,7 +70,7 @@ class Spin:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """The sources, the contacts that are compared with them, and what their words mean.
+    """The sources, the contacts that are compared with them, and numbers for their words.
 
     `external`: sources of the facts; `fluorescein`, `mica`, `silver`: contacts of fluorescein on
     molybdenum, the one on mica, and those that stand for silver; `molybdenum`: the contact whose

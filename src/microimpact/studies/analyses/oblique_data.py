@@ -125,7 +125,7 @@ def run(params: Params, inputs: Tables) -> Tables:
 
 
 def values(impact: Impact, speed: float, angle: FloatArray) -> dict[str, FloatArray]:
-    """Return what was measured, by quantity, of impacts at angles from the surface in degrees."""
+    """Return the measured quantities of impacts at angles from the surface in degrees."""
     along = speed * np.cos(np.radians(angle))
     return {
         "tangential_restitution": impact.tangential_velocity / along,
@@ -137,7 +137,7 @@ def values(impact: Impact, speed: float, angle: FloatArray) -> dict[str, FloatAr
 
 
 def comparison(points: pd.DataFrame, contact: Contact, speed: float) -> pd.DataFrame:
-    """Return every measured point beside what each law gives there.
+    """Return every measured point beside the prediction of each law.
 
     Raises ValueError if a quantity is none that was measured, or an angle is not counted from the
     normal.
@@ -203,7 +203,7 @@ def relative_slip(friction: float, e: Real, angle: FloatArray) -> FloatArray:
 
 
 def turned(tangential_restitution: FloatArray) -> FloatArray:
-    """Return that of the contact point from that of the centre, if friction alone turns it."""
+    """Tangential restitution of the contact point from the centre's, by friction alone."""
     return SLIP_PER_IMPULSE * (1.0 - tangential_restitution) - 1.0
 
 
@@ -213,7 +213,7 @@ def _frame(panel: str, series: str, x: Real, y: Real, **more: object) -> pd.Data
 
 
 def curves(params: Params, contact: Contact, small: Contact) -> list[pd.DataFrame]:
-    """Return what the laws give against the angle, and for the contact point against slip."""
+    """Return the laws' curves against the angle, and for the contact point against slip."""
     angle = np.linspace(0.0, 90.0, params.points + 1)[1:-1]
     frames = []
     for law in TANGENTIAL_LAWS:

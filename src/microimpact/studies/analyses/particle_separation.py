@@ -115,7 +115,7 @@ ADHESION, UNIFORM, PATCHES = "adhesion", "uniform charge", "charged patches"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """Sizes, ranges as (low, high), and what counts as agreement with the abstract."""
+    """Sizes, ranges as (low, high), and tolerances of agreement with the abstract."""
 
     diameter_um: Positive
     poissons_ratio: Annotated[float, Field(ge=0, le=0.5)]
@@ -216,7 +216,7 @@ def combinations(params: Params) -> Combinations:
 
 
 def forces(case: Combinations, silica: FloatArray) -> dict[str, FloatArray]:
-    """Return the three forces in N; their shapes broadcast to `SHAPE` and that of silica.
+    """Return the three forces in N; shapes broadcast to `SHAPE` and the shape of silica.
 
     The charge is lifted by the diameter of a spherule in so far as spherules carry the contact.
     """
@@ -232,7 +232,7 @@ def forces(case: Combinations, silica: FloatArray) -> dict[str, FloatArray]:
 
 
 def over_placements(compute: Callable[[str], FloatArray]) -> FloatArray:
-    """Return what a function gives for every placement of the silica, along their axis."""
+    """Return the values of a function for every placement of the silica, along an axis."""
     return np.concatenate(np.broadcast_arrays(*map(compute, PLACEMENTS)), axis=-2)
 
 
@@ -306,7 +306,7 @@ def summary(
 
 
 def _any_silica(case: Combinations, silica: FloatArray) -> list[Row]:
-    """Return where the forces meet, and what a full layer of silica leaves."""
+    """Return where the forces meet, and the forces with a full layer of silica."""
     case_forces = forces(case, silica)
     rows = []
     for name in (UNIFORM, PATCHES):

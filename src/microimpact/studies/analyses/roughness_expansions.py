@@ -94,7 +94,7 @@ class Equation:
         return rebound.measured_impulse_ratio
 
     def value(self, case: SlopedImpacts, form: str) -> FloatArray:
-        """Return what the equation gives, in the shape of the exact value."""
+        """Return the value by the equation, in the shape of the exact value."""
         exact = self.exact(case)
         return np.broadcast_to(self.form(case, form == PRINTED), np.shape(exact))
 
@@ -140,7 +140,7 @@ NOWHERE: Found = (np.nan, np.nan, False, False)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """Impacts on slopes, and what counts as agreement (relative error below ``tolerance``).
+    """Impacts on slopes, and the relative error ``tolerance`` that counts as agreement.
 
     Ranges of the slope are sought at ``shallow_angles_deg`` and at normal incidence, up to
     ``largest_slope_deg`` to either side; ranges of the angle at ``range_slopes_deg``.

@@ -88,7 +88,7 @@ class Counts:
     speed_ranges: Count
 
     def in_words(self) -> dict[str, int]:
-        """Return the counts by what is counted."""
+        """Return the counts by their names."""
         return {key.replace("_", " "): number for key, number in asdict(self).items()}
 
 
@@ -105,17 +105,17 @@ class Experiment:
 
     @property
     def title(self) -> str:
-        """What it is, in words; no two experiments share it."""
+        """Name in words; no two experiments share it."""
         speed = self.speed_class.speed_m_per_s
         return f"{self.names[0]} on {self.names[1]}, {speed:g} m/s, {self.angle:g} deg"
 
     @property
     def pair(self) -> tuple[str, str, str]:
-        """What decides its contact."""
+        """Particles, surface and case, which decide its contact."""
         return *self.names[:2], self.case
 
     def dropped(self, friction: float) -> Dropped:
-        """Return what is dropped, with a coefficient of friction."""
+        """Return the particles dropped, with a coefficient of friction."""
         return Dropped(
             case=self.case,
             friction=friction,
@@ -205,7 +205,7 @@ def fates_of(counted: Mapping[str, int]) -> dict[str, int]:
 def experiment_row(
     experiment: Experiment, dropped: Dropped, contact_evidence: str, outcome: Outcome
 ) -> dict[str, Any]:
-    """Return the row of one experiment: what it is, what was lost, measured, and true."""
+    """Return the row of one experiment: conditions, losses, measured means, and truth."""
     low, high = dropped.speed_range_m_per_s
     smallest, largest = dropped.diameter_um.quantile(np.array([0.0, 1.0]))
     first = outcome.first_impacts
@@ -246,7 +246,7 @@ ALL, FEW = "all", "too few events"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """What is dropped on what, in blocks, and how it is observed.
+    """Particles, targets and instruments of the campaign, in blocks.
 
     Normal impacts are seen by the analyser, the others by trajectory imaging.
     """
@@ -266,7 +266,7 @@ class Params:
     events_per_experiment: Positive  # As the article has it
 
     def __post_init__(self) -> None:
-        """Refuse blocks that name what is not declared, or give other counts."""
+        """Refuse blocks with undeclared names or other counts."""
         check_counts(self.experiments, self.counted)
 
     @property
@@ -351,7 +351,7 @@ def contact(params: Params, experiment: Experiment, inputs: Tables) -> tuple[Con
 
 
 def summary(params: Params, rows: pd.DataFrame) -> pd.DataFrame:
-    """Return the counts of the campaign beside the printed ones, and what came of it."""
+    """Return the counts of the campaign beside the printed ones, and its yield."""
     counted, events = counts(params.experiments).in_words(), rows["events"]
     facts: dict[str, float] = {
         **counted,

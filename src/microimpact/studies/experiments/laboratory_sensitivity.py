@@ -55,7 +55,7 @@ SPREADS: Mapping[Spread, tuple[str, ...]] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BaseSeries:
-    """What is dropped, and which of its spreads are varied."""
+    """Particles dropped, and the spreads that are varied."""
 
     name: Name
     dropped: Dropped
@@ -85,7 +85,7 @@ class Params:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Setting:
-    """All spreads: those of a sample, and errors of measurement, which leave its impacts alone."""
+    """Spreads of a sample, and errors of measurement, which leave its impacts alone."""
 
     sample: Sample
     velocity_noise: float

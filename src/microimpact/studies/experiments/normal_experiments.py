@@ -70,7 +70,7 @@ class Params:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Curve:
-    """What a sieve class does at given speeds, without instrument."""
+    """Mean restitution and captured share of a sieve class over speed, without instrument."""
 
     speed: FloatArray  # m/s, shape (n,)
     # Mean restitution of the particles that rebound, shape (n,); nan where none does.
@@ -121,7 +121,7 @@ def experiment(params: Params, population: Population, speed: float, contact: Co
 
 
 def experiment_row(population: Population, speed: float, outcome: Session) -> dict[str, Any]:
-    """Return one experiment as a row of the table: what was seen, measured, and true."""
+    """Return one experiment as a row of the table: losses, measured means, and truth."""
     observation, fates, measured = outcome.observation, outcome.fates, outcome.measured
     quality = observation.quality
     first = outcome.first_impacts.in_plane

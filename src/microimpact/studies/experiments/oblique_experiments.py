@@ -48,7 +48,7 @@ _frame = partial(series_frame, x_unit="deg", y_unit="1")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Series(Dropped):
-    """One series of a figure: what is dropped, and where it is drawn."""
+    """One series of a figure: particles dropped, and the figures that show it."""
 
     name: Name
     figures: tuple[Name, ...]
@@ -178,7 +178,7 @@ def restitution_of_rebounds(
 def experiment_row(
     series: Series, angle: float, outcome: Outcome, of_rebounds: float
 ) -> dict[str, Any]:
-    """Return one experiment as a row of the table: what was seen, measured, and true."""
+    """Return one experiment as a row of the table: losses, measured means, and truth."""
     captured = outcome.impacts.captured
     true = outcome.true.coefficient_of_restitution
     return {

@@ -41,7 +41,7 @@ MOST_RELEASED, AT_ONCE = 20_000, 100
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Apparatus:
-    """What an experiment is made with; `seed` is the root of its draws."""
+    """Contact, particles and instruments of an experiment; `seed` is the root of its draws."""
 
     seed: int
     contact: Contact
@@ -50,7 +50,7 @@ class Apparatus:
     instrument: Analyser
 
     def drop(self, speed: float) -> Drop:
-        """Return what is dropped at a nominal speed, m/s."""
+        """Return the drop at a nominal speed, m/s."""
         return Drop(
             target=Target(contact=self.contact),
             diameter_um=self.diameter_um,
@@ -206,7 +206,7 @@ def _times_permuted(observation: Observation, rng: np.random.Generator) -> Obser
 
 
 def _without_rebounds(observation: Observation) -> Observation:
-    """Leave out what rose; false records stay, and rise as often as they fall."""
+    """Leave out rising spheres; false records stay, and rise as often as they fall."""
     stays: BoolArray = (observation.truth.impact < 0) | (observation.stream.velocity < 0.0)
     truth = replace(
         observation.truth, leg=observation.truth.leg[stays], impact=observation.truth.impact[stays]
@@ -267,7 +267,7 @@ def closed_form(speed: float, e: float, height: float) -> dict[str, float]:
 
 
 def correction_curves(table: pd.DataFrame, params: Correction) -> pd.DataFrame:
-    """Return the bias of e against speed: closed forms, and what the records give."""
+    """Return the bias of e against speed, by closed forms and from the records."""
     (height,) = 1e-3 * table["probe_height_mm"].unique()
     ends = min(params.speeds_m_per_s), max(params.speeds_m_per_s)
     frames = []

@@ -142,7 +142,7 @@ def uncorrected(speed: Real, restitution: Real, height: float) -> tuple[FloatArr
 def figure_data(
     params: Params, contacts: Mapping[str, Contact], printed: pd.DataFrame
 ) -> pd.DataFrame:
-    """Return restitution against the incident speed by both explanations, and what is printed."""
+    """Return restitution against the incident speed by both explanations, and as printed."""
     speed = np.geomspace(*params.speeds_m_per_s, params.points)
     frames = []
     for diameter in params.diameters_um:
@@ -166,7 +166,7 @@ def figure_data(
 def observations(
     params: Params, contacts: Mapping[str, Contact], printed: pd.DataFrame
 ) -> Iterator[dict[str, Any]]:
-    """Yield what each explanation gives for each printed observation.
+    """Yield the prediction of each explanation for each printed observation.
 
     An observation tells them apart if what is printed, or its sign, is compatible with one alone.
     """
@@ -201,7 +201,7 @@ def observations(
 def row(
     observation: str, unit: str, rival: float, adhesion: list[float], printed: tuple[float, float]
 ) -> dict[str, Any]:
-    """Return what both explanations give for an observation, beside the printed range."""
+    """Return both predictions of an observation, beside the printed range."""
     low, high = printed
     rival_agrees = low <= rival <= high
     others = [low <= value <= high for value in adhesion]
@@ -234,7 +234,7 @@ def fallen_speed(params: Params, contact: Contact) -> float:
 def evidence(
     params: Params, contacts: Mapping[str, Contact], inputs: Tables, printed: pd.DataFrame
 ) -> Iterator[dict[str, Any]]:
-    """Yield what piles, slow rebounds and energies give for both capture velocities of steel."""
+    """Yield piles, slow rebounds and energies for both capture velocities of steel."""
     strong, weak = params.capture_velocities_m_per_s
     ends = ends_of(printed, PILES_BEGIN)
     target = {"target_radius_mm": params.pile_radius_mm, "slope_deg": params.pile_slope_deg}

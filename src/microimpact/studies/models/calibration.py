@@ -266,7 +266,7 @@ class RestitutionTarget:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """What is calibrated, and on which printed numbers."""
+    """Cases that are calibrated, and their printed targets."""
 
     two_stage: TwoStageTargets
     force_ratios: ForceRatios

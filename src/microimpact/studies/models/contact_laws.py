@@ -102,7 +102,7 @@ class OtherPair:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Criteria:
-    """What the claims ask of a contact, as numbers."""
+    """Criteria of the claims on a contact, as numbers."""
 
     fall_speed_m_per_s: Positive
     about: OpenShare
@@ -151,7 +151,7 @@ class Fit:
 
 
 def run(params: Params, inputs: Tables) -> Tables:
-    """Fit every law, and ask it what the claims ask.
+    """Fit every law, and apply the criteria of the claims to it.
 
     ``contact_law_fits``: parameters, misfit and capture velocity of every law, fitted with and
     without the printed capture velocity; works of adhesion of another pair. ``contact_law_facts``:
@@ -238,7 +238,7 @@ def fitted(params: Params, base: Contact, law: Law, targets: str) -> Fit:
 
 
 def law_fit(fits: pd.DataFrame, law: str, targets: str = TARGETS[0]) -> dict[str, float]:
-    """Return the fitted parameters of a law, and what follows from them.
+    """Return the fitted parameters of a law, and quantities derived from them.
 
     Parameters
     ----------
@@ -316,7 +316,7 @@ def needed_works(params: Params, inputs: Tables) -> list[Row]:
 
 
 def facts_of(params: Params, fit: Fit) -> pd.DataFrame:
-    """Return what a fitted law gives for every fact and criterion, and whether it meets it."""
+    """Return the values of a fitted law for every fact and criterion, and which it meets."""
     contact, asked = fit.contact, params.criteria
     limit = float(capture_velocity(contact))
     speed, value, error = printed(params)

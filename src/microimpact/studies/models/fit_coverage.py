@@ -64,7 +64,7 @@ class Averaged:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """Designs in which Eq. (34) is fitted, and those of the average; speeds in true v_c."""
+    """Designs of the fit of Eq. (34) and of the average of models; speeds in true v_c."""
 
     seed: Annotated[int, Field(ge=0)]
     case: CaseName  # Its fit with q fixed is the true Eq. (34), its contact is the simulation

@@ -65,7 +65,7 @@ class Params:
 
 
 def run(params: Params, inputs: Tables) -> Tables:
-    """Compare the neglected moments with that of friction.
+    """Compare the neglected moments with the moment of friction.
 
     ``rolling_dissipation``: per case, diameter, speed and angle the impulse of each moment over
     that of friction, and their sums by grade; empty where the sphere is captured.

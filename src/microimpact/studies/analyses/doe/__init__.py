@@ -298,7 +298,7 @@ def _elasticity_table(case: str, inputs: Tables) -> pd.DataFrame:
 
 
 def alias_rows(relation: Mapping[str, int]) -> list[Row]:
-    """Return, per effect the fraction estimates, what is added to it."""
+    """Return each effect that the fraction estimates, with its aliases."""
     resolution = min(map(len, relation), default=0)
     return [
         {
@@ -377,7 +377,7 @@ def _percent(
 
 
 def bd_aliasing(each: DesignedExperiment) -> Iterator[Row]:
-    """Yield what BD looks like in every quarter fraction, all choices of signs."""
+    """Yield the apparent effect BD in every quarter fraction, all choices of signs."""
 
     def percent(runs: BoolArray) -> float:
         response = each.response[runs]

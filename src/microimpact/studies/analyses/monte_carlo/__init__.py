@@ -64,7 +64,7 @@ class Variant:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """What is drawn, what an impact does, and what is asked of the ensembles."""
+    """Distributions, model of an impact, and the estimates that are made."""
 
     seed: Annotated[int, Field(ge=0)]  # Root of every draw
     # ``"rigid_body"``: e of simulated normal impacts and Coulomb friction. ``"simulation"``: the
@@ -87,7 +87,7 @@ class Params:
     slope_inference: SlopeInference
 
     def __post_init__(self) -> None:
-        """Refuse what only shows when parameters are seen together."""
+        """Refuse parameters that contradict each other."""
         if not any(variant.drawn for variant in self.variants):
             raise ValueError("variants: at least one must be drawn")
         if self.model == "simulation" and self.slope_inference.restitution_half_width > 0.0:

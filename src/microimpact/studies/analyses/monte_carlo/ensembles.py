@@ -118,7 +118,7 @@ class Process:
 
 
 class Impact(Protocol):
-    """What impacts do to spheres."""
+    """Model of an impact in an ensemble."""
 
     def sums(self, ensemble: Ensemble, groups: Iterable[Events]) -> FloatArray:
         """Return the sums over events, (replicates, columns), see `model.passes.SUMS`."""
@@ -142,7 +142,7 @@ class Plan:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Ensemble:
-    """What is drawn, by which rules, and what an impact does."""
+    """Distributions, rules of the surface, and model of an impact."""
 
     process: Process
     rules: Rules
@@ -326,7 +326,7 @@ class Events:
 
     @property
     def draws(self) -> dict[str, FloatArray]:
-        """Values of all parameters but the slopes; (1,) those of constants."""
+        """Values of all parameters but the slopes; of constants of shape (1,)."""
         constants = self.ensemble.constants
         varying = {
             name: law.quantile(self.shares[name])
@@ -349,7 +349,7 @@ class Struck(ABC):
 
     @abstractmethod
     def __call__(self, draws: Draws) -> Strike:
-        """Return what contacts do to the spheres whose draws these are."""
+        """Return the rebounds of spheres with these draws, as a function of their contacts."""
 
     def sums(self, ensemble: Ensemble, groups: Iterable[Events]) -> FloatArray:
         """Return the sums over events, see `Impact`."""
@@ -417,7 +417,7 @@ def _name(axis: str, contact: int) -> str:
 
 @contextmanager
 def progress(title: str, total: int) -> Iterator[Callable[[int], None]]:
-    """Show how much of ``total`` is done; call what this yields with each further part."""
+    """Yield a function that advances a bar towards ``total`` by each further part."""
     if not sys.stderr.isatty():
         yield lambda _: None
         return

@@ -105,7 +105,7 @@ class Simulation(Struck):
     contact: Contact
 
     def __call__(self, draws: Draws) -> Strike:
-        """Return what contacts do to the spheres whose draws these are."""
+        """Return the rebounds of spheres with these draws, as a function of their contacts."""
         base, diameter = self.contact, draws["diameter_um"] * 1e-6
         contact = base.replace(
             diameter=diameter,
@@ -134,7 +134,7 @@ def impact_of(model: str, contact: Contact, process: Process) -> Impact:
 
 
 def require_meaning(model: str, process: Process) -> None:
-    """Raise a ValueError if a process varies what a model does not have."""
+    """Raise a ValueError if a process varies a parameter that the model lacks."""
     for name in SIMULATION_ONLY if model == "rigid_body" else RIGID_BODY_ONLY:
         neutral = NEUTRAL.get(name, 1.0)
         if getattr(process, name) != Constant(at=neutral):

@@ -94,7 +94,7 @@ def sampling_table(ensemble: Ensemble, settings: Comparison) -> pd.DataFrame:
 def ablation_table(
     ensembles: Mapping[str, Ensemble], base: Ensemble, settings: Ablation
 ) -> pd.DataFrame:
-    """Return what each source of scatter does alone, as a share of what all do together.
+    """Return the effect of each source of scatter alone, as a share of all together.
 
     `ensembles`: of all sources, by variant; `base`: all parameters at their means; `settings`:
     angles and sources.

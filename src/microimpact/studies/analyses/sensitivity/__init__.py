@@ -54,7 +54,7 @@ Find = Callable[[FloatArray], Indices]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """How many samples are drawn, and from what.
+    """Numbers of samples, and their distributions.
 
     ``level_quantile``: the levels of the designed experiments are this quantile and its complement
     of lognormal distributions where levels are realistic; between levels of the small variation
@@ -342,7 +342,7 @@ def _input_table(
 
 
 def parameter_table(case: str, sample: Contact) -> pd.DataFrame:
-    """Return medians, 90 % ranges and rank correlations of what is calibrated."""
+    """Return medians, 90 % ranges and rank correlations of the calibrated factors."""
     factors = factor_values(sample)
     values = pd.DataFrame({letter: factors[letter] for letter in CALIBRATED_FACTORS})
     low, median, high = np.quantile(values, [0.5 - CENTRAL / 2, 0.5, 0.5 + CENTRAL / 2], axis=0)

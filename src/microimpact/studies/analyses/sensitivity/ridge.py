@@ -27,7 +27,7 @@ SMALLEST_DETERMINANT = 1e-12
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Targets:
-    """What each calibration meets, arrays of shape (n,); SI units.
+    """Targets of each calibration, arrays of shape (n,); SI units.
 
     ``damping_share`` is c_H over the c_H that would give the restitution without adhesion;
     ``stiffness`` is a multiple of the start's.

@@ -147,7 +147,7 @@ def rigid_loss(e: float, friction: float, angle: np.ndarray) -> np.ndarray:
 
 
 def resolution(params: SpeedAndAngle, sampling: Sampling, inputs: Tables) -> dict[str, Any]:
-    """Differences of printed restitutions and of their losses against what 40 events resolve."""
+    """Differences of printed restitutions and losses against the resolution of 40 events."""
     angle, both = params.resolved_deg, (params.resolved_steel, params.resolved_spore)
     smooth, rough = (Sample.of(dropped, sampling, inputs).seen(angle).means for dropped in both)
     e = params.resolved_restitutions

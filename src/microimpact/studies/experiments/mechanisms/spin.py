@@ -108,7 +108,7 @@ def needed_rows(params: Spin, sample: Sample) -> Iterator[dict[str, Any]]:
 
 
 def limit_rows(params: Spin, case: str, contact: Contact) -> Iterator[dict[str, Any]]:
-    """Shallowest angle at which the mean sphere leaves rolling, per speed, and what moves it."""
+    """Shallowest angle at which the mean sphere leaves rolling, per speed, and its shifts."""
     base = rolling_limit(contact, params.limit_speeds_m_per_s[0], 0.0)
     aim = base + params.limit_shift_deg
     for speed in params.limit_speeds_m_per_s:

@@ -81,7 +81,7 @@ def off_centre(sample: Sample, angle: float, offset_sd: float) -> Seen:
 def as_imaged(
     sample: Sample, angle: float, instrument: ImagingSystem, *, events: int, most_dropped: int
 ) -> Seen:
-    """Return what the camera sees of a sample, without errors that its events share.
+    """Return the sample as the camera sees it, without errors that its events share.
 
     So many events are wanted; after the most particles dropped the sample is taken as it is.
     """
@@ -163,7 +163,7 @@ def spore_tables(
 
 
 def causes(params: Spore, slopes: Sample) -> dict[str, dict[float, Seen]]:
-    """Return what is seen by every cause at every angle, of spores with their slopes."""
+    """Return the rebounds by cause and angle, of spores with their slopes."""
     smooth = slopes.but(particle_slope=0.0)
     ways: dict[str, Callable[[float], Seen]] = {
         "none": smooth.seen,
@@ -189,7 +189,7 @@ def trend_row(name: str, samples: Mapping[float, Seen], sampling: Sampling) -> d
 def trends(
     samples: Mapping[float, Seen], sampling: Sampling, less: Mapping[float, Seen] | None = None
 ) -> dict[str, Any]:
-    """Return the trends of samples, or of what they add to others, as columns of a table."""
+    """Return the trends of samples, or of differences of samples, as columns of a table."""
 
     def change(quantity: str, start: float, end: float) -> float:
         if start not in samples or end not in samples:
@@ -247,7 +247,7 @@ def met_at(restitution: float, sample: Sample, angle: float) -> Sample:
 
 
 def smooth_spore(params: Spore, contact: Contact) -> pd.DataFrame:
-    """Return the mean spore without slopes: what its calibrated contact does at each angle."""
+    """Return rebounds of the mean spore without slopes at each angle."""
     angle: FloatArray = np.array(params.smooth_deg)
     speed = params.spore.speed_m_per_s
     impact = simulate(contact, speed, angle)

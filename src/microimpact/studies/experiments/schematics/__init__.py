@@ -65,7 +65,7 @@ def parts_frame(panel: str, parts: Parts, evidence: str, unit: str = "mm") -> pd
 
 
 def whole(*groups: tuple[Any, ...]) -> pd.DataFrame:
-    """Return parts of several panels or kinds of evidence, as of `parts_frame`, in one."""
+    """Return the rows of `parts_frame` for several panels or kinds of evidence, in one."""
     return pd.concat([parts_frame(*of) for of in groups], ignore_index=True)
 
 
@@ -216,7 +216,7 @@ NEEDS = {"calibration": ("calibration",)}
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SetUps:
-    """What Section 2.1 states of the two set-ups, and the angle of the target drawn in Fig. 1."""
+    """Numbers of Section 2.1 on the two set-ups, and the angle of the target of Fig. 1."""
 
     log10_pressure_torr: Finite
     least_drop_height_m: Positive

@@ -115,7 +115,7 @@ class Incidence:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """Ranges that are searched, and what counts as measurable.
+    """Ranges that are searched, and the share of events that counts as measurable.
 
     A field of view covers a speed if at least `least_observed` of the events show enough dashes in
     both legs and the mean speed is off by at most `largest_bias`. The chopper is set to each of

@@ -57,7 +57,7 @@ PRINTED, TWO_STAGE = "printed", "two-stage"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
-    """What is calibrated, how it is drawn, and points of the curves shown.
+    """Cases that are calibrated, the sampler, and points of the curves shown.
 
     Marginals and pairs are shown of the first case.
     """
@@ -101,7 +101,7 @@ def run(params: Params, inputs: Tables) -> Tables:
 
 
 def derived(case: Case, contact: Contact) -> dict[str, FloatArray]:
-    """Return what follows from contacts of any shape at the case's diameter and speed."""
+    """Return properties of contacts of any shape at the case's diameter and speed."""
     outcome = normal_impact(contact, case.speed_m_per_s, ledger=True)
     ledger, work = outcome.ledger, contact.work_of_adhesion
     assert ledger is not None
@@ -207,13 +207,13 @@ def two_stage(case: Case, inputs: Tables) -> list[Row]:
 
 
 def limits_by_size(case: Case, limits: FloatArray) -> dict[str, FloatArray]:
-    """Capture velocities of every size class, from those of all (..., classes)."""
+    """Capture velocities of every size class, from all of them (..., classes)."""
     names = [f"v_c_at_{d:g}_um_m_per_s" for d in case.classes_um]
     return dict(zip(names, np.moveaxis(limits, -1, 0), strict=True))
 
 
 def told(posterior_of_case: Posterior, variant: Variant, chosen: Chosen) -> list[Row]:
-    """Return what each statement says and what the draws of one case and variant have.
+    """Return each statement beside the quantities of the draws of a case and variant.
 
     A statement that the variant leaves out is told, too: what the draws predict for it.
     """

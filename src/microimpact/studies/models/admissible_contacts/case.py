@@ -54,7 +54,7 @@ Span = Annotated[tuple[NonNegative, Positive], Ascending]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ranges:
-    """Ends of what is open; None where it is declared of the pair.
+    """Ends of the open parameters; None where the pair declares them.
 
     The logarithms of w_A and c_A are uniform before the statements, for not even their order is
     known; c_H is so itself, for it adds to the loss: no share of the material is preferred.
@@ -73,7 +73,7 @@ class Ranges:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
-    """A pair, what is open of it, and what is printed on it."""
+    """A pair, its open parameters, and the printed statements on it."""
 
     case: Name
     # The materials; what is not open is as declared of the pair.
@@ -99,7 +99,7 @@ class Case:
         return (*self.statements, *self.no_capture)
 
     def printed_limits(self) -> list[float]:
-        """Middles of what is stated of capture velocities of an open size, m/s."""
+        """Middles of the stated capture velocities of an open size, m/s."""
         return [
             0.5 * sum(s.interval) for s in self.statements if s.of_capture and not s.diameter_um
         ]
@@ -141,7 +141,7 @@ class Sampler:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Posterior:
-    """A pool of draws by the statements on impacts, and what all statements say of them."""
+    """A pool of draws by the statements on impacts, with the likelihoods of all statements."""
 
     case: Case  # The pair
     evaluation: Evaluation  # How statements are evaluated
@@ -151,7 +151,7 @@ class Posterior:
     seed: int  # Of what is drawn from the pool
 
     def likelihood(self, statements: Sequence[Statement]) -> Likelihood:
-        """Return what some statements say of the pool."""
+        """Return the log-likelihood of the pool by some statements."""
         return self.evaluation.likelihood(statements, self.quantities)
 
     def stated(self, variant: Variant) -> list[Statement]:
@@ -195,7 +195,7 @@ class Chosen:
 
 
 def _one_each(logs: FloatArray, rng: np.random.Generator) -> Any:
-    """Draw one column per row, in proportion to what the logarithms are of."""
+    """Draw a column index per row, with probabilities in proportion to exp(logarithms)."""
     share = np.cumsum(np.exp(logs - np.max(logs, axis=1, keepdims=True)), axis=1)
     return np.argmax(share > rng.random((len(logs), 1)) * share[:, -1:], axis=1)
 
@@ -206,7 +206,7 @@ def on_impacts(case: Case) -> list[Statement]:
 
 
 def bare_contact(case: Case, inputs: Tables) -> Contact:
-    """Return the declared contact of the pair, w_A being that of its declared diameter."""
+    """Return the declared contact of the pair, with w_A of its declared diameter."""
     declared = declared_contact(inputs, case.particle, case.surface)
     return declared.replace(
         diameter=case.diameter_um * 1e-6,

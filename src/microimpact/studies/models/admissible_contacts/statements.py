@@ -122,7 +122,7 @@ def impacts_of(statement: Within, classes_um: tuple[float, ...]) -> FloatArray:
 def shared_impacts(
     statements: tuple[Within, ...], classes_um: tuple[float, ...]
 ) -> tuple[FloatArray, FloatArray, list[IntArray]]:
-    """Impacts of statements (k, 3) as of `impacts_of`, and the normal ones among them, once each.
+    """Impacts of statements (k, 3), see `impacts_of`, and the normal ones among them, once each.
 
     The latter as diameter and normal speed (m, 2), and per statement, which of them its own are:
     impacts that differ along the surface alone share one.
@@ -195,7 +195,7 @@ class Likelihood:
 
 
 def mean_over(logs: FloatArray) -> FloatArray:
-    """Logarithm of the mean over the last axis of what the logarithms are of."""
+    """Logarithm of the mean of exp(logarithms) over the last axis."""
     top = np.max(logs, axis=-1)
     return np.asarray(top + np.log(np.mean(np.exp(logs - top[..., None]), axis=-1)))
 
@@ -235,7 +235,7 @@ class Evaluation:
     def likelihood(
         self, statements: Sequence[Statement], quantities: Mapping[str, FloatArray]
     ) -> Likelihood:
-        """Return what statements together say of their quantities."""
+        """Return the joint log-likelihood of statements, given their quantities."""
         (n,) = {len(value) for value in quantities.values()}
         plain, by_class = np.zeros(n), np.zeros((n, len(self.classes_um)))
         by_basis = np.zeros((n, len(self.bases)))
