@@ -315,8 +315,12 @@ def _slopes(
 def simulated(contact: Contact, n: int, law: Law | None = None) -> Strike:
     """Return contacts of n spheres by dynamic simulation (Eqs. 19-29).
 
-    `contact`: of one sphere, for all, or of n; `law`: a table of them; otherwise every contact is
-    integrated.
+    Parameters
+    ----------
+    contact
+        Of one sphere, for all, or of n.
+    law
+        A table of them; otherwise every contact is integrated.
     """
     columns = law.family.columns(contact, (n,)) if law else np.empty((0, 0))
 

@@ -262,7 +262,10 @@ def mean(distribution: Distribution, nodes: int = 4001) -> float:
 def generator(seed: int, *key: int) -> np.random.Generator:
     """Return the random generator of one part of an analysis.
 
-    `key`: numbers of the part (experiment, chunk, ...): other keys, independent streams.
+    Parameters
+    ----------
+    key
+        Numbers of the part (experiment, chunk, ...): other keys, independent streams.
     """
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=key))
 

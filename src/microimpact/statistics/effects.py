@@ -62,9 +62,18 @@ def product(first: str, second: str) -> str:
 def defining_relation(generator: str, letters: str) -> dict[str, int]:
     """Words that are constant over a fraction, each with its sign.
 
-    `generator`: one word per factor: ``"a b c d abcd"``; `letters`: letters of the factors, in the
-    generator's order. Raises ValueError if the number of words is not that of the factors, a word
-    repeats or misses a letter, or two factors could not be told apart (resolution below III).
+    Parameters
+    ----------
+    generator
+        One word per factor: ``"a b c d abcd"``.
+    letters
+        Letters of the factors, in the generator's order.
+
+    Raises
+    ------
+    ValueError
+        If the number of words is not that of the factors, a word repeats or misses a letter, or
+        two factors could not be told apart (resolution below III).
     """
     generator_words = generator.split()
     if len(generator_words) != len(letters):
@@ -162,7 +171,10 @@ class Margins:
 def lenth(effects: FloatArray, confidence: float = 0.95) -> Margins:
     """Lenth's margins for the effects of an unreplicated design.
 
-    `confidence`: of one effect (margin), and of all together (simultaneous).
+    Parameters
+    ----------
+    confidence
+        Of one effect (margin), and of all together (simultaneous).
 
     References
     ----------

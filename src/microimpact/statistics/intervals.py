@@ -18,11 +18,20 @@ def student_half_width(
 ) -> FloatArray:
     """Return half the width of the interval of a mean of events, by Student's t.
 
-    `sd`: standard deviation of the events; of a difference of two means of as many events, the root
-    of the sum of both squares; `events`: number of events, at least 2; `systematic`: standard
-    uncertainty of the mean from all errors shared by the events; broadcasts with ``sd``; `level`:
-    probability that the interval holds the true mean; `freedom`: degrees of freedom, if not one
-    less than events.
+    Parameters
+    ----------
+    sd
+        Standard deviation of the events; of a difference of two means of as many events, the
+        root of the sum of both squares.
+    events
+        Number of events, at least 2.
+    systematic
+        Standard uncertainty of the mean from all errors shared by the events; broadcasts with
+        ``sd``.
+    level
+        Probability that the interval holds the true mean.
+    freedom
+        Degrees of freedom, if not one less than events.
     """
     from scipy.special import stdtrit
 
@@ -48,7 +57,10 @@ def wilson_interval(part: int, whole: int) -> tuple[float, float]:
 
     SciPy's `scipy.stats.binomtest` gives the same, and takes half a second to import.
 
-    `part`, `whole`: number of cases counted, and of all cases, at least 1.
+    Parameters
+    ----------
+    part, whole
+        Number of cases counted, and of all cases, at least 1.
     """
     from scipy.special import ndtri
 

@@ -57,9 +57,21 @@ def sobol_indices(
 
     Estimators of Saltelli et al., Computer Physics Communications 181 (2010) 259.
 
-    `response`: shape (samples, inputs + 2), finite; `draw`: source of the bootstrap's random
-    numbers; `resamples`: number of bootstrap samples; `confidence`: of the percentile intervals.
-    Raises ValueError if a response is not finite, or all are the same.
+    Parameters
+    ----------
+    response
+        Shape (samples, inputs + 2), finite.
+    draw
+        Source of the bootstrap's random numbers.
+    resamples
+        Number of bootstrap samples.
+    confidence
+        Of the percentile intervals.
+
+    Raises
+    ------
+    ValueError
+        If a response is not finite, or all are the same.
     """
     if not np.all(np.isfinite(response)):
         raise ValueError("Sobol' indices need finite responses")

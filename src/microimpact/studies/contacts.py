@@ -145,8 +145,14 @@ def pair_of(inputs: Tables, case: str) -> tuple[str, str]:
 def declared_contact(inputs: Tables, particle: str, surface: str, **changes: Any) -> Contact:
     """Return the contact of a declared pair.
 
-    `inputs`: ``materials`` and ``contacts``, declared rows as tables; `particle`, `surface`: names
-    of the materials; `**changes`: fields of `Contact` in place of the declared ones.
+    Parameters
+    ----------
+    inputs
+        ``materials`` and ``contacts``, declared rows as tables.
+    particle, surface
+        Names of the materials.
+    **changes
+        Fields of `Contact` in place of the declared ones.
     """
     return pair_contact(particle, surface, *declared(inputs), **changes)
 
@@ -154,10 +160,20 @@ def declared_contact(inputs: Tables, particle: str, surface: str, **changes: Any
 def calibrated_contact(inputs: Tables, case: str, **changes: Any) -> Contact:
     """Return the contact of a case: a calibrated one, or a declared pair, as ``glass on silicon``.
 
-    `inputs`: ``calibration``, the table of that study, and ``materials``, declared rows;
-    ``contacts``, if the case is a declared pair; `case`: name of the case; `**changes`: fields of
-    `Contact` in place of those of the case. Raises ValueError if there is no such case; the message
-    names the nearest.
+    Parameters
+    ----------
+    inputs
+        ``calibration``, the table of that study, and ``materials``, declared rows;
+        ``contacts``, if the case is a declared pair.
+    case
+        Name of the case.
+    **changes
+        Fields of `Contact` in place of those of the case.
+
+    Raises
+    ------
+    ValueError
+        If there is no such case; the message names the nearest.
     """
     table = inputs["calibration"]
     rows = table[(table["case"] == case) & (table["role"] == "parameter")]
@@ -174,9 +190,19 @@ def admissible_contact(inputs: Tables, case: str, variant: str, **changes: Any) 
 
     Their diameter is the size class that the article leaves open; `resized` gives another one.
 
-    `inputs`: ``admissible_contacts``, the table of that study, and ``materials``, declared rows;
-    `case`, `variant`: as in that table; `**changes`: fields of `Contact` in place of those of the
-    table. Raises ValueError if there are no such draws; the message names the nearest.
+    Parameters
+    ----------
+    inputs
+        ``admissible_contacts``, the table of that study, and ``materials``, declared rows.
+    case, variant
+        As in that table.
+    **changes
+        Fields of `Contact` in place of those of the table.
+
+    Raises
+    ------
+    ValueError
+        If there are no such draws; the message names the nearest.
     """
     table = inputs["admissible_contacts"]
     for column, name in {"case": case, "variant": variant}.items():

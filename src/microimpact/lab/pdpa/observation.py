@@ -127,11 +127,21 @@ def observe(
 ) -> Observation:
     """Observe one experiment of normal impacts on a horizontal target.
 
-    `impacts`: first impacts, and after them those of spheres that fall back, see `lab.bounces`;
-    `first`: number of first impacts; `duration`: of the experiment, s; `instrument`: settings; the
-    height of the probe volume is drawn once; `rng`: source of all draws of the instrument;
-    `drop_height`: height from which the spheres fall, m; spheres from below the probe volume rise
-    into it but do not fall through it.
+    Parameters
+    ----------
+    impacts
+        First impacts, and after them those of spheres that fall back, see `lab.bounces`.
+    first
+        Number of first impacts.
+    duration
+        Of the experiment, s.
+    instrument
+        Settings; the height of the probe volume is drawn once.
+    rng
+        Source of all draws of the instrument.
+    drop_height
+        Height from which the spheres fall, m; spheres from below the probe volume rise into it
+        but do not fall through it.
     """
     height = true_height(instrument, rng)
     fall = np.full(len(impacts), np.inf)

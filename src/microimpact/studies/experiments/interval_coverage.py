@@ -77,7 +77,12 @@ def by_imaging(params: Params, number: int, drop: Drop, rng: Generator) -> Repea
     Scale, rate and angle are wrong by other amounts in each experiment; they stretch and turn all
     its velocities alike. Which events can be measured is taken not to depend on them.
 
-    `number`: impacts to simulate; `drop`: what is dropped on what; its range is of measured speeds.
+    Parameters
+    ----------
+    number
+        Impacts to simulate.
+    drop
+        What is dropped on what; its range is of measured speeds.
     """
     experiments, events, instrument = params.experiments, params.events, params.ptis
     impacts = drop.impacts(number, child(rng, 0))

@@ -167,7 +167,10 @@ def change(reference: FloatArray, varied: FloatArray) -> dict[str, float]:
     present; the error of their difference follows from what each particle contributes to it, so
     that common random numbers count.
 
-    `reference`, `varied`: of the same n particles, nan where one is absent, shape (n,).
+    Parameters
+    ----------
+    reference, varied
+        Of the same n particles, nan where one is absent, shape (n,).
     """
     means, parts = [], []
     for values in (reference, varied):

@@ -170,7 +170,10 @@ def onset(speed: FloatArray, share: FloatArray, wanted: float) -> float:
 def figure_data(params: Params, table: pd.DataFrame, printed: FloatArray) -> pd.DataFrame:
     """Return the data of the figure: share on the target, at first impact and in the end.
 
-    `printed`: ends of the speeds at which particles piled up, m/s; none for another pair.
+    Parameters
+    ----------
+    printed
+        Ends of the speeds at which particles piled up, m/s; none for another pair.
     """
     shown = table[
         (table["target_radius_mm"] == params.drawn_radius_mm)

@@ -93,7 +93,10 @@ PILES = {
 def disagreements(params: Params, others: Mapping[str, Any]) -> Iterator[str]:
     """Yield a line for each number asked of piles that is not computed.
 
-    `others`: parameters of the analyses whose tables it takes, None for a faulty one.
+    Parameters
+    ----------
+    others
+        Parameters of the analyses whose tables it takes, None for a faulty one.
     """
     piles = others.get("pile_up")
     for key, known in PILES.items() if piles else ():

@@ -223,8 +223,14 @@ def _fitted(
 ) -> FloatArray:
     """Return capture velocities by fits of Eq. (34), shape (replicates, runs), m/s.
 
-    `contact`: the runs' contacts, shape (runs, 1, 1); `limits`, `seeds`: capture velocity of each
-    run, m/s, and seed of its speeds; `sampling`: how many speeds, and where.
+    Parameters
+    ----------
+    contact
+        The runs' contacts, shape (runs, 1, 1).
+    limits, seeds
+        Capture velocity of each run, m/s, and seed of its speeds.
+    sampling
+        How many speeds, and where.
     """
     shape = sampling.replicates, sampling.points
     draws = [np.random.Generator(np.random.PCG64(seed)).random(shape) for seed in seeds]

@@ -68,9 +68,14 @@ def realistic_levels(contact: Contact, diameters: tuple[float, float], inputs: T
     The stiffness ranges over the declared bounds of the materials, the radius over the sieve, and
     adhesion and damping over the calibrated contacts that keep the restitution level.
 
-    `contact`: the nominal contact; its rate exponent says which end of the family is meant;
-    `diameters`: ends of the sieve; `inputs`: ``materials``: declared rows; ``calibration_family``:
-    table of the calibration.
+    Parameters
+    ----------
+    contact
+        The nominal contact; its rate exponent says which end of the family is meant.
+    diameters
+        Ends of the sieve.
+    inputs
+        ``materials``: declared rows; ``calibration_family``: table of the calibration.
     """
     flat = flat_family(contact, inputs)
     return Levels(
@@ -123,7 +128,12 @@ def _stiffness_ends(contact: Contact, materials: pd.DataFrame) -> tuple[float, f
 def coded(levels: FloatArray, design: FloatArray) -> FloatArray:
     """Return multiples of the nominal values for coded levels -1 and +1; 0 is nominal.
 
-    `levels`: shape (2, 5); `design`: shape (..., 5).
+    Parameters
+    ----------
+    levels
+        Shape (2, 5).
+    design
+        Shape (..., 5).
     """
     return np.where(design == 0.0, 1.0, np.where(design < 0.0, levels[0], levels[1]))
 

@@ -169,11 +169,24 @@ def stream(
 
     Memory does not grow with the number of events, and a bar on the terminal shows how far it is.
 
-    `params`, `inputs`: as for `run`; `variant`: name of one of the variants; `angle_deg`: nominal
-    angle of incidence from the surface; `events`: number of events, rounded up to whole replicates
-    of `BLOCK`; a longer run begins with the events of a shorter one; `threads`: that share the
-    work; results do not depend on it. Raises ValueError if there is no such variant, or no event is
-    asked for.
+    Parameters
+    ----------
+    params, inputs
+        As for `run`.
+    variant
+        Name of one of the variants.
+    angle_deg
+        Nominal angle of incidence from the surface.
+    events
+        Number of events, rounded up to whole replicates of `BLOCK`; a longer run begins with
+        the events of a shorter one.
+    threads
+        Number of threads; results do not depend on it.
+
+    Raises
+    ------
+    ValueError
+        If there is no such variant, or no event is asked for.
     """
     numbers = {item.name: number for number, item in enumerate(params.variants)}
     if variant not in numbers:

@@ -233,11 +233,21 @@ def estimate(
 ) -> Estimate:
     """Return measured coefficients at one nominal angle.
 
-    `ensemble`: the ensemble; `angle_deg`: nominal angle of incidence from the surface; `key`:
-    number of the random streams: other keys, independent estimates; `threads`: that share the
-    replicates; results do not depend on it; `done`: called with the number of events after each
-    task; `shares`: what `replicate_shares` gives for every replicate, if there already; estimates
-    of ensembles that differ in their parameters alone may share them.
+    Parameters
+    ----------
+    ensemble
+        The ensemble.
+    angle_deg
+        Nominal angle of incidence from the surface.
+    key
+        Number of the random streams: other keys, independent estimates.
+    threads
+        Number of threads; results do not depend on it.
+    done
+        Called with the number of events after each task.
+    shares
+        Result of `replicate_shares` for every replicate, if there already; estimates of
+        ensembles that differ in their parameters alone may share them.
     """
     plan = ensemble.plan
 

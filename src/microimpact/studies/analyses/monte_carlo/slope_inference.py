@@ -62,8 +62,14 @@ def infer_slope(ensemble: Ensemble, settings: SlopeInference, *, two_axes: bool)
     slope. The uncertainty has four parts: the interval of a mean of so many events, angle and
     smooth restitution within their half-widths, and the number of events drawn.
 
-    `ensemble`: rules, model and all parameters but the slope, which is taken as normal; `settings`:
-    what is to be met; `two_axes`: whether the surface slopes across the motion too.
+    Parameters
+    ----------
+    ensemble
+        Rules, model and all parameters but the slope, which is taken as normal.
+    settings
+        Restitution to be met.
+    two_axes
+        Whether the surface slopes across the motion too.
     """
     ensemble = replace(ensemble, plan=settings.plan)
 

@@ -96,8 +96,14 @@ def ablation_table(
 ) -> pd.DataFrame:
     """Return the effect of each source of scatter alone, as a share of all together.
 
-    `ensembles`: of all sources, by variant; `base`: all parameters at their means; `settings`:
-    angles and sources.
+    Parameters
+    ----------
+    ensembles
+        Of all sources, by variant.
+    base
+        All parameters at their means.
+    settings
+        Angles and sources.
     """
     rows = []
     for (variant, ensemble), angle in product(ensembles.items(), settings.angles_deg):

@@ -265,10 +265,17 @@ def multiples_of(
 ) -> FloatArray:
     """Return multiples of nominal values for points of the unit cube, by a set of levels.
 
-    `cube`: shape (..., inputs), one column per row of ``levels``; `levels`: columns
-    ``low_multiple`` and ``high_multiple``; `variation`: ``realistic``: lognormal, the levels at the
-    quantile and its complement. Otherwise uniform between the levels; `quantile`: of the high
-    level.
+    Parameters
+    ----------
+    cube
+        Shape (..., inputs), one column per row of ``levels``.
+    levels
+        Columns ``low_multiple`` and ``high_multiple``.
+    variation
+        ``realistic``: lognormal, the levels at the quantile and its complement. Otherwise
+        uniform between the levels.
+    quantile
+        Of the high level.
     """
     from scipy.special import ndtri
 

@@ -18,7 +18,12 @@ def segments(x: FloatArray, y: FloatArray, error: FloatArray) -> tuple[FloatArra
     The first and last knot are the ends of the data, those between lie at data. How many there
     are is decided by the Bayesian information criterion, each knot counting for two parameters.
 
-    `x`: ascending, shape (n,); `y`, `error`: data and their standard errors, shape (n,).
+    Parameters
+    ----------
+    x
+        Ascending, shape (n,).
+    y, error
+        Data and their standard errors, shape (n,).
     """
     best: tuple[float, FloatArray, FloatArray] | None = None
     for count in range(MOST_KNOTS + 1):
@@ -62,9 +67,14 @@ def regions(
     constant. Rolling is the first segment; sliding the longest of the others over which the ratio
     is constant; what lies between is transition, what lies beyond departure.
 
-    `angle`: degrees, descending, shape (n,); `ratio`, `error`: means and their standard errors,
-    which the fit must meet, shape (n,); `constant_within`: relative change over a segment up to
-    which it counts as constant.
+    Parameters
+    ----------
+    angle
+        Degrees, descending, shape (n,).
+    ratio, error
+        Means and their standard errors, which the fit must meet, shape (n,).
+    constant_within
+        Relative change over a segment up to which it counts as constant.
     """
     x = 1.0 / np.tan(np.radians(angle))
     knots, values = segments(x, ratio, error)

@@ -70,8 +70,12 @@ def _along_the_beam(beam: float, disk: float, half_lens: float) -> Parts:
 def imaging_side(slots: int, angle: float) -> Parts:
     """Return the parts of the imaging system (Fig. 1) seen along the camera's axis.
 
-    `slots`: slots of the chopper disk; `angle`: angle of incidence from the target's surface,
-    degrees; the spheres fall straight down.
+    Parameters
+    ----------
+    slots
+        Slots of the chopper disk.
+    angle
+        Angle of incidence from the target's surface, degrees; the spheres fall straight down.
     """
     x, y = IMPACT
     spread = HALF_BEAM * (SHEET_END - FOCUS) / (FOCUS - LENS)
@@ -100,7 +104,10 @@ def imaging_side(slots: int, angle: float) -> Parts:
 def imaging_top(camera_angle: float) -> Parts:
     """Return the parts of the imaging system seen from above.
 
-    `camera_angle`: angle between the camera's axis and the light sheet, degrees.
+    Parameters
+    ----------
+    camera_angle
+        Angle between the camera's axis and the light sheet, degrees.
     """
     x = IMPACT[0]
     centre, turn = np.array([x, BEAM_TOP]), camera_angle - 90.0

@@ -116,7 +116,14 @@ class Compared:
 def compared(impacts: Impacts, setup: Setup, rng: Generator) -> Compared:
     """Observe one experiment both ways, with the same errors of the experiment.
 
-    `impacts`: which all rebound; `setup`: the instrument as set; `rng`: of the experiment.
+    Parameters
+    ----------
+    impacts
+        Which all rebound.
+    setup
+        The instrument as set.
+    rng
+        Of the experiment.
     """
     errors = draw_systematics(setup.instrument, rng)
     frames, model = (of(impacts, setup, errors, rng) for of in (observe, modelled))

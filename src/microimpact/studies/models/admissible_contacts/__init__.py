@@ -312,8 +312,12 @@ def marginals(
 def bands(case: Case, variants: Iterable[Variant], inputs: Tables, points: int) -> pd.DataFrame:
     """Return e against the normal speed: bands of the draws, single contacts, printed facts.
 
-    `case`: the pair; bands are of its diameter; `inputs`: ``admissible_contacts``, ``calibration``,
-    ``materials``.
+    Parameters
+    ----------
+    case
+        The pair; bands are of its diameter.
+    inputs
+        ``admissible_contacts``, ``calibration``, ``materials``.
     """
     frame = partial(series_frame, case.case, x_unit="m_per_s", y_unit="1")
     speeds = np.geomspace(*case.shown_m_per_s, points)
