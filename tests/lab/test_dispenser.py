@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy import constants, stats
+from scipy import constants
 from tests.shared import STILL, USUAL
 
 from microimpact.lab.dispenser import NO_SPIN, InitialSpin, drop_height
@@ -92,17 +92,6 @@ def test_arrivals_are_in_order_and_come_in_bursts():
     assert 4000 / time[-1] == pytest.approx(2.0 * 3.0, rel=0.05)
     gaps = np.diff(time)
     assert np.std(gaps) > 1.3 * np.mean(gaps)  # 1 for single particles at random
-
-
-def test_interval_is_students_and_shared_errors_do_not_average():
-    values = np.array([0.68, 0.71, 0.70, 0.73, 0.66])
-    plain = mean_interval(values)
-    low, high = stats.t.interval(0.95, 4, values.mean(), stats.sem(values))
-    assert (plain.low, plain.high) == pytest.approx((low, high))
-    many = mean_interval(np.tile(values, 2000), systematic=[0.03, 0.04])
-    assert many.high - many.value == pytest.approx(1.96 * 0.05, rel=0.01)
-    with pytest.raises(ValueError, match="at least 2 events, got 1"):
-        mean_interval([0.7])
 
 
 def test_interval_covers_the_true_mean_as_often_as_it_says():

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy import integrate, optimize, special, stats
 
-from microimpact.lab.experiment import Target
 from microimpact.lab.surface import (
     LABORATORY,
     SMOOTH,
@@ -84,12 +83,6 @@ def test_slopes_follow_the_area_seen_along_the_motion(c):
     assert np.all(found > -c)
 
 
-def test_slopes_are_plain_at_normal_incidence():
-    u = np.linspace(0.01, 0.99, 50)
-    flat = hit_slopes(Normal(sd=0.1), u, np.full(50, 1e300))
-    np.testing.assert_allclose(flat, Normal(sd=0.1).quantile(u), atol=1e-5)
-
-
 def test_mean_facing_slope_is_the_tilted_moment():
     # E[x] = E[x (c + x)+] / E[(c + x)+] = Phi(c) / (c Phi(c) + phi(c)).
     c, n = 0.7, 400_000
@@ -139,12 +132,6 @@ def test_slopes_along_and_across_go_with_the_motion():
     assert np.std(one[:, 1]) > 0.1
 
 
-def test_planar_slopes_stay_in_the_plane():
-    normal = facets_of(incoming(100, 30.0), planar_slopes(0.2), seed=1)
-    assert np.all(normal[:, 1] == 0.0)
-    assert np.std(normal[:, 0]) > 0.1
-
-
 def test_a_smooth_surface_gives_the_smooth_impact(contact):
     v = incoming(7, 40.0)
     rebound = hit(contact, v, np.zeros((7, 3)), SMOOTH, 1)
@@ -192,15 +179,6 @@ def test_who_rebounds_leaves_the_surface_and_second_contacts_happen(contact):
     single = replace(rough(0.1), rules=replace(LABORATORY, most_contacts=1))
     once = hit(contact, incoming(4000, 5.0), np.zeros((4000, 3)), single, 3)
     assert once.captured.sum() > rebound.captured.sum()
-
-
-def test_particles_of_many_sizes_meet_their_own_contact(contact):
-    sizes = np.array([20e-6, 62e-6, 110e-6])
-    target = Target(contact=contact)
-    many = target.hit(sizes, incoming(3, 70.0), np.zeros((3, 3)), generator(1))
-    for i in range(3):
-        one = target.hit(sizes[i : i + 1], incoming(1, 70.0), np.zeros((1, 3)), generator(1))
-        np.testing.assert_allclose(many.velocity[i], one.velocity[0], rtol=1e-12)
 
 
 def test_first_facets_do_not_depend_on_the_fate_of_others(contact):

@@ -38,15 +38,6 @@ from microimpact.studies.analyses.doe.factors import (
 from microimpact.studies.contacts import calibrated_contact
 
 # 2^(5-2) of resolution III, D = AB and E = AC, written by hand.
-QUARTER = {
-    "A": {"BD", "CE", "ABCDE"},
-    "B": {"AD", "CDE", "ABCE"},
-    "C": {"AE", "BDE", "ABCD"},
-    "D": {"AB", "BCE", "ACDE"},
-    "E": {"AC", "BCD", "ABDE"},
-    "BC": {"DE", "ACD", "ABE"},
-    "BE": {"CD", "ADE", "ABC"},
-}
 
 
 @pytest.fixture(scope="module")
@@ -72,11 +63,6 @@ def test_half_fraction_of_resolution_five():
         )
     }
     assert {sign for others in found.values() for sign in others.values()} == {1}
-
-
-def test_quarter_fraction_of_resolution_three():
-    found = aliases(defining_relation("a b c ab ac", LETTERS), LETTERS)
-    assert {word: set(others) for word, others in found.items()} == QUARTER
 
 
 @pytest.mark.parametrize(
@@ -166,12 +152,6 @@ def test_lenth_by_hand():
     assert found.simultaneous / found.pseudo_error == pytest.approx(9.008, abs=1e-2)
 
 
-def test_lenth_of_fifteen_contrasts():
-    found = lenth(np.arange(1.0, 16.0))
-    assert found.margin / found.pseudo_error == pytest.approx(2.571, abs=1e-3)
-    assert found.simultaneous / found.pseudo_error == pytest.approx(5.219, abs=1e-2)
-
-
 def test_plotting_positions():
     values = np.array([0.1, -3.0, 2.0])
     # quantiles of (i - 1/2)/3: 1/6, 1/2, 5/6
@@ -241,11 +221,6 @@ def test_log_effects_of_a_power_law_are_elasticities_times_log_ratios(scaled):
     assert np.abs(found[5:]).max() < 2e-3
 
 
-def test_no_elasticity_without_capture(contact):
-    with pytest.raises(ValueError, match="finite, positive"):
-        elasticities(contact.replace(hertz_damping=0.0, adhesion_damping=0.0))
-
-
 @pytest.fixture(scope="module")
 def tables(settings):
     reference = {
@@ -258,12 +233,6 @@ def tables(settings):
 def realistic(tables, n, sieve=(60.0, 125.0)):
     contact = calibrated_contact(tables, f"steel-silicon, n = {n}")
     return contact, realistic_levels(contact, sieve, tables).array
-
-
-def test_levels_are_symmetric_in_the_logarithm(tables):
-    for n in (0, 1):
-        _, levels = realistic(tables, n)
-        assert np.log(levels).sum(axis=0) == pytest.approx(np.zeros(5), abs=1e-12)
 
 
 def test_levels_of_the_stiffness_come_from_the_declared_moduli(tables):
@@ -293,16 +262,6 @@ def test_a_family_in_which_nothing_varies_is_refused(tables):
     few = family[family["work_of_adhesion_J_per_m2"] != 4.5]
     with pytest.raises(ValueError, match=r"two members or more with n = 0 .* gives 1"):
         realistic(tables | {"calibration_family": few}, 0)
-
-
-def test_a_sieve_without_width_gives_no_levels(tables):
-    with pytest.raises(ValueError, match="radius: the low level 1 must be below the high, 1"):
-        realistic(tables, 0, (60.0, 60.0))
-
-
-def test_a_drawn_case_needs_a_design(branch):
-    with pytest.raises(ValidationError, match="must be a designed case"):
-        build(doe.Params, {**branch, "drawn_case": "ammonium-fluorescein-mica"})
 
 
 def test_levels_may_not_be_given_for_an_empty_range():

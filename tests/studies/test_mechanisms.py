@@ -9,15 +9,14 @@ import pytest
 from tests.shared import STILL
 
 from microimpact.lab.bounces import resting
-from microimpact.lab.dispenser import NO_SPIN, InitialSpin
+from microimpact.lab.dispenser import NO_SPIN
 from microimpact.lab.events import Falling
 from microimpact.lab.reduction import EXACT
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.statistics.distributions import TruncatedNormal, generator
 from microimpact.studies.experiments.laboratory_sensitivity import change
-from microimpact.studies.experiments.mechanisms.impulse_regions import regions, segments
-from microimpact.studies.experiments.mechanisms.shallow import _spread
+from microimpact.studies.experiments.mechanisms.impulse_regions import regions
 from microimpact.studies.experiments.mechanisms.speed_and_angle import rigid_loss
 from microimpact.studies.experiments.mechanisms.spin import rolling_limit, tilted_ratio
 from microimpact.studies.experiments.mechanisms.spore import off_centre
@@ -69,22 +68,6 @@ def test_a_sample_without_spreads_is_the_single_impact(contact, angle):
         assert e.systematic == pytest.approx(slope * np.radians(0.25), rel=0.02)
 
 
-def test_spin_without_a_mean_never_turns_the_mean_impulse_ratio(contact):
-    for sd in (0.3, 1.0, 3.0):
-        for angle in (85.0, 45.0, 25.0):
-            spun = on(contact).but(spin=InitialSpin(mean=0.0, sd=sd)).seen(angle)
-            mu = spun.means["impulse_ratio"]
-            assert mu.value > -2.0 * mu.sd / np.sqrt(SAMPLING.impacts)
-
-
-def test_a_mean_spin_makes_the_ratio_lowest_at_steep_angles(contact):
-    spun = on(contact).but(spin=InitialSpin(mean=0.5, sd=0.0))
-    mu = [spun.mean("impulse_ratio", angle) for angle in (85.0, 60.0, 30.0)]
-    assert mu[0] < -0.05
-    assert mu[1] == pytest.approx(0.0, abs=1e-6)  # cos 60 deg = 0.5: no slip
-    assert mu[2] > 0.1
-
-
 def test_slopes_lower_restitution_at_steep_angles_and_raise_it_at_shallow_ones(contact):
     smooth = on(contact)
     rough = smooth.but(surface_slope=0.1)
@@ -112,14 +95,6 @@ def test_bodies_without_offset_are_spheres(contact):
         assert body.means[name].value == pytest.approx(of.value, abs=1e-9), name
 
 
-def test_offsets_lower_restitution_at_every_angle(contact):
-    for angle in (85.0, 38.0, 15.0):
-        body = off_centre(on(contact), angle, 0.2)
-        sphere = on(contact).seen(angle)
-        less = body.means["restitution"].value - sphere.means["restitution"].value
-        assert less < -0.02
-
-
 def test_limit_of_rolling(contact):
     e = float(simulate(contact, 1.66, 48.0).coefficient_of_restitution)
     found = rolling_limit(contact, 1.66, 0.0)
@@ -145,18 +120,6 @@ def test_regions_of_an_ideal_curve():
     noise = 1e-3 * generator(1).standard_normal(angle.size)
     plain = regions(angle, np.minimum(ratio, 0.15) + noise, np.full(angle.size, 1e-3), 0.1)
     assert "departure" not in {row["region"] for row in plain}
-
-
-def test_segments_of_a_line_have_no_inner_knot():
-    x = np.linspace(0.0, 3.0, 20)
-    knots, values = segments(x, 0.2 + 0.5 * x, np.full(20, 0.01))
-    np.testing.assert_allclose(knots, [0.0, 3.0])
-    np.testing.assert_allclose(values, [0.2, 1.7])
-
-
-def test_spread_is_taken_where_both_curves_are_known():
-    x = np.array([0.0, 1.0, 2.0, 3.0])
-    assert _spread(x, x, x[:2], x[:2] + 0.1) == pytest.approx(0.1)
 
 
 def test_loss_of_a_rolling_sphere():

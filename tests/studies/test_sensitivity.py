@@ -54,15 +54,6 @@ def test_sample_is_saltelli():
         np.testing.assert_array_equal(cube[:, 1 + i, other], a[:, other])
 
 
-def test_linear_function():
-    found = indices(saltelli_sample(3, 1024, generator(1)) @ np.array([1.0, 2.0, 3.0]))
-    shares = np.array([1.0, 4.0, 9.0]) / 14.0
-    assert found.first == pytest.approx(shares, abs=0.01)
-    assert found.total == pytest.approx(shares, abs=0.01)
-    assert np.all((found.first_low < shares) & (shares < found.first_high))
-    assert np.all((found.total_low < shares) & (shares < found.total_high))
-
-
 def test_indices_are_those_of_the_library():
     # A few base samples, so that some resamples hold one of them alone.
     response = np.exp(saltelli_sample(3, 4, generator(1)) @ np.array([1.0, 2.0, 3.0])) + 100.0
@@ -113,12 +104,6 @@ def test_groups_of_a_product():
     assert single == pytest.approx(groups["total"]["variability"], rel=1e-12)
 
 
-def test_results_do_not_depend_on_what_was_drawn_before():
-    first = saltelli_sample(2, 8, generator(4))
-    np.testing.assert_array_equal(first, saltelli_sample(2, 8, generator(4)))
-    assert not np.array_equal(first, saltelli_sample(2, 8, generator(5)))
-
-
 @pytest.mark.parametrize("samples", [0, 1, 48, 1000])
 def test_samples_must_be_a_power_of_two(branch, samples):
     with pytest.raises(ValueError, match=f"power of two, 2 or more, got {samples}"):
@@ -148,15 +133,6 @@ def test_base_samples_without_a_capture_velocity_are_left_out_and_counted(withou
     assert draw.label["points_without_capture_velocity"] == 1
     with pytest.raises(ValueError, match="1 of 2 base samples"):
         draw.kept(2)
-
-
-def test_realistic_levels_are_quantiles_and_others_ends():
-    levels = pd.DataFrame({"low_multiple": [0.5, 0.95], "high_multiple": [2.0, 1.05]})
-    points = np.array([[0.05, 0.05], [0.5, 0.5], [0.95, 0.95]])
-    lognormal = sensitivity.multiples_of(points, levels, "realistic", 0.95)
-    assert lognormal[:, 0] == pytest.approx([0.5, 1.0, 2.0])
-    uniform = sensitivity.multiples_of(np.array([[0.0, 0.0], [1.0, 1.0]]), levels, "uniform", 0.95)
-    np.testing.assert_allclose(uniform, [[0.5, 0.95], [2.0, 1.05]])
 
 
 def test_material_damping_alone_gives_the_restitution(contact):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, fields, replace
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -15,10 +15,8 @@ from microimpact.lab.pdpa.analyser import (
     INCIDENT,
     REBOUND,
     Analyser,
-    overlapping,
     passages,
     records,
-    true_height,
 )
 from microimpact.lab.surface import Rebound
 
@@ -128,13 +126,6 @@ def test_slow_rebounds_do_not_reach_the_probe_volume():
     assert found.crossed[REBOUND].tolist() == [False, False, True, True]
 
 
-def test_nothing_falls_through_from_below():
-    drops = impacts([0.3, 0.3], 0.25)
-    found = passages(drops, H, QUIET, fall=np.array([0.9e-3, 5e-3]))
-    assert found.crossed[INCIDENT].tolist() == [False, True]
-    assert found.crossed[REBOUND].all()
-
-
 def test_a_bounce_is_an_impact_again():
     e = 0.5
     seen = []
@@ -171,21 +162,6 @@ def test_records_of_a_quiet_analyser_are_the_passages():
     assert np.array_equal(stream.velocity, found.velocity[passed])
     assert np.array_equal(stream.diameter, found.diameter[truth.impact])
     assert np.array_equal(truth.recorded, found.crossed)
-
-
-def test_records_do_not_depend_on_the_order_of_the_impacts():
-    rng = np.random.default_rng(2)
-    some = impacts(rng.uniform(0.5, 2.0, 60), 0.4, time=rng.uniform(0.0, 1.0, 60))
-    order = rng.permutation(60)
-    other = Impacts(**{f.name: getattr(some, f.name)[order] for f in fields(Impacts)})
-    one, two = (
-        records(passages(i, H, DEFAULT), 1.0, DEFAULT, np.random.default_rng(3))
-        for i in (some, other)
-    )
-    for name in ("time", "velocity", "diameter"):
-        assert np.array_equal(getattr(one[0], name), getattr(two[0], name))
-    real = one[1].impact >= 0
-    assert np.array_equal(one[1].impact[real], order[two[1].impact[real]])
 
 
 def test_noise_is_as_declared():
@@ -246,20 +222,6 @@ def test_two_spheres_at_once_reject_both():
     assert truth.overlapped[INCIDENT].tolist() == [True, True, False, False]
     assert truth.impact.tolist() == [2, 3]
     assert len(stream) == 2
-
-
-def test_overlap_with_one_that_began_much_earlier():
-    # a slow passage spans two quick ones, which do not touch each other
-    time, transit = np.array([0.0, -3.0, 3.0, 9.0]), np.array([8.0, 0.5, 0.5, 1.0])
-    assert overlapping(time, transit).tolist() == [True, True, True, False]
-    assert overlapping(time[::-1], transit[::-1]).tolist() == [False, True, True, True]
-    assert overlapping(np.zeros(0), np.zeros(0)).tolist() == []
-
-
-def test_the_height_varies_from_experiment_to_experiment():
-    heights = [true_height(DEFAULT, np.random.default_rng(i)) for i in range(2000)]
-    assert np.mean(heights) == pytest.approx(1e-3, abs=4e-6)
-    assert np.std(heights) == pytest.approx(50e-6, rel=0.06)
 
 
 @pytest.mark.parametrize(

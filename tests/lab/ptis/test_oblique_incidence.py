@@ -13,7 +13,7 @@ from microimpact.lab.dispenser import NO_SPIN
 from microimpact.lab.experiment import Drop, StopRule, Target
 from microimpact.lab.ptis.errors import theory
 from microimpact.lab.ptis.experiment import OUTSIDE_CLASS, collect, turned
-from microimpact.lab.ptis.exposure import MEASURED, OFF_SHEET, exposures
+from microimpact.lab.ptis.exposure import MEASURED, exposures
 from microimpact.lab.ptis.observation import modelled
 from microimpact.lab.ptis.system import Systematics, event_generator
 from microimpact.lab.ptis.tracks import longest_runs
@@ -61,13 +61,6 @@ def test_an_experiment_without_events_is_given_up(drop):
     assert len(found.measured) == 0
     assert found.dropped == 500
     assert found.fates[OUTSIDE_CLASS] == found.fates[MEASURED] > 0
-
-
-def test_an_experiment_in_which_nothing_meets_the_sheet_ends_too(drop):
-    thin = replace(INSTRUMENT, sheet_thickness_mm=1e-9)
-    found = collect(drop, thin, until(5, 300), generator(1))
-    assert len(found.measured) == len(found.impacts) == 0
-    assert found.fates[OFF_SHEET] == found.dropped == 300
 
 
 def test_impacts_lit_together_are_lit_as_each_by_itself():

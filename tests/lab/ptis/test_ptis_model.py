@@ -9,7 +9,6 @@ import pytest
 from scipy import stats
 from tests.lab.ptis.imaging_cases import (
     INSTRUMENT,
-    NOISELESS,
     generator,
     impacts,
     setup_for,
@@ -105,19 +104,6 @@ def test_modelled_events_scatter_as_their_covariance_says():
         z.append(np.linalg.solve(root, off).ravel())
     z = np.array(z)
     assert np.cov(z.T) == pytest.approx(np.eye(4), abs=5 / np.sqrt(len(z)))
-
-
-def test_noise_free_instrument_leaves_a_fifth_of_the_spread_at_most():
-    noisy, quiet = (setup_for(1.66, 60.0, one) for one in (INSTRUMENT, NOISELESS))
-    events = impacts(1.66, 60.0, 6)
-    for a, b in zip(
-        *(theory(events, setup, generator(), EXACT) for setup in (noisy, quiet)), strict=True
-    ):
-        if isinstance(a, One) and isinstance(b, One):
-            ratio = np.trace(b.covariance, axis1=1, axis2=2) / np.trace(
-                a.covariance, axis1=1, axis2=2
-            )
-            assert np.all(ratio < 0.04)
 
 
 def test_losses_by_geometry():

@@ -59,12 +59,6 @@ def test_bright_is_where_the_smoothed_light_exceeds_both_thresholds(shape):
         assert np.all(np.abs(smooth[wrong] - threshold) < 1e-4)
 
 
-def test_a_dark_frame_has_no_spots():
-    frame = np.full((480, 640), 20, dtype=np.uint8)
-    assert all(of.size == 0 for of in patches(frame, 20.0, 6.0))
-    assert len(find_spots(frame, setup_for(1.66, 60.0)).light) == 0
-
-
 def test_wings_are_two_pixels_around_what_is_bright():
     frame = np.zeros((30, 40), dtype=np.uint8)
     frame[10, 20] = 200
@@ -74,14 +68,6 @@ def test_wings_are_two_pixels_around_what_is_bright():
     assert np.argwhere(spot).min(axis=0).tolist() == [10 - WINGS_PX, 20 - WINGS_PX]
     assert np.argwhere(spot).max(axis=0).tolist() == [10 + WINGS_PX, 20 + WINGS_PX]
     assert spot.sum() == (2 * WINGS_PX + 1) ** 2
-
-
-@pytest.mark.parametrize("place", [(0, 0), (29, 39), (0, 39)])
-def test_wings_end_with_the_frame(place):
-    frame = np.zeros((30, 40), dtype=np.uint8)
-    frame[place] = 90
-    spot, _ = maps(frame, 0.0, 20.0)
-    assert spot.sum() == (WINGS_PX + 1) ** 2
 
 
 @pytest.mark.parametrize(
@@ -94,32 +80,6 @@ def test_pixels_that_touch_also_by_a_corner_are_one_patch(second, least, number)
     row, column, patch, core = patches(frame, 0.0, least)
     assert patch.max() == number
     assert set(zip(row[core], column[core], strict=True)) == {(5, 5), second}
-
-
-def test_where_wings_meet_the_later_patch_has_them():
-    frame = np.zeros((9, 14), dtype=np.uint8)
-    frame[4, 4] = frame[4, 8] = 200
-    spot, bright = maps(frame, 0.0, 30.0)
-    assert np.argwhere(bright).tolist() == [[4, 4], [4, 8]]
-    assert spot[4].tolist() == [0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 2, 0, 0, 0]
-
-
-def test_every_patch_is_one_of_pixels_that_touch():
-    """Against a search by hand, pixel by pixel."""
-    frame = blobs(generator(7), (40, 50), 0.01)
-    spot, bright = maps(frame, 20.0, 30.0)
-    left, patches_by_hand = set(map(tuple, np.argwhere(bright).tolist())), []
-    while left:
-        patch = [left.pop()]
-        for row, column in patch:
-            near = {(row + i, column + j) for i in (-1, 0, 1) for j in (-1, 0, 1)} & left
-            patch += near
-            left -= near
-        patches_by_hand.append(patch)
-    assert len(patches_by_hand) > 5
-    # Each has a number of its own, but for pixels that wings of another took.
-    numbers = [np.bincount([spot[place] for place in patch]).argmax() for patch in patches_by_hand]
-    assert sorted(numbers) == list(range(1, spot.max() + 1))
 
 
 @pytest.mark.parametrize("lines", [1, 2])

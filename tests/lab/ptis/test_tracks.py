@@ -41,7 +41,6 @@ from microimpact.lab.ptis.tracks import (
     Rejection,
     Track,
     find_spots,
-    fit_path,
     measure,
     reduce_legs,
     sort_legs,
@@ -141,17 +140,6 @@ def test_exact_dashes_give_exact_velocities():
     assert track.rebound.contact * setup.chop_rate == pytest.approx(-2.0)
 
 
-def test_straight_lines_read_the_speed_in_the_middle_of_the_leg():
-    # 23 dashes at 1125 / s end 10 ms on average before the surface: 0.1 m/s of gravity.
-    setup = setup_for(0.45, 60.0)
-    places = falling(setup, 0, 20, first=1)
-    points = (places - setup.centre) * [setup.pixel, -setup.pixel]
-    straight = fit_path(points, setup.chop_rate, 0.0)
-    before = (1 + 9.5) / setup.chop_rate
-    assert -straight.velocity[1] == pytest.approx(0.45 - g * before, rel=1e-9)
-    assert g * before == pytest.approx(0.1, abs=0.01)
-
-
 def test_straight_lines_are_biased_in_frames_as_gravity_says():
     checked = 0
     for *_, setup, frame in frames(0.45, 60.0, NOISELESS):
@@ -233,13 +221,6 @@ def test_an_overexposed_frame_is_refused():
         assert measure(bright, setup) == SATURATED
 
 
-def test_an_empty_frame_has_too_few_dashes():
-    setup = setup_for(1.66, 60.0)
-    rng = np.random.default_rng(4)
-    dark = np.clip(rng.normal(20.0, 4.0, (480, 640)).round(), 0, 255).astype(np.uint8)
-    assert measure(dark, setup) == FEW
-
-
 def test_every_loss_has_its_reason():
     n = 12
     base = impacts(1.66, 60.0, n)
@@ -252,17 +233,6 @@ def test_every_loss_has_its_reason():
         assert observe(events, setup_for(1.66, 60.0), EXACT, generator()).fates == (fate,) * n
     slow = Counter(observe(impacts(0.3, 60.0, 24), setup_for(0.3, 60.0), EXACT, generator()).fates)
     assert slow[SPLIT] > 8
-
-
-def test_observation_does_not_depend_on_later_events():
-    events, setup = impacts(1.05, 60.0, 9), setup_for(1.05, 60.0)
-    whole = observe(events, setup, EXACT, generator(5))
-    assert len(whole.measured) == whole.fates.count(MEASURED) > 4
-    for n in (2, 7):
-        first = observe(events.select(slice(n)), setup, EXACT, generator(5))
-        assert first.fates == whole.fates[:n]
-        number = len(first.measured)
-        assert np.array_equal(first.measured.velocities, whole.measured.velocities[:number])
 
 
 def test_shared_errors_scale_and_turn_all_velocities_alike():
