@@ -1,1 +1,1 @@
-"""What every room uses: checked arrays, units, materials, compiled code, files and tables."""
+"""Checked arrays, units, materials, compiled code, files and tables."""

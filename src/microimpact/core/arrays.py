@@ -18,7 +18,7 @@ Real = float | FloatArray
 class Quantity(Protocol):
     """A number with a unit, as of pint."""
 
-    def to(self, other: Any, /) -> Any:
+    def to(self, unit: Any, /) -> Any:
         """Return it in another unit."""
 
 
@@ -159,15 +159,15 @@ def _finite(allowed: Range) -> str:
     return text if text.startswith("finite") else f"finite and {text}"
 
 
-def part_of(record: Any, place: Any) -> Any:
+def part_of(record: Any, index: Any) -> Any:
     """Return the part of an array, or of all arrays of a dataclass, at places of the last axis.
 
     What is no array stays as it is.
     """
     if is_dataclass(record):
-        own = {f.name: part_of(getattr(record, f.name), place) for f in fields(record)}
-        return replace(cast("Any", record), **own)
-    return record[..., place][()] if np.ndim(record) else record
+        parts = {f.name: part_of(getattr(record, f.name), index) for f in fields(record)}
+        return replace(cast("Any", record), **parts)
+    return record[..., index][()] if np.ndim(record) else record
 
 
 def common_shape(named: Mapping[str, object]) -> tuple[int, ...]:

@@ -37,13 +37,13 @@ class _Uncompiled:
 
     def compiled(self) -> Any:
         """Return Numba's function, which compiles itself for the kinds of its arguments."""
-        module, own = self.function.__globals__, self.function.__name__
+        module, name = self.function.__globals__, self.function.__name__
         with _LOCK:
-            if module[own] is self:
-                for name, value in list(module.items()):
+            if module[name] is self:
+                for key, value in list(module.items()):
                     if isinstance(value, _Uncompiled) and value.function.__globals__ is module:
-                        module[name] = value.dispatcher()
-        return module[own]
+                        module[key] = value.dispatcher()
+        return module[name]
 
     def dispatcher(self) -> Any:
         """Return Numba's function, with a cache where there is a place for it."""

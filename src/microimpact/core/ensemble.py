@@ -92,11 +92,11 @@ def draw(
         raise ValueError(f"draws must be at most {kept * walkers * ENSEMBLES}, got {draws}")
 
     def inside(points: FloatArray) -> FloatArray:
-        found = np.full(points.shape[0], -np.inf)
+        density = np.full(points.shape[0], -np.inf)
         good = np.all((points > low) & (points < high), axis=1)
         if np.any(good):
-            found[good] = log_density(points[good])
-        return found
+            density[good] = log_density(points[good])
+        return density
 
     streams = [np.random.default_rng(s) for s in np.random.SeedSequence(seed).spawn(2 + ENSEMBLES)]
     starts = _starts(inside, low, high, spread, walkers * ENSEMBLES, streams[0])
@@ -153,13 +153,13 @@ def _starts(
 
     points = low + (high - low) * Sobol(low.size, rng=rng).random_base2(spread)
     values = log_density(points)
-    found = np.isfinite(values)
-    if np.sum(found) < 2 * number:
+    finite = np.isfinite(values)
+    if np.sum(finite) < 2 * number:
         raise NoDensityError(
-            f"{np.sum(found)} of {values.size} points spread over the ranges have any density; "
+            f"{np.sum(finite)} of {values.size} points spread over the ranges have any density; "
             f"{2 * number} are needed"
         )
-    points, values = points[found], values[found] - np.max(values[found])
+    points, values = points[finite], values[finite] - np.max(values[finite])
 
     def surplus(power: float) -> float:
         return effective_number(np.exp(power * values)) - 2.0 * number
@@ -180,8 +180,8 @@ def _gathered(points: FloatArray, values: FloatArray, rng: np.random.Generator) 
     others = points[~behind]
     gathered = points.copy()
     for walker in np.flatnonzero(behind):
-        one, other = rng.choice(others, 2, replace=False)
-        gathered[walker] = one + rng.random() * (other - one)
+        near, far = rng.choice(others, 2, replace=False)
+        gathered[walker] = near + rng.random() * (far - near)
     return gathered
 
 

@@ -99,8 +99,8 @@ def require_unaltered(root: Path, files: Iterable[Path | str]) -> None:
     `root`: results root; `files`: any files, also such as are no results. Raises AlteredError,
     naming each file that was cut, damaged or edited.
     """
-    own = [path for path in map(Path, files) if path.is_relative_to(root)]
-    if altered := [path for path in own if _is_altered(root, path)]:
+    results = [path for path in map(Path, files) if path.is_relative_to(root)]
+    if altered := [path for path in results if _is_altered(root, path)]:
         raise AlteredError(
             "\n".join(
                 f"{path}: not as it was written: cut short, damaged or edited; "

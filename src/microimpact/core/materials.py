@@ -152,15 +152,15 @@ def materials_from_rows(rows: Iterable[Row]) -> dict[str, Material]:
     Raises ValueError if a property is unknown, declared twice or missing, or has a wrong unit or
     value.
     """
-    found: dict[str, dict[str, float]] = {}
+    declared: dict[str, dict[str, float]] = {}
     for row in rows:
-        properties = found.setdefault(row["material"], {})
+        properties = declared.setdefault(row["material"], {})
         where = f"material {row['material']!r}"
         if row["property"] in properties:
             raise ValueError(f"{where}: {row['property']} is declared twice")
         properties[row["property"]] = quantity(row, _UNITS, where)
     built = {}
-    for name, properties in found.items():
+    for name, properties in declared.items():
         missing = [key for key in _UNITS if key not in properties]
         if missing:
             raise ValueError(f"material {name!r}: {', '.join(missing)} not declared")

@@ -51,10 +51,10 @@ def root(
             f"no change of sign between {low:g}, with {ends[0]:g}, and {high:g}, with {ends[1]:g}"
         )
     ends_at: dict[str, Any] = {"xtol": max(absolute, TINY), "rtol": relative, "maxiter": MOST_STEPS}
-    found, report = brentq(value, low, high, **ends_at, full_output=True, disp=False)
+    zero, report = brentq(value, low, high, **ends_at, full_output=True, disp=False)
     if not report.converged:
         raise NoRootError(f"no root found between {low:g} and {high:g} in {MOST_STEPS} steps")
-    return float(found)
+    return float(zero)
 
 
 def roots(
@@ -95,10 +95,10 @@ def roots(
     T. R. Chandrupatla, Advances in Engineering Software 28 (1997) 145-149.
     """
     every = np.broadcast_arrays(np.asarray(low, float), np.asarray(high, float), *arguments)
-    x_1, x_2, *told = (each.ravel() for each in every)
-    f_1, f_2 = function(x_1, *told), function(x_2, *told)
+    x_1, x_2, *parameters = (each.ravel() for each in every)
+    f_1, f_2 = function(x_1, *parameters), function(x_2, *parameters)
     x_3, f_3 = x_2, f_2
-    found, sought = np.empty(x_1.size), np.arange(x_1.size)
+    zeros, sought = np.empty(x_1.size), np.arange(x_1.size)
     for _ in range(MOST_STEPS):
         nearer = np.abs(f_1) < np.abs(f_2)
         best, width = np.where(nearer, x_1, x_2), np.abs(x_2 - x_1)
@@ -108,9 +108,11 @@ def roots(
             raise _no_root(int(np.argmax(wrong)), sought, (x_1, x_2), (f_1, f_2))
         done |= width < error
         if np.any(done):
-            found[sought[done]] = best[done]
-            kept = (sought, x_1, x_2, x_3, f_1, f_2, f_3, width, error, *told)
-            sought, x_1, x_2, x_3, f_1, f_2, f_3, width, error, *told = (k[~done] for k in kept)
+            zeros[sought[done]] = best[done]
+            kept = (sought, x_1, x_2, x_3, f_1, f_2, f_3, width, error, *parameters)
+            sought, x_1, x_2, x_3, f_1, f_2, f_3, width, error, *parameters = (
+                k[~done] for k in kept
+            )
         if not sought.size:
             break
         with np.errstate(all="ignore"):
@@ -122,24 +124,24 @@ def roots(
             quadratic -= alpha * f_1 / (f_3 - f_1) * f_2 / (f_2 - f_3)
         least = 0.5 * error / width
         x = x_1 + np.clip(np.where(even, quadratic, 0.5), least, 1.0 - least) * (x_2 - x_1)
-        f = function(x, *told)
+        f = function(x, *parameters)
         same = np.sign(f) == np.sign(f_1)
         x_3, f_3 = np.where(same, x_1, x_2), np.where(same, f_1, f_2)
         x_2, f_2 = np.where(same, x_2, x_1), np.where(same, f_2, f_1)
         x_1, f_1 = x, f
     else:
         raise _no_root(0, sought, (x_1, x_2), (f_1, f_2))
-    return found.reshape(every[0].shape)[()]
+    return zeros.reshape(every[0].shape)[()]
 
 
 def _no_root(
-    place: int, sought: IntArray, ends: tuple[FloatArray, ...], values: tuple[FloatArray, ...]
+    index: int, sought: IntArray, ends: tuple[FloatArray, ...], values: tuple[FloatArray, ...]
 ) -> NoRootError:
     (low, f_low), (high, f_high) = sorted(
-        (float(end[place]), float(value[place])) for end, value in zip(ends, values, strict=True)
+        (float(end[index]), float(value[index])) for end, value in zip(ends, values, strict=True)
     )
     return NoRootError(
-        f"root {sought[place]}: none found between {low:g}, with {f_low:g}, and {high:g}, "
+        f"root {sought[index]}: none found between {low:g}, with {f_low:g}, and {high:g}, "
         f"with {f_high:g}"
     )
 
@@ -165,8 +167,8 @@ def threshold(
     for end, wanted in ((low, False), (high, True)):
         wrong = np.asarray(holds(end)) != wanted
         if np.any(wrong):
-            place = float(np.asarray(end)[wrong].flat[0])
-            raise NoRootError(f"the condition must {'' if wanted else 'not '}hold at {place:g}")
+            end_value = float(np.asarray(end)[wrong].flat[0])
+            raise NoRootError(f"the condition must {'' if wanted else 'not '}hold at {end_value:g}")
     least = max(absolute, TINY)
     below: Any = low
     above: Any = high
@@ -189,13 +191,13 @@ def threshold(
                 half = (first + last) // 2
                 first, last = (first, half) if true[half - 1] else (half, last)
             below, above = float(places[first]), float(places[last])
-    found: Place = above
-    return found
+    least_true: Place = above
+    return least_true
 
 
-def _halved(one: float, other: float, times: int) -> FloatArray:
+def _halved(low: float, high: float, times: int) -> FloatArray:
     """Return the ends of all parts that halving so many times can lead to."""
-    places = np.array([one, other])
+    places = np.array([low, high])
     for _ in range(times):
         finer = np.empty(2 * places.size - 1)
         finer[::2], finer[1::2] = places, 0.5 * (places[:-1] + places[1:])

@@ -148,8 +148,8 @@ def read_figure_data(path: Path | str, x_unit: str, y_unit: str) -> pd.DataFrame
         if numbers.isna().any():
             row = int(numbers.isna().argmax())
             cell = table[column].iloc[row]
-            found = "nothing" if pd.isna(cell) else repr(cell)
-            raise TableError(f"{path}, row {row + 1}: {column} must be a number, got {found}")
+            shown = "nothing" if pd.isna(cell) else repr(cell)
+            raise TableError(f"{path}, row {row + 1}: {column} must be a number, got {shown}")
     return table
 
 
@@ -173,12 +173,12 @@ def _require_whole_rows(text: str, name: str) -> None:
         raise TableError(f"{name}: cut short: its last line does not end")
 
 
-def check_columns(found: Sequence[str], expected: Sequence[str], name: str) -> None:
+def check_columns(header: Sequence[str], expected: Sequence[str], name: str) -> None:
     """Raise `TableError` unless the header is the expected one."""
-    if list(found) == list(expected):
+    if list(header) == list(expected):
         return
-    missing = [column for column in expected if column not in found]
-    surplus = [column for column in found if column not in expected]
+    missing = [column for column in expected if column not in header]
+    surplus = [column for column in header if column not in expected]
     parts = [f"column {m!r} is missing" for m in missing]
     parts += [f"column {s!r} is not expected" for s in surplus]
     detail = ", ".join(parts) or f"columns are in another order than {', '.join(expected)}"

@@ -74,23 +74,25 @@ def two_stage(
     }
     undamped = contact.replace(hertz_damping=0.0, adhesion_damping=0.0)
     shape = common_shape({"contact": np.empty(undamped.shape), **targets})
-    every = np.stack([np.broadcast_to(of, shape).ravel() for of in targets.values()], axis=-1)
+    every = np.stack(
+        [np.broadcast_to(target, shape).ravel() for target in targets.values()], axis=-1
+    )
     for speed, _, limit in every[every[:, 2] >= every[:, 0]]:
         raise ValueError(f"capture_speed must be below high_speed {speed:g}, got {limit:g}")
-    found = []
-    for place, (speed, e, limit) in zip(np.ndindex(shape), every.tolist(), strict=True):
+    solutions = []
+    for index, (speed, e, limit) in zip(np.ndindex(shape), every.tolist(), strict=True):
         try:
-            found.append(_two_stages(undamped.at(place, shape), speed, e, limit))
+            solutions.append(_two_stages(undamped.at(index, shape), speed, e, limit))
         except NoSolutionError as error:
-            where = f"; at index {place}" if shape else ""
+            where = f"; at index {index}" if shape else ""
             raise NoSolutionError(f"{error}{where}") from None
     if not shape:
-        return found[0]
+        return solutions[0]
     dampings = {
-        name: np.reshape([getattr(of.contact, name) for of in found], shape)
+        name: np.reshape([getattr(solution.contact, name) for solution in solutions], shape)
         for name in ("hertz_damping", "adhesion_damping")
     }
-    return TwoStage(contact.replace(**dampings), max(of.turns for of in found))
+    return TwoStage(contact.replace(**dampings), max(solution.turns for solution in solutions))
 
 
 def _two_stages(contact: Contact, speed: float, restitution: float, limit: float) -> TwoStage:
@@ -169,8 +171,8 @@ def adhesion_damping_for(contact: Contact, capture_speed: float) -> Contact:
 
     def limit(damping: float) -> float:
         groups = hertz, np.array([damping * scale]), *rateless
-        found = scaled_capture_velocity(*groups, damped_attachment=contact.damped_attachment)
-        return float(found[0]) * scale
+        scaled = scaled_capture_velocity(*groups, damped_attachment=contact.damped_attachment)
+        return float(scaled[0]) * scale
 
     def shortfall(damping: float) -> float:
         return _capture_shortfall(limit(damping), capture_speed)
@@ -193,8 +195,8 @@ def work_of_adhesion_for(contact: Contact, capture_speed: float) -> Contact:
     """
 
     def shortfall(work: float) -> float:
-        found = float(capture_velocity(contact.replace(work_of_adhesion=work)))
-        return _capture_shortfall(found, capture_speed)
+        limit = float(capture_velocity(contact.replace(work_of_adhesion=work)))
+        return _capture_shortfall(limit, capture_speed)
 
     if shortfall(1e3) > 0.0:
         raise NoSolutionError(
@@ -260,9 +262,9 @@ def peak_ratios(contact: Contact, speed: float, points: int = 2000) -> tuple[flo
     return adhesion / float(path.hertz_force.max()), dissipation / adhesion
 
 
-def _capture_shortfall(found: float, capture_speed: float) -> float:
+def _capture_shortfall(limit: float, capture_speed: float) -> float:
     """How far a capture velocity is below a wanted one: 1 for none, -1 for an infinite one."""
-    return (capture_speed - found) / (capture_speed + found) if found < float("inf") else -1.0
+    return (capture_speed - limit) / (capture_speed + limit) if limit < float("inf") else -1.0
 
 
 def _falling_root(function: Callable[[float], float], largest: float, guess: float = 0.0) -> float:

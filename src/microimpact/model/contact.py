@@ -135,11 +135,11 @@ class Contact:
             )
         choice("stiffness_model", self.stiffness_model, STIFFNESS_MODELS)
         self._set("law", contact_law(self.law))
-        given = "ring_force" if self.work_of_adhesion is None else "work_of_adhesion"
-        self._set("adhesion_input", given)
-        self._check_numbers(given)
+        adhesion_input = "ring_force" if self.work_of_adhesion is None else "work_of_adhesion"
+        self._set("adhesion_input", adhesion_input)
+        self._check_numbers(adhesion_input)
         if self.law is not None:
-            self._check_law(self.law, given)
+            self._check_law(self.law, adhesion_input)
         with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
             self._resolve_adhesion()
 
@@ -153,10 +153,10 @@ class Contact:
             name: bool(np.any(np.asarray(getattr(self, name))))
             for name in ("hertz_damping", "adhesion_damping", "adhesion_rate_exponent")
         }
-        given = [name for name, found in foreign.items() if found]
-        if given:
+        refused = [name for name, present in foreign.items() if present]
+        if refused:
             raise ValueError(
-                f"law {law.name!r} does not know {', '.join(given)}: leave that to the ring force"
+                f"law {law.name!r} does not know {', '.join(refused)}: leave that to the ring force"
             )
         work = np.asarray(self.work_of_adhesion, dtype=np.float64)
         if isinstance(law, Hysteresis) and np.any(np.asarray(law.unloading_work) < work):
@@ -225,20 +225,24 @@ class Contact:
             kept.pop(self.adhesion_input)
         return Contact(**(kept | changes))
 
-    def at(self, place: Any, shape: tuple[int, ...] | None = None) -> Contact:
-        """Return those of the contacts that are at a place, or at places, of their shape.
+    def at(self, index: Any, shape: tuple[int, ...] | None = None) -> Contact:
+        """Index the array of contacts.
 
-        `shape`: one that theirs broadcasts to, if it is another.
+        `shape`: one to which theirs is broadcast first.
         """
         whole = self.shape if shape is None else shape
 
-        def own(record: Any) -> dict[str, Any]:
-            given = {f.name: getattr(record, f.name) for f in fields(record) if f.init}
-            arrays = {name: of for name, of in given.items() if isinstance(of, np.ndarray)}
-            return {name: np.broadcast_to(of, whole)[place] for name, of in arrays.items()}
+        def part(record: Any) -> dict[str, Any]:
+            values = {f.name: getattr(record, f.name) for f in fields(record) if f.init}
+            arrays = {
+                name: value for name, value in values.items() if isinstance(value, np.ndarray)
+            }
+            return {name: np.broadcast_to(value, whole)[index] for name, value in arrays.items()}
 
         bodies = {name: getattr(self, name) for name in ("particle", "surface")}
-        changes = own(self) | {name: replace(of, **own(of)) for name, of in bodies.items()}
+        changes = part(self) | {
+            name: replace(value, **part(value)) for name, value in bodies.items()
+        }
         for name in {"work_of_adhesion", "ring_force"} - {self.adhesion_input}:
             changes.pop(name, None)
         return self.replace(**changes)
@@ -246,8 +250,8 @@ class Contact:
     def by_law(self, law: ContactLaw, work_of_adhesion: Real) -> Contact:
         """Return a contact of the same bodies by another law, without damping of its own."""
         none = dict.fromkeys(("hertz_damping", "adhesion_damping", "adhesion_rate_exponent"), 0.0)
-        given = {"work_of_adhesion": work_of_adhesion, "reference_velocity": None, "law": law}
-        return self.replace(**none, **given)
+        law_fields = {"work_of_adhesion": work_of_adhesion, "reference_velocity": None, "law": law}
+        return self.replace(**none, **law_fields)
 
     @classmethod
     def from_zeta(
@@ -306,7 +310,7 @@ class Contact:
 
     @property
     def pull_off_force(self) -> Real:
-        """Force in N that pulls a JKR contact apart: ``3 pi w r / 2``, w that of separation."""
+        """Pull-off force of JKR, ``3 pi w r / 2`` with the work w of separation, N."""
         hysteresis = isinstance(self.law, Hysteresis)
         work = self.law.unloading_work if hysteresis else self.work_of_adhesion  # type: ignore[union-attr]
         return 1.5 * np.pi * work * self.hertz_radius  # type: ignore[operator]
@@ -328,7 +332,7 @@ class Contact:
 
     @property
     def velocity_scale(self) -> Real:
-        """Speed V whose kinetic energy is that of the equilibrium compression, m/s."""
+        """Velocity scale ``V = (r^(1/2) K d^(5/2) / m)^(1/2)``, d the equilibrium one, m/s."""
         energy = np.sqrt(self.hertz_radius) * self.stiffness * self.equilibrium_compression**2.5
         return np.sqrt(energy / self.mass)
 

@@ -59,15 +59,15 @@ def pairs_from_rows(rows: Iterable[Row]) -> dict[Pair, dict[str, float]]:
 
     Raises ValueError if a property is unknown or declared twice, or has a wrong unit or value.
     """
-    found: dict[Pair, dict[str, float]] = {}
+    declared: dict[Pair, dict[str, float]] = {}
     for row in rows:
         pair = row["particle"], row["surface"]
         where = f"contact {pair[0]!r} on {pair[1]!r}"
-        properties = found.setdefault(pair, {})
+        properties = declared.setdefault(pair, {})
         if row["property"] in properties:
             raise ValueError(f"{where}: {row['property']} is declared twice")
         properties[row["property"]] = quantity(row, UNITS, where)
-    return found
+    return declared
 
 
 def declared_pairs() -> dict[Pair, dict[str, float]]:
@@ -101,17 +101,17 @@ def pair_contact(
         "surface": find_material(surface, materials),
     }
     declared = dict(pairs.get((particle, surface), {}))
-    given = {name: value for name, value in changes.items() if value is not None}
+    replaced = {name: value for name, value in changes.items() if value is not None}
     alternatives = (
         ("work_of_adhesion", "ring_force"),
         ("hertz_damping", "zeta_hertz"),
         ("adhesion_damping", "zeta_adhesion"),
     )
     for names in alternatives:
-        if set(names) & set(given):
+        if set(names) & set(replaced):
             for name in names:
                 declared.pop(name, None)
-    fields = declared | given
+    fields = declared | replaced
     missing = ["diameter"] if "diameter" not in fields else []
     missing += [names[0] for names in alternatives if not set(names) & set(fields)]
     if missing:

@@ -23,18 +23,18 @@ DEEPEST = 0.1
 HIGHEST = 0.05
 
 
-def doubts_of_material(material: Material, of: str = "") -> Iterator[str]:
-    """Tell what of a material is that of no solid; `of` says whose it is."""
+def doubts_of_material(material: Material, whose: str = "") -> Iterator[str]:
+    """Doubts about a material, a sentence each; `whose` completes the name of a property."""
     stiffness = np.asarray(material.youngs_modulus)
     if np.any((stiffness < SOFTEST) | (stiffness > STIFFEST)):
-        yield f"Young's modulus{of}, {stiffness.min():.3g} Pa, is not from 1 MPa to 2000 GPa"
+        yield f"Young's modulus{whose}, {stiffness.min():.3g} Pa, is not from 1 MPa to 2000 GPa"
     density = np.asarray(material.density)
     if np.any((density < LIGHTEST) | (density > HEAVIEST)):
-        yield f"the density{of}, {density.min():.3g} kg/m3, is not from 10 to 30000 kg/m3"
+        yield f"the density{whose}, {density.min():.3g} kg/m3, is not from 10 to 30000 kg/m3"
 
 
 def doubt_of_input(key: str, value: object) -> str:
-    """Tell what is wrong with a diameter or a speed of the configuration, by the words of its key.
+    """Return the doubt about a diameter or a speed of the configuration, by the words of its key.
 
     Metres for micrometres are the commonest slip. Nothing is said of what is likely.
     """
@@ -55,7 +55,7 @@ def doubt_of_input(key: str, value: object) -> str:
 def doubts(
     contact: Contact, compression: Real | None = None, yield_strength: float | None = None
 ) -> Iterator[str]:
-    """Tell what about a contact is hardly meant, each in a sentence that names the number.
+    """Doubts about a contact, each in a sentence that names the number.
 
     `contact`: the contact, its fields of any shape; `compression`: greatest compression of impacts,
     m.

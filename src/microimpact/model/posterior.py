@@ -162,30 +162,30 @@ def calibrate(
         return contact.replace(**dict(zip(names, values.T[..., None], strict=True)))
 
     def log_likelihood(points: FloatArray) -> FloatArray:
-        found = normal_impact(contacts(points), speed).coefficient_of_restitution
-        return np.asarray(-0.5 * np.sum(np.square((found - target) / error), axis=1))
+        e = normal_impact(contacts(points), speed).coefficient_of_restitution
+        return np.asarray(-0.5 * np.sum(np.square((e - target) / error), axis=1))
 
-    found = ensemble.draw(
+    chain = ensemble.draw(
         log_likelihood, *ends.T, draws=draws, spread=SPREAD, walkers=WALKERS, steps=steps, seed=seed
     )
-    worst = int(np.argmax(found.split_r_hat))
-    if found.split_r_hat[worst] > LARGEST_R_HAT or found.effective_size < LEAST_SHARE * draws:
+    worst = int(np.argmax(chain.split_r_hat))
+    if chain.split_r_hat[worst] > LARGEST_R_HAT or chain.effective_size < LEAST_SHARE * draws:
         raise NoConvergenceError(
             f"the chains have not come together in {steps} steps: they are worth "
-            f"{found.effective_size:.0f} independent draws, and split R-hat of {names[worst]} is "
-            f"{found.split_r_hat[worst]:.3f}; give more steps, narrower ranges, or fewer free"
+            f"{chain.effective_size:.0f} independent draws, and split R-hat of {names[worst]} is "
+            f"{chain.split_r_hat[worst]:.3f}; give more steps, narrower ranges, or fewer free"
         )
-    chosen = contacts(found.points)
+    chosen = contacts(chain.points)
     arrays = {name: getattr(chosen, name)[:, 0] for name in names}
-    best = int(np.argmax(found.log_density))
+    best = int(np.argmax(chain.log_density))
     return Calibration(
         contact=contact.replace(**arrays),
         best=contact.replace(**{name: float(value[best]) for name, value in arrays.items()}),
         free=names,
-        log_likelihood=found.log_density,
-        acceptance=found.acceptance,
-        effective_size=found.effective_size,
-        split_r_hat=dict(zip(names, found.split_r_hat.tolist(), strict=True)),
+        log_likelihood=chain.log_density,
+        acceptance=chain.acceptance,
+        effective_size=chain.effective_size,
+        split_r_hat=dict(zip(names, chain.split_r_hat.tolist(), strict=True)),
     )
 
 

@@ -88,13 +88,13 @@ def capture_velocity(contact: Contact) -> FloatArray:
     reference = np.ones_like(scale)
     if contact.reference_velocity is not None:
         reference = flat(contact.reference_velocity) / np.where(scale > 0.0, scale, 1.0)
-    found = np.zeros(scale.size)
+    limit = np.zeros(scale.size)
     adhesive = scale > 0.0
     groups = (hertz, adhesion, flat(contact.adhesion_rate_exponent), reference)
-    found[adhesive] = scaled_capture_velocity(
+    limit[adhesive] = scaled_capture_velocity(
         *(group[adhesive] for group in groups), damped_attachment=contact.damped_attachment
     )
-    return (found * scale).reshape(shape)[()]
+    return (limit * scale).reshape(shape)[()]
 
 
 def scaled_capture_velocity(
@@ -121,16 +121,16 @@ def scaled_capture_velocity(
     ndarray
         Zero without damping, infinite where no speed rebounds.
     """
-    found = np.zeros(hertz.size)
+    limit = np.zeros(hertz.size)
     damped = (hertz > 0.0) | (adhesion > 0.0)
     rated = damped & (exponent > 0.0) & (adhesion > 0.0)
     plain = damped & ~rated
     if np.any(plain):
-        found[plain] = threshold(hertz[plain], adhesion[plain], damped_attachment)
+        limit[plain] = threshold(hertz[plain], adhesion[plain], damped_attachment)
     if np.any(rated):
         groups = hertz[rated], adhesion[rated], exponent[rated], reference[rated]
-        found[rated] = _rated_threshold(*groups, damped_attachment=damped_attachment)
-    return found
+        limit[rated] = _rated_threshold(*groups, damped_attachment=damped_attachment)
+    return limit
 
 
 def _rated_threshold(

@@ -226,8 +226,8 @@ def _planar(
     slip = np.asarray(v_t - radius * omega)
     size, rolling = friction_impulse(contact, normal, np.abs(slip), basis, speed, tangential)
     out, _ = passes.outcomes(shape)
-    given = speed, v_t, omega, radius, normal.coefficient_of_restitution, np.sign(slip) * size
-    passes.planar(*(passes.flat(values, shape) for values in given), out)
+    columns = speed, v_t, omega, radius, normal.coefficient_of_restitution, np.sign(slip) * size
+    passes.planar(*(passes.flat(values, shape) for values in columns), out)
     return Impact(
         **planar_fields(out, shape),
         captured=np.broadcast_to(normal.captured, shape)[()],
@@ -282,10 +282,10 @@ def simulate(
     RuntimeError
         If an integration failed.
     """
-    given, shape = incident(contact, speed, angle, spin, friction_basis, tangential)
-    v_n, v_t = velocity_components(given["speed"], given["angle"])
+    arguments, shape = incident(contact, speed, angle, spin, friction_basis, tangential)
+    v_n, v_t = velocity_components(arguments["speed"], arguments["angle"])
     v_n = checked("v_n", v_n, APPROACHING)  # may have vanished
-    return _planar(contact, v_n, v_t, given["spin"], shape, friction_basis, None, tangential)
+    return _planar(contact, v_n, v_t, arguments["spin"], shape, friction_basis, None, tangential)
 
 
 def incident(
@@ -299,12 +299,12 @@ def incident(
     """Return speed, angle and spin checked, and their shape with the contact; as `simulate`."""
     require_contact(contact, any_law=tangential == "rigid")
     _basis(contact, friction_basis, tangential)
-    given = {
+    arguments = {
         "speed": checked("speed", speed, SPEED),
         "angle": checked("angle", angle, ANGLE),
         "spin": checked("spin", spin, FINITE),
     }
-    return given, common_shape({"contact": np.empty(contact.shape), **given})
+    return arguments, common_shape({"contact": np.empty(contact.shape), **arguments})
 
 
 def _basis(contact: Contact, friction_basis: object, tangential: object) -> str:

@@ -277,7 +277,7 @@ def _pull(s, u, beta, damping_h, damping_a):  # type: ignore[no-untyped-def]
 
 @_jit
 def _balance(s, u, lane, upper, end, beta, damping_h, damping_a):  # type: ignore[no-untyped-def]
-    """Instant in (0, upper] at which one lane's pull changes its sign to that of ``end``.
+    """Instant in (0, upper] at which the pull of a lane takes the sign of ``end``.
 
     Not a zero of du/dtau, which vanishes wherever s does, too.
     """
@@ -491,7 +491,7 @@ def integrate(problems: FloatArray, mode: int, results: FloatArray) -> None:
 
 @_jit_inline
 def _own(values, i):  # type: ignore[no-untyped-def]
-    """Return the value of one impact; a single one is that of all."""
+    """Index an array with a value per impact, or with a single value for all."""
     return values[i] if values.size > 1 else values[0]
 
 
@@ -502,25 +502,25 @@ def outcomes(
     length: FloatArray,
     velocity: FloatArray,
     mass: FloatArray,
-    found: FloatArray,
+    out: FloatArray,
 ) -> None:
     """Write outcomes (``OUTCOMES``, n) in SI units; scales are (n,), or (1,) for all impacts.
 
     In turn e, contact and compression time, greatest compression, compressive and greatest net
     impulse, and that of the Hertz term.
     """
-    for i in range(found.shape[1]):
+    for i in range(out.shape[1]):
         unit, speed = _own(length, i), _own(velocity, i)
         time, impulse = unit / speed, _own(mass, i) * speed
         captured = results[i, STATUS] == CAPTURED
         start = problems[i, START_U]
-        found[0, i] = 0.0 if captured else -results[i, END_U] / start
-        found[1, i] = math.inf if captured else results[i, DURATION] * time
-        found[2, i] = results[i, TURNING_TIME] * time
-        found[3, i] = results[i, TURNING_S] ** 2 * unit
-        found[4, i] = results[i, COMPRESSIVE_IMPULSE] * impulse
-        found[5, i] = (start - results[i, LOWEST_U]) * impulse
-        found[6, i] = results[i, HERTZ_IMPULSE] * impulse
+        out[0, i] = 0.0 if captured else -results[i, END_U] / start
+        out[1, i] = math.inf if captured else results[i, DURATION] * time
+        out[2, i] = results[i, TURNING_TIME] * time
+        out[3, i] = results[i, TURNING_S] ** 2 * unit
+        out[4, i] = results[i, COMPRESSIVE_IMPULSE] * impulse
+        out[5, i] = (start - results[i, LOWEST_U]) * impulse
+        out[6, i] = results[i, HERTZ_IMPULSE] * impulse
 
 
 @_jit

@@ -82,7 +82,7 @@ class ScaledOutcome:
 
 
 def scaled(contact: Contact, speed: Real) -> tuple[Problem, Scales, tuple[int, ...]]:
-    """Write impacts of a contact with a law in scaled form; the shape is that of the results.
+    """Write impacts of a contact with a law in scaled form, with the shape of the results.
 
     Raises ValueError if shapes do not broadcast, or an impact is too viscous for double precision.
     """
@@ -143,18 +143,18 @@ def solve(problem: Problem) -> ScaledOutcome:
 
 def _integrated(problem: Problem) -> ScaledOutcome:
     closed, broken = np.cbrt(4.0 * problem.closing), np.cbrt(problem.opening)
-    found = _followed(problem.closing, problem.drag, closed, problem.speed, broken)
-    captured = found[:, viscous.STATUS] == viscous.CAPTURED
-    speed = np.where(captured, 0.0, found[:, viscous.SPEED])
-    bulk = found[:, viscous.WORK]
+    results = _followed(problem.closing, problem.drag, closed, problem.speed, broken)
+    captured = results[:, viscous.STATUS] == viscous.CAPTURED
+    speed = np.where(captured, 0.0, results[:, viscous.SPEED])
+    bulk = results[:, viscous.WORK]
     return ScaledOutcome(
         captured=captured,
         speed=speed,
-        time=np.where(captured, np.inf, found[:, viscous.TIME]),
-        turning_time=found[:, viscous.TURNING_TIME],
-        deepest=found[:, viscous.TURNING_S],
-        compressive=found[:, viscous.COMPRESSIVE_IMPULSE],
-        greatest=problem.speed - found[:, viscous.LOWEST_V],
+        time=np.where(captured, np.inf, results[:, viscous.TIME]),
+        turning_time=results[:, viscous.TURNING_TIME],
+        deepest=results[:, viscous.TURNING_S],
+        compressive=results[:, viscous.COMPRESSIVE_IMPULSE],
+        greatest=problem.speed - results[:, viscous.LOWEST_V],
         bulk=bulk,
         adhesion=0.5 * (problem.speed**2 - speed**2) - bulk,
     )
@@ -162,15 +162,15 @@ def _integrated(problem: Problem) -> ScaledOutcome:
 
 def _followed(*columns: FloatArray) -> FloatArray:
     problems = np.stack(np.broadcast_arrays(*columns), axis=1)
-    found = np.zeros((len(problems), viscous.RESULT_COLUMNS))
-    viscous.integrate(problems, found)
-    failed = np.flatnonzero(found[:, viscous.STATUS] == viscous.FAILED)
+    results = np.zeros((len(problems), viscous.RESULT_COLUMNS))
+    viscous.integrate(problems, results)
+    failed = np.flatnonzero(results[:, viscous.STATUS] == viscous.FAILED)
     if failed.size:
         raise RuntimeError(
             f"the integration of {failed.size} impact(s) failed; "
             f"the first in scaled form: {problems[failed[0]].tolist()}"
         )
-    return found
+    return results
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,14 +189,14 @@ class _Loading(Columns):
     def of(cls, b: FloatArray, pressure: FloatArray) -> _Loading:
         # Pressure in the middle, times s^4: 3/2 s^6 - 3 b s^3.
         soft = np.isfinite(pressure)
-        finite, some = pressure[soft], b[soft]
+        finite, adhesion = pressure[soft], b[soft]
         yields = np.full(b.shape, np.inf)
-        ends = np.cbrt(2.0 * some), np.sqrt(finite / 1.5)  # with either part alone
+        ends = np.cbrt(2.0 * adhesion), np.sqrt(finite / 1.5)  # with either part alone
         yields[soft] = roots(
             lambda s, b, p: 1.5 * s**3 - 3.0 * b - p * s,
             0.999 * np.maximum(*ends),
             1.001 * np.add(*ends),
-            some,
+            adhesion,
             finite,
         )
         return cls(b, np.where(soft, pressure, 0.0), np.cbrt(4.0 * b), yields)
@@ -237,15 +237,15 @@ class _Loading(Columns):
 
     def balance(self, deepest: FloatArray) -> FloatArray:
         """Return s where the force changes its sign."""
-        place = np.cbrt(6.0 * self.b)
-        early = place > self.yields
+        radius = np.cbrt(6.0 * self.b)
+        early = radius > self.yields
         if np.any(early):
-            some = self.select(early)
-            shares = some.b, some.pressure, some.closed, some.yields
-            place[early] = roots(
-                lambda s, *a: _Loading(*a).force(s), some.closed, deepest[early], *shares
+            plastic = self.select(early)
+            shares = plastic.b, plastic.pressure, plastic.closed, plastic.yields
+            radius[early] = roots(
+                lambda s, *a: _Loading(*a).force(s), plastic.closed, deepest[early], *shares
             )
-        return place
+        return radius
 
 
 @dataclass(frozen=True, slots=True)
@@ -342,11 +342,13 @@ def _unloading_time(unloading: _Unloading, end: FloatArray) -> FloatArray:
 def capture_speed(contact: Contact) -> FloatArray:
     """Normal speed below which a contact with a law captures, m/s, in the contact's shape."""
     problem, scales, shape = scaled(contact, 0.0)
-    found = np.zeros(problem.speed.shape)
+    speed = np.zeros(problem.speed.shape)
     adhesive = problem.opening > 0.0
-    some = problem.select(adhesive)
-    found[adhesive] = _backwards(some) if np.any(problem.drag > 0.0) else _stops_at_the_break(some)
-    return np.asarray((found * scales.velocity).reshape(shape)[()])
+    sticky = problem.select(adhesive)
+    speed[adhesive] = (
+        _backwards(sticky) if np.any(problem.drag > 0.0) else _stops_at_the_break(sticky)
+    )
+    return np.asarray((speed * scales.velocity).reshape(shape)[()])
 
 
 def _backwards(problem: Problem) -> FloatArray:
@@ -355,9 +357,9 @@ def _backwards(problem: Problem) -> FloatArray:
     start = broken * BACKWARD_START
     pace = np.sqrt(60.0) * problem.opening * start
     closed = np.cbrt(4.0 * problem.closing)
-    found = _followed(problem.opening, -problem.drag, broken + start, pace, closed)
-    escaped = found[:, viscous.STATUS] == viscous.ESCAPED
-    return np.where(escaped, np.inf, found[:, viscous.SPEED])
+    results = _followed(problem.opening, -problem.drag, broken + start, pace, closed)
+    escaped = results[:, viscous.STATUS] == viscous.ESCAPED
+    return np.where(escaped, np.inf, results[:, viscous.SPEED])
 
 
 def _stops_at_the_break(problem: Problem) -> FloatArray:

@@ -240,18 +240,18 @@ def _stiff(problems: FloatArray, mode: int) -> FloatArray:
     """
     damping = problems[:, kernel.HERTZ_DAMPING]
     velocity, length = 1.0 / damping, damping**-0.8
-    own = problems.copy()
-    own[:, kernel.START_U] *= damping
-    own[:, kernel.ADHESION] /= length
-    own[:, kernel.HERTZ_DAMPING] = 1.0
-    own[:, [kernel.DAMPING_1, kernel.DAMPING_2]] *= velocity[:, None]
-    own[:, kernel.ALWAYS_CAPTURED] = 1.0
-    results = np.zeros((len(own), kernel.RESULT_COLUMNS))
-    kernel.integrate(own, mode, results)
+    scaled = problems.copy()
+    scaled[:, kernel.START_U] *= damping
+    scaled[:, kernel.ADHESION] /= length
+    scaled[:, kernel.HERTZ_DAMPING] = 1.0
+    scaled[:, [kernel.DAMPING_1, kernel.DAMPING_2]] *= velocity[:, None]
+    scaled[:, kernel.ALWAYS_CAPTURED] = 1.0
+    results = np.zeros((len(scaled), kernel.RESULT_COLUMNS))
+    kernel.integrate(scaled, mode, results)
     back = (problems[:, kernel.ALWAYS_CAPTURED] == 0.0) & (
         results[:, kernel.STATUS] != kernel.FAILED
     )
-    results[back] = _crept_back(own[back], results[back], mode)
+    results[back] = _crept_back(scaled[back], results[back], mode)
     units = np.ones_like(results)
     units[:, [kernel.END_S, kernel.TURNING_S]] = np.sqrt(length)[:, None]
     units[:, [kernel.DURATION, kernel.TURNING_TIME]] = (length / velocity)[:, None]
@@ -296,8 +296,8 @@ def _crept_back(problems: FloatArray, approach: FloatArray, mode: int) -> FloatA
         along = np.sum(per_time / speed * step, axis=1)
         return np.asarray(along + (at_top * lag_top - at_rest * lag_rest)[:, 0])
 
-    one = np.ones_like(top)
-    results[:, kernel.DURATION] += approach[:, kernel.DURATION] + total(np.ones_like(x), one, one)
+    unit = np.ones_like(top)
+    results[:, kernel.DURATION] += approach[:, kernel.DURATION] + total(np.ones_like(x), unit, unit)
     # Up to the first balance of forces adhesion has added the energy of its well.
     first = np.sqrt(problems[:, kernel.START_U] ** 2 + 2.0 * WELL_DEPTH * beta[:, 0] ** 2.5)
     results[:, kernel.LOWEST_U] = -((top - beta) / (top + drag))[:, 0]
@@ -308,10 +308,10 @@ def _crept_back(problems: FloatArray, approach: FloatArray, mode: int) -> FloatA
     if mode == kernel.PLAIN:
         return results
     for column, strength, power in (
-        (kernel.HERTZ_IMPULSE, one, 1.5),
+        (kernel.HERTZ_IMPULSE, unit, 1.5),
         (kernel.ADHESION_IMPULSE, beta, 0.5),
     ):
-        places = (strength * np.power(place, power) for place in (x, top, rest))
+        places = (strength * np.power(position, power) for position in (x, top, rest))
         results[:, column] += approach[:, column] + total(*places)
     for column, lost in (
         (kernel.HERTZ_WORK, np.power(x, 1.5)),
@@ -345,9 +345,9 @@ def normal_impact(contact: Contact, speed: Real, *, ledger: bool = False) -> Nor
         return _by_law(contact, speed)
     problems, scales, shape = scaled_problems(contact, speed)
     results = integrate(problems, ledger=ledger)
-    found = np.empty((kernel.OUTCOMES, len(results)))
-    kernel.outcomes(problems, results, scales.length, scales.velocity, scales.mass, found)
-    e, time, turning, depth, compressive, peak, hertz = (row.reshape(shape) for row in found)
+    outcomes = np.empty((kernel.OUTCOMES, len(results)))
+    kernel.outcomes(problems, results, scales.length, scales.velocity, scales.mass, outcomes)
+    e, time, turning, depth, compressive, peak, hertz = (row.reshape(shape) for row in outcomes)
     return NormalImpact(
         captured=(results[:, kernel.STATUS] == kernel.CAPTURED).reshape(shape),
         coefficient_of_restitution=e,
@@ -375,23 +375,23 @@ def losses(contact: Contact, speed: Real) -> Losses:
 
 def _by_law(contact: Contact, speed: Real) -> NormalImpact:
     problem, scales, shape = laws.scaled(contact, speed)
-    found = laws.solve(problem)
+    outcome = laws.solve(problem)
     time, impulse = scales.length / scales.velocity, scales.mass * scales.velocity
-    s, energy = found.deepest, scales.mass * scales.velocity**2
+    s, energy = outcome.deepest, scales.mass * scales.velocity**2
     compression = s**4 - 4.0 * problem.closing * s
 
     def shaped(values: FloatArray) -> FloatArray:
         return values.reshape(shape)
 
     return NormalImpact(
-        captured=found.captured.reshape(shape),
-        coefficient_of_restitution=shaped(found.speed / problem.speed),
-        contact_time=shaped(found.time * time),
-        compression_time=shaped(found.turning_time * time),
+        captured=outcome.captured.reshape(shape),
+        coefficient_of_restitution=shaped(outcome.speed / problem.speed),
+        contact_time=shaped(outcome.time * time),
+        compression_time=shaped(outcome.turning_time * time),
         maximum_compression=shaped(compression * scales.length),
-        compressive_impulse=shaped(found.compressive * impulse),
-        peak_net_impulse=shaped(found.greatest * impulse),
-        losses=Losses(shaped(found.bulk * energy), shaped(found.adhesion * energy)),
+        compressive_impulse=shaped(outcome.compressive * impulse),
+        peak_net_impulse=shaped(outcome.greatest * impulse),
+        losses=Losses(shaped(outcome.bulk * energy), shaped(outcome.adhesion * energy)),
     )
 
 

@@ -244,12 +244,12 @@ def rolling_distance(
     energy = 0.5 * (1.0 + INERTIA) * contact.mass * np.square(velocity)
     shape = np.broadcast_shapes(hold.shape, np.shape(energy))
     distance = np.full(shape, np.inf)
-    found: Real = np.divide(energy, hold, out=distance, where=hold > 0.0)[()]
-    return found
+    stop: Real = np.divide(energy, hold, out=distance, where=hold > 0.0)[()]
+    return stop
 
 
 def gravity_ratio(contact: Contact, shift: object, tilt: object) -> Real:
-    """Moment of the weight over that of adhesion, ``m g r sin(tilt) / M``: above 1 it rolls."""
+    """Ratio of the moments of weight and adhesion, ``m g r sin(tilt) / M``: above 1 it rolls."""
     require_contact(contact)
     shift, tilt = checked("shift", shift, POSITIVE), checked("tilt", tilt, TILT)
     weight = contact.mass * gravity * np.sin(np.radians(tilt))

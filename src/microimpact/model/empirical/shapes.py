@@ -73,7 +73,7 @@ class Law:
     @property
     def free(self) -> int:
         """Number of parameters, without v_c."""
-        return sum(of.size > 1 for of in self.values)
+        return sum(axis.size > 1 for axis in self.values)
 
 
 # C_A from which on nothing leaves.

@@ -58,13 +58,13 @@ class EnergyLoss(NamedTuple):
     total: FloatArray
 
 
-def admitted(**given: object) -> list[Real]:
+def admitted(**arguments: object) -> list[Real]:
     """Return arguments of the rigid body model, each checked by its name in `ADMISSIBLE`.
 
     Raises TypeError, ValueError if one is not a number or out of range, or the shapes do not
     broadcast.
     """
-    values = {name: checked(name, value, ADMISSIBLE[name]) for name, value in given.items()}
+    values = {name: checked(name, value, ADMISSIBLE[name]) for name, value in arguments.items()}
     common_shape(values)
     return list(values.values())
 

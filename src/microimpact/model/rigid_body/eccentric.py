@@ -86,7 +86,7 @@ def eccentric_rebound(
         If an argument is not a number or out of range, the shapes do not broadcast, or a point of
         contact does not approach the plane.
     """
-    given = {
+    arguments = {
         "v_n": checked("v_n", v_n, FINITE),
         "v_t": checked("v_t", v_t, FINITE),
         "omega": checked("omega", omega, FINITE),
@@ -95,8 +95,8 @@ def eccentric_rebound(
         "e": checked("e", e, UNIT_INTERVAL),
         "friction": checked("friction", friction, FRICTION),
     }
-    shape = common_shape(given)
-    vn, vt, w, r, b, e_, f = (np.broadcast_to(np.asarray(x), shape) for x in given.values())
+    shape = common_shape(arguments)
+    vn, vt, w, r, b, e_, f = (np.broadcast_to(np.asarray(x), shape) for x in arguments.values())
     h = np.sqrt(1.0 - np.square(b))
     c_n, c_t = vn - b * r * w, vt - h * r * w
     if np.any(c_n >= 0.0):

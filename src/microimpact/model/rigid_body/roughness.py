@@ -190,8 +190,8 @@ def greatest_restitution(angle: object, e: object) -> Real:
     return 0.5 * ((1.0 + e) / np.sin(angle) - (1.0 - e))
 
 
-def _facing(**given: object) -> list[Real]:
+def _facing(**arguments: object) -> list[Real]:
     """Return checked arguments, of which angle and slope, the first, let the sphere arrive."""
-    angle, slope, *others = admitted(**given)
+    angle, slope, *others = admitted(**arguments)
     checked("angle + slope", angle + slope, Range(lower=0.0, upper=np.pi))
     return [angle, slope, *others]
