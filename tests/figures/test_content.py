@@ -5,17 +5,23 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from matplotlib import rcParams
 from tests.figures.test_pictures import SPECS, drawn
 
 from microimpact.figures import style
 from microimpact.figures.content import content
 
 
+def style_colours():
+    with style.context():
+        return rcParams["axes.prop_cycle"].by_key()["color"]
+
+
 def shown(spec, path):
     with style.context():
         figure = drawn(spec)
         style.save(figure, path)
-        return content(figure, spec).astype(object).fillna("")
+    return content(figure, spec).astype(object).fillna("")
 
 
 def changes(name, path, **changed):
@@ -79,6 +85,8 @@ def test_all_that_is_drawn_lies_on_the_sheet_and_is_named(tmp_path):
     assert list(table["text"][:2]) == [spec.title, spec.caption]
     labels = {series.label for series in spec.panels["all"].series.values()}
     assert labels <= set(table.loc[table["artist"] == "Line2D", "text"])
+    (blue, *_) = style_colours()
+    assert table["look"].str.contains(blue).any()
     inside = table[table["artist"] != "Text"][2:]
     assert (inside["x_low"] >= 0).all()
     assert (inside["y_high"] <= spec.height_mm / style.MM_PER_INCH * 72).all()

@@ -10,6 +10,7 @@ from tests.shared import ROOT
 from microimpact.declared.documents import ConfigError, load
 from microimpact.figures.registry import RegistryError, figure_spec, filled, registry
 from microimpact.figures.style import new_figure
+from microimpact.ledgers.equations import EQUATIONS
 
 ENTRIES = load(ROOT / "config/figures.yaml")
 
@@ -26,6 +27,7 @@ def test_figures_come_in_order_with_words_of_their_own():
         assert len(spec.caption) > 80
         assert spec.panels
         assert spec.data
+        assert set(spec.equations) <= set(EQUATIONS), spec.name
 
 
 @pytest.mark.parametrize(

@@ -16,16 +16,18 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
 
+from microimpact.figures import style
 from microimpact.figures.registry import FigureSpec
 
 POINTS_PER_INCH = 72.0
 # Panel of all that stands outside of the declared panels.
 FIGURE = "figure"
-# How Matplotlib labels an artist that has no label.
-AUTOMATIC = "_child"
+# How Matplotlib labels artists without a label.
+AUTOMATIC = ("_child", "_container", "_nolegend_")
 EXTENT = ("x_low", "x_high", "y_low", "y_high")
 
 
+@style.context()  # colours by number and ticks are of the style in which they are asked for
 def content(figure: Figure, spec: FigureSpec) -> pd.DataFrame:
     """Return the content of a figure: title and caption, then all that is drawn.
 

@@ -133,7 +133,8 @@ class DataSpec:
 class FigureSpec:
     """One figure: words, code that draws it, study and tables it comes from, panels.
 
-    `article` says what the article shows there; it is empty for a figure of our own.
+    `article` says what the article shows there; it is empty for a figure of our own. `equations`
+    are those of the article that the figure shows or rests on, by their numbers in the ledger.
     `tables` are those of the study that belong beside the figure, each with a sentence on what it
     holds. Panels stand in rows of `columns`, all side by side if not given; with `legend_columns`,
     one legend in so many columns is above them. `evidence_labels` replace words of the key of
@@ -146,6 +147,7 @@ class FigureSpec:
     module: Annotated[str, Field(pattern=r"^microimpact\.figures\.\w+\.\w+$")]
     function: Name = "draw"
     study: Name
+    equations: tuple[Name, ...] = ()
     data: dict[str, DataSpec]
     article: str = ""
     tables: dict[str, Name] = field(default_factory=dict)

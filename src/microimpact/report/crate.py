@@ -157,8 +157,8 @@ def read_run(path: Path) -> Run:
     require_current(path, stamp)
     if stamp.get("ended", "") is None:
         raise ResultsError(f"{path}: the run has not ended well; finish it with `snakemake`")
-    told = stamp | {"identifier": hashlib.sha256(path.read_bytes()).hexdigest()[:12]}
-    return built(Run, {field.name: told.get(field.name) for field in fields(Run)}, str(path))
+    content = stamp | {"identifier": hashlib.sha256(path.read_bytes()).hexdigest()[:12]}
+    return built(Run, {field.name: content.get(field.name) for field in fields(Run)}, str(path))
 
 
 def _require_same_project(run: Run, project: Path, results: Path) -> None:
@@ -166,10 +166,10 @@ def _require_same_project(run: Run, project: Path, results: Path) -> None:
         if not (project / name).is_file():
             raise ResultsError(f"{project}: not the project: it has no {name}")
     # Copies of other files than those that ran would be a false record.
-    own, present = run.git.commit, git_state(project)["commit"]
-    if own and present and own != present:
+    recorded, present = run.git.commit, git_state(project)["commit"]
+    if recorded and present and recorded != present:
         raise ResultsError(
-            f"{results / STAMP}: the run is of commit {own}, the project is at {present}: "
+            f"{results / STAMP}: the run is of commit {recorded}, the project is at {present}: "
             "check that one out, or run again"
         )
 
@@ -182,7 +182,7 @@ def declared_inputs(config: Mapping[str, Any], project: Path) -> list[Path]:
     of the project.
     """
     root = project.resolve()
-    found: set[Path] = set()
+    paths: set[Path] = set()
     shipped = {f"configfile {i}": name for i, name in enumerate(CONFIGURATION, 1)}
     for key, name in {**shipped, **config}.items():
         if not isinstance(name, str):
@@ -190,8 +190,8 @@ def declared_inputs(config: Mapping[str, Any], project: Path) -> list[Path]:
         path = (root / name).resolve()
         if not path.exists() or not path.is_relative_to(root):
             raise ResultsError(f"{key}: {name!r} must be a file or folder in {project}")
-        found.update(chain(path.glob("*.csv"), path.glob("*.yaml")) if path.is_dir() else [path])
-    return sorted(path.relative_to(root) for path in found)
+        paths.update(chain(path.glob("*.csv"), path.glob("*.yaml")) if path.is_dir() else [path])
+    return sorted(path.relative_to(root) for path in paths)
 
 
 def _add_workflow(crate: Any, run: Run, project: Path) -> Any:
@@ -287,10 +287,10 @@ def _files(root: Path, folders: Iterable[str]) -> list[Path]:
     return [path for path in paths if path.is_file() and not path.name.startswith(".")]
 
 
-def _add_file(crate: Any, root: Path, place: str, copy_to: str = "") -> Any:
-    suffix = Path(place).suffix
-    properties = {"name": place, "encodingFormat": FORMATS.get(suffix, "application/octet-stream")}
-    return crate.add_file(root / place, f"{copy_to}{place}", properties=properties)
+def _add_file(crate: Any, root: Path, name: str, copy_to: str = "") -> Any:
+    suffix = Path(name).suffix
+    properties = {"name": name, "encodingFormat": FORMATS.get(suffix, "application/octet-stream")}
+    return crate.add_file(root / name, f"{copy_to}{name}", properties=properties)
 
 
 def _add_copy(crate: Any, project: Path, path: Path) -> Any:

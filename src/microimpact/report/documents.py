@@ -65,10 +65,10 @@ class Numbers:
 
         Raises PageError if there is no such column, or not exactly one such row with a number.
         """
-        found = self.all(column, **where)
-        if len(found) != 1:
-            raise PageError(f"{self.name}.{column}: {len(found)} numbers at {where}, not one")
-        return found[0]
+        numbers = self.all(column, **where)
+        if len(numbers) != 1:
+            raise PageError(f"{self.name}.{column}: {len(numbers)} numbers at {where}, not one")
+        return numbers[0]
 
     def all(self, column: str, **where: Any) -> list[float]:
         """Return all numbers of a column in rows that meet all conditions.
@@ -79,13 +79,13 @@ class Numbers:
         """
         chosen = np.ones(len(self.rows), bool)
         for key, value in where.items():
-            own = self._column(key)
+            cells = self._column(key)
             if isinstance(value, tuple):
-                chosen &= own.between(*value).to_numpy()
+                chosen &= cells.between(*value).to_numpy()
             elif isinstance(value, str):
-                chosen &= (own == value).to_numpy()
+                chosen &= (cells == value).to_numpy()
             else:
-                chosen &= np.isclose(own.to_numpy(float), value)
+                chosen &= np.isclose(cells.to_numpy(float), value)
         numbers = self._column(column)[chosen].dropna().astype(float).to_list()
         if not numbers:
             raise PageError(f"{self.name}.{column}: no number at {where}")
@@ -115,15 +115,15 @@ def pages(results: Path, docs: Path, criteria: Path) -> tuple[dict[str, str], tu
 
     environment = _ENVIRONMENT.overlay()
     environment.globals = {**_ENVIRONMENT.globals, "table": table}
-    found = {DEVIATIONS: deviations(results, criteria, SETTINGS)}
+    texts = {DEVIATIONS: deviations(results, criteria, SETTINGS)}
     for template in sorted(docs.glob(f"*{SUFFIX}")):
         text = template.read_text(encoding="utf-8")
         try:
             body = environment.from_string(text).render()
         except (PageError, jinja2.TemplateError) as error:
             raise PageError(f"{template}: {error}") from None
-        found[template.name.removesuffix(SUFFIX)] = ABOUT.format(template=template.name) + body
-    return found, tuple(sorted({*LEDGERS, *read}))
+        texts[template.name.removesuffix(SUFFIX)] = ABOUT.format(template=template.name) + body
+    return texts, tuple(sorted({*LEDGERS, *read}))
 
 
 def deviations(results: Path, criteria: Path, settings: str) -> str:

@@ -62,9 +62,9 @@ def require_current(path: Path, stamp: Mapping[str, Any]) -> None:
     Raises ResultsError, naming some of these results.
     """
     if outdated := stamp.get("outdated"):
-        some = ", ".join(outdated[:3]) + (", ..." if len(outdated) > 3 else "")
+        names = ", ".join(outdated[:3]) + (", ..." if len(outdated) > 3 else "")
         raise ResultsError(
-            f"{path}: made earlier, from other inputs: {some}; renew them with `snakemake`"
+            f"{path}: made earlier, from other inputs: {names}; renew them with `snakemake`"
         )
 
 

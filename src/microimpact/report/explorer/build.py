@@ -69,9 +69,9 @@ def numbers(inputs: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
         "contacts": [
             *(_row("calibrated", case, calibrated_contact(inputs, case)) for case in cases),
             *(
-                _row("declared", f"{one} on {other}", pair_contact(one, other, materials, pairs))
-                for one, other in pairs
-                if (one, other) not in calibrated
+                _row("declared", " on ".join(pair), pair_contact(*pair, materials, pairs))
+                for pair in pairs
+                if pair not in calibrated
             ),
         ],
     }

@@ -3,7 +3,7 @@
 import shutil
 from pathlib import Path
 
-PAGES = ("index", "claims", "equations", "tables", "search", "workflow", "run")
+PAGES = ("index", "claims", "equations", "tables", "workflow", "run")
 
 
 def remove(report: Path) -> None:

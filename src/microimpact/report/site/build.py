@@ -27,7 +27,7 @@ from microimpact.report.site.figures import (
     studies_behind,
 )
 from microimpact.report.site.formula import prose
-from microimpact.report.site.graph import needs, picture, users
+from microimpact.report.site.graph import needs, users
 from microimpact.report.site.ledgers import read_rows
 from microimpact.report.site.pages import ASSETS, EXPLORER, NAVIGATION, render
 from microimpact.report.site.record import Record, Rule
@@ -63,8 +63,6 @@ EQUATION_COLUMNS = (
 ERRATA_COLUMNS = ("where", "printed", "meant", "reason")
 # In the words of a rule: a table, then what it holds.
 _TOLD = re.compile(r"((?:tables|data)/\w+\.csv): ([^;]+?)(?:[;.] |\.?$)")
-# Characters of a figure's title in the picture of the rules.
-WORDS = 38
 INPUT_COLUMNS = (
     *("file", "key", "value", "low", "high", "unit", "evidence", "source"),
     *("place", "overrides"),
@@ -148,7 +146,7 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
     explored = (results / REPORT / f"{EXPLORER}.html").is_file()
     evidence = Counter(row["evidence"] for row in declared)
     needed = needs(record.rules) | {CLAIM_STUDY: ()}
-    common = {
+    common: dict[str, Any] = {
         "record": record,
         "ledgers": ledgers,
         "claims": claims,
@@ -176,9 +174,10 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
         "tables": tables,
         # No link to an explorer that was not written.
         "navigation": [e for e in NAVIGATION if explored or e[0] != EXPLORER],
-        **_graph(record),
+        "needed": needs(record.rules),
+        "used": users(needs(record.rules)),
     }
-    wide = {"claims", "equations", "search", "tables", "workflow"}
+    wide = {"claims", "equations", "tables", "workflow"}
     pages = {
         f"{name}.html": render(f"{name}.html", **common, here=name, wide=name in wide)
         for name in PAGES
@@ -216,7 +215,7 @@ def _figure_pages(shown: Sequence[Figure], common: Mapping[str, Any]) -> dict[st
 def _tables(results: Path, record: Record, shown: Sequence[Figure]) -> list[Table]:
     makers = {file: rule for rule in record.rules for file in rule.outputs}
     words = _words(record, shown)
-    found = []
+    listed = []
     for folder in ("tables", "data"):
         for path in _visible(results / folder, "*.csv"):
             file = f"{folder}/{path.name}"
@@ -224,7 +223,7 @@ def _tables(results: Path, record: Record, shown: Sequence[Figure]) -> list[Tabl
                 lines = csv.reader(stream)
                 columns = tuple(next(lines, ()))
                 rows = sum(1 for _ in lines)
-            found.append(
+            listed.append(
                 Table(
                     file=file,
                     words=words.get(file, ""),
@@ -233,12 +232,12 @@ def _tables(results: Path, record: Record, shown: Sequence[Figure]) -> list[Tabl
                     maker=makers.get(file),
                 )
             )
-    return found
+    return listed
 
 
 def _words(record: Record, shown: Sequence[Figure]) -> dict[str, str]:
     """Return a sentence on each table: of the rule that makes it, or of its figure."""
-    told = {
+    sentences = {
         file: f"{words[:1].upper()}{words[1:]}."
         for rule in record.rules
         for file, words in _TOLD.findall(rule.purpose)
@@ -246,21 +245,4 @@ def _words(record: Record, shown: Sequence[Figure]) -> dict[str, str]:
     drawn = {
         file: f"Data of {figure.label}: {figure.title}." for figure in shown for file in figure.data
     }
-    return told | drawn | {file: words for f in shown for file, words in f.tables.items()}
-
-
-def shortened(text: str, most: int) -> str:
-    """Return a text of at most so many characters, cut at a word."""
-    if len(text) <= most:
-        return text
-    return text[: most - 1].rpartition(" ")[0].rstrip(",") + "…"
-
-
-def _graph(record: Record) -> dict[str, Any]:
-    needed = needs(record.rules)
-    drawn = {
-        name: shortened(f"{label(name)}: {record.figures[name]['title']}", WORDS)
-        for name in needed
-        if name in record.figures
-    }
-    return {"needed": needed, "used": users(needed), "picture": picture(needed, drawn)}
+    return sentences | drawn | {file: words for f in shown for file, words in f.tables.items()}

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import ast
+from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
 
-from microimpact.report.site.reached import is_defined, module_of, source_file
+import microimpact
 
 FOLDER = "code"
+ROOT = Path(microimpact.__file__).parents[1]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,34 +34,43 @@ class Module:
 
 
 def place(code: str) -> str:
-    """Return where the report shows a function, by its full name; nothing if there is none."""
-    if not is_defined(code):
-        return ""
-    module = module_of(code)
-    return f"{FOLDER}/{module}.html#{code.removeprefix(f'{module}.')}"
+    """Return the address of a function in the report, by its full name; none if there is none."""
+    module, _, name = _split(code)
+    return f"{FOLDER}/{module}.html#{name}" if name else ""
 
 
 def modules(codes: Iterable[str]) -> list[Module]:
     """Return the modules that define functions, by the functions' full names."""
-    names = sorted({module_of(code) for code in codes if is_defined(code)})
-    return [_module(name) for name in names]
+    files = {module: file for module, file, name in map(_split, codes) if name}
+    return [_module(name, files[name]) for name in sorted(files)]
 
 
-def _module(name: str) -> Module:
-    path = source_file(name)
-    text = path.read_text(encoding="utf-8")
-    begins: dict[int, list[str]] = {}
-    ends: dict[int, int] = {}
+@cache
+def _split(code: str) -> tuple[str, Path, str]:
+    """Return module, file, and name in the module of a function; no name if it has none."""
+    parts = code.split(".")
+    for end in range(len(parts) - 1, 0, -1):
+        stem = ROOT.joinpath(*parts[:end])
+        for file in (stem.with_suffix(".py"), stem / "__init__.py"):
+            if file.is_file():
+                name = ".".join(parts[end:])
+                names = {each for each, _, _ in _definitions(ast.parse(file.read_text("utf-8")))}
+                return ".".join(parts[:end]), file, name if name in names else ""
+    return "", ROOT, ""
+
+
+def _module(name: str, file: Path) -> Module:
+    text = file.read_text(encoding="utf-8")
+    begins, ends = defaultdict[int, list[str]](list), defaultdict[int, int](int)
     for anchor, first, last in _definitions(ast.parse(text)):
-        begins.setdefault(first, []).append(anchor)
-        ends[last] = ends.get(last, 0) + 1
-    lines = enumerate(text.splitlines(), 1)
+        begins[first].append(anchor)
+        ends[last] += 1
     return Module(
         name=name,
-        file=f"src/{'/'.join(name.split('.')[:-1])}/{path.name}",
+        file=f"src/{file.relative_to(ROOT).as_posix()}",
         lines=tuple(
-            Line(text=line, begins=tuple(begins.get(i, ())), ends=ends.get(i, 0))
-            for i, line in lines
+            Line(text=line, begins=tuple(begins[number]), ends=ends[number])
+            for number, line in enumerate(text.splitlines(), 1)
         ),
     )
 

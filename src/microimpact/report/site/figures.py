@@ -13,7 +13,6 @@ from microimpact import studies
 from microimpact.ledgers.claims.words import in_words
 from microimpact.report.site.graph import needs, upstream
 from microimpact.report.site.ledgers import Row, read_rows
-from microimpact.report.site.reached import reached
 from microimpact.report.site.record import Record, Rule
 
 ARTICLE = re.compile(r"fig(\d\d)")
@@ -45,7 +44,6 @@ class Inputs:
     purpose: str
     values: tuple[Row, ...]
     rows: tuple[Row, ...]
-    equations: tuple[Row, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,6 +65,7 @@ class Figure:
     inputs: tuple[Inputs, ...]
     departures: tuple[Row, ...]
     contacts: tuple[str, ...]
+    equations: tuple[Row, ...]
     claims: tuple[Row, ...]
     is_narrow: bool
 
@@ -79,11 +78,11 @@ class Figure:
 
 def label(name: str) -> str:
     """Return how a figure is called: ``fig04`` is the article's Figure 4, others have a name."""
-    found = ARTICLE.fullmatch(name)
-    if found:
-        return f"Figure {int(found[1])}"
-    first, *others = name.split("_")
-    return " ".join([first.upper() if first in ACRONYMS else first.capitalize(), *others])
+    match = ARTICLE.fullmatch(name)
+    if match:
+        return f"Figure {int(match[1])}"
+    first, *rest = name.split("_")
+    return " ".join([first.upper() if first in ACRONYMS else first.capitalize(), *rest])
 
 
 def figures(
@@ -97,11 +96,11 @@ def figures(
     """
     needed = needs(record.rules)
     calibration = read_rows(results / "tables/calibration.csv")
-    own = [entry["study"] for entry in record.figures.values()]
+    drawn = [entry["study"] for entry in record.figures.values()]
     rules = {rule.name: rule for rule in record.rules}
     behind = {
-        study: _inputs(study, rules, declared, ledgers["equations"])
-        for study in dict.fromkeys(s for name in own for s in (name, *upstream(name, needed)))
+        study: _inputs(rules.get(study, Rule(name=study)), declared)
+        for study in dict.fromkeys(s for name in drawn for s in (name, *upstream(name, needed)))
     }
     there = [name for name in record.figures if (results / f"figures/{name}.svg").is_file()]
 
@@ -122,6 +121,9 @@ def figures(
             inputs=tuple(behind[s] for s in (study, *upstream(study, needed))),
             departures=departures(declared, [study], needed),
             contacts=_named(contacts(study, declared, calibration), entry),
+            equations=tuple(
+                row for row in ledgers["equations"] if row["equation"] in entry.get("equations", ())
+            ),
             claims=tuple(row for row in ledgers["claims"] if name in row["figures"].split()),
             is_narrow=entry.get("width", "single") == "single",
         )
@@ -130,20 +132,20 @@ def figures(
 
 
 def _marks(paths: Iterable[Path], panels: Mapping[str, Mapping[str, Any]]) -> tuple[Marks, ...]:
-    found: dict[str, dict[str, dict[str, None]]] = {}
+    marks: dict[str, dict[str, dict[str, None]]] = {}
     for path in filter(Path.is_file, paths):
         with path.open(encoding="utf-8", newline="") as stream:
             rows = csv.reader(stream)
             next(rows)  # panel, series, evidence and the numbers
             for panel, series, evidence in dict.fromkeys(tuple(row[:3]) for row in rows):
-                named = found.setdefault(evidence, {}).setdefault(panel, {})
+                named = marks.setdefault(evidence, {}).setdefault(panel, {})
                 named[_series_words(series, panel, panels)] = None
     return tuple(
         Marks(
             evidence=evidence,
-            series={_panel_words(panel, panels): tuple(own) for panel, own in by_panel.items()},
+            series={_panel_words(panel, panels): tuple(names) for panel, names in by_panel.items()},
         )
-        for evidence, by_panel in found.items()
+        for evidence, by_panel in marks.items()
     )
 
 
@@ -158,9 +160,9 @@ def _series_words(name: str, panel: str, panels: Mapping[str, Mapping[str, Any]]
 
     The effects of a response are series, too: ``v_c: AB``; and so are the rows of a picture.
     """
-    own = panels.get(panel, {})
+    first = panels.get(panel, {})
     start, colon, effect = name.partition(": ")
-    for spec in (own, *panels.values()):
+    for spec in (first, *panels.values()):
         series = spec.get("series", {})
         for key, rest in ((name, ""), (start, colon + effect)):
             label = series.get(key, {}).get("label", "_")
@@ -169,36 +171,31 @@ def _series_words(name: str, panel: str, panels: Mapping[str, Mapping[str, Any]]
     return "grey levels of its rows" if name.isdigit() else " ".join(in_words(name).split())
 
 
-def _inputs(
-    study: str, rules: Mapping[str, Rule], declared: Sequence[Row], equations: Sequence[Row]
-) -> Inputs:
-    rule = rules.get(study, Rule(name=study))
-    called = reached(f"{studies.homes()[study]}.run")
-    values = [
-        row | {"key": row["key"].removeprefix(f"{study}.")}
-        for row in declared
-        if row["file"] == "config" and row["key"].startswith(f"{study}.")
-    ]
-    given = {
+def _inputs(rule: Rule, declared: Sequence[Row]) -> Inputs:
+    named = {
         (TABLES[table], key)
         for table, keys in rule.declared.items()
         if table in TABLES
         for key in keys
     }
+    values = [
+        row | {"key": row["key"].removeprefix(f"{rule.name}.")}
+        for row in declared
+        if row["file"] == "config" and row["key"].startswith(f"{rule.name}.")
+    ]
     return Inputs(
-        study=study,
+        study=rule.name,
         purpose=rule.purpose,
         values=tuple(joined(values)),
-        rows=tuple(row for row in declared if (row["file"], owner(row)) in given),
-        equations=tuple(row for row in equations if row["function"] in called),
+        rows=tuple(row for row in declared if (row["file"], owner(row)) in named),
     )
 
 
 def departures(
-    declared: Sequence[Row], own: Iterable[str], needed: Mapping[str, Sequence[str]]
+    declared: Sequence[Row], names: Iterable[str], needed: Mapping[str, Sequence[str]]
 ) -> tuple[Row, ...]:
     """Return the inputs that studies, or those they rest on, have in place of the laboratory's."""
-    concerned = {each for study in own for each in (study, *upstream(study, needed))}
+    concerned = {each for study in names for each in (study, *upstream(study, needed))}
     return tuple(
         row for row in declared if row["overrides"] and row["key"].partition(".")[0] in concerned
     )
@@ -209,13 +206,13 @@ def contacts(study: str, declared: Sequence[Row], calibration: Sequence[Row]) ->
 
     A case is named by a value, as ``case``, or it is the name of a branch of the study.
     """
-    own = [row for row in declared if row["key"].startswith(f"{study}.")]
-    values, keys = {row["value"] for row in own}, "\n".join(f"{row['key']}." for row in own)
-    found: dict[str, dict[str, float]] = {}
+    branch = [row for row in declared if row["key"].startswith(f"{study}.")]
+    values, keys = {row["value"] for row in branch}, "\n".join(f"{row['key']}." for row in branch)
+    cases: dict[str, dict[str, float]] = {}
     for row in calibration:
         case = row["case"]
         if row["role"] == "parameter" and (case in values or f".{case}." in keys):
-            found.setdefault(case, {})[row["quantity"]] = float(row["value"])
+            cases.setdefault(case, {})[row["quantity"]] = float(row["value"])
     symbols = {
         "w_A": ("work_of_adhesion", "J/m²"),
         "c_H": ("hertz_damping", "s/m"),
@@ -224,15 +221,18 @@ def contacts(study: str, declared: Sequence[Row], calibration: Sequence[Row]) ->
     }
     return tuple(
         f"{case}: "
-        + ", ".join(f"{s} = {of[name]:.4g} {unit}".rstrip() for s, (name, unit) in symbols.items())
-        for case, of in found.items()
+        + ", ".join(
+            f"{symbol} = {parameters[name]:.4g} {unit}".rstrip()
+            for symbol, (name, unit) in symbols.items()
+        )
+        for case, parameters in cases.items()
     )
 
 
-def _named(found: tuple[str, ...], entry: Mapping[str, Any]) -> tuple[str, ...]:
+def _named(words_of_contacts: tuple[str, ...], entry: Mapping[str, Any]) -> tuple[str, ...]:
     """Return the contacts that the words of a figure name; all of its study if they name none."""
-    own = tuple(words for words in found if words.partition(":")[0] in str(entry))
-    return own or found
+    named = tuple(words for words in words_of_contacts if words.partition(":")[0] in str(entry))
+    return named or words_of_contacts
 
 
 # The study of all claims; what one of them rests on is told by the tables it was computed from.
@@ -243,9 +243,9 @@ def studies_behind(claim: Row, record: Record) -> set[str]:
     """Return the studies that a claim rests on: of its figures, and of the tables it was told."""
     drawn = {record.figures[n]["study"] for n in claim["figures"].split() if n in record.figures}
     makers = studies.needs(CLAIM_STUDY)
-    told = {makers[name] for name in claim.get("inputs", "").split() if name in makers}
+    read = {makers[name] for name in claim.get("inputs", "").split() if name in makers}
     drawn_from = {"admissible_contacts"} if claim.get("share") else set()
-    return drawn | told | drawn_from | {CLAIM_STUDY}
+    return drawn | read | drawn_from | {CLAIM_STUDY}
 
 
 def owner(row: Row) -> str:
@@ -257,13 +257,13 @@ def owner(row: Row) -> str:
 
 def joined(rows: Iterable[Row]) -> list[Row]:
     """Put the items of a list, where nothing but the value differs, into one row."""
-    found: list[Row] = []
+    merged: list[Row] = []
     for row in rows:
         key = _ITEM.sub("", row["key"])
         same = {name: row[name] for name in ("unit", "evidence", "source", "overrides")}
-        last = found[-1] if found else None
+        last = merged[-1] if merged else None
         if key != row["key"] and last and last == last | same | {"key": key}:
             last["value"] += f", {row['value']}"
         else:
-            found.append(row | {"key": key})
-    return found
+            merged.append(row | {"key": key})
+    return merged

@@ -58,34 +58,34 @@ def mathml(text: str) -> Markup:
 def prose(text: str) -> Markup:
     """Return a sentence with its symbols set, as ``v_c``, ``alpha`` and what is between dollars."""
     pieces, end = [], 0
-    for found in _SYMBOL.finditer(text):
+    for match in _SYMBOL.finditer(text):
         pieces += [
-            escape(text[end : found.start()]),
-            _inline(found[1] or found[2] or f"\\{found[3]}"),
+            escape(text[end : match.start()]),
+            _inline(match[1] or match[2] or f"\\{match[3]}"),
         ]
-        end = found.end()
+        end = match.end()
     return Markup().join([*pieces, escape(text[end:])])
 
 
 def _inline(formula: str) -> Markup:
-    return Markup().join(_piece(found) for found in _PIECE.finditer(formula))
+    return Markup().join(_piece(match) for match in _PIECE.finditer(formula))
 
 
-def _piece(found: re.Match[str]) -> Markup:
-    if found["command"]:
-        name = found["command"]
+def _piece(match: re.Match[str]) -> Markup:
+    if match["command"]:
+        name = match["command"]
         return (
             _italic(GREEK[name])
             if name in GREEK
             else escape("\u2009" if name == "," else f"{name} ")
         )
-    if found["place"]:
+    if match["place"]:
         return _tag(
-            {"_": "sub", "^": "sup"}[found["place"]], _index(found["group"] or found["one"])
+            {"_": "sub", "^": "sup"}[match["place"]], _index(match["group"] or match["one"])
         )
-    if found["prime"]:
+    if match["prime"]:
         return escape("′")
-    return _italic(found["letter"]) if found["letter"] else escape(found["other"].replace("-", "−"))
+    return _italic(match["letter"]) if match["letter"] else escape(match["other"].replace("-", "−"))
 
 
 def _index(text: str) -> Markup:

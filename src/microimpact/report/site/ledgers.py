@@ -75,16 +75,16 @@ def read_rows(path: Path, columns: Sequence[str] = ()) -> list[Row]:
 
 def counts(rows: Sequence[Row], verdicts: Mapping[str, str]) -> tuple[Count, ...]:
     """Count the rows of each verdict that occurs; those that are not foreseen come last."""
-    found = [row["verdict"] for row in rows]
-    order = [v for v in dict.fromkeys((*verdicts, *sorted(found))) if v in found]
+    judged = [row["verdict"] for row in rows]
+    order = [v for v in dict.fromkeys((*verdicts, *sorted(judged))) if v in judged]
     counted, begin = [], 0.0
     for verdict in order:
-        share = 100.0 * found.count(verdict) / len(found)
+        share = 100.0 * judged.count(verdict) / len(judged)
         counted.append(
             Count(
                 verdict=verdict,
                 colour=verdicts.get(verdict, "mute"),
-                number=found.count(verdict),
+                number=judged.count(verdict),
                 begin=round(begin, 3),
                 share=round(share, 3),
             )

@@ -42,7 +42,6 @@ NAVIGATION = (
     ("explorer", "explorer.html", "Explorer"),
     ("tables", "tables.html", "Tables"),
     ("workflow", "workflow.html", "Workflow"),
-    ("search", "search.html", "Search"),
     ("run", "run.html", "This run"),
 )
 

@@ -75,8 +75,8 @@ def record_of(
     `figures`: the registry, words filled in; `rules`: all rules that make results; `project`: root
     of the project, whose commit is recorded.
     """
-    found = changes(config, shipped)
-    return Record(**origin(config, project), changes=found, figures=figures, rules=tuple(rules))
+    changed = changes(config, shipped)
+    return Record(**origin(config, project), changes=changed, figures=figures, rules=tuple(rules))
 
 
 def row_names(rows: Mapping[str, str] | None) -> dict[str, tuple[str, ...]]:
@@ -86,9 +86,9 @@ def row_names(rows: Mapping[str, str] | None) -> dict[str, tuple[str, ...]]:
     """
     names = {}
     for table, text in (rows or {}).items():
-        found = csv.DictReader(io.StringIO(text))
-        keys = [column for column in _ROW_NAMES if column in (found.fieldnames or ())]
-        named = (" on ".join(row[key] for key in keys) for row in found)
+        rows_of_table = csv.DictReader(io.StringIO(text))
+        keys = [column for column in _ROW_NAMES if column in (rows_of_table.fieldnames or ())]
+        named = (" on ".join(row[key] for key in keys) for row in rows_of_table)
         names[table] = tuple(dict.fromkeys(named))
     return names
 

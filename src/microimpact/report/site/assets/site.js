@@ -65,7 +65,6 @@
     form.addEventListener("input", update);
     form.addEventListener("submit", (event) => event.preventDefault());
     form.hidden = false;
-    form.querySelector("[data-focus]")?.focus();
     update();
     // A link to a row shows it, whatever is filtered.
     const reveal = () => {
@@ -94,15 +93,5 @@
       event.preventDefault();
       dialog.showModal();
     });
-  });
-
-  // In the picture of the rules: what a rule touches.
-  each(".graph a.node", (node) => {
-    const touched = [...document.querySelectorAll(".graph path")].filter(
-      (path) => [path.dataset.start, path.dataset.end].includes(node.dataset.rule));
-    const mark = (on) => () => touched.forEach((path) => path.classList.toggle("on", on));
-    for (const [event, on] of [["pointerenter", true], ["focus", true], ["pointerleave", false], ["blur", false]]) {
-      node.addEventListener(event, mark(on));
-    }
   });
 })();
