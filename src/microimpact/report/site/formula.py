@@ -8,25 +8,17 @@ from __future__ import annotations
 
 import ast
 import re
+from unicodedata import lookup
 
 from markupsafe import Markup, escape
 
 RELATIONS = {" = ": "=", " > ": ">", " != ": "≠"}
 GREEK = {
-    "alpha": "α",
-    "zeta": "ζ",
-    "eta": "η",
-    "theta": "θ",
-    "kappa": "κ",
-    "mu": "μ",
-    "nu": "ν",
-    "pi": "π",
-    "rho": "ρ",
-    "phi": "φ",
-    "sigma": "σ",
-    "xi": "ξ",
-    "omega": "ω",
-    "Omega": "Ω",
+    name: lookup(f"GREEK {'SMALL' if name.islower() else 'CAPITAL'} LETTER {name.upper()}")
+    for name in (
+        *("alpha", "zeta", "eta", "theta", "kappa", "mu", "nu", "pi", "rho", "phi", "sigma"),
+        *("xi", "omega", "Omega"),
+    )
 }
 SPACE = Markup('<mspace width="0.13em"></mspace>')
 ACCENTS = {"dot": "˙", "ddot": "¨"}
