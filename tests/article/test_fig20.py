@@ -1,4 +1,4 @@
-"""Fig. 20: normal force against time and its four terms."""
+"""Fig. 20: other impacts, and the admissible contacts beside the nominal one."""
 
 from __future__ import annotations
 
@@ -32,45 +32,10 @@ def numbers(tables):
     return tables["force_ratios"].set_index("quantity")
 
 
-def test_terms_add_up(terms):
-    parts = ("hertz", "hertz damping", "adhesion", "adhesion damping")
-    np.testing.assert_allclose(sum(terms[p] for p in parts), terms["total"], rtol=1e-9, atol=1e-9)
-
-
-def test_compression_is_positive_and_adhesion_negative(terms):
-    assert (terms["hertz"] >= 0).all()
-    assert (terms["adhesion"] <= 0).all()
-
-
-def test_the_force_dips_near_both_ends_and_more_on_rebound(terms):
-    total = terms["total"]
-    signs = np.sign(total[np.abs(total) > 1e-9])
-    assert (np.diff(signs) != 0).sum() == 2, "one compressive stretch between two dips"
-    assert signs[0] == signs[-1] == -1
-    turn = int(np.argmax(terms["hertz"]))
-    assert total[turn:].min() < total[:turn].min() < 0
-
-
-def test_no_adhesion_dissipation_during_approach(terms):
-    turn = int(np.argmax(terms["hertz"]))
-    assert np.abs(terms["adhesion damping"][: turn - 1]).max() == 0.0
-    assert (terms["adhesion damping"][turn + 1 :] <= 0).all()
-
-
-def test_impulse_equals_the_change_of_momentum(terms, numbers):
-    mass = 1350 * np.pi / 6 * 4.9e-6**3
-    impulse = np.trapezoid(terms["total"] * 1e-6, terms["time"] * 1e-9)
-    e = numbers.loc["coefficient_of_restitution", "value"]
-    assert impulse == pytest.approx(mass * 5.2 * (1 + e), rel=1e-3)
-
-
-def test_printed_ratios(numbers):
-    # "approximately 1/3" and "about 1/5": within 10 %; the second fixed the damping
-    assert numbers.loc["peak_adhesion_over_peak_hertz", "value"] == pytest.approx(1 / 3, rel=0.1)
-    assert numbers.loc["peak_adhesion_over_peak_hertz", "evidence"] == "computed"
-    name = "peak_adhesion_dissipation_over_adhesion"
-    assert numbers.loc[name, "value"] == pytest.approx(1 / 5, rel=1e-3)
-    assert numbers.loc[name, "evidence"] == "calibrated"
+def test_the_ratio_that_fixed_the_damping_is_called_calibrated(numbers):
+    evidence = numbers["evidence"]
+    assert evidence["peak_adhesion_over_peak_hertz"] == "computed"
+    assert evidence["peak_adhesion_dissipation_over_adhesion"] == "calibrated"
 
 
 def test_adhesion_over_hertz_follows_the_greatest_compression(numbers, study):
