@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from typing import Annotated, Literal
 
@@ -71,9 +71,7 @@ class Params:
     # equations of motion for every impact.
     model: Literal["rigid_body", "simulation"]
     smooth: CaseName  # Case of the smooth surface of the ensembles
-    # See `_monte_carlo`.
     process: Process
-    correlation: Correlation
     variants: Annotated[tuple[Variant, ...], Field(min_length=1), Keyed("name")]
     plan: Plan
     # Nominal angles, and that from which relative restitution counts.
@@ -85,6 +83,7 @@ class Params:
     comparison: Comparison
     ablation: Ablation
     slope_inference: SlopeInference
+    correlation: Correlation = field(default_factory=Correlation)
 
     def __post_init__(self) -> None:
         """Refuse parameters that contradict each other."""
@@ -212,7 +211,9 @@ def _ensembles(params: Params, inputs: Tables) -> dict[str, Ensemble]:
 
 def _ensemble(params: Params, impact: Impact, variant: Variant, number: int) -> Ensemble:
     slope = variant.slope or params.process.slope
-    across = slope if variant.two_axes else params.process.cross_slope
+    across = params.process.cross_slope
+    if variant.two_axes and not isinstance(slope, Inferred):
+        across = slope
     ensemble = Ensemble(
         process=replace(params.process, slope=slope, cross_slope=across),
         rules=variant.rules,

@@ -36,7 +36,6 @@ from microimpact.statistics.distributions import (
     AnyDistribution,
     Constant,
     Distribution,
-    Normal,
     generator,
     mean,
 )
@@ -58,14 +57,16 @@ NON_NEGATIVE = ("friction", "restitution_factor", "hertz_damping_factor", "adhes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Inferred(Normal):
-    """Normal about the mean surface, as wide as a printed restitution asks for.
+class Inferred:
+    """Slopes that are normal about the mean surface, as wide as a printed restitution asks for.
 
-    How wide that is the study infers, variant by variant; until then the width is 1.
+    The study infers the width of each variant and puts a `Normal` in its place.
     """
 
-    kind: Literal["inferred"] = "inferred"  # type: ignore[assignment]
+    kind: Literal["inferred"] = "inferred"
 
+
+NONE, UNIT = Constant(at=0.0), Constant(at=1.0)
 
 Slope = Annotated[AnyDistribution | Inferred, Field(discriminator="kind")]
 
@@ -75,21 +76,22 @@ class Process:
     """Process parameters and initial conditions, each any distribution."""
 
     speed_m_per_s: Distribution  # Speed before impact
-    angle_offset_deg: Distribution  # Deviation from the nominal angle of incidence
     diameter_um: Distribution  # Of the sphere
     # Of the surface, along the motion and across it: tangents of the article's angle phi.
     slope: Slope
     cross_slope: Distribution
     spin_ratio: Distribution  # r omega / v about the axis of tilt, positive in the sense of rolling
     friction: Distribution  # Coulomb coefficient
+    # What follows does not vary in Section 4.2.
+    angle_offset_deg: Distribution = NONE  # Deviation from the nominal angle of incidence
     # The rigid body model takes ``factor e + offset``, within [0, 1], for e; not with the dynamic
     # simulation.
-    restitution_factor: Distribution
-    restitution_offset: Distribution
-    work_of_adhesion_factor: Distribution  # Multiple of the work of adhesion of the contact
+    restitution_factor: Distribution = UNIT
+    restitution_offset: Distribution = NONE
+    work_of_adhesion_factor: Distribution = UNIT  # Multiple of the contact's work of adhesion
     # Multiples of the coefficients of damping; with the dynamic simulation only.
-    hertz_damping_factor: Distribution
-    adhesion_damping_factor: Distribution
+    hertz_damping_factor: Distribution = UNIT
+    adhesion_damping_factor: Distribution = UNIT
 
     def __post_init__(self) -> None:
         """Refuse distributions that reach values without meaning."""
@@ -158,8 +160,10 @@ class Ensemble:
     @property
     def surface(self) -> Surface:
         """The surface that is struck."""
-        process = self.process
-        return Surface(slope=process.slope, cross_slope=process.cross_slope, rules=self.rules)
+        slope, across = self.process.slope, self.process.cross_slope
+        if isinstance(slope, Inferred):
+            raise ValueError("slope: must be inferred before events are drawn; declare one")
+        return Surface(slope=slope, cross_slope=across, rules=self.rules)
 
     @cached_property
     def drawn(self) -> dict[str, Distribution]:
