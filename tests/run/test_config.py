@@ -129,20 +129,11 @@ def test_a_bare_number_and_a_changed_value_are_the_users():
     assert declared(changed(coulomb_friction={"spin_friction": own}), key).source == "mine"
 
 
-def test_a_contact_follows_the_printed_value_that_it_names(tmp_path):
+def test_a_parameter_follows_the_printed_value_that_it_names(tmp_path):
     path = tmp_path / "printed_values.csv"
     printed = (ROOT / "config/printed_values.csv").read_text(encoding="utf-8")
     path.write_text(printed.replace("force_history_diameter,4.9,", "force_history_diameter,2.58,"))
     settings = validate(BASE | {"printed_values": str(path)}, BASE)
-    told = {
-        (row["surface"], row["evidence"], row["source"], row["value"])
-        for row in settings.tables.contacts.rows
-        if (row["particle"], row["property"]) == ("ammonium-fluorescein", "diameter")
-    }
-    assert told == {
-        ("molybdenum", "printed", "Section 2.3; Fig. 20", "2.58"),
-        ("mica", "assumed", "not stated; taken as that of Fig. 20", "2.58"),
-    }
     assert settings.branches["force_history"]["diameter_um"] == 2.58
 
 
