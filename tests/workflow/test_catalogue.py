@@ -1,4 +1,4 @@
-"""What the workflow catalogue tells its readers: a module of other workflows, with a report."""
+"""Uses that the workflow catalogue promises: as a module of another workflow, with a report."""
 
 from __future__ import annotations
 
@@ -34,15 +34,17 @@ def test_another_workflow_plans_all_of_this_one(elsewhere):
     assert {file for file in elsewhere.files() if ".snakemake" not in file} == {"Snakefile"}
 
 
-def test_another_workflow_makes_one_figure_with_inputs_of_its_own(elsewhere):
+def test_another_workflow_makes_one_figure_by_rules_and_inputs_of_its_own(elsewhere):
+    (elsewhere.root / "Snakefile").write_text(f"{SNAKEFILE.rstrip()} as article_*\n")
     overlay = {"coulomb_friction": {"points": 7}, "pathvars": {"results": "made"}}
     (elsewhere.root / "mine.yaml").write_text(yaml.safe_dump(overlay))
     (elsewhere.root / "made").mkdir()
     (elsewhere.root / "made/beside.txt").write_text("a result of the other workflow")
-    elsewhere.snakemake("fig17", "--configfile", "mine.yaml")
+    elsewhere.snakemake("article_fig17", "--configfile", "mine.yaml")
     series = read_table(elsewhere.root / "made/data/fig17.csv").groupby(["panel", "series"])
     assert set(series.size()) >= {7}
-    assert "Nothing to be done" in elsewhere.snakemake("fig17", "--configfile", "mine.yaml").text
+    again = elsewhere.snakemake("article_fig17", "--configfile", "mine.yaml")
+    assert "Nothing to be done" in again.text
 
 
 def test_the_report_has_every_figure_with_its_caption(project, tmp_path):
