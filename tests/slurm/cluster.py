@@ -1,7 +1,5 @@
 """A Slurm of one node on this machine: real daemons on loopback, started and stopped by hand.
 
-python tests/slurm/cluster.py sinfo          a cluster for as long as one command takes
-
 Neither systemd nor cgroups, neither a database nor a file outside of one temporary folder: Debian's
 ``munge`` and ``slurm-wlm`` are enough. Root or not, the daemons run as whoever starts them.
 """
@@ -12,10 +10,8 @@ import os
 import secrets
 import shlex
 import shutil
-import signal
 import socket
 import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -224,22 +220,3 @@ def _free_ports(count: int) -> list[int]:
         for one in sockets:
             one.bind(("127.0.0.1", 0))
         return [one.getsockname()[1] for one in sockets]
-
-
-def main(command: list[str]) -> int:
-    """Run a command while a cluster is up, and return its exit code."""
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
-    try:
-        with slurm_cluster() as cluster:
-            path = cluster.environment["PATH"]
-            program = shutil.which(command[0], path=path) or command[0]
-            return subprocess.run(
-                [program, *command[1:]], env=cluster.environment, check=False
-            ).returncode
-    except ClusterError as error:
-        sys.stderr.write(f"{error}\n")
-        return 1
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:] or ["sinfo"]))

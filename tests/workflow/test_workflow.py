@@ -167,14 +167,13 @@ def test_an_edit_reruns_what_it_can_affect(project, path, edit, reruns, spares):
 def test_the_number_of_parts_changes_no_byte(built, tmp_path):
     project = Project(tmp_path / "copy")
     shutil.copytree(built, project.root)
-    names = ("data/capture_recovery.csv", "tables/fit_coverage.csv")
+    names = ("data/fig23.csv", "tables/monte_carlo.csv")
     before = [(project.root / OUT / name).read_bytes() for name in names]
-    parts = tmp_path / "parts.yaml"
-    parts.write_text("chunks: 3\n")
-    text = project.snakemake("fit_coverage", *SMALL, str(parts), "--verbose").text
-    assert re.search(r"^fit_coverage_part +3$", text, flags=re.MULTILINE)
+    parts = ("--set-scatter", "monte_carlo=3", "--forcerun", "monte_carlo")
+    text = project.snakemake("monte_carlo", *SMALL, *parts, "--verbose").text
+    assert re.search(r"^monte_carlo_part +3$", text, flags=re.MULTILINE)
     assert [(project.root / OUT / name).read_bytes() for name in names] == before
-    assert not list((project.root / OUT / "chunks").glob("*"))
+    assert not list((project.root / OUT / "parts").glob("*"))
 
 
 def test_bad_input_is_one_line_a_problem_and_writes_nothing(project, tmp_path):
@@ -273,8 +272,6 @@ def test_an_overlay_that_changes_inputs_does_not_write_among_the_shipped_results
     assert done.returncode
     assert "overlay changes coulomb_friction.spin_friction, so its results need a" in done.text
     assert not (project.root / "results").exists()
-    overlay.write_text("chunks: 5\n")
-    assert "coulomb_friction" in project.planned("fig17", "--configfile", str(overlay))
 
 
 def test_one_target_with_other_inputs_leaves_nothing_that_tells_the_old_ones(project):

@@ -22,14 +22,29 @@ use rule study as roughness_expansions with:
         **parameters("roughness_expansions"),
 
 
-use rule study_part as monte_carlo_part with:
+# Another number of parts, each a job: `snakemake --set-scatter monte_carlo=64`.
+scattergather:
+    monte_carlo=1,
+
+
+MONTE_CARLO_PARTS = gather.monte_carlo("<results>/parts/monte_carlo-{scatteritem}.csv")
+
+
+rule monte_carlo_part:
+    """parts/*.csv: estimates of some of the variants and angles, until all are gathered."""
     input:
         **tables("calibration"),
         samples=sample_files("monte_carlo"),
-    pathvars:
-        study="monte_carlo",
+    output:
+        part=temp("<results>/parts/monte_carlo-{scatteritem}.csv"),
+    log:
+        "<results>/logs/monte_carlo-{scatteritem}.log",
+    benchmark:
+        "<results>/benchmarks/monte_carlo-{scatteritem}.tsv"
     params:
         **parameters("monte_carlo"),
+    script:
+        "../scripts/run_study.py"
 
 
 use rule study as monte_carlo with:
@@ -37,7 +52,8 @@ use rule study as monte_carlo with:
     input:
         **tables("calibration"),
         samples=sample_files("monte_carlo"),
-        parts=parts("monte_carlo"),
+        # A single part is made at once.
+        parts=MONTE_CARLO_PARTS[1:] and MONTE_CARLO_PARTS,
     output:
         **tables(
             "monte_carlo",

@@ -1,15 +1,6 @@
 """The ledgers: what is asserted about the article, the numbers behind it, and what came of it."""
 
 
-use rule study_part as claim_numbers_part with:
-    input:
-        **tables("calibration", "admissible_contacts"),
-    pathvars:
-        study="claim_numbers",
-    params:
-        **parameters("claim_numbers"),
-
-
 use rule study as claim_numbers with:
     """tables/claim_numbers.csv: the numbers that decide the claims.
 
@@ -18,7 +9,6 @@ use rule study as claim_numbers with:
     input:
         # Each claim names those it takes.
         **tables(*studies.needs("claim_numbers")),
-        parts=parts("claim_numbers"),
     output:
         **tables("claim_numbers", "claim_draws"),
     pathvars:

@@ -91,13 +91,6 @@ def data(*names):
     return {name: f"<results>/data/{name}.csv" for name in names}
 
 
-def parts(study):
-    """Return the parts that a study is gathered from; in one part it is run at once."""
-    count = SETTINGS.general.chunks
-    numbers = range(1, count + 1) if count > 1 else ()
-    return [f"<results>/chunks/{study}-{n}-of-{count}.json" for n in numbers]
-
-
 def sample_files(study):
     """Return the files of measured values that a study draws from."""
     return list(_sample_files(SETTINGS.branches[study]))

@@ -80,20 +80,10 @@ use rule study as track_imaging with:
         **parameters("track_imaging"),
 
 
-use rule study_part as campaign_part with:
-    input:
-        **tables("calibration"),
-    pathvars:
-        study="campaign",
-    params:
-        **parameters("campaign"),
-
-
 use rule study as campaign with:
     """tables/campaign.csv: all 187 experiments; campaign_summary.csv; data of campaign_map."""
     input:
         **tables("calibration"),
-        parts=parts("campaign"),
     output:
         **tables("campaign", "campaign_summary"),
         **data("campaign_map"),
@@ -103,20 +93,10 @@ use rule study as campaign with:
         **parameters("campaign"),
 
 
-use rule study_part as interval_coverage_part with:
-    input:
-        **tables("calibration"),
-    pathvars:
-        study="interval_coverage",
-    params:
-        **parameters("interval_coverage"),
-
-
 use rule study as interval_coverage with:
     """tables/interval_coverage.csv: how often 95 % intervals hold each mean; figure data."""
     input:
         **tables("calibration"),
-        parts=parts("interval_coverage"),
     output:
         **tables("interval_coverage"),
         **data("coverage_by_speed", "coverage_by_angle"),

@@ -103,20 +103,10 @@ use rule study as restitution_fits with:
         **parameters("restitution_fits"),
 
 
-use rule study_part as fit_coverage_part with:
-    input:
-        **tables("calibration", "restitution_fits", "contact_law_fits"),
-    pathvars:
-        study="fit_coverage",
-    params:
-        **parameters("fit_coverage"),
-
-
 use rule study as fit_coverage with:
     """tables/fit_coverage.csv, averaged_intervals.csv: how well the capture velocity is found."""
     input:
         **tables("calibration", "restitution_fits", "contact_law_fits"),
-        parts=parts("fit_coverage"),
     output:
         **tables("fit_coverage", "averaged_intervals"),
         **data("capture_recovery", "averaged_coverage"),

@@ -1,13 +1,11 @@
 """Run a study, or one part of it, and write the tables it returns."""
 
-from pathlib import Path
 from typing import Any
 
+import pandas as pd
 from job import run
-from parts import part_from_text, part_text
 
 from microimpact import studies
-from microimpact.core.files import write_file
 from microimpact.core.tables import parse_table, read_table, write_table
 from microimpact.declared.parameters import build
 from microimpact.declared.selection import NamedTables
@@ -21,21 +19,19 @@ def main(job: Any) -> str:
 
     The rule names it as ``params.study``, with its branch of the configuration as
     ``params.branch``, rows of declared tables as ``params.rows`` (name -> CSV text), and tables of
-    earlier studies as named input files. The rule ``STUDY_part`` makes part ``chunk``, as in
-    ``1-of-2``, of a study that comes in parts; the study's own rule gathers the files ``parts``.
+    earlier studies as named input files. The rule of its parts makes one, such as 1-of-2; what is
+    made of the files ``parts`` is among the inputs of the study as one table.
     """
     study = studies.study(job.params.study)
     inputs = NamedTables({name: parse_table(text) for name, text in job.params.rows.items()})
     inputs |= {name: read_table(path) for name, path in job.input.items() if name not in OTHERS}
     params = build(study.Params, job.params.branch)
-    if chunk := job.wildcards.get("chunk"):
-        number, count = map(int, chunk.split("-of-"))
-        write_file(job.output[0], part_text(study.part(params, inputs, number - 1, count)))
-        return f"{job.rule}: part {chunk}\n"
-    if parts := job.input.get("parts"):
-        pieces = [part_from_text(Path(path).read_text(encoding="utf-8")) for path in parts]
-        tables = study.gather(params, inputs, pieces)
+    if item := job.wildcards.get("scatteritem"):
+        number, count = map(int, item.split("-of-"))
+        tables = {"part": study.part(params, inputs, number - 1, count)}
     else:
+        if parts := job.input.get("parts"):
+            inputs["parts"] = pd.concat(map(read_table, parts))
         tables = study.run(params, inputs)
     outputs = dict(job.output.items())
     if set(tables) != set(outputs):

@@ -21,7 +21,7 @@ from microimpact import studies
 from microimpact.core.materials import Material, materials_from_rows
 from microimpact.core.nearest import nearest
 from microimpact.declared.documents import ConfigError, load, located
-from microimpact.declared.parameters import Count, Known, Name, adapter, build, explain
+from microimpact.declared.parameters import Known, Name, adapter, build, explain
 from microimpact.declared.provenance import Declared, unit_of
 from microimpact.declared.references import Resolver
 from microimpact.declared.selection import TABLES, DeclaredTable, DeclaredTables, read_all
@@ -46,7 +46,6 @@ class General:
     """Top-level keys that belong to no single analysis."""
 
     seed: Annotated[int, Field(ge=0)]
-    chunks: Count
     materials: Name
     contacts: Name
     printed_values: Name

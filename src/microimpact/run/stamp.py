@@ -79,7 +79,7 @@ def require_own_root(config: Mapping[str, Any], base: Mapping[str, Any]) -> None
     `config`, `base`: the configuration with the overlay merged into it, and that without. Raises
     ValueError, naming what is changed, and what to add.
     """
-    changed = [change.key for change in changes(config, base) if change.key != "chunks"]
+    changed = [change.key for change in changes(config, base)]
     if changed and results_root(config) == results_root(base):
         more = f" and {len(changed) - 1} more" if len(changed) > 1 else ""
         raise ValueError(

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from functools import partial
-from itertools import chain, product
-from operator import itemgetter
+from itertools import product
 from typing import Annotated, Any
 
 import numpy as np
@@ -283,28 +282,12 @@ def run(params: Params, inputs: Tables) -> Tables:
     intervals, and the ground truth. ``campaign_summary``: counts against the printed ones.
     ``campaign_map``: angle and speed of all experiments, and of those with too few events.
     """
-    return gather(params, inputs, [part(params, inputs, 0, 1)])
-
-
-def part(
-    params: Params, inputs: Tables, index: int, count: int
-) -> list[tuple[int, dict[str, Any]]]:
-    """Return the rows of every ``count``-th experiment, from ``index`` on, with their numbers."""
     experiments = params.experiments
-    pairs = {one.pair: one for one in experiments}
-    contacts = {pair: contact(params, one, inputs) for pair, one in pairs.items()}
-    return [
-        (number, conducted(params, one, *contacts[one.pair]))
-        for number, one in enumerate(experiments)
-        if number % count == index
-    ]
-
-
-def gather(
-    params: Params, inputs: Tables, parts: Sequence[list[tuple[int, dict[str, Any]]]]
-) -> Tables:
-    """Return the tables, from the rows of all parts."""
-    rows = pd.DataFrame([row for _, row in sorted(chain(*parts), key=itemgetter(0))])
+    pairs = {experiment.pair: experiment for experiment in experiments}
+    contacts = {pair: contact(params, experiment, inputs) for pair, experiment in pairs.items()}
+    rows = pd.DataFrame(
+        [conducted(params, experiment, *contacts[experiment.pair]) for experiment in experiments]
+    )
     return {
         "campaign": rows,
         "campaign_summary": summary(params, rows),

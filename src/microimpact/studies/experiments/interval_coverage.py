@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import chain
-from operator import itemgetter
+from itertools import product
 from typing import Annotated, Any
 
 import numpy as np
@@ -280,47 +279,29 @@ def run(params: Params, inputs: Tables) -> Tables:
     ``interval_coverage``: one row per experiment and quantity. ``coverage_by_speed``,
     ``coverage_by_angle``: coverage of restitution, and its nominal level.
     """
-    return gather(params, inputs, [part(params, inputs, 0, 1)])
-
-
-def part(
-    params: Params, inputs: Tables, index: int, count: int
-) -> list[tuple[int, list[dict[str, Any]]]]:
-    """Return the rows of every ``count``-th experiment, from ``index`` on, with their numbers."""
     contact = calibrated_contact(inputs, params.case).replace(friction=params.friction)
-    every = [
-        (case, (number, i, k), angle, speed)
-        for number, case in enumerate(params.cases)
-        for i, angle in enumerate(case.angles_deg)
-        for k, speed in enumerate(case.speeds_m_per_s)
-    ]
-    rows = []
-    for row_number in range(index, len(every), count):
-        case, key, angle, speed = every[row_number]
-        drop = Drop(
-            target=Target(contact=contact, surface=rough(case.slope)),
-            diameter_um=case.diameter_um,
-            angle=angle,
-            speed=speed,
-            speed_range=(speed * (1.0 - case.speed_window), speed * (1.0 + case.speed_window)),
-            dispenser=params.dispenser,
-        ).tabulated()
-        repeat = by_doppler if angle == NORMAL else by_imaging
-        try:
-            repeated = repeat(params, case.simulated, drop, generator(params.seed, *key))
-        except ValueError as error:
-            where = f"cases.{case.name}, {speed:g} m/s, {angle:g} deg"
-            raise ValueError(f"{where}: {error}") from None
-        rows.append((row_number, list(coverage_rows(params, case.name, drop, repeated))))
-    return rows
-
-
-def gather(
-    params: Params, inputs: Tables, parts: Sequence[list[tuple[int, list[dict[str, Any]]]]]
-) -> Tables:
-    """Return the tables, from the rows of all parts."""
-    every = sorted(chain(*parts), key=itemgetter(0))
-    table = pd.DataFrame([row for _, rows in every for row in rows])
+    rows: list[dict[str, Any]] = []
+    for number, case in enumerate(params.cases):
+        for (i, angle), (k, speed) in product(
+            enumerate(case.angles_deg), enumerate(case.speeds_m_per_s)
+        ):
+            drop = Drop(
+                target=Target(contact=contact, surface=rough(case.slope)),
+                diameter_um=case.diameter_um,
+                angle=angle,
+                speed=speed,
+                speed_range=(speed * (1.0 - case.speed_window), speed * (1.0 + case.speed_window)),
+                dispenser=params.dispenser,
+            ).tabulated()
+            repeat = by_doppler if angle == NORMAL else by_imaging
+            rng = generator(params.seed, number, i, k)
+            try:
+                repeated = repeat(params, case.simulated, drop, rng)
+            except ValueError as error:
+                where = f"cases.{case.name}, {speed:g} m/s, {angle:g} deg"
+                raise ValueError(f"{where}: {error}") from None
+            rows += coverage_rows(params, case.name, drop, repeated)
+    table = pd.DataFrame(rows)
     return {"interval_coverage": table, **drawn(table, params.level)}
 
 

@@ -11,7 +11,7 @@ import zlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from itertools import chain, islice, product
+from itertools import islice, product
 from operator import itemgetter
 from typing import Annotated, NamedTuple
 
@@ -110,7 +110,6 @@ def averaged_designs(params: Params) -> list[Design]:
 
 
 Numbered = tuple[int, Row]
-Part = tuple[list[Numbered], list[Numbered]]
 
 
 def run(params: Params, inputs: Tables) -> Tables:
@@ -121,23 +120,12 @@ def run(params: Params, inputs: Tables) -> Tables:
     ``capture_recovery``, ``averaged_coverage``: data of the figures. Raises ValueError if noise
     hides so many rebounds that too few are left to fit.
     """
-    return gather(params, inputs, [part(params, inputs, 0, 1)])
-
-
-def part(params: Params, inputs: Tables, index: int, count: int) -> Part:
-    """Numbered rows of every ``count``-th design, from ``index`` on."""
-    fits, averages = (
-        list(enumerate(designs))[index::count]
-        for designs in (fit_designs(params), averaged_designs(params))
+    rows = (
+        _fit_rows(params, inputs, list(enumerate(fit_designs(params)))),
+        _averaged_rows(params, inputs, list(enumerate(averaged_designs(params)))),
     )
-    return list(_fit_rows(params, inputs, fits)), list(_averaged_rows(params, inputs, averages))
-
-
-def gather(params: Params, inputs: Tables, parts: Sequence[Part]) -> Tables:
-    """Tables from the rows of all parts."""
     fits, averages = (
-        pd.DataFrame([row for _, row in sorted(chain(*rows), key=itemgetter(0))])
-        for rows in zip(*parts, strict=True)
+        pd.DataFrame([row for _, row in sorted(numbered, key=itemgetter(0))]) for numbered in rows
     )
     return {
         "fit_coverage": fits,

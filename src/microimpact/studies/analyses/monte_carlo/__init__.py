@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from itertools import chain
+from itertools import product
 from typing import Annotated, Literal
 
 import numpy as np
@@ -104,10 +104,6 @@ class Params:
         require_varying(self.correlation, known)
 
 
-# A pair of variant and angle by its number, and the fields of its `Estimate`.
-Numbered = tuple[int, list[float]]
-
-
 def run(params: Params, inputs: Tables) -> Tables:
     """Draw impacts on rough surfaces over angles of incidence.
 
@@ -117,33 +113,13 @@ def run(params: Params, inputs: Tables) -> Tables:
     ``monte_carlo_sampling``, ``monte_carlo_ablation``, ``slope_inference``: see `tables` and
     `slope_inference`.
     """
-    return gather(params, inputs, [part(params, inputs, 0, 1)])
-
-
-def part(params: Params, inputs: Tables, index: int, count: int) -> list[Numbered]:
-    """Return the estimates of one part: every so many of all pairs of drawn variant and angle."""
-    ensembles = _ensembles(params, inputs)
-    angles = sorted(params.angles_deg)
-    pairs = [(v.name, key) for v in params.variants if v.drawn for key in range(len(angles))]
-    return [
-        (number, list(estimate(ensembles[name], angles[key], key)))
-        for number, (name, key) in enumerate(pairs)
-        if number % count == index
-    ]
-
-
-def gather(params: Params, inputs: Tables, parts: Sequence[Sequence[Numbered]]) -> Tables:
-    """Return the tables, from the estimates of all parts."""
+    estimates = inputs["parts"] if "parts" in inputs else part(params, inputs, 0, 1)
     ensembles = _ensembles(params, inputs)
     drawn = {v.name: ensembles[v.name] for v in params.variants if v.drawn}
     base = deterministic(next(iter(drawn.values())))
-    estimates = iter([Estimate(*numbers) for _, numbers in sorted(chain(*parts))])
+    rows = estimates.sort_values("angle_deg").groupby("variant")
     means = pd.concat(
-        [
-            _means(params, name, [next(estimates) for _ in params.angles_deg], base)
-            for name in drawn
-        ],
-        ignore_index=True,
+        [_means(params, rows.get_group(name), base) for name in drawn], ignore_index=True
     )
     first = _stream(next(iter(drawn.values())), SAMPLING)
     apart = {name: _stream(one, ABLATION) for name, one in drawn.items()}
@@ -159,6 +135,19 @@ def gather(params: Params, inputs: Tables, parts: Sequence[Sequence[Numbered]]) 
         "monte_carlo_ablation": ablation_table(apart, base, params.ablation),
         "slope_inference": _slopes(params, ensembles),
     }
+
+
+def part(params: Params, inputs: Tables, index: int, count: int) -> pd.DataFrame:
+    """Estimates of every ``count``-th pair of drawn variant and angle, from ``index`` on."""
+    ensembles = _ensembles(params, inputs)
+    angles = enumerate(sorted(params.angles_deg))
+    pairs = list(product([v.name for v in params.variants if v.drawn], angles))[index::count]
+    return pd.DataFrame(
+        [
+            {"variant": name, "angle_deg": angle} | estimate(ensembles[name], angle, key)._asdict()
+            for name, (key, angle) in pairs
+        ]
+    )
 
 
 def stream(
@@ -245,17 +234,14 @@ def _stream(ensemble: Ensemble, analysis: int) -> Ensemble:
     return replace(ensemble, seed=seed)
 
 
-def _means(params: Params, variant: str, estimates: list[Estimate], base: Ensemble) -> pd.DataFrame:
+def _means(params: Params, estimates: pd.DataFrame, base: Ensemble) -> pd.DataFrame:
     """Estimates of a variant at every angle, ascending, beside the smooth surface's."""
-    angles = sorted(params.angles_deg)
-    rough, smooth = (
-        pd.DataFrame(estimates),
-        pd.DataFrame([estimate(base, angle) for angle in angles]),
-    )
+    rough, angles = estimates.reset_index(drop=True), sorted(params.angles_deg)
+    smooth = pd.DataFrame([estimate(base, angle) for angle in angles])
     reference = angles.index(params.reference_angle_deg)
     e, error, bare = rough["restitution"], rough["restitution_error"], smooth["restitution"]
     relative_error = np.hypot(error, error[reference]).where(rough.index != reference, 0.0)
-    table = rough.rename(columns={name: f"{name}_share" for name in SHARES}).assign(
+    return rough.rename(columns={name: f"{name}_share" for name in SHARES}).assign(
         relative_restitution=e - e[reference],
         relative_restitution_error=relative_error,
         smooth_restitution=bare,
@@ -265,9 +251,6 @@ def _means(params: Params, variant: str, estimates: list[Estimate], base: Ensemb
         mean_speed_m_per_s=mean(params.process.speed_m_per_s),
         events=params.plan.replicates * params.plan.events,
     )
-    table.insert(0, "variant", variant)
-    table.insert(1, "angle_deg", angles)
-    return table
 
 
 def _slopes(params: Params, ensembles: Mapping[str, Ensemble]) -> pd.DataFrame:
