@@ -194,15 +194,15 @@ def registry(entries: Mapping[str, Mapping[str, Any]]) -> dict[str, FigureSpec]:
 
     Raises RegistryError, naming the dotted key of every problem in any figure, one line each.
     """
-    found, problems = {}, []
+    specs, problems = {}, []
     for name in sorted(entries, key=_order):
         try:
-            found[name] = figure_spec(name, entries[name])
+            specs[name] = figure_spec(name, entries[name])
         except RegistryError as error:
             problems.append(str(error))
     if problems:
         raise RegistryError("\n".join(problems))
-    return found
+    return specs
 
 
 def filled(entries: Mapping[str, Any], branches: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:

@@ -164,21 +164,21 @@ def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> li
     names = [s for s in panel.series if s in present]
     names += [s for s in present if s not in panel.series]
     for number, series in enumerate(names):
-        own = panel.series.get(series, SeriesSpec(label=series))
-        colour = f"C{number if own.colour is None else own.colour}"
-        label: str | None = own.label if own.beside is None else f"_{own.label}"
+        spec = panel.series.get(series, SeriesSpec(label=series))
+        colour = f"C{number if spec.colour is None else spec.colour}"
+        label: str | None = spec.label if spec.beside is None else f"_{spec.label}"
         for evidence, part in rows[rows["series"] == series].groupby("evidence", sort=False):
-            _draw_series(ax, part, (x, y), str(evidence), own, colour, label)
+            _draw_series(ax, part, (x, y), str(evidence), spec, colour, label)
             label = None  # one entry per series; the key below the figure names the evidence
-        if own.beside is not None:
-            _name_beside(ax, rows[rows["series"] == series], own, colour)
+        if spec.beside is not None:
+            _name_beside(ax, rows[rows["series"] == series], spec, colour)
     if panel.fixed:
         _write_above(ax, rows[rows["evidence"] == "virtual experiment"])
-    place = panel.legend_place
-    if place == "above" or place == "none":  # noqa: PLR1714 (a set would not narrow the type)
+    corner = panel.legend_place
+    if corner == "above" or corner == "none":  # noqa: PLR1714 (a set would not narrow the type)
         return entries
     named = _entries([ax])
-    ax.legend(named.values(), named.keys(), title=panel.legend, loc=place)
+    ax.legend(named.values(), named.keys(), title=panel.legend, loc=corner)
     return entries
 
 
@@ -188,8 +188,8 @@ def _name_beside(ax: Axes, rows: pd.DataFrame, spec: SeriesSpec, colour: str) ->
     at = float(np.clip(spec.beside or 0.0, x[0], x[-1]))
     shift, ha, va = SIDES[spec.side]
     look: dict[str, Any] = {"fontsize": "small", "color": colour, "ha": ha, "va": va}
-    place = at, float(np.interp(at, x, y))
-    ax.annotate(spec.label, place, shift, textcoords="offset points", **look)
+    anchor = at, float(np.interp(at, x, y))
+    ax.annotate(spec.label, anchor, shift, textcoords="offset points", **look)
 
 
 def overlay(ax: Axes, points: pd.DataFrame, panel: PanelSpec, names: Sequence[str]) -> list[Line2D]:
@@ -221,9 +221,9 @@ def overlay(ax: Axes, points: pd.DataFrame, panel: PanelSpec, names: Sequence[st
 
 
 def _points_colour(name: str, panel: PanelSpec, number: int) -> str:
-    for place, (series, spec) in enumerate(panel.series.items()):
+    for index, (series, spec) in enumerate(panel.series.items()):
         if series == name or series.startswith(f"{name}, "):
-            return f"C{place if spec.colour is None else spec.colour}"
+            return f"C{index if spec.colour is None else spec.colour}"
     return f"C{len(panel.series) + number}"
 
 
@@ -325,7 +325,7 @@ def evidence_key(
     loc: Literal["outside lower center", "outside upper center"] = "outside lower center",
     labels: Mapping[str, str] | None = None,
 ) -> None:
-    """Say below the figure which marks are computed, printed or virtual experiments.
+    """Name the evidence of marks and lines below the figure.
 
     Entries of series of points follow, each name and colour once; they name their evidence
     themselves. ``loc`` may be another place, and ``labels`` replace words, as of what was printed
@@ -358,8 +358,8 @@ def line_figure(
     for name, panel in spec.panels.items():
         if prepare:
             prepare(axes[name], name)
-        own = [t for t in tables.values() if (panel.shows or name) in t["panel"].unique()]
-        table = pd.concat(own or list(tables.values()), ignore_index=True)
+        parts = [t for t in tables.values() if (panel.shows or name) in t["panel"].unique()]
+        table = pd.concat(parts or list(tables.values()), ignore_index=True)
         entries += draw_panel(axes[name], table, panel, name)
     if above := [axes[name] for name, p in spec.panels.items() if p.legend_place == "above"]:
         legend_above(figure, above)
@@ -378,16 +378,16 @@ def plain_numbers(*axes: Axis) -> None:
 
 
 def _entries(axes: Iterable[Axes]) -> dict[str, Any]:
-    """Return what stands in a legend by its label: a curve and marks of one label in one entry."""
-    found: dict[str, dict[object, Any]] = {}
+    """Return the entries of a legend by label: a curve and marks of one label in one entry."""
+    entries: dict[str, dict[object, Any]] = {}
     for ax in axes:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             line = handle[0] if isinstance(handle, Container) else handle
             is_line = isinstance(line, Line2D) and line.get_linestyle() != "None"
-            found.setdefault(label, {}).setdefault(is_line, handle)
+            entries.setdefault(label, {}).setdefault(is_line, handle)
     return {
         label: tuple(parts.values()) if len(parts) > 1 else next(iter(parts.values()))
-        for label, parts in found.items()
+        for label, parts in entries.items()
     }
 
 
@@ -416,10 +416,10 @@ def legend_after(figure: Figure, columns: int | None, axes: Iterable[Axes], **lo
     """Name every line and mark of some axes in the free place after the panels in rows."""
     number = len(figure.axes) + 1
     columns = columns or len(figure.axes)
-    place = figure.add_subplot(-(-number // columns), columns, number)
-    place.set_axis_off()
+    free = figure.add_subplot(-(-number // columns), columns, number)
+    free.set_axis_off()
     entries = _entries(axes)
-    place.legend(entries.values(), entries.keys(), loc="center left", **look)
+    free.legend(entries.values(), entries.keys(), loc="center left", **look)
 
 
 def apart(rows: pd.DataFrame, names: Sequence[str], factor: float) -> pd.DataFrame:

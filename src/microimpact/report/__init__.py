@@ -1,1 +1,1 @@
-"""What is done with finished results: checked against references, compared with each other."""
+"""Use of finished results: checks against references, comparisons, pages."""

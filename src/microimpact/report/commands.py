@@ -72,7 +72,7 @@ def reference_command(results: Path, reference: Path, few: int, remove: bool) ->
 @click.option("--html", type=_folder, help="Write a page with figures side by side, too.")
 @_few_option
 def compare_command(baseline: Path, changed: Path, html: Path | None, few: int) -> None:
-    """Tell which inputs, numbers, verdicts and figures differ between two results folders."""
+    """Compare inputs, numbers, verdicts and figures of two results folders."""
     from microimpact.core.files import write_file
     from microimpact.report.check.compare import as_text, compare, page
 
@@ -151,7 +151,7 @@ def report_command(results: Path) -> None:
 def deviations_command(
     results: Path, claims: Path | None, settings: str, output: Path | None
 ) -> None:
-    """Tell as Markdown how RESULTS deviates from the article: equations, claims, criteria."""
+    """Print the deviations of RESULTS from the article as Markdown."""
     from microimpact.core.files import write_file
     from microimpact.core.materials import declared_file
     from microimpact.report.check.results import require_results

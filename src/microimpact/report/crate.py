@@ -92,7 +92,7 @@ class Commit:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Run:
-    """What a crate takes from a run stamp."""
+    """Fields of a run stamp that a crate describes."""
 
     started: AwareDatetime
     ended: AwareDatetime  # When its last result was there

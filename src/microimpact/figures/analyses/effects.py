@@ -44,33 +44,33 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
     title = next(panel.legend for panel in spec.panels.values())
     style.legend_above(figure, axes.values(), title=title, loc="outside lower center")
     entries: list[Line2D] = []
-    given = table[table["evidence"].isin(POINTS)]
-    names = list(given["series"].unique())
+    points = table[table["evidence"].isin(POINTS)]
+    names = list(points["series"].unique())
     for name, panel in spec.panels.items():
-        entries += style.overlay(axes[name], given[given["panel"] == name], panel, names)
+        entries += style.overlay(axes[name], points[points["panel"] == name], panel, names)
     if entries:
-        style.evidence_key(figure, given["evidence"], entries, loc="outside upper center")
+        style.evidence_key(figure, points["evidence"], entries, loc="outside upper center")
     return figure
 
 
 def _draw_panel(ax: Axes, rows: pd.DataFrame, panel: PanelSpec, *, half: bool) -> None:
     x, y = rows.columns[3], rows.columns[4]
     responses = [name for name in MARKS if name in panel.series]
-    own = rows[rows["response"].isin(responses)]
-    is_margin = own["word"].isin(MARGINS)
+    shown = rows[rows["response"].isin(responses)]
+    is_margin = shown["word"].isin(MARGINS)
     if not half:
         ax.axhline(0.0, color="0.85", linewidth=0.6, zorder=0)
         ax.axvline(0.0, color="0.85", linewidth=0.6, zorder=0)
-    ax.set_xlim(style.widened(ax.get_xlim(), own[x].to_numpy(float), log=half))
-    ax.set_ylim(style.widened(ax.get_ylim(), own[y].to_numpy(float)))
-    margins = own[is_margin & (own["response"] == responses[0])]
+    ax.set_xlim(style.widened(ax.get_xlim(), shown[x].to_numpy(float), log=half))
+    ax.set_ylim(style.widened(ax.get_ylim(), shown[y].to_numpy(float)))
+    margins = shown[is_margin & (shown["response"] == responses[0])]
     for word, line in MARGINS.items():
-        for i, place in enumerate(margins.loc[margins["word"] == word, x]):
+        for i, margin in enumerate(margins.loc[margins["word"] == word, x]):
             label = panel.series[word].label if i == 0 else None
-            ax.axvline(place, color=MARGIN_COLOUR, linestyle=line, linewidth=0.9, label=label)
+            ax.axvline(margin, color=MARGIN_COLOUR, linestyle=line, linewidth=0.9, label=label)
     limit = float(margins.loc[margins["word"] == "margin", x].max())
     for response in responses:
-        points = own[~is_margin & (own["response"] == response)]
+        points = shown[~is_margin & (shown["response"] == response)]
         spec = panel.series[response]
         colour = f"C{spec.colour or 0}"
         face, marker = MARKS[response]
@@ -96,11 +96,11 @@ def _label(
     """Write the effects beside their points: away from zero, or all to one side."""
     x, y = columns
     gap = LABEL_GAP if outward else LABEL_GAP + 1.5
-    for word, place, height in zip(points["word"], points[x], points[y], strict=True):
-        left = place < 0.0 if outward else leftward
+    for word, effect, height in zip(points["word"], points[x], points[y], strict=True):
+        left = effect < 0.0 if outward else leftward
         ax.annotate(
             word,
-            (place, height),
+            (effect, height),
             xytext=(-gap if left else gap, 0.0),
             textcoords="offset points",
             ha="right" if left else "left",

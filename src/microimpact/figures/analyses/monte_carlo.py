@@ -32,14 +32,14 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
 
 def _draw_bands(ax: Axes, table: pd.DataFrame, panel: PanelSpec) -> None:
     for series, rows in table[table["y_low"].notna()].groupby("series", sort=False):
-        own = panel.series.get(str(series), SeriesSpec(label=str(series)))
+        spec = panel.series.get(str(series), SeriesSpec(label=str(series)))
         wide = series == MEASURED
         ax.fill_between(
             rows.iloc[:, 3],
             rows["y_low"],
             rows["y_high"],
-            color="0.5" if own.colour is None else f"C{own.colour}",
+            color="0.5" if spec.colour is None else f"C{spec.colour}",
             alpha=0.15 if wide else 0.5,
             linewidth=0,
-            label=own.label if wide else None,
+            label=spec.label if wide else None,
         )

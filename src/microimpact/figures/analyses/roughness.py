@@ -34,14 +34,14 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
 
 def _draw_ranges(ax: Axes, rows: pd.DataFrame, panel: PanelSpec) -> None:
     for series, ends in rows.groupby("series"):
-        of = str(series).removeprefix(RANGE)
+        name = str(series).removeprefix(RANGE)
         ax.plot(
             ends.iloc[:, 3],
-            [LEVELS[of]] * len(ends),
+            [LEVELS[name]] * len(ends),
             transform=ax.get_xaxis_transform(),
-            color=f"C{panel.series[of].colour}",
+            color=f"C{panel.series[name].colour}",
             marker="|",
             linestyle="solid",
             clip_on=False,
-            label=f"holds to the tolerance, {WORDS[of]}",
+            label=f"holds to the tolerance, {WORDS[name]}",
         )

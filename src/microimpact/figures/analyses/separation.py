@@ -35,8 +35,8 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
 
 def _draw_bands(ax: Axes, curves: pd.DataFrame, panel: PanelSpec) -> None:
     for series, rows in curves[curves["y_low"].notna()].groupby("series", sort=False):
-        own = panel.series.get(str(series))
-        colour = "0.5" if own is None or own.colour is None else f"C{own.colour}"
+        spec = panel.series.get(str(series))
+        colour = "0.5" if spec is None or spec.colour is None else f"C{spec.colour}"
         edges = rows["y_low"], rows["y_high"]
         ax.fill_between(rows.iloc[:, 3], *edges, color=colour, alpha=0.15, linewidth=0)
         for edge in edges:
@@ -44,7 +44,7 @@ def _draw_bands(ax: Axes, curves: pd.DataFrame, panel: PanelSpec) -> None:
 
 
 def _label_marks(ax: Axes, marks: pd.DataFrame) -> None:
-    """Write beside each statement what it says, as a share of the first."""
+    """Write the share of the first beside each statement."""
     places = marks.iloc[:, 3:5].to_numpy(float)
     shares = places[:, 1] / places[0, 1]
     for share, (x, y) in zip(shares, places, strict=True):

@@ -109,12 +109,12 @@ def draw_coverage(tables: Tables, spec: FigureSpec) -> Figure:
         is_level = table["series"] == NOMINAL
         for level in table.loc[is_level, table.columns[4]].unique():
             ax.axhline(level, color="0.5", linewidth=0.6, zorder=1)
-            place, mixed = (0.02, level), ax.get_yaxis_transform()
-            ax.annotate(f"{level:g} %", place, xycoords=mixed, va="top", fontsize="small")
+            corner, mixed = (0.02, level), ax.get_yaxis_transform()
+            ax.annotate(f"{level:g} %", corner, xycoords=mixed, va="top", fontsize="small")
         style.draw_panel(ax, table[~is_level], panel, name)
-        for series, own in table[~is_level].groupby("series", sort=False):
+        for series, points in table[~is_level].groupby("series", sort=False):
             (x, y), colour = table.columns[3:5], panel.series[str(series)].colour
-            order = own.sort_values(x)
+            order = points.sort_values(x)
             ax.plot(order[x], order[y], color=f"C{colour}", linewidth=0.6, alpha=0.7, zorder=2)
     rows = pd.concat(tables.values())
     style.evidence_key(figure, rows.loc[rows["series"] != NOMINAL, "evidence"])

@@ -48,13 +48,13 @@ def draw_pairs(tables: Mapping[str, pd.DataFrame], spec: FigureSpec) -> Figure:
 def _draw_pairs(ax: Axes, rows: pd.DataFrame, panel: PanelSpec, name: str) -> None:
     x, y = rows.columns[3], rows.columns[4]
     marks = iter(CLOUD_MARKS)
-    for series, own in panel.series.items():
+    for series, spec in panel.series.items():
         part = rows[rows["series"] == series]
         if part.empty:
             continue
         ends = part[x].to_numpy(float), part[y].to_numpy(float)
-        look: dict[str, Any] = {"color": f"C{own.colour or 0}", "label": own.label}
-        if own.open:
+        look: dict[str, Any] = {"color": f"C{spec.colour or 0}", "label": spec.label}
+        if spec.open:
             look["markerfacecolor"] = "white"
         if part["evidence"].iloc[0] == "printed":
             ax.axvline(ends[0][0], color="0.4", linewidth=0.8, linestyle="dotted", zorder=1)
@@ -64,7 +64,7 @@ def _draw_pairs(ax: Axes, rows: pd.DataFrame, panel: PanelSpec, name: str) -> No
         elif name in PAIRS:
             ax.plot(*ends, marker=next(marks), **CLOUD, **look)
         else:
-            line = style.EVIDENCE[part["evidence"].iloc[0]] | {"linestyle": style.LINES[own.line]}
+            line = style.EVIDENCE[part["evidence"].iloc[0]] | {"linestyle": style.LINES[spec.line]}
             ax.plot(*ends, **line, **look)
             ax.fill_between(*ends, color=look["color"], alpha=BAND_ALPHA / 2, linewidth=0)
 

@@ -38,7 +38,7 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
 
 
 def _label_marks(ax: Axes, rows: pd.DataFrame) -> None:
-    """Write what is printed into the corner that falling curves leave free.
+    """Write the printed values into the corner that falling curves leave free.
 
     Not the diameter: the article seldom states it.
     """

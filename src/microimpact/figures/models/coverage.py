@@ -28,8 +28,8 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
     for name, panel in spec.panels.items():
         ax, rows = axes[name], table[table["panel"] == name]
         if name.startswith("coverage"):
-            found = set(rows.loc[rows["evidence"] == "virtual experiment", "series"])
-            names = [n for n in panel.series if n in found]
+            present = set(rows.loc[rows["evidence"] == "virtual experiment", "series"])
+            names = [n for n in panel.series if n in present]
             rows = style.apart(rows, names, APART ** (1.0 / max(len(names) - 1, 1)))
         style.draw_panel(ax, rows, panel, name)
         _guide(ax, rows, panel)
@@ -41,7 +41,7 @@ def draw(tables: Tables, spec: FigureSpec) -> Figure:
 def _guide(ax: Axes, rows: pd.DataFrame, panel: PanelSpec) -> None:
     x, y = rows.columns[3], rows.columns[4]
     for name, part in rows[rows["evidence"] == "virtual experiment"].groupby("series"):
-        own = panel.series.get(str(name))
-        if own is not None and own.colour is not None:
-            line = "dashed" if own.open else "solid"
-            ax.plot(part[x], part[y], color=f"C{own.colour}", linestyle=line, **GUIDE)
+        spec = panel.series.get(str(name))
+        if spec is not None and spec.colour is not None:
+            line = "dashed" if spec.open else "solid"
+            ax.plot(part[x], part[y], color=f"C{spec.colour}", linestyle=line, **GUIDE)

@@ -26,8 +26,8 @@ def _banded(tables: Tables, spec: FigureSpec) -> tuple[Figure, dict[str, Axes]]:
         panel = spec.panels[name]
         rows = table[is_band & (table["panel"] == (panel.shows or name))]
         if not rows.empty:
-            own = panel.series["admissible"]
-            style.draw_band(ax, rows, own, own.label)
+            series = panel.series["admissible"]
+            style.draw_band(ax, rows, series, series.label)
 
     return style.line_figure({spec.name: table[~is_band]}, spec, prepare=prepare)
 
@@ -57,8 +57,10 @@ def draw_forces(tables: Tables, spec: FigureSpec) -> Figure:
         name: replace(
             panel,
             series={
-                term: replace(own, label=f"{own.label} (zero)") if largest.get(term) == 0.0 else own
-                for term, own in panel.series.items()
+                term: replace(series, label=f"{series.label} (zero)")
+                if largest.get(term) == 0.0
+                else series
+                for term, series in panel.series.items()
             },
         )
         for name, panel in spec.panels.items()

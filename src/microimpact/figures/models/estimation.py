@@ -31,10 +31,10 @@ def _named_members(panels: Mapping[str, PanelSpec], curves: pd.DataFrame) -> Pan
     families = panels["ridge"].series
     members = {}
     for name in curves["series"].unique():
-        found = _MEMBER.fullmatch(str(name))
-        if found:
-            label = f"$n$ = {found['family'][4:]}, $w_A$ = {found['work']} J/m$^2$"
-            family = families.get(found["family"], SeriesSpec(label=label))
+        match = _MEMBER.fullmatch(str(name))
+        if match:
+            label = f"$n$ = {match['family'][4:]}, $w_A$ = {match['work']} J/m$^2$"
+            family = families.get(match["family"], SeriesSpec(label=label))
             members[str(name)] = replace(family, label=label)
     return replace(panels["curves"], series=members | panels["curves"].series)
 
@@ -47,15 +47,18 @@ def draw_fits(tables: Tables, spec: FigureSpec) -> Figure:
     """
     (table,) = tables.values()
     is_found = table["series"].str.endswith(FOUND)
-    found = dict(zip(table["series"].str.removesuffix(FOUND), table.iloc[:, 3], strict=True))
+    limits = dict(zip(table["series"].str.removesuffix(FOUND), table.iloc[:, 3], strict=True))
     panels = {
         name: replace(
             panel,
             series={
-                series: replace(own, label=f"{own.label}: $v_c$ = {found[of]:.3g} m/s")
-                if (of := series.removesuffix(", fit")) != series and of in found
-                else own
-                for series, own in panel.series.items()
+                series: replace(
+                    entry,
+                    label=f"{entry.label}: $v_c$ = {limits[fitted]:.3g} m/s",
+                )
+                if (fitted := series.removesuffix(", fit")) != series and fitted in limits
+                else entry
+                for series, entry in panel.series.items()
             },
         )
         for name, panel in spec.panels.items()

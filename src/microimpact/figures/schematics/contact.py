@@ -42,7 +42,7 @@ def draw_fig19(tables: Tables, spec: FigureSpec) -> Figure:
 
 
 def _section(sheet: Sheet, radius: float) -> None:
-    """Draw the sphere in multiples of its radius, and name what is compressed."""
+    """Draw the sphere in multiples of its radius, and name its compression."""
     ax, points = sheet.ax, sheet.points
     left, right = sheet.panel.x_range
     draw.ground(ax, left + 0.06, right - 0.06, 0.065)

@@ -106,8 +106,8 @@ def draw_fig13(tables: Tables, spec: FigureSpec) -> Figure:
     _momentum(after)
     low, high = before.panel.y_range
     level = ((BODY - low) / (high - low) * 77.0 + 6.0) / spec.height_mm
-    for place, sign in ((58.0, "$+$"), (116.0, "$=$")):
-        figure.text(place / 174.0, level, sign, size=14, ha="center", va="center")
+    for middle, sign in ((58.0, "$+$"), (116.0, "$=$")):
+        figure.text(middle / 174.0, level, sign, size=14, ha="center", va="center")
     origin = np.array([-0.5, -0.83])
     draw.axis(before.ax, origin, origin + np.array([0.0, 0.38]), "$n$", gap=0.18)
     draw.axis(before.ax, origin, origin + np.array([0.38, 0.0]), "$t$", gap=0.18)

@@ -73,7 +73,7 @@ def sheets(
     figure = Figure(figsize=(width / MM_PER_INCH, height / MM_PER_INCH), layout=fixed)
     table = tables[next(iter(spec.data))]
     x, y = table.columns[3], table.columns[4]
-    found = {}
+    panels = {}
     for letter, (name, panel) in zip("abcdefgh", spec.panels.items(), strict=False):
         left, low, wide, high = places[name]
         ax = figure.add_axes((left / width, low / height, wide / width, high / height))
@@ -84,17 +84,17 @@ def sheets(
             spot = (left + 1.0) / width, (low + high - 0.5) / height
             figure.text(*spot, prefix + panel.title, va="top", size=9)
         rows = table[table["panel"] == name]
-        points = {str(p): own[[x, y]].to_numpy(float) / scale for p, own in _by_part(rows)}
-        evidence = {str(p): str(own["evidence"].iloc[0]) for p, own in _by_part(rows)}
-        found[name] = Sheet(ax, points, evidence, panel)
+        points = {str(p): part[[x, y]].to_numpy(float) / scale for p, part in _by_part(rows)}
+        evidence = {str(p): str(part["evidence"].iloc[0]) for p, part in _by_part(rows)}
+        panels[name] = Sheet(ax, points, evidence, panel)
     key(figure, set(table["evidence"]))
-    return figure, found
+    return figure, panels
 
 
 def vectors(table: pd.DataFrame, panel: str) -> dict[str, Points]:
     """Return the last point of every part of a panel, as in the table."""
     rows = table[table["panel"] == panel]
-    return {str(p): own.iloc[-1, 3:5].to_numpy(float) for p, own in _by_part(rows)}
+    return {str(name): part.iloc[-1, 3:5].to_numpy(float) for name, part in _by_part(rows)}
 
 
 def _by_part(rows: pd.DataFrame) -> Any:

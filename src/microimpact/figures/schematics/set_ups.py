@@ -173,7 +173,7 @@ def _analyser_top(sheet: Sheet) -> None:
 
 
 def _beam_key(sheet: Sheet) -> None:
-    """Say which colour of beams measures what, above them."""
+    """Name the velocity that each colour of beams measures, above them."""
     names = {"horizontal pair, upper": LIGHT, "vertical pair": OTHER_LIGHT}
     handles = [
         Line2D([], [], color=colour, linewidth=1.1, label=sheet.word(part))

@@ -46,7 +46,7 @@ def page_files(inputs: Mapping[str, pd.DataFrame]) -> dict[str, str]:
 
 
 def numbers(inputs: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
-    """Return what the page's scripts start from, ready for JSON, in SI units.
+    """Return the constants, materials and contacts of the page, ready for JSON, in SI units.
 
     ``constants`` of the model, ``materials`` as declared, ``contacts``: the calibrated cases, then
     the declared pairs of other materials; a field that nobody declared is None. `inputs`: as of

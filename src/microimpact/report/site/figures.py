@@ -38,7 +38,7 @@ class Marks:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Inputs:
-    """What one study was given: values of its branch and rows of the declared tables."""
+    """Inputs of one study: values of its branch and rows of the declared tables."""
 
     study: str
     purpose: str
@@ -71,13 +71,13 @@ class Figure:
 
     @property
     def alternative(self) -> str:
-        """What the picture shows, for those who cannot see it."""
+        """Alternative text of the picture."""
         shown = ", ".join(mark.evidence for mark in self.marks)
         return f"{self.label}. {self.title}. {self.caption} Marks: {shown or 'none'}."
 
 
 def label(name: str) -> str:
-    """Return how a figure is called: ``fig04`` is the article's Figure 4, others have a name."""
+    """Return the label of a figure: ``fig04`` is the article's Figure 4, others have a name."""
     match = ARTICLE.fullmatch(name)
     if match:
         return f"Figure {int(match[1])}"
@@ -150,13 +150,13 @@ def _marks(paths: Iterable[Path], panels: Mapping[str, Mapping[str, Any]]) -> tu
 
 
 def _panel_words(panel: str, panels: Mapping[str, Mapping[str, Any]]) -> str:
-    """Return the title of a panel, or what its upright axis shows."""
+    """Return the title of a panel, or the label of its upright axis."""
     spec = panels.get(panel, {})
     return " ".join((spec.get("title") or spec.get("y_label") or in_words(panel)).split())
 
 
 def _series_words(name: str, panel: str, panels: Mapping[str, Mapping[str, Any]]) -> str:
-    """Return what a legend of the figure calls a series, that of its panel first, or its name.
+    """Return the label of a series in a legend of the figure, its own panel first, or its name.
 
     The effects of a response are series, too: ``v_c: AB``; and so are the rows of a picture.
     """
@@ -235,12 +235,12 @@ def _named(words_of_contacts: tuple[str, ...], entry: Mapping[str, Any]) -> tupl
     return named or words_of_contacts
 
 
-# The study of all claims; what one of them rests on is told by the tables it was computed from.
+# The study of all claims; each rests on the tables that it was computed from.
 CLAIM_STUDY = "claim_numbers"
 
 
 def studies_behind(claim: Row, record: Record) -> set[str]:
-    """Return the studies that a claim rests on: of its figures, and of the tables it was told."""
+    """Return the studies that a claim rests on: of its figures, and of the tables it reads."""
     drawn = {record.figures[n]["study"] for n in claim["figures"].split() if n in record.figures}
     makers = studies.needs(CLAIM_STUDY)
     read = {makers[name] for name in claim.get("inputs", "").split() if name in makers}

@@ -48,7 +48,7 @@ def mathml(text: str) -> Markup:
 
 
 def prose(text: str) -> Markup:
-    """Return a sentence with its symbols set, as ``v_c``, ``alpha`` and what is between dollars."""
+    """Return a sentence with its symbols set: ``v_c``, ``alpha``, LaTeX between dollars."""
     pieces, end = [], 0
     for match in _SYMBOL.finditer(text):
         pieces += [

@@ -113,7 +113,7 @@ def by_claim(rows: Sequence[Row]) -> defaultdict[str, list[Row]]:
 
 
 def printed(claim: Row) -> str:
-    """Return what the article gives, with its unit if it is a number."""
+    """Return the article's value, with its unit if it is a number."""
     return with_unit(claim["article_value"], claim["unit"])
 
 

@@ -1,4 +1,4 @@
-"""What the site shows of a run beyond its tables and figures: rules, registry, versions, commit.
+"""Record of a run for its site, beyond its tables and figures: rules, registry, versions, commit.
 
 The workflow writes it to ``report/record.json``, so that the site of a finished run can be made
 again without the workflow engine. A run without that file is described by its stamp and the shipped
@@ -43,7 +43,7 @@ class Rule:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Record:
-    """What a site needs to know of a run."""
+    """Stamp, registry and rules of a run, as its site shows them."""
 
     # As in the run stamp.
     seed: int
