@@ -1,4 +1,4 @@
-"""What happens to each particle, and what an instrument reports of it."""
+"""Impacts of particles, and the records of an instrument."""
 
 from __future__ import annotations
 

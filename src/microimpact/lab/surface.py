@@ -1,4 +1,4 @@
-"""The rough surface: which facets a sphere meets, and what they do to it until it leaves.
+"""The rough surface: the facets that a sphere meets, and its contacts until it leaves.
 
 A rough surface (or a rough particle) is a plane of facets whose normals differ from the nominal
 one, the z axis. A facet is given by its slopes, tangents of angles: along the motion of the sphere,
@@ -227,25 +227,25 @@ def rigid_sums(surface: Surface, law: Law, groups: Iterable[Spheres]) -> FloatAr
         Shape (parts of all groups, columns), see `model.passes.SUMS`.
     """
     rules, most = surface.rules, surface.rules.most_contacts
-    told = passes.FACETS.index(rules.facets), rules.must_leave, most
-    given = hit_slopes(surface.slope), told, law.compiled
+    codes = passes.FACETS.index(rules.facets), rules.must_leave, most
+    look_ups = hit_slopes(surface.slope), codes, law.compiled
     parts: list[FloatArray] = []
     waiting: list[FloatArray] = []
     nothing_known = np.empty((most, 0))
     for spheres in groups:
         sums = np.zeros((spheres.parts, 2 * passes.LOST))
-        _, late = _added(_events(surface, spheres), nothing_known, given, sums)
+        _, late = _added(_events(surface, spheres), nothing_known, look_ups, sums)
         late[0] += sum(map(len, parts))
         waiting.append(late)
         parts.append(sums)
     sums, late = np.concatenate(parts), np.concatenate(waiting, axis=1)
     known = np.full((most, late.shape[1]), np.nan)
     while late.size:
-        (rows, contact), (w, *own) = late[:2].astype(np.int64), late[2:]
-        drawn, along, across = own[: -2 * most], own[-2 * most : -most], own[-most:]
+        (rows, contact), (w, *columns) = late[:2].astype(np.int64), late[2:]
+        drawn, along, across = columns[: -2 * most], columns[-2 * most : -most], columns[-most:]
         known[contact, np.arange(rows.size)] = law.restitution(w, drawn[-1])
         events = rows, drawn, np.stack(along), np.stack(across), NOT_STEADY
-        who, late = _added(events, known, given, sums)
+        who, late = _added(events, known, look_ups, sums)
         known = known[:, who]
     return sums[:, : passes.LOST] + sums[:, passes.LOST :]
 
@@ -267,19 +267,19 @@ def _events(surface: Surface, spheres: Spheres) -> _Events:
 
 
 def _added(
-    events: _Events, known: FloatArray, given: tuple[Any, ...], sums: FloatArray
+    events: _Events, known: FloatArray, look_ups: tuple[Any, ...], sums: FloatArray
 ) -> tuple[IntArray, FloatArray]:
-    """Add events to sums, and return which ask for e, and what they must have to come again.
+    """Add events to sums, and return those that ask for e: numbers, and columns to come again.
 
-    That is in turn: row of the sums, contact, w, all that is drawn, slopes along and across.
+    The columns: row of the sums, contact, w, all that is drawn, slopes along and across.
     """
     rows, drawn, along, across, steady = events
     flat = tuple(passes.flat(values, rows.shape) for values in drawn)
     asked = np.empty((rows.size, len(passes.ASKED)))
-    number = passes.events(rows, known, flat, (along, across, steady), given, sums, asked)
+    number = passes.events(rows, known, flat, (along, across, steady), look_ups, sums, asked)
     who, (contact, w) = asked[:number, 0].astype(np.int64), asked[:number, 1:].T
-    own = [values[who % values.size] for values in (*flat, *along, *across)]
-    return who, np.stack([rows[who], contact, w, *own])
+    columns = [values[who % values.size] for values in (*flat, *along, *across)]
+    return who, np.stack([rows[who], contact, w, *columns])
 
 
 def facets(
@@ -352,11 +352,10 @@ def simulated(contact: Contact, n: int, law: Law | None = None) -> Strike:
 
 @lru_cache(maxsize=KEPT_TABLES)
 def _steady(distribution: Distribution, angle: float) -> Steady:
-    """Return what finds slopes quickly where one angle, degrees, is that of many spheres.
+    """Inverse of the cumulative hit probability at one angle, degrees, of many spheres.
 
-    That is for equal steps of the share the cells in which it is reached; and for the cells from
-    the first that can be hit, and the end of the last, the hits below them, their lower slopes, and
-    the width by the share of facets.
+    For equal steps of the share, the cells in which it is reached; for the cells from the first
+    that can be hit, and the end of the last: hits below, lower slope, width by share of facets.
     """
     edges, mass, below, moment = hit_slopes(distribution)
     tangent = min(float(np.tan(np.radians(angle))), STEEPEST)

@@ -1,4 +1,4 @@
-"""Error model of trajectory imaging: what its frames would give, without drawing them.
+"""Error model of trajectory imaging: the reduced velocities, without drawing the frames.
 
 Which dashes a leg has follows from the geometry of the exposure, as in a frame: those that make a
 spot of their own, whole and by themselves. The velocities are those that the reduction finds from

@@ -1,4 +1,4 @@
-"""What the chopped light sheet shows of spheres: pieces of their paths, pulse by pulse.
+"""Exposure in the chopped light sheet: pieces of the paths of spheres, pulse by pulse.
 
 Frames and error model rest on the same pieces, and on the same reasons why an impact is not seen.
 """
