@@ -94,19 +94,19 @@ def filled(node: Any, values: Mapping[str, Any], key: str) -> Any:
     if not isinstance(node, str):
         return node
 
-    def value(place: re.Match[str]) -> str:
-        found: Any = values
-        rest = place[1]
+    def value(match: re.Match[str]) -> str:
+        node: Any = values
+        rest = match[1]
         while rest:
-            known = _named(found)
+            known = _named(node)
             part = next((name for name in known if f"{rest}.".startswith(f"{name}.")), None)
             if part is None:
                 near = nearest(rest.split(".")[0], known)
-                raise ConfigError(f"{key}: no parameter {place[1]!r}{near}")
-            found, rest = known[part], rest[len(part) + 1 :]
+                raise ConfigError(f"{key}: no parameter {match[1]!r}{near}")
+            node, rest = known[part], rest[len(part) + 1 :]
         *most, last = (
-            format(each, place[2] or "").replace("%", " %")
-            for each in (found if isinstance(found, list) else [found])
+            format(each, match[2] or "").replace("%", " %")
+            for each in (node if isinstance(node, list) else [node])
         )
         return f"{', '.join(most)} and {last}" if most else last
 
@@ -116,6 +116,8 @@ def filled(node: Any, values: Mapping[str, Any], key: str) -> Any:
 def _named(node: Any) -> Mapping[str, Any]:
     """Return the entries of a mapping, or of a list by their names or places."""
     if isinstance(node, list | tuple):
-        named = (own.get("name") if isinstance(own, Mapping) else None for own in node)
-        return {name or str(i): own for i, (name, own) in enumerate(zip(named, node, strict=True))}
+        named = (item.get("name") if isinstance(item, Mapping) else None for item in node)
+        return {
+            name or str(i): item for i, (name, item) in enumerate(zip(named, node, strict=True))
+        }
     return node if isinstance(node, Mapping) else {}

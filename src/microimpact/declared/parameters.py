@@ -49,7 +49,7 @@ PositiveRange = bounds.PositiveRange
 
 @dataclass(slots=True)
 class Known:
-    """What can be named, by what it is, and what was named while parameters were built."""
+    """Names that references may use, and those used so far."""
 
     names: Mapping[str, tuple[str, Iterable[str]]]  # By sort: where it is declared, and the names
     named: list[tuple[str, str]] = field(default_factory=list)  # Sort and name, in order
@@ -81,10 +81,10 @@ class Names:
         name = handler(name)
         if self.beside and self.beside not in info.data:  # refused with a line of its own
             return name
-        told = f"{info.data.get(self.beside)} on {name}" if self.beside else name
-        if told not in known:
-            raise ValueError(f"{told!r} is not declared in {where}{nearest(told, known)}")
-        info.context.named.append((self.sort, told))
+        full = f"{info.data.get(self.beside)} on {name}" if self.beside else name
+        if full not in known:
+            raise ValueError(f"{full!r} is not declared in {where}{nearest(full, known)}")
+        info.context.named.append((self.sort, full))
         return name
 
 
@@ -104,7 +104,7 @@ class Must:
     """
 
     be: Literal["above", "at least", "at most", "one of"]
-    other: str
+    field: str
 
     def __get_pydantic_core_schema__(
         self, source: Any, handler: GetCoreSchemaHandler
@@ -113,15 +113,15 @@ class Must:
         return core_schema.with_info_after_validator_function(self._checked, handler(source))
 
     def _checked(self, value: Any, info: ValidationInfo) -> Any:
-        other = info.data.get(self.other, value)
-        if self.other in info.data and not _RELATIONS[self.be](value, other):
-            raise ValueError(f"{_told(value)} must be {self.be} {self.other}, {_told(other)}")
+        bound = info.data.get(self.field, value)
+        if self.field in info.data and not _RELATIONS[self.be](value, bound):
+            raise ValueError(f"{_text(value)} must be {self.be} {self.field}, {_text(bound)}")
         return value
 
 
-def _told(value: Any) -> str:
+def _text(value: Any) -> str:
     if isinstance(value, tuple):
-        return f"[{', '.join(map(_told, value))}]"
+        return f"[{', '.join(map(_text, value))}]"
     return repr(value) if isinstance(value, str) else f"{value:g}"
 
 
@@ -193,7 +193,7 @@ def adapter(kind: Any) -> TypeAdapter[Any]:
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """What a type is for the files: dataclasses it may be, items it holds, how these are named."""
+    """Form of a type in the files: its dataclasses, its items and how these are named."""
 
     classes: tuple[type, ...] = ()
     hint: Any = object  # Of its items, if it holds some
@@ -222,8 +222,8 @@ class Shape:
         """Return the shape of every field, of the dataclass of that kind if there are several."""
         if len(self.classes) == 1:
             return _fields(self.classes[0])
-        own = self.kinds.get(getattr(kind, "value", kind))
-        return own.fields() if own else {}
+        variant = self.kinds.get(getattr(kind, "value", kind))
+        return variant.fields() if variant else {}
 
 
 @cache
@@ -234,7 +234,7 @@ def _fields(kind: type) -> dict[str, Shape]:
 
 @cache
 def shape(hint: Any) -> Shape:
-    """Return what a type is for the files."""
+    """Return the form of a type in the files."""
     marks: tuple[Any, ...] = ()
     while typing.get_origin(hint) is Annotated:
         marks += hint.__metadata__
@@ -256,12 +256,12 @@ def shape(hint: Any) -> Shape:
 @cache
 def nested(kind: type) -> frozenset[type]:
     """Return every dataclass that occurs, at any depth, in the annotations of another."""
-    waiting, found = list(_fields(kind).values()), set[type]()
+    waiting, classes = list(_fields(kind).values()), set[type]()
     while waiting:
-        one = waiting.pop()
-        found |= {*one.classes}
-        waiting += [one.item] if one.item != one else []
-    return frozenset(found).union(*map(nested, found))
+        form = waiting.pop()
+        classes |= {*form.classes}
+        waiting += [form.item] if form.item != form else []
+    return frozenset(classes).union(*map(nested, classes))
 
 
 def build(kind: type[T], values: Mapping[str, Any], known: Known | None = None) -> T:
@@ -298,11 +298,14 @@ def explain(
     aliases
         Where something stands in the files, by its dotted key here.
     """
-    found = error.errors(include_url=False)
+    errors = error.errors(include_url=False)
     # A list counts as too short without the items that are refused in lines of their own.
-    inner = {item["loc"][:-1] for item in found}
-    told = [item for item in found if item["type"] != "too_short" or item["loc"] not in inner]
-    return [_line(item, kind, key, aliases or {}) for item in told]
+    inner = {item["loc"][:-1] for item in errors}
+    return [
+        _line(item, kind, key, aliases or {})
+        for item in errors
+        if item["type"] != "too_short" or item["loc"] not in inner
+    ]
 
 
 def _line(item: Mapping[str, Any], kind: type, key: str, aliases: Mapping[str, str]) -> str:
@@ -322,17 +325,17 @@ def _line(item: Mapping[str, Any], kind: type, key: str, aliases: Mapping[str, s
     if item["type"] in {"missing", "missing_keyword_only_argument", "missing_argument"}:
         return f"{dotted}: missing"
     if item["type"] in {"union_tag_invalid", "union_tag_not_found"}:
-        given = item.get("ctx", {}).get("tag")
-        told = "missing, it" if given is None else repr(given)
+        tag = item.get("ctx", {}).get("tag")
+        fault = "missing, it" if tag is None else repr(tag)
         where = _file_key(f"{dotted}.{KIND}", aliases)
-        return f"{where}: {told} must be one of {', '.join(map(str, here.kinds))}"
+        return f"{where}: {fault} must be one of {', '.join(map(str, here.kinds))}"
     if item["type"] != "value_error":
         return f"{dotted}: {item['input']!r} {_wanted(item, here)}"
-    told = item["msg"].removeprefix("Value error, ")
-    name, colon, rest = told.partition(": ")
+    message = item["msg"].removeprefix("Value error, ")
+    name, colon, rest = message.partition(": ")
     if colon and name in here.fields():  # of a field, seen with the others
         return f"{_file_key(f'{dotted}.{name}'.removeprefix('.'), aliases)}: {rest}"
-    return f"{dotted}: {told}"
+    return f"{dotted}: {message}"
 
 
 def _file_key(key: str, aliases: Mapping[str, str]) -> str:
@@ -345,7 +348,7 @@ _LENGTHS = {"too_short": ("at least", "min_length"), "too_long": ("at most", "ma
 
 
 def _wanted(item: Mapping[str, Any], here: Shape) -> str:
-    """Say what a value must be in place of what it is."""
+    """Describe the values that are allowed."""
     problem = item["type"]
     if problem in {"tuple_type", "list_type"}:
         return f"must be a list, as [{item['input']}]"

@@ -111,7 +111,7 @@ def problems(node: Mapping[str, object], place: str | None) -> Iterator[str]:
         yield f".source: {source!r} must say where the value comes from"
 
 
-def given(node: Any, base: object, place: str) -> Declared:
+def as_declared(node: Any, base: object, place: str) -> Declared:
     """Return a well-formed declaration, or a bare value, with its provenance.
 
     `base`: the same node as shipped. A value that differs from it while evidence and source were
@@ -140,10 +140,10 @@ def _has_number(value: object) -> bool:
 def unit_of(key: str) -> str:
     """Return the unit in the suffix of a key: ``speed_m_per_s`` gives ``m/s``, else ``-``."""
     name = re.sub(r"\[\d+\]", "", key).rpartition(".")[2]
-    found = _SUFFIX.search(name)
-    if not found:
+    suffix = _SUFFIX.search(name)
+    if not suffix:
         return "-"
-    return found[1].replace("_per_", "/").replace("per_", "1/")
+    return suffix[1].replace("_per_", "/").replace("per_", "1/")
 
 
 def as_text(value: object) -> str:

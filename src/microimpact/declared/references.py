@@ -16,7 +16,7 @@ import numpy as np
 
 from microimpact.core.nearest import nearest
 from microimpact.declared.parameters import KIND, Shape, shape
-from microimpact.declared.provenance import Declared, as_text, given, is_declaration, problems
+from microimpact.declared.provenance import Declared, as_declared, as_text, is_declaration, problems
 
 FROM, SEED = "from", "seed"
 NOTHING = "names nothing"
@@ -58,7 +58,7 @@ def _is_one_value(node: Mapping[str, Any]) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class _Reference:
-    """Places named, what stands beside them, and the key where this is written."""
+    """Places, the override beside them, and the key of the reference itself."""
 
     places: tuple[str, ...]
     beside: Any
@@ -96,60 +96,67 @@ class Resolver:
         self._sections = frozenset(sections)
         self._elsewhere: set[str] = set()
         self._nodes = {
-            str(key): self._node(node, shipped.get(key), str(key)) for key, node in config.items()
+            str(key): self._parsed(node, shipped.get(key), str(key)) for key, node in config.items()
         }
 
     def resolved(self, kind: Any, key: str) -> Any:
-        """Return what stands under a top-level key as plain values, with all that it names.
+        """Return the plain values of a top-level key, its references resolved.
 
-        Its type tells which fields a reference is to give.
+        Parameters
+        ----------
+        kind
+            Type of its parameters: a reference gives the fields that it has.
+        key
+            The top-level key.
         """
-        return self._value(shape(kind), self._nodes.get(key), key)
+        return self._plain(shape(kind), self._nodes.get(key), key)
 
     def declare(self, section: str, names: Mapping[str, Any]) -> None:
-        """Add a section from elsewhere, to which it refers by its own name."""
+        """Add a section of declared tables, by the name that references use."""
         self._nodes[section] = dict(names)
         self._elsewhere.add(section)
 
     def unused(self) -> list[str]:
-        """Return the places of the sections that nothing resolved so far rests on."""
+        """Return the places of the sections that no resolved value comes from."""
         used = {row.place.partition("[")[0] for row in self.rows}
         every = {place for name in self._sections for place in _places(self._nodes.get(name))}
         return sorted(every - used)
 
-    def _node(self, node: Any, base: Any, key: str) -> Any:
+    def _parsed(self, node: Any, base: Any, key: str) -> Any:
         """Return a node with its values as `Declared` and its references as `_Reference`."""
         if is_reference(node):
             places = node[FROM] if isinstance(node[FROM], list) else [node[FROM]]
             beside = {name: child for name, child in node.items() if name != FROM}
             shipped = {n: c for n, c in base.items() if n != FROM} if is_reference(base) else None
             if is_declaration(beside):
-                told: Any = self._declared(beside, shipped, key, place=str(places))
+                override: Any = self._declared(beside, shipped, key, place=str(places))
             else:
-                told = self._node(beside, shipped, key) if beside else None
-            return _Reference(tuple(map(str, places)), told, key)
+                override = self._parsed(beside, shipped, key) if beside else None
+            return _Reference(tuple(map(str, places)), override, key)
         if is_declaration(node):
             return self._declared(node, base, key)
         if isinstance(node, Mapping):
             before = base if isinstance(base, Mapping) else {}
             return {
-                str(name): self._node(child, before.get(name), f"{key}.{name}")
+                str(name): self._parsed(child, before.get(name), f"{key}.{name}")
                 for name, child in node.items()
             }
         if isinstance(node, list) and any(isinstance(item, Mapping) for item in node):
             items = dict(enumerate(base)) if isinstance(base, list) else {}
-            return [self._node(c, items.get(i), f"{key}[{i}]") for i, c in enumerate(node)]
-        return given(node, base, key)
+            return [self._parsed(c, items.get(i), f"{key}[{i}]") for i, c in enumerate(node)]
+        return as_declared(node, base, key)
 
     def _declared(self, node: Any, base: Any, key: str, place: str | None = None) -> Declared:
         malformed = [f"{key}{line}" for line in problems(node, place)]
         self.problems += malformed
-        return Declared(None, "user", "malformed", key) if malformed else given(node, base, key)
+        return (
+            Declared(None, "user", "malformed", key) if malformed else as_declared(node, base, key)
+        )
 
-    def _value(self, kind: Shape, node: Any, key: str) -> Any:
-        """Return a node as plain values, and record where each comes from."""
+    def _plain(self, kind: Shape, node: Any, key: str) -> Any:
+        """Return the plain values of a node, and record the place of each."""
         if isinstance(node, _Reference):
-            node = self._named(kind, node, key)
+            node = self._dereferenced(kind, node, key)
         # From Python, whole items may come in a list, with their names.
         if kind.keyed and isinstance(node, Declared) and node.value and node.source != NOTHING:
             self.problems.append(f"{key}: must be a mapping: a name, then its fields")
@@ -157,7 +164,7 @@ class Resolver:
         if isinstance(node, Declared):
             return self._recorded(kind, node, key)
         if isinstance(node, list):
-            return [self._value(kind.item, item, f"{key}[{i}]") for i, item in enumerate(node)]
+            return [self._plain(kind.item, item, f"{key}[{i}]") for i, item in enumerate(node)]
         if not isinstance(node, dict):
             return None
         if kind.keyed:
@@ -170,7 +177,7 @@ class Resolver:
         if SEED in fields and SEED not in node:
             node = {**node, SEED: self._seed(fields[SEED].stream or key.partition(".")[0], key)}
         return {
-            name: self._value(fields.get(name, kind.item), child, f"{key}.{name}")
+            name: self._plain(fields.get(name, kind.item), child, f"{key}.{name}")
             for name, child in node.items()
         }
 
@@ -186,7 +193,7 @@ class Resolver:
         """Return the seed of an analysis without its own, from the root seed and a name."""
         root = self._nodes.get(SEED)
         if not isinstance(root, Declared) or not isinstance(root.value, int) or root.value < 0:
-            return root or _nothing(f"{key}.{SEED}", 0)
+            return root or _absent(f"{key}.{SEED}", 0)
         words = np.random.SeedSequence(root.value, spawn_key=(crc32(stream.encode()),))
         value = int(words.generate_state(1)[0])
         source = f"from the root seed, {root.value}, and the name {stream!r}"
@@ -195,44 +202,45 @@ class Resolver:
     def _item(self, kind: Shape, number: int, name: str, key: str, node: Any) -> Any:
         """Return a named item of a mapping as an item that holds its name."""
         self.aliases[f"{key}[{number}]"] = where = f"{key}.{name}"
-        value = self._value(kind.item, node, where)
+        value = self._plain(kind.item, node, where)
         if not (kind.keyed and kind.keyed.field and isinstance(value, dict)):
             return value
         return {kind.keyed.field: name, **value}
 
-    def _named(self, kind: Shape, node: _Reference, key: str) -> Any:
-        """Return what a reference stands for where a parameter of some kind is wanted."""
-        base, own = self._base(node), key.rpartition(".")[2]
-        if isinstance(base, dict) and own in base:
-            base = base[own]
+    def _dereferenced(self, kind: Shape, node: _Reference, key: str) -> Any:
+        """Return the fields of the places that a parameter of some kind has, overrides merged."""
+        base, field = self._referenced(node), key.rpartition(".")[2]
+        if isinstance(base, dict) and field in base:
+            base = base[field]
             if isinstance(base, _Reference):
-                base = self._named(kind, base, key)
+                base = self._dereferenced(kind, base, key)
         elif isinstance(base, dict):
             wanted = kind.fields(base.get(KIND))
             chosen = {name: child for name, child in base.items() if name in wanted}
             if not chosen:
-                told = f"{node.key}.{FROM}: no {own} in {' or '.join(node.places)}"
-                self.problems.append(f"{told}{nearest(own, base)}")
-            base = chosen or _nothing(node.key)
-        return self._laid(base, node.beside)
+                line = f"{node.key}.{FROM}: no {field} in {' or '.join(node.places)}"
+                self.problems.append(f"{line}{nearest(field, base)}")
+            base = chosen or _absent(node.key)
+        return self._overlaid(base, node.beside)
 
-    def _base(self, node: _Reference, opened: tuple[str, ...] = ()) -> Any:
-        """Return all that the places of a reference hold, the first of them first."""
-        found = []
+    def _referenced(self, node: _Reference, opened: tuple[str, ...] = ()) -> Any:
+        """Merge the mappings at the places of a reference; the first place goes before."""
+        nodes = []
         for place in node.places:
             if place in opened:
                 self.problems.append(f"{node.key}.{FROM}: {place!r} refers to itself")
-                return _nothing(node.key)
-            one = self._found(place, node.key)
-            if isinstance(one, _Reference):
-                one = self._laid(self._base(one, (*opened, place)), one.beside)
-            found.append(one)
-        if all(isinstance(one, dict) for one in found):
-            return {name: child for one in reversed(found) for name, child in one.items()}
-        return next(one for one in found if not isinstance(one, dict))
+                return _absent(node.key)
+            target = self._looked_up(place, node.key)
+            if isinstance(target, _Reference):
+                below = self._referenced(target, (*opened, place))
+                target = self._overlaid(below, target.beside)
+            nodes.append(target)
+        if all(isinstance(target, dict) for target in nodes):
+            return {name: child for target in reversed(nodes) for name, child in target.items()}
+        return next(target for target in nodes if not isinstance(target, dict))
 
-    def _found(self, place: str, key: str) -> Any:
-        """Return the node of a place; names may hold dots."""
+    def _looked_up(self, place: str, key: str) -> Any:
+        """Return the node at a dotted place; names may hold dots."""
         section, _, rest = place.partition(".")
         part, known = (
             section,
@@ -241,58 +249,58 @@ class Resolver:
         node = known.get(section)
         while node is not None and rest:
             if isinstance(node, _Reference):
-                node = self._laid(self._base(node), node.beside)
+                node = self._overlaid(self._referenced(node), node.beside)
             known = node if isinstance(node, dict) else {}
             name = max((n for n in known if f"{rest}.".startswith(f"{n}.")), key=len, default=None)
             part = rest
             node, rest = (known[name], rest[len(name) + 1 :]) if name else (None, "")
         if node is None:
             self.problems.append(f"{key}.{FROM}: {place!r} is not declared{nearest(part, known)}")
-            return _nothing(key)
+            return _absent(key)
         return node
 
-    def _laid(self, below: Any, above: Any) -> Any:
-        """Return what is named, with what stands beside it laid over."""
+    def _overlaid(self, below: Any, above: Any) -> Any:
+        """Merge the override over the referenced value."""
         if above is None or below is None:
             return below if above is None else above
         if isinstance(above, Declared):
             kept = above.is_kept and isinstance(below, Declared)
             return replace(above, value=below.value) if kept else self._overriding(above, below)
         if isinstance(above, dict):
-            return self._fields_laid(below, above)
+            return self._overlaid_fields(below, above)
         return above
 
-    def _fields_laid(self, below: Any, above: dict[str, Any]) -> Any:
+    def _overlaid_fields(self, below: Any, above: dict[str, Any]) -> Any:
         if KIND in above:
             return {name: self._overriding(child, below) for name, child in above.items()}
         if isinstance(below, _Reference):
-            return replace(below, beside=self._laid(below.beside, above))
+            return replace(below, beside=self._overlaid(below.beside, above))
         if isinstance(below, dict):
-            laid = {name: self._laid(below.get(name), child) for name, child in above.items()}
+            laid = {name: self._overlaid(below.get(name), child) for name, child in above.items()}
             return {**below, **laid}
         keys = (place for place in _places(above) if below.source != NOTHING)
         self.problems += [f"{place}: unknown key" for place in keys]
         return below
 
     def _overriding(self, above: Any, below: Any) -> Any:
-        """Record in a value of an analysis that it stands for another of the laboratory."""
+        """Record in a value of an analysis the value of the laboratory that it replaces."""
         if not isinstance(above, Declared) or above.place.partition(".")[0] in self._sections:
             return above
         if isinstance(below, Declared):
-            told = f"{below.place} = {as_text(below.value)}"
+            overridden = f"{below.place} = {as_text(below.value)}"
         else:
-            told = ", ".join(below.places) if isinstance(below, _Reference) else ""
-            told = told or next(_places(below), "").rpartition(".")[0]
-        return replace(above, overrides=told)
+            overridden = ", ".join(below.places) if isinstance(below, _Reference) else ""
+            overridden = overridden or next(_places(below), "").rpartition(".")[0]
+        return replace(above, overrides=overridden)
 
 
-def _nothing(key: str, value: object = None) -> Declared:
-    """Return what stands for that which is missing, which is told once."""
+def _absent(key: str, value: object = None) -> Declared:
+    """Return a placeholder for a missing value, which is reported once."""
     return Declared(value, "user", NOTHING, key)
 
 
 def _places(node: Any) -> Iterator[str]:
-    """Yield where every value at or below a node stands."""
+    """Yield the place of every value at or below a node."""
     if isinstance(node, Declared):
         yield node.place
     elif isinstance(node, _Reference):

@@ -102,9 +102,9 @@ def read_declared(
         raise SelectionError(
             f"{path}: the header is {', '.join(header)}; it must be {', '.join(columns)}"
         )
-    found = [f"{path}, line {n}: {line}" for n, row in rows for line in _problems(row, numbers)]
-    if found:
-        raise SelectionError("\n".join(found))
+    problems = [f"{path}, line {n}: {line}" for n, row in rows for line in _problems(row, numbers)]
+    if problems:
+        raise SelectionError("\n".join(problems))
     return DeclaredTable(path, tuple(columns), tuple(row for _, row in rows))
 
 
@@ -162,7 +162,7 @@ class DeclaredTables:
 
     def printed(self) -> dict[str, Declared | dict[str, Declared]]:
         """Return the printed values to be referred to; a range by its ends, or as a list."""
-        found: dict[str, Declared | dict[str, Declared]] = {}
+        printed: dict[str, Declared | dict[str, Declared]] = {}
         for row in self.printed_values.rows:
             numbers: dict[str, Any] = {column: _number(row[column]) for column in _BOUNDED}
             numbers["range"] = [numbers["low"], numbers["high"]]
@@ -170,8 +170,8 @@ class DeclaredTables:
                 name: Declared(value, "printed", row["where"], f"printed.{row['key']}")
                 for name, value in numbers.items()
             }
-            found[row["key"]] = parts["value"] if row["value"] else parts
-        return found
+            printed[row["key"]] = parts["value"] if row["value"] else parts
+        return printed
 
     def pairs(self) -> dict[str, dict[str, Declared]]:
         """Return the contacts to be referred to, by pair and property."""
