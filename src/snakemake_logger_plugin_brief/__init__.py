@@ -74,7 +74,7 @@ class LogHandler(LogHandlerBase):
         self._full = self.common_settings.verbose or self.common_settings.dryrun
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Print what a record tells, if it is worth a line."""
+        """Print the line of a record, if it has one."""
         try:
             self._emit(record)
         except Exception:  # noqa: BLE001  as all handlers of the standard library
