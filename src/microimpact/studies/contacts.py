@@ -113,21 +113,31 @@ class Admissible:
 
 
 def admissible_beside(
-    inputs: Tables, of: Admissible, case: str, diameter: float
+    inputs: Tables, shown: Admissible, case: str, diameter: float
 ) -> dict[str, Contact]:
     """Return the admissible contacts at a diameter (m), none if they are of another pair.
 
-    One contact of arrays for each normal force in Coulomb's law that some were drawn with.
-    `inputs`: what `calibrated_contact` and `admissible_contact` take; `of`, `case`: the contacts,
-    and the case beside which they are shown.
+    Parameters
+    ----------
+    inputs
+        Tables of `calibrated_contact` and `admissible_contact`.
+    shown, case
+        The admissible contacts, and the case beside which they are shown.
+
+    Returns
+    -------
+    dict
+        One contact of arrays for each normal force in Coulomb's law that some were drawn with.
     """
     table = inputs["admissible_contacts"]
-    rows = table[(table["case"] == of.case) & (table["variant"] == of.variant)]
-    if pair_of({"calibration": rows}, of.case) != pair_of(inputs, case):
+    rows = table[(table["case"] == shown.case) & (table["variant"] == shown.variant)]
+    if pair_of({"calibration": rows}, shown.case) != pair_of(inputs, case):
         return {}
     contacts = {}
     for basis, draws in rows.groupby("friction_basis"):
-        contact = admissible_contact({**inputs, "admissible_contacts": draws}, of.case, of.variant)
+        contact = admissible_contact(
+            {**inputs, "admissible_contacts": draws}, shown.case, shown.variant
+        )
         contacts[str(basis)] = resized(contact, diameter)
     return contacts
 
