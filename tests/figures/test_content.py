@@ -86,7 +86,7 @@ def test_all_that_is_drawn_lies_on_the_sheet_and_is_named(tmp_path):
     labels = {series.label for series in spec.panels["all"].series.values()}
     assert labels <= set(table.loc[table["artist"] == "Line2D", "text"])
     (blue, *_) = style_colours()
-    assert table["look"].str.contains(blue).any()
+    assert table["look"].str.contains(blue.lower()).any()
     inside = table[table["artist"] != "Text"][2:]
     assert (inside["x_low"] >= 0).all()
     assert (inside["y_high"] <= spec.height_mm / style.MM_PER_INCH * 72).all()
