@@ -1,4 +1,4 @@
-"""Section 4: rough surfaces, Monte Carlo, designs and indices; what is declared, dropped, charged."""
+"""Section 4: rough surfaces, Monte Carlo, designs and indices; tables of inputs; other data."""
 
 
 use rule study as declared_inputs with:

@@ -1,4 +1,4 @@
-"""The ledgers: what is asserted about the article, the numbers behind it, and what came of it."""
+"""The ledgers of claims and equations, with their numbers and verdicts."""
 
 
 use rule study as claim_numbers with:

@@ -1,4 +1,4 @@
-"""What all rules share: the checked configuration, names of results, the stamp of a run.
+"""The checked configuration, the names of results and the stamp of a run, for all rules.
 
 Makes no file by itself. A configuration, declared table or registry with problems ends the run
 here, with one line per problem, before anything is written.
@@ -17,7 +17,7 @@ from pathlib import Path
 from snakemake.exceptions import WorkflowError
 from snakemake.logging import logger
 
-# What is read and built here is kept: a collector that looks through all of it again and again, and
+# All that is read and built here is kept: a collector that looks through all of it again and again, and
 # once more at the end, takes a quarter of a start.
 gc.set_threshold(1_000_000)
 atexit.register(gc.freeze)
@@ -202,7 +202,7 @@ def outdated():
 
 
 def write_stamp(ended=None):
-    """Write what this run is made from into the results folder; a report of other inputs goes.
+    """Write the stamp of this run, and remove a report of other inputs.
 
     Before a result is made, lest a killed run leave figures beside the stamp of an earlier one, and
     again at the end. Returns the results of other inputs.
