@@ -6,12 +6,10 @@ import shutil
 
 import pandas as pd
 import pytest
-from click.testing import CliRunner
 from tests.docs.blocks import ROOT
 
 from microimpact.ledgers.claims.criteria import read_claims
-from microimpact.ledgers.claims.words import in_words, readable
-from microimpact.report.commands import commands
+from microimpact.ledgers.claims.words import readable
 from microimpact.report.documents import LEDGERS, deviations
 
 REFERENCE = ROOT / "tests/reference/full"
@@ -77,35 +75,10 @@ def test_a_changed_verdict_moves_its_statement(run):
     assert "### C09 " not in deviations(run, CRITERIA, "x")
 
 
-def test_rows_of_digitised_points_are_no_statements_of_the_article(run, made):
-    def change(table):
-        return pd.concat([table, table.head(1).assign(id="fig16 my points")])
-
-    edit(run, "claims.csv", change)
-    assert deviations(run, CRITERIA, SETTINGS) == made
-
-
 def test_tables_of_other_claims_are_refused(run):
     edit(run, "claims.csv", lambda table: table[table["id"] != "C09"])
     with pytest.raises(ValueError, match="do not hold the same claims: C09 in one of them"):
         deviations(run, CRITERIA, "x")
-
-
-def test_amendments_are_told_with_their_reasons(tmp_path):
-    text = CRITERIA.read_text(encoding="utf-8")
-    head, claim, rest = text.partition("\nC09:\n")
-    body, _, after = rest.partition("\n\n")
-    amended = (
-        "\n  amendments:\n    - {part: criteria, was: at most 1, now: at most 0.999,"
-        " reason: an order needs a margin}"
-    )
-    criteria = tmp_path / "claims.yaml"
-    criteria.write_text(f"{head}{claim}{body}{amended}\n\n{after}", encoding="utf-8")
-    page = deviations(REFERENCE, criteria, "x")
-    assert (
-        "### C09, criteria (2.4, 2.4.2)\n\n- was: at most 1\n- now: at most 0.999\n"
-        "- why: an order needs a margin" in page
-    )
 
 
 @pytest.mark.parametrize(
@@ -123,17 +96,3 @@ def test_amendments_are_told_with_their_reasons(tmp_path):
 )
 def test_numbers_are_readable(number, text):
     assert readable(*number) == text
-
-
-def test_quantities_are_told_in_words():
-    name = "share_of_rebounds_below_probe_at_0p3_m_per_s"
-    assert in_words(name) == "share of rebounds below probe at 0.3 m/s"
-
-
-def test_the_command_prints_or_writes_the_page(made, tmp_path):
-    call = ["deviations", str(REFERENCE), "--settings", SETTINGS]
-    printed = CliRunner().invoke(commands, call, catch_exceptions=False)
-    assert printed.output == made
-    target = tmp_path / "page.md"
-    CliRunner().invoke(commands, [*call, "--output", str(target)], catch_exceptions=False)
-    assert target.read_text(encoding="utf-8") == made

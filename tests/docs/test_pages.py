@@ -7,13 +7,11 @@ import shutil
 
 import pandas as pd
 import pytest
-from click.testing import CliRunner
 from tests.docs.blocks import ROOT
 from tests.shared import settings_as_shipped
 
 from microimpact.ledgers.claims.criteria import read_claims
 from microimpact.ledgers.claims.words import bounds
-from microimpact.report.commands import commands
 from microimpact.report.documents import LEDGERS, SUFFIX, Numbers, PageError, outdated, pages, renew
 
 FULL = ROOT / "tests/reference/full"
@@ -107,15 +105,6 @@ def test_a_run_of_other_settings_is_refused(docs, run, tmp_path):
     )
     with pytest.raises(PageError, match=r"1 keys of its configuration differ .*doe\.runs"):
         renew(run, docs, CRITERIA, tmp_path / "kept")
-
-
-def test_the_command_says_what_would_change(docs, run):
-    call = ["pages", str(run), "--docs", str(docs), "--tables", str(run)]
-    checked = CliRunner().invoke(commands, [*call, "--check"])
-    assert (checked.exit_code, checked.output.count("would change")) == (1, 2)
-    CliRunner().invoke(commands, call, catch_exceptions=False)
-    checked = CliRunner().invoke(commands, [*call, "--check"])
-    assert (checked.exit_code, checked.output) == (0, "no page changes\n")
 
 
 def test_what_the_example_analysis_found_is_in_its_table():
