@@ -8,11 +8,10 @@ it is, so that designs are independent and none changes with the others.
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
-from itertools import islice, product
-from operator import itemgetter
+from itertools import chain, islice, product
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -109,9 +108,6 @@ def averaged_designs(params: Params) -> list[Design]:
     return [Design(*level) for level in product(truths, (noise,), settings.lowest_speeds_in_v_c)]
 
 
-Numbered = tuple[int, Row]
-
-
 def run(params: Params, inputs: Tables) -> Tables:
     """Measure bias, error and coverage of v_c in every design.
 
@@ -120,13 +116,10 @@ def run(params: Params, inputs: Tables) -> Tables:
     ``capture_recovery``, ``averaged_coverage``: data of the figures. Raises ValueError if noise
     hides so many rebounds that too few are left to fit.
     """
-    rows = (
-        _fit_rows(params, inputs, list(enumerate(fit_designs(params)))),
-        _averaged_rows(params, inputs, list(enumerate(averaged_designs(params)))),
-    )
-    fits, averages = (
-        pd.DataFrame([row for _, row in sorted(numbered, key=itemgetter(0))]) for numbered in rows
-    )
+    exponents = None, params.fixed_exponent
+    pairs = zip(*(_fit_rows(params, inputs, q) for q in exponents), strict=True)
+    fits = pd.DataFrame(list(chain.from_iterable(pairs)))
+    averages = pd.DataFrame(list(_averaged_rows(params, inputs)))
     return {
         "fit_coverage": fits,
         "averaged_intervals": averages,
@@ -168,20 +161,18 @@ def measured(params: Params, inputs: Tables, design: Design) -> tuple[FloatArray
     return ratio, np.clip(curve + noise, 0.0, 1.0)
 
 
-def _fit_rows(
-    params: Params, inputs: Tables, designs: Sequence[tuple[int, Design]]
-) -> Iterator[Numbered]:
-    """Rows of Eq. (34) with q free and fixed, all designs fitted together."""
-    data = [(design, *measured(params, inputs, design)) for _, design in designs]
+def _fit_rows(params: Params, inputs: Tables, q: float | None) -> Iterator[Row]:
+    """Rows of Eq. (34) with q free (None) or fixed, all designs fitted together."""
+    designs = fit_designs(params)
+    data = [_weighted(design, *measured(params, inputs, design), q) for design in designs]
+    sets = stacked_sets(data)
+    fit = fit_batch(sets, params.starts)
     limit = float(scipy.special.chdtri(1.0, 1.0 - params.confidence))
-    for k, q in enumerate((None, params.fixed_exponent) if data else ()):
-        sets = stacked_sets([_weighted(*arguments, q) for arguments in data])
-        fit = fit_batch(sets, params.starts)
-        ends = interval_batch(sets, fit, limit).ends
-        for i, (number, design) in enumerate(designs):
-            rows = slice(i * params.sets, (i + 1) * params.sets)
-            factors = design._asdict() | {"exponent": "free" if q is None else "fixed"}
-            yield 2 * number + k, factors | _errors(sets.select(rows), fit.select(rows), ends[rows])
+    ends = interval_batch(sets, fit, limit).ends
+    for i, design in enumerate(designs):
+        rows = slice(i * params.sets, (i + 1) * params.sets)
+        factors = design._asdict() | {"exponent": "free" if q is None else "fixed"}
+        yield factors | _errors(sets.select(rows), fit.select(rows), ends[rows])
 
 
 def _weighted(design: Design, ratio: FloatArray, e: FloatArray, q: float | None) -> DataSets:
@@ -221,18 +212,16 @@ def _coverage(ends: FloatArray) -> Row:
     }
 
 
-def _averaged_rows(
-    params: Params, inputs: Tables, designs: Sequence[tuple[int, Design]]
-) -> Iterator[Numbered]:
+def _averaged_rows(params: Params, inputs: Tables) -> Iterator[Row]:
     """Rows of the average of all models, all data sets compared together."""
+    designs = averaged_designs(params)
     rebounds: list[tuple[FloatArray, FloatArray, float]] = []
-    for _, design in designs:
+    for design in designs:
         ratio, measurements = measured(params, inputs, design)
         rebounds += [(ratio[e > 0.0], e[e > 0.0], design.noise_of_e) for e in measurements]
     comparisons = iter(compare_sets(rebounds, confidence=params.confidence))
-    for number, design in designs:
-        row = _averaged(list(islice(comparisons, params.sets)))
-        yield number, design._asdict() | row
+    for design in designs:
+        yield design._asdict() | _averaged(list(islice(comparisons, params.sets)))
 
 
 def _averaged(comparisons: list[Comparison]) -> Row:
