@@ -10,11 +10,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import product
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
-from pydantic import Field
 
 from microimpact.core.arrays import FloatArray, Real, choice
 from microimpact.core.materials import materials_from_rows
@@ -45,6 +44,11 @@ SLIDING, STICKING = "sliding", "sticking"
 # A column beside those of the laws: the spin that the measured velocity asks for.
 FROM_VELOCITY = "spin of the measured velocity"
 
+# Steps of a quarter degree.
+POINTS = 360
+# Range of the axis, in units of the slip that friction just stops.
+LARGEST_SLIP = 2.0
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Microspheres:
@@ -74,8 +78,6 @@ class Params:
     speed_m_per_s: Positive
     friction: Positive
     restitution: Fraction
-    points: Annotated[int, Field(ge=10)]
-    largest_slip: Positive
     microspheres: Microspheres
 
 
@@ -117,7 +119,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     return {
         "oblique_velocity": panels["velocity"],
         "oblique_spin": panels["spin"],
-        "contact_point": slips[slips["x_1"] <= params.largest_slip].reset_index(drop=True),
+        "contact_point": slips[slips["x_1"] <= LARGEST_SLIP].reset_index(drop=True),
         "oblique_comparison": compared,
         "oblique_residuals": residuals(compared),
         "tangential_bounds": limits,
@@ -214,7 +216,7 @@ def _frame(panel: str, series: str, x: Real, y: Real, **more: object) -> pd.Data
 
 def curves(params: Params, contact: Contact, small: Contact) -> list[pd.DataFrame]:
     """Return the laws' curves against the angle, and for the contact point against slip."""
-    angle = np.linspace(0.0, 90.0, params.points + 1)[1:-1]
+    angle = np.linspace(0.0, 90.0, POINTS + 1)[1:-1]
     frames = []
     for law in TANGENTIAL_LAWS:
         impact = simulate(contact, params.speed_m_per_s, angle, tangential=law)
@@ -278,7 +280,7 @@ def bounds(
     """Return the contact point's restitution where sliding throughout begins, and its greatest."""
     spheres = params.microspheres
     rows: list[Row] = []
-    angle = np.linspace(0.0, 90.0, 20 * params.points + 1)[1:-1]
+    angle = np.linspace(0.0, 90.0, 20 * POINTS + 1)[1:-1]
     for name, which, speed in (
         (spheres.case, small, spheres.speed_m_per_s),
         (f"{params.particle} on {params.surface}", contact, params.speed_m_per_s),

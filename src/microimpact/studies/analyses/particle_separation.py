@@ -41,6 +41,9 @@ from microimpact.studies.contacts import all_printed
 PRINTED_VALUES = ("separation_force_bare_over_jkr", "separation_force_silica_over_bare")
 Span = tuple[Positive, Positive]
 
+# Steps of a twentieth of a per cent.
+POINTS = 61
+
 
 def middle(values: FloatArray, axes: int) -> FloatArray:
     """Return values where every range is at its middle, given the number of ranges."""
@@ -131,7 +134,6 @@ class Params:
     breakdown_field_V_per_um: Span  # noqa: N815 (the unit)
     largest_silica_fraction: OpenShare
     compared_silica_fraction: Annotated[Fraction, Must("at most", "largest_silica_fraction")]
-    points: Annotated[int, Field(ge=5)]
     far_exceeds_factor: AboveOne
     about_factor: AboveOne
 
@@ -173,7 +175,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     """
     case = combinations(params)
     stated = all_printed(inputs)
-    silica = np.linspace(0.0, params.largest_silica_fraction, params.points)
+    silica = np.linspace(0.0, params.largest_silica_fraction, POINTS)
     return {
         "separation": curves(params, case, silica, stated),
         "particle_separation": summary(params, case, silica, stated),

@@ -44,6 +44,13 @@ _frame = partial(series_frame, x_unit="deg", y_unit="1")
 RESTITUTION, IMPULSE = "restitution", "impulse ratio"
 PRINTED, CORRECTED = FORMS = ("printed", "corrected")
 
+# Limit of the search, degrees.
+LARGEST_SLOPE = 45.0
+# End of the axis, degrees.
+DRAWN_SLOPES = 20.0
+# Smooth curves.
+POINTS = 401
+
 
 @dataclass(frozen=True, kw_only=True)
 class SlopedImpacts:
@@ -143,7 +150,7 @@ class Params:
     """Impacts on slopes, and the relative error ``tolerance`` that counts as agreement.
 
     Ranges of the slope are sought at ``shallow_angles_deg`` and at normal incidence, up to
-    ``largest_slope_deg`` to either side; ranges of the angle at ``range_slopes_deg``.
+    `LARGEST_SLOPE` to either side; ranges of the angle at ``range_slopes_deg``.
     """
 
     restitution: Annotated[float, Field(gt=0, le=1, allow_inf_nan=False)]
@@ -152,13 +159,10 @@ class Params:
     shallow_angles_deg: Annotated[tuple[AngleDegrees, ...], Field(min_length=1)]
     slopes_deg: Annotated[tuple[SlopeDegrees, ...], Field(min_length=1)]
     range_slopes_deg: Annotated[tuple[SlopeDegrees, ...], Field(min_length=1)]
-    largest_slope_deg: ObliqueDegrees
     tolerance: OpenShare
     drawn_angle_deg: AngleDegrees
     drawn_slope_deg: ObliqueDegrees
     drawn_spin_ratio: Finite
-    drawn_slopes_to_deg: ObliqueDegrees
-    points: Annotated[int, Field(ge=20)]
 
     def case(self, angle_deg: Real, slope_deg: Real, spin_ratio: float) -> SlopedImpacts:
         """Return impacts on slopes, both angles in degrees."""
@@ -270,7 +274,7 @@ def slope_range(
             return equation.error(case, form) - params.tolerance
         return np.abs(equation.value(case, form)) / energy_bound(case.angle, spin) - 1.0
 
-    lowest, highest = max(-params.largest_slope_deg, -angle * (1 - OFF)), params.largest_slope_deg
+    lowest, highest = max(-LARGEST_SLOPE, -angle * (1 - OFF)), LARGEST_SLOPE
     low, high = (first_excess(excess, OFF * end, end) for end in (lowest, highest))
     return NOWHERE if np.isnan(low + high) else (low, high, low == lowest, high == highest)
 
@@ -312,10 +316,10 @@ def curves(params: Params) -> pd.DataFrame:
 
     The series ``range printed`` and ``range corrected`` are the two ends of a range.
     """
-    angle, slope, reach = params.drawn_angle_deg, params.drawn_slope_deg, params.drawn_slopes_to_deg
+    angle, slope, reach = params.drawn_angle_deg, params.drawn_slope_deg, DRAWN_SLOPES
     # up to where a sphere without spin would slide the other way
-    angles = np.linspace(1.0, 89.0 - slope, params.points)
-    slopes = np.linspace(-reach, reach, params.points)
+    angles = np.linspace(1.0, 89.0 - slope, POINTS)
+    slopes = np.linspace(-reach, reach, POINTS)
     facing = slopes[slopes > -0.9 * angle]
     frames = []
     for shallow, normal, spin in (("37", "after 40", 0.0), ("38", "41", params.drawn_spin_ratio)):

@@ -40,6 +40,9 @@ _frame = partial(series_frame, "all", x_unit="m_per_s", y_unit="1")
 # Speed, m/s, and restitution of a curve.
 Drawn = tuple[FloatArray, FloatArray]
 
+# Where more are captured, the mean of the few that rebound is not drawn.
+HIDDEN_SHARE = 0.9
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Population:
@@ -65,7 +68,6 @@ class Params:
     sizes: Annotated[int, Field(ge=10)]
     points: Annotated[int, Field(ge=10)]
     plateau_share: Fraction
-    hidden_share: Fraction
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -188,7 +190,7 @@ def sieves_drawn(
     drawn = {}
     for population in params.populations:
         curve = curves[case, population.name]
-        shown = curve.captured < params.hidden_share
+        shown = curve.captured < HIDDEN_SHARE
         drawn[f"{population.name} sieve{end}"] = curve.speed[shown], curve.rebounding[shown]
     return drawn
 

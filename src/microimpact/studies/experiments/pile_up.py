@@ -41,6 +41,9 @@ SHARES = "share_on_target", "share_captured_at_first_impact"
 
 _frame = partial(series_frame, "all", x_unit="m_per_s", y_unit="1")
 
+# More than any sphere makes before it rests.
+MOST_IMPACTS = 60
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Params:
@@ -54,7 +57,6 @@ class Params:
     spin: InitialSpin
     dispenser: Dispenser
     spheres: Count
-    most_impacts: Count
     # That restitution.
     high_speed_m_per_s: Positive
     restitution: Fraction
@@ -135,7 +137,7 @@ def rest(params: Params, contact: Contact, slope_deg: float, speed: float) -> Re
     ).tabulated()
     impacts = drop.impacts(params.spheres, rng, within=farthest)
     later = drop.target.later(impacts.diameter, rng)
-    return resting(impacts, later, params.most_impacts, farthest)
+    return resting(impacts, later, MOST_IMPACTS, farthest)
 
 
 def onsets(params: Params, table: pd.DataFrame) -> Iterator[dict[str, Any]]:

@@ -44,6 +44,9 @@ MARKS = ("speed_oblique_sst76", "restitution_sst76_silicon", PILES_BEGIN)
 PRINTED_VALUES = (*CAPTURE_VELOCITIES, *MARKS, "plateau_speed_sst_silicon")
 _frame = partial(series_frame, panel="restitution", x_unit="m_per_s", y_unit="1")
 
+# Smooth curves.
+POINTS = 200
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Oblique:
@@ -67,7 +70,6 @@ class Params:
     seen_from_m_per_s: Positive
     # Of the figure: ends, and points of a curve.
     speeds_m_per_s: tuple[Positive, Positive]
-    points: Annotated[int, Field(ge=10)]
     # Oblique impacts, by the printed value of their restitution: angle and total speed. These are
     # seen by a camera at the surface.
     oblique: dict[PrintedName, Oblique]
@@ -146,7 +148,7 @@ def figure_data(
     params: Params, contacts: Mapping[str, Contact], printed: pd.DataFrame
 ) -> pd.DataFrame:
     """Return restitution against the incident speed by both explanations, and as printed."""
-    speed = np.geomspace(*params.speeds_m_per_s, params.points)
+    speed = np.geomspace(*params.speeds_m_per_s, POINTS)
     frames = []
     for diameter in params.diameters_um:
         for case, contact in contacts.items():
@@ -225,7 +227,7 @@ def row(
 
 def fallen_speed(params: Params, contact: Contact) -> float:
     """Return the fastest speed of the figure at which restitution is down to its share, m/s."""
-    speed = np.geomspace(*params.speeds_m_per_s, 20 * params.points)
+    speed = np.geomspace(*params.speeds_m_per_s, 20 * POINTS)
     e = simulate(contact, speed).coefficient_of_restitution
     plateau = float(simulate(contact, params.seen_from_m_per_s).coefficient_of_restitution)
     below = speed[(e < params.plateau_share * plateau) & (speed < params.seen_from_m_per_s)]

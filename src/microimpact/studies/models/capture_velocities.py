@@ -63,6 +63,11 @@ NOTES = {
     YIELD: "onset of yield, for context; no law of capture, the same at every diameter",
 }
 
+# Well above the printed capture velocity, where every law that gives a restitution gives one.
+COMPARED_RATIO = 2.0
+# One per cent of the diameter to either side: errors of the exponent below 1e-5.
+EXPONENT_STEP = 0.01
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PairCase:
@@ -81,7 +86,7 @@ class Params:
     """The pairs, the range of diameters, and where restitutions and exponents are read.
 
     Dahneke's restitution is read off the model at ``plateau_speed_ratio`` times its capture
-    velocity, those of all laws at ``compared_speed_ratio`` times the printed one.
+    velocity, those of all laws at `COMPARED_RATIO` times the printed one.
     """
 
     pairs: Annotated[tuple[PairCase, ...], Field(min_length=1), Keyed("case")]
@@ -89,8 +94,6 @@ class Params:
     largest_diameter_um: Annotated[Positive, Must("above", "smallest_diameter_um")]
     points: Annotated[int, Field(ge=5)]
     plateau_speed_ratio: AboveOne
-    compared_speed_ratio: AboveOne
-    exponent_step: Annotated[float, Field(gt=0, le=0.5)]
 
 
 class Law(NamedTuple):
@@ -181,7 +184,7 @@ def _row(
     laws: Mapping[str, Law],
     printed: float,
 ) -> Row:
-    law, compared = laws[name], params.compared_speed_ratio * printed
+    law, compared = laws[name], COMPARED_RATIO * printed
     velocity, modelled = (float(laws[own].velocity(contact)) for own in (name, MODEL))
     gives_e = law.restitution if np.isfinite(compared) else None
     return {
@@ -194,7 +197,7 @@ def _row(
         "printed_m_per_s": printed,
         "ratio_to_printed": velocity / printed,
         "ratio_to_model": velocity / modelled,
-        "exponent": local_exponent(law.velocity, contact, params.exponent_step),
+        "exponent": local_exponent(law.velocity, contact, EXPONENT_STEP),
         "compared_speed_m_per_s": compared,
         "restitution_at_compared_speed": float(gives_e(compared)) if gives_e else np.nan,
     }

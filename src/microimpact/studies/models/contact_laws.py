@@ -25,7 +25,6 @@ from microimpact.declared.parameters import (
     CaseName,
     Count,
     Keyed,
-    Must,
     Name,
     NonNegative,
     OpenShare,
@@ -58,6 +57,11 @@ TARGETS = ("with v_c", "without v_c")
 STEP, SLOPE_STEP, AT_END = 0.01, 1e-5, 0.01
 # An interval of the angle in which the impulse ratio is looked at, degrees.
 ANGLE_STEP = 0.125
+
+# Ends of the axis, m/s; beyond the printed speeds the laws part.
+SLOWEST_DRAWN = 0.05
+# m/s
+FASTEST_DRAWN = 10.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -133,8 +137,6 @@ class Params:
     other_pair: OtherPair
     points: Annotated[int, Field(ge=3)]
     starts: Count
-    slowest_drawn_m_per_s: Positive
-    fastest_drawn_m_per_s: Annotated[Positive, Must("above", "slowest_drawn_m_per_s")]
     drawn_points: Annotated[int, Field(ge=10)]
 
 
@@ -265,7 +267,7 @@ def misfits(params: Params, contact: Contact, targets: str) -> FloatArray:
     speed, value, error = printed(params)
     off = (normal_impact(contact, speed).coefficient_of_restitution - value) / error
     if targets == TARGETS[0]:
-        limit = np.minimum(np.asarray(capture_velocity(contact)), params.fastest_drawn_m_per_s)
+        limit = np.minimum(np.asarray(capture_velocity(contact)), FASTEST_DRAWN)
         missed = (limit - params.capture_velocity_m_per_s) / params.capture_velocity_error_m_per_s
         off = np.concatenate([off, missed], axis=1)
     return np.asarray(off)
@@ -416,9 +418,7 @@ def by_claim(facts: pd.DataFrame) -> pd.DataFrame:
 def curves(params: Params, fits: list[Fit]) -> pd.DataFrame:
     """Return restitution against normal speed of every fit, and the printed facts."""
     frames = []
-    speed = np.geomspace(
-        params.slowest_drawn_m_per_s, params.fastest_drawn_m_per_s, params.drawn_points
-    )
+    speed = np.geomspace(SLOWEST_DRAWN, FASTEST_DRAWN, params.drawn_points)
     for fit in fits:
         limit = float(capture_velocity(fit.contact))
         grid = np.union1d(speed, [limit]) if math.isfinite(limit) else speed

@@ -8,7 +8,6 @@ from typing import Annotated, Literal
 
 import numpy as np
 import pandas as pd
-from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
 from microimpact.core.tables import POINTS, Row, Tables, points_parts, points_series, series_frame
@@ -35,6 +34,11 @@ JUST_ABOVE = np.geomspace(1e-5, 0.03, 12)
 # Height of the line that marks the capture velocity of a fit.
 V_C_MARK = 0.1
 
+# Smooth curves.
+CURVE_POINTS = 300
+# As many as events in an experiment.
+FITTED_POINTS = 40
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FittedCase:
@@ -58,9 +62,7 @@ class Params:
     """
 
     cases: Annotated[tuple[FittedCase, ...], Keyed("case")]
-    points: Annotated[int, Field(ge=20)]
     fitted_from: AboveOne
-    fitted_points: Annotated[int, Field(ge=8)]
     fixed_exponent: Fraction
     largest_speed_m_per_s: Positive
 
@@ -89,7 +91,7 @@ def run(params: Params, inputs: Tables) -> Tables:
         is_fitted = fitted_to(inputs, case.case, "capture_velocity")
         evidence = "calibrated" if is_fitted else "computed"
         largest = max(params.largest_speed_m_per_s, case.fitted_to * limit)
-        speed = _speeds(DRAWN_FROM * limit, limit, largest, params.points)
+        speed = _speeds(DRAWN_FROM * limit, limit, largest, CURVE_POINTS)
         e = simulate(contact, speed).coefficient_of_restitution
         digitised_rows, curves = _digitised_fits(case, params, inputs.get("digitised"), known)
         later += digitised_rows
@@ -97,12 +99,12 @@ def run(params: Params, inputs: Tables) -> Tables:
         figure_frames += [_frame(f"{case.case}, simulation", speed, e, evidence), *curves]
         if not case.fitted:
             continue
-        sampled = np.geomspace(params.fitted_from, case.fitted_to, params.fitted_points) * limit
+        sampled = np.geomspace(params.fitted_from, case.fitted_to, FITTED_POINTS) * limit
         measured = simulate(contact, sampled).coefficient_of_restitution
         fits = [fit_restitution(sampled, measured, q=q) for q in (None, params.fixed_exponent)]
         rows += [_row(case, known, evidence, fit) for fit in fits]
         free = fits[0]
-        speed = _speeds(DRAWN_FROM * limit, free.v_c, largest, params.points)
+        speed = _speeds(DRAWN_FROM * limit, free.v_c, largest, CURVE_POINTS)
         figure_frames += [
             _frame(f"{case.case}, fit", speed, free.curve(speed), evidence),
             _frame(f"{case.case}, v_c of the fit", free.v_c, [0.0, V_C_MARK], evidence),
@@ -135,7 +137,7 @@ def _digitised_fits(
         else:
             row = _row(case, known, evidence[0], fit) | row
             if q is None:
-                curves.append(_fitted_curve(case, fit, params.points))
+                curves.append(_fitted_curve(case, fit, CURVE_POINTS))
         rows.append(row)
     return rows, curves
 
