@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +14,11 @@ import yaml
 from microimpact import studies
 from microimpact.core.materials import declared_file
 from microimpact.core.nearest import nearest
-from microimpact.core.tables import parse_table, read_table
+from microimpact.core.tables import Row, parse_table, read_table
 from microimpact.declared.parameters import build
+from microimpact.declared.references import merged
 from microimpact.ledgers.claims import verdicts, words
-from microimpact.ledgers.claims.criteria import Claim, read_claims
+from microimpact.ledgers.claims.criteria import Claim, ContactProperty, read_claims
 from microimpact.ledgers.claims.independent import independent
 from microimpact.ledgers.claims.shares import shares
 from microimpact.report.check.results import ResultsError
@@ -25,57 +26,138 @@ from microimpact.report.site.pages import render
 from microimpact.report.site.record import read_record
 from microimpact.run.config import study_rows
 from microimpact.run.study import Made
-from microimpact.studies.claims.claim_numbers import CLAIMS, Params, numbers_of, part
-from microimpact.studies.claims.claim_numbers.draws import COLUMNS as DRAW_COLUMNS
+from microimpact.studies.claims.claim_numbers import CLAIMS, Params, draws_of, numbers_of
+from microimpact.studies.contacts import DRAWN
 
 STUDY = "claim_numbers"
 
 
-def tell(name: str, changes: Mapping[str, Any], results: Path) -> str:
-    """Return a claim in words, its numbers from a run or computed anew.
+# Columns of tables that hold properties of contacts, by property.
+COLUMNS = {name: column for column, name in DRAWN.items()} | {"friction_basis": "friction_basis"}
+CONTACTS = ("calibration", "calibration_family", "admissible_contacts")
+UNCHANGED: Mapping[Any, Any] = {}
 
-    `name`: such as ``C58``; `changes`: declared values to be changed, at every depth; the claim
-    alone is then computed anew, with the studies that it needs, and nothing is written; `results`:
-    results folder. Tables are taken from it if it holds a run of the shipped configuration. Raises
-    ValueError if there is no such claim or key, or a value is not allowed.
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Judged:
+    """A claim judged by itself."""
+
+    claim: Claim  # Words filled in
+    numbers: pd.DataFrame  # As in the table ``claim_numbers``
+    ledger: pd.Series  # Its row of the table ``claims``
+    results: list[Row]  # Its rows of ``claim_results``
+
+
+def judged(
+    name: str,
+    changes: Mapping[str, Any] = UNCHANGED,
+    contacts: Mapping[ContactProperty, float | str] = UNCHANGED,
+    folder: Path | None = None,
+) -> Judged:
+    """Compute and judge one claim, with the studies that it needs; nothing is written.
+
+    Parameters
+    ----------
+    name
+        Such as ``C58``.
+    changes
+        Declared values in place of the shipped ones, at every depth.
+    contacts
+        Factors on properties of all contacts that the claim's own numbers are computed with, or
+        another basis of their friction.
+    folder
+        Results of the shipped configuration, from which tables are taken; without one, all are
+        computed.
+
+    Raises
+    ------
+    ValueError
+        If a key is unknown or a value not allowed.
     """
-    file = declared_file("claims.yaml")
-    claims = read_claims(file)
-    if name not in claims:
-        raise ValueError(f"{name!r} is no claim{nearest(name, claims)}")
-    claim = claims[name]
-    if not claim.testable:
-        return _page(claim, {"verdict": claim.verdicts[0]}, evidence=[])
-    folder = results if _shipped(results) else None
     made = Made(STUDY, changes, folder)
     branch = made.settings.branches[STUDY]
-    claim = read_claims(file, branch)[name]
-    if folder and not changes:
+    claim = read_claims(declared_file("claims.yaml"), branch)[name]
+    if folder and not changes and not contacts:
         numbers, draws = (
             read_table(folder / f"tables/{table}.csv").query("claim == @name")
             for table in (STUDY, "claim_draws")
         )
     else:
+        if contacts:
+            made.update({table: with_contacts(made[table], contacts) for table in CONTACTS})
         numbers, draws = _computed(claim, build(Params, branch), made)
     drawn = shares({name: claim}, draws, made["admissible_contacts"]) if len(draws) else {}
-    ledger, rows = verdicts({name: claim}, numbers, drawn)
+    ledger, results = verdicts({name: claim}, numbers, drawn)
+    return Judged(claim=claim, numbers=numbers, ledger=ledger.iloc[0], results=results)
+
+
+def with_contacts(
+    table: pd.DataFrame, changes: Mapping[ContactProperty, float | str]
+) -> pd.DataFrame:
+    """Multiply properties of the contacts of a table by factors, or replace their basis."""
+    table = table.copy()
+    for name, change in changes.items():
+        column = COLUMNS[name]
+        if column in table:
+            table[column] = change if isinstance(change, str) else table[column] * change
+        elif "role" in table and not isinstance(change, str):
+            rows = (table["role"] == "parameter") & (table["quantity"] == name)
+            table.loc[rows, "value"] *= change
+    return table
+
+
+def tell(name: str, changes: Mapping[str, Any], results: Path, *, broken: bool = False) -> str:
+    """Return a claim in words, its numbers from a run or computed anew.
+
+    Parameters
+    ----------
+    name
+        Such as ``C58``.
+    changes
+        Declared values to be changed, at every depth; the claim alone is then computed anew.
+    results
+        Results folder. Tables are taken from it if it holds a run of the shipped configuration.
+    broken
+        Whether the change that must alter the verdict is made, too.
+
+    Raises
+    ------
+    ValueError
+        If there is no such claim or key, or a value is not allowed, or the change is not data.
+    """
+    claims = read_claims(declared_file("claims.yaml"))
+    if name not in claims:
+        raise ValueError(f"{name!r} is no claim{nearest(name, claims)}")
+    control = claims[name].break_
+    if not control:
+        return _page(claims[name], {"verdict": claims[name].verdicts[0]}, evidence=[], broken=False)
+    if broken and not control.is_data:
+        raise ValueError(f"{name}: its break is a wrong form of the code: {control.change}")
+    contacts = control.contacts if broken else UNCHANGED
+    changes = merged(control.set, changes) if broken else changes
+    folder = results if _shipped(results) else None
+    claim = judged(name, changes, contacts, folder)
+    numbers = claim.numbers
     facts = folder / "tables/external_evidence.csv" if folder else None
-    evidence = independent({name: claim}, read_table(facts)).to_dict("records") if facts else []
-    function = CLAIMS[name].of
+    evidence = independent({name: claim.claim}, read_table(facts)) if facts else pd.DataFrame()
+    function = CLAIMS[name].function
     where = f"{inspect.getsourcefile(function)}:{inspect.getsourcelines(function)[1]}"
     makers = studies.needs(STUDY)
     read = sorted({name for text in numbers["inputs"].dropna() for name in text.split()})
-    anew = "computed anew" if changes else "computed now"
-    rest = f"{anew}; what rests on no change from {folder}" if changes else str(folder)
+    anew = "computed anew" if changes or contacts else "computed now"
+    rest = f"{anew}; what rests on no change from {folder}" if changes or contacts else str(folder)
+    settings = yaml.safe_dump(dict(changes), default_flow_style=True).strip() if changes else ""
+    factors = f"contacts by {dict(contacts)}" if contacts else ""
     return _page(
-        claim,
-        {key: value for key, value in ledger.iloc[0].dropna().items() if value != ""},
-        results=rows,
-        evidence=evidence,
+        claim.claim,
+        {key: value for key, value in claim.ledger.dropna().items() if value != ""},
+        results=claim.results,
+        evidence=evidence.to_dict("records"),
         problems=[each for each in dict.fromkeys(numbers["problem"].dropna()) if each],
         code=f"{function.__module__}.{function.__qualname__}, {where}",
         inputs=[f"{name} (of {makers[name]})" if name in makers else name for name in read],
-        changes=changes and yaml.safe_dump(dict(changes), default_flow_style=True).strip(),
+        broken=broken,
+        changes="; ".join(filter(None, (settings, factors))),
         source=rest if folder else anew,
     )
 
@@ -98,20 +180,20 @@ def changed(settings: Sequence[str]) -> dict[str, Any]:
 
     Raises ValueError if a text is none of that form.
     """
-    found: dict[str, Any] = {}
+    changes: dict[str, Any] = {}
     for text in settings:
         key, sign, value = text.partition("=")
         if not sign or not all(key.split(".")):
             raise ValueError(f"--set: {text!r} must be of the form key=value")
         *above, last = key.split(".")
-        place = found
+        branch = changes
         for step in above:
-            place = place.setdefault(step, {})
+            branch = branch.setdefault(step, {})
         try:
-            place[last] = yaml.safe_load(value)
+            branch[last] = yaml.safe_load(value)
         except yaml.YAMLError:
             raise ValueError(f"--set: {value!r} is no value that YAML knows") from None
-    return found
+    return changes
 
 
 def _shipped(results: Path) -> bool:
@@ -128,7 +210,7 @@ def _computed(claim: Claim, params: Params, made: Made) -> tuple[pd.DataFrame, p
     rows = study_rows(STUDY, made.settings, {})
     made.update({key: parse_table(text) for key, text in rows.items()})
     numbers = numbers_of(claim.id, params, made)
-    own = tuple(name for name in params.draws.claims if name == claim.id)
-    alone = replace(params, draws=replace(params.draws, claims=own))
-    draws = [row for _, rows in part(alone, made, 0, 1) for row in rows] if own else []
-    return numbers, pd.DataFrame(draws, columns=list(DRAW_COLUMNS))
+    if claim.id not in params.draws.claims:
+        return numbers, pd.DataFrame()
+    alone = replace(params, draws=replace(params.draws, claims=(claim.id,)))
+    return numbers, draws_of(alone, made)

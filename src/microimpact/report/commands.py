@@ -100,17 +100,22 @@ def compare_command(baseline: Path, changed: Path, html: Path | None, few: int) 
     help="Folder of a run, whose tables are used if it has the shipped configuration; "
     "default: results, if it is there.",
 )
-def claim_command(name: str, settings: tuple[str, ...], results: Path | None) -> None:
+@click.option(
+    "--break", "broken", is_flag=True, help="Make the change that must alter the verdict."
+)
+def claim_command(
+    name: str, settings: tuple[str, ...], results: Path | None, *, broken: bool
+) -> None:
     """Tell what is claimed in NAME, such as C58, how it is judged, its numbers and their source.
 
-    With --set the claim alone is computed anew; nothing is written.
+    With --set or --break the claim alone is computed anew; nothing is written.
     """
     from microimpact.report.check.results import require_results
     from microimpact.report.claim import changed, tell
 
     if results:
         require_results(results)
-    click.echo(tell(name, changed(settings), results or Path("results")))
+    click.echo(tell(name, changed(settings), results or Path("results"), broken=broken))
 
 
 @click.command("crate")

@@ -20,6 +20,7 @@ from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.nearest import nearest
 from microimpact.declared.documents import filled, load
 from microimpact.declared.parameters import Finite, Name, NonNegative, build, explain
+from microimpact.model.choices import FrictionBasis
 
 CLAIM_NAME = r"^C\d{2,3}$"
 # The key of a file of claims that is no claim.
@@ -45,6 +46,10 @@ QuantityName = Annotated[str, Field(pattern=r"^[a-z]+(_[a-z]+|_eq_\d+)*$")]
 # A figure of the article, 01 to 25, or one of the project's own.
 FigureName = Annotated[str, Field(pattern=r"^(fig(0[1-9]|1\d|2[0-5])|[a-z]+(_[a-z]+)*)$")]
 EquationNumber = Annotated[str, Field(pattern=r"^([1-9]|[1-3]\d|4[01])$")]
+
+ContactProperty = Literal[
+    "work_of_adhesion", "hertz_damping", "adhesion_damping", "friction", "friction_basis"
+]
 
 # Kinds that are listed but not counted among the statements of the article.
 UNCOUNTED: tuple[Kind, ...] = ("arithmetic", "finding")
@@ -81,9 +86,9 @@ class Criterion:
         """Refuse bounds that the test lacks or does not take, and an empty range."""
         wanted = BOUNDS[self.test]
         for name in ("value", "tolerance", "low", "high"):
-            given = getattr(self, name) is not None
-            if given != (name in wanted):
-                has = "does not take" if given else "needs"
+            present = getattr(self, name) is not None
+            if present != (name in wanted):
+                has = "does not take" if present else "needs"
                 raise ValueError(f"{self.test} {has} '{name}' (it takes {' and '.join(wanted)})")
         if self.low is not None and self.high is not None and self.low >= self.high:
             raise ValueError(f"low {self.low} must be below high {self.high}")
@@ -132,8 +137,18 @@ class Quantity:
 class Break:
     """One changed input or misprinted equation, and the verdict that must then come out."""
 
-    change: Name
+    change: Name  # In words
     expect: Verdict
+    # The change as data, if it is one: an overlay of the configuration, and factors on properties
+    # of all contacts, or another basis of their friction. A wrong form of the code is tried by a
+    # test alone.
+    set: dict[str, Any] = field(default_factory=dict)
+    contacts: dict[ContactProperty, Finite | FrictionBasis] = field(default_factory=dict)
+
+    @property
+    def is_data(self) -> bool:
+        """Whether the change can be made without other code."""
+        return bool(self.set or self.contacts)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -228,8 +243,8 @@ class Claim:
         if self.testable and self.break_ is None:
             raise ValueError("a claim that can be reproduced needs a break")
         if self.break_ and self.break_.expect not in self.verdicts:
-            told = f"'{self.break_.expect}', which is not among the verdicts"
-            raise ValueError(f"break expects {told}: {', '.join(self.verdicts)}")
+            expected = f"'{self.break_.expect}', which is not among the verdicts"
+            raise ValueError(f"break expects {expected}: {', '.join(self.verdicts)}")
 
     @property
     def units(self) -> dict[str, str]:
@@ -272,7 +287,7 @@ def read_claims(path: Path | str, values: Mapping[str, Any] | None = None) -> di
     names of the parameters. Raises ClaimsError, naming the dotted key of every problem in any
     claim, one line each, and ConfigError if the words name a parameter that there is not.
     """
-    found, problems = {}, []
+    claims, problems = {}, []
     for key, entry in load(path).items():
         if key == DIGITISED:
             continue
@@ -281,7 +296,7 @@ def read_claims(path: Path | str, values: Mapping[str, Any] | None = None) -> di
             continue
         try:
             words = entry if values is None else filled(entry, values, str(key))
-            found[key] = build(Claim, {"id": str(key), **words})
+            claims[key] = build(Claim, {"id": str(key), **words})
         except ValidationError as error:
             # The field cannot bear the name of its key, a word of the language.
             problems += [
@@ -289,4 +304,4 @@ def read_claims(path: Path | str, values: Mapping[str, Any] | None = None) -> di
             ]
     if problems:
         raise ClaimsError("\n".join(problems))
-    return dict(sorted(found.items(), key=lambda item: int(item[0][1:])))
+    return dict(sorted(claims.items(), key=lambda item: int(item[0][1:])))

@@ -108,7 +108,7 @@ def _elastic(contact: Contact) -> Numbers:
     n = -float(path.compression[TRACED_MOMENT])
     v_n, v_t = velocity_components(SPEED, ANGLE)
     unit = contact.damping_unit
-    found = {
+    numbers = {
         "K": contact.stiffness,
         "f_0": contact.ring_force,
         "w_A": contact.work_of_adhesion,
@@ -129,7 +129,7 @@ def _elastic(contact: Contact) -> Numbers:
         "a": np.sqrt(-n * contact.hertz_radius),
         "a_c": contact.equilibrium_contact_radius,
     }
-    return {name: float(value) for name, value in found.items()}
+    return {name: float(value) for name, value in numbers.items()}
 
 
 def _compliance(material: Material) -> float:

@@ -86,8 +86,8 @@ def symbols(names: str) -> tuple[Any, ...]:
 @cache
 def units_of(section: str) -> dict[str, str]:
     """Return the unit of each symbol in a section."""
-    given = chain(_SYMBOLS["units"].items(), _SYMBOLS["meanings"].get(section, {}).items())
-    return {name: unit for unit, names in given for name in names.split()}
+    symbols = chain(_SYMBOLS["units"].items(), _SYMBOLS["meanings"].get(section, {}).items())
+    return {name: unit for unit, names in symbols for name in names.split()}
 
 
 @cache
@@ -96,11 +96,11 @@ def parse(text: str) -> Form:
 
     Raises ValueError if the text does not hold exactly one relation.
     """
-    found = [relation for relation in RELATIONS if relation in text]
-    if len(found) != 1 or text.count(found[0]) != 1:
+    relations = [relation for relation in RELATIONS if relation in text]
+    if len(relations) != 1 or text.count(relations[0]) != 1:
         raise ValueError(f"formula {text!r}: exactly one of{''.join(RELATIONS)}must occur in it")
-    left, right = (_expression(side) for side in text.split(found[0]))
-    return Form(left, found[0].strip(), right)
+    left, right = (_expression(side) for side in text.split(relations[0]))
+    return Form(left, relations[0].strip(), right)
 
 
 def _expression(text: str) -> Any:

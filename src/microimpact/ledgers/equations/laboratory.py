@@ -67,13 +67,13 @@ def _restitution(speed: float, e: float) -> float:
     """Return the restitution found from probe velocities by the constant correction."""
     surface = np.array([-speed, e * speed])
     probe = np.sign(surface) * np.sqrt(surface**2 - 2.0 * gravity * PROBE_HEIGHT)
-    found = np.asarray(correct(probe, PROBE_HEIGHT, "printed"))
-    return float(-found[1] / found[0])
+    speeds = np.asarray(correct(probe, PROBE_HEIGHT, "printed"))
+    return float(-speeds[1] / speeds[0])
 
 
 def _loss(x: Values) -> Any:
-    given = (x[name] for name in ("v_n", "v_t", "omega", "r", "e", "mu"))
-    return algebra.energy_loss(*given).translational
+    values = (x[name] for name in ("v_n", "v_t", "omega", "r", "e", "mu"))
+    return algebra.energy_loss(*values).translational
 
 
 PROOFS = {

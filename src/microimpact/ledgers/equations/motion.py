@@ -79,11 +79,11 @@ def attachment() -> tuple[sympy.Expr, sympy.Symbol, sympy.Expr]:
 
 def _reduced(form: Form, _: ReferenceCase) -> bool | None:
     """Compare structure, then the one number that the text leaves open."""
-    reduced, share, own = attachment()
+    reduced, share, ratio = attachment()
     number = sympy.cancel((K - form.right) / (K - reduced.subs(share, 1)))
     if form.left != K_H or not (number.is_number and number > 0):
         return False
-    return vanishes(number ** sympy.Rational(-2, 3) - own) or None
+    return vanishes(number ** sympy.Rational(-2, 3) - ratio) or None
 
 
 def _softer(form: Form, _: ReferenceCase) -> bool:

@@ -33,10 +33,10 @@ class ReferenceCase:
 
     def values(self, units: Mapping[str, str]) -> dict[str, Any]:
         """Return the number of each symbol, in the meaning its unit gives it, and the contact."""
-        found: dict[str, Any] = {"contact": self.contact}
-        found |= {name: value for name, value in self.numbers.items() if isinstance(name, str)}
+        numbers: dict[str, Any] = {"contact": self.contact}
+        numbers |= {name: value for name, value in self.numbers.items() if isinstance(name, str)}
         meant = ((name, self.numbers.get((name, unit))) for name, unit in units.items())
-        return found | {name: value for name, value in meant if value is not None}
+        return numbers | {name: value for name, value in meant if value is not None}
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,11 +146,11 @@ def leading(expression: Any, small: str, order: int) -> Any:
     over, under = sympy.fraction(sympy.together(scaled))
     lowest = next(power for power, term in enumerate(_series(under, scale)) if not vanishes(term))
     below = list(islice(_series(under, scale), 2 * lowest + order + 1))
-    found: list[Any] = []
+    coefficients: list[Any] = []
     for power, term in enumerate(islice(_series(over, scale), lowest + order + 1)):
-        rest = term - sum(found[k] * below[lowest + power - k] for k in range(power))
-        found.append(rest / below[lowest])
-    return sum(found)
+        rest = term - sum(coefficients[k] * below[lowest + power - k] for k in range(power))
+        coefficients.append(rest / below[lowest])
+    return sum(coefficients)
 
 
 def _series(expression: Any, variable: Any) -> Iterator[Any]:

@@ -69,8 +69,8 @@ def sliding() -> Facts:
 def friction_share() -> Facts:
     """Next order of e_m at shallow angles, over the excess phi/alpha that Eq. (37) is about."""
     measured = sliding()[e_m]
-    two, one = (leading(measured, "alpha phi", order) for order in (1, 0))
-    return {small: sympy.cancel(-(two - one) / (phi / alpha))}
+    second, first = (leading(measured, "alpha phi", order) for order in (1, 0))
+    return {small: sympy.cancel(-(second - first) / (phi / alpha))}
 
 
 @cache

@@ -6,8 +6,6 @@ states, and the criteria, are in ``config/claims.yaml``.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import pandas as pd
 
 from microimpact.core.nearest import nearest
@@ -78,43 +76,42 @@ SECTIONS = (
 )
 
 
-Part = list[tuple[int, list[draws.Row]]]
-
-
-def part(params: Params, inputs: Tables, index: int, count: int) -> Part:
-    """Return the numbers of every ``count``-th draw, from ``index`` on, with its place.
-
-    Of the tables, only ``calibration`` and ``admissible_contacts`` are read.
-    """
-    rows = draws.chosen(params, inputs)
-    own = draws.rows_of(params, inputs, rows.iloc[index::count])
-    return list(zip(range(index, len(rows), count), own, strict=True))
-
-
-def gather(params: Params, inputs: Tables, parts: Iterable[Part]) -> Tables:
-    """Compute the numbers of every claim, and put those of the draws together; see `run`."""
-    context = Context(params=params, inputs=inputs)
-    found = [row for name in _ascending() for row in rows(name, context)]
-    drawn = {place: rows for part in parts for place, rows in part}
-    table = [row for place in sorted(drawn) for row in drawn[place]]
-    return {
-        "claim_numbers": pd.DataFrame(found, columns=list(NUMBER_COLUMNS)),
-        "claim_draws": pd.DataFrame(table, columns=list(draws.COLUMNS)),
-    }
-
-
 def run(params: Params, inputs: Tables) -> Tables:
     """Compute the numbers of every claim.
 
     A claim that cannot be computed with the settings has a row that says why, and leaves the others
     alone.
 
-    ``claim_numbers``: per claim, case and quantity its value, unit, evidence and code; in the
-    column ``problem``, why there is none. ``claim_draws``: numbers of some claims for admissible
-    contacts. `inputs`: ``materials``, ``contacts``, ``printed``: declared rows; tables of earlier
-    studies by name.
+    Parameters
+    ----------
+    params
+        Settings of all claims.
+    inputs
+        ``materials``, ``contacts``, ``printed``: declared rows; tables of earlier studies by name.
+
+    Returns
+    -------
+    dict of pandas.DataFrame
+        ``claim_numbers``: per claim, case and quantity its value, error and code; in the column
+        ``problem``, why there is none. ``claim_draws``: numbers of some claims for admissible
+        contacts.
     """
-    return gather(params, inputs, [part(params, inputs, 0, 1)])
+    context = Context(params=params, inputs=inputs)
+    ascending = sorted(CLAIMS, key=lambda name: int(name[1:]))
+    numbers = [row for name in ascending for row in rows(name, context)]
+    return {
+        "claim_numbers": pd.DataFrame(numbers, columns=list(NUMBER_COLUMNS)),
+        "claim_draws": draws_of(params, inputs),
+    }
+
+
+def draws_of(params: Params, inputs: Tables) -> pd.DataFrame:
+    """Return the numbers of the claims that admissible contacts decide, for every draw.
+
+    Of the tables, only ``calibration`` and ``admissible_contacts`` are read.
+    """
+    numbers = draws.rows_of(params, inputs, draws.chosen(params, inputs))
+    return pd.DataFrame([row for draw in numbers for row in draw], columns=list(draws.COLUMNS))
 
 
 def numbers_of(claim: str, params: Params, inputs: Tables) -> pd.DataFrame:
@@ -127,7 +124,3 @@ def numbers_of(claim: str, params: Params, inputs: Tables) -> pd.DataFrame:
         raise ValueError(f"no function computes a claim {claim!r}{nearest(claim, CLAIMS)}")
     context = Context(params=params, inputs=inputs)
     return pd.DataFrame(list(rows(claim, context)), columns=list(NUMBER_COLUMNS))
-
-
-def _ascending() -> list[str]:
-    return sorted(CLAIMS, key=lambda name: int(name[1:]))

@@ -20,7 +20,7 @@ UNCOMPUTABLE = (ValueError, ArithmeticError, RuntimeError)
 class Claim:
     """How the numbers of one claim come about."""
 
-    of: Callable[[Context], Numbers]  # Numbers from the context
+    function: Callable[[Context], Numbers]  # Numbers from the context
     by_case: bool  # Whether there are numbers for every case of steel on silicon
 
 
@@ -58,29 +58,29 @@ def claim(
         If the claim has a function already.
     """
 
-    def register(of: Callable[[Context], Numbers]) -> Callable[[Context], Numbers]:
+    def register(function: Callable[[Context], Numbers]) -> Callable[[Context], Numbers]:
         if name in CLAIMS:
-            raise ValueError(f"claim {name!r} has a function already, {CLAIMS[name].of.__name__}")
-        CLAIMS[name] = Claim(of=of, by_case=by_case)
-        return of
+            raise ValueError(f"claim {name!r} has a function already")
+        CLAIMS[name] = Claim(function=function, by_case=by_case)
+        return function
 
     return register
 
 
 def rows(name: str, context: Context) -> Iterator[Row]:
     """Yield the rows of a claim, with `COLUMNS`: numbers, or why there are none in a case."""
-    own = CLAIMS[name]
-    code = f"{own.of.__module__}.{own.of.__qualname__}"
+    entry = CLAIMS[name]
+    code = f"{entry.function.__module__}.{entry.function.__qualname__}"
     row = {"claim": name, "code": code}
     read = Read(context.inputs)
     context = replace(context, inputs=read)
-    for each in context.cases() if own.by_case else (context,):
+    for each in context.cases() if entry.by_case else (context,):
         try:
-            found = list(flat(own.of(each), each.case))
+            numbers = list(flat(entry.function(each), each.case))
         except UNCOMPUTABLE as error:
             why = " ".join(f"{type(error).__name__}: {error}".split())
-            found = [(each.case, NOT_COMPUTED, Estimate(math.nan, math.nan), why)]
-        for case, quantity, number, problem in found:
+            numbers = [(each.case, NOT_COMPUTED, Estimate(math.nan, math.nan), why)]
+        for case, quantity, number, problem in numbers:
             yield row | {
                 "case": case,
                 "quantity": quantity,

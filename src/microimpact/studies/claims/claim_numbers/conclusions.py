@@ -81,15 +81,15 @@ def c97(context: Context) -> Numbers:
     capture, contact = context.params.capture, context.steel
     angle = context.capture_angle()
     along = capture.kept_share * velocity_components(context.speed, angle)[1]
-    found = {}
+    numbers = {}
     for shift in capture.shifts_nm:
         lag = shift * 1e-9
         distance = rolling_distance(contact, along, lag) * 1e3
-        found[f"shift {shift:g} nm"] = {
+        numbers[f"shift {shift:g} nm"] = {
             "distance_rolled_over_half_width_of_spot": distance / capture.spot_mm,
             "gravity_moment_over_rolling_moment": gravity_ratio(contact, lag, 90.0 - angle),
         }
-    return found
+    return numbers
 
 
 @claim("C98", by_case=True)

@@ -35,9 +35,9 @@ class Estimate(NamedTuple):
         """Return the size of the number."""
         return Estimate(abs(float(self.value)), self.error)
 
-    def __sub__(self, other: Estimate) -> Estimate:
+    def __sub__(self, subtrahend: Estimate) -> Estimate:
         """Return the difference of two independent numbers."""
-        return Estimate(self.value - other.value, np.hypot(self.error, other.error))
+        return Estimate(self.value - subtrahend.value, np.hypot(self.error, subtrahend.error))
 
     def __truediv__(self, width: Number) -> Estimate:
         """Return the number over one that is known."""
@@ -55,7 +55,7 @@ class Context:
     # Admissible contacts of steel on silicon (draws,), in place of a calibrated one, and which of
     # them is meant.
     drawn: Contact | None = None
-    place: int = 0
+    draw: int = 0
     # What was found of all draws.
     found_of_draws: dict[tuple[object, ...], Any] = field(default_factory=dict)
     # Made once, here for all cases: a table of the impact law serves one and the same contact.
@@ -76,7 +76,7 @@ class Context:
         steel, case = self.params.steel, self.case
         if (steel, case) not in self._steel:
             contact = (
-                self.drawn.at(self.place)
+                self.drawn.at(self.draw)
                 if self.drawn
                 else calibrated_contact(self.inputs, case or steel.cases[0])
             )
@@ -92,7 +92,7 @@ class Context:
         `key`: tells what is found from all else; `function`: takes the contact and gives an array,
         or an `Impact`, the last axis of all being that of draws.
         """
-        return part_of(self._of_draws(key, function), self.place)
+        return part_of(self._of_draws(key, function), self.draw)
 
     def _of_draws(self, key: tuple[object, ...], function: Callable[[Contact], Any]) -> Any:
         """Return what a function makes of the contacts of all draws, or of the one contact."""
@@ -118,8 +118,8 @@ class Context:
 
         `spin_ratio`: r omega/v, and `basis`: that of friction; those meant, if not given.
         """
-        found: Impact = part_of(self._impacts(speed, angle, spin_ratio, basis), self.place)
-        return found
+        impact: Impact = part_of(self._impacts(speed, angle, spin_ratio, basis), self.draw)
+        return impact
 
     def _impacts(
         self, speed: Real, angle: Real, spin_ratio: Real | None = None, basis: str = ""
@@ -130,15 +130,15 @@ class Context:
             steel.spin_ratio if spin_ratio is None else spin_ratio,
             basis or steel.friction_basis,
         )
-        given = [np.asarray(x, float)[..., None] for x in (speed, angle, spin_ratio)]
+        settings = [np.asarray(x, float)[..., None] for x in (speed, angle, spin_ratio)]
 
         def impacts(contact: Contact) -> Impact:
-            speed, angle, ratio = given
+            speed, angle, ratio = settings
             return simulate(contact, speed, angle, ratio * speed / contact.radius, basis)
 
-        key = basis, *((x.shape, x.tobytes()) for x in given)
-        found: Impact = self._of_draws(key, impacts)
-        return found
+        key = basis, *((x.shape, x.tobytes()) for x in settings)
+        impact: Impact = self._of_draws(key, impacts)
+        return impact
 
     def capture_angle(self, above: float = 0.0) -> float:
         """Return the angle at and below which the impact meant is captured, degrees; at most 90.
@@ -216,10 +216,12 @@ class Context:
 
     def seen(self, dropped: Dropped, angle: float, sampling: Sampling | None = None) -> Seen:
         """Return what a large sample of virtual impacts shows; of the case, if there is one."""
-        own = replace(dropped, case=self.case or dropped.case)
-        key = (own, angle, sampling or self.params.sampling)
+        case_dropped = replace(dropped, case=self.case or dropped.case)
+        key = (case_dropped, angle, sampling or self.params.sampling)
         if key not in self._seen:
-            sample = Sample(dropped=own, contact=self.contact(own), sampling=key[2])
+            sample = Sample(
+                dropped=case_dropped, contact=self.contact(case_dropped), sampling=key[2]
+            )
             self._seen[key] = sample.seen(angle)
         return self._seen[key]
 
@@ -228,23 +230,29 @@ class Context:
     ) -> Estimate:
         """Return the mean over the rebounds of a sample; arguments as in `over_half_width`."""
         sample = self.seen(dropped, angle, sampling)
-        of = sample.means[quantity]
-        return Estimate(of.value, of.sd / np.sqrt(max(len(sample.measured), 1)))
+        mean = sample.means[quantity]
+        return Estimate(mean.value, mean.sd / np.sqrt(max(len(sample.measured), 1)))
 
     def over_half_width(
         self,
         quantity: str,
-        one: tuple[Dropped, float],
-        other: tuple[Dropped, float],
+        first: tuple[Dropped, float],
+        second: tuple[Dropped, float],
         sampling: Sampling | None = None,
     ) -> Estimate:
-        """Return a difference of means, one less other, over the half-width of its interval.
+        """Return a difference of means over the half-width of its interval.
 
-        `quantity`: ``restitution``, ``impulse_ratio`` or ``energy_loss``; `one`, `other`: what is
-        dropped, and the angle in degrees; `sampling`: how the samples are drawn.
+        Parameters
+        ----------
+        quantity
+            ``restitution``, ``impulse_ratio`` or ``energy_loss``.
+        first, second
+            Of the difference first less second: samples, and their angles in degrees.
+        sampling
+            How the samples are drawn.
         """
-        a, b = (self.seen(*end, sampling).means[quantity] for end in (one, other))
-        apart = self.mean(quantity, *one, sampling) - self.mean(quantity, *other, sampling)
+        a, b = (self.seen(*end, sampling).means[quantity] for end in (first, second))
+        apart = self.mean(quantity, *first, sampling) - self.mean(quantity, *second, sampling)
         return apart / half_width(a, b, sampling or self.params.sampling)
 
     # Tables
@@ -280,13 +288,13 @@ class Context:
         Raises ValueError if the table has no such row, or not all the angles.
         """
         rows = self.table(name, **where)
-        found = pd.Series(rows[column].to_numpy(float), index=rows["angle_deg"].to_numpy(float))
+        series = pd.Series(rows[column].to_numpy(float), index=rows["angle_deg"].to_numpy(float))
         if angles is None:
-            return found
+            return series
         wanted = np.atleast_1d(np.asarray(angles, dtype=np.float64)).tolist()
-        if missing := [f"{angle:g}" for angle in wanted if angle not in found.index]:
+        if missing := [f"{angle:g}" for angle in wanted if angle not in series.index]:
             raise ValueError(f"{name}: no row at {', '.join(missing)} deg")
-        at: pd.Series = found.loc[wanted]
+        at: pd.Series = series.loc[wanted]
         return at
 
 

@@ -22,20 +22,20 @@ Row = tuple[str, str, str, int, str, str, float]
 def chosen(params: Params, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
     """Return the draws that are taken of every variant, evenly over all of its draws."""
     table, wanted = inputs["admissible_contacts"], params.draws
-    found = []
+    parts = []
     for variant, count in wanted.variants.items():
-        own = table[(table["case"] == wanted.case) & (table["variant"] == variant)]
-        if own.empty:
+        draws = table[(table["case"] == wanted.case) & (table["variant"] == variant)]
+        if draws.empty:
             raise ValueError(f"admissible_contacts: no draw of {wanted.case}, {variant}")
-        found.append(own.iloc[np.unique(np.linspace(0, len(own) - 1, count).astype(int))])
-    return pd.concat(found)
+        parts.append(draws.iloc[np.unique(np.linspace(0, len(draws) - 1, count).astype(int))])
+    return pd.concat(parts)
 
 
 def drawn_contact(inputs: Mapping[str, pd.DataFrame], rows: pd.DataFrame) -> Contact:
     """Return the contact of all draws, its numbers arrays (draws,)."""
-    one = rows.assign(variant=rows["variant"].iloc[0])
-    case, variant = str(one["case"].iloc[0]), str(one["variant"].iloc[0])
-    return admissible_contact({**inputs, "admissible_contacts": one}, case, variant)
+    renamed = rows.assign(variant=rows["variant"].iloc[0])
+    case, variant = str(renamed["case"].iloc[0]), str(renamed["variant"].iloc[0])
+    return admissible_contact({**inputs, "admissible_contacts": renamed}, case, variant)
 
 
 def rows_of(
@@ -47,10 +47,10 @@ def rows_of(
     that cannot be computed with a draw has no row.
     """
     # Those of one basis of friction together.
-    found: dict[str, dict[tuple[object, ...], Any]] = {}
-    drawn = {basis: drawn_contact(inputs, own) for basis, own in rows.groupby("friction_basis")}
+    results: dict[str, dict[tuple[object, ...], Any]] = {}
+    drawn = {basis: drawn_contact(inputs, draws) for basis, draws in rows.groupby("friction_basis")}
     places = rows.groupby("friction_basis").cumcount()
-    for place, (_, row) in zip(places, rows.iterrows(), strict=True):
+    for index, (_, row) in zip(places, rows.iterrows(), strict=True):
         steel = replace(
             params.steel, friction=float(row["friction"]), friction_basis=row["friction_basis"]
         )
@@ -59,8 +59,8 @@ def rows_of(
             inputs=inputs,
             case=steel.cases[0],
             drawn=drawn[row["friction_basis"]],
-            place=place,
-            found_of_draws=found.setdefault(row["friction_basis"], {}),
+            draw=index,
+            found_of_draws=results.setdefault(row["friction_basis"], {}),
         )
         yield list(_of_draw(context, row))
 
@@ -68,9 +68,9 @@ def rows_of(
 def _of_draw(context: Context, row: pd.Series[Any]) -> Iterator[Row]:
     for name in context.params.draws.claims:
         try:
-            found = list(flat(CLAIMS[name].of(context), ""))
+            numbers = list(flat(CLAIMS[name].function(context), ""))
         except UNCOMPUTABLE:
             continue
-        for alternative, quantity, number, _ in found:
-            place = str(row["case"]), str(row["variant"]), int(row["draw"])
-            yield name, *place, alternative, quantity, float(number.value)
+        for alternative, quantity, number, _ in numbers:
+            draw = str(row["case"]), str(row["variant"]), int(row["draw"])
+            yield name, *draw, alternative, quantity, float(number.value)

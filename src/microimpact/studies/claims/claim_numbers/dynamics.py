@@ -77,8 +77,8 @@ def damping_group(contact: Contact) -> Real:
 def unit_exponents(value: Callable[[Contact], Real], contact: Contact) -> FloatArray:
     """Return the exponents of mass, length and time in a number that a contact gives."""
     before = np.asarray(value(contact))
-    found = [np.log(value(in_other_units(contact, *powers)) / before) for powers in np.eye(3)]
-    exponents: FloatArray = np.array(found) / np.log(UNIT_FACTOR)
+    logarithms = [np.log(value(in_other_units(contact, *powers)) / before) for powers in np.eye(3)]
+    exponents: FloatArray = np.array(logarithms) / np.log(UNIT_FACTOR)
     return exponents
 
 
@@ -206,10 +206,10 @@ def c34(context: Context) -> Numbers:
 def c35(context: Context) -> Numbers:
     """Capture velocity of the calibrated contact on mica, and its work over that on molybdenum."""
     mica = calibrated_contact(context.inputs, context.params.fluorescein.on_mica)
-    work, other = (np.asarray(c.work_of_adhesion) for c in (mica, context.fluorescein))
+    work, on_molybdenum = (np.asarray(c.work_of_adhesion) for c in (mica, context.fluorescein))
     return {
         "capture_velocity": capture_velocity(mica),
-        "work_of_adhesion_over_that_on_molybdenum": work / other,
+        "work_of_adhesion_over_that_on_molybdenum": work / on_molybdenum,
     }
 
 
@@ -229,7 +229,8 @@ def c37(context: Context) -> Numbers:
     if np.any(np.isnan(lasts)):
         raise ValueError("normal.lasting_speeds_m_per_s: no sphere rebounds at them")
     return {
-        name: dict(zip(LASTING, of, strict=True)) for name, of in zip(named, lasts, strict=True)
+        name: dict(zip(LASTING, times, strict=True))
+        for name, times in zip(named, lasts, strict=True)
     }
 
 
@@ -247,11 +248,11 @@ def lasting(normal: Normal, spheres: Contact) -> FloatArray:
     # Hertz: K sqrt(r) s^(5/2) = 5/4 m v^2.
     stiffness = np.sqrt(spheres.hertz_radius) * spheres.stiffness
     deepest = np.power(1.25 * spheres.mass * np.square(speeds) / stiffness, 0.4)
-    found = []
+    ends = []
     for times in (impact.contact_time, HERTZ_DURATION * deepest / speeds):
         of_rebounds = np.where(impact.captured, np.nan, times * 1e9)
-        found += [np.fmin.reduce(of_rebounds), np.fmax.reduce(of_rebounds)]
-    return np.stack(found, axis=1)
+        ends += [np.fmin.reduce(of_rebounds), np.fmax.reduce(of_rebounds)]
+    return np.stack(ends, axis=1)
 
 
 @claim("C38", by_case=True)
@@ -390,13 +391,13 @@ def c100(context: Context) -> Numbers:
     """What it changes to hold zeta at each impact's own speed, or at another nominal one."""
     contact, settings = context.steel, context.params.losses
     speed = np.geomspace(*settings.normalised_speeds_m_per_s, POINTS)
-    other = renormalised(contact, settings.other_speed_m_per_s)
-    e, own, again = (
+    renamed = renormalised(contact, settings.other_speed_m_per_s)
+    e, each, again = (
         simulate(c, speed).coefficient_of_restitution
-        for c in (contact, at_own_speed(contact, speed), other)
+        for c in (contact, at_own_speed(contact, speed), renamed)
     )
     return {
-        "largest_change_of_restitution_with_each_speed": np.max(np.abs(own - e)),
+        "largest_change_of_restitution_with_each_speed": np.max(np.abs(each - e)),
         "largest_change_of_restitution_with_another_nominal_speed": np.max(np.abs(again - e)),
         "capture_velocity_ratio_with_each_speed": capture_ratio(contact),
     }

@@ -186,8 +186,8 @@ def speed_of_share(context: Context, contact: Contact) -> float:
 def c08(context: Context) -> Numbers:
     """Capture velocity of the mean sphere of the smaller sieve class."""
     diameter = context.params.sieves.named_diameter_um * 1e-6
-    found = context.limits("C08", lambda steel: sized(context, steel, diameter))
-    return {"capture_velocity": found}
+    limit = context.limits("C08", lambda steel: sized(context, steel, diameter))
+    return {"capture_velocity": limit}
 
 
 def sized(context: Context, contact: Contact, diameter: Real) -> Contact:
@@ -208,8 +208,8 @@ def c61(context: Context) -> Numbers:
     pulses = context.params.instruments.most_pulses_per_s
     served = table[table["covered"] & (table["chop_per_s"] <= pulses)]
     views = [
-        (own["speed_m_per_s"].nunique(), width, own["disk_rev_per_min"].max())
-        for (width, _), own in served.groupby(["view_width_mm", "angle_deg"])
+        (rows["speed_m_per_s"].nunique(), width, rows["disk_rev_per_min"].max())
+        for (width, _), rows in served.groupby(["view_width_mm", "angle_deg"])
     ]
     count, width, disk = max(views, default=(0, 0.0, 0.0))
     return {
@@ -232,18 +232,18 @@ def c62(context: Context) -> Numbers:
     if missing := sorted({*speeds} - {*table["speed_m_per_s"]}):
         raise ValueError(f"instruments.pair_speeds_m_per_s: no pairs were sought at {missing}")
     chosen = table[table["speed_m_per_s"].isin(speeds)]
-    found = {}
+    numbers = {}
     for name, counted in (("precision", "pairs"), ("recall", "recorded_pairs")):
         changes = []
-        for _, own in chosen.dropna(subset=[name]).groupby("speed_m_per_s"):
-            share, n = own[name].to_numpy(float), own[counted].to_numpy(float)
+        for _, rows in chosen.dropna(subset=[name]).groupby("speed_m_per_s"):
+            share, n = rows[name].to_numpy(float), rows[counted].to_numpy(float)
             ends = [int(share.argmin()), int(share.argmax())]
             variance = share[ends] * (1.0 - share[ends])
             width = ERROR_BAR * np.sqrt(max(variance.sum(), np.finfo(float).tiny) / events)
             error = np.sqrt(np.sum(variance / n[ends]))
             changes.append(Estimate(np.ptp(share), error) / width)
-        found[f"largest_change_of_{name}_over_half_width"] = max(changes)
-    return found
+        numbers[f"largest_change_of_{name}_over_half_width"] = max(changes)
+    return numbers
 
 
 @claim("C63")
@@ -253,7 +253,7 @@ def c63(context: Context) -> Numbers:
     coverage = table["coverage_observable"]
     least, greatest = (table.iloc[int(k)] for k in (coverage.argmin(), coverage.argmax()))
     lowest, highest = (
-        of_share(of["coverage_observable"], of["experiments"]) for of in (least, greatest)
+        of_share(row["coverage_observable"], row["experiments"]) for row in (least, greatest)
     )
     return {
         "least_coverage_of_mean_of_observable_events": lowest,
@@ -310,8 +310,8 @@ def fallen_speed(speed: FloatArray, restitution: FloatArray, share: float) -> Fl
     column = np.arange(restitution.shape[1])
     low, high = restitution[last, column], restitution[last + 1, column]
     part = (aim - low) / (high - low)
-    found: FloatArray = speed[last] * (speed[last + 1] / speed[last]) ** part
-    return found
+    fallen: FloatArray = speed[last] * (speed[last + 1] / speed[last]) ** part
+    return fallen
 
 
 @claim("C65", by_case=True)
@@ -324,8 +324,8 @@ def c65(context: Context) -> Numbers:
     sieves = context.params.sieves
     ends = sieves.smaller_um.quantile(np.sort(sieves.captured_shares)) * 1e-6
     sizes = np.append(ends, sieves.named_diameter_um * 1e-6)[:, None]
-    *found, named = context.limits("C65", lambda steel: resized(steel, sizes))
-    width = np.ptp(found) / named
+    *limits, named = context.limits("C65", lambda steel: resized(steel, sizes))
+    width = np.ptp(limits) / named
     return {"width_of_capture_over_capture_velocity": width}
 
 
@@ -341,7 +341,7 @@ def piles(context: Context, share: float) -> Numbers:
     params = context.params.instruments
     table = context.table("pile_up")
     targets = table[["target_radius_mm", "slope_deg"]].drop_duplicates().to_numpy(float)
-    found = {
+    onsets = {
         (radius, slope): [
             first_pile(context, radius, slope, velocity, share)
             for velocity in (params.strong_capture_m_per_s, params.weak_capture_m_per_s)
@@ -349,9 +349,9 @@ def piles(context: Context, share: float) -> Numbers:
         for radius, slope in targets.tolist()
     }
     meant = params.pile_radius_mm, params.pile_slope_deg
-    near = min(found, key=lambda one: np.abs(np.subtract(one, meant)).tolist())
-    strong, weak = found[near]
-    difference = [abs(strong - weak) for strong, weak in found.values()]
+    near = min(onsets, key=lambda target: np.abs(np.subtract(target, meant)).tolist())
+    strong, weak = onsets[near]
+    difference = [abs(strong - weak) for strong, weak in onsets.values()]
     return {
         "onset_speed_with_strong_capture": strong,
         "onset_speed_with_weak_capture": weak,

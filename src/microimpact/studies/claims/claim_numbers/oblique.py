@@ -200,10 +200,12 @@ def c16(context: Context) -> Numbers:
 
 def sampled(context: Context, dropped: Dropped, angle: float) -> Impacts:
     """Return the impacts of the speed class at one angle, of the context's case."""
-    own = replace(dropped, case=context.case)
+    case_dropped = replace(dropped, case=context.case)
     sampling = context.params.sampling
-    impacts = Sample(dropped=own, contact=context.contact(own), sampling=sampling).impacts(angle)
-    return impacts.select(in_class(own, impacts))
+    impacts = Sample(
+        dropped=case_dropped, contact=context.contact(case_dropped), sampling=sampling
+    ).impacts(angle)
+    return impacts.select(in_class(case_dropped, impacts))
 
 
 @claim("C67", by_case=True)
@@ -221,14 +223,14 @@ def found_regions(context: Context, dropped: Dropped) -> Numbers:
     """Return the kinds of regions between change points, and the width of the transition."""
     wanted = context.params.regions
     angle = np.array(wanted.angles_deg)
-    found_at = [context.mean("impulse_ratio", dropped, a, context.series) for a in angle.tolist()]
-    mean, error = np.array(found_at, dtype=float).T
+    means = [context.mean("impulse_ratio", dropped, a, context.series) for a in angle.tolist()]
+    mean, error = np.array(means, dtype=float).T
     known = np.isfinite(mean)
     if not known.any():
         raise ValueError("regions.angles_deg: at none of them is there a mean of rebounds")
-    found = regions(angle[known], mean[known], error[known], wanted.constant_within)
-    width = sum(one["width_deg"] for one in found if one["region"] == "transition")
-    kinds = {one["region"] for one in found}
+    parts = regions(angle[known], mean[known], error[known], wanted.constant_within)
+    width = sum(part["width_deg"] for part in parts if part["region"] == "transition")
+    kinds = {part["region"] for part in parts}
     if width < wanted.least_transition_deg:
         kinds.discard("transition")
     return {"regions_found": len(kinds), "width_of_transition": width}
@@ -280,11 +282,14 @@ def c71(context: Context) -> Numbers:
     """Least difference of restitution above 20 deg, by slopes alone and with weaker adhesion."""
     named = context.params.mechanisms
     alternatives = {"slopes alone": named.slopes_alone, "half the adhesion": named.half_adhesion}
-    found = {
+    differences = {
         words: least_difference(context, name, "restitution", named.restitution_deg)
         for words, name in alternatives.items()
     }
-    return {words: {"least_difference_rough_less_smooth": of} for words, of in found.items()}
+    return {
+        words: {"least_difference_rough_less_smooth": difference}
+        for words, difference in differences.items()
+    }
 
 
 def least_difference(
@@ -370,11 +375,11 @@ def class_mean(context: Context, name: str, angle: float) -> Estimate:
 
     Raises ValueError if too few rebound.
     """
-    one = context.params.slow.classes[name]
+    speed_class = context.params.slow.classes[name]
     dropped = replace(
         context.params.slow.dropped,
-        speed_m_per_s=one.speed_m_per_s,
-        speed_range_m_per_s=one.speed_range_m_per_s,
+        speed_m_per_s=speed_class.speed_m_per_s,
+        speed_range_m_per_s=speed_class.speed_range_m_per_s,
     )
     if not context.seen(dropped, angle).measured:
         raise ValueError(f"slow.classes.{name}: no sphere rebounds at {angle:g} deg")
@@ -465,8 +470,8 @@ def spread_needed(context: Context) -> float:
     """Return the spread of spins without a mean whose interval, of one mean, reaches zero."""
 
     def lower_end(sd: float) -> float:
-        of = _with_spread(context, 0.0, sd)
-        return of.value - half_width(of, EXACT, context.params.sampling)
+        mean = _with_spread(context, 0.0, sd)
+        return mean.value - half_width(mean, EXACT, context.params.sampling)
 
     return root(lower_end, 0.0, WIDEST_SPREAD, absolute=1e-2)
 
@@ -535,7 +540,7 @@ def half_widths(context: Context, spin: InitialSpin) -> Estimate:
     stop = StopRule(events=sampling.events, fewest_events=2, most_dropped=spread.most_dropped)
     streams = (generator(sampling.seed, ANALYSIS, SPREAD, n) for n in range(spread.experiments))
     means = [collect(drop, camera, stop, rng).means["impulse_ratio"] for rng in streams]
-    return over_draws([0.5 * (of.high - of.low) for of in means])
+    return over_draws([0.5 * (mean.high - mean.low) for mean in means])
 
 
 @claim("C110", by_case=True)
@@ -554,5 +559,5 @@ def c110(context: Context) -> Numbers:
     coarse = first(np.append(np.arange(0, angle.size - 1, COARSE_STEPS), angle.size - 1))
     if coarse == angle.size:
         return {"angle_of_rise": 0.0}
-    found = first(np.arange(max(coarse - COARSE_STEPS, 0), coarse + 1))
-    return {"angle_of_rise": float(angle[found])}
+    fine = first(np.arange(max(coarse - COARSE_STEPS, 0), coarse + 1))
+    return {"angle_of_rise": float(angle[fine])}

@@ -33,9 +33,9 @@ def c18(context: Context) -> Numbers:
     v_n = -context.speed
     impulses = (-rho * loading_impulse(v_n, R), adhesion_impulse(v_n, R, rho))
     # e from V_n = v_n + P_D + P_A, impulses per mass.
-    found = [-(v_n + deformation_impulse(v_n, R) + adhesive) / v_n for adhesive in impulses]
-    found.append(restitution_with_adhesion(R, rho))
-    return {"largest_difference_of_restitution": np.max(np.ptp(np.array(found), axis=0))}
+    restitutions = [-(v_n + deformation_impulse(v_n, R) + adhesive) / v_n for adhesive in impulses]
+    restitutions.append(restitution_with_adhesion(R, rho))
+    return {"largest_difference_of_restitution": np.max(np.ptp(np.array(restitutions), axis=0))}
 
 
 def loading_impulse(v_n: float, R: Real) -> Real:
@@ -129,7 +129,9 @@ def c23(context: Context) -> Numbers:
         shallowest = context.shallowest_rebounds()
         angles = shallowest, np.full_like(shallowest, context.params.oblique.plateau_deg)
         both = steel, without_adhesion(steel)
-        ratios = [context.hit(one, context.speed, np.stack(angles)).impulse_ratio for one in both]
+        ratios = [
+            context.hit(contact, context.speed, np.stack(angles)).impulse_ratio for contact in both
+        ]
         return np.stack([shallow / level for shallow, level in ratios])
 
     adhesive, bare = context.of_steel(("C23",), rises)
@@ -243,7 +245,8 @@ def c108(context: Context) -> Numbers:
     As the model supposes, with damping on rebound alone, and with damping on approach as well.
     """
     supposed, damped = (
-        rebound_share(context, damped=of) for of in (context.params.losses.attachment_damped, True)
+        rebound_share(context, damped=damped)
+        for damped in (context.params.losses.attachment_damped, True)
     )
     return {
         "rebound_share_of_adhesion_loss": supposed,

@@ -211,7 +211,8 @@ def departure(context: Context, angle: float) -> float:
     flat = replace(sloped, surface_slope=samples.smooth_slope)
     angles = (angle, samples.reference_angle_deg)
     (e, start), (flat_e, flat_start) = (
-        [context.mean("restitution", one, at).value for at in angles] for one in (sloped, flat)
+        [context.mean("restitution", dropped, at).value for at in angles]
+        for dropped in (sloped, flat)
     )
     return float((e - start) - (flat_e - flat_start))
 
@@ -265,8 +266,10 @@ def c96(context: Context) -> Numbers:
 
 def share(context: Context, sources: tuple[str, ...], angle: float) -> float:
     """Return the departure that sources alone give over that which all give."""
-    none, some, all_ = (varied_restitution(context, kept, angle) for kept in ((), sources, SOURCES))
-    return (some - none) / (all_ - none)
+    bare, partial, whole = (
+        varied_restitution(context, kept, angle) for kept in ((), sources, SOURCES)
+    )
+    return (partial - bare) / (whole - bare)
 
 
 def varied_restitution(context: Context, sources: tuple[str, ...], angle: float) -> float:

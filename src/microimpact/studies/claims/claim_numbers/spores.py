@@ -30,12 +30,12 @@ def c17(context: Context) -> Numbers:
 @claim("C81", by_case=True)
 def c81(context: Context) -> Numbers:
     """Largest difference of restitution, steel less spores, each calibrated at 85 deg alone."""
-    found = context.column(
+    difference = context.column(
         "spore_comparison",
         "restitution_difference_over_half_width",
         context.params.mechanisms.compared_deg,
     )
-    return {"largest_difference_over_half_width": found.abs().max()}
+    return {"largest_difference_over_half_width": difference.abs().max()}
 
 
 @claim("C82")
@@ -75,10 +75,10 @@ def trend(context: Context, mechanism: str, column: str) -> Estimate:
     Raises ValueError if so few rebound at one of the angles that there is no trend to see.
     """
     row = context.table("spore_trends", mechanism=mechanism).iloc[0]
-    found, rebounds = row[f"{column}_over_half_width"], row["rebounds_at_15_deg"]
-    if not np.isfinite(found):
+    value, rebounds = row[f"{column}_over_half_width"], row["rebounds_at_15_deg"]
+    if not np.isfinite(value):
         raise ValueError(f"spore_trends: too few rebounds for {column}, {mechanism}")
-    return Estimate(found, np.sqrt(context.params.sampling.events / rebounds) / ERROR_BAR)
+    return Estimate(value, np.sqrt(context.params.sampling.events / rebounds) / ERROR_BAR)
 
 
 @claim("C84")
@@ -145,7 +145,7 @@ def rise(
 def lesser_rise(context: Context, quantity: str, spore: Dropped) -> Estimate:
     """Return the lesser rise of a mean, of steel and of one sort of spores."""
     samples = context.params.formica.steel, spore
-    return min(rise(context, quantity, one, context.series) for one in samples)
+    return min(rise(context, quantity, sample, context.series) for sample in samples)
 
 
 def formica(context: Context, column: str, angles: ArrayLike | None = None) -> pd.Series:
@@ -190,7 +190,7 @@ def c88(context: Context) -> Numbers:
     """
     angles = [30.0, 80.0]
     losses, widths, errors = differences(context, "energy_loss", angles)
-    apart, width, error = (of[0] for of in differences(context, "restitution", angles[:1]))
+    apart, width, error = (values[0] for values in differences(context, "restitution", angles[:1]))
     change = Estimate(abs(losses[1]) - abs(losses[0]), np.hypot(*errors))
     sines: FloatArray = np.sin(np.radians(angles))
     return {
