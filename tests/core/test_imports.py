@@ -1,5 +1,6 @@
 """What importing loads, and where compiled code is kept."""
 
+import ast
 import os
 import sys
 from importlib.metadata import version
@@ -11,6 +12,7 @@ from tests.shared import ROOT, execute
 
 import microimpact
 
+SOURCE = ROOT / "src/microimpact"
 WATCHED = (
     *("numpy", "numba", "llvmlite", "pandas", "scipy", "matplotlib", "pydantic", "sympy", "pint"),
     *("yaml", "emcee"),
@@ -140,16 +142,39 @@ for name in ("dynamics.kernel", "passes", "dynamics.tangential"):
     assert run(code).split() == ["True"] * 6
 
 
-def test_compiled_code_of_a_module_calls_no_other_modules(tmp_path):
-    # Numba's cache would keep stale code of the other module.
-    root = ROOT / "src/microimpact"
-    users = [path for path in root.rglob("*.py") if "import jit\n" in path.read_text()]
+def loaded(node):
+    return {n.id for n in ast.walk(node) if isinstance(n, ast.Name)}
+
+
+def foreign(tree):
+    """Names in a module whose values other modules of the package decide."""
+    names = {
+        alias.asname or alias.name.partition(".")[0]
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom | ast.Import)
+        for alias in node.names
+        if "microimpact" in (getattr(node, "module", None) or alias.name)
+    }
+    for node in tree.body:
+        if isinstance(node, ast.Assign) and names & loaded(node.value):
+            names |= set().union(*map(loaded, node.targets))
+    return names
+
+
+def test_compiled_code_rests_on_its_own_file_alone():
+    """Numba's cache would keep functions, and constants, as they stood in another file."""
+    users = [
+        path for path in SOURCE.rglob("*.py") if "core.compiled import jit" in path.read_text()
+    ]
     assert {path.stem for path in users} >= {"kernel", "passes", "tangential"}
-    names = {path: ".".join(path.relative_to(root.parent).with_suffix("").parts) for path in users}
     for path in users:
-        text = path.read_text()
-        others = [name for other, name in names.items() if other != path]
-        assert not any(f"from {name} import _" in text for name in others)
+        tree = ast.parse(path.read_text())
+        strangers = foreign(tree)
+        functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+        for function in functions:
+            if any("jit" in ast.unparse(decorator) for decorator in function.decorator_list):
+                used = set().union(*map(loaded, function.body)) & strangers
+                assert not used, f"{path.name}: {function.name} uses {used} of another file"
 
 
 # The physics alone

@@ -81,7 +81,8 @@ def speed_of(contact, ratio):
 def outcome(contact, ratio, impact):
     speed = speed_of(contact, ratio)
     spin = impact["spin_ratio"] * speed / contact.radius
-    return speed, spin, simulate(contact, speed, impact["angle"], spin, impact["friction_basis"])
+    laws = {name: impact[name] for name in ("friction_basis", "tangential") if name in impact}
+    return speed, spin, simulate(contact, speed, impact["angle"], spin, **laws)
 
 
 def kinetic(speed, spin, radius):
@@ -89,8 +90,18 @@ def kinetic(speed, spin, radius):
     return speed**2 + 0.4 * (radius * spin) ** 2
 
 
-@given(contact=contacts(), ratio=ratios, impact=impacts)
-def test_no_impact_gains_energy_and_restitution_lies_between_0_and_1(contact, ratio, impact):
+@given(
+    contact=contacts(),
+    ratio=decades(-5.0, 4.0),
+    impact=impacts,
+    tangential=st.sampled_from(["rigid", "mindlin", "spring"]),
+)
+def test_no_impact_gains_energy_and_restitution_lies_between_0_and_1(
+    contact, ratio, impact, tangential
+):
+    if tangential != "rigid":
+        assume(impact["friction_basis"] != "net")
+        impact = impact | {"tangential": tangential}
     speed, spin, found = outcome(contact, ratio, impact)
     assert 0.0 <= found.coefficient_of_restitution <= 1.0 + 1e-12
     after = kinetic(

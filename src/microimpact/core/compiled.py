@@ -4,9 +4,9 @@ The cache is kept beside the source, else in the user's cache directory; ``NUMBA
 another place. Where none can be written (an installation for reading only, without a home), every
 process compiles anew, in some seconds.
 
-Each module with compiled functions holds all that they call: the cache looks only at the file of
-the function it loads, and would keep stale code of another. Numba itself, a third of a second of
-every start, is loaded with the first call of a compiled function of a module.
+Each module with compiled functions holds all functions and constants that they use: the cache looks
+only at the file of the function it loads, and would keep what stood in another. Numba itself, a
+third of a second of every start, is loaded with the first call of a compiled function of a module.
 """
 
 from __future__ import annotations

@@ -12,7 +12,11 @@ import numpy as np
 
 from microimpact.core.arrays import BoolArray, FloatArray, Real
 from microimpact.core.compiled import jit
-from microimpact.model.rigid_body.algebra import INERTIA, SLIP_PER_IMPULSE
+
+# Moment of inertia of a solid sphere: I = INERTIA m r^2. Slip lost per unit of tangential impulse
+# and mass. They stand here as compiled code may rest on its own file alone, see `core.compiled`.
+INERTIA = 0.4
+SLIP_PER_IMPULSE = 1.0 + 1.0 / INERTIA
 
 DEGREE = 12
 # Quantities of a normal impact in its scales, the rows of what a table gives.

@@ -12,15 +12,17 @@ shrinks with the contact radius. Neither law makes energy.
 In the scaled form of `dynamics.kernel`, where ``s`` is the contact radius, ``k = 8 G*/K`` is the
 only new number. Slip may turn round but keeps to its line: in three dimensions, too, it is planar.
 
-The normal path is followed once more, in steps that end where a spring enters or leaves the
-contact; the error is of second order in the length of the springs, about 1e-5 of friction's limit.
-The compiled functions are in a module of their own for the reason given in `kernel`.
+The normal path is followed once more, in steps that end where a spring enters the contact. In each
+step the springs obey the trapezoidal rule, and their limits change evenly: what the slip loses is
+stored, or lost to friction, however long the step is. The error is of second order in the steps,
+about 1e-4 of the slip. The compiled functions are in a module of their own for the reason given in
+`kernel`.
 """
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -35,36 +37,47 @@ if TYPE_CHECKING:
     from microimpact.model.contact import Contact
 
 # Parts into which contact radius and velocity are divided, each.
-PARTS = 64
+PARTS = 96
 # Stable and exact enough for the method of Runge and Kutta: step times rate of damping.
 DAMPED = 0.5
 MAX_STEPS = 1_000_000
 # Longest step in time, in units of the tangential oscillator's.
 _STROKE = 0.2
-_MAX_SPRINGS = 64 * PARTS
+_MAX_ROWS = 64 * PARTS
+# Scaled speeds and squared radii below this are none.
+_NOTHING = 1e-30
 
-# Columns of a problem, in the scaled units of the normal motion: its start and groups, the
-# tangential stiffness k, friction, slip (positive), whether friction rests on the Hertz term alone
-# in place of the whole compressive force, and whether the contact is one spring.
+# Columns of a problem, in the scaled units of the normal motion: its start, groups and speed at the
+# end; squared frequency of the tangential oscillator over the contact radius (7/2 k of a sphere);
+# friction over k, slip (positive), whether friction rests on the Hertz term alone in place of the
+# whole compressive force, and whether the contact is one spring.
 (
     START_U,
     ADHESION,
     HERTZ_DAMPING,
     DAMPING_1,
     DAMPING_2,
+    END_U,
     TURNING_S,
-    STIFFNESS,
+    OSCILLATOR,
     FRICTION,
     START_SLIP,
     ON_HERTZ,
     ONE_SPRING,
-) = range(11)
-PROBLEM_COLUMNS = 11
+) = range(12)
+PROBLEM_COLUMNS = 12
 
-# Columns of a result: impulse of the tangential force per mass, positive against the slip; whether
-# the contact stuck, in part, for some time; whether the steps sufficed.
-IMPULSE, STUCK, ENDED = range(3)
+# Columns of a result: slip after the impact; whether the contact stuck, in part, for some time;
+# whether the steps sufficed.
+SLIP, STUCK, ENDED = range(3)
 RESULT_COLUMNS = 3
+
+# Columns of a path, at the end of each step: contact radius, velocity and normal force over the
+# contact radius; and the time that the step takes.
+RADIUS, VELOCITY, FORCE, TIME = range(4)
+# Rows of springs: squared distance from the middle, length, displacement and limit now (negative
+# where nothing presses), and the last two after the next step.
+PLACE, LENGTH, STRAIN, LIMIT, NEXT, NEXT_LIMIT = range(6)
 
 _jit = jit()
 
@@ -107,57 +120,73 @@ def compliant_impulse(
         return np.broadcast_to(np.asarray(value, dtype=np.float64), shape).ravel()
 
     scaled, scales, _ = scaled_problems(contact, np.broadcast_to(speed, shape))
-    problems = np.empty((slip.size, PROBLEM_COLUMNS))
-    for own, column in {
-        START_U: kernel.START_U,
-        ADHESION: kernel.ADHESION,
-        HERTZ_DAMPING: kernel.HERTZ_DAMPING,
-        DAMPING_1: kernel.DAMPING_1,
-        DAMPING_2: kernel.DAMPING_2,
-    }.items():
-        problems[:, own] = scaled[:, column]
-    problems[:, TURNING_S] = np.sqrt(flat(normal.maximum_compression) / scales.length)
     shear = contact_shear_modulus(contact.particle, contact.surface)
-    problems[:, STIFFNESS] = flat(8.0 * shear / contact.stiffness)
-    problems[:, FRICTION] = flat(contact.friction)
-    problems[:, START_SLIP] = flat(slip) / scales.velocity
-    problems[:, ON_HERTZ], problems[:, ONE_SPRING] = basis == "hertz", law == "spring"
-    results = np.zeros((len(problems), RESULT_COLUMNS))
+    stiffness = flat(8.0 * shear / contact.stiffness)
+    end = flat(normal.coefficient_of_restitution) * scaled[:, kernel.START_U]
+    problems = np.empty((slip.size, PROBLEM_COLUMNS))
+    for column, values in {
+        START_U: scaled[:, kernel.START_U],
+        ADHESION: scaled[:, kernel.ADHESION],
+        HERTZ_DAMPING: scaled[:, kernel.HERTZ_DAMPING],
+        DAMPING_1: scaled[:, kernel.DAMPING_1],
+        DAMPING_2: scaled[:, kernel.DAMPING_2],
+        END_U: np.maximum(end, _NOTHING),
+        TURNING_S: np.sqrt(flat(normal.maximum_compression) / scales.length),
+        OSCILLATOR: SLIP_PER_IMPULSE * stiffness,
+        FRICTION: flat(contact.friction) / stiffness,
+        START_SLIP: flat(slip) / scales.velocity,
+        ON_HERTZ: basis == "hertz",
+        ONE_SPRING: law == "spring",
+    }.items():
+        problems[:, column] = values
     free = ~flat(normal.captured).astype(bool)
-    part = np.zeros((int(free.sum()), RESULT_COLUMNS))
-    integrate(problems[free], part)
-    if not np.all(part[:, ENDED]):
+    results = np.zeros((int(free.sum()), RESULT_COLUMNS))
+    integrate(problems[free], results)
+    if not np.all(results[:, ENDED]):
         heaviest = np.max((problems[:, HERTZ_DAMPING] * problems[:, START_U])[free])
         raise RuntimeError(
-            f"the tangential force of {np.sum(part[:, ENDED] == 0.0)} impact(s) was not found: "
+            f"the tangential force of {np.sum(results[:, ENDED] == 0.0)} impact(s) was not found: "
             f"c_H v is {heaviest:.3g} at most, too much damping for tangential {law!r}"
         )
-    results[free] = part
-    impulse = (results[:, IMPULSE] * scales.velocity).reshape(shape)
-    return impulse, (results[:, STUCK] > 0.0).reshape(shape)
+    lost, stuck = np.zeros(slip.size), np.zeros(slip.size, dtype=bool)
+    lost[free] = problems[free, START_SLIP] - results[:, SLIP]
+    stuck[free] = results[:, STUCK] > 0.0
+    impulse = lost * scales.velocity / SLIP_PER_IMPULSE
+    return impulse.reshape(shape), stuck.reshape(shape)
+
+
+class _Motion(NamedTuple):
+    """A leg of the normal motion, scaled: its groups, and by how much a step may change s and u."""
+
+    adhesion: float
+    hertz_damping: float
+    adhesion_damping: float
+    wide: float
+    kick: float
 
 
 @_jit
-def _normal(s, u, own):  # type: ignore[no-untyped-def]
+def _normal(s, u, motion):  # type: ignore[no-untyped-def]
     """Normal force over the contact radius, and the rate at which it damps the velocity."""
     p = s * s
-    drag = p * own[HERTZ_DAMPING] + own[ADHESION] * own[DAMPING_1]
-    return p - own[ADHESION] + drag * u, p * drag
+    drag = p * motion.hertz_damping + motion.adhesion * motion.adhesion_damping
+    return p - motion.adhesion + drag * u, p * drag
 
 
 @_jit
-def _advance(s, u, h, own):  # type: ignore[no-untyped-def]
-    """Contact radius, velocity and contact time after h, by Runge and Kutta's method."""
-    parts = max(math.ceil(h * _normal(s, u, own)[1] / DAMPED), 1)
+def _advance(s, u, h, motion):  # type: ignore[no-untyped-def]
+    """Contact radius, velocity and contact time after h, by Runge and Kutta's method; its steps."""
+    rate = abs(_normal(s, u, motion)[1])
+    parts = max(math.ceil(min(h * rate / DAMPED, MAX_STEPS + 1.0)), 1)
     time, h = 0.0, h / parts
     for _ in range(parts):
-        force = _normal(s, u, own)[0]
+        force = _normal(s, u, motion)[0]
         s_1, u_1 = s + 0.25 * h * u, u - 0.5 * h * s * s * force
-        f_1 = _normal(s_1, u_1, own)[0]
+        f_1 = _normal(s_1, u_1, motion)[0]
         s_2, u_2 = s + 0.25 * h * u_1, u - 0.5 * h * s_1 * s_1 * f_1
-        f_2 = _normal(s_2, u_2, own)[0]
+        f_2 = _normal(s_2, u_2, motion)[0]
         s_3, u_3 = s + 0.5 * h * u_2, u - h * s_2 * s_2 * f_2
-        f_3 = _normal(s_3, u_3, own)[0]
+        f_3 = _normal(s_3, u_3, motion)[0]
         kick = s * s * force + 2.0 * (s_1 * s_1 * f_1 + s_2 * s_2 * f_2) + s_3 * s_3 * f_3
         time += h / 6.0 * (s + 2.0 * (s_1 + s_2) + s_3)
         s, u = s + h / 12.0 * (u + 2.0 * (u_1 + u_2) + u_3), u - h / 6.0 * kick
@@ -165,119 +194,202 @@ def _advance(s, u, h, own):  # type: ignore[no-untyped-def]
 
 
 @_jit
-def _grow(own, edge):  # type: ignore[no-untyped-def]
-    """Follow the approach; each step's contact radius, velocity and time into a row of ``edge``.
-
-    The first row is the touch. Returns the number of rows, or 0 where they did not suffice.
-    """
-    fastest = math.sqrt(own[START_U] ** 2 + 8.0 / 15.0 * own[ADHESION] ** 2.5)
-    wide, kick = own[TURNING_S] / PARTS, fastest / PARTS
-    s, u = 0.0, own[START_U]
-    edge[0, 0], edge[0, 1], edge[0, 2] = s, u, 0.0
-    for row in range(1, edge.shape[0]):
-        force, rate = _normal(s, u, own)
-        h = min(2.0 * wide / u, kick / (s * s * abs(force)), DAMPED / rate)
-        new_s, new_u, time, _ = _advance(s, u, h, own)
-        if new_u <= 0.0:
-            for _ in range(4):  # of Newton's steps
-                h += new_u / (new_s * new_s * _normal(new_s, new_u, own)[0])
-                new_s, new_u, time, _ = _advance(s, u, h, own)
-            new_u = 0.0
-        edge[row, 0], edge[row, 1], edge[row, 2] = new_s, new_u, time
-        if new_u == 0.0:
-            return row + 1
-        s, u = new_s, new_u
-    return 0
+def _stride(s, u, motion):  # type: ignore[no-untyped-def]
+    """Length of a step; where adhesion draws the sphere in, u may not double within it."""
+    force, rate = _normal(s, u, motion)
+    h, kick, steepest = 2.0 * motion.wide / abs(u), motion.kick, s * s * abs(force)
+    if u > 0.0:  # a turning point is found from close by
+        h = min(h, DAMPED / abs(rate))
+    if u > 0.0 and force < 0.0:
+        kick = min(kick, u)
+        h = min(h, (4.0 * kick / (motion.adhesion * u * u)) ** (1.0 / 3.0))
+        ahead = s + 0.5 * h * u
+        steepest = max(steepest, ahead * ahead * abs(_normal(ahead, u, motion)[0]))
+    return min(h, kick / steepest)
 
 
 @_jit
-def _fall(s, u, target, own):  # type: ignore[no-untyped-def]
-    """Velocity and contact time when the contact has shrunk to a radius, and steps used.
+def _follow(row, s, u, last, motion, path):  # type: ignore[no-untyped-def]
+    """Follow the motion into rows from ``row`` on, until it turns or arrives at a contact radius.
 
-    Where it does not get there, as capture is near, the velocity is not negative.
+    An approach takes its last step beyond that radius, a rebound (u <= 0) ends there. Returns the
+    last row, or -1 if the steps do not suffice.
     """
-    rate = s * s * _normal(s, u, own)[0]
-    way = s - target
-    root = math.sqrt(max(0.25 * u * u + rate * way, 0.0))
-    h, parts = 2.0 * way / (root - 0.5 * u), 0
-    new_u, time = u, 0.0
-    for _ in range(4):  # of Newton's steps
-        new_s, new_u, time, used = _advance(s, u, h, own)
+    parts, rising = 0, u > 0.0
+    path[row, RADIUS], path[row, VELOCITY], path[row, FORCE] = s, u, _normal(s, u, motion)[0]
+    while row + 1 < path.shape[0] and parts <= MAX_STEPS:
+        h = _stride(s, u, motion)
+        new_s, new_u, time, used = _advance(s, u, h, motion)
         parts += used
-        if not new_u < 0.0 or parts > MAX_STEPS or abs(new_s - target) <= 1e-9 * way:
-            break
-        h = max(h + 2.0 * (target - new_s) / new_u, 0.0)
-    return new_u, time, parts
+        if new_u <= 0.0 if rising else new_s <= last:
+            for _ in range(4):  # of Newton's steps
+                if rising:
+                    h += new_u / (new_s * new_s * _normal(new_s, new_u, motion)[0])
+                else:
+                    h += 2.0 * (last - new_s) / new_u
+                new_s, new_u, time, _ = _advance(s, u, h, motion)
+            new_s, new_u = (new_s, 0.0) if rising else (last, new_u)
+        row, s, u = row + 1, new_s, new_u
+        path[row, RADIUS], path[row, VELOCITY], path[row, TIME] = s, u, time
+        path[row, FORCE] = _normal(s, u, motion)[0]
+        if (u <= 0.0 or s >= last) if rising else s <= last:
+            return row
+    return -1
 
 
 @_jit
-def _drive(s, u, before, time, entering, count, own, springs, state):  # type: ignore[no-untyped-def]
-    """Move the contact point for a step that ends at s, u with so many springs in contact.
+def _trace(problem, path, end):  # type: ignore[no-untyped-def]
+    """Write the path of a rebound; returns the rows of its turning point and its end, or -1.
 
-    Rows of ``springs``: squared distance, length, displacement. ``state``: force, impulse, stuck.
+    Where adhesion is stronger than the Hertz force, the end is followed back from the speed after
+    impact: forwards, what is left of a slow sphere's would be lost to rounding.
     """
-    impulse = state[1] + 0.5 * state[0] * time
-    way = (own[START_SLIP] - SLIP_PER_IMPULSE * impulse) * time
-    support = max(_normal(s, u, own)[0], 0.0)
-    if own[ON_HERTZ] != 0.0:
-        support = s * s
-    limit = own[FRICTION] * support / own[STIFFNESS]
-    force, stuck = 0.0, False
-    if own[ONE_SPRING] != 0.0:
-        x = springs[2, 0] + way
-        if entering:  # what joins the contact is not strained yet
-            x = (springs[2, 0] * before + 0.5 * (before + s) * way) / s
-        springs[2, 0] = min(max(x, -limit), limit)
-        force, stuck = s * springs[2, 0], abs(x) < limit
-    elif count > 0:
-        density = 1.5 * limit / (s * s)
+    beta, start = problem[ADHESION], problem[START_U]
+    hertz, first, second = problem[HERTZ_DAMPING], problem[DAMPING_1], problem[DAMPING_2]
+    wide = problem[TURNING_S] / PARTS
+    kick = math.sqrt(start**2 + 8.0 / 15.0 * beta**2.5) / PARTS
+    turn = _follow(0, 0.0, start, math.inf, _Motion(beta, hertz, first, wide, kick), path)
+    rows, last = 0, 0.0
+    if beta > 0.0:
+        back = _Motion(beta, -hertz, -second, wide, kick)
+        rows = _follow(0, 0.0, problem[END_U], math.sqrt(0.5 * beta), back, end)
+        last = end[rows, RADIUS]
+    if turn < 0 or rows < 0:
+        return -1, -1
+    motion = _Motion(beta, hertz, second, wide, kick)
+    row = _follow(turn, path[turn, RADIUS], 0.0, last, motion, path)
+    if row < 0 or row + rows >= path.shape[0]:
+        return -1, -1
+    for i in range(rows, 0, -1):
+        row += 1
+        path[row, TIME] = end[i, TIME]
+        path[row, RADIUS], path[row, FORCE] = end[i - 1, RADIUS], end[i - 1, FORCE]
+    return turn, row
+
+
+@_jit
+def _displace(strain, limit, way, next_limit):  # type: ignore[no-untyped-def]
+    """Displacement of a spring whose end goes evenly along a way, as its limit does to the next.
+
+    With it the mean displacement, and by how much that rises with the way. A limit below zero is
+    that of a spring which nothing presses.
+    """
+    share = 1.0
+    if limit < 0.0:  # it is pressed during the last part of the time alone
+        share = next_limit / (next_limit - limit) if next_limit > 0.0 else 0.0
+        limit, way = 0.0, share * way
+    end = strain + way
+    if abs(end) <= next_limit:
+        return end, 0.5 * share * (strain + end), 0.5 * share * share
+    if strain * end > 0.0 and abs(strain) >= limit and next_limit >= 0.0:  # slides as before
+        end = math.copysign(next_limit, end)
+        return end, 0.5 * share * (strain + end), 0.0
+    pressed = limit / (limit - next_limit) if next_limit < 0.0 else 1.0
+    end, bound = strain + pressed * way, max(next_limit, 0.0)
+    side = 1.0 if end > 0.0 else -1.0
+    room, excess = limit - side * strain, side * end - bound
+    stuck = pressed * room / (room + excess) if room > 0.0 else 0.0
+    edge, end = strain + stuck * way, side * bound
+    mean = 0.5 * share * (stuck * (strain + edge) + (pressed - stuck) * (edge + end))
+    return end, mean, 0.5 * share * share * stuck * stuck
+
+
+@_jit
+def _drive(slip, time, count, joins, oscillator, held, springs):  # type: ignore[no-untyped-def]
+    """Slip after a step with so many springs in contact, and the length of springs that held.
+
+    The last spring ``joins`` the contact during the step, half of which it takes part in.
+    """
+    # Gives the trapezoidal rule the period of the oscillator; ``held`` is of the step before.
+    time *= 1.0 + oscillator * held * time * time / 12.0
+    weight, free = 0.5 * oscillator * time * time, time * slip
+    way, least, greatest = free, -math.inf, math.inf
+    for _ in range(100):  # of Newton's steps, within a bracket; two as a rule
+        force, slope = 0.0, 0.0
         for i in range(count):
-            most = density * max(s * s - springs[0, i], 0.0)
-            x = springs[2, i] + (0.5 * way if entering and i == count - 1 else way)
-            springs[2, i] = min(max(x, -most), most)
-            force += springs[1, i] * springs[2, i]
-        stuck = abs(springs[2, 0]) < density * (s * s - springs[0, 0])
-    state[0] = own[STIFFNESS] * force
-    state[1] = impulse + 0.5 * state[0] * time
-    if stuck:
-        state[2] = 1.0
+            share = 0.5 if joins and i == count - 1 else 1.0
+            springs[NEXT, i], mean, rise = _displace(
+                springs[STRAIN, i], springs[LIMIT, i], share * way, springs[NEXT_LIMIT, i]
+            )
+            force += springs[LENGTH, i] * mean
+            slope += springs[LENGTH, i] * share * rise
+        off = way + weight * force - free
+        if abs(off) <= 1e-14 * (abs(free) + abs(weight * force)):
+            break
+        if off < 0.0:
+            least = way
+        else:
+            greatest = way
+        way -= off / (1.0 + weight * slope)
+        if not least < way < greatest:
+            way = 0.5 * (least + greatest)
+    for i in range(count):
+        springs[STRAIN, i], springs[LIMIT, i] = springs[NEXT, i], springs[NEXT_LIMIT, i]
+    return 2.0 * way / time - slip, 2.0 * slope
+
+
+@_jit
+def _press_one(before, s, limit, springs):  # type: ignore[no-untyped-def]
+    """Give the one spring its stiffness and its limit at the end of a step."""
+    middle = 0.5 * (before + s)
+    if middle > springs[LENGTH, 0]:  # what joins the contact is not strained yet
+        springs[STRAIN, 0] *= springs[LENGTH, 0] / middle
+        springs[LIMIT, 0] *= springs[LENGTH, 0] / middle
+    springs[LENGTH, 0] = middle
+    springs[NEXT_LIMIT, 0] = limit * max(s / middle, 1.0)
+
+
+@_jit
+def _press_row(s, limit, count, springs):  # type: ignore[no-untyped-def]
+    """Give springs their limits at the end of a step."""
+    highest, fall = 1.5 * limit, 1.5 * limit / max(s * s, _NOTHING)
+    for i in range(count):
+        bound = highest - fall * springs[PLACE, i]
+        springs[NEXT_LIMIT, i] = bound if limit > 0.0 else -abs(bound)
+
+
+@_jit
+def _slip(problem, path, turn, last, springs):  # type: ignore[no-untyped-def]
+    """Slip at the end of a path, and whether the contact stuck."""
+    one, oscillator = problem[ONE_SPRING] != 0.0, problem[OSCILLATOR]
+    slip, held, stuck, count = problem[START_SLIP], 0.0, 0.0, 1
+    springs[:, 0] = 0.0
+    for row in range(1, last + 1):
+        joins = row <= turn
+        start, end, time = path[row - 1, RADIUS], path[row, RADIUS], path[row, TIME]
+        first, change = path[row - 1, FORCE], path[row, FORCE] - path[row - 1, FORCE]
+        if joins and not one:
+            count = row
+            springs[PLACE, row - 1] = (start * start + start * end + end * end) / 3.0
+            springs[LENGTH, row - 1] = end - start
+            springs[STRAIN, row - 1] = springs[LIMIT, row - 1] = 0.0
+        while count > 0 and not joins and springs[PLACE, count - 1] >= start * start:
+            count -= 1
+        strokes = 1 if joins else math.ceil(time * math.sqrt(oscillator * start) / _STROKE)
+        before = start
+        for stroke in range(1, strokes + 1):
+            done = stroke / strokes
+            s, force = start + (end - start) * done, first + change * done
+            limit = problem[FRICTION] * (s * s if problem[ON_HERTZ] != 0.0 else force)
+            if one:
+                _press_one(before, s, limit, springs)
+            else:
+                _press_row(s, limit, count, springs)
+            slip, held = _drive(
+                slip, time / strokes, count, joins and not one, oscillator, held, springs
+            )
+            if abs(springs[STRAIN, 0]) < springs[LIMIT, 0]:
+                stuck = 1.0
+            before = s
+    return slip, stuck
 
 
 @_jit
 def integrate(problems: FloatArray, results: FloatArray) -> None:
     """Integrate every row of ``problems``, all rebounds, into the same row of ``results``."""
-    edge, springs, state = np.zeros((_MAX_SPRINGS, 3)), np.zeros((3, _MAX_SPRINGS)), np.zeros(3)
+    path, end = np.zeros((_MAX_ROWS, 4)), np.zeros((_MAX_ROWS, 4))
+    springs = np.zeros((6, _MAX_ROWS))
     for row in range(problems.shape[0]):
-        own = problems[row].copy()
-        results[row, :] = 0.0
-        rows = _grow(own, edge)
-        if rows == 0:
-            continue
-        state[:] = 0.0
-        springs[2, 0] = 0.0
-        for i in range(1, rows):
-            inner, outer = edge[i - 1, 0], edge[i, 0]
-            springs[0, i - 1] = (inner * inner + inner * outer + outer * outer) / 3.0
-            springs[1, i - 1], springs[2, i - 1] = outer - inner, 0.0
-            _drive(outer, edge[i, 1], inner, edge[i, 2], True, i, own, springs, state)
-        own[DAMPING_1] = own[DAMPING_2]
-        s, u, parts, ended = edge[rows - 1, 0], 0.0, 0, True
-        for i in range(rows - 2, -1, -1):
-            target = edge[i, 0]
-            if target == s:
-                continue
-            new_u, time, used = _fall(s, u, target, own)
-            strokes = math.ceil(time * math.sqrt(SLIP_PER_IMPULSE * own[STIFFNESS] * s) / _STROKE)
-            parts += used + strokes
-            if not new_u < 0.0 or not parts <= MAX_STEPS:
-                # capture was near, and adhesion holds what is left; or there was no path
-                ended = own[ADHESION] > 0.0 and new_u >= 0.0
-                break
-            for stroke in range(1, strokes + 1):
-                done = stroke / strokes
-                between, count = s + (target - s) * done, i if stroke == strokes else i + 1
-                swift = u + (new_u - u) * done
-                _drive(between, swift, s, time / strokes, False, count, own, springs, state)
-            s, u = target, new_u
-        results[row, IMPULSE], results[row, STUCK] = state[1], state[2]
-        results[row, ENDED] = 1.0 if ended else 0.0
+        turn, last = _trace(problems[row], path, end)
+        results[row, SLIP], results[row, STUCK] = _slip(problems[row], path, turn, last, springs)
+        results[row, ENDED] = 1.0 if last > 0 else 0.0

@@ -22,6 +22,7 @@ from microimpact.core.arrays import (
     checked,
     common_shape,
 )
+from microimpact.model import passes
 
 APPROACHING = Range(upper=0.0)
 UNIT_INTERVAL = Range(lower=0.0, upper=1.0, lower_closed=True, upper_closed=True)
@@ -36,10 +37,7 @@ ADMISSIBLE: Mapping[str, Range] = {
     "slope": Range(lower=-np.pi / 2, upper=np.pi / 2),
 }
 
-# Moment of inertia of a solid sphere: I = INERTIA m r^2.
-INERTIA = 0.4
-# Slip lost per unit of tangential impulse and mass.
-SLIP_PER_IMPULSE = 1.0 + 1.0 / INERTIA
+INERTIA, SLIP_PER_IMPULSE = passes.INERTIA, passes.SLIP_PER_IMPULSE
 
 
 class RigidBodyRebound(NamedTuple):
