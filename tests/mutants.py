@@ -3,8 +3,8 @@
     python -m tests.mutants [TEXT...]
 
 A wrong form is noticed if a test of its modules fails. The misprints of the article are not among
-them: the ledger of equations compares code, derivation and print. Compiled code comes along with the
-copy; it rests on its own file alone, so none of it is stale. Ends with 1 if a wrong form
+them: the ledger of equations compares code, derivation and print. Compiled code comes along with
+the copy; it rests on its own file alone, so none of it is stale. Ends with 1 if a wrong form
 survived, or if the tests fail without it. TEXT: those whose name holds it.
 """
 

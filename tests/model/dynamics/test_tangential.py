@@ -144,7 +144,6 @@ class TestNoSlip:
         ]
         assert ends[0] == pytest.approx(ends[1], rel=2e-3)
 
-
     @pytest.mark.parametrize("ratio", [1e-5, 1e-3, 0.1])
     def test_one_spring_while_a_slow_sphere_is_drawn_in_and_pressed(self, contact, ratio):
         """Compressive friction holds from where Hertz and ring force balance until there again."""
