@@ -124,7 +124,7 @@ def compliant_impulse(
     stiffness = flat(8.0 * shear / contact.stiffness)
     end = flat(normal.coefficient_of_restitution) * scaled[:, kernel.START_U]
     problems = np.empty((slip.size, PROBLEM_COLUMNS))
-    for column, values in {
+    columns: dict[int, FloatArray | bool] = {
         START_U: scaled[:, kernel.START_U],
         ADHESION: scaled[:, kernel.ADHESION],
         HERTZ_DAMPING: scaled[:, kernel.HERTZ_DAMPING],
@@ -137,7 +137,8 @@ def compliant_impulse(
         START_SLIP: flat(slip) / scales.velocity,
         ON_HERTZ: basis == "hertz",
         ONE_SPRING: law == "spring",
-    }.items():
+    }
+    for column, values in columns.items():
         problems[:, column] = values
     free = ~flat(normal.captured).astype(bool)
     results = np.zeros((int(free.sum()), RESULT_COLUMNS))
@@ -303,7 +304,7 @@ def _drive(slip, time, count, joins, oscillator, held, springs):  # type: ignore
     # Gives the trapezoidal rule the period of the oscillator; ``held`` is of the step before.
     time *= 1.0 + oscillator * held * time * time / 12.0
     weight, free = 0.5 * oscillator * time * time, time * slip
-    way, least, greatest = free, -math.inf, math.inf
+    way, slope, least, greatest = free, 0.0, -math.inf, math.inf
     for _ in range(100):  # of Newton's steps, within a bracket; two as a rule
         force, slope = 0.0, 0.0
         for i in range(count):
