@@ -22,7 +22,7 @@ about 1e-4 of the slip. The compiled functions are in a module of their own for 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -156,22 +156,17 @@ def compliant_impulse(
     return impulse.reshape(shape), stuck.reshape(shape)
 
 
-class _Motion(NamedTuple):
-    """A leg of the normal motion, scaled: its groups, and by how much a step may change s and u."""
-
-    adhesion: float
-    hertz_damping: float
-    adhesion_damping: float
-    wide: float
-    kick: float
+# A leg of the motion is a tuple: strength of adhesion, groups of Hertz and adhesion damping, and by
+# how much a step may change s and u. Numba's cache could not load a class that was renamed since.
 
 
 @_jit
 def _normal(s, u, motion):  # type: ignore[no-untyped-def]
     """Normal force over the contact radius, and the rate at which it damps the velocity."""
+    adhesion, hertz_damping, adhesion_damping, _, _ = motion
     p = s * s
-    drag = p * motion.hertz_damping + motion.adhesion * motion.adhesion_damping
-    return p - motion.adhesion + drag * u, p * drag
+    drag = p * hertz_damping + adhesion * adhesion_damping
+    return p - adhesion + drag * u, p * drag
 
 
 @_jit
@@ -197,13 +192,14 @@ def _advance(s, u, h, motion):  # type: ignore[no-untyped-def]
 @_jit
 def _stride(s, u, motion):  # type: ignore[no-untyped-def]
     """Length of a step; where adhesion draws the sphere in, u may not double within it."""
+    adhesion, _, _, wide, kick = motion
     force, rate = _normal(s, u, motion)
-    h, kick, steepest = 2.0 * motion.wide / abs(u), motion.kick, s * s * abs(force)
+    h, steepest = 2.0 * wide / abs(u), s * s * abs(force)
     if u > 0.0:  # a turning point is found from close by
         h = min(h, DAMPED / abs(rate))
     if u > 0.0 and force < 0.0:
         kick = min(kick, u)
-        h = min(h, (4.0 * kick / (motion.adhesion * u * u)) ** (1.0 / 3.0))
+        h = min(h, (4.0 * kick / (adhesion * u * u)) ** (1.0 / 3.0))
         ahead = s + 0.5 * h * u
         steepest = max(steepest, ahead * ahead * abs(_normal(ahead, u, motion)[0]))
     return min(h, kick / steepest)
@@ -249,15 +245,15 @@ def _trace(problem, path, end):  # type: ignore[no-untyped-def]
     hertz, first, second = problem[HERTZ_DAMPING], problem[DAMPING_1], problem[DAMPING_2]
     wide = problem[TURNING_S] / PARTS
     kick = math.sqrt(start**2 + 8.0 / 15.0 * beta**2.5) / PARTS
-    turn = _follow(0, 0.0, start, math.inf, _Motion(beta, hertz, first, wide, kick), path)
+    turn = _follow(0, 0.0, start, math.inf, (beta, hertz, first, wide, kick), path)
     rows, last = 0, 0.0
     if beta > 0.0:
-        back = _Motion(beta, -hertz, -second, wide, kick)
+        back = beta, -hertz, -second, wide, kick
         rows = _follow(0, 0.0, problem[END_U], math.sqrt(0.5 * beta), back, end)
         last = end[rows, RADIUS]
     if turn < 0 or rows < 0:
         return -1, -1
-    motion = _Motion(beta, hertz, second, wide, kick)
+    motion = beta, hertz, second, wide, kick
     row = _follow(turn, path[turn, RADIUS], 0.0, last, motion, path)
     if row < 0 or row + rows >= path.shape[0]:
         return -1, -1
