@@ -100,6 +100,25 @@ def test_intervals_hold_the_truth_as_often_as_they_say(contact, monkeypatch):
         assert inside == pytest.approx(level, abs=3.0 * np.sqrt(level * (1 - level) / ranks.size))
 
 
+def test_data_without_information_leave_the_prior(contact, exact):
+    free = ("work_of_adhesion", "hertz_damping", "adhesion_damping")
+    ranges = {"work_of_adhesion": (0.01, 1.0), "hertz_damping": (0.0, 0.2)}
+    ranges |= {"adhesion_damping": (0.1, 10.0)}
+    found = calibrate(contact, SPEEDS, exact, 1e3, free, ranges=ranges, draws=2000).contact
+    shares = {
+        "work_of_adhesion": 0.5 * np.log10(found.work_of_adhesion / 0.01),
+        "hertz_damping": found.hertz_damping / 0.2,
+        "adhesion_damping": 0.5 * np.log10(found.adhesion_damping / 0.1),
+    }
+    for share in shares.values():
+        assert np.quantile(share, [0.1, 0.5, 0.9]) == pytest.approx([0.1, 0.5, 0.9], abs=0.06)
+
+
+def test_more_draws_than_the_chains_are_worth_are_refused(contact, exact):
+    with pytest.raises(NoConvergenceError, match=r"they are worth .* split R-hat of .* is 1\.0"):
+        calibrate(contact, SPEEDS, exact, 1e3, "hertz_damping", draws=3000, steps=60)
+
+
 def test_chains_that_have_not_come_together_are_refused(contact, exact):
     free = ("work_of_adhesion", "hertz_damping", "adhesion_damping", "adhesion_rate_exponent")
     with pytest.raises(NoConvergenceError, match="have not come together in 30 steps"):

@@ -295,6 +295,9 @@ def test_the_stated_error_grows_towards_capture_as_rounding_does(contact, side):
     quotient = found.coefficient_of_restitution[kept] / expected.coefficient_of_restitution[kept]
     assert np.all(np.abs(quotient - 1.0) <= found.interpolation_error[kept])
     assert found.interpolation_error[0] > 1e3 * found.interpolation_error[-1]
+    near = np.array([limit * (1.0 + side * 1e-10)])
+    for error in (law.simulate(near), law.normal_impact(contact, near)):
+        assert error.interpolation_error == pytest.approx(2e-4, rel=1e-2)
 
 
 def test_what_cannot_be_tabulated_is_refused(scaled):
