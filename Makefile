@@ -59,15 +59,15 @@ ifeq ($(RESULTS),)
 	rm -rf build/ci
 	@$(ACTIVE) .venv/bin/snakemake $(SNAKEMAKE_ARGS) --configfile config/ci.yaml
 endif
-	@.venv/bin/python -m microimpact.report.commands check $(or $(RESULTS),build/ci)
+	@.venv/bin/python -m study.report.commands check $(or $(RESULTS),build/ci)
 
 reference: .venv/.run ## show how RESULTS=... differs from tests/reference, then replace these
 	@[ -n "$(RESULTS)" ] || $(call fail,which run? Say: make reference RESULTS=build/ci)
-	@.venv/bin/python -m microimpact.report.commands reference $(RESULTS) $(REFERENCE_ARGS)
+	@.venv/bin/python -m study.report.commands reference $(RESULTS) $(REFERENCE_ARGS)
 
 pages: .venv/.run ## renew the pages with numbers, docs/deviations.md and others, from RESULTS=..., a full run
 	@[ -n "$(RESULTS)" ] || $(call fail,which run? Say: make pages RESULTS=results)
-	@.venv/bin/python -m microimpact.report.commands pages $(RESULTS)
+	@.venv/bin/python -m study.report.commands pages $(RESULTS)
 
 test: .venv/.test .venv/.compiled ## run the tests, on all cores
 	@$(ACTIVE) .venv/bin/pytest -n auto --dist loadfile --no-loadscope-reorder $(PYTEST_ARGS)
@@ -85,7 +85,7 @@ mutants: .venv/.test ## put wrong forms into copies of the project and see that 
 	$(ACTIVE) .venv/bin/python -m tests.mutants
 
 docs: .venv/.test ## build the guide and the reference of the package into build/docs
-	@.venv/bin/python -m microimpact.report.commands pages
+	@.venv/bin/python -m study.report.commands pages
 	@.venv/bin/sphinx-build -W --keep-going -q -d build/doctrees docs build/docs
 	@echo "Open build/docs/index.html"
 
@@ -194,7 +194,7 @@ COMPILED := $(shell grep -rl --include='*.py' 'core.compiled import jit' src)
 
 # Editors complete the keys of the configuration by these.
 $(SCHEMAS): .venv/.run $(shell find src -name '*.py')
-	@.venv/bin/python -m microimpact.run.schema $(@D)
+	@.venv/bin/python -m study.run.schema $(@D)
 
 .venv-benchmark/.benchmark: $(LOCKED) requirements/benchmark.txt | $(INSTALLER)
 	@.venv/bin/python -m venv --clear .venv-benchmark

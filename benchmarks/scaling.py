@@ -37,7 +37,7 @@ from microimpact import Contact, Material
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.law.table import tabulate
 from microimpact.statistics.distributions import Constant, Normal, TruncatedNormal, Uniform
-from microimpact.studies.analyses.monte_carlo.ensembles import (
+from study.studies.analyses.monte_carlo.ensembles import (
     Ensemble,
     Estimate,
     Plan,
@@ -47,7 +47,7 @@ from microimpact.studies.analyses.monte_carlo.ensembles import (
     long_run,
     progress,
 )
-from microimpact.studies.analyses.monte_carlo.impacts import RigidBody
+from study.studies.analyses.monte_carlo.impacts import RigidBody
 
 ANGLE_DEG = 20.0
 SEED = 20011

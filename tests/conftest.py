@@ -14,7 +14,7 @@ from hypothesis import settings
 from scipy.integrate import solve_ivp
 from tests.shared import settings_as_shipped, tables_made_once
 
-import microimpact
+import study
 from microimpact.core.materials import Material
 from microimpact.model.contact import Contact
 
@@ -135,12 +135,12 @@ def made(tmp_path_factory):
     @cache
     def tables(name):
         def make():
-            return microimpact.run_study(name, **SMALLER.get(name, {}))
+            return study.run_study(name, **SMALLER.get(name, {}))
 
         return tables_made_once(tmp_path_factory, name, make)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("microimpact.run.study._made", tables)
+        patch.setattr("study.run.study._made", tables)
         yield tables
 
 

@@ -17,10 +17,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from microimpact.core.tables import parse_table
 from microimpact.lab.dispenser import Dispenser
 from microimpact.model import passes
-from microimpact.run.config import Settings, read_configuration, validate
+from study.run.config import Settings, read_configuration, validate
+from study.tables import parse_table
 
 ROOT = Path(__file__).parents[1]
 # What a copy needs to be run.

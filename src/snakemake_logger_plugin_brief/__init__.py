@@ -36,10 +36,10 @@ def _message(error: str) -> str:
     wrong = _NO_TARGET.search(error)
     if not wrong:
         return _PLACE.sub("", error).strip()
-    from microimpact import studies
     from microimpact.core.materials import declared_file
     from microimpact.core.nearest import nearest
-    from microimpact.declared.documents import load
+    from study import studies
+    from study.declared.documents import load
 
     name, known = wrong[1], [*load(declared_file("figures.yaml")), *studies.homes()]
     near = nearest(name, known) if "/" not in name else "; `snakemake --list` has the names"

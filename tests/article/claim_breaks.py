@@ -11,8 +11,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from microimpact import studies
-from microimpact.declared.parameters import build
 from microimpact.lab import experiment, surface
 from microimpact.lab.surface import simulated
 from microimpact.model import contact as contact_module
@@ -21,10 +19,12 @@ from microimpact.model.contact import Contact
 from microimpact.model.dynamics import impact as impact_module
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.rigid_body.roughness import measured_restitution
-from microimpact.report.claim import with_contacts
-from microimpact.studies.analyses import doe
-from microimpact.studies.analyses.doe.factors import realistic_levels
-from microimpact.studies.claims.claim_numbers import (
+from study import studies
+from study.declared.parameters import build
+from study.report.claim import with_contacts
+from study.studies.analyses import doe
+from study.studies.analyses.doe.factors import realistic_levels
+from study.studies.claims.claim_numbers import (
     Params,
     dynamics,
     numbers_of,
@@ -32,13 +32,13 @@ from microimpact.studies.claims.claim_numbers import (
     rigid_body,
     roughness,
 )
-from microimpact.studies.contacts import calibrated_contact
-from microimpact.studies.experiments import mechanisms
-from microimpact.studies.experiments.mechanisms import spore as spore_mechanism
-from microimpact.studies.experiments.mechanisms.shallow import adhesion_or_roughness, shallow_curves
-from microimpact.studies.experiments.mechanisms.speed_and_angle import class_row
-from microimpact.studies.models import calibration as calibration_study
-from microimpact.studies.samples import Sample, Sampling
+from study.studies.contacts import calibrated_contact
+from study.studies.experiments import mechanisms
+from study.studies.experiments.mechanisms import spore as spore_mechanism
+from study.studies.experiments.mechanisms.shallow import adhesion_or_roughness, shallow_curves
+from study.studies.experiments.mechanisms.speed_and_angle import class_row
+from study.studies.models import calibration as calibration_study
+from study.studies.samples import Sample, Sampling
 
 STEEL = ("steel-silicon, n = 0", "steel-silicon, n = 1")
 MOLYBDENUM = "fluorescein-molybdenum, nominal"

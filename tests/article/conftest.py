@@ -8,10 +8,10 @@ import pandas as pd
 import pytest
 from tests.shared import ROOT
 
-import microimpact
-from microimpact.declared.documents import load
-from microimpact.figures.registry import filled, registry
-from microimpact.ledgers.claims.criteria import read_claims
+import study
+from study.declared.documents import load
+from study.figures.registry import filled, registry
+from study.ledgers.claims.criteria import read_claims
 
 
 @pytest.fixture(scope="session")
@@ -22,7 +22,7 @@ def claims(settings):
 @pytest.fixture(scope="session")
 def run_study(made):
     """The function that runs a study with shipped parameters, or some of its own."""
-    return microimpact.run_study
+    return study.run_study
 
 
 @pytest.fixture(scope="session")

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from microimpact.core.tables import parse_table
 from microimpact.model.contact import resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
-from microimpact.studies.contacts import admissible_contact
+from study.studies.contacts import admissible_contact
+from study.tables import parse_table
 
 STEEL, FLUORESCEIN = "steel-silicon", "fluorescein-molybdenum"
 WITH, WITHOUT = "with the printed v_c", "without the printed v_c"
@@ -124,7 +124,7 @@ def test_two_stage_estimates_stand_beside_the_draws(summary, calibration):
 
 def test_a_captured_share_becomes_a_likelihood_over_what_is_noticed():
     from microimpact.statistics.distributions import Constant
-    from microimpact.studies.models.admissible_contacts.statements import NoCapture
+    from study.studies.models.admissible_contacts.statements import NoCapture
 
     one = NoCapture(
         statement="none",
@@ -143,7 +143,7 @@ def test_a_captured_share_becomes_a_likelihood_over_what_is_noticed():
 
 
 def test_an_interval_with_normal_tails():
-    from microimpact.studies.models.admissible_contacts.statements import Within
+    from study.studies.models.admissible_contacts.statements import Within
 
     one = Within(statement="e", quantity="restitution", interval=(0.6, 0.7), tail=0.1)
     values = np.array([0.5, 0.6, 0.65, 0.9, np.nan, np.inf])

@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from microimpact.declared.documents import ConfigError
-from microimpact.studies.experiments import campaign as study
-from microimpact.studies.experiments.campaign import FATES
+from study.declared.documents import ConfigError
+from study.studies.experiments import campaign as study
+from study.studies.experiments.campaign import FATES
 
 QUANTITIES = ("restitution", "impulse_ratio", "energy_loss")
 

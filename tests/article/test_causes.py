@@ -9,10 +9,10 @@ import pandas as pd
 import pytest
 from tests.shared import facet_rebound
 
-from microimpact.declared.parameters import build
-from microimpact.studies.experiments.mechanisms import Params
-from microimpact.studies.experiments.mechanisms.slope import pair_rows
-from microimpact.studies.samples import Sampling
+from study.declared.parameters import build
+from study.studies.experiments.mechanisms import Params
+from study.studies.experiments.mechanisms.slope import pair_rows
+from study.studies.samples import Sampling
 
 INVERSE = "steel-silicon, n = 1"
 

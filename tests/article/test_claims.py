@@ -8,18 +8,18 @@ import pytest
 from tests.article.claim_breaks import BREAKS, STEEL, World
 from tests.shared import ROOT, tables_made_once
 
-from microimpact import studies
-from microimpact.core.tables import parse_table
-from microimpact.declared.parameters import build
-from microimpact.declared.references import merged
-from microimpact.ledgers.claims import verdicts
-from microimpact.ledgers.claims.criteria import read_claims
-from microimpact.ledgers.claims.shares import shares
-from microimpact.report.claim import judged
-from microimpact.studies.analyses.doe.factors import elasticities
-from microimpact.studies.claims import NUMBER_COLUMNS, claim_numbers
-from microimpact.studies.claims.claim_numbers import CLAIMS, NOT_COMPUTED, numbers_of
-from microimpact.studies.contacts import DRAWN, calibrated_contact
+from study import studies
+from study.declared.parameters import build
+from study.declared.references import merged
+from study.ledgers.claims import verdicts
+from study.ledgers.claims.criteria import read_claims
+from study.ledgers.claims.shares import shares
+from study.report.claim import judged
+from study.studies.analyses.doe.factors import elasticities
+from study.studies.claims import NUMBER_COLUMNS, claim_numbers
+from study.studies.claims.claim_numbers import CLAIMS, NOT_COMPUTED, numbers_of
+from study.studies.contacts import DRAWN, calibrated_contact
+from study.tables import parse_table
 
 # All rest on tables that take long to make.
 pytestmark = pytest.mark.slow
@@ -114,7 +114,7 @@ def test_every_number_of_every_testable_claim_is_there(claims, numbers, ledger):
 def test_every_number_names_the_function_of_its_claim(numbers):
     for name, code in zip(numbers["claim"], numbers["code"], strict=True):
         module, _, function = code.rpartition(".")
-        assert module.startswith("microimpact.studies.claims.claim_numbers.")
+        assert module.startswith("study.studies.claims.claim_numbers.")
         assert function == name.lower()
 
 

@@ -10,7 +10,7 @@ import pytest
 from microimpact import Contact, ThorntonNing, simulate
 from microimpact.model.contact_laws import NAMES
 from microimpact.model.dynamics.capture import capture_velocity
-from microimpact.studies.models import contact_laws
+from study.studies.models import contact_laws
 
 LAWS = ["ring force, n = 0", "ring force, n = 1", "JKR, viscous", "Thornton and Ning", "hysteresis"]
 WITH, WITHOUT = "with v_c", "without v_c"

@@ -10,12 +10,12 @@ import pytest
 from matplotlib.colors import same_color
 from tests.shared import ROOT
 
-from microimpact.core.tables import parse_table, series_frame
-from microimpact.figures import style
-from microimpact.ledgers.claims.digitised import digitised_rows, read_digitised
 from microimpact.model.empirical.equations import restitution
-from microimpact.run.digitised import as_rows, overlaid, read_points
-from microimpact.studies.analyses.digitised_comparison import is_named
+from study.figures import style
+from study.ledgers.claims.digitised import digitised_rows, read_digitised
+from study.run.digitised import as_rows, overlaid, read_points
+from study.studies.analyses.digitised_comparison import is_named
+from study.tables import parse_table, series_frame
 
 TOP = "# source: made up\n# licence: CC0-1.0\n# digitised_by: nobody\nseries,x,y,y_low,y_high\n"
 CASE = "steel-silicon, n = 0"

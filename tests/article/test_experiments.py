@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from microimpact.declared.documents import ConfigError
-from microimpact.declared.parameters import build
-from microimpact.studies.experiments import campaign
+from study.declared.documents import ConfigError
+from study.declared.parameters import build
+from study.studies.experiments import campaign
 
 FEW_ANGLES = [85, 60, 45, 30, 20, 10]
 

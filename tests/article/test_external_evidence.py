@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from microimpact.studies.analyses import external_evidence
-from microimpact.studies.analyses.oblique_data import FROM_VELOCITY
+from study.studies.analyses import external_evidence
+from study.studies.analyses.oblique_data import FROM_VELOCITY
 
 
 @pytest.fixture(scope="module")

@@ -9,9 +9,8 @@ import pytest
 from pydantic import ValidationError
 
 from microimpact import capture_velocity, restitution, simulate
-from microimpact.core.tables import parse_table
-from microimpact.declared.parameters import build, explain
-from microimpact.studies.models.fit_coverage import (
+from study.declared.parameters import build, explain
+from study.studies.models.fit_coverage import (
     Design,
     Params,
     fit_designs,
@@ -19,6 +18,7 @@ from microimpact.studies.models.fit_coverage import (
     true_contact,
     true_curve,
 )
+from study.tables import parse_table
 
 FEW = {"sets": 60, "lowest_speeds_in_v_c": [1.05, 1.5]}
 

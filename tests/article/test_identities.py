@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib import rc_context
 
-from microimpact.figures.style import save
+from study.figures.style import save
 
 E, F = 0.70, 0.15  # Section 2.4.1
 MASS = 1350 * np.pi / 6 * 4.9e-6**3  # Of the sphere of Fig. 20, kg

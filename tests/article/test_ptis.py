@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from microimpact.declared.parameters import build
 from microimpact.lab.ptis import errors
 from microimpact.lab.ptis.observation import photographed
-from microimpact.studies.experiments.track_imaging import Params, agreement, error_cases
+from study.declared.parameters import build
+from study.studies.experiments.track_imaging import Params, agreement, error_cases
 
 SMALL = {
     "speeds_m_per_s": [0.1, 0.3, 3.0, 30.0],

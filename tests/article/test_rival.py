@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from microimpact.core.constants import gravity
-from microimpact.studies.experiments.rival_explanations import uncorrected, weighed
+from study.studies.experiments.rival_explanations import uncorrected, weighed
 
 HEIGHT = 1e-3
 

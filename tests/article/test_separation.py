@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from tests.shared import ROOT
 
-from microimpact.studies.analyses.particle_separation import distance_from_equality
+from study.studies.analyses.particle_separation import distance_from_equality
 
 FORCES = ("adhesion", "uniform charge", "charged patches")
 GUIDE = (ROOT / "docs/adding-an-analysis.md").read_text(encoding="utf-8")

@@ -12,7 +12,7 @@ import pytest
 import yaml
 from tests.shared import ROOT, shipped
 
-from microimpact.run.config import read_configuration, read_inputs, validate
+from study.run.config import read_configuration, read_inputs, validate
 
 DIGITISED = """# source: made up
 # licence: CC0-1.0

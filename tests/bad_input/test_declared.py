@@ -6,10 +6,10 @@ import pytest
 from tests.bad_input.conftest import DIGITISED
 from tests.shared import shipped
 
-from microimpact.declared.documents import ConfigError
-from microimpact.declared.references import merged
-from microimpact.declared.selection import NamedTables
-from microimpact.run.config import validate
+from study.declared.documents import ConfigError
+from study.declared.references import merged
+from study.declared.selection import NamedTables
+from study.run.config import validate
 
 CONFIG, MATERIALS, CONTACTS = "config.yaml", "materials.csv", "contacts.csv"
 LABORATORY, MODELS, EXPERIMENTS = (
@@ -161,7 +161,7 @@ CASES = [
     (FIGURES, "\nfig14:", "\nfigure14:", ["figure14"]),
     (FIGURES, "study: restitution_trends", "study: restitution_trend", ["'restitution_trend' is no study (did you mean 'restitution_trends'?)"]),
     (FIGURES, "[[set_ups.disk_slots]]", "[[set_ups.disk_slot]]", ["no parameter 'set_ups.disk_slot' (did you mean 'disk_slots'?)"]),
-    (FIGURES, "module: microimpact.figures.", "module: os.", ["module"]),
+    (FIGURES, "module: study.figures.", "module: os.", ["module"]),
     (FIGURES, "x_range: [", "x_range: [9.0e9, ", ["x_range"]),
     (FIGURES, "study: restitution_trends", "study: 3", ["config/figures.yaml: fig14.study: 3 is no study"]),
     (FIGURES, "\nfig14:\n", "\nfig14:\n  tables: 3\n", ["config/figures.yaml: fig14.tables: 3 must be a mapping"]),

@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 
 import pytest
 
-from microimpact.declared.parameters import Keyed, Seed, Stream
-from microimpact.declared.references import Resolver, merged
+from study.declared.parameters import Keyed, Seed, Stream
+from study.declared.references import Resolver, merged
 
 
 @dataclass(frozen=True, kw_only=True)

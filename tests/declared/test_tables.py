@@ -12,9 +12,9 @@ import pytest
 from pydantic import ValidationError
 from tests.shared import ROOT
 
-from microimpact.core import tables
-from microimpact.declared import selection
-from microimpact.declared.parameters import (
+from study import tables
+from study.declared import selection
+from study.declared.parameters import (
     CaseName,
     CounterpartName,
     Known,
@@ -23,7 +23,7 @@ from microimpact.declared.parameters import (
     build,
     explain,
 )
-from microimpact.declared.provenance import unit_of
+from study.declared.provenance import unit_of
 
 
 def test_numbers_survive_the_way_to_disk_and_back(tmp_path):

@@ -32,8 +32,8 @@ def test_an_analysis_is_shown_in_every_kind_of_file_it_is_made_of():
     quoted = {b.path for b in blocks("quoted") if b.page == "docs/adding-an-analysis.md"}
     assert quoted >= {
         "src/microimpact/model/separation.py",
-        "src/microimpact/studies/analyses/particle_separation.py",
-        "src/microimpact/figures/analyses/separation.py",
+        "src/study/studies/analyses/particle_separation.py",
+        "src/study/figures/analyses/separation.py",
         "config/analyses/analyses.yaml",
         "config/printed_values.csv",
         "config/figures.yaml",

@@ -19,7 +19,7 @@ from tests.docs.blocks import ROOT, blocks
 from tests.shared import execute, require
 from tests.workflow.conftest import TINY, copied
 
-from microimpact.declared.references import merged
+from study.declared.references import merged
 
 pytestmark = [pytest.mark.workflow, pytest.mark.slow]
 

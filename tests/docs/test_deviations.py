@@ -8,9 +8,9 @@ import pandas as pd
 import pytest
 from tests.docs.blocks import ROOT
 
-from microimpact.ledgers.claims.criteria import read_claims
-from microimpact.ledgers.claims.words import readable
-from microimpact.report.documents import LEDGERS, deviations
+from study.ledgers.claims.criteria import read_claims
+from study.ledgers.claims.words import readable
+from study.report.documents import LEDGERS, deviations
 
 REFERENCE = ROOT / "tests/reference/full"
 CRITERIA = ROOT / "config/claims.yaml"

@@ -10,9 +10,9 @@ import pytest
 from tests.docs.blocks import ROOT
 from tests.shared import settings_as_shipped
 
-from microimpact.ledgers.claims.criteria import read_claims
-from microimpact.ledgers.claims.words import bounds
-from microimpact.report.documents import LEDGERS, SUFFIX, Numbers, PageError, outdated, pages, renew
+from study.ledgers.claims.criteria import read_claims
+from study.ledgers.claims.words import bounds
+from study.report.documents import LEDGERS, SUFFIX, Numbers, PageError, outdated, pages, renew
 
 FULL = ROOT / "tests/reference/full"
 CRITERIA = ROOT / "config/claims.yaml"

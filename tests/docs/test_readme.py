@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 from tests.docs.blocks import PAGES, ROOT
 
-from microimpact.report.documents import verdict_counts
+from study.report.documents import verdict_counts
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 TABLES = ROOT / "tests/reference/full/tables"

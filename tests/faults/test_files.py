@@ -14,7 +14,7 @@ from tests.shared import execute
 from workflow.scripts.job import logged
 
 from microimpact.core.files import AlteredError, require_unaltered, write_checksums, write_file
-from microimpact.core.tables import (
+from study.tables import (
     TableError,
     read_figure_data,
     read_table,

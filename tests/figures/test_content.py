@@ -8,8 +8,8 @@ import pytest
 from matplotlib import rcParams
 from tests.figures.test_pictures import SPECS, drawn
 
-from microimpact.figures import style
-from microimpact.figures.content import content
+from study.figures import style
+from study.figures.content import content
 
 
 def style_colours():

@@ -16,11 +16,11 @@ from matplotlib.path import Path as Outline
 from matplotlib.transforms import Bbox
 from tests.shared import ROOT, settings_as_shipped
 
-from microimpact.core.tables import parse_table
-from microimpact.declared.documents import load
-from microimpact.figures import style
-from microimpact.figures.registry import QUANTITIES, filled, registry
-from microimpact.report.check.results import read_text, table_files
+from study.declared.documents import load
+from study.figures import style
+from study.figures.registry import QUANTITIES, filled, registry
+from study.report.check.results import read_text, table_files
+from study.tables import parse_table
 
 SPECS = registry(filled(load(ROOT / "config/figures.yaml"), settings_as_shipped().branches))
 FILES = table_files(ROOT / "tests/reference")

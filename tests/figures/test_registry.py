@@ -7,10 +7,10 @@ import copy
 import pytest
 from tests.shared import ROOT
 
-from microimpact.declared.documents import ConfigError, load
-from microimpact.figures.registry import RegistryError, figure_spec, filled, registry
-from microimpact.figures.style import new_figure
-from microimpact.ledgers.equations import EQUATIONS
+from study.declared.documents import ConfigError, load
+from study.figures.registry import RegistryError, figure_spec, filled, registry
+from study.figures.style import new_figure
+from study.ledgers.equations import EQUATIONS
 
 ENTRIES = load(ROOT / "config/figures.yaml")
 
@@ -62,7 +62,7 @@ def test_a_bad_entry_is_named(entry, message):
     ],
 )
 def test_an_axis_that_cannot_be_is_refused_and_words_for_none(module, key, value, message):
-    entry = changed(module=f"microimpact.figures.{module}")
+    entry = changed(module=f"study.figures.{module}")
     entry["panels"]["trends"][key] = value
     with pytest.raises(RegistryError, match=rf"panels\.trends\.{message}"):
         figure_spec("fig14", entry)

@@ -6,13 +6,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from microimpact.declared.parameters import build
-from microimpact.ledgers.claims import COLUMNS, LedgerError, judge, verdicts
-from microimpact.ledgers.claims.criteria import Claim
-from microimpact.ledgers.claims.digitised import DigitisedCriteria, digitised_rows
-from microimpact.ledgers.claims.judging import RESULT_COLUMNS
-from microimpact.ledgers.claims.words import quantities
-from microimpact.studies.claims import NUMBER_COLUMNS
+from study.declared.parameters import build
+from study.ledgers.claims import COLUMNS, LedgerError, judge, verdicts
+from study.ledgers.claims.criteria import Claim
+from study.ledgers.claims.digitised import DigitisedCriteria, digitised_rows
+from study.ledgers.claims.judging import RESULT_COLUMNS
+from study.ledgers.claims.words import quantities
+from study.studies.claims import NUMBER_COLUMNS
 
 
 def claim(**changes):

@@ -10,9 +10,9 @@ import pytest
 import yaml
 from tests.shared import ROOT, settings_as_shipped
 
-from microimpact.declared.documents import ConfigError
-from microimpact.ledgers.claims.criteria import BOUNDS, ClaimsError, Criterion, read_claims
-from microimpact.ledgers.claims.digitised import read_digitised
+from study.declared.documents import ConfigError
+from study.ledgers.claims.criteria import BOUNDS, ClaimsError, Criterion, read_claims
+from study.ledgers.claims.digitised import read_digitised
 
 
 def holds(criterion, value):

@@ -11,8 +11,9 @@ import pandas as pd
 import pytest
 from tests.shared import settings_as_shipped
 
-from microimpact.core.tables import parse_table
-from microimpact.ledgers.equations import (
+from microimpact.model.contact import Contact
+from microimpact.model.rigid_body.roughness import measured_restitution
+from study.ledgers.equations import (
     EQUATIONS,
     PROOFS,
     agreement,
@@ -23,16 +24,15 @@ from microimpact.ledgers.equations import (
     row,
     verdict,
 )
-from microimpact.ledgers.equations.forms import (
+from study.ledgers.equations.forms import (
     DimensionError,
     check_dimensions,
     evaluate,
     parse,
     vanishes,
 )
-from microimpact.ledgers.equations.records import At
-from microimpact.model.contact import Contact
-from microimpact.model.rigid_body.roughness import measured_restitution
+from study.ledgers.equations.records import At
+from study.tables import parse_table
 
 CORRECTED = [equation for equation in EQUATIONS.values() if equation.used]
 PROVED = [EQUATIONS[name] for name, proof in PROOFS.items() if proof.derivation]

@@ -4,15 +4,15 @@ import pandas as pd
 import pytest
 from tests.ledgers.test_claims import claim
 
-from microimpact.ledgers.claims.criteria import ClaimsError
-from microimpact.ledgers.claims.independent import (
+from study.ledgers.claims.criteria import ClaimsError
+from study.ledgers.claims.independent import (
     AGREES,
     DISAGREES,
     SPLIT,
     agreements,
     independent,
 )
-from microimpact.ledgers.claims.words import agreement as in_words
+from study.ledgers.claims.words import agreement as in_words
 
 TABLE = pd.DataFrame(
     [

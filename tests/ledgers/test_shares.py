@@ -5,9 +5,9 @@ import pandas as pd
 import pytest
 from tests.ledgers.test_claims import claim, numbers
 
-from microimpact.ledgers.claims import verdicts
-from microimpact.ledgers.claims.judging import verdict
-from microimpact.ledgers.claims.shares import NUMBERS, Share, separation, shares
+from study.ledgers.claims import verdicts
+from study.ledgers.claims.judging import verdict
+from study.ledgers.claims.shares import NUMBERS, Share, separation, shares
 
 COLUMNS = ["claim", "contact", "variant", "draw", "alternative", "quantity", "value"]
 CASES = {"cases": ["a", "b"]}

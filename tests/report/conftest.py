@@ -9,11 +9,11 @@ from dataclasses import replace
 import pytest
 from tests.shared import ROOT, made_once, require
 
-from microimpact.declared.documents import load
-from microimpact.figures.registry import filled
-from microimpact.report.check.results import read_text, table_files
-from microimpact.report.site.build import write_site
-from microimpact.report.site.record import Change, Record, Rule, write_record
+from study.declared.documents import load
+from study.figures.registry import filled
+from study.report.check.results import read_text, table_files
+from study.report.site.build import write_site
+from study.report.site.record import Change, Record, Rule, write_record
 
 REFERENCE = ROOT / "tests/reference"
 SVG = (

@@ -9,7 +9,7 @@ from contextlib import redirect_stderr, redirect_stdout
 from unittest.mock import patch
 
 from microimpact import cli
-from microimpact.report.commands import commands
+from study.report.commands import commands
 
 INPUTS = """file,key,value,low,high,unit,evidence,source,place
 config,seed,20011,,,-,chosen,root of every draw,

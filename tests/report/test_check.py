@@ -11,11 +11,11 @@ import pandas as pd
 import pytest
 from tests.report.results_roots import edit, results, run
 
-from microimpact.report.check import verify as verification
-from microimpact.report.check.differences import Difference, Tolerance, compare_tables
-from microimpact.report.check.results import read_cells
-from microimpact.report.check.verify import concerned, renew, verify
-from microimpact.report.check.wording import markdown, worst
+from study.report.check import verify as verification
+from study.report.check.differences import Difference, Tolerance, compare_tables
+from study.report.check.results import read_cells
+from study.report.check.verify import concerned, renew, verify
+from study.report.check.wording import markdown, worst
 
 CURVES = "name,x,y\na,1,10\na,2,20\nb,1,30\n"
 

@@ -3,8 +3,8 @@
 import pytest
 from click.testing import CliRunner
 
-from microimpact.report.claim import changed, tell
-from microimpact.report.commands import commands
+from study.report.claim import changed, tell
+from study.report.commands import commands
 
 
 @pytest.fixture

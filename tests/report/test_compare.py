@@ -11,7 +11,7 @@ from tests.report.pages import Page
 from tests.report.results_roots import CLAIMS, INPUTS, draw, edit, results, run
 
 from microimpact.core.files import write_checksums
-from microimpact.report.check.compare import as_text, compare, page
+from study.report.check.compare import as_text, compare, page
 
 
 @pytest.fixture

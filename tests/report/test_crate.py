@@ -12,8 +12,8 @@ from rocrate.rocrate import ROCrate
 from tests.report.results_roots import results, run, write
 from tests.shared import ROOT, execute
 
-from microimpact.report.check.results import ResultsError
-from microimpact.report.crate import declared_inputs, write_crate
+from study.report.check.results import ResultsError
+from study.report.crate import declared_inputs, write_crate
 
 DATE = "2026-01-02T03:04:05+00:00"
 STAMP = {
@@ -218,7 +218,7 @@ def test_the_command_writes_a_crate_or_says_in_one_line_why_not(tmp_path):
 
 
 def test_the_declared_inputs_of_the_project_are_complete():
-    from microimpact.run.config import read_configuration
+    from study.run.config import read_configuration
 
     paths = {path.as_posix() for path in declared_inputs(read_configuration(ROOT / "config"), ROOT)}
     assert {"config/config.yaml", "config/materials.csv", "config/claims.yaml"} <= paths

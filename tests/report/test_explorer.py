@@ -14,14 +14,14 @@ from tests.shared import ROOT
 
 from microimpact.core.files import write_file
 from microimpact.core.materials import Material
-from microimpact.core.tables import parse_table, read_table
 from microimpact.model.choices import FRICTION_BASES
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate, velocity_components
 from microimpact.model.dynamics.normal import normal_impact
-from microimpact.report.explorer.build import page_files
-from microimpact.report.site.pages import ASSETS
+from study.report.explorer.build import page_files
+from study.report.site.pages import ASSETS
+from study.tables import parse_table, read_table
 
 pytestmark = pytest.mark.slow
 

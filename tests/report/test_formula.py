@@ -10,9 +10,9 @@ from html import unescape
 import pytest
 from fontTools.ttLib import TTFont
 
-from microimpact.ledgers.equations import EQUATIONS
-from microimpact.report.site.formula import mathml, prose
-from microimpact.report.site.pages import ASSETS
+from study.ledgers.equations import EQUATIONS
+from study.report.site.formula import mathml, prose
+from study.report.site.pages import ASSETS
 
 FORMS = [form for entry in EQUATIONS.values() for form in (entry.printed, entry.form_used)]
 

@@ -16,22 +16,22 @@ from tests.report.conftest import REFERENCE
 from tests.report.pages import Page
 from tests.shared import ROOT
 
-from microimpact.figures.registry import FORMATS
-from microimpact.report.check.results import ResultsError, table_files
-from microimpact.report.commands import commands
-from microimpact.report.site import PAGES
-from microimpact.report.site.build import (
+from study.figures.registry import FORMATS
+from study.report.check.results import ResultsError, table_files
+from study.report.commands import commands
+from study.report.site import PAGES
+from study.report.site.build import (
     CLAIM_COLUMNS,
     EQUATION_COLUMNS,
     INPUT_COLUMNS,
     site_pages,
     write_site,
 )
-from microimpact.report.site.code import modules, place
-from microimpact.report.site.figures import departures, joined, studies_behind
-from microimpact.report.site.graph import needs, upstream, users
-from microimpact.report.site.pages import ASSETS
-from microimpact.report.site.record import (
+from study.report.site.code import modules, place
+from study.report.site.figures import departures, joined, studies_behind
+from study.report.site.graph import needs, upstream, users
+from study.report.site.pages import ASSETS
+from study.report.site.record import (
     Change,
     Record,
     Rule,

@@ -8,7 +8,7 @@ import tomllib
 import yaml
 from tests.shared import ROOT
 
-from microimpact.run.config import read_configuration
+from study.run.config import read_configuration
 
 PACKAGE = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 TEXT = (ROOT / "CITATION.cff").read_text(encoding="utf-8")

@@ -9,11 +9,11 @@ import jsonschema
 import pytest
 from tests.shared import ROOT, shipped
 
-from microimpact import studies
-from microimpact.declared.documents import ConfigError, load
-from microimpact.declared.references import merged
-from microimpact.run.config import validate
-from microimpact.run.schema import schemas
+from study import studies
+from study.declared.documents import ConfigError, load
+from study.declared.references import merged
+from study.run.config import validate
+from study.run.schema import schemas
 
 BASE = shipped()
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from tests.shared import ROOT
 
-from microimpact.core.tables import parse_table, points_series, series_frame
-from microimpact.declared.documents import load
-from microimpact.figures.registry import registry
-from microimpact.run.digitised import DigitisedError, as_rows, overlaid, read_folder, read_points
+from study.declared.documents import load
+from study.figures.registry import registry
+from study.run.digitised import DigitisedError, as_rows, overlaid, read_folder, read_points
+from study.tables import parse_table, points_series, series_frame
 
 CONFIG = ROOT / "config"
 HEADER = "# source: made up\n# licence: CC0-1.0\n# digitised_by: nobody\n"

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from tests.shared import ROOT
 
-from microimpact.declared.documents import load
-from microimpact.run.study import Made, run_study
+from study.declared.documents import load
+from study.run.study import Made, run_study
 
 
 def test_arrays_are_taken_as_lists():

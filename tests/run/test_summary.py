@@ -7,8 +7,8 @@ from datetime import UTC, datetime
 
 import pytest
 
-from microimpact.run import stamp as runstamp
-from microimpact.run.summary import summary
+from study.run import stamp as runstamp
+from study.run.summary import summary
 
 
 def test_a_whole_run_in_a_few_lines(tmp_path):

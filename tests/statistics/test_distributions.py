@@ -8,7 +8,6 @@ import pytest
 from pydantic import ValidationError
 from scipy import special, stats
 
-from microimpact.declared.parameters import build, explain
 from microimpact.statistics.distributions import (
     Distribution,
     HalfNormal,
@@ -23,6 +22,7 @@ from microimpact.statistics.distributions import (
     uniforms,
 )
 from microimpact.statistics.sampling import Correlation, joint_shares, unit_points
+from study.declared.parameters import build, explain
 
 U = np.linspace(0.0005, 0.9995, 1999)
 

@@ -10,8 +10,6 @@ import pytest
 from pydantic import ValidationError
 from tests.shared import ROOT
 
-from microimpact.core.tables import parse_table
-from microimpact.declared.parameters import build, explain
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.statistics.effects import (
     aliases,
@@ -25,9 +23,10 @@ from microimpact.statistics.effects import (
     quarter_fractions,
     words,
 )
-from microimpact.studies.analyses import doe
-from microimpact.studies.analyses.doe import alias_rows
-from microimpact.studies.analyses.doe.factors import (
+from study.declared.parameters import build, explain
+from study.studies.analyses import doe
+from study.studies.analyses.doe import alias_rows
+from study.studies.analyses.doe.factors import (
     LETTERS,
     Levels,
     at_levels,
@@ -35,7 +34,8 @@ from microimpact.studies.analyses.doe.factors import (
     factor_values,
     realistic_levels,
 )
-from microimpact.studies.contacts import calibrated_contact
+from study.studies.contacts import calibrated_contact
+from study.tables import parse_table
 
 # 2^(5-2) of resolution III, D = AB and E = AC, written by hand.
 

@@ -15,13 +15,13 @@ from microimpact.lab.reduction import EXACT
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.statistics.distributions import TruncatedNormal, generator
-from microimpact.studies.experiments.laboratory_sensitivity import change
-from microimpact.studies.experiments.mechanisms.impulse_regions import regions
-from microimpact.studies.experiments.mechanisms.speed_and_angle import rigid_loss
-from microimpact.studies.experiments.mechanisms.spin import rolling_limit, tilted_ratio
-from microimpact.studies.experiments.mechanisms.spore import off_centre
-from microimpact.studies.experiments.pile_up import onset
-from microimpact.studies.samples import (
+from study.studies.experiments.laboratory_sensitivity import change
+from study.studies.experiments.mechanisms.impulse_regions import regions
+from study.studies.experiments.mechanisms.speed_and_angle import rigid_loss
+from study.studies.experiments.mechanisms.spin import rolling_limit, tilted_ratio
+from study.studies.experiments.mechanisms.spore import off_centre
+from study.studies.experiments.pile_up import onset
+from study.studies.samples import (
     Dropped,
     Sample,
     Sampling,

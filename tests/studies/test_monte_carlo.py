@@ -15,7 +15,6 @@ from pydantic import ValidationError
 from scipy import integrate, stats
 from tests.shared import ROOT, STILL, facet_rebound
 
-from microimpact.declared.parameters import build, explain
 from microimpact.lab.experiment import Drop, Target
 from microimpact.lab.surface import LABORATORY, Rules, Surface, facets, rough
 from microimpact.model.contact import Contact
@@ -32,8 +31,9 @@ from microimpact.statistics.distributions import (
     generator,
 )
 from microimpact.statistics.sampling import Correlation
-from microimpact.studies.analyses.monte_carlo import Params, stream
-from microimpact.studies.analyses.monte_carlo.ensembles import (
+from study.declared.parameters import build, explain
+from study.studies.analyses.monte_carlo import Params, stream
+from study.studies.analyses.monte_carlo.ensembles import (
     BLOCK,
     Ensemble,
     Plan,
@@ -43,8 +43,8 @@ from microimpact.studies.analyses.monte_carlo.ensembles import (
     long_run,
     progress,
 )
-from microimpact.studies.analyses.monte_carlo.impacts import RigidBody, Simulation, require_meaning
-from microimpact.studies.analyses.monte_carlo.slope_inference import SlopeInference, infer_slope
+from study.studies.analyses.monte_carlo.impacts import RigidBody, Simulation, require_meaning
+from study.studies.analyses.monte_carlo.slope_inference import SlopeInference, infer_slope
 
 SEED = 20011
 ARTICLE = Rules(facets="facing", must_leave=True, most_contacts=1)

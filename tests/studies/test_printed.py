@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 import pytest
 
-from microimpact.studies.contacts import intervals, printed_beside
+from study.studies.contacts import intervals, printed_beside
 
 STEEL = "stainless-steel-316", "silicon"
 

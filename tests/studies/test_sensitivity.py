@@ -10,14 +10,14 @@ import pytest
 from pydantic import ValidationError
 from SALib.analyze.sobol import analyze
 
-from microimpact.declared.parameters import build, explain
 from microimpact.model.calibration import two_stage
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.statistics.sobol import saltelli_sample, sobol_indices
-from microimpact.studies.analyses import sensitivity
-from microimpact.studies.analyses.sensitivity import Draw, group_tables
-from microimpact.studies.analyses.sensitivity.ridge import (
+from study.declared.parameters import build, explain
+from study.studies.analyses import sensitivity
+from study.studies.analyses.sensitivity import Draw, group_tables
+from study.studies.analyses.sensitivity.ridge import (
     Targets,
     calibrated_sample,
     material_damping,

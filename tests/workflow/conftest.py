@@ -14,7 +14,7 @@ import pytest
 import yaml
 from tests.shared import ROOT, copy_project, execute, made_once
 
-from microimpact.declared.references import merged
+from study.declared.references import merged
 
 SMALL = ("--configfile", "config/ci.yaml")
 # Smaller still than the small reproduction: some parts are left with nothing, or nearly so.

@@ -9,7 +9,7 @@ import yaml
 from tests.shared import ROOT
 from tests.workflow.conftest import SMALL, Project
 
-from microimpact.core.tables import read_table
+from study.tables import read_table
 
 pytestmark = [pytest.mark.workflow, pytest.mark.slow]
 

@@ -35,7 +35,7 @@ def checked(built, tmp_path_factory):
 
 def microimpact(project, *arguments):
     own = {"PYTHONPATH": str(project.root / "src"), "COLUMNS": "120"}
-    return project.call("microimpact.report.commands", *arguments, **own)
+    return project.call("study.report.commands", *arguments, **own)
 
 
 def raised(found):

@@ -17,19 +17,19 @@ def names(files):
 
 def test_a_study_depends_on_what_it_imports_and_on_no_other():
     friction, trends = (
-        closure([f"microimpact.studies.models.{name}"])
+        closure([f"study.studies.models.{name}"])
         for name in ("coulomb_friction", "restitution_trends")
     )
-    assert {"microimpact.core.tables", "microimpact.studies.models"} <= {*friction} & {*trends}
+    assert {"study.tables", "study.studies.models"} <= {*friction} & {*trends}
     assert "microimpact.model.rigid_body.algebra" in set(friction) - set(trends)
     assert "microimpact.model.empirical.equations" in set(trends) - set(friction)
-    assert not any(name.startswith("microimpact.figures") for name in friction)
+    assert not any(name.startswith("study.figures") for name in friction)
     assert closure(["microimpact"]) == ["microimpact"]  # the root drags nothing in
 
 
 def test_data_files_and_scripts_belong_to_a_figure():
     script = SCRIPTS / "draw_figures.py"
-    found = names(source_files("microimpact.figures.models.curves", scripts=[script]))
+    found = names(source_files("study.figures.models.curves", scripts=[script]))
     assert {"microimpact.mplstyle", "style.py", "draw_figures.py", "tables.py"} <= found
     assert "py.typed" not in found
     assert "estimation.py" not in found
@@ -41,10 +41,10 @@ def test_scripts_are_read_for_imports(tmp_path):
         "import numpy\n"
         "def late():\n"
         "    from microimpact.model.empirical import equations\n"
-        "    import microimpact.core.tables as t\n"
+        "    import study.tables as t\n"
     )
     assert imports_of(script) == [
-        "microimpact.core.tables",
+        "study.tables",
         "microimpact.model.empirical",
         "microimpact.model.empirical.equations",
     ]
@@ -64,5 +64,5 @@ def test_a_digest_is_of_contents_and_names_in_any_order(tmp_path):
 
 
 def test_an_unknown_module_is_refused():
-    with pytest.raises(ModuleNotFoundError, match=r"microimpact\.studies\.nothing"):
-        closure(["microimpact.studies.nothing"])
+    with pytest.raises(ModuleNotFoundError, match=r"study\.studies\.nothing"):
+        closure(["study.studies.nothing"])

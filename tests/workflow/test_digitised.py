@@ -40,7 +40,7 @@ def test_files_in_any_folder_redo_what_they_concern_alone(project, tmp_path):
     overlay = tmp_path / "overlay.yaml"
     overlay.write_text(f"digitised: {tmp_path / 'points'}\n")
     fits = {"restitution_fits", "restitution_fits_figures"}
-    assert project.planned(*TARGETS, str(overlay)) == {*fits, *CONCERNED}
+    assert project.planned(*TARGETS, str(overlay)) == {*fits, *CONCERNED, "declared_inputs"}
 
 
 def test_a_file_redraws_its_figure_alone_and_so_does_its_removal(project):

@@ -12,12 +12,12 @@ import pytest
 from tests.shared import ROOT
 from tests.workflow.conftest import TINY
 
-from microimpact import studies
-from microimpact.declared.documents import load
-from microimpact.declared.parameters import build
-from microimpact.declared.references import merged
-from microimpact.run.config import read_configuration, study_rows, validate
-from microimpact.run.study import run_with
+from study import studies
+from study.declared.documents import load
+from study.declared.parameters import build
+from study.declared.references import merged
+from study.run.config import read_configuration, study_rows, validate
+from study.run.study import run_with
 
 pytestmark = pytest.mark.slow
 
@@ -63,7 +63,7 @@ def test_every_parameter_is_read(monkeypatch):
             monkeypatch.setattr(type(record), "__getattribute__", reading)
         return build(kind, values)
 
-    monkeypatch.setattr("microimpact.run.study.build", watched)
+    monkeypatch.setattr("study.run.study.build", watched)
 
     @cache
     def tables(study):

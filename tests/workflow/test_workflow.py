@@ -79,7 +79,7 @@ def row_changed(row, value):
 
 MODELS = "config/analyses/models.yaml"
 # Parts of the package that decide no number.
-IDLE = [(f"src/microimpact/run/{name}.py", commented) for name in ("config", "schema", "summary")]
+IDLE = [(f"src/study/run/{name}.py", commented) for name in ("config", "schema", "summary")]
 TOLD = {"declared_inputs", "report"}
 RULES_OF = {name: {name, f"{name}_figures"} for name in ("coulomb_friction", "restitution_trends")}
 
@@ -124,7 +124,7 @@ def test_changes_rerun_their_chains_and_nothing_else(project, tmp_path, edits, o
     ("path", "edit", "reruns", "spares"),
     [
         (
-            "src/microimpact/figures/models/curves.py",
+            "src/study/figures/models/curves.py",
             commented,
             {"restitution_trends_figures", "coulomb_friction_figures"},
             {"coulomb_friction", "declared_inputs"},
@@ -219,7 +219,7 @@ def test_an_unknown_target_is_told_with_the_nearest_name(project, target, near):
 
 
 def test_an_analysis_that_cannot_be_imported_is_named(project):
-    file = "src/microimpact/studies/models/coulomb_friction.py"
+    file = "src/study/studies/models/coulomb_friction.py"
     wrong = "from numpy import nothing_such\nimport numpy as np\n"
     with project.edited(file, lambda text: text.replace("import numpy as np\n", wrong, 1)):
         done = project.snakemake("fig17", check=False)
@@ -233,7 +233,7 @@ def test_an_analysis_that_cannot_be_imported_is_named(project):
 
 def test_a_failing_study_of_the_copy_is_named_and_leaves_no_table(project):
     """The copy runs its own code, not that of the checkout the package is installed from."""
-    path = "src/microimpact/studies/models/restitution_trends.py"
+    path = "src/study/studies/models/restitution_trends.py"
     broken = "\n\ndef run(params, inputs):\n    raise ValueError('speed out of reach')\n"
     root = ("--config", "pathvars={results: build/broken}")
     with project.edited(path, lambda text: text + broken):

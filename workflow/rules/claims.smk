@@ -46,7 +46,7 @@ rule claims:
         rows={},
         branch=SETTINGS.branches["claim_numbers"],
         rests_on=digest_of_inputs("claim_numbers", "digitised_comparison"),
-        code=digest_of_code("microimpact.ledgers.claims", script="judge_ledger.py"),
+        code=digest_of_code("study.ledgers.claims", script="judge_ledger.py"),
     script:
         "../scripts/judge_ledger.py"
 
@@ -72,7 +72,7 @@ rule equations:
         ledger="equations",
         rows=SETTINGS.tables.of_pair("stainless-steel-316", "silicon"),
         code=digest_of_code(
-            "microimpact.ledgers.equations",
+            "study.ledgers.equations",
             script="judge_ledger.py",
             files=[PROJECT / "config/equations.yaml"],
         ),

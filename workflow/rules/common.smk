@@ -38,17 +38,17 @@ os.environ.update(
 
 import closure
 
-from microimpact import studies
+from study import studies
 from microimpact.core.files import of_other_inputs
-from microimpact.figures.registry import FORMATS
-from microimpact.ledgers.claims.criteria import read_claims
-from microimpact.report import explorer, site
-from microimpact.report.site import record as site_record
-from microimpact.declared.documents import load, located
-from microimpact.declared.references import merged
-from microimpact.run.config import FILES, read_configuration, read_inputs, validate
-from microimpact.run import stamp
-from microimpact.run.summary import summary
+from study.figures.registry import FORMATS
+from study.ledgers.claims.criteria import read_claims
+from study.report import explorer, site
+from study.report.site import record as site_record
+from study.declared.documents import load, located
+from study.declared.references import merged
+from study.run.config import FILES, read_configuration, read_inputs, validate
+from study.run import stamp
+from study.run.summary import summary
 
 STARTED, BEGAN = stamp.run_date(), time.time()
 CONFIGURATION = Path("config/config.yaml")

@@ -1,6 +1,6 @@
 """The report, report/index.html, and the pages it leads to; the check against references."""
 
-REPORT = PROJECT / "src/microimpact/report"
+REPORT = PROJECT / "src/study/report"
 PAGES = [*REPORT.glob("*/templates/*"), *REPORT.glob("*/assets/*")]
 
 
@@ -19,7 +19,7 @@ rule explorer:
         rows=SETTINGS.tables.contact_rows(),
         rests_on=digest_of_inputs("contact_properties", "calibration"),
         code=digest_of_code(
-            "microimpact.report.explorer.build", script="write_explorer.py", files=PAGES
+            "study.report.explorer.build", script="write_explorer.py", files=PAGES
         ),
     script:
         "../scripts/write_explorer.py"
@@ -65,5 +65,5 @@ rule check:
         results=RESULTS,
         reference=PROJECT / "tests/reference",
     shell:
-        "python -m microimpact.report.commands check {params.results:q} --reference {params.reference:q}"
+        "python -m study.report.commands check {params.results:q} --reference {params.reference:q}"
         " 2>&1 | tee {log:q}"

@@ -12,15 +12,16 @@ from pathlib import Path
 import grimp
 
 import microimpact
+import study
 
-ROOT = Path(microimpact.__file__).parent
+PACKAGES = {package.__name__: Path(package.__file__).parent for package in (microimpact, study)}
 CODE = {".py", ".pyc", ".pyi", ".typed"}
 
 
 @cache
 def _graph() -> grimp.ImportGraph:
     # Imports for type checkers only cannot change what a module computes.
-    return grimp.build_graph(ROOT.name, cache_dir=None, exclude_type_checking_imports=True)
+    return grimp.build_graph(*PACKAGES, cache_dir=None, exclude_type_checking_imports=True)
 
 
 def closure(modules: Iterable[str]) -> list[str]:
@@ -41,7 +42,7 @@ def closure(modules: Iterable[str]) -> list[str]:
 @cache
 def _needed_by(module: str) -> list[str]:
     if module not in _graph().modules:
-        raise ModuleNotFoundError(f"no module named {module!r} in {ROOT}")
+        raise ModuleNotFoundError(f"no module named {module!r} in {', '.join(PACKAGES)}")
     package = [module.rpartition(".")[0]] if "." in module else []
     return [*_graph().find_modules_directly_imported_by(module), *package]
 
@@ -59,7 +60,8 @@ def source_files(*modules: str, scripts: Iterable[Path] = ()) -> list[str]:
 
 @cache
 def _file(module: str) -> Path:
-    stem = ROOT.joinpath(*module.split(".")[1:])
+    name, *parts = module.split(".")
+    stem = PACKAGES[name].joinpath(*parts)
     package = stem / "__init__.py"
     return package if package.exists() else stem.with_suffix(".py")
 

@@ -6,11 +6,11 @@ from typing import Any
 
 from job import run
 
-from microimpact.core.tables import read_figure_data, write_table
-from microimpact.figures.content import content
-from microimpact.figures.registry import FORMATS, figure_spec
-from microimpact.figures.style import save
-from microimpact.run.digitised import overlaid, read_points
+from study.figures.content import content
+from study.figures.registry import FORMATS, figure_spec
+from study.figures.style import save
+from study.run.digitised import overlaid, read_points
+from study.tables import read_figure_data, write_table
 
 
 def main(job: Any) -> str:

@@ -5,7 +5,7 @@ from typing import Any
 
 from job import run
 
-from microimpact.core.tables import parse_table, read_table, write_table
+from study.tables import parse_table, read_table, write_table
 
 
 def main(job: Any) -> str:
@@ -16,7 +16,7 @@ def main(job: Any) -> str:
     with the values that its words take as ``params.branch``; its outputs are the tables of the
     ledger by their names.
     """
-    ledger = import_module(f"microimpact.ledgers.{job.params.ledger}")
+    ledger = import_module(f"study.ledgers.{job.params.ledger}")
     tables = {name: parse_table(text) for name, text in job.params.rows.items()}
     files = dict(job.input.items())
     criteria = files.pop("criteria", None)

@@ -5,10 +5,10 @@ from typing import Any
 import pandas as pd
 from job import run
 
-from microimpact import studies
-from microimpact.core.tables import parse_table, read_table, write_table
-from microimpact.declared.parameters import build
-from microimpact.declared.selection import NamedTables
+from study import studies
+from study.declared.parameters import build
+from study.declared.selection import NamedTables
+from study.tables import parse_table, read_table, write_table
 
 # Inputs of the rule that are no tables of earlier studies.
 OTHERS = {"parts", "samples"}

@@ -6,8 +6,8 @@ from typing import Any
 from job import run
 
 from microimpact.core.files import write_file
-from microimpact.core.tables import parse_table, read_table
-from microimpact.report.explorer.build import page_files
+from study.report.explorer.build import page_files
+from study.tables import parse_table, read_table
 
 
 def main(job: Any) -> str:

@@ -5,8 +5,8 @@ from typing import Any
 
 from job import run
 
-from microimpact.report.site.build import REPORT, write_site
-from microimpact.report.site.record import from_plain, write_record
+from study.report.site.build import REPORT, write_site
+from study.report.site.record import from_plain, write_record
 
 
 def main(job: Any) -> str:

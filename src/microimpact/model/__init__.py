@@ -1,1 +1,5 @@
 """Physics of one impact: pure functions, arrays in and out, SI units."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from scipy.constants import g
 
-from microimpact.declared.parameters import build
 from microimpact.lab.bounces import with_later_impacts
 from microimpact.lab.events import Impacts
 from microimpact.lab.pdpa.analyser import (
@@ -19,6 +18,7 @@ from microimpact.lab.pdpa.analyser import (
     records,
 )
 from microimpact.lab.surface import Rebound
+from study.declared.parameters import build
 
 H = 1e-3
 DEFAULT = Analyser(

@@ -1,0 +1,3 @@
+from .run.study import run_study as run_study
+
+__all__ = ["run_study"]

@@ -1,0 +1,310 @@
+"""Analyses name what is declared once: the configuration merged, and its references resolved.
+
+A mapping with the key ``from`` is a reference to a place of the laboratory, or to several. It
+stands for the field of its own name there, or else for those fields that its parameter has.
+Further keys beside it replace what is named for this analysis alone, and that is recorded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+from zlib import crc32
+
+import numpy as np
+
+from microimpact.core.nearest import nearest
+from study.declared.parameters import KIND, Shape, shape
+from study.declared.provenance import Declared, as_declared, as_text, is_declaration, problems
+
+FROM, SEED = "from", "seed"
+NOTHING = "names nothing"
+
+
+def merged(old: Any, new: Any) -> Any:
+    """Return a configuration with changes laid over it.
+
+    Mappings are merged by name, and a name given as null is taken away; it stays null, to be
+    refused as an unknown key, where there is no such name. A value with its provenance and a
+    distribution are one value each, replaced as a whole; a reference keeps the place it names
+    beside what replaces its value.
+    """
+    if is_reference(old) and new is not None and not isinstance(new, Mapping):
+        return {FROM: old[FROM], "values" if isinstance(new, list) else "value": new}
+    if not (isinstance(old, Mapping) and isinstance(new, Mapping)):
+        return new
+    if _is_one_value(new):
+        if is_reference(old):
+            return {FROM: old[FROM], **new}
+        # A distribution that named a place for one of its numbers still tells it.
+        named = old if KIND in new and KIND in old else {}
+        return {name: merged(named.get(name), child) for name, child in new.items()}
+    if _is_one_value(old):
+        return new
+    laid = {name: merged(old.get(name), child) for name, child in new.items()}
+    every = {**old, **laid}.items()
+    return {name: child for name, child in every if child is not None or name not in old}
+
+
+def is_reference(node: object) -> bool:
+    """Tell whether a node of the configuration names a place of the laboratory."""
+    return isinstance(node, Mapping) and FROM in node
+
+
+def _is_one_value(node: Mapping[str, Any]) -> bool:
+    return FROM not in node and (KIND in node or is_declaration(node))
+
+
+@dataclass(frozen=True, slots=True)
+class _Reference:
+    """Places, the override beside them, and the key of the reference itself."""
+
+    places: tuple[str, ...]
+    beside: Any
+    key: str
+
+
+class Resolver:
+    """A configuration whose branches name what its sections declare.
+
+    Parameters
+    ----------
+    config
+        The merged configuration.
+    shipped
+        As it comes with the project: what differs from it is the user's.
+    sections
+        Top-level keys that can be referred to.
+
+    Attributes
+    ----------
+    problems
+        One line per malformed declaration, or reference to nothing, found so far.
+    rows
+        Every value resolved so far, as it is used.
+    aliases
+        Where a value or a named item stands in the files, by its key in the parameters.
+    """
+
+    def __init__(
+        self, config: Mapping[str, Any], shipped: Mapping[str, Any], sections: Collection[str]
+    ) -> None:
+        self.problems: list[str] = []
+        self.rows: list[Declared] = []
+        self.aliases: dict[str, str] = {}
+        self._sections = frozenset(sections)
+        self._elsewhere: set[str] = set()
+        self._nodes = {
+            str(key): self._parsed(node, shipped.get(key), str(key)) for key, node in config.items()
+        }
+
+    def resolved(self, kind: Any, key: str) -> Any:
+        """Return the plain values of a top-level key, its references resolved.
+
+        Parameters
+        ----------
+        kind
+            Type of its parameters: a reference gives the fields that it has.
+        key
+            The top-level key.
+        """
+        return self._plain(shape(kind), self._nodes.get(key), key)
+
+    def declare(self, section: str, names: Mapping[str, Any]) -> None:
+        """Add a section of declared tables, by the name that references use."""
+        self._nodes[section] = dict(names)
+        self._elsewhere.add(section)
+
+    def unused(self) -> list[str]:
+        """Return the places of the sections that no resolved value comes from."""
+        used = {row.place.partition("[")[0] for row in self.rows}
+        every = {place for name in self._sections for place in _places(self._nodes.get(name))}
+        return sorted(every - used)
+
+    def _parsed(self, node: Any, base: Any, key: str) -> Any:
+        """Return a node with its values as `Declared` and its references as `_Reference`."""
+        if is_reference(node):
+            places = node[FROM] if isinstance(node[FROM], list) else [node[FROM]]
+            beside = {name: child for name, child in node.items() if name != FROM}
+            shipped = {n: c for n, c in base.items() if n != FROM} if is_reference(base) else None
+            if is_declaration(beside):
+                override: Any = self._declared(beside, shipped, key, place=str(places))
+            else:
+                override = self._parsed(beside, shipped, key) if beside else None
+            return _Reference(tuple(map(str, places)), override, key)
+        if is_declaration(node):
+            return self._declared(node, base, key)
+        if isinstance(node, Mapping):
+            before = base if isinstance(base, Mapping) else {}
+            return {
+                str(name): self._parsed(child, before.get(name), f"{key}.{name}")
+                for name, child in node.items()
+            }
+        if isinstance(node, list) and any(isinstance(item, Mapping) for item in node):
+            items = dict(enumerate(base)) if isinstance(base, list) else {}
+            return [self._parsed(c, items.get(i), f"{key}[{i}]") for i, c in enumerate(node)]
+        return as_declared(node, base, key)
+
+    def _declared(self, node: Any, base: Any, key: str, place: str | None = None) -> Declared:
+        malformed = [f"{key}{line}" for line in problems(node, place)]
+        self.problems += malformed
+        return (
+            Declared(None, "user", "malformed", key) if malformed else as_declared(node, base, key)
+        )
+
+    def _plain(self, kind: Shape, node: Any, key: str) -> Any:
+        """Return the plain values of a node, and record the place of each."""
+        if isinstance(node, _Reference):
+            node = self._dereferenced(kind, node, key)
+        # From Python, whole items may come in a list, with their names.
+        if kind.keyed and isinstance(node, Declared) and node.value and node.source != NOTHING:
+            self.problems.append(f"{key}: must be a mapping: a name, then its fields")
+            return None
+        if isinstance(node, Declared):
+            return self._recorded(kind, node, key)
+        if isinstance(node, list):
+            return [self._plain(kind.item, item, f"{key}[{i}]") for i, item in enumerate(node)]
+        if not isinstance(node, dict):
+            return None
+        if kind.keyed:
+            return [self._item(kind, i, name, key, node[name]) for i, name in enumerate(node)]
+        stands = next(_places(node), "").rpartition(".")[0]
+        # where one value or a distribution is wanted
+        if (kind == Shape() or kind.kinds) and stands not in {"", key}:
+            self.aliases[key] = stands
+        fields = kind.fields(node.get(KIND))
+        if SEED in fields and SEED not in node:
+            node = {**node, SEED: self._seed(fields[SEED].stream or key.partition(".")[0], key)}
+        return {
+            name: self._plain(fields.get(name, kind.item), child, f"{key}.{name}")
+            for name, child in node.items()
+        }
+
+    def _recorded(self, kind: Shape, node: Declared, key: str) -> Any:
+        if node.value == [] and kind.is_numbers:
+            self.problems.append(f"{node.place}: [] must hold at least one number")
+        self.rows += node.rows(key)
+        if node.place != key:
+            self.aliases[key] = node.place
+        return node.value
+
+    def _seed(self, stream: str, key: str) -> Any:
+        """Return the seed of an analysis without its own, from the root seed and a name."""
+        root = self._nodes.get(SEED)
+        if not isinstance(root, Declared) or not isinstance(root.value, int) or root.value < 0:
+            return root or _absent(f"{key}.{SEED}", 0)
+        words = np.random.SeedSequence(root.value, spawn_key=(crc32(stream.encode()),))
+        value = int(words.generate_state(1)[0])
+        source = f"from the root seed, {root.value}, and the name {stream!r}"
+        return Declared(value, "derived", source, f"{key}.{SEED}")
+
+    def _item(self, kind: Shape, number: int, name: str, key: str, node: Any) -> Any:
+        """Return a named item of a mapping as an item that holds its name."""
+        self.aliases[f"{key}[{number}]"] = where = f"{key}.{name}"
+        value = self._plain(kind.item, node, where)
+        if not (kind.keyed and kind.keyed.field and isinstance(value, dict)):
+            return value
+        return {kind.keyed.field: name, **value}
+
+    def _dereferenced(self, kind: Shape, node: _Reference, key: str) -> Any:
+        """Return the fields of the places that a parameter of some kind has, overrides merged."""
+        base, field = self._referenced(node), key.rpartition(".")[2]
+        if isinstance(base, dict) and field in base:
+            base = base[field]
+            if isinstance(base, _Reference):
+                base = self._dereferenced(kind, base, key)
+        elif isinstance(base, dict):
+            wanted = kind.fields(base.get(KIND))
+            chosen = {name: child for name, child in base.items() if name in wanted}
+            if not chosen:
+                line = f"{node.key}.{FROM}: no {field} in {' or '.join(node.places)}"
+                self.problems.append(f"{line}{nearest(field, base)}")
+            base = chosen or _absent(node.key)
+        return self._overlaid(base, node.beside)
+
+    def _referenced(self, node: _Reference, opened: tuple[str, ...] = ()) -> Any:
+        """Merge the mappings at the places of a reference; the first place goes before."""
+        nodes = []
+        for place in node.places:
+            if place in opened:
+                self.problems.append(f"{node.key}.{FROM}: {place!r} refers to itself")
+                return _absent(node.key)
+            target = self._looked_up(place, node.key)
+            if isinstance(target, _Reference):
+                below = self._referenced(target, (*opened, place))
+                target = self._overlaid(below, target.beside)
+            nodes.append(target)
+        if all(isinstance(target, dict) for target in nodes):
+            return {name: child for target in reversed(nodes) for name, child in target.items()}
+        return next(target for target in nodes if not isinstance(target, dict))
+
+    def _looked_up(self, place: str, key: str) -> Any:
+        """Return the node at a dotted place; names may hold dots."""
+        section, _, rest = place.partition(".")
+        part, known = (
+            section,
+            {name: self._nodes.get(name) for name in self._sections | self._elsewhere},
+        )
+        node = known.get(section)
+        while node is not None and rest:
+            if isinstance(node, _Reference):
+                node = self._overlaid(self._referenced(node), node.beside)
+            known = node if isinstance(node, dict) else {}
+            name = max((n for n in known if f"{rest}.".startswith(f"{n}.")), key=len, default=None)
+            part = rest
+            node, rest = (known[name], rest[len(name) + 1 :]) if name else (None, "")
+        if node is None:
+            self.problems.append(f"{key}.{FROM}: {place!r} is not declared{nearest(part, known)}")
+            return _absent(key)
+        return node
+
+    def _overlaid(self, below: Any, above: Any) -> Any:
+        """Merge the override over the referenced value."""
+        if above is None or below is None:
+            return below if above is None else above
+        if isinstance(above, Declared):
+            kept = above.is_kept and isinstance(below, Declared)
+            return replace(above, value=below.value) if kept else self._overriding(above, below)
+        if isinstance(above, dict):
+            return self._overlaid_fields(below, above)
+        return above
+
+    def _overlaid_fields(self, below: Any, above: dict[str, Any]) -> Any:
+        if KIND in above:
+            return {name: self._overriding(child, below) for name, child in above.items()}
+        if isinstance(below, _Reference):
+            return replace(below, beside=self._overlaid(below.beside, above))
+        if isinstance(below, dict):
+            laid = {name: self._overlaid(below.get(name), child) for name, child in above.items()}
+            return {**below, **laid}
+        keys = (place for place in _places(above) if below.source != NOTHING)
+        self.problems += [f"{place}: unknown key" for place in keys]
+        return below
+
+    def _overriding(self, above: Any, below: Any) -> Any:
+        """Record in a value of an analysis the value of the laboratory that it replaces."""
+        if not isinstance(above, Declared) or above.place.partition(".")[0] in self._sections:
+            return above
+        if isinstance(below, Declared):
+            overridden = f"{below.place} = {as_text(below.value)}"
+        else:
+            overridden = ", ".join(below.places) if isinstance(below, _Reference) else ""
+            overridden = overridden or next(_places(below), "").rpartition(".")[0]
+        return replace(above, overrides=overridden)
+
+
+def _absent(key: str, value: object = None) -> Declared:
+    """Return a placeholder for a missing value, which is reported once."""
+    return Declared(value, "user", NOTHING, key)
+
+
+def _places(node: Any) -> Iterator[str]:
+    """Yield the place of every value at or below a node."""
+    if isinstance(node, Declared):
+        yield node.place
+    elif isinstance(node, _Reference):
+        yield from _places(node.beside)
+    elif isinstance(node, dict | list):
+        for child in node.values() if isinstance(node, dict) else node:
+            yield from _places(child)

@@ -1,0 +1,121 @@
+"""Figures of the campaign: which experiments it has, and what the intervals of a mean hold."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import ListedColormap, LogNorm
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from study.figures import style
+from study.figures.registry import FigureSpec
+from study.tables import Tables
+
+FloatArray = NDArray[np.float64]
+
+FEW = "too few events"
+# Marks of one cell are in rows of so many, this far apart, in cells.
+IN_A_ROW = 5
+STEP = 0.17, 0.30
+# No colour as light as the paper.
+COLOURS = ListedColormap(colormaps["viridis"](np.linspace(0.0, 0.88, 256)))
+AREA = 9.0
+# Numbers of the scale; its small ticks are the speeds that occur.
+TICKS = (0.1, 0.2, 0.3, 0.5, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0)
+NOMINAL = "nominal"
+
+
+@style.context()
+def draw_map(tables: Tables, spec: FigureSpec) -> Figure:
+    """Draw a mark for every experiment: particles on a surface against angle, coloured by speed.
+
+    In a cell the speed grows from left to right. Those with too few events are in panel `FEW`
+    again, and drawn open.
+    """
+    (table,) = tables.values()
+    figure, axes = style.new_figure(spec)
+    (ax,) = axes.values()
+    x, y = table.columns[3:5]
+    few = set(zip(*(table.loc[table["panel"] == FEW, k] for k in ("series", x, y)), strict=True))
+    rows = table[table["panel"] != FEW]
+    pairs, angles = list(dict.fromkeys(rows["series"])), sorted(set(rows[x]))
+    scale = ScalarMappable(LogNorm(rows[y].min(), rows[y].max()), COLOURS)
+    for (pair, angle), cell in rows.groupby(["series", x], sort=False):
+        at = float(str(angle))
+        speeds = np.sort(cell[y].to_numpy())
+        across, down = _places(speeds.size)
+        edges = scale.to_rgba(speeds)
+        is_open = np.array([(pair, at, speed) in few for speed in speeds])
+        ax.scatter(
+            angles.index(at) + across,
+            pairs.index(str(pair)) + down,
+            s=AREA,
+            edgecolors=[tuple(edge) for edge in edges],
+            facecolors=np.where(is_open[:, None], 1.0, edges),
+            zorder=3,
+        )
+    _set_cells(ax, [f"{angle:g}" for angle in angles], pairs)
+    _add_scale(figure, ax, scale, sorted(set(rows[y])))
+    entries = []
+    if few:
+        ((_, panel),) = spec.panels.items()
+        look = {**style.EVIDENCE["virtual experiment"], "markerfacecolor": "white"}
+        entries = [Line2D([], [], color="black", label=panel.series[FEW].label, **look)]
+    style.evidence_key(figure, table["evidence"], entries)
+    return figure
+
+
+def _places(number: int) -> tuple[FloatArray, FloatArray]:
+    """Return the places of a cell's marks around its middle, in cells."""
+    index = np.arange(number)
+    row, lines = index // IN_A_ROW, -(-number // IN_A_ROW)
+    wide = np.minimum(number - row * IN_A_ROW, IN_A_ROW)
+    across = STEP[0] * (index % IN_A_ROW - 0.5 * (wide - 1))
+    down = STEP[1] * (row - 0.5 * (lines - 1))
+    return across.astype(float), down.astype(float)
+
+
+def _set_cells(ax: Axes, angles: list[str], pairs: list[str]) -> None:
+    ax.set_xticks(range(len(angles)), angles)
+    ax.set_yticks(range(len(pairs)), pairs)
+    ax.set(xlim=(-0.5, len(angles) - 0.5), ylim=(len(pairs) - 0.5, -0.5))
+    ax.tick_params(which="both", length=0)
+    for edge in np.arange(0.5, len(pairs) - 1):
+        ax.axhline(edge, color="0.88", linewidth=0.5, zorder=1)
+    for edge in np.arange(0.5, len(angles) - 1):
+        ax.axvline(edge, color="0.88", linewidth=0.5, zorder=1)
+
+
+def _add_scale(figure: Figure, ax: Axes, scale: ScalarMappable, speeds: list[float]) -> None:
+    bar = figure.colorbar(scale, ax=ax, pad=0.015, fraction=0.03)
+    bar.set_label("Nominal speed (m/s)")
+    low, high = min(speeds), max(speeds)
+    ticks = [tick for tick in TICKS if low <= tick <= high]
+    bar.set_ticks(ticks, labels=[f"{tick:g}" for tick in ticks])
+    bar.set_ticks(speeds, labels=[""] * len(speeds), minor=True)
+
+
+@style.context()
+def draw_coverage(tables: Tables, spec: FigureSpec) -> Figure:
+    """Draw how often intervals contain a mean: a panel per table, with their nominal level."""
+    figure, axes = style.new_figure(spec)
+    for (name, panel), table in zip(spec.panels.items(), tables.values(), strict=True):
+        ax = axes[name]
+        is_level = table["series"] == NOMINAL
+        for level in table.loc[is_level, table.columns[4]].unique():
+            ax.axhline(level, color="0.5", linewidth=0.6, zorder=1)
+            corner, mixed = (0.02, level), ax.get_yaxis_transform()
+            ax.annotate(f"{level:g} %", corner, xycoords=mixed, va="top", fontsize="small")
+        style.draw_panel(ax, table[~is_level], panel, name)
+        for series, points in table[~is_level].groupby("series", sort=False):
+            (x, y), colour = table.columns[3:5], panel.series[str(series)].colour
+            order = points.sort_values(x)
+            ax.plot(order[x], order[y], color=f"C{colour}", linewidth=0.6, alpha=0.7, zorder=2)
+    rows = pd.concat(tables.values())
+    style.evidence_key(figure, rows.loc[rows["series"] != NOMINAL, "evidence"])
+    return figure

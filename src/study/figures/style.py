@@ -1,0 +1,507 @@
+"""One look for all figures, and one way to save them that gives the same bytes each time."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import pandas as pd
+from matplotlib import rc_context, rcParams
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.container import Container
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.markers import TICKDOWN, TICKLEFT, TICKRIGHT, TICKUP
+from matplotlib.patheffects import Normal, Stroke
+from matplotlib.ticker import FuncFormatter, Locator, LogLocator, NullFormatter, NullLocator
+from numpy.typing import NDArray
+
+from microimpact.core.files import write_file
+from study.figures.registry import FigureSpec, PanelSpec, SeriesSpec
+from study.tables import POINTS, Tables, points_parts
+
+# Kinds of lines by their names in the registry: as many as a panel has curves.
+LINES: dict[str, str | tuple[int, tuple[float, ...]]] = {
+    "solid": "solid",
+    "dashed": "dashed",
+    "dotted": "dotted",
+    "dashdot": "dashdot",
+    "long dashed": (0, (6.0, 1.5)),
+    "dashdotdot": (0, (4.5, 1.2, 1.0, 1.2, 1.0, 1.2)),
+    "loose dashed": (0, (3.0, 3.0)),
+}
+TINT: dict[str, Any] = {"alpha": 0.25}
+HATCH: dict[str, Any] = {"facecolor": "none", "hatch": "//////", "alpha": 0.45}
+MARKS = {"circle": "o", "square": "s", "triangle": "^"}
+# Printed values of several series: open but for these.
+DIAMONDS = {"full diamond": "full", "half diamond": "left"}
+# The user's points, series by series.
+CROSSES = ("x", "1", "2", "3", "4")
+# Where the name of a curve stands beside it: shift in points, and which part of it is there.
+SIDES: dict[str, tuple[tuple[float, float], str, str]] = {
+    "above": ((0.0, 2.5), "center", "bottom"),
+    "below": ((0.0, -2.5), "center", "top"),
+    "left": ((-5.0, 0.0), "right", "center"),
+    "right": ((5.0, 0.0), "left", "center"),
+}
+
+# Marks of ticks that point into a panel, and where its edge is.
+INWARD: dict[str, tuple[Any, float]] = {
+    "bottom": (TICKUP, 0.0),
+    "top": (TICKDOWN, 1.0),
+    "left": (TICKRIGHT, 0.0),
+    "right": (TICKLEFT, 1.0),
+}
+
+STYLE_FILE = Path(__file__).with_name("microimpact.mplstyle")
+
+WIDTH_MM = {"single": 86.0, "double": 174.0}
+MM_PER_INCH = 25.4
+# Room that an entry of the key takes: its mark, and a letter of its label.
+KEY_MARK_MM, KEY_LETTER_MM = 12.0, 1.2
+# What each format would say of date and program: left out, as keys with the value None are.
+UNDATED = {
+    "svg": ("Date", "Creator"),
+    "png": ("Software",),
+    "pdf": ("CreationDate", "Creator", "Producer"),
+}
+# Packed lightly: a tenth larger, in two thirds of the time.
+PACKED = {"compress_level": 1}
+
+HOLLOW = [Normal(), Stroke(linewidth=0.5, foreground="white")]
+# How a mark shows its evidence; lines are computed, marks come from elsewhere. A calibrated line
+# is hollow: no marks, which might be taken for measured points.
+EVIDENCE: dict[str, dict[str, Any]] = {
+    "computed": {"linestyle": "solid"},
+    "calibrated": {"linestyle": "solid", "linewidth": 1.6, "path_effects": HOLLOW},
+    "printed": {"linestyle": "none", "marker": "D", "markerfacecolor": "white"},
+    "virtual experiment": {"linestyle": "none", "marker": "o"},
+    "digitised": {"linestyle": "none", "marker": "x", "zorder": 4},
+    "measured": {"linestyle": "none", "marker": "x", "zorder": 4},
+    "assumed": {"linestyle": "none", "marker": "+"},
+}
+EVIDENCE_LABEL = {
+    "computed": "computed",
+    "calibrated": "computed, calibrated",
+    "printed": "printed in the article",
+    "virtual experiment": "virtual experiment",
+    "assumed": "assumed",
+}
+
+
+@contextmanager
+def context() -> Iterator[None]:
+    """Return the context (also a decorator) in which figures are drawn and saved.
+
+    It is the same whatever the user's own settings of matplotlib are.
+    """
+    with rc_context(fname=STYLE_FILE):
+        yield
+
+
+def new_figure(spec: FigureSpec) -> tuple[Figure, dict[str, Axes]]:
+    """Return an empty figure with its panels, by name, axes set up."""
+    size = WIDTH_MM[spec.width] / MM_PER_INCH, spec.height_mm / MM_PER_INCH
+    figure = Figure(figsize=size)
+    columns = spec.columns or len(spec.panels)
+    rows = -(-len(spec.panels) // columns)
+    places = [figure.add_subplot(rows, columns, i + 1) for i in range(len(spec.panels))]
+    axes = dict(zip(spec.panels, places, strict=True))
+    for letter, (name, panel) in zip("abcdefgh", spec.panels.items(), strict=False):
+        prefix = f"({letter}) " if len(spec.panels) > 1 else ""
+        _set_axes(axes[name], panel, prefix)
+    return figure, axes
+
+
+def _set_axes(ax: Axes, panel: PanelSpec, prefix: str) -> None:
+    ax.set(xscale=panel.x_scale, yscale=panel.y_scale, xlim=panel.x_range, ylim=panel.y_range)
+    ax.set(xlabel=panel.x_label, ylabel=panel.y_label)
+    if prefix or panel.title:
+        ax.set_title(f"{prefix}{panel.title}")
+    for axis, ticks, steps in (
+        (ax.xaxis, panel.x_ticks, panel.x_steps),
+        (ax.yaxis, panel.y_ticks, panel.y_steps),
+    ):
+        if ticks:
+            axis.set_ticks(ticks)
+        elif steps:
+            axis.set_major_locator(LogLocator(subs=steps))
+        if axis.get_scale() == "log" and (ticks or steps):
+            plain_numbers(axis)
+    if panel.level is not None:
+        ax.axhline(panel.level, color="0.6", linewidth=0.6, zorder=1)
+
+
+def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> list[Line2D]:
+    """Draw all series of one panel, each in the manner of its evidence, with a legend.
+
+    Entries of the series of points, for the key below the figure. `ax`: axes of the panel; `table`:
+    tidy figure data, of any number of panels; `panel`: words and styles; a series it does not name
+    is drawn under its own name; `name`: which panel of the data to draw; points of the user's are
+    laid over all else.
+    """
+    x, y = table.columns[3], table.columns[4]
+    rows = table[table["panel"] == (panel.shows or name)]
+    is_point = rows["evidence"].isin(POINTS)
+    all_points = table.loc[table["evidence"].isin(POINTS), "series"].unique()
+    entries = overlay(ax, rows[is_point], panel, list(all_points))
+    rows = rows[~is_point]
+    if rows.empty:
+        raise ValueError(f"figure data: no rows for panel {name!r}")
+    log_x, log_y = ax.get_xscale() == "log", ax.get_yscale() == "log"
+    if not (panel.fixed and panel.shows):  # an enlarged view stays one
+        ax.set_xlim(widened(ax.get_xlim(), rows[x].to_numpy(float), log=log_x))
+    if not panel.fixed:
+        heights = rows[[y, "y_low", "y_high"]].to_numpy(float)
+        ax.set_ylim(widened(ax.get_ylim(), heights, log=log_y))
+    present = list(rows["series"].unique())
+    names = [s for s in panel.series if s in present]
+    names += [s for s in present if s not in panel.series]
+    for number, series in enumerate(names):
+        spec = panel.series.get(series, SeriesSpec(label=series))
+        colour = f"C{number if spec.colour is None else spec.colour}"
+        label: str | None = spec.label if spec.beside is None else f"_{spec.label}"
+        for evidence, part in rows[rows["series"] == series].groupby("evidence", sort=False):
+            _draw_series(ax, part, (x, y), str(evidence), spec, colour, label)
+            label = None  # one entry per series; the key below the figure names the evidence
+        if spec.beside is not None:
+            _name_beside(ax, rows[rows["series"] == series], spec, colour)
+    if panel.fixed:
+        _write_above(ax, rows[rows["evidence"] == "virtual experiment"])
+    corner = panel.legend_place
+    if corner == "above" or corner == "none":  # noqa: PLR1714 (a set would not narrow the type)
+        return entries
+    named = _entries([ax])
+    ax.legend(named.values(), named.keys(), title=panel.legend, loc=corner)
+    return entries
+
+
+def _name_beside(ax: Axes, rows: pd.DataFrame, spec: SeriesSpec, colour: str) -> None:
+    """Write the name of a curve beside it, at the declared abscissa or the end next to it."""
+    x, y = rows.iloc[:, 3:5].dropna().sort_values(rows.columns[3]).to_numpy(float).T
+    at = float(np.clip(spec.beside or 0.0, x[0], x[-1]))
+    shift, ha, va = SIDES[spec.side]
+    look: dict[str, Any] = {"fontsize": "small", "color": colour, "ha": ha, "va": va}
+    anchor = at, float(np.interp(at, x, y))
+    ax.annotate(spec.label, anchor, shift, textcoords="offset points", **look)
+
+
+def overlay(ax: Axes, points: pd.DataFrame, panel: PanelSpec, names: Sequence[str]) -> list[Line2D]:
+    """Draw the user's points of one panel, above all else; the axes grow to show them.
+
+    Entries for the key, one per series: its name as it was written, never as mathematics. `ax`:
+    axes of the panel, their scales as they will be; `points`: figure data of digitised or measured
+    series alone; may be empty; `panel`: series of the same name, or beginning with it and a comma,
+    give a series its colour; `names`: all series of points of the figure, for their marks.
+    """
+    if points.empty:
+        return []
+    x, y = points.columns[3], points.columns[4]
+    if panel.fixed and panel.shows:  # an enlarged view stays one
+        points = points[points[x].between(*ax.get_xlim())]
+    else:
+        ax.set_xlim(widened(ax.get_xlim(), points[x].to_numpy(float), log=ax.get_xscale() == "log"))
+        heights = points[[y, "y_low", "y_high"]].to_numpy(float)
+        ax.set_ylim(widened(ax.get_ylim(), heights, log=ax.get_yscale() == "log"))
+    entries = []
+    for number, (series, rows) in enumerate(points.groupby("series", sort=False)):
+        evidence, name = points_parts(str(series))
+        colour = _points_colour(name, panel, number)
+        look = EVIDENCE[evidence] | {"marker": CROSSES[names.index(str(series)) % len(CROSSES)]}
+        _draw_series(ax, rows, (x, y), evidence, SeriesSpec(label=name), colour, None, look)
+        label = str(series).replace("$", r"\$")
+        entries.append(Line2D([], [], color=colour, label=label, **look))
+    return entries
+
+
+def _points_colour(name: str, panel: PanelSpec, number: int) -> str:
+    for index, (series, spec) in enumerate(panel.series.items()):
+        if series == name or series.startswith(f"{name}, "):
+            return f"C{index if spec.colour is None else spec.colour}"
+    return f"C{len(panel.series) + number}"
+
+
+def widened(
+    limits: tuple[float, float], values: NDArray[np.float64], *, log: bool = False
+) -> tuple[float, float]:
+    """Return the ends of an axis, moved out where values of a changed configuration lie outside."""
+    if log:
+        low, high = np.log10(limits)
+        low, high = widened((low, high), np.log10(values))
+        return float(10.0**low), float(10.0**high)
+    low, high = min(np.nanmin(values), limits[0]), max(np.nanmax(values), limits[1])
+    margin = 0.05 * (high - low)
+    return (
+        low - margin if low < limits[0] else limits[0],
+        high + margin if high > limits[1] else limits[1],
+    )
+
+
+def _draw_series(
+    ax: Axes,
+    rows: pd.DataFrame,
+    columns: tuple[str, str],
+    evidence: str,
+    spec: SeriesSpec,
+    colour: str,
+    label: str | None,
+    mark: Mapping[str, Any] | None = None,
+) -> None:
+    x, y = (rows[column].to_numpy() for column in columns)
+    look = {"zorder": 3, **(mark or EVIDENCE[evidence]), "color": colour}
+    is_line = look["linestyle"] != "none"
+    if is_line:
+        look["linestyle"] = LINES[spec.line]
+    elif spec.open:
+        look["markerfacecolor"] = "white"
+    if (fill := DIAMONDS.get(spec.mark)) and evidence == "printed":
+        look |= {"fillstyle": fill, "markerfacecolor": colour, "markerfacecoloralt": "white"}
+    if look.get("marker") == MARKS["circle"]:
+        look["marker"] = MARKS[spec.mark]
+    bounds = rows[["y_low", "y_high"]].to_numpy(float).T
+    error = None if np.isnan(bounds).all() else np.abs(bounds - y)
+    # A mark that lies on the frame is shown whole; one beyond it, and the bars, end at the frame.
+    low, high = ax.get_ylim()
+    marks = y if is_line else np.where((y < low) | (y > high), np.nan, y)
+    drawn = ax.errorbar(x, marks, yerr=error, label=label, clip_on=is_line, **look)
+    for bar in (*drawn.lines[1], *drawn.lines[2]):
+        bar.set_clip_on(True)
+
+
+def draw_band(ax: Axes, rows: pd.DataFrame, spec: SeriesSpec, label: str | None = None) -> None:
+    """Draw the bounds of a series as a band, tinted if its line is solid and else hatched.
+
+    Two tints would mix to a third where bands overlap; a hatched one lets the other be seen.
+    """
+    look: dict[str, Any] = {"color": f"C{spec.colour or 0}", "zorder": 1}
+    fill = TINT if spec.line == "solid" else HATCH
+    x, low, high = rows.iloc[:, 3], rows["y_low"], rows["y_high"]
+    ax.fill_between(x, low, high, linewidth=0, label=label, **look, **fill)
+    for end in (low, high):
+        ax.plot(x, end, linewidth=0.6, linestyle=LINES[spec.line], **look)
+
+
+def without_bounds(table: pd.DataFrame, which: pd.Series) -> pd.DataFrame:
+    """Return figure data in which some rows have no bounds, for these are drawn another way."""
+    bare = table.copy()
+    bare.loc[which, ["y_low", "y_high"]] = np.nan
+    return bare
+
+
+def _write_above(ax: Axes, rows: pd.DataFrame) -> None:
+    """Write values that lie above an axis at its upper edge, at their abscissae."""
+    x, y = rows.columns[3:5]
+    for at, points in rows[rows[y] > ax.get_ylim()[1]].groupby(x):
+        words = ", ".join(f"{value:.1f}" for value in sorted(points[y]))
+        ax.annotate(
+            f"{words} ↑",
+            (float(str(at)), 0.97),
+            xycoords=ax.get_xaxis_transform(),
+            rotation=90,
+            ha="center",
+            va="top",
+            fontsize="small",
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
+        )
+
+
+def shade_capture(ax: Axes, limit: float) -> None:
+    """Shade the part of an axis from zero to a limit in which the sphere does not rebound."""
+    ax.axvspan(0.0, limit, color="0.93", linewidth=0, zorder=0)
+    low, high = ax.get_ylim()
+    ax.text(limit / 2, (low + high) / 2, "captured", rotation=90, ha="center", va="center")
+
+
+def evidence_key(
+    figure: Figure,
+    evidence: Iterable[str],
+    entries: Iterable[Line2D] = (),
+    loc: Literal["outside lower center", "outside upper center"] = "outside lower center",
+    labels: Mapping[str, str] | None = None,
+) -> None:
+    """Name the evidence of marks and lines below the figure.
+
+    Entries of series of points follow, each name and colour once; they name their evidence
+    themselves. ``loc`` may be another place, and ``labels`` replace words, as of what was printed
+    elsewhere than in the article.
+    """
+    words = {**EVIDENCE_LABEL, **(labels or {})}
+    known = set(evidence)
+    present = [name for name in words if name in known]
+    handles = [
+        Line2D([], [], color="black", label=words[name], **EVIDENCE[name]) for name in present
+    ]
+    handles += {(str(e.get_label()), str(e.get_color())): e for e in entries}.values()
+    columns = _columns(figure, [str(handle.get_label()) for handle in handles])
+    figure.legend(handles=handles, loc=loc, ncols=columns)
+
+
+def line_figure(
+    tables: Tables,
+    spec: FigureSpec,
+    prepare: Callable[[Axes, str], object] | None = None,
+) -> tuple[Figure, dict[str, Axes]]:
+    """Draw every panel of a figure from the tables that have it, and the key of evidence.
+
+    The figure and its axes by panel, for what a figure adds of its own. `tables`, `spec`: figure
+    data and registry entry; `prepare`: called with the axes and the name of each panel before its
+    series are drawn.
+    """
+    figure, axes = new_figure(spec)
+    entries: list[Line2D] = []
+    for name, panel in spec.panels.items():
+        if prepare:
+            prepare(axes[name], name)
+        parts = [t for t in tables.values() if (panel.shows or name) in t["panel"].unique()]
+        table = pd.concat(parts or list(tables.values()), ignore_index=True)
+        entries += draw_panel(axes[name], table, panel, name)
+    if above := [axes[name] for name, p in spec.panels.items() if p.legend_place == "above"]:
+        legend_above(figure, above)
+    evidence = pd.concat([table["evidence"] for table in tables.values()])
+    evidence_key(figure, evidence, entries, labels=spec.evidence_labels)
+    if spec.legend_columns:
+        legend_above(figure, axes.values(), spec.legend_columns)
+    return figure, axes
+
+
+def plain_numbers(*axes: Axis) -> None:
+    """Write the major ticks of logarithmic axes as plain numbers, and nothing at the minor ones."""
+    for axis in axes:
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}".replace("-", "−")))
+        axis.set_minor_formatter(NullFormatter())
+
+
+def _entries(axes: Iterable[Axes]) -> dict[str, Any]:
+    """Return the entries of a legend by label: a curve and marks of one label in one entry."""
+    entries: dict[str, dict[object, Any]] = {}
+    for ax in axes:
+        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
+            line = handle[0] if isinstance(handle, Container) else handle
+            is_line = isinstance(line, Line2D) and line.get_linestyle() != "None"
+            entries.setdefault(label, {}).setdefault(is_line, handle)
+    return {
+        label: tuple(parts.values()) if len(parts) > 1 else next(iter(parts.values()))
+        for label, parts in entries.items()
+    }
+
+
+def legend_above(
+    figure: Figure, axes: Iterable[Axes], columns: int | None = None, **look: Any
+) -> None:
+    """Name every line and mark of some axes once, above all panels or where ``loc`` says."""
+    entries = _entries(axes)
+    columns = columns or _columns(figure, entries)
+    look = {"loc": "outside upper center", "ncols": columns, **look}
+    figure.legend(entries.values(), entries.keys(), **look)
+
+
+def _columns(figure: Figure, labels: Iterable[str]) -> int:
+    """Return how many columns of entries find room beside each other."""
+    letters = [sum(letter not in "$\\{}_^" for letter in label) for label in labels]
+    width, most = figure.get_figwidth() * MM_PER_INCH, len(letters)
+    for number in range(most, 1, -1):
+        longest = [column.max() for column in np.array_split(letters, number)]
+        if number * KEY_MARK_MM + KEY_LETTER_MM * sum(longest) < width:
+            return number
+    return 1
+
+
+def legend_after(figure: Figure, columns: int | None, axes: Iterable[Axes], **look: Any) -> None:
+    """Name every line and mark of some axes in the free place after the panels in rows."""
+    number = len(figure.axes) + 1
+    columns = columns or len(figure.axes)
+    free = figure.add_subplot(-(-number // columns), columns, number)
+    free.set_axis_off()
+    entries = _entries(axes)
+    free.legend(entries.values(), entries.keys(), loc="center left", **look)
+
+
+def apart(rows: pd.DataFrame, names: Sequence[str], factor: float) -> pd.DataFrame:
+    """Move some series sideways on a logarithmic abscissa, that no mark hides another."""
+    places = {name: i - (len(names) - 1) / 2 for i, name in enumerate(names)}
+    moved = factor ** rows["series"].map(places).fillna(0.0).to_numpy(float)
+    return rows.assign(**{rows.columns[3]: rows.iloc[:, 3] * moved})
+
+
+def mark_range(ax: Axes, ends: pd.Series, words: str) -> None:
+    """Shade a range of the abscissa, with words above it."""
+    low, high = ends.min(), ends.max()
+    ax.axvspan(low, high, color="0.9", linewidth=0, zorder=0)
+    look: dict[str, Any] = {"fontsize": "small", "ha": "center", "va": "bottom"}
+    ax.text((low + high) / 2, 1.01, words, transform=ax.get_xaxis_transform(), **look)
+
+
+def save(figure: Figure, *paths: Path | str) -> None:
+    """Save a figure in the format of each suffix; equal figures give equal bytes.
+
+    Each file is written in one step; neither dates nor program versions go into it. The layout is
+    made once, with the text as wide as in an SVG, so that all files agree.
+    """
+    with context():
+        minor = _take_minor_ticks(figure)
+        if engine := figure.get_layout_engine():
+            FigureCanvasSVG(figure)
+            engine.execute(figure)
+        for axis, locator in minor.items():
+            axis.set_minor_locator(locator)
+            _draw_minor_ticks(axis)
+            axis.set_minor_locator(NullLocator())
+        with rc_context({"figure.constrained_layout.use": False}):
+            figure.set_layout_engine(None)
+            for path in map(Path, paths):
+                _save(figure, path)
+
+
+def _take_minor_ticks(figure: Figure) -> dict[Axis, Locator]:
+    """Take from all axes those minor ticks that point inwards and bear no labels."""
+    taken: dict[Axis, Locator] = {
+        axis: axis.get_minor_locator()
+        for ax in figure.axes
+        for axis in (ax.xaxis, ax.yaxis)
+        if ax.axison
+        and axis.get_tick_params(which="minor").get("direction", "in") == "in"
+        and not any(axis.get_minor_formatter().format_ticks(axis.get_minorticklocs().tolist()))
+    }
+    for axis in taken:
+        axis.set_minor_locator(NullLocator())
+    return taken
+
+
+def _draw_minor_ticks(axis: Axis) -> None:
+    """Draw the minor ticks on each side of an axis as the marks of one line.
+
+    As artists of their own, which Matplotlib makes of them, they are a quarter of all work.
+    """
+    ax, is_x = axis.axes, axis is axis.axes.xaxis
+    low, high = sorted(axis.get_view_interval())
+    hair = 1e-9 * (high - low)
+    places = np.asarray(axis.get_minorticklocs())
+    places = places[(low - hair <= places) & (places <= high + hair)]
+    params = axis.get_tick_params(which="minor")
+    look: dict[str, Any] = {
+        "transform": ax.get_xaxis_transform() if is_x else ax.get_yaxis_transform(),
+        "linestyle": "none",
+        "markersize": params.get("length", rcParams["xtick.minor.size"]),
+        "markeredgewidth": rcParams["xtick.minor.width"],
+        "color": "black",
+        "clip_on": False,
+        "zorder": axis.get_zorder(),
+    }
+    for side, (marker, edge) in INWARD.items():
+        if params.get(side):
+            x, y = places, np.full(places.shape, edge)
+            ax.add_artist(Line2D(*((x, y) if is_x else (y, x)), marker=marker, **look))
+
+
+def _save(figure: Figure, path: Path) -> None:
+    buffer = io.BytesIO()
+    kind = path.suffix.removeprefix(".")
+    options: dict[str, Any] = {"pil_kwargs": PACKED} if kind == "png" else {}
+    figure.savefig(buffer, format=kind, metadata=dict.fromkeys(UNDATED[kind]), **options)
+    write_file(path, buffer.getvalue())

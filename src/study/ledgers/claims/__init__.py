@@ -1,0 +1,205 @@
+"""Claims ledger: the verdict on every claim from the numbers that were computed for it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from microimpact.core.nearest import nearest
+from study.ledgers.claims.criteria import NOT_COMPUTED, Claim, read_claims
+from study.ledgers.claims.digitised import digitised_rows, read_digitised
+from study.ledgers.claims.independent import agreements, independent
+from study.ledgers.claims.judging import (
+    RESULT_COLUMNS,
+    margins,
+    nearest_margin,
+    results,
+    verdict,
+)
+from study.ledgers.claims.shares import Share, shares
+from study.ledgers.claims.words import bounds, computed_values, failing, sentence
+from study.tables import Row
+
+# Loaded where a ledger is judged: the pages, which read it as text, do without.
+if TYPE_CHECKING:
+    import pandas as pd
+
+COLUMNS = (
+    *("id", "where", "statement", "kind", "criterion", "article_value", "computed_value"),
+    *("unit", "verdict", "margin", "share", "decided_by", "independent", "evidence"),
+    *("figures", "code", "inputs", "reason", "note"),
+)
+AMENDMENT_COLUMNS = ("id", "part", "was", "now", "reason")
+
+NO_SHARES: Mapping[str, Share] = {}
+
+
+class LedgerError(ValueError):
+    """Numbers that do not belong to the claims, or claims without numbers: one line each."""
+
+
+def judge(
+    tables: Mapping[str, pd.DataFrame],
+    criteria: Path | str,
+    values: Mapping[str, Any] | None = None,
+) -> dict[str, pd.DataFrame]:
+    """Return the verdict on every claim of a file, from tables of numbers.
+
+    Parameters
+    ----------
+    tables
+        ``claim_numbers``; ``claim_draws`` and ``admissible_contacts``, for the shares;
+        ``external_evidence``; and ``digitised_residuals``, whose series of digitised points have
+        rows after the claims.
+    criteria, values
+        File of claims and values in its words, see `read_claims`.
+
+    Returns
+    -------
+    dict of pandas.DataFrame
+        ``claims``, a row per claim; ``claim_results``, a row per number and its test;
+        ``claim_evidence``, a row per fact found by others; ``claim_amendments``.
+    """
+    import pandas as pd
+
+    claims = read_claims(criteria, values)
+    drawn = shares(claims, tables["claim_draws"], tables["admissible_contacts"])
+    ledger, numbers = verdicts(claims, tables["claim_numbers"], drawn)
+    evidence = independent(claims, tables["external_evidence"])
+    ledger["independent"] = ledger["id"].map(agreements(evidence)).fillna("")
+    rows, residuals = digitised_rows(read_digitised(criteria), tables["digitised_residuals"])
+    amendments = [
+        {"id": name, **asdict(amendment)}
+        for name, claim in claims.items()
+        for amendment in claim.amendments
+    ]
+    return {
+        "claims": pd.DataFrame([*ledger.to_dict("records"), *rows], columns=list(COLUMNS)),
+        "claim_results": pd.DataFrame([*numbers, *residuals], columns=list(RESULT_COLUMNS)),
+        "claim_evidence": evidence,
+        "claim_amendments": pd.DataFrame(amendments, columns=list(AMENDMENT_COLUMNS)),
+    }
+
+
+def verdicts(
+    claims: Mapping[str, Claim], numbers: pd.DataFrame, drawn: Mapping[str, Share] = NO_SHARES
+) -> tuple[pd.DataFrame, list[Row]]:
+    """Return the verdict on every claim, and the results from which it follows.
+
+    Parameters
+    ----------
+    drawn
+        Shares of the admissible contacts that meet the criteria. Where there is one, it decides,
+        and the calibrated cases are examples.
+
+    Returns
+    -------
+    ledger : pandas.DataFrame
+        One row per claim with `COLUMNS`.
+    results : list of dict
+        One row per number and its test with `RESULT_COLUMNS`.
+
+    Raises
+    ------
+    LedgerError
+        If a number is missing, not finite, or of an unknown claim, case or quantity.
+    """
+    import pandas as pd
+
+    # A column without any text has been read as one of missing numbers.
+    names = ("case", "inputs", "problem")
+    text = {name: numbers[name].astype(object).fillna("") for name in names}
+    numbers = numbers.assign(**text)
+    problems = [line for claim in claims.values() for line in _problems(claim, numbers)]
+    strangers = [str(name) for name in dict.fromkeys(numbers["claim"]) if name not in claims]
+    problems += [f"{name}: no such claim{nearest(name, claims)}" for name in strangers]
+    if problems:
+        raise LedgerError("\n".join(problems))
+    judged = [
+        _judged(claim, numbers[numbers["claim"] == name], drawn.get(name))
+        for name, claim in claims.items()
+    ]
+    ledger = pd.DataFrame([row for row, _ in judged], columns=list(COLUMNS))
+    return ledger, [row for _, rows in judged for row in rows]
+
+
+def _problems(claim: Claim, numbers: pd.DataFrame) -> list[str]:
+    rows = numbers[(numbers["claim"] == claim.id) & (numbers["problem"] == "")]
+    whole = len(rows) == (numbers["claim"] == claim.id).sum()
+    cases = claim.cases or ("",)
+    names = claim.quantities if claim.testable else ()
+    wanted = {(case, name) for case in cases for name in names}
+    keys = list(zip(rows["case"], rows["quantity"], strict=True))
+
+    def name(case: str, quantity: str) -> str:
+        return f"{claim.id}: {quantity} ({case})" if case else f"{claim.id}: {quantity}"
+
+    lines = [f"{name(*key)} is missing" for key in sorted(wanted - set(keys)) if whole]
+    for key, value in zip(keys, rows["value"], strict=True):
+        if key not in wanted:
+            lines.append(f"{name(*key)} is not declared")
+        elif not np.isfinite(value):
+            lines.append(f"{name(*key)} = {value} must be finite")
+    if len(set(keys)) != len(keys):
+        lines.append(f"{claim.id}: a number is given twice")
+    return lines
+
+
+def _judged(claim: Claim, numbers: pd.DataFrame, share: Share | None) -> tuple[Row, list[Row]]:
+    computed = numbers[numbers["problem"] == ""]
+    lacking = numbers[numbers["problem"] != ""]
+    labels = claim.labels
+    criteria = (*claim.identified_if, *claim.criteria)
+    rows = results(computed, criteria, labels, claim.units)
+    failed = list(map(sentence, failing(rows)))
+    if not claim.testable:
+        decision, margin = "not testable", math.nan
+    elif len(lacking):
+        decision, margin = NOT_COMPUTED, math.nan
+        failed = [
+            f"{case}: {problem}" if case else str(problem)
+            for case, problem in zip(lacking["case"], lacking["problem"], strict=True)
+        ]
+    else:
+        decision, margin = _decision(claim, computed)
+        if share:
+            decision, failed = verdict(claim.if_met, share.margin), [share.in_words(), *failed]
+    row = {
+        "id": claim.id,
+        "where": claim.where,
+        "statement": claim.statement,
+        "kind": claim.kind,
+        "criterion": "; ".join(f"{labels[c.quantity]} {bounds(c.row)}" for c in claim.criteria),
+        "article_value": claim.article_value,
+        "computed_value": computed_values(rows),
+        "unit": claim.unit,
+        "verdict": decision,
+        "share": share.share if share else math.nan,
+        "decided_by": share.decided_by if share else "",
+        "independent": "",
+        "margin": margin,
+        "evidence": claim.evidence,
+        "figures": " ".join(claim.figures),
+        "code": " ".join(dict.fromkeys(numbers["code"])),
+        "inputs": " ".join(sorted({name for text in numbers["inputs"] for name in text.split()})),
+        "reason": claim.reason,
+        "note": "; ".join(failed) or claim.reason,
+    }
+    return row, [{"id": claim.id, **row} for row in rows]
+
+
+def _decision(claim: Claim, numbers: pd.DataFrame) -> tuple[str, float]:
+    """Return the verdict by the cases of a claim, and the margin that decides it."""
+    values, errors = (
+        numbers.pivot(index="case", columns="quantity", values=column)
+        for column in ("value", "error")
+    )
+    margin = margins((*claim.identified_if, *claim.criteria), values, errors)
+    if claim.identified_if and np.any(margins(claim.identified_if, values) < 0.0):
+        return "not identified", nearest_margin(margin)
+    return verdict(claim.if_met, margins(claim.criteria, values, errors)), nearest_margin(margin)

@@ -1,0 +1,118 @@
+"""How a verdict follows from criteria and numbers, for claims and for digitised points alike.
+
+A claim is evaluated for alternatives that the published facts leave open: calibrated cases, or
+draws of the contacts that the printed statements admit. The share of them that meets all criteria
+decides.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from microimpact.core.arrays import FloatArray
+from study.ledgers.claims.criteria import UNDECIDED, Criterion, Finding, Verdict
+from study.tables import Row
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+# Columns of the table of results: every number with the test that it must pass, if there is one.
+RESULT_COLUMNS = (
+    *("id", "case", "quantity", "label", "value", "error", "unit", "test", "low", "high"),
+    "passed",
+)
+NUMBER = ("case", "quantity", "value", "error")
+UNTESTED: Row = {"test": "", "low": math.nan, "high": math.nan, "passed": None}
+# A claim is decided if its criteria hold in at least, or at most, these shares of the alternatives.
+MOST, FEWEST = 0.95, 0.05
+# Standard errors that a 95 % interval extends to either side.
+COVERED = 1.96
+
+
+def margins(
+    criteria: Iterable[Criterion], values: pd.DataFrame, errors: pd.DataFrame | None = None
+) -> FloatArray:
+    """Return the distance of the worst number of each alternative from its bound.
+
+    Parameters
+    ----------
+    criteria
+        At least one.
+    values, errors
+        Numbers, and the standard errors of those that have some: a row per alternative, a column
+        per quantity.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (alternatives,), in standard errors; negative where a criterion fails, and infinite
+        where the number that decides has no error.
+    """
+
+    def margin(criterion: Criterion) -> FloatArray:
+        distance = criterion.distance(values[criterion.quantity].to_numpy(float))
+        exact = np.where(distance >= 0.0, np.inf, -np.inf)
+        if errors is None:
+            return exact
+        error = errors[criterion.quantity].to_numpy(float)
+        errors_away: FloatArray = np.divide(distance, error, out=exact, where=error > 0.0)
+        return errors_away
+
+    return np.asarray(np.min([margin(criterion) for criterion in criteria], axis=0))
+
+
+def verdict(positive: Verdict, margin: FloatArray) -> Finding:
+    """Return the verdict that the margins of all alternatives give.
+
+    `positive` if at least `MOST` of them meet the criteria, ``not reproduced`` if at most `FEWEST`
+    do, else ``not identified``; ``undecided`` where the 95 % intervals of numbers cover the bounds
+    that would decide.
+    """
+    certain, possible = np.mean(margin >= COVERED), np.mean(margin > -COVERED)
+    if certain >= MOST:
+        return positive
+    if possible <= FEWEST:
+        return "not reproduced"
+    return "not identified" if certain > FEWEST and possible < MOST else UNDECIDED
+
+
+def nearest_margin(margin: FloatArray) -> float:
+    """Return the finite margin nearest to its bound, nan without one."""
+    finite = margin[np.isfinite(margin)]
+    return float(finite[np.argmin(np.abs(finite))]) if finite.size else math.nan
+
+
+def results(
+    numbers: pd.DataFrame,
+    criteria: Iterable[Criterion],
+    labels: Mapping[str, str],
+    units: Mapping[str, str],
+) -> list[Row]:
+    """Return the rows of the table of results for one claim, without its id.
+
+    Parameters
+    ----------
+    numbers
+        Table with `NUMBER`, columns of a number.
+    criteria
+        Tests of the quantities; a number has a row for each of its tests.
+    labels, units
+        By quantity.
+    """
+    tests: dict[str, list[Criterion]] = {}
+    for criterion in criteria:
+        tests.setdefault(criterion.quantity, []).append(criterion)
+    rows: list[Row] = []
+    for number in numbers[[*NUMBER]].itertuples(index=False):
+        row: dict[str, Any] = dict(zip(NUMBER, number, strict=True))
+        row |= {"label": labels[row["quantity"]], "unit": units[row["quantity"]]}
+        for criterion in tests.get(row["quantity"], []):
+            passed = bool(criterion.distance(row["value"]) >= 0.0)
+            rows.append(row | criterion.row | {"passed": passed})
+        if row["quantity"] not in tests:
+            rows.append(row | UNTESTED)
+    return rows

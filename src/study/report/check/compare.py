@@ -1,0 +1,300 @@
+"""Comparison of two runs, as text or as a page: inputs, numbers, verdicts, figures."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+from collections import Counter, defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from microimpact.core.files import recorded_inputs
+from study.report.check.differences import Difference, Kind, compare_tables
+from study.report.check.results import (
+    CLAIMS,
+    INPUTS,
+    figure_files,
+    read_cells,
+    read_json,
+    require_results,
+    table_files,
+)
+from study.report.check.wording import by_file, cells, markdown, summary, worst
+from study.report.site.pages import render
+from study.run.stamp import STAMP
+from study.run.stamp import changes as configured
+
+SIDES = ("baseline", "changed")
+SAME = "Inputs, numbers, verdicts and figures are the same."
+UNSEEN = "same parts, slightly moved"
+# Columns of the ledger of claims that are declared, not computed.
+DECLARED = ("statement", "criterion", "article_value")
+# Kinds of rows that one run alone has.
+LONE: tuple[Kind, Kind] = ("missing row", "extra row")
+# How references name what a file declares; by the name of the file where it is not here.
+PREFIX = {"config": "", "printed_values": "printed."}
+# Characters of a cell in the page, and parts of a figure that are named.
+WIDTH, FEW = 120, 5
+_ITEM = re.compile(r"\[\d+\].*")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FigureChange:
+    """A figure of both runs: its SVG in each, and the parts that differ."""
+
+    name: str
+    baseline: Path
+    changed: Path
+    parts: tuple[Difference, ...]
+
+    @property
+    def same(self) -> bool:
+        """Whether both runs have the same picture of the same parts."""
+        return not self.parts and self.baseline.read_bytes() == self.changed.read_bytes()
+
+    @property
+    def words(self) -> str:
+        """Counts of the parts that differ, and the names of the first."""
+        names = list(dict.fromkeys(part.row for part in self.parts))
+        more = ", ..." if len(names) > FEW else ""
+        return f"{summary(self.parts)} ({', '.join(names[:FEW])}{more})" if names else UNSEEN
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Changes:
+    """Changes from one results folder to another.
+
+    `runs` compares the stamps: commit, versions, seed. It makes no difference by itself, nor do
+    files that one of the runs has not built, `not_built`, by the name of the side. Figures that
+    rest on a changed input, `resting`, come first among the figures.
+    """
+
+    baseline: Path
+    changed: Path
+    runs: tuple[Difference, ...]
+    inputs: tuple[Difference, ...]
+    resting: tuple[str, ...]
+    verdicts: tuple[Difference, ...]
+    numbers: tuple[Difference, ...]
+    figures: tuple[FigureChange, ...]
+    unchanged_figures: tuple[str, ...]
+    not_built: Mapping[str, tuple[str, ...]]
+
+    @property
+    def same(self) -> bool:
+        """Whether both runs gave the same."""
+        return not (self.inputs or self.verdicts or self.numbers or self.figures)
+
+
+def compare(baseline: Path, changed: Path) -> Changes:
+    """Compare two results folders.
+
+    Raises ResultsError if either folder or a file in it is missing or malformed.
+    """
+    for root in (baseline, changed):
+        require_results(root)
+    before, after = _files(baseline), _files(changed)
+    topics: dict[str, list[Difference]] = defaultdict(list)
+    for name in table_files(baseline):
+        if name in after:
+            differences = compare_tables(name, read_cells(before[name]), read_cells(after[name]))
+            for difference in _by_series(differences) if name.startswith("data/") else differences:
+                topics[_topic(difference)].append(difference)
+    names = [name for name in figure_files(baseline) if f"figures/{name}.svg" in after]
+    resting = [name for name in names if _rests_on_other_inputs(name, baseline, changed)]
+    parts = by_file(topics["figures"])
+    figures = [
+        FigureChange(
+            name=name,
+            baseline=before[f"figures/{name}.svg"],
+            changed=after[f"figures/{name}.svg"],
+            parts=tuple(parts.get(f"figures/{name}.csv", ())),
+        )
+        for name in sorted(names, key=lambda name: (name not in resting, name))
+    ]
+    return Changes(
+        baseline=baseline,
+        changed=changed,
+        runs=tuple(_stamps(baseline, changed)),
+        inputs=tuple(_inputs(baseline, changed, topics["inputs"])),
+        resting=tuple(resting),
+        verdicts=tuple(topics["verdicts"]),
+        numbers=tuple(topics["numbers"]),
+        figures=tuple(figure for figure in figures if not figure.same),
+        unchanged_figures=tuple(figure.name for figure in figures if figure.same),
+        not_built={
+            side: tuple(name for name in there if name not in here)
+            for side, here, there in zip(SIDES, (before, after), (after, before), strict=True)
+        },
+    )
+
+
+def _files(root: Path) -> dict[str, Path]:
+    pictures = {f"figures/{name}.svg": path for name, path in figure_files(root).items()}
+    return table_files(root) | pictures
+
+
+def _topic(difference: Difference) -> str:
+    if difference.file.startswith("figures/"):
+        return "figures"
+    is_claim = difference.file == CLAIMS
+    if difference.file == INPUTS or (is_claim and difference.column in DECLARED):
+        return "inputs"
+    # A claim that only one run has judged is a change of verdict, too.
+    is_lone_claim = is_claim and difference.kind in LONE
+    return "verdicts" if is_lone_claim or difference.column == "verdict" else "numbers"
+
+
+def _by_series(differences: Sequence[Difference]) -> list[Difference]:
+    """Join the points that one run alone has by their series: one difference each."""
+    lone = [d for d in differences if d.kind in LONE]
+    points = Counter((d.kind, d.row.rpartition(" #")[0] or d.row) for d in lone)
+    series = [
+        Difference(
+            file=lone[0].file,
+            kind=kind,
+            row=name,
+            reference=f"{count} points" if kind == LONE[0] else "",
+            result=f"{count} points" if kind == LONE[1] else "",
+        )
+        for (kind, name), count in points.items()
+    ]
+    return series + [d for d in differences if d.kind not in LONE]
+
+
+def _inputs(baseline: Path, changed: Path, differences: Sequence[Difference]) -> list[Difference]:
+    """Return one difference per changed input, with the number of its uses that changed, too.
+
+    `differences`: of the tables of inputs, which have a row per use, and of declared words.
+    """
+    left, right = (_stamp(root).get("config", {}) for root in (baseline, changed))
+    inputs = {
+        change.key: _text(INPUTS, change.key, change.shipped, change.used)
+        for change in configured(right, left)
+    }
+    places = _places(baseline) | _places(changed)
+    uses: Counter[str] = Counter()
+    # The value of an input comes before its evidence and source.
+    for difference in sorted(differences, key=lambda d: d.column != "value"):
+        file, _, key = difference.row.partition(", ")
+        declared = f"{PREFIX.get(file, f'{file}.')}{key}" if key else difference.row
+        name = _ITEM.sub("", places.get(key, declared))
+        uses[name] += key in places and difference.column == "value"
+        inputs.setdefault(name, replace(difference, row=name))
+    return [
+        replace(d, column=f"{d.column} (uses: {uses[name]})") if uses[name] else d
+        for name, d in inputs.items()
+    ]
+
+
+def _places(root: Path) -> dict[str, str]:
+    """Return where each used input is declared, by its key."""
+    path = table_files(root).get(INPUTS)
+    if path is None or "place" not in (table := read_cells(path)):
+        return {}
+    return {key: place for key, place in zip(table["key"], table["place"], strict=True) if place}
+
+
+def _rests_on_other_inputs(figure: str, baseline: Path, changed: Path) -> bool:
+    before, after = (recorded_inputs(root, f"figures/{figure}.svg") for root in (baseline, changed))
+    return bool(before and after) and before != after
+
+
+def _stamps(baseline: Path, changed: Path) -> list[Difference]:
+    left, right = (_versions(_stamp(root)) for root in (baseline, changed))
+    return [
+        _text("run.json", key, left.get(key), right.get(key))
+        for key in dict.fromkeys((*left, *right))
+        if left.get(key) != right.get(key)
+    ]
+
+
+def _text(file: str, row: str, *cells: object) -> Difference:
+    before, after = (
+        cell if isinstance(cell, str) else "" if cell is None else json.dumps(cell)
+        for cell in cells
+    )
+    return Difference(
+        file=file, kind="text", row=row, column="value", reference=before, result=after
+    )
+
+
+def _stamp(root: Path) -> dict[str, Any]:
+    return read_json(root / STAMP) if (root / STAMP).exists() else {}
+
+
+def _versions(stamp: Mapping[str, Any]) -> dict[str, Any]:
+    """Return commit, versions and platform of a run stamp; the inputs tell the configuration."""
+    flat: dict[str, Any] = {}
+    for key in sorted(stamp.keys() - {"config", "started", "ended"}):
+        value = stamp[key] if isinstance(stamp[key], dict) else {"": stamp[key]}
+        flat |= {f"{key} {name}".strip(): part for name, part in value.items()}
+    return flat
+
+
+def as_text(changes: Changes, few: int = 5) -> str:
+    """Return the changes as Markdown."""
+    parts = [f"# {changes.baseline} (baseline) and {changes.changed} (changed)"]
+    parts += [f"{len(n)} files were not built in {root}." for root, n in lone_files(changes)]
+    if changes.same:
+        parts.append(SAME)
+    for title, differences, shown in sections(changes, few):
+        if differences:
+            parts += [f"## {title}", markdown(differences, shown, names=SIDES)]
+        if title == "Inputs" and changes.resting:
+            parts.append(f"Figures that rest on them: {', '.join(changes.resting)}.")
+    if changes.figures:
+        lines = [f"- {figure.name}: {figure.words}" for figure in changes.figures]
+        parts += ["## Figures", "\n".join(lines)]
+    return "\n\n".join(parts)
+
+
+def lone_files(changes: Changes) -> list[tuple[Path, tuple[str, ...]]]:
+    """Return the folders that lack files of the other one, with these files."""
+    sides = zip(SIDES, (changes.baseline, changes.changed), strict=True)
+    return [(root, changes.not_built[side]) for side, root in sides if changes.not_built[side]]
+
+
+def sections(changes: Changes, few: int) -> list[tuple[str, tuple[Difference, ...], int]]:
+    """Return title, differences and how many are shown; inputs and verdicts are shown all."""
+    return [
+        ("Runs", changes.runs, len(changes.runs)),
+        ("Inputs", changes.inputs, len(changes.inputs)),
+        ("Verdicts", changes.verdicts, len(changes.verdicts)),
+        ("Numbers", changes.numbers, few),
+    ]
+
+
+def page(changes: Changes, few: int = 20) -> str:
+    """Return the changes as one HTML page that needs nothing else, figures side by side.
+
+    `few`: how many differences of each kind are shown per table of numbers.
+    """
+    return render(
+        "compare.html",
+        templates=Path(__file__).parent / "templates",
+        changes=changes,
+        sides=SIDES,
+        same=SAME,
+        lone_files=lone_files(changes),
+        sections=[
+            (title, [(file, *_in_page(part, shown)) for file, part in by_file(members).items()])
+            for title, members, shown in sections(changes, few)
+            if members
+        ],
+        inline=_inline,
+    )
+
+
+def _in_page(differences: Sequence[Difference], few: int) -> tuple[str, list[tuple[str, ...]], int]:
+    """Return the summary of one file, its rows, and the number that is not shown."""
+    rows = [cells(difference, WIDTH) for difference in worst(differences, few)]
+    return summary(differences), rows, len(differences) - len(rows)
+
+
+def _inline(svg: Path) -> str:
+    # As an image, and not as part of the page: no script in it runs, no name in it clashes.
+    return "data:image/svg+xml;base64," + base64.b64encode(svg.read_bytes()).decode("ascii")

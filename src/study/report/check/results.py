@@ -1,0 +1,163 @@
+"""Finished results on disk, as they are compared: tables as text, figures, the run stamp."""
+
+from __future__ import annotations
+
+import csv
+import gzip
+import io
+import json
+import zlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from pydantic import ValidationError
+
+from microimpact.core.materials import declared_file
+from study.declared.documents import load
+from study.declared.parameters import build, explain
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+T = TypeVar("T")
+
+# Folders with tables; those of figures tell what each figure shows.
+TABLE_FOLDERS = ("tables", "data", "figures")
+INPUTS = "tables/inputs.csv"
+CLAIMS = "tables/claims.csv"
+
+# Columns that name a row, where they are not simply all columns of text.
+KEYS = {
+    INPUTS: ("file", "key"),
+    CLAIMS: ("id",),
+    "tables/claim_results.csv": ("id", "case", "quantity", "test"),
+    "tables/equations.csv": ("equation",),
+    "data/": ("panel", "series", "evidence"),
+    "figures/": ("panel", "artist"),
+}
+
+
+class ResultsError(ValueError):
+    """Results that cannot be compared: not there, or not of the agreed form."""
+
+
+def require_results(root: Path, *needed: str) -> None:
+    """Refuse a folder that is missing, that no run has written, or that lacks needed files.
+
+    Raises ResultsError, naming the folder.
+    """
+    if not root.is_dir():
+        raise ResultsError(f"{root}: no such folder")
+    if not table_files(root) and not figure_files(root):
+        folders = ", ".join(f"{name}/" for name in TABLE_FOLDERS)
+        raise ResultsError(f"{root}: not a results folder: no files in {folders}")
+    if missing := [name for name in needed if not (root / name).is_file()]:
+        raise ResultsError(f"{root}: has no {', '.join(missing)}: build them with `snakemake`")
+
+
+def require_current(path: Path, stamp: Mapping[str, Any]) -> None:
+    """Refuse a run stamp that tells of results made earlier, from other inputs.
+
+    Raises ResultsError, naming some of these results.
+    """
+    if outdated := stamp.get("outdated"):
+        names = ", ".join(outdated[:3]) + (", ..." if len(outdated) > 3 else "")
+        raise ResultsError(
+            f"{path}: made earlier, from other inputs: {names}; renew them with `snakemake`"
+        )
+
+
+def table_files(root: Path) -> dict[str, Path]:
+    """Return the tables below a root by name (``data/fig14.csv``), declared inputs first.
+
+    A table may be compressed, then its file ends in ``.csv.gz``.
+    """
+    tables = {
+        f"{folder}/{path.name.removesuffix('.gz')}": path
+        for folder in TABLE_FOLDERS
+        for pattern in ("*.csv", "*.csv.gz")
+        for path in sorted((root / folder).glob(pattern))
+        if not path.name.startswith(".")
+    }
+    order = sorted(tables, key=lambda name: (name != INPUTS, not name.startswith("tables/"), name))
+    return {name: tables[name] for name in order}
+
+
+def figure_files(root: Path) -> dict[str, Path]:
+    """Return the SVG files of all figures below a root by the figure's name."""
+    paths = sorted((root / "figures").glob("*.svg"))
+    return {path.stem: path for path in paths if not path.name.startswith(".")}
+
+
+def key_columns(name: str) -> tuple[str, ...]:
+    """Return the columns that name a row of a table; none if its columns of text do."""
+    return next((keys for start, keys in KEYS.items() if name.startswith(start)), ())
+
+
+def read_cells(path: Path) -> pd.DataFrame:
+    """Read a CSV table as text, every cell as in the file.
+
+    Raises ResultsError, naming the file and the line that is malformed.
+    """
+    import pandas as pd
+
+    reader = csv.reader(io.StringIO(read_text(path), newline=""), strict=True)
+    rows: list[list[str]] = []
+    try:
+        for row in reader:
+            if rows and len(row) != len(rows[0]):
+                raise ResultsError(
+                    f"{path}, line {reader.line_num}: {len(row)} fields where the header "
+                    f"has {len(rows[0])}"
+                )
+            rows.append(row)
+    except csv.Error as error:
+        raise ResultsError(f"{path}, line {reader.line_num}: {error}") from None
+    if not rows or len(set(rows[0])) < len(rows[0]) or not rows[0]:
+        raise ResultsError(f"{path}, line 1: must be a header of different names")
+    return pd.DataFrame(rows[1:], columns=rows[0], dtype=object)
+
+
+def read_text(path: Path) -> str:
+    """Read a text file, compressed or not.
+
+    Raises ResultsError if it is missing, broken or no text.
+    """
+    try:
+        raw = path.read_bytes()
+        return (gzip.decompress(raw) if path.suffix == ".gz" else raw).decode("utf-8")
+    except (OSError, EOFError, zlib.error, UnicodeDecodeError) as error:
+        raise ResultsError(f"{path}: cannot be read: {error}") from None
+
+
+def read_json(path: Path) -> dict[str, Any]:
+    """Read a JSON object.
+
+    Raises ResultsError, naming the file, and the line that is malformed.
+    """
+    try:
+        content = json.loads(read_text(path))
+    except json.JSONDecodeError as error:
+        raise ResultsError(f"{path}, line {error.lineno}: {error.msg}") from None
+    if not isinstance(content, dict):
+        raise ResultsError(f"{path}: must hold a JSON object")
+    return content
+
+
+def built(kind: type[T], content: Mapping[str, Any], where: str) -> T:
+    """Return a dataclass from plain values.
+
+    Raises ResultsError: one line per problem, with the place and the dotted key.
+    """
+    try:
+        return build(kind, content)
+    except ValidationError as error:
+        lines = explain(error, kind, "")
+        raise ResultsError("\n".join(f"{where}: {line}" for line in lines)) from None
+
+
+def drawn_from() -> dict[str, tuple[str, ...]]:
+    """Return for every figure of the registry the tables of figure data it is drawn from."""
+    entries = load(declared_file("figures.yaml"))
+    return {name: tuple(entry["data"]) for name, entry in entries.items()}

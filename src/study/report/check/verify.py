@@ -1,0 +1,224 @@
+"""Check of results against committed references, and the explicit renewal of these.
+
+A folder of references holds ``tables/``, ``data/`` and ``figures/`` (see `figures.content`), all
+CSV, and ``tolerances.yaml``. Nothing is thinned: every number is compared.
+"""
+
+from __future__ import annotations
+
+import gzip
+import io
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+import pandas as pd
+
+from microimpact.core.files import altered_files, write_file
+from study.declared.documents import load
+from study.declared.parameters import Name
+from study.report.check.differences import Difference, Tolerance, compare_tables
+from study.report.check.results import (
+    INPUTS,
+    TABLE_FOLDERS,
+    ResultsError,
+    built,
+    read_cells,
+    require_results,
+    table_files,
+)
+
+FILE = "tolerances.yaml"
+
+# Far below the tolerance, and a third less to store; the noise of the last digits of another
+# machine stays out of the history.
+DIGITS = 12
+
+# More changed inputs than these are other settings.
+FEW_CHANGES = 20
+
+# Larger tables, long curves and images, are read by nobody and kept compressed.
+PLAIN_BYTES = 100_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ColumnTolerance(Tolerance):
+    """A wider tolerance of some columns of some tables (patterns with ``*``), and why."""
+
+    file: Name
+    column: Name
+    reason: Name
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tolerances:
+    """All tolerances; of several for one column the first counts."""
+
+    default: Tolerance = field(default_factory=Tolerance)
+    columns: tuple[ColumnTolerance, ...] = ()
+
+    def of(self, file: str) -> Callable[[str], Tolerance]:
+        """Return the tolerance of each column of a table, by the column's name."""
+        rules = [rule for rule in self.columns if fnmatchcase(file, rule.file)]
+        return lambda column: next(
+            (rule for rule in rules if fnmatchcase(column, rule.column)), self.default
+        )
+
+    def require_use(self, columns: Mapping[str, Iterable[str]], name: str) -> None:
+        """Refuse a tolerance that fits no column of any table: it has outlived its reason.
+
+        `columns`: columns of all tables, references and results; `name`: of the file of tolerances.
+        Raises ResultsError, naming the tolerance.
+        """
+        for i, rule in enumerate(self.columns):
+            tables = [c for file, c in columns.items() if fnmatchcase(file, rule.file)]
+            if not any(fnmatchcase(column, rule.column) for c in tables for column in c):
+                raise ResultsError(
+                    f"{name}: columns[{i}]: no table has a column {rule.column!r} in {rule.file!r}"
+                )
+
+
+def read_tolerances(path: Path) -> Tolerances:
+    """Read the file of tolerances; without one, the default counts everywhere.
+
+    Raises ResultsError: one line per problem, with the dotted key.
+    """
+    return built(Tolerances, load(path), str(path)) if path.exists() else Tolerances()
+
+
+def require_same_settings(results: Path, reference: Path) -> None:
+    """Refuse results of a run with other settings altogether than the references come from.
+
+    A few changed inputs are differences to report; a full run beside the references of a small one
+    differs everywhere. Raises ResultsError, naming one of the inputs that differ and their number.
+    """
+    if not all(INPUTS in table_files(root) for root in (results, reference)):
+        return
+    before, after = (_configured(root) for root in (reference, results))
+    changed = [key for key in before if key in after and before[key] != after[key]]
+    if len(changed) > FEW_CHANGES:
+        key = changed[0]
+        raise ResultsError(
+            f"{results}: made with other settings than {reference}: {len(changed)} inputs differ, "
+            f"as {key}: {after[key]} where the references have {before[key]}; these are of the "
+            "small run: snakemake --configfile config/ci.yaml"
+        )
+
+
+def _configured(root: Path) -> dict[str, str]:
+    table = read_cells(table_files(root)[INPUTS])
+    table = table[table["file"] == "config"]
+    return dict(zip(table["key"], table["value"], strict=True))
+
+
+def verify(results: Path, reference: Path) -> list[Difference]:
+    """Return all differences of results from their references, in both directions.
+
+    Raises ResultsError if either folder or a file in it is missing or malformed.
+    """
+    require_results(results)
+    if not reference.is_dir():
+        raise ResultsError(f"{reference}: no such folder")
+    tolerances = read_tolerances(reference / FILE)
+    before, after = table_files(reference), table_files(results)
+    differences = [
+        *(Difference(file=name, kind="altered file") for name in _altered(results)),
+        *(Difference(file=name, kind="missing file") for name in before if name not in after),
+        *(Difference(file=name, kind="extra file") for name in after if name not in before),
+    ]
+    columns: dict[str, list[str]] = {}
+    for name in dict.fromkeys((*before, *after)):
+        tables = [read_cells(files[name]) for files in (before, after) if name in files]
+        if name in before and name in after:
+            differences += compare_tables(name, tables[0], tables[1], tolerances.of(name))
+        columns[name] = [column for table in tables for column in table.columns]
+    tolerances.require_use(columns, str(reference / FILE))
+    return differences
+
+
+def _altered(results: Path) -> list[str]:
+    """Return the files that are not as the run wrote them, a picture by its table."""
+    paths = [path.relative_to(results) for path in altered_files(results)]
+    return sorted(
+        {
+            (path.with_suffix(".csv") if path.parts[0] == "figures" else path).as_posix()
+            for path in paths
+        }
+    )
+
+
+def concerned(
+    differences: Iterable[Difference], drawn_from: Mapping[str, Sequence[str]]
+) -> tuple[list[str], list[str]]:
+    """Return the names of all figures and of all tables that differences concern.
+
+    `drawn_from`: for each figure the tables of figure data it is drawn from.
+    """
+    files = {d.file for d in differences}
+    names = {
+        folder: {Path(file).stem for file in files if file.startswith(f"{folder}/")}
+        for folder in TABLE_FOLDERS
+    }
+    figures = {figure for figure, tables in drawn_from.items() if names["data"] & {*tables}}
+    return sorted(figures | names["figures"]), sorted(names["tables"])
+
+
+def renew(
+    results: Path, reference: Path, differences: Sequence[Difference], *, remove: bool = False
+) -> list[Path]:
+    """Write the references that differ anew; those within tolerance stay as they are.
+
+    Parameters
+    ----------
+    remove
+        Whether references of files that the results lack are removed.
+
+    Raises
+    ------
+    ResultsError
+        If results are missing and `remove` is not set, or some are not as the run wrote them;
+        then nothing is written.
+    """
+    missing = [d.file for d in differences if d.kind == "missing file"]
+    if missing and not remove:
+        raise ResultsError(
+            f"{results}: lacks {len(missing)} files that have references "
+            f"({', '.join(missing[:3])}{', ...' if len(missing) > 3 else ''}); "
+            "build everything, or give --remove to drop these references"
+        )
+    if altered := [d.file for d in differences if d.kind == "altered file"]:
+        raise ResultsError(
+            f"{results}: not as the run wrote them: {', '.join(altered)}; delete them and run again"
+        )
+    tables = table_files(results)
+    changed: dict[Path, None] = {}
+    for name in dict.fromkeys(d.file for d in differences):
+        plain, packed = reference / name, reference / f"{name}.gz"
+        for path in (plain, packed):
+            if path.exists():
+                path.unlink()
+                changed[path] = None
+        if name in tables:
+            text = _stored(read_cells(tables[name]))
+            # Without a date in it, equal tables give equal bytes.
+            is_small = len(text) <= PLAIN_BYTES
+            target = plain if is_small else packed
+            write_file(target, text if is_small else gzip.compress(text, mtime=0))
+            changed[target] = None
+    return list(changed)
+
+
+def _stored(table: pd.DataFrame) -> bytes:
+    """Return a table as CSV, its numbers rounded to `DIGITS` digits."""
+    buffer = io.StringIO()
+    table.map(_rounded).to_csv(buffer, index=False, lineterminator="\n")
+    return buffer.getvalue().encode()
+
+
+def _rounded(cell: str) -> str:
+    try:
+        short = f"{float(cell):.{DIGITS}g}"
+    except ValueError:
+        return cell
+    return short if len(short) < len(cell) else cell

@@ -1,0 +1,209 @@
+"""Commands that read results: ``python -m study.report.commands check``, ``pages``, ....
+
+``microimpact`` has two of them, ``claim`` and ``compare``, by entry points. They end with 0 if all
+is the same, 1 if something differs, and 2 on bad input.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from microimpact.cli import run
+
+REFERENCE = Path("tests/reference")
+# Tables of a full run that the pages of the documentation read.
+FULL = REFERENCE / "full"
+
+_folder = click.Path(path_type=Path)
+_reference_option = click.option(
+    "--reference", type=_folder, default=REFERENCE, show_default=True, help="Committed references."
+)
+_few_option = click.option(
+    "--few", type=click.IntRange(min=1), default=5, show_default=True, help="Shown per file."
+)
+
+
+@click.command("check")
+@click.argument("results", type=_folder)
+@_reference_option
+@_few_option
+def check_command(results: Path, reference: Path, few: int) -> None:
+    """Compare the tables, data and figures in RESULTS with committed references."""
+    from study.report.check.results import drawn_from, table_files
+    from study.report.check.verify import concerned, require_same_settings, verify
+    from study.report.check.wording import markdown
+
+    require_same_settings(results, reference)
+    differences = verify(results, reference)
+    if not differences:
+        click.echo(f"{results}: {len(table_files(results))} files agree with {reference}")
+        return
+    figures, tables = concerned(differences, drawn_from())
+    click.echo(f"{results} differs from {reference}")
+    click.echo(f"Figures: {', '.join(figures) or 'none'}")
+    click.echo(f"Tables: {', '.join(tables) or 'none'}\n")
+    click.echo(markdown(differences, few))
+    raise SystemExit(1)
+
+
+@click.command("reference")
+@click.argument("results", type=_folder)
+@_reference_option
+@_few_option
+@click.option("--remove", is_flag=True, help="Drop references of files that RESULTS lacks.")
+def reference_command(results: Path, reference: Path, few: int, remove: bool) -> None:
+    """Show how RESULTS differs from the references, then make it the reference."""
+    from study.report.check.verify import renew, verify
+    from study.report.check.wording import markdown
+
+    reference.mkdir(parents=True, exist_ok=True)
+    differences = verify(results, reference)
+    if differences:
+        click.echo(markdown(differences, few) + "\n")
+    changed = renew(results, reference, differences, remove=remove)
+    click.echo(f"{reference}: {len(changed)} files changed")
+
+
+@click.command("compare")
+@click.argument("baseline", type=_folder)
+@click.argument("changed", type=_folder)
+@click.option("--html", type=_folder, help="Write a page with figures side by side, too.")
+@_few_option
+def compare_command(baseline: Path, changed: Path, html: Path | None, few: int) -> None:
+    """Compare inputs, numbers, verdicts and figures of two results folders."""
+    from microimpact.core.files import write_file
+    from study.report.check.compare import as_text, compare, page
+
+    changes = compare(baseline, changed)
+    click.echo(as_text(changes, few))
+    if html:
+        write_file(html, page(changes, few))
+        click.echo(f"\nPage: {html}")
+    if not changes.same:
+        raise SystemExit(1)
+
+
+@click.command("claim")
+@click.argument("name")
+@click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="A declared value to change, as claim_numbers.steel.friction=0.3; may be repeated.",
+)
+@click.option(
+    "--results",
+    type=_folder,
+    help="Folder of a run, whose tables are used if it has the shipped configuration; "
+    "default: results, if it is there.",
+)
+@click.option(
+    "--break", "broken", is_flag=True, help="Make the change that must alter the verdict."
+)
+def claim_command(
+    name: str, settings: tuple[str, ...], results: Path | None, *, broken: bool
+) -> None:
+    """Tell what is claimed in NAME, such as C58, how it is judged, its numbers and their source.
+
+    With --set or --break the claim alone is computed anew; nothing is written.
+    """
+    from study.report.check.results import require_results
+    from study.report.claim import changed, tell
+
+    if results:
+        require_results(results)
+    click.echo(tell(name, changed(settings), results or Path("results"), broken=broken))
+
+
+@click.command("crate")
+@click.argument("results", type=_folder)
+@click.option(
+    "--project", type=_folder, default=Path(), show_default=True, help="Folder of the Snakefile."
+)
+def crate_command(results: Path, project: Path) -> None:
+    """Describe the run in RESULTS as a Workflow Run RO-Crate: RESULTS/ro-crate-metadata.json."""
+    from study.report.crate import write_crate
+
+    click.echo(f"Crate: {write_crate(results, project)}")
+
+
+@click.command("report")
+@click.argument("results", type=_folder)
+def report_command(results: Path) -> None:
+    """Write the report of RESULTS anew, as pages for a browser: RESULTS/report/index.html."""
+    from study.report.check.results import read_json, require_current, require_results
+    from study.report.site.build import write_site
+    from study.report.site.record import read_record
+    from study.run.stamp import STAMP
+
+    require_results(results)
+    if (results / STAMP).is_file():
+        require_current(results / STAMP, read_json(results / STAMP))
+    pages = write_site(results, read_record(results))
+    click.echo(f"{len(pages)} pages: {pages[0]}")
+
+
+@click.command("deviations")
+@click.argument("results", type=_folder)
+@click.option("--claims", type=_folder, help="File of claims; default: the declared one.")
+@click.option(
+    "--settings", default="config/config.yaml", show_default=True, help="Named at the top."
+)
+@click.option("--output", type=_folder, help="Write the page here instead of printing it.")
+def deviations_command(
+    results: Path, claims: Path | None, settings: str, output: Path | None
+) -> None:
+    """Print the deviations of RESULTS from the article as Markdown."""
+    from microimpact.core.files import write_file
+    from microimpact.core.materials import declared_file
+    from study.report.check.results import require_results
+    from study.report.documents import deviations
+
+    require_results(results, "tables/claims.csv", "tables/equations.csv")
+    page = deviations(results, claims or declared_file("claims.yaml"), settings)
+    if output:
+        write_file(output, page)
+    else:
+        click.echo(page, nl=False)
+
+
+@click.command("pages")
+@click.argument("results", type=_folder, default=FULL)
+@click.option("--docs", type=_folder, default=Path("docs"), show_default=True, help="Of the pages.")
+@click.option(
+    "--tables", type=_folder, default=FULL, show_default=True, help="Where tables are kept."
+)
+@click.option("--check", is_flag=True, help="Write nothing; end with 1 if a page would change.")
+def pages_command(results: Path, docs: Path, tables: Path, check: bool) -> None:
+    """Write the pages of the documentation whose numbers come from RESULTS, a full run.
+
+    Without RESULTS, the pages are written again from the tables that are kept.
+    """
+    from microimpact.core.materials import declared_file
+    from study.report.documents import outdated, renew
+
+    criteria = declared_file("claims.yaml")
+    if check:
+        names = outdated(results, docs, criteria)
+        click.echo("\n".join(f"{docs / name}: would change" for name in names) or "no page changes")
+        raise SystemExit(bool(names))
+    changed = renew(results, docs, criteria, tables)
+    click.echo("\n".join(map(str, changed)) or "no page changes")
+
+
+@click.group()
+def commands() -> None:
+    """Results of the study: checked, compared, described."""
+
+
+for _command in (
+    *(check_command, reference_command, compare_command, claim_command, crate_command),
+    *(report_command, deviations_command, pages_command),
+):
+    commands.add_command(_command)
+
+if __name__ == "__main__":
+    run(commands)

@@ -1,0 +1,303 @@
+"""A finished run as a Workflow Run RO-Crate: workflow, inputs, run and results, linked.
+
+The results folder itself is the crate's root, so that no result is copied. A crate must contain
+its data entities, and the workflow and its declared inputs lie outside of that folder; small as
+they are (1 MB), they are copied to ``crate/`` below the root, each at its place in the project,
+which its ``alternateName`` tells. The package is described by name and version: the commit has its
+code.
+
+Profiles: Workflow Run Crate 0.5, which extends Process Run Crate 0.5 and Workflow RO-Crate 1.0, on
+RO-Crate 1.1. What the run stamp ``run.json`` does not know is left out: who ran the workflow
+(``agent``). The run began when the workflow was read and ended when the last result was there; both
+are the one date of a run under ``SOURCE_DATE_EPOCH``.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields
+from importlib.metadata import metadata
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+from pydantic import AwareDatetime
+from rocrate.model.contextentity import ContextEntity
+from rocrate.rocrate import ROCrate
+
+from microimpact.core.files import require_unaltered, write_file
+from study.report.check.results import (
+    TABLE_FOLDERS,
+    ResultsError,
+    built,
+    read_json,
+    require_current,
+    require_results,
+)
+from study.run.stamp import STAMP, git_state
+
+METADATA = "ro-crate-metadata.json"
+README = "README.md"
+COPIES = "crate"
+WORKFLOW = "Snakefile"
+CONFIGURATION = ("config/config.yaml", "config/laboratory.yaml", "config/analyses")
+# What a Snakefile includes, runs, checks by and reports with.
+WORKFLOW_PARTS = ("rules/*.smk", "scripts/*.py", "report/*.rst")
+RESULTS = (*TABLE_FOLDERS, "figures")
+# Not results: what the engine and the jobs tell of the run.
+TRACES = ("benchmarks", "checksums", "logs")
+
+WORKFLOW_CRATE = "https://w3id.org/workflowhub/workflow-ro-crate/1.0"
+PROFILES = {
+    "https://w3id.org/ro/wfrun/process/0.5": ("Process Run Crate", "0.5"),
+    "https://w3id.org/ro/wfrun/workflow/0.5": ("Workflow Run Crate", "0.5"),
+    WORKFLOW_CRATE: ("Workflow RO-Crate", "1.0"),
+}
+RUN_TERMS = "https://w3id.org/ro/terms/workflow-run/context"
+
+FORMATS = {
+    ".csv": "text/csv",
+    ".gz": "application/gzip",
+    ".json": "application/json",
+    ".log": "text/plain",
+    ".md": "text/markdown",
+    ".pdf": "application/pdf",
+    ".png": "image/png",
+    ".py": "text/x-python",
+    ".rst": "text/x-rst",
+    ".sha256": "text/plain",
+    ".smk": "text/plain",
+    ".svg": "image/svg+xml",
+    ".tsv": "text/tab-separated-values",
+    ".yaml": "application/yaml",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Commit:
+    """The commit of a project; None where it was no git checkout."""
+
+    commit: str | None = None
+    dirty: bool | None = None
+
+    def __str__(self) -> str:
+        if self.commit is None:
+            return "no recorded commit"
+        state = {True: " with uncommitted changes", False: "", None: ", state unknown"}
+        return f"commit {self.commit}{state[self.dirty]}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Run:
+    """Fields of a run stamp that a crate describes."""
+
+    started: AwareDatetime
+    ended: AwareDatetime  # When its last result was there
+    git: Commit
+    packages: dict[str, str | None]  # Versions; None for a package that was not there
+    config: dict[str, Any]
+    identifier: str  # Begin of the stamp's SHA-256: names this run
+
+
+def write_crate(results: Path, project: Path) -> Path:
+    """Describe a finished run as a Workflow Run RO-Crate, in its results folder.
+
+    The same results and the same project give the same bytes.
+
+    Parameters
+    ----------
+    results
+        Results folder of a run: the root of the crate. Its subfolder ``crate`` is written anew.
+
+    Raises
+    ------
+    ResultsError
+        If the folder holds no finished run, or the project is not the one that was run.
+    AlteredError
+        If results are not as the run wrote them.
+    """
+    require_results(results)
+    require_unaltered(results, _files(results, RESULTS))
+    run = read_run(results / STAMP)
+    _require_same_project(run, project, results)
+    inputs = declared_inputs(run.config, project)
+    # Without metadata a crate that was not finished is none.
+    (results / METADATA).unlink(missing_ok=True)
+    shutil.rmtree(results / COPIES, ignore_errors=True)
+
+    crate = ROCrate(version="1.1")
+    crate.metadata.extra_contexts.append(RUN_TERMS)
+    workflow = _add_workflow(crate, run, project)
+    consumed = [_add_copy(crate, project, path) for path in inputs]
+    produced = _add_files(crate, results, RESULTS)
+    action = _add_run(crate, run, workflow, consumed, produced)
+    for trace in (_add_file(crate, results, STAMP), *_add_files(crate, results, TRACES)):
+        trace["about"] = action
+    if (results / README).is_file():
+        _add_file(crate, results, README)["about"] = crate.root_dataset
+    _describe_root(crate, run, project, action)
+    for entity in crate.data_entities:
+        entity.write(results)
+    text = json.dumps(crate.metadata.generate(), indent=4, sort_keys=True, ensure_ascii=False)
+    write_file(results / METADATA, text)
+    return results / METADATA
+
+
+def read_run(path: Path) -> Run:
+    """Read a run stamp.
+
+    Raises ResultsError if it is missing, or naming the key that is not as a stamp has it.
+    """
+    if not path.is_file():
+        raise ResultsError(f"{path}: missing; a run writes it when the last result is there")
+    stamp = read_json(path)
+    require_current(path, stamp)
+    if stamp.get("ended", "") is None:
+        raise ResultsError(f"{path}: the run has not ended well; finish it with `snakemake`")
+    content = stamp | {"identifier": hashlib.sha256(path.read_bytes()).hexdigest()[:12]}
+    return built(Run, {field.name: content.get(field.name) for field in fields(Run)}, str(path))
+
+
+def _require_same_project(run: Run, project: Path, results: Path) -> None:
+    for name in (WORKFLOW, "LICENSE"):
+        if not (project / name).is_file():
+            raise ResultsError(f"{project}: not the project: it has no {name}")
+    # Copies of other files than those that ran would be a false record.
+    recorded, present = run.git.commit, git_state(project)["commit"]
+    if recorded and present and recorded != present:
+        raise ResultsError(
+            f"{results / STAMP}: the run is of commit {recorded}, the project is at {present}: "
+            "check that one out, or run again"
+        )
+
+
+def declared_inputs(config: Mapping[str, Any], project: Path) -> list[Path]:
+    """Return the declared input files of a run, relative to the project, sorted.
+
+    These are the default configuration and the files that the merged one names at its top level; of
+    a folder, the tables in it. Raises ResultsError, naming the key whose file is missing or outside
+    of the project.
+    """
+    root = project.resolve()
+    paths: set[Path] = set()
+    shipped = {f"configfile {i}": name for i, name in enumerate(CONFIGURATION, 1)}
+    for key, name in {**shipped, **config}.items():
+        if not isinstance(name, str):
+            continue
+        path = (root / name).resolve()
+        if not path.exists() or not path.is_relative_to(root):
+            raise ResultsError(f"{key}: {name!r} must be a file or folder in {project}")
+        paths.update(chain(path.glob("*.csv"), path.glob("*.yaml")) if path.is_dir() else [path])
+    return sorted(path.relative_to(root) for path in paths)
+
+
+def _add_workflow(crate: Any, run: Run, project: Path) -> Any:
+    """Add the Snakefile as the crate's main entity, with its parts and the software it needs."""
+    workflow = crate.add_workflow(
+        project / WORKFLOW,
+        f"{COPIES}/{WORKFLOW}",
+        main=True,
+        lang="snakemake",
+        lang_version=run.packages.get("snakemake"),
+        properties={
+            "name": "Workflow of the microimpact study",
+            "alternateName": WORKFLOW,
+            "description": f"Project at {run.git}.",
+            "encodingFormat": "text/plain",
+        },
+    )
+    if version := run.packages.get("microimpact"):
+        workflow["version"] = version
+    paths = sorted(chain(*((project / "workflow").glob(part) for part in WORKFLOW_PARTS)))
+    parts = [_add_copy(crate, project, path.relative_to(project)) for path in paths]
+    if parts:
+        workflow["hasPart"] = parts
+    workflow["softwareRequirements"] = [
+        _add_software(crate, name, version)
+        for name, version in sorted(run.packages.items())
+        if version
+    ]
+    return workflow
+
+
+def _add_software(crate: Any, name: str, version: str) -> Any:
+    # By name and version, as in the lock files; where it is fetched from is the user's affair.
+    properties = {"@type": "SoftwareApplication", "name": name, "softwareVersion": version}
+    return _add_context(crate, f"#{name}-{version}", properties)
+
+
+def _add_run(
+    crate: Any, run: Run, workflow: Any, consumed: Iterable[Any], produced: Iterable[Any]
+) -> Any:
+    return _add_context(
+        crate,
+        f"#run-{run.identifier}",
+        {
+            "@type": "CreateAction",
+            "name": "Run of the microimpact study",
+            "description": (
+                f"snakemake, project at {run.git}. {STAMP} holds the merged configuration, "
+                "with all that was changed by --configfile and --config."
+            ),
+            "instrument": workflow,
+            "object": list(consumed),
+            "result": list(produced),
+            "startTime": run.started.isoformat(),
+            "endTime": run.ended.isoformat(),
+            "actionStatus": "http://schema.org/CompletedActionStatus",
+        },
+    )
+
+
+def _describe_root(crate: Any, run: Run, project: Path, action: Any) -> None:
+    about = metadata("microimpact")
+    licence = about["License-Expression"]
+    crate.name = "Results of the microimpact study"
+    crate.description = about["Summary"]
+    crate.datePublished = run.ended.isoformat()
+    crate.license = _add_context(
+        crate,
+        f"https://spdx.org/licenses/{licence}",
+        {
+            "@type": "CreativeWork",
+            "name": (project / "LICENSE").read_text(encoding="utf-8").splitlines()[0],
+            "description": f"Full text in {COPIES}/LICENSE.",
+            "identifier": licence,
+        },
+    )
+    _add_copy(crate, project, Path("LICENSE"))["encodingFormat"] = "text/plain"
+    crate.root_dataset["mentions"] = action
+    crate.root_dataset["conformsTo"] = [
+        _add_context(crate, uri, {"@type": "CreativeWork", "name": name, "version": version})
+        for uri, (name, version) in PROFILES.items()
+    ]
+
+
+def _add_files(crate: Any, root: Path, folders: Iterable[str]) -> list[Any]:
+    return [
+        _add_file(crate, root, path.relative_to(root).as_posix()) for path in _files(root, folders)
+    ]
+
+
+def _files(root: Path, folders: Iterable[str]) -> list[Path]:
+    paths = sorted(path for folder in folders for path in (root / folder).rglob("*"))
+    return [path for path in paths if path.is_file() and not path.name.startswith(".")]
+
+
+def _add_file(crate: Any, root: Path, name: str, copy_to: str = "") -> Any:
+    suffix = Path(name).suffix
+    properties = {"name": name, "encodingFormat": FORMATS.get(suffix, "application/octet-stream")}
+    return crate.add_file(root / name, f"{copy_to}{name}", properties=properties)
+
+
+def _add_copy(crate: Any, project: Path, path: Path) -> Any:
+    file = _add_file(crate, project, path.as_posix(), f"{COPIES}/")
+    file["alternateName"] = path.as_posix()
+    return file
+
+
+def _add_context(crate: Any, identifier: str, properties: Mapping[str, Any]) -> Any:
+    return crate.add(ContextEntity(crate, identifier, properties=dict(properties)))

@@ -1,0 +1,222 @@
+"""Pages of the documentation whose numbers come from a full run, and the tables behind them.
+
+The tables that the pages read are kept in the repository: a test renders the pages from them. The
+page of deviations from the article takes all words and numbers from the two ledgers and the file of
+claims.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import jinja2
+import numpy as np
+import pandas as pd
+
+from microimpact.core.files import write_file
+from microimpact.core.nearest import nearest
+from study.ledgers.claims.criteria import CLAIM_NAME, UNCOUNTED, read_claims
+from study.ledgers.claims.words import agreement, quantities, readable, with_unit
+from study.report.site.ledgers import by_claim, read_rows
+from study.report.site.pages import render
+from study.report.site.record import read_record
+
+SETTINGS = "config/config.yaml"
+DEVIATIONS, SUFFIX = "deviations.md", ".jinja"
+# Tables of the page of deviations and of the counts in the README.
+LEDGERS = ("claims", "equations", "claim_evidence", "claim_results")
+ABOUT = "<!-- Made by `make pages` from {template} and tables of a full run; do not edit. -->\n\n"
+
+
+class PageError(ValueError):
+    """A template that asks for a number that no table contains."""
+
+
+def _fixed(value: float, digits: int) -> str:
+    """Return a number with so many digits after the point, and a true minus sign."""
+    text = f"{value:.{digits}f}"
+    text = text.removeprefix("-") if float(text) == 0.0 else text
+    return text.replace("-", "−")
+
+
+def _percent(value: float, digits: int = 0) -> str:
+    return f"{_fixed(100.0 * value, digits)} %"
+
+
+_ENVIRONMENT = jinja2.Environment(
+    undefined=jinja2.StrictUndefined, keep_trailing_newline=True, autoescape=False
+)
+_ENVIRONMENT.filters |= {"fixed": _fixed, "percent": _percent}
+
+
+class Numbers:
+    """One table as a template reads it: `table(column, **where)` is the only such number.
+
+    `name`: of the table, for messages; `rows`: its rows.
+    """
+
+    def __init__(self, name: str, rows: pd.DataFrame) -> None:
+        self.name, self.rows = name, rows
+
+    def __call__(self, column: str, **where: Any) -> float:
+        """Return the number of a column in the one row that meets all conditions.
+
+        Raises PageError if there is no such column, or not exactly one such row with a number.
+        """
+        numbers = self.all(column, **where)
+        if len(numbers) != 1:
+            raise PageError(f"{self.name}.{column}: {len(numbers)} numbers at {where}, not one")
+        return numbers[0]
+
+    def all(self, column: str, **where: Any) -> list[float]:
+        """Return all numbers of a column in rows that meet all conditions.
+
+        A condition is a value, or the pair of ends between which a number must lie.
+
+        Raises PageError if there is no such column or no such number.
+        """
+        chosen = np.ones(len(self.rows), bool)
+        for key, value in where.items():
+            cells = self._column(key)
+            if isinstance(value, tuple):
+                chosen &= cells.between(*value).to_numpy()
+            elif isinstance(value, str):
+                chosen &= (cells == value).to_numpy()
+            else:
+                chosen &= np.isclose(cells.to_numpy(float), value)
+        numbers = self._column(column)[chosen].dropna().astype(float).to_list()
+        if not numbers:
+            raise PageError(f"{self.name}.{column}: no number at {where}")
+        return numbers
+
+    def _column(self, name: str) -> pd.Series:
+        if name not in self.rows:
+            raise PageError(f"{self.name}: no column {name!r}{nearest(name, self.rows.columns)}")
+        return self.rows[name]
+
+
+def pages(results: Path, docs: Path, criteria: Path) -> tuple[dict[str, str], tuple[str, ...]]:
+    """Return the text of each page by its name, and the names of the tables read.
+
+    `results`: folder with ``tables`` of a full run; `docs`: folder of the templates; `criteria`:
+    the file of claims. Raises PageError if a table, column or row is missing.
+    """
+    read: dict[str, Numbers] = {}
+
+    def table(name: str) -> Numbers:
+        if name not in read:
+            path = results / f"tables/{name}.csv"
+            if not path.is_file():
+                raise PageError(f"{path}: no such table")
+            read[name] = Numbers(name, pd.read_csv(path))
+        return read[name]
+
+    environment = _ENVIRONMENT.overlay()
+    environment.globals = {**_ENVIRONMENT.globals, "table": table}
+    texts = {DEVIATIONS: deviations(results, criteria, SETTINGS)}
+    for template in sorted(docs.glob(f"*{SUFFIX}")):
+        text = template.read_text(encoding="utf-8")
+        try:
+            body = environment.from_string(text).render()
+        except (PageError, jinja2.TemplateError) as error:
+            raise PageError(f"{template}: {error}") from None
+        texts[template.name.removesuffix(SUFFIX)] = ABOUT.format(template=template.name) + body
+    return texts, tuple(sorted({*LEDGERS, *read}))
+
+
+def deviations(results: Path, criteria: Path, settings: str) -> str:
+    """Return the page of what was corrected, not reproduced or changed, in Markdown.
+
+    Parameters
+    ----------
+    results
+        Folder with the tables `LEDGERS`.
+    criteria
+        The file of claims, see `read_claims`.
+    settings
+        The file of the run's settings, to be named at the top.
+
+    Raises
+    ------
+    ValueError
+        If the table and the file do not hold the same claims.
+    """
+    tables = results / "tables"
+    claims, equations = (
+        pd.read_csv(tables / f"{name}.csv", keep_default_na=False) for name in LEDGERS[:2]
+    )
+    evidence, numbers = (by_claim(read_rows(tables / f"{name}.csv")) for name in LEDGERS[2:])
+    # Rows after the claims are about digitised points of the user's own.
+    claims = claims[claims["id"].str.match(CLAIM_NAME)]
+    declared = read_claims(criteria)
+    strangers = set(claims["id"]) ^ set(declared)
+    if strangers:
+        raise ValueError(
+            f"{tables / 'claims.csv'} and {criteria} do not hold the same claims:"
+            f" {', '.join(sorted(strangers))} in one of them only; run the study again"
+        )
+    page = render(
+        f"{DEVIATIONS}{SUFFIX}",
+        templates=Path(__file__).parent,
+        settings=settings,
+        equation_counts=equations["verdict"].value_counts().to_dict(),
+        claim_counts=verdict_counts(claims),
+        equations=equations.to_dict("records"),
+        claims=claims.to_dict("records"),
+        declared=declared,
+        amended=[claim for claim in declared.values() if claim.amendments],
+        evidence=evidence,
+        results=numbers,
+        agreement=agreement,
+        quantities=quantities,
+        readable=readable,
+        with_unit=with_unit,
+    )
+    return page.rstrip() + "\n"
+
+
+def verdict_counts(claims: pd.DataFrame) -> dict[str, int]:
+    """Return how many claims got each verdict; identities and own findings are not counted."""
+    counted = claims[~claims["kind"].isin(UNCOUNTED)]
+    return {str(name): int(count) for name, count in counted["verdict"].value_counts().items()}
+
+
+def renew(results: Path, docs: Path, criteria: Path, kept: Path) -> list[Path]:
+    """Write the pages, and keep the tables that they read; return the files that changed.
+
+    Raises PageError if the run is not one of the shipped configuration, or lacks a number.
+    """
+    _require_full(results, kept)
+    texts, names = pages(results, docs, criteria)
+    wanted = {docs / name: text.encode() for name, text in texts.items()}
+    wanted |= {
+        kept / f"tables/{name}.csv": (results / f"tables/{name}.csv").read_bytes() for name in names
+    }
+    changed = [p for p, data in wanted.items() if not p.is_file() or p.read_bytes() != data]
+    for path in changed:
+        write_file(path, wanted[path])
+    gone = [path for path in (kept / "tables").glob("*.csv") if path.stem not in names]
+    for path in gone:
+        path.unlink()
+    return sorted([*changed, *gone])
+
+
+def _require_full(results: Path, kept: Path) -> None:
+    if results.resolve() != kept.resolve() and (changes := read_record(results).changes):
+        keys = ", ".join(change.key for change in changes[:3])
+        raise PageError(
+            f"{results}: {len(changes)} keys of its configuration differ from the shipped one"
+            f" ({keys}, ...); the pages take their numbers from a run of `make reproduce`"
+        )
+
+
+def outdated(results: Path, docs: Path, criteria: Path) -> list[str]:
+    """Return the names of the pages that a run would change."""
+    texts: Mapping[str, str] = pages(results, docs, criteria)[0]
+    return [
+        name
+        for name, text in texts.items()
+        if not (docs / name).is_file() or (docs / name).read_text(encoding="utf-8") != text
+    ]

@@ -1,0 +1,150 @@
+"""The ledgers as the pages show them: verdicts counted, rows with anchors, findings in order."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from markupsafe import Markup
+
+from study.ledgers.claims.criteria import UNCOUNTED
+from study.ledgers.claims.words import readable, with_unit
+from study.report.site.formula import mathml
+
+Row = dict[str, str]
+
+# Each verdict with the colour of its class in the style sheet, from the best to the least known.
+CLAIM_VERDICTS = {
+    "reproduced": "good",
+    "reproduced with a correction": "corrected",
+    "calibrated": "fitted",
+    "not reproduced": "bad",
+    "not identified": "open",
+    "undecided": "halved",
+    "not testable": "mute",
+    "not computed": "mute",
+}
+EXTERNAL_VERDICTS = {
+    "agrees with independent data": "good",
+    "disagrees with independent data": "bad",
+    "not computed": "mute",
+}
+EQUATION_VERDICTS = {
+    "correct": "good",
+    "definition": "fitted",
+    "typographical slip": "corrected",
+    "corrected": "bad",
+    "undecidable": "open",
+}
+CONTRADICTION = "contradiction"
+
+
+class MissingColumnError(ValueError):
+    """A ledger that lacks a column the site shows."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Count:
+    """How many rows have a verdict, and where its bar begins and ends, in percent of all."""
+
+    verdict: str
+    colour: str
+    number: int
+    begin: float
+    share: float
+
+
+def read_rows(path: Path, columns: Sequence[str] = ()) -> list[Row]:
+    """Return the rows of a table as text; none if there is no such file.
+
+    Raises MissingColumnError if the table lacks one of the columns.
+    """
+    if not path.is_file():
+        return []
+    with path.open(encoding="utf-8", newline="") as stream:
+        table = csv.DictReader(stream)
+        if missing := [name for name in columns if name not in (table.fieldnames or ())]:
+            raise MissingColumnError(f"{path}: has no column {', '.join(missing)}")
+        return list(table)
+
+
+def counts(rows: Sequence[Row], verdicts: Mapping[str, str]) -> tuple[Count, ...]:
+    """Count the rows of each verdict that occurs; those that are not foreseen come last."""
+    judged = [row["verdict"] for row in rows]
+    order = [v for v in dict.fromkeys((*verdicts, *sorted(judged))) if v in judged]
+    counted, begin = [], 0.0
+    for verdict in order:
+        share = 100.0 * judged.count(verdict) / len(judged)
+        counted.append(
+            Count(
+                verdict=verdict,
+                colour=verdicts.get(verdict, "mute"),
+                number=judged.count(verdict),
+                begin=round(begin, 3),
+                share=round(share, 3),
+            )
+        )
+        begin += share
+    return tuple(counted)
+
+
+def counted(claims: Sequence[Row]) -> list[Row]:
+    """Return the claims that a computation can decide; others are listed and not counted."""
+    return [row for row in claims if row["kind"] not in UNCOUNTED]
+
+
+def not_reproduced(claims: Sequence[Row]) -> list[Row]:
+    """Return the claims that did not hold: contradictions first, then by figures touched."""
+    failed = [row for row in counted(claims) if row["verdict"] == "not reproduced"]
+    return sorted(failed, key=lambda r: (r["kind"] != CONTRADICTION, -len(r["figures"].split())))
+
+
+def by_claim(rows: Sequence[Row]) -> defaultdict[str, list[Row]]:
+    """Group the rows of a table of the ledger by claim; a claim without rows has none."""
+    groups = defaultdict[str, list[Row]](list)
+    for row in rows:
+        groups[row["id"]].append(row)
+    return groups
+
+
+def printed(claim: Row) -> str:
+    """Return the article's value, with its unit if it is a number."""
+    return with_unit(claim["article_value"], claim["unit"])
+
+
+def anchor(prefix: str, name: str) -> str:
+    """Return an id for an element: ``14 total`` gives ``eq-14-total``."""
+    return f"{prefix}-" + re.sub(r"[^A-Za-z0-9]+", "-", name).strip("-").lower()
+
+
+@cache
+def formula(text: str) -> Markup | str:
+    """Return a formula as MathML, or unchanged if it is none."""
+    try:
+        return mathml(text)
+    except ValueError:
+        return text
+
+
+def measure(low: str, unit: str, high: str = "") -> str:
+    """Return a number, or a range of two, in three digits with its unit; other text unchanged."""
+    try:
+        least, most = float(low), float(high or low)
+    except ValueError:
+        return low
+    return (
+        readable(least, unit) if least == most else f"{readable(least)} to {readable(most, unit)}"
+    )
+
+
+def number(text: str) -> str:
+    """Return a number to four digits; other text unchanged."""
+    try:
+        return f"{float(text):.4g}"
+    except ValueError:
+        return text

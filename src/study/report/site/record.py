@@ -1,0 +1,133 @@
+"""Record of a run for its site, beyond its tables and figures: rules, registry, versions, commit.
+
+The workflow writes it to ``report/record.json``, so that the site of a finished run can be made
+again without the workflow engine. A run without that file is described by its stamp and the shipped
+registry; its rules are not known then.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from microimpact.core.files import write_file
+from microimpact.core.materials import declared_file
+from study.declared.documents import load
+from study.figures.registry import filled
+from study.report.check.results import ResultsError, built, read_json
+from study.run.stamp import STAMP, Change, changes, origin
+
+RECORD = "report/record.json"
+# Columns that name a row of a declared table.
+_ROW_NAMES = ("material", "particle", "surface", "key", "name")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rule:
+    """One rule of the workflow."""
+
+    # Its name and docstring.
+    name: str
+    purpose: str = ""
+    # Results it reads and makes, relative to the results folder.
+    inputs: tuple[str, ...] = ()
+    outputs: tuple[str, ...] = ()
+    # Rows of the declared tables it is given, by the table's name.
+    declared: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Record:
+    """Stamp, registry and rules of a run, as its site shows them."""
+
+    # As in the run stamp.
+    seed: int
+    git: Mapping[str, str | bool | None]
+    python: str
+    platform: str
+    packages: Mapping[str, str | None]
+    changes: tuple[Change, ...]  # Where the configuration differs from the shipped one
+    figures: Mapping[str, Mapping[str, Any]]  # The registry, words filled in
+    rules: tuple[Rule, ...]  # All rules that make results; none if they are not known
+
+    def plain(self) -> dict[str, Any]:
+        """Return the record as JSON would hold it."""
+        content: dict[str, Any] = json.loads(json.dumps(asdict(self)))
+        return content
+
+
+def record_of(
+    *,
+    config: Mapping[str, Any],
+    shipped: Mapping[str, Any],
+    figures: Mapping[str, Mapping[str, Any]],
+    rules: Sequence[Rule],
+    project: Path,
+) -> Record:
+    """Return the record of a run that is being made.
+
+    `config`, `shipped`: the merged configuration, and the one that the project comes with;
+    `figures`: the registry, words filled in; `rules`: all rules that make results; `project`: root
+    of the project, whose commit is recorded.
+    """
+    changed = changes(config, shipped)
+    return Record(**origin(config, project), changes=changed, figures=figures, rules=tuple(rules))
+
+
+def row_names(rows: Mapping[str, str] | None) -> dict[str, tuple[str, ...]]:
+    """Return which rows of each declared table a rule is given, from the tables as CSV.
+
+    A material, a printed value and a source have their name, a contact ``particle on surface``.
+    """
+    names = {}
+    for table, text in (rows or {}).items():
+        rows_of_table = csv.DictReader(io.StringIO(text))
+        keys = [column for column in _ROW_NAMES if column in (rows_of_table.fieldnames or ())]
+        named = (" on ".join(row[key] for key in keys) for row in rows_of_table)
+        names[table] = tuple(dict.fromkeys(named))
+    return names
+
+
+def from_plain(content: Mapping[str, Any], where: str = RECORD) -> Record:
+    """Return the record that `Record.plain` has written.
+
+    Raises ResultsError if a key is missing, unknown or of another kind.
+    """
+    return built(Record, content, where)
+
+
+def write_record(results: Path, record: Record) -> None:
+    """Write ``report/record.json``."""
+    text = json.dumps(record.plain(), indent=1, ensure_ascii=False, sort_keys=True)
+    write_file(results / RECORD, text + "\n")
+
+
+def read_record(results: Path) -> Record:
+    """Return the record of a run.
+
+    Raises ResultsError if the folder has neither record nor stamp, or a malformed one.
+    """
+    if (results / RECORD).is_file():
+        return from_plain(read_json(results / RECORD), str(results / RECORD))
+    # Only here is a configuration checked, for which the laboratory is loaded.
+    from study.run.config import read_configuration, validate
+
+    if not (results / STAMP).is_file():
+        raise ResultsError(f"{results}: neither {RECORD} nor {STAMP}: no finished run")
+    stamp = read_json(results / STAMP)
+    names = ("seed", "git", "python", "platform", "packages", "config")
+    if missing := [name for name in names if name not in stamp]:
+        raise ResultsError(f"{results / STAMP}: has no {', '.join(missing)}")
+    config = stamp.pop("config")
+    shipped = read_configuration(declared_file("config.yaml").parent)
+    return Record(
+        **{name: stamp[name] for name in names[:-1]},
+        changes=changes(config, shipped),
+        figures=filled(load(declared_file("figures.yaml")), validate(config, shipped).branches),
+        rules=(),
+    )

@@ -1,0 +1,358 @@
+"""The configuration: files read, overlays merged, references resolved, all of it checked.
+
+A top-level key is one of `General`, a section of `studies.laboratory`, or the branch of an
+analysis: it bears the name of a module of `study.studies` and is checked against that
+module's ``Params``. All problems of a configuration are reported together, one line each;
+those of the files that it names after them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, fields, make_dataclass
+from functools import cache
+from pathlib import Path
+from typing import Annotated, Any, get_type_hints
+
+import numpy as np
+from pydantic import Field, ValidationError
+
+from microimpact.core.materials import Material, materials_from_rows
+from microimpact.core.nearest import nearest
+from microimpact.model.pairs import Pair, Pairs, pair_contact, pairs_from_rows
+from microimpact.model.plausibility import LARGEST, SMALLEST, doubt_of_input, doubts_of_material
+from microimpact.statistics.distributions import SampleFile
+from study import studies
+from study.declared.documents import ConfigError, load, located
+from study.declared.parameters import Known, Name, adapter, build, explain
+from study.declared.provenance import Declared, unit_of
+from study.declared.references import Resolver
+from study.declared.selection import TABLES, DeclaredTable, DeclaredTables, read_all
+from study.figures.registry import FigureSpec, filled, registry
+from study.run.digitised import Digitised, as_rows, read_folder
+from study.run.stamp import changes
+from study.studies.laboratory import Laboratory
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pathvars:
+    """Where the results go."""
+
+    results: Name = "results"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class General:
+    """Top-level keys that belong to no single analysis."""
+
+    seed: Annotated[int, Field(ge=0)]
+    materials: Name
+    contacts: Name
+    printed_values: Name
+    external: Name
+    figures: Name
+    claims: Name
+    digitised: Name
+    pathvars: Pathvars = field(default_factory=Pathvars)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settings:
+    """A valid configuration."""
+
+    general: General
+    tables: DeclaredTables
+    # By analysis: its parameters as plain values, with all that it names in place, and the rows of
+    # the tables that it names, as CSV by table.
+    branches: Mapping[str, Mapping[str, Any]]
+    rows: Mapping[str, Mapping[str, str]]
+    declared: tuple[Declared, ...]  # Every value as it is used
+    unused: tuple[str, ...]  # Places of the laboratory on which no analysis rests
+
+
+CALIBRATION = "calibration"
+GENERAL = tuple(f.name for f in fields(General))
+_ENDS = np.array([0.0, 1.0])
+_BODIES = ("particle", "surface")
+SECTIONS = tuple(f.name for f in fields(Laboratory))
+# General keys that name a file or a folder.
+FILES = (*TABLES, "figures", "claims", "digitised")
+
+
+def read_configuration(folder: Path | str) -> dict[str, Any]:
+    """Read a folder of configuration: general keys, the laboratory, and the analyses by section.
+
+    Raises ConfigError, in one line, if a file is no proper YAML, or a key stands in two of them.
+    """
+    folder, configuration = Path(folder), dict[str, Any]()
+    analyses = sorted((folder / "analyses").glob("*.yaml"))
+    for path in (folder / "config.yaml", folder / "laboratory.yaml", *analyses):
+        content = load(path)
+        if twice := set(configuration) & set(content):
+            raise ConfigError(f"{path}: {', '.join(sorted(twice))}: stands in another file, too")
+        configuration |= content
+    return configuration
+
+
+def validate(
+    config: Mapping[str, Any], base: Mapping[str, Any], only: Collection[str] = ()
+) -> Settings:
+    """Check a merged configuration.
+
+    Parameters
+    ----------
+    base
+        The configuration as shipped: what differs from it is the user's.
+    only
+        The analyses to look at; all, if none are given.
+
+    Raises
+    ------
+    ConfigError
+        Naming the dotted key of every problem, one line each.
+    """
+    _refuse(
+        f"{key}: {config[key]!r} must be a mapping" if key in config else f"{key}: missing"
+        for key in SECTIONS
+        if not isinstance(config.get(key), Mapping)
+    )
+    resolver = Resolver(config, base, SECTIONS)
+    known_keys = [*GENERAL, *SECTIONS, *studies.homes()]
+    unknown = [key for key in config if key not in known_keys]
+    problems = [f"{key}: unknown key{nearest(str(key), known_keys)}" for key in unknown]
+    check = _Check(config, resolver, problems)
+    general = check.sections(General, GENERAL)
+    shown = list(resolver.rows)
+    tables = _tables(resolver, problems)
+    if tables is None:  # nothing can be named
+        raise ConfigError("\n".join([*resolver.problems, *_others(problems, resolver.problems)]))
+    resolver.declare("printed", tables.printed())
+    resolver.declare("contacts", tables.pairs())
+    cases = [*config["cases"], *tables.contacts.known("particle", "surface")]
+    check.known = Known({**tables.names(), "cases": ("cases", cases)})
+    laboratory = check.sections(Laboratory, SECTIONS)
+    stands = {row.key: row.place or row.key for row in resolver.rows}
+    resolver.rows = shown
+    params, named = {}, {}
+    branches = _branches(tuple(only or studies.homes()))
+    for name in only or studies.homes():
+        check.known.named.clear()
+        params[name] = check.branch(branches, name)
+        problems += _unprinted(name, tables.printed_values)
+        named[name] = check.known.named + [("printed_values", k) for k in studies.printed(name)]
+    wanted = {name for each in named.values() for sort, name in each if sort == "cases"}
+    if laboratory and params.get(CALIBRATION):
+        calibrated = params[CALIBRATION].calibrated
+        problems += [
+            f"cases.{case}: is named, but {CALIBRATION} does not calibrate it"
+            for case in sorted(wanted & set(laboratory.cases) - calibrated)
+        ]
+    for name, settings in params.items():
+        disagreements = getattr(studies.study(name), "disagreements", None)
+        if settings and disagreements:
+            others = {maker: params.get(maker) for maker in studies.needs(name).values()}
+            problems += [f"{name}.{line}" for line in disagreements(settings, others)]
+    _refuse([*resolver.problems, *_others(problems, resolver.problems)])
+    _refuse(_out_of_unit(resolver.rows, tables.units()))
+    bodies = {name: (case.particle, case.surface) for name, case in laboratory.cases.items()}
+    used = {stands[f"cases.{case}.{body}"] for case in wanted & set(bodies) for body in _BODIES}
+    unused = tuple(key for key in resolver.unused() if key not in used)
+    changed = () if only else {change.key for change in changes(config, base)}
+    _refuse(f"{key}: changes nothing: no analysis names it" for key in unused if key in changed)
+    return Settings(
+        general=general,
+        tables=tables,
+        branches=adapter(branches).dump_python(  # type: ignore[arg-type]
+            branches(**params), mode="json"
+        ),
+        rows={name: tables.named(each, bodies) for name, each in named.items()},
+        # Where the results go is no input: the same study has the same table anywhere.
+        declared=tuple(row for row in resolver.rows if not row.key.startswith("pathvars.")),
+        unused=unused,
+    )
+
+
+@dataclass(slots=True)
+class _Check:
+    """Builder of dataclasses from a configuration, which gathers the problems."""
+
+    config: Mapping[str, Any]
+    resolver: Resolver
+    problems: list[str]
+    known: Known = field(default_factory=lambda: Known({}))
+
+    def branch(self, kind: type[Any], key: str) -> Any:
+        """Return one branch of `_branches`, or None, with what is wrong added to the lines."""
+        values = self.resolver.resolved(get_type_hints(kind)[key], key)
+        if isinstance(values, Mapping):
+            return getattr(self._built(kind, {key: values}), key, None)
+        problem = f"{self.config[key]!r} must be a mapping" if key in self.config else "missing"
+        self.problems.append(f"{key}: {problem}")
+        return None
+
+    def sections(self, kind: type[Any], keys: Sequence[str]) -> Any:
+        """Return an instance of a dataclass whose fields are top-level keys, or None."""
+        hints = get_type_hints(kind, include_extras=True)
+        declared = [key for key in keys if key in self.config]
+        return self._built(kind, {k: self.resolver.resolved(hints[k], k) for k in declared})
+
+    def _built(self, kind: type[Any], values: Mapping[str, Any]) -> Any:
+        try:
+            return build(kind, values, self.known if self.known.names else None)
+        except ValidationError as error:
+            self.problems += explain(error, kind, "", self.resolver.aliases)
+            return None
+
+
+def _unprinted(name: str, table: DeclaredTable) -> Iterator[str]:
+    """Yield a line for each printed value that a study reads and the table lacks."""
+    for key in studies.printed(name):
+        if key not in table.known("key"):
+            yield f"{table.path}: {key}: missing; {name} reads it"
+
+
+def _refuse(lines: Iterable[str]) -> None:
+    """Raise ConfigError if there are lines.
+
+    What several analyses name is refused by each of them; the first line on a key is enough.
+    """
+    first = dict[str, str]()
+    for line in lines:
+        first.setdefault(line.partition(": ")[0], line)
+    if first:
+        raise ConfigError("\n".join(first.values()))
+
+
+def _out_of_unit(rows: Iterable[Declared], units: Mapping[str, str]) -> Iterator[str]:
+    """Yield a line for each value doubtful in its unit, or named for another unit."""
+    for row in rows:
+        key, values = row.key, [row.value]
+        if key.endswith(".path"):  # of a file of values
+            key, values = key[:-5], SampleFile(path=row.value).quantile(_ENDS).tolist()
+        yield from filter(None, (doubt_of_input(key, value) for value in values))
+        # A number of a distribution has the unit of the distribution's key.
+        wanted = {row.unit, unit_of(row.key.rpartition(".")[0])} - {"-"}
+        unit = units.get(row.place.partition("[")[0])
+        if unit and wanted and unit not in wanted:
+            allowed = " or ".join(sorted(wanted))
+            yield f"{row.place}: the unit {unit} must be {allowed}, as that of {row.key}"
+
+
+@cache
+def _branches(names: tuple[str, ...]) -> type[Any]:
+    """Return a dataclass of branches: one validator for what they share takes half the time."""
+    parts = [(name, studies.study(name).Params, field(default=None)) for name in names]
+    return make_dataclass("Branches", parts, frozen=True)
+
+
+def _tables(resolver: Resolver, problems: list[str]) -> DeclaredTables | None:
+    """Read the declared tables, whatever is wrong with other general keys."""
+    paths = {name: resolver.resolved(str, name) for name in TABLES}
+    missing = [
+        f"{name}: {path!r} must be a file; there is none"
+        for name, path in paths.items()
+        if isinstance(path, str) and not Path(path).is_file()
+    ]
+    problems += missing
+    try:
+        usable = not missing and all(isinstance(path, str) for path in paths.values())
+        return read_all(*paths.values()) if usable else None
+    except (ValueError, OSError) as error:
+        problems.append(str(error))
+        return None
+
+
+def _others(lines: Iterable[str], malformed: Sequence[str]) -> list[str]:
+    """Drop the problems that follow from a malformed declaration of the same key."""
+
+    def follows(line: str) -> bool:
+        key = line.partition(": ")[0]
+        return any(fault.startswith((f"{key}.", f"{key}:")) for fault in malformed)
+
+    return [line for line in lines if not follows(line)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Inputs:
+    """Inputs of a run besides its configuration."""
+
+    # Rows of the declared tables that each study is given, as CSV by table.
+    rows: Mapping[str, Mapping[str, str]]
+    # The figure registry with values filled in, plain and checked.
+    figure_entries: Mapping[str, Any]
+    figures: Mapping[str, FigureSpec]
+    digitised: Mapping[str, Digitised]  # Digitised points by figure
+
+
+def read_inputs(settings: Settings) -> Inputs:
+    """Read and check every file that a checked configuration names.
+
+    Raises ValueError: with one line per problem that names the key, or the file and its line or
+    column. Raises OSError if a file cannot be read.
+    """
+    general = settings.general
+    tables = settings.tables
+    materials = _materials(tables.materials)
+    with located(general.contacts):
+        pairs = pairs_from_rows(tables.contacts.rows)
+    for key in ("figures", "claims"):
+        if not Path(path := getattr(general, key)).is_file():
+            raise ValueError(f"{key}: {path!r} must be a file; there is none")
+    wrong = [
+        f"{general.materials}: {name}: {line}"
+        for name, material in materials.items()
+        for line in doubts_of_material(material)
+    ]
+    wrong += [
+        f"{general.contacts}: {line}"
+        for pair in pairs
+        for line in _out_of_range(pair, materials, pairs)
+    ]
+    if wrong:
+        raise ValueError("\n".join(wrong))
+    with located(general.figures):
+        entries = filled(load(general.figures), settings.branches)
+        figures = registry(entries)
+    digitised = read_folder(general.digitised, figures)
+    return Inputs(
+        rows={name: study_rows(name, settings, digitised) for name in settings.branches},
+        figure_entries=entries,
+        figures=figures,
+        digitised=digitised,
+    )
+
+
+def _materials(table: DeclaredTable) -> dict[str, Material]:
+    """Return the materials; those of the ends of what is uncertain must be possible, too."""
+    try:
+        for end in ("low", "high"):
+            materials_from_rows({**row, "value": row[end] or row["value"]} for row in table.rows)
+        return materials_from_rows(table.rows)
+    except ValueError as error:
+        raise ValueError(f"{table.path}: {error}") from None
+
+
+def study_rows(name: str, settings: Settings, digitised: Mapping[str, Digitised]) -> dict[str, str]:
+    """Return the declared rows that a study is given, as CSV by table.
+
+    The rows that its branch names; all contacts for the study of contacts, and everything for the
+    table of declared inputs. Digitised points go to the studies that compare with them.
+    """
+    if name == "declared_inputs":
+        return settings.tables.everything(settings.declared)
+    if name == "contact_properties":
+        return settings.tables.contact_rows()
+    if name == "digitised_comparison":
+        return as_rows(digitised, digitised)
+    compared = ("fig15", "fig16") if name == "restitution_fits" else ()
+    return {**settings.rows[name], **as_rows(digitised, compared)}
+
+
+def _out_of_range(pair: Pair, materials: Mapping[str, Material], pairs: Pairs) -> Iterator[str]:
+    try:
+        contact = pair_contact(*pair, materials, pairs)
+        if not SMALLEST <= contact.diameter <= LARGEST:
+            allowed = f"from {SMALLEST:g} to {LARGEST:g} m"
+            raise ValueError(f"diameter {contact.diameter:.3g} m must be {allowed}")
+    except ValueError as error:
+        yield f"{pair[0]} on {pair[1]}: {error}"

@@ -1,0 +1,203 @@
+"""The stamp of a run: configuration, versions, commit and time.
+
+A results folder holds results of one set of inputs. The folder that the shipped configuration names
+is kept for the inputs of that file: an overlay that changes one names a folder of its own.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import subprocess
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+from microimpact.core.files import write_file
+from study.declared.provenance import Declared, plain
+from study.declared.references import FROM, is_reference
+
+STAMP = "run.json"
+PACKAGES = (
+    "microimpact",
+    "numpy",
+    "scipy",
+    "pandas",
+    "matplotlib",
+    "numba",
+    "pydantic",
+    "snakemake",
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Change:
+    """A key of the configuration that is not as shipped; None where there is none."""
+
+    key: str
+    shipped: Any
+    used: Any
+
+
+def changes(config: Mapping[str, Any], shipped: Mapping[str, Any]) -> tuple[Change, ...]:
+    """Return the keys at which two configurations have different values.
+
+    Evidence and source are not compared, and neither is the place of the results.
+    """
+    if config == shipped:
+        return ()
+    before, after = (dict(_leaves(plain(node))) for node in (shipped, config))
+    return tuple(
+        Change(key=key, shipped=before.get(key), used=after.get(key))
+        for key in dict.fromkeys((*before, *after))
+        if before.get(key) != after.get(key) and not key.startswith("pathvars")
+    )
+
+
+def _leaves(node: Any, key: str = "") -> Iterator[tuple[str, Any]]:
+    if is_reference(node) and {*node} & {"value", "values"}:
+        yield key, node.get("value", node.get("values"))
+    elif is_reference(node) and len(node) == 1:
+        yield key, f"as {node[FROM]}"
+    elif isinstance(node, Mapping):
+        for name, child in node.items():
+            yield from _leaves(child, f"{key}.{name}".removeprefix("."))
+    elif isinstance(node, list) and any(isinstance(item, Mapping | list) for item in node):
+        for i, item in enumerate(node):
+            yield from _leaves(item, f"{key}[{i}]")
+    else:
+        yield key, node
+
+
+def require_own_root(config: Mapping[str, Any], base: Mapping[str, Any]) -> None:
+    """Refuse an overlay that changes inputs, but not the place of the results.
+
+    `config`, `base`: the configuration with the overlay merged into it, and that without. Raises
+    ValueError, naming what is changed, and what to add.
+    """
+    changed = [change.key for change in changes(config, base)]
+    if changed and results_root(config) == results_root(base):
+        more = f" and {len(changed) - 1} more" if len(changed) > 1 else ""
+        raise ValueError(
+            f"pathvars.results: the overlay changes {changed[0]}{more}, so its results need a "
+            f"folder of their own, not {results_root(base)!r}; add to it a line as "
+            "pathvars: {results: build/my-run}"
+        )
+
+
+def require_results_folder(folder: Path | str) -> None:
+    """Refuse a place for results that holds something else.
+
+    Raises ValueError unless `folder` is new, empty, or has the stamp of an earlier run.
+    """
+    folder = Path(folder)
+    if folder.is_dir():
+        is_usable = (folder / STAMP).is_file() or not any(folder.iterdir())
+    else:
+        is_usable = not folder.exists() and not set(str(folder)) & set("{}<>~")
+    if not is_usable:
+        raise ValueError(
+            f"pathvars.results: {str(folder)!r} must be a new or empty folder, without any of "
+            f"{{ }} < > ~ in its name, or one of earlier results, with their {STAMP}"
+        )
+
+
+def results_root(config: Mapping[str, Any]) -> str:
+    """Return where the results of a configuration go."""
+    return str(Path(config.get("pathvars", {}).get("results", "results")))
+
+
+def write_stamp(
+    path: Path | str,
+    config: Mapping[str, Any],
+    project: Path | str,
+    started: datetime,
+    *,
+    ended: datetime | None = None,
+    outdated: Sequence[str] = (),
+    declared: Sequence[Declared] = (),
+) -> None:
+    """Write the stamp of a run as JSON.
+
+    Parameters
+    ----------
+    path
+        File to write.
+    config
+        Merged configuration of the run.
+    project
+        Root of the project, whose commit is recorded.
+    started
+        Begin of the run, see `run_date`.
+    ended
+        End of a run that went well; None while it goes on, and after a failure.
+    outdated
+        Results of earlier runs with other inputs.
+    declared
+        All values as used; recorded are those that override a value of the laboratory.
+    """
+    stamp = {
+        "started": started.isoformat(),
+        "ended": ended and ended.isoformat(),
+        "outdated": list(outdated),
+        **origin(config, project),
+        "overrides": {row.key: row.overrides for row in declared if row.overrides},
+        "config": config,
+    }
+    write_file(path, json.dumps(stamp, indent=2, ensure_ascii=False, default=str) + "\n")
+
+
+def run_date() -> datetime:
+    """Return the date of SOURCE_DATE_EPOCH, or the present one, in UTC to the second."""
+    epoch = os.environ.get("SOURCE_DATE_EPOCH")
+    if epoch:
+        return datetime.fromtimestamp(int(epoch), UTC)
+    return datetime.now(UTC).replace(microsecond=0)
+
+
+def origin(config: Mapping[str, Any], project: Path | str) -> dict[str, Any]:
+    """Return commit, seed, and the versions of all that decides numbers and pictures."""
+    packages: dict[str, str | None] = {}
+    for name in PACKAGES:
+        try:
+            packages[name] = version(name)
+        except PackageNotFoundError:
+            packages[name] = None
+    return {
+        "git": git_state(Path(project)),
+        "python": platform.python_version(),
+        "platform": f"{platform.system()} {platform.machine()}",
+        "packages": packages,
+        "seed": plain(config.get("seed")),
+    }
+
+
+def git_state(project: Path) -> dict[str, str | bool | None]:
+    """Return commit and dirty flag of a project; both None if it is no git checkout."""
+    top = _git(project, "rev-parse", "--show-toplevel")
+    # A project copied into some other repository has no commit of its own.
+    if top is None or Path(top).resolve() != project.resolve():
+        return {"commit": None, "dirty": None}
+    status = _git(project, "status", "--porcelain")
+    return {
+        "commit": _git(project, "rev-parse", "--verify", "HEAD"),
+        "dirty": None if status is None else bool(status),
+    }
+
+
+def _git(project: Path, *arguments: str) -> str | None:
+    try:
+        done = subprocess.run(
+            ["git", "-C", str(project), *arguments],
+            capture_output=True,
+            text=True,
+            check=True,
+            timeout=30,
+        )
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return done.stdout.strip()

@@ -1,0 +1,172 @@
+"""One study run from Python, with the declared inputs or some of one's own."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from microimpact.core.materials import declared_file
+from microimpact.core.nearest import nearest
+from study import studies
+from study.declared.parameters import build
+from study.declared.references import merged
+from study.declared.selection import TABLES, NamedTables
+from study.run.config import Settings, read_configuration, study_rows, validate
+from study.tables import parse_table, read_table
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+def run_study(
+    name: str, tables: Mapping[str, pd.DataFrame] | None = None, /, **changes: Any
+) -> dict[str, pd.DataFrame]:
+    """Run one study with the declared inputs and return its tables.
+
+    Tables of earlier studies that it needs are computed first, with the inputs as declared, and
+    kept for the next call.
+
+    Parameters
+    ----------
+    name
+        Name of the study and of its branch in ``config/analyses``.
+    tables
+        Tables of earlier studies by name, to be taken in place of computed ones.
+    **changes
+        Keys of its branch that differ from the declared ones, as in an overlay: with the unit in
+        their name, and within a mapping those that are given.
+
+    Returns
+    -------
+    dict of pandas.DataFrame
+        The study's tables by name, as they stand in ``results/tables`` and ``results/data``.
+
+    Raises
+    ------
+    ValueError
+        If there is no such study, or no such parameter, or a value is not allowed: one line per
+        problem.
+
+    Examples
+    --------
+    >>> smaller = run_study("force_history", diameter_um=2.58)
+    >>> sorted(smaller)
+    ['fig20', 'force_ratios']
+    """
+    if name not in studies.homes():
+        raise ValueError(f"{name!r} is no study{nearest(str(name), studies.homes())}")
+    text = json.dumps(changes, default=_plain)
+    settings = _settings(name, text) if changes else _declared()
+    rows = study_rows(name, settings, {})
+    inputs = dict(tables or {})
+    for table, maker in studies.needs(name).items():
+        if table not in inputs:
+            inputs[table] = _made(maker)[table].copy()
+    return run_with(name, settings.branches[name], rows, inputs)
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    raise TypeError(f"{value!r} must be a number, a text, a list or a mapping")
+
+
+def run_with(
+    name: str,
+    branch: Mapping[str, Any],
+    rows: Mapping[str, str],
+    tables: Mapping[str, pd.DataFrame],
+) -> dict[str, pd.DataFrame]:
+    """Run one study with its parameters and tables.
+
+    Parameters
+    ----------
+    branch
+        Plain values of its parameters.
+    rows
+        Rows of declared tables, as CSV by table.
+    tables
+        Tables of earlier studies by name.
+    """
+    study = studies.study(name)
+    inputs = NamedTables({key: parse_table(text) for key, text in rows.items()})
+    inputs.update(tables)
+    made: dict[str, pd.DataFrame] = dict(study.run(build(study.Params, branch), inputs))
+    return made
+
+
+class Made(dict[str, "pd.DataFrame"]):
+    """Tables of earlier studies, each read or computed when it is first asked for.
+
+    Parameters
+    ----------
+    name
+        Study that takes them.
+    changes
+        Keys of the configuration that differ from the shipped ones, at every depth; a study
+        whose parameters or needs they change is computed anew.
+    results
+        Folder of a run of the shipped configuration, from which the other tables are read; without
+        one, they are computed.
+
+    Raises
+    ------
+    ValueError
+        If a key is unknown or a value not allowed: one line per problem.
+    """
+
+    def __init__(self, name: str, changes: Mapping[str, Any], results: Path | None = None) -> None:
+        super().__init__()
+        self.settings = (
+            validate(merged(_shipped(), changes), _shipped()) if changes else _declared()
+        )
+        self.results = results
+        self.makers = dict(studies.needs(name))
+
+    def __missing__(self, table: str) -> pd.DataFrame:
+        """Return a table, and keep it with all others of its study."""
+        maker = self.makers[table]
+        if self.moved(maker):
+            self.makers |= studies.needs(maker)
+            needed = {name: self[name] for name in studies.needs(maker)}
+            rows = study_rows(maker, self.settings, {})
+            self.update(run_with(maker, self.settings.branches[maker], rows, needed))
+        elif self.results:
+            self[table] = read_table(self.results / f"tables/{table}.csv")
+        else:
+            self.update(_made(maker))
+        return self[table]
+
+    def moved(self, name: str) -> bool:
+        """Return whether a study, or one that it needs, has changed parameters."""
+        changed = self.settings.branches[name] != _declared().branches[name]
+        return changed or any(self.moved(maker) for maker in set(studies.needs(name).values()))
+
+
+@cache
+def _made(name: str) -> dict[str, pd.DataFrame]:
+    return run_study(name)
+
+
+@cache
+def _declared() -> Settings:
+    base = _shipped()
+    return validate(base, base)
+
+
+@cache
+def _settings(name: str, changes: str) -> Settings:
+    base = _shipped()
+    return validate(merged(base, {name: json.loads(changes)}), base, only=(name,))
+
+
+@cache
+def _shipped() -> dict[str, Any]:
+    """Return the configuration of a project or of an installed package, wherever that is."""
+    base = read_configuration(declared_file("config.yaml").parent)
+    return base | {key: str(declared_file(Path(base[key]).name)) for key in TABLES}

@@ -1,0 +1,134 @@
+"""The roughness that a printed restitution asks for (Sections 2.4.4 and 4.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+from itertools import pairwise
+from typing import Annotated
+
+import numpy as np
+
+from microimpact.core.arrays import FloatArray
+from microimpact.core.solve import root
+from microimpact.statistics.distributions import Constant, Normal
+from study.declared.parameters import AngleDegrees, Count, Must, NonNegative, Positive
+from study.studies.analyses.monte_carlo.ensembles import (
+    Ensemble,
+    Plan,
+    estimate,
+    replicate_shares,
+)
+from study.tables import Row
+
+# Standard deviation of a quantity that may lie anywhere within one half-width.
+RECTANGULAR = np.sqrt(3.0)
+# Slopes at which a solution is sought, and relative step of a derivative.
+GRID = 10
+STEP = 0.02
+COVERAGE = 1.96
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SlopeInference:
+    """Measured restitution at an angle, how well it is known, and where slopes are sought."""
+
+    # What is printed.
+    angle_deg: AngleDegrees
+    restitution: NonNegative
+    # Half-widths of the angle as printed, and of the smooth surface's restitution.
+    angle_half_width_deg: NonNegative
+    restitution_half_width: NonNegative
+    events_measured: Count  # Events behind one measured mean
+    # Between which the standard deviation of the slope is sought.
+    smallest_sd: Positive
+    largest_sd: Annotated[Positive, Must("above", "smallest_sd")]
+    laboratory_sd: Positive  # That of the virtual laboratory, per axis
+    plan: Plan  # Events drawn
+
+
+def with_slope(ensemble: Ensemble, sd: float, *, two_axes: bool) -> Ensemble:
+    """Return an ensemble on normal slopes, across the motion as along it or as they were."""
+    slope = Normal(sd=sd)
+    across = slope if two_axes else ensemble.process.cross_slope
+    return replace(ensemble, process=replace(ensemble.process, slope=slope, cross_slope=across))
+
+
+def infer_slope(ensemble: Ensemble, settings: SlopeInference, *, two_axes: bool) -> Row:
+    """Return the standard deviation of the slope that meets the restitution, and its uncertainty.
+
+    All slopes share their random numbers, so that the restitution is a smooth function of the
+    slope. The uncertainty has four parts: the interval of a mean of so many events, angle and
+    smooth restitution within their half-widths, and the number of events drawn.
+
+    Parameters
+    ----------
+    ensemble
+        Rules, model and all parameters but the slope, which is taken as normal.
+    settings
+        Restitution to be met.
+    two_axes
+        Whether the surface slopes across the motion too.
+    """
+    ensemble = replace(ensemble, plan=settings.plan)
+
+    def moved(sd: float, offset: float) -> Ensemble:
+        process = replace(ensemble.process, restitution_offset=Constant(at=offset))
+        return with_slope(replace(ensemble, process=process), sd, two_axes=two_axes)
+
+    numbers = range(settings.plan.replicates)
+    shares = [replicate_shares(moved(settings.largest_sd, 0.0), 0, number) for number in numbers]
+
+    @cache
+    def measured(sd: float, angle: float = 0.0, offset: float = 0.0) -> float:
+        at = settings.angle_deg + angle
+        return estimate(moved(sd, offset), at, shares=shares).restitution
+
+    grid = np.geomspace(settings.smallest_sd, settings.largest_sd, GRID)
+
+    def solved(angle: float, offset: float) -> float:
+        return _first_crossing(lambda sd: measured(sd, angle, offset) - settings.restitution, grid)
+
+    values = [measured(float(sd), 0.0, 0.0) for sd in grid]
+    sd = solved(0.0, 0.0)
+    row: Row = {
+        "largest_restitution": max(values),
+        "slope_sd_of_largest": float(grid[np.argmax(values)]),
+        "reached": bool(np.isfinite(sd)),
+    }
+    if not row["reached"]:
+        return row
+
+    def half_range(angle: float, offset: float) -> float:
+        return 0.5 * abs(solved(angle, offset) - solved(-angle, -offset))
+
+    at = estimate(with_slope(ensemble, sd, two_axes=two_axes), settings.angle_deg)
+    step = STEP * sd
+    rate = (measured(sd + step) - measured(sd - step)) / (2.0 * step)
+    parts = {
+        "u_events_measured": at.restitution_sd / np.sqrt(settings.events_measured) / rate,
+        "u_angle": half_range(settings.angle_half_width_deg, 0.0) / RECTANGULAR,
+        "u_smooth_restitution": half_range(0.0, settings.restitution_half_width) / RECTANGULAR,
+        "u_events_drawn": at.restitution_error / rate,
+    }
+    total = float(np.sqrt(sum(np.square(list(parts.values())))))
+    laboratory = settings.laboratory_sd
+    return row | {
+        "slope_sd": sd,
+        **{name: float(value) for name, value in parts.items()},
+        "u_slope_sd": total,
+        "slope_sd_low": sd - COVERAGE * total,
+        "slope_sd_high": sd + COVERAGE * total,
+        "laboratory_slope_sd": laboratory,
+        "laboratory_within": abs(laboratory - sd) <= COVERAGE * total,
+    }
+
+
+def _first_crossing(function: Callable[[float], float], grid: FloatArray) -> float:
+    """Return where a function first ascends through zero, infinity if it does not on the grid."""
+    for low, high in pairwise(map(float, grid)):
+        if function(high) >= 0.0:
+            # The function has small steps where an event comes to be accepted.
+            return root(function, low, high, absolute=1e-5)
+    return np.inf

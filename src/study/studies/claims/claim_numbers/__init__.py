@@ -1,0 +1,126 @@
+"""Numbers behind the claims of the article, by section; the claims ledger judges them.
+
+One function per claim, named after it; its docstring says what is computed. What the article
+states, and the criteria, are in ``config/claims.yaml``.
+"""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from microimpact.core.nearest import nearest
+from study.studies.claims import NUMBER_COLUMNS
+from study.studies.claims.claim_numbers import (
+    conclusions,
+    designs,
+    draws,
+    dynamics,
+    empirical,
+    experiments,
+    oblique,
+    rigid_body,
+    roughness,
+    spores,
+)
+from study.studies.claims.claim_numbers.claim import CLAIMS, NOT_COMPUTED, rows
+from study.studies.claims.claim_numbers.context import Context
+from study.studies.claims.claim_numbers.params import Params
+from study.tables import Tables
+
+__all__ = ["CLAIMS", "NOT_COMPUTED", "SECTIONS", "Params", "numbers_of", "run"]
+
+NEEDS = {
+    "admissible_contacts": ("admissible_contacts",),
+    "calibration": ("calibration", "calibration_family", "molybdenum_capture"),
+    "force_history": ("force_ratios",),
+    "rolling_dissipation": ("rolling_dissipation",),
+    "restitution_fits": ("restitution_fits",),
+    "track_imaging": ("ptis_range",),
+    "pair_search": ("pairing_quality",),
+    "interval_coverage": ("interval_coverage",),
+    "pile_up": ("pile_up",),
+    "mechanisms": (
+        "adhesion_or_roughness",
+        "formica_mechanism",
+        "loss_resolution",
+        "loss_slopes",
+        "smooth_spore",
+        "speed_and_angle",
+        "spin_needed",
+        "spin_or_tilt",
+        "spore_comparison",
+        "spore_trends",
+        "surface_pairs",
+    ),
+    "doe": ("doe_bd_aliasing", "doe_design", "doe_effects", "doe_elasticities", "doe_levels"),
+    "monte_carlo": ("monte_carlo",),
+}
+PRINTED_VALUES = (
+    "restitution_sst76_silicon",
+    "capture_velocity_sst_silicon",
+    "normal_speed_lycopodium_48deg",
+    "normal_speed_lycopodium_38deg",
+)
+
+# Modules in the order of the article; each registers the claims of its sections.
+SECTIONS = (
+    experiments,
+    oblique,
+    spores,
+    rigid_body,
+    dynamics,
+    empirical,
+    roughness,
+    designs,
+    conclusions,
+)
+
+
+def run(params: Params, inputs: Tables) -> Tables:
+    """Compute the numbers of every claim.
+
+    A claim that cannot be computed with the settings has a row that says why, and leaves the others
+    alone.
+
+    Parameters
+    ----------
+    params
+        Settings of all claims.
+    inputs
+        ``materials``, ``contacts``, ``printed``: declared rows; tables of earlier studies by name.
+
+    Returns
+    -------
+    dict of pandas.DataFrame
+        ``claim_numbers``: per claim, case and quantity its value, error and code; in the column
+        ``problem``, why there is none. ``claim_draws``: numbers of some claims for admissible
+        contacts.
+    """
+    context = Context(params=params, inputs=inputs)
+    ascending = sorted(CLAIMS, key=lambda name: int(name[1:]))
+    numbers = [row for name in ascending for row in rows(name, context)]
+    return {
+        "claim_numbers": pd.DataFrame(numbers, columns=list(NUMBER_COLUMNS)),
+        "claim_draws": draws_of(params, inputs),
+    }
+
+
+def draws_of(params: Params, inputs: Tables) -> pd.DataFrame:
+    """Return the numbers of the claims that admissible contacts decide, for every draw.
+
+    Of the tables, only ``calibration`` and ``admissible_contacts`` are read.
+    """
+    numbers = draws.rows_of(params, inputs, draws.chosen(params, inputs))
+    return pd.DataFrame([row for draw in numbers for row in draw], columns=list(draws.COLUMNS))
+
+
+def numbers_of(claim: str, params: Params, inputs: Tables) -> pd.DataFrame:
+    """Return the numbers of one claim, as rows of the table of all.
+
+    `claim`: such as ``C58``; `params`, `inputs`: as in `run`; of the tables those that the claim
+    reads. Raises ValueError if no function computes such a claim.
+    """
+    if claim not in CLAIMS:
+        raise ValueError(f"no function computes a claim {claim!r}{nearest(claim, CLAIMS)}")
+    context = Context(params=params, inputs=inputs)
+    return pd.DataFrame(list(rows(claim, context)), columns=list(NUMBER_COLUMNS))

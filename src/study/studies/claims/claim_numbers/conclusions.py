@@ -1,0 +1,155 @@
+"""Numbers of the claims of Sections 6 and 7: what the article concludes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.core.solve import threshold
+from microimpact.lab.experiment import Target
+from microimpact.lab.surface import Rebound, rough
+from microimpact.model.closed_forms import YIELD_PRESSURE_RATIO, plastic_restitution, yield_velocity
+from microimpact.model.contact import Contact
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import planar, simulate, velocity_components
+from microimpact.model.dynamics.rolling import gravity_ratio, rolling_distance
+from microimpact.statistics.distributions import generator
+from study.studies.claims.claim_numbers.claim import claim
+from study.studies.claims.claim_numbers.context import Context, Numbers, without_adhesion
+
+ANALYSIS = 98
+# Where normal speeds of capture are looked for, relative to the one known.
+AROUND = 1e-3
+# To how much of the nominal normal speed apparent capture is found.
+APPARENT = 1e-3
+
+
+@claim("C40", by_case=True)
+def c40(context: Context) -> Numbers:
+    """Spin after impact, the largest over all rebounds."""
+    _, impact = context.rebounds()
+    return {"largest_final_spin": np.max(np.abs(impact.spin))}
+
+
+@claim("C58")
+def c58(context: Context) -> Numbers:
+    """Loss by plastic deformation (Thornton and Ning 1998) over the loss measured, by hardness.
+
+    Beside it the greatest pressure by Hertz without adhesion and damping, ``p_0 = 3 F/(2 pi a^2)``
+    with ``F = K a^3/r``, and the yield strength at which nothing yields.
+    """
+    elastic = without_adhesion(context.steel).replace(hertz_damping=0.0)
+    depth = simulate(elastic, context.speed).maximum_compression
+    pressure = 1.5 / np.pi * elastic.stiffness * np.sqrt(depth / elastic.hertz_radius)
+    measured = 1.0 - context.params.steel.restitution**2
+    common = {
+        "yield_strength_for_no_yield": pressure / YIELD_PRESSURE_RATIO * 1e-6,
+        "peak_hertz_pressure": pressure * 1e-9,
+    }
+
+    def lost(strength: float) -> float:
+        limit = yield_velocity(elastic, strength * 1e6)
+        return 1.0 - float(plastic_restitution(context.speed, limit)) ** 2
+
+    return {
+        name: {"plastic_loss_over_measured_loss": lost(strength) / measured, **common}
+        for name, strength in context.params.capture.yield_strengths_MPa.items()
+    }
+
+
+@claim("C59", by_case=True)
+def c59(context: Context) -> Numbers:
+    """Loss of energy, rotation included, with friction less that without; least of all rebounds."""
+    angles = np.array(context.params.steel.angles_deg)
+    rough = context.steel_impacts(context.speed, angles)
+
+    def smooth(steel: Contact) -> FloatArray:
+        return context.hit(steel.replace(friction=0.0), context.speed, angles[:, None]).energy_loss
+
+    added = rough.energy_loss - context.of_steel(("C59",), smooth)
+    oblique = ~rough.captured & (angles < 90.0)
+    return {"least_added_loss_of_total_energy": np.min(added[oblique])}
+
+
+@claim("C97", by_case=True)
+def c97(context: Context) -> Numbers:
+    """How far a captured sphere rolls, and the moment of its weight over that of adhesion.
+
+    It comes at the steepest angle at which it is captured, and adhesion alone stops it: the weight,
+    which would carry it further, is given, too.
+    """
+    capture, contact = context.params.capture, context.steel
+    angle = context.capture_angle()
+    along = capture.kept_share * velocity_components(context.speed, angle)[1]
+    numbers = {}
+    for shift in capture.shifts_nm:
+        lag = shift * 1e-9
+        distance = rolling_distance(contact, along, lag) * 1e3
+        numbers[f"shift {shift:g} nm"] = {
+            "distance_rolled_over_half_width_of_spot": distance / capture.spot_mm,
+            "gravity_moment_over_rolling_moment": gravity_ratio(contact, lag, 90.0 - angle),
+        }
+    return numbers
+
+
+@claim("C98", by_case=True)
+def c98(context: Context) -> Numbers:
+    """Normal speeds of capture without slopes, and where half are captured with them."""
+    capture, contact = context.params.capture, context.steel
+    *speeds, upright = decoupled_speeds(contact, np.array([*capture.decoupled_angles_deg, 90.0]))
+    apparent, steep = (
+        apparent_speed(context, contact, angle) for angle in (capture.oblique_angle_deg, 90.0)
+    )
+    apart = np.max(np.abs(np.array(speeds) / upright - 1.0))
+    return {
+        "largest_difference_of_normal_capture_speeds_over_angles": apart,
+        "ratio_of_apparent_capture_speeds": apparent / steep,
+        "share_that_rolls_away_or_bounces_again": share_lost(context, contact, apparent),
+    }
+
+
+def decoupled_speeds(contact: Contact, angle: FloatArray) -> FloatArray:
+    """Return the normal speed at which capture ends at angles of incidence in degrees."""
+    limit = float(capture_velocity(contact))
+    low, high = (np.full(angle.shape, limit * (1.0 + side * AROUND)) for side in (-1.0, 1.0))
+    into, along = velocity_components(1.0, angle)
+
+    def leaves(speed: FloatArray) -> BoolArray:
+        return ~planar(contact, -speed, speed * along / -into).captured
+
+    return threshold(leaves, low, high)
+
+
+def apparent_speed(context: Context, contact: Contact, angle: float) -> float:
+    """Return the nominal normal speed below which more than half the spheres stay on slopes."""
+
+    def half_leave(speed: float) -> bool:
+        return float(np.mean(on_slopes(context, contact, angle, speed).captured)) <= 0.5
+
+    limit = float(capture_velocity(contact))
+    return threshold(half_leave, 0.02 * limit, 3.0 * limit, absolute=APPARENT * limit)
+
+
+def on_slopes(context: Context, contact: Contact, angle: float, normal_speed: float) -> Rebound:
+    """Return what identical spheres do on slopes; the same facets whatever the speed."""
+    capture = context.params.capture
+    into, along = velocity_components(normal_speed / np.sin(np.radians(angle)), angle)
+    velocity = np.tile([along, 0.0, into], (capture.spheres, 1))
+    target = Target(contact=contact, surface=rough(capture.slope_sd))
+    diameter, rng = (
+        np.full(capture.spheres, contact.diameter),
+        generator(context.params.sampling.seed, ANALYSIS),
+    )
+    return target.hit(diameter, velocity, np.zeros_like(velocity), rng)
+
+
+def share_lost(context: Context, contact: Contact, normal_speed: float) -> float:
+    """Return the share that strikes again at once, or stays and rolls off the spot."""
+    capture = context.params.capture
+    angle = capture.oblique_angle_deg
+    rebound = on_slopes(context, contact, angle, normal_speed)
+    along = np.hypot(rebound.velocity[:, 0], rebound.velocity[:, 1])
+    lag = max(capture.shifts_nm) * 1e-9
+    distance = rolling_distance(contact, along, lag, 90.0 - angle) * 1e3
+    rolls = rebound.captured & (distance > capture.spot_mm)
+    return float(np.mean(rolls | (rebound.contacts > 1)))

@@ -1,0 +1,461 @@
+"""Numbers of the claims of Section 3.2: the simulation of an impact."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from microimpact.core.arrays import FloatArray, Real
+from microimpact.core.solve import root
+from microimpact.lab.events import Impacts
+from microimpact.model.contact import Contact, resized
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import Impact, simulate
+from microimpact.model.dynamics.normal import losses, normal_impact
+from microimpact.model.rigid_body.algebra import INERTIA
+from microimpact.statistics.intervals import student_half_width
+from study.studies.claims.claim_numbers.claim import claim
+from study.studies.claims.claim_numbers.context import (
+    Context,
+    Numbers,
+    between,
+    without_adhesion,
+)
+from study.studies.claims.claim_numbers.oblique import sampled
+from study.studies.claims.claim_numbers.params import Normal
+from study.studies.claims.claim_numbers.rigid_body import farthest
+from study.studies.contacts import calibrated_contact
+from study.studies.samples import reduce_to
+
+# Factor by which each base unit (mass, length, time) is changed: a power of two is exact.
+UNIT_FACTOR = 2.0
+# Hertz (1882): duration of an elastic impact in greatest compressions over the speed.
+HERTZ_DURATION = 2.9432751
+LASTING = (
+    "shortest_contact",
+    "longest_contact",
+    "shortest_contact_by_hertz",
+    "longest_contact_by_hertz",
+)
+# Tabor (1951): representative strain of an indentation over its radius in sphere radii.
+TABOR_STRAIN = 0.2
+# Columns of the moments that can arise during an impact, over the moment of friction: from all that
+# the impact loses, and from the model's own damping. Those of steady rolling and the bound are none
+# of these: an impact rolls through an eighth of the contact radius at most.
+MOMENTS = ("impact_over_friction", "damping_over_friction")
+# Points of curves over speed.
+POINTS = 60
+# How far from the known capture velocity another is sought, as a logarithm.
+REACH = 3.0
+
+
+@claim("C25")
+def c25(context: Context) -> Numbers:
+    """Exponents of the base units in zeta of Eqs. (23), (24), and the exponent that leaves none.
+
+    Found by changing each base unit in all inputs of the contact.
+    """
+    steel = context.steel
+    zeta = unit_exponents(lambda c: c.adhesion_damping / c.damping_unit, steel)
+    damping = unit_exponents(lambda c: c.adhesion_damping, steel)
+    group = unit_exponents(damping_group, steel)
+    return {
+        "largest_exponent_of_a_base_unit": zeta[np.argmax(np.abs(zeta))],
+        "exponent_that_makes_zeta_dimensionless": -(damping @ group) / (group @ group),
+    }
+
+
+def damping_group(contact: Contact) -> Real:
+    """Return what is raised to a power in Eqs. (23), (24): ``r^3 K v_N^(1/2)/m``."""
+    speed = np.sqrt(np.asarray(contact.reference_velocity, dtype=np.float64))
+    cube: Real = np.power(contact.hertz_radius, 3) * contact.stiffness * speed / contact.mass
+    return cube
+
+
+def unit_exponents(value: Callable[[Contact], Real], contact: Contact) -> FloatArray:
+    """Return the exponents of mass, length and time in a number that a contact gives."""
+    before = np.asarray(value(contact))
+    logarithms = [np.log(value(in_other_units(contact, *powers)) / before) for powers in np.eye(3)]
+    exponents: FloatArray = np.array(logarithms) / np.log(UNIT_FACTOR)
+    return exponents
+
+
+def in_other_units(contact: Contact, mass: float, length: float, time: float) -> Contact:
+    """Return the contact with its numbers in units smaller by 2 to these powers."""
+    m, x, t = UNIT_FACTOR ** np.array([mass, length, time])
+    bodies = {
+        role: replace(
+            body,
+            youngs_modulus=body.youngs_modulus * m / (x * t**2),
+            density=body.density * m / x**3,
+        )
+        for role, body in (("particle", contact.particle), ("surface", contact.surface))
+    }
+    assert contact.work_of_adhesion is not None
+    assert contact.reference_velocity is not None
+    return contact.replace(
+        **bodies,
+        diameter=contact.diameter * x,
+        work_of_adhesion=contact.work_of_adhesion * m / t**2,
+        hertz_damping=contact.hertz_damping * t / x,
+        adhesion_damping=contact.adhesion_damping * t / x,
+        reference_velocity=contact.reference_velocity * x / t,
+    )
+
+
+@claim("C26")
+def c26(context: Context) -> Numbers:
+    """Contact radius at rest with the ring force over that of JKR, ``a^3 = 6 pi w r^2/K``."""
+    ratios = []
+    for steel in (case.steel for case in context.cases()):
+        load = 6.0 * np.pi * np.asarray(steel.work_of_adhesion) * np.square(steel.hertz_radius)
+        ratios.append(steel.equilibrium_contact_radius / np.cbrt(load / steel.stiffness))
+    return {"ratio_of_contact_radii_at_rest": farthest(np.array(ratios))}
+
+
+@claim("C27", by_case=True)
+def c27(context: Context) -> Numbers:
+    """Share of the adhesion's damping in all that is lost, at multiples of the capture velocity.
+
+    The capture velocity is that which the calibration met.
+    """
+    multiples = np.array(context.params.normal.capture_velocities)
+
+    def lost(steel: Contact) -> FloatArray:  # the table is looked into once for all draws
+        speeds = multiples[:, None] * context.calibrated_capture_velocity
+        return losses(steel, speeds).adhesion_share
+
+    shares = context.of_steel(("C27",), lost)
+    names = (f"adhesion_share_at_{speed}_speed" for speed in ("low", "middle", "high"))
+    return dict(zip(names, shares, strict=True))
+
+
+@claim("C28", by_case=True)
+def c28(context: Context) -> Numbers:
+    """Restitution at the high speed and capture velocity, less the printed ones."""
+    e = simulate(context.steel, context.speed).coefficient_of_restitution
+    limit = capture_velocity(context.steel)
+    return {
+        "residual_of_restitution": e - context.printed("restitution_sst76_silicon"),
+        "residual_of_capture_velocity": limit - context.printed("capture_velocity_sst_silicon"),
+    }
+
+
+@claim("C29", by_case=True)
+def c29(context: Context) -> Numbers:
+    """Greatest compression with the ring force over that without: the least over speeds."""
+    normal = context.params.normal
+    speeds = between((normal.slow_speed_m_per_s, context.speed), normal.points)[:, None]
+
+    def ratios(steel: Contact) -> FloatArray:
+        deep, bare = (normal_impact(c, speeds) for c in (steel, without_adhesion(steel)))
+        return deep.maximum_compression / bare.maximum_compression
+
+    ratio = context.of_steel(("C29",), ratios)
+    return {"least_ratio_of_compression_with_to_without_adhesion": np.min(ratio)}
+
+
+@claim("C30")
+def c30(context: Context) -> Numbers:
+    """Least normal force before and after the greatest compression, over the greatest force."""
+    force = context.table("force_ratios").set_index("quantity")["value"]
+    peak, first, second = force[["peak_normal_force", "dip_on_approach", "dip_on_rebound"]]
+    return {
+        "first_dip_over_peak_force": first / peak,
+        "second_dip_over_peak_force": second / peak,
+        "ratio_of_second_to_first_dip": second / first,
+    }
+
+
+@claim("C31")
+def c31(context: Context) -> Numbers:
+    """Work of adhesion that gives the printed ring force by Eq. (30)."""
+    return {"work_of_adhesion_by_eq_30": context.fluorescein.work_of_adhesion}
+
+
+@claim("C32")
+def c32(context: Context) -> Numbers:
+    """Greatest ring force over greatest Hertz force."""
+    ratio = "peak_adhesion_over_peak_hertz"
+    return {ratio: context.number("force_ratios", "value", quantity=ratio)}
+
+
+@claim("C33")
+def c33(context: Context) -> Numbers:
+    """Greatest damping force of adhesion over greatest ring force."""
+    ratio = "peak_adhesion_dissipation_over_adhesion"
+    return {ratio: context.number("force_ratios", "value", quantity=ratio)}
+
+
+@claim("C34")
+def c34(context: Context) -> Numbers:
+    """Ends of the interval of capture velocities over the contacts that both ratios admit."""
+    diameter = context.params.fluorescein.diameter_um
+    rows = context.table("molybdenum_capture", diameter_um=diameter)
+    low, high = rows[["low_m_per_s", "high_m_per_s"]].iloc[0]
+    return {
+        "least_capture_velocity": low,
+        "greatest_capture_velocity": high,
+        "greatest_over_least_capture_velocity": high / low,
+    }
+
+
+@claim("C35")
+def c35(context: Context) -> Numbers:
+    """Capture velocity of the calibrated contact on mica, and its work over that on molybdenum."""
+    mica = calibrated_contact(context.inputs, context.params.fluorescein.on_mica)
+    work, on_molybdenum = (np.asarray(c.work_of_adhesion) for c in (mica, context.fluorescein))
+    return {
+        "capture_velocity": capture_velocity(mica),
+        "work_of_adhesion_over_that_on_molybdenum": work / on_molybdenum,
+    }
+
+
+@claim("C36", by_case=True)
+def c36(context: Context) -> Numbers:
+    """Capture velocity of the calibrated contact."""
+    return {"capture_velocity": capture_velocity(context.steel)}
+
+
+@claim("C37", by_case=True)
+def c37(context: Context) -> Numbers:
+    """Shortest and longest contact of the rebounds over a range of speeds, by size class."""
+    normal = context.params.normal
+    named = normal.lasting_diameters_um
+    sizes = np.array(list(named.values()))[:, None] * 1e-6
+    lasts = context.of_steel(("C37",), lambda steel: lasting(normal, resized(steel, sizes)))
+    if np.any(np.isnan(lasts)):
+        raise ValueError("normal.lasting_speeds_m_per_s: no sphere rebounds at them")
+    return {
+        name: dict(zip(LASTING, times, strict=True))
+        for name, times in zip(named, lasts, strict=True)
+    }
+
+
+def lasting(normal: Normal, spheres: Contact) -> FloatArray:
+    """Return the contacts of spheres (sizes, draws), ns, by `LASTING`: (sizes, numbers, draws).
+
+    Just above its capture velocity contact lasts longest: that speed is added. nan where no sphere
+    rebounds.
+    """
+    low, high = normal.lasting_speeds_m_per_s
+    limit = np.clip(capture_velocity(spheres) * (1.0 + normal.above_capture), low, high)
+    speeds = between((low, high), normal.points)[:, None, None]
+    speeds = np.concatenate([np.broadcast_to(speeds, (normal.points, *limit.shape)), limit[None]])
+    impact = normal_impact(spheres, speeds)
+    # Hertz: K sqrt(r) s^(5/2) = 5/4 m v^2.
+    stiffness = np.sqrt(spheres.hertz_radius) * spheres.stiffness
+    deepest = np.power(1.25 * spheres.mass * np.square(speeds) / stiffness, 0.4)
+    ends = []
+    for times in (impact.contact_time, HERTZ_DURATION * deepest / speeds):
+        of_rebounds = np.where(impact.captured, np.nan, times * 1e9)
+        ends += [np.fmin.reduce(of_rebounds), np.fmax.reduce(of_rebounds)]
+    return np.stack(ends, axis=1)
+
+
+@claim("C38", by_case=True)
+def c38(context: Context) -> Numbers:
+    """Strain of a normal impact over half its duration, by three measures of strain."""
+    steel = context.steel
+    impact = context.steel_impacts(context.speed)
+    compression, reach = impact.maximum_compression, steel.radius * impact.contact_time / 2.0
+    contact_radius = np.sqrt(steel.hertz_radius * compression)
+    return {
+        "rate_of_radius_strain": contact_radius / reach,
+        "rate_of_tabor_strain": TABOR_STRAIN * contact_radius / reach,
+        "rate_of_compression_strain": compression / reach,
+    }
+
+
+@claim("C39", by_case=True)
+def c39(context: Context) -> Numbers:
+    """Spin after the impact at 50 deg."""
+    angle = context.params.oblique.spin_angle_deg
+    return {"final_spin": context.steel_impacts(context.speed, angle).spin}
+
+
+@claim("C41", by_case=True)
+def c41(context: Context) -> Numbers:
+    """How far the loss without rotation lies above the true one, and what rotation holds.
+
+    The gap of the means over the half-width of the 95 % interval that an experiment has for the
+    loss without rotation, the largest over the declared angles; the least gap, and the share of
+    rotation in the final energy at 50 deg, of the mean sphere.
+    """
+    steel, angles = context.steel, context.params.steel.angles_deg
+    oblique = np.array([angle for angle in angles if angle < 90.0])
+    gaps = [gap_over_half_width(context, float(angle)) for angle in oblique]
+    _, impact = context.rebounds(oblique)
+    at_50 = context.hit(steel, context.speed, context.params.oblique.spin_angle_deg)
+    return {
+        "largest_gap_of_losses_over_half_width": max(gaps),
+        "least_gap_of_losses": np.min(impact.translational_energy_loss - impact.energy_loss),
+        "rotational_share_of_final_energy": rotational_share(steel, at_50),
+    }
+
+
+def gap_over_half_width(context: Context, angle: float) -> float:
+    """Return the gap of both losses over the half-width of that which is measured.
+
+    It is 0 where so few rebound that there is no such experiment.
+    """
+    params = context.params
+    impacts = sampled(context, replace(params.smooth, friction=params.steel.friction), angle)
+    free = impacts.select(~impacts.captured)
+    if len(free) < params.sampling.events:
+        return 0.0
+    loss = reduce_to(free.in_plane, len(impacts), params.sampling).means["energy_loss"]
+    gap = np.mean(gained_by_rotation(free))
+    return float(gap / student_half_width(loss.sd, params.sampling.events, loss.systematic))
+
+
+def gained_by_rotation(impacts: Impacts) -> FloatArray:
+    """Return the rotational energy gained over the translational energy before each impact."""
+    radius = 0.5 * impacts.diameter
+    gained = np.sum(np.square(impacts.rebound_spin) - np.square(impacts.spin), axis=1)
+    before = np.sum(np.square(impacts.velocity), axis=1)
+    share: FloatArray = INERTIA * np.square(radius) * gained / before
+    return share
+
+
+def rotational_share(contact: Contact, impact: Impact) -> float:
+    """Return the share of rotation in the kinetic energy after an impact."""
+    rotation = INERTIA * np.square(contact.radius * impact.spin)
+    moving = np.square(impact.normal_velocity) + np.square(impact.tangential_velocity)
+    return float(rotation / (rotation + moving))
+
+
+@claim("C42", by_case=True)
+def c42(context: Context) -> Numbers:
+    """Greatest impulse of the moments that can arise in an impact over that of friction.
+
+    Over all rebounds of the table; beside it what steady rolling would give and what no moment
+    exceeds, the greatest contact radius over the radius, and the distance rolled over it.
+    """
+    table = context.table("rolling_dissipation")
+    rows = table[table["captured"].astype(str) == "False"]
+    if rows.empty:
+        raise ValueError("rolling_dissipation: no rebound")
+    largest = rows.max(numeric_only=True)
+    return {
+        "largest_rolling_moment_over_friction_moment": largest[list(MOMENTS)].max(),
+        "largest_contact_radius_over_radius": largest["contact_radius_over_r"],
+        "largest_moment_of_steady_rolling_over_friction_moment": largest["steady_over_friction"],
+        "largest_bound_of_moment_over_friction_moment": largest["bound_over_friction"],
+        "largest_distance_rolled_over_contact_radius": largest["rolled_over_contact_radius"],
+    }
+
+
+@claim("C70", by_case=True)
+def c70(context: Context) -> Numbers:
+    """Share of the loss at the nominal speed that goes into damped adhesion."""
+    share = context.of_steel(("C70",), lambda steel: losses(steel, context.speed).adhesion_share)
+    return {"adhesion_share_of_normal_loss": share}
+
+
+@claim("C99", by_case=True)
+def c99(context: Context) -> Numbers:
+    """Error of e at speeds not fitted, and how far members of the family differ."""
+    contact, settings = context.steel, context.params.losses
+    e = simulate(contact, np.array(settings.held_out_speeds_m_per_s)).coefficient_of_restitution
+    members = flat_members(context, contact)
+    at_open_speed = simulate(members, settings.open_speed_m_per_s).coefficient_of_restitution
+    error = np.max(np.abs(e - context.params.steel.restitution))
+    return {
+        "largest_error": error,
+        "spread_of_members": np.ptp(at_open_speed),
+    }
+
+
+def flat_members(context: Context, contact: Contact) -> Contact:
+    """Return the members (n,) of the family that keep e flat enough, of all rate exponents.
+
+    Raises ValueError if there is none.
+    """
+    table = context.table("calibration_family")
+    flat = table[table["deviation_from_plateau"] <= context.params.losses.flat_within]
+    if flat.empty:
+        raise ValueError("flat_within: no member of the calibrated family is so flat")
+    return contact.replace(
+        work_of_adhesion=flat["work_of_adhesion_J_per_m2"].to_numpy(float),
+        hertz_damping=flat["hertz_damping_s_per_m"].to_numpy(float),
+        adhesion_damping=flat["adhesion_damping_s_per_m"].to_numpy(float),
+        adhesion_rate_exponent=flat["rate_exponent"].to_numpy(float),
+    )
+
+
+@claim("C100", by_case=True)
+def c100(context: Context) -> Numbers:
+    """What it changes to hold zeta at each impact's own speed, or at another nominal one."""
+    contact, settings = context.steel, context.params.losses
+    speed = np.geomspace(*settings.normalised_speeds_m_per_s, POINTS)
+    renamed = renormalised(contact, settings.other_speed_m_per_s)
+    e, each, again = (
+        simulate(c, speed).coefficient_of_restitution
+        for c in (contact, at_own_speed(contact, speed), renamed)
+    )
+    return {
+        "largest_change_of_restitution_with_each_speed": np.max(np.abs(each - e)),
+        "largest_change_of_restitution_with_another_nominal_speed": np.max(np.abs(again - e)),
+        "capture_velocity_ratio_with_each_speed": capture_ratio(contact),
+    }
+
+
+def at_own_speed(contact: Contact, speed: Real) -> Contact:
+    """Return the contact with the zeta of Eqs. (23) and (24) held, v_N the speed of each impact."""
+    unit = contact.replace(reference_velocity=speed).damping_unit / contact.damping_unit
+    return contact.replace(
+        hertz_damping=contact.hertz_damping * unit, adhesion_damping=contact.adhesion_damping * unit
+    )
+
+
+def renormalised(contact: Contact, speed: float) -> Contact:
+    """Return the same contact by zeta at another nominal speed."""
+    # damping that varies with the rate is quoted at the nominal speed
+    adhesion = contact.adhesion_damping_at(speed)
+    bare = contact.replace(reference_velocity=speed)
+    return Contact.from_zeta(
+        zeta_hertz=contact.hertz_damping / bare.damping_unit,
+        zeta_adhesion=adhesion / bare.damping_unit,
+        reference_velocity=speed,
+        particle=contact.particle,
+        surface=contact.surface,
+        diameter=contact.diameter,
+        work_of_adhesion=contact.work_of_adhesion,
+        friction=contact.friction,
+        adhesion_rate_exponent=contact.adhesion_rate_exponent,
+    )
+
+
+def capture_ratio(contact: Contact) -> float:
+    """Return the capture velocity with zeta at each speed over that with one; 1 without damping."""
+    limit = float(capture_velocity(contact))
+    if limit == 0.0:
+        return 1.0
+
+    def excess(log_speed: float) -> float:
+        speed = float(np.exp(log_speed))
+        return log_speed - float(np.log(capture_velocity(at_own_speed(contact, speed))))
+
+    start = float(np.log(limit))
+    return float(np.exp(root(excess, start - REACH, start + REACH, absolute=1e-12) - start))
+
+
+@claim("C103")
+def c103(context: Context) -> Numbers:
+    """Ratio of r/T_H to the group of Eqs. (23) and (24), for an elastic sphere."""
+    elastic = context.steel.replace(
+        work_of_adhesion=0.0,
+        hertz_damping=0.0,
+        adhesion_damping=0.0,
+        reference_velocity=context.speed,
+    )
+    period = hertz_period(elastic, context.speed)
+    return {"ratio_of_expressions": elastic.hertz_radius / period * elastic.damping_unit}
+
+
+def hertz_period(elastic: Contact, speed: float) -> Real:
+    """Return the duration of an elastic impact without adhesion, s."""
+    return float(simulate(elastic, speed).contact_time)

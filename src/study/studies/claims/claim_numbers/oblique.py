@@ -1,0 +1,563 @@
+"""Numbers of the claims of Sections 2.4.1 and 2.4.2: oblique impacts on silicon and mirrors."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from microimpact.core.arrays import BoolArray, FloatArray, Real
+from microimpact.core.solve import IntArray, root, threshold
+from microimpact.lab.dispenser import NO_SPIN, InitialSpin
+from microimpact.lab.events import Impacts
+from microimpact.lab.experiment import StopRule
+from microimpact.lab.ptis.experiment import collect
+from microimpact.lab.reduction import EXACT, Mean
+from microimpact.model.contact import Contact
+from microimpact.model.dynamics.impact import Impact, simulate, velocity_components
+from microimpact.model.rigid_body.roughness import measured_restitution
+from microimpact.statistics.distributions import generator
+from study.studies.claims.claim_numbers.claim import claim
+from study.studies.claims.claim_numbers.context import (
+    Context,
+    Estimate,
+    Numbers,
+    of_share,
+    over_draws,
+)
+from study.studies.experiments.mechanisms.impulse_regions import regions
+from study.studies.experiments.mechanisms.spin import rolling_limit
+from study.studies.samples import Dropped, Sample, half_width, in_class
+
+# Speeds in m/s between which that of capture is sought: none below, all above.
+SLOWEST, FASTEST = 1e-3, 1e2
+# Steps in which ranges of angles are walked, degrees.
+COARSE, FINE = 1.0, 0.01
+COARSE_STEPS = round(COARSE / FINE)
+# Curves of rebounds begin so much above the normal speed of capture.
+ABOVE_CAPTURE = 1e-6
+# Greatest spread of spins, r omega/v, that is tried.
+WIDEST_SPREAD = 10.0
+# Second number of the key of the stream of repeated experiments; the first is that of the claim.
+ANALYSIS, SPREAD = 109, 0
+
+
+@claim("C09")
+def c09(context: Context) -> Numbers:
+    """Normal speed of capture at 30 deg over that at 90 deg, the larger ratio of all cases."""
+    shallow, steep = context.params.oblique.captured_at_deg
+    ratios = [
+        normal_capture_speed(case, shallow) / normal_capture_speed(case, steep)
+        for case in context.cases()
+    ]
+    return {"ratio_of_normal_capture_speeds": max(ratios)}
+
+
+def normal_capture_speed(context: Context, angle: float) -> float:
+    """Return the speed normal to the nominal surface at which simulated impacts begin to rebound.
+
+    The sphere meets a facet that faces it by the slope declared, as a rule none.
+    """
+    steel, local = context.steel, angle + context.params.oblique.facet_slope_deg
+    local = min(local, 180.0 - local)
+
+    def rebounds(log_speed: float) -> bool:
+        return not context.hit(steel, np.exp(log_speed), local).captured
+
+    speed = np.exp(threshold(rebounds, np.log(SLOWEST), np.log(FASTEST)))
+    return float(speed * np.sin(np.radians(angle)))
+
+
+@claim("C10", by_case=True)
+def c10(context: Context) -> Numbers:
+    """Angle at which the sphere that leaves begins to roll."""
+    context.rebounds()  # or there is no limit
+
+    def limit(steel: Contact) -> FloatArray:
+        def rolls(angle: FloatArray) -> BoolArray:
+            return context.hit(steel, context.speed, angle).rolling
+
+        low = context.shallowest_rebounds()
+        high = np.full(low.shape, 90.0)
+        known = ~rolls(low) & rolls(high)
+
+        def begun(angle: FloatArray) -> BoolArray:
+            return np.where(known, rolls(angle), angle >= 90.0)
+
+        return np.where(known, threshold(begun, low - ~known, high), np.nan)
+
+    return {"rolling_to_sliding_angle": context.of_steel(("C10",), limit)}
+
+
+@claim("C11")
+def c11(context: Context) -> Numbers:
+    """Greatest true and measured restitution over shallow angles and facets up to the angle.
+
+    The impact with the facet is simulated; Eq. (35) gives what is measured about the nominal
+    surface. The largest over all cases.
+    """
+    oblique = context.params.oblique
+    angles = np.linspace(*oblique.rough_angles_deg, oblique.points)[:, None]
+    slopes = angles * np.linspace(0.0, 1.0, oblique.points)
+    true, measured, bounded = [], [], []
+    for case in context.cases():
+        impact = case.hit(case.steel, context.speed, angles + slopes)
+        e, mu = impact.coefficient_of_restitution, -impact.impulse_ratio
+        seen = np.asarray(measured_restitution(np.radians(angles), np.radians(slopes), e, mu))
+        free = ~impact.captured
+        if not free.any():
+            raise ValueError(f"oblique.rough_angles_deg: no rebound at {context.speed:g} m/s")
+        true.append(e[free].max())
+        measured.append(seen[free].max())
+        bounded.append((seen * np.sin(np.radians(angles)))[free].max())
+    return {
+        "largest_true_restitution": max(true),
+        "largest_measured_restitution": max(measured),
+        "largest_measured_restitution_times_sine": max(bounded),
+    }
+
+
+@claim("C12", by_case=True)
+def c12(context: Context) -> Numbers:
+    """Change of the translational loss between 85 and 50 deg, over its value at 85 deg."""
+    oblique = context.params.oblique
+    loss = translational_loss(context, oblique.loss_speed_m_per_s, *oblique.level_loss_deg)
+    return {"largest_relative_change_of_energy_loss": np.max(np.abs(loss / loss[0] - 1.0))}
+
+
+@claim("C13", by_case=True)
+def c13(context: Context) -> Numbers:
+    """Translational loss at 10 deg, and its greatest rise above any value at a steeper angle."""
+    loss = translational_loss(context, context.speed, *context.params.oblique.falling_loss_deg)
+    return {
+        "energy_loss_at_shallow_angle": loss[-1],
+        "largest_rise_towards_shallow_angles": np.max(loss - np.minimum.accumulate(loss)),
+    }
+
+
+def translational_loss(context: Context, speed: float, steep: float, shallow: float) -> FloatArray:
+    """Return the loss of Eq. (3) in all steps from the steep angle to the shallow one."""
+    angles = context.all_angles(steep, shallow)
+    return np.asarray(context.steel_impacts(speed, angles).translational_energy_loss)
+
+
+@claim("C14")
+def c14(context: Context) -> Numbers:
+    """Eta of Eq. (13) against the inverse tangent, and the latter and its square below 45 deg."""
+    angles = context.all_angles()
+    v_n, v_t = velocity_components(context.speed, angles)
+    eta = inverse_tangent(np.radians(angles))
+    # The signed eta of Eq. (13) is negative: the sphere approaches.
+    below = eta[angles < 45.0]
+    return {
+        "largest_difference_from_eq_13": np.max(np.abs(-v_t / v_n - eta)),
+        "least_eta": np.min(below),
+        "least_ratio_of_square_to_eta": np.min(np.square(below) / below),
+    }
+
+
+def inverse_tangent(angle: FloatArray) -> FloatArray:
+    """Return the printed tan^-1 of an angle (rad), read as the reciprocal of the tangent."""
+    cotangent: FloatArray = np.sin(0.5 * np.pi - angle) / np.sin(angle)
+    return cotangent
+
+
+@claim("C15", by_case=True)
+def c15(context: Context) -> Numbers:
+    """Impulse ratio of a slow oblique impact with the spin of a sphere that has rolled."""
+    slow, contact = context.params.slow, context.steel
+    speed = min(slow.speeds_m_per_s)
+    spin = slow.spin_ratio * speed / contact.radius
+    impact = simulate(contact, speed, slow.spin_deg, spin)
+    return {"impulse_ratio_with_greatest_spin": impact.impulse_ratio}
+
+
+@claim("C16", by_case=True)
+def c16(context: Context) -> Numbers:
+    """Share captured, and mean restitution, of slow impacts below a normal speed.
+
+    At the declared angles at which the nominal speed leads there. A captured sphere counts with the
+    restitution 0 that it has: where none rebounds there is no other mean.
+    """
+    slow = context.params.slow
+    angles = np.array(context.params.steel.angles_deg)
+    limit = slow.normal_speed_below_m_per_s
+    dropped = replace(slow.dropped, speed_m_per_s=slow.speeds_m_per_s[-1])
+    below = angles[dropped.speed_m_per_s * np.sin(np.radians(angles)) < limit]
+    stayed, restitution = [], []
+    for angle in below:
+        impacts = sampled(context, dropped, float(angle))
+        chosen = impacts.select(-impacts.velocity[:, 2] < limit)
+        stayed += chosen.captured.tolist()
+        rebound = np.where(chosen.captured, 0.0, chosen.rebound_velocity[:, 2])
+        restitution += (-rebound / chosen.velocity[:, 2]).tolist()
+    return {
+        "captured_share": of_share(np.mean(stayed), len(stayed)),
+        "mean_restitution": np.mean(restitution),
+    }
+
+
+def sampled(context: Context, dropped: Dropped, angle: float) -> Impacts:
+    """Return the impacts of the speed class at one angle, of the context's case."""
+    case_dropped = replace(dropped, case=context.case)
+    sampling = context.params.sampling
+    impacts = Sample(
+        dropped=case_dropped, contact=context.contact(case_dropped), sampling=sampling
+    ).impacts(angle)
+    return impacts.select(in_class(case_dropped, impacts))
+
+
+@claim("C67", by_case=True)
+def c67(context: Context) -> Numbers:
+    """Kinds of regions of the mean impulse ratio, and the transition, with and without spins."""
+    smooth = context.params.smooth
+    spin = InitialSpin(mean=0.0, sd=context.params.regions.spin_sd)
+    return {
+        "no spin": found_regions(context, smooth),
+        "spins of either sense": found_regions(context, replace(smooth, spin=spin)),
+    }
+
+
+def found_regions(context: Context, dropped: Dropped) -> Numbers:
+    """Return the kinds of regions between change points, and the width of the transition."""
+    wanted = context.params.regions
+    angle = np.array(wanted.angles_deg)
+    means = [context.mean("impulse_ratio", dropped, a, context.series) for a in angle.tolist()]
+    mean, error = np.array(means, dtype=float).T
+    known = np.isfinite(mean)
+    if not known.any():
+        raise ValueError("regions.angles_deg: at none of them is there a mean of rebounds")
+    parts = regions(angle[known], mean[known], error[known], wanted.constant_within)
+    width = sum(part["width_deg"] for part in parts if part["region"] == "transition")
+    kinds = {part["region"] for part in parts}
+    if width < wanted.least_transition_deg:
+        kinds.discard("transition")
+    return {"regions_found": len(kinds), "width_of_transition": width}
+
+
+@claim("C68", by_case=True)
+def c68(context: Context) -> Numbers:
+    """How far e strays from the printed plateau, and e at the grazing angle."""
+    oblique = context.params.oblique
+    low, high = sorted(oblique.plateau_angles_deg)
+    angle = np.arange(low, high + COARSE / 2, COARSE)
+    level, grazing = (
+        context.steel_impacts(context.speed, angles, 0.0)
+        for angles in (angle, oblique.grazing_angle_deg)
+    )
+    stray = np.max(np.abs(level.coefficient_of_restitution - context.params.steel.restitution))
+    return {
+        "largest_difference_from_plateau": stray,
+        "restitution_at_grazing_angle": grazing.coefficient_of_restitution,
+    }
+
+
+def at_angles(context: Context, contact: Contact, angle: Real, basis: str | None = None) -> Impact:
+    """Return impacts at the nominal speed."""
+    wanted = basis or context.params.steel.friction_basis
+    return simulate(contact, context.speed, angle, 0.0, wanted)
+
+
+@claim("C69", by_case=True)
+def c69(context: Context) -> Numbers:
+    """Ratios of impulse ratios between angles, friction following the declared force."""
+    oblique = context.params.oblique
+    return {
+        "level_of_impulse_ratio": quotient(context, oblique.level_angles_deg),
+        "rise_of_impulse_ratio": quotient(context, oblique.rise_angles_deg),
+        "rise_of_impulse_ratio_hertz": quotient(context, oblique.rise_angles_deg, "hertz"),
+        "rise_of_impulse_ratio_net": quotient(context, oblique.rise_angles_deg, "net"),
+    }
+
+
+def quotient(context: Context, angles: tuple[float, float], basis: str = "") -> float:
+    """Return the impulse ratio at one angle over that at another."""
+    ratio = context.steel_impacts(context.speed, np.array(angles), 0.0, basis).impulse_ratio
+    return float(ratio[0] / ratio[1])
+
+
+@claim("C71")
+def c71(context: Context) -> Numbers:
+    """Least difference of restitution above 20 deg, by slopes alone and with weaker adhesion."""
+    named = context.params.mechanisms
+    alternatives = {"slopes alone": named.slopes_alone, "half the adhesion": named.half_adhesion}
+    differences = {
+        words: least_difference(context, name, "restitution", named.restitution_deg)
+        for words, name in alternatives.items()
+    }
+    return {
+        words: {"least_difference_rough_less_smooth": difference}
+        for words, difference in differences.items()
+    }
+
+
+def least_difference(
+    context: Context, name: str, quantity: str, angles: tuple[float, ...]
+) -> Estimate:
+    """Return the least difference of a mean, rough less smooth, with at most its error.
+
+    The smooth surface scatters no more than the rough one.
+    """
+    difference, sd, n = (
+        pair(context, name, column, angles)
+        for column in (f"{quantity}_difference", f"{quantity}_sd", "rebounds")
+    )
+    least = int(difference.argmin())
+    error = sd.iloc[least] * np.sqrt(2.0 / n.iloc[least])
+    return Estimate(difference.iloc[least], error)
+
+
+def pair(
+    context: Context, name: str, column: str, angles: tuple[float, ...] | None = None
+) -> pd.Series:
+    """Return a column of a rough less a smooth surface at some angles, or at all."""
+    return context.column("surface_pairs", column, angles, pair=name)
+
+
+@claim("C72")
+def c72(context: Context) -> Numbers:
+    """Largest excess of the impulse ratio on the rough surface, at any angle."""
+    name, column = context.params.mechanisms.slopes_alone, "impulse_ratio_difference"
+    excess = pair(context, name, f"{column}_over_half_width")
+    return {"largest_excess_of_rough_surface_over_half_width": excess.max()}
+
+
+@claim("C73")
+def c73(context: Context) -> Numbers:
+    """Largest difference of the energy loss above 50 deg, with half the adhesion and without."""
+    named = context.params.mechanisms
+    column = "energy_loss_difference_over_half_width"
+    half, alone = (
+        pair(context, name, column, named.adhesion_deg).max()
+        for name in (named.half_adhesion, named.slopes_alone)
+    )
+    return {
+        "largest_difference_rough_less_smooth_with_half_adhesion_over_half_width": half,
+        "largest_difference_rough_less_smooth_with_slopes_alone_over_half_width": alone,
+    }
+
+
+@claim("C74")
+def c74(context: Context) -> Numbers:
+    """Least difference of the losses on the mirror, and its error by squared restitutions."""
+    named = context.params.mechanisms
+    error = pair(context, named.mirror, "loss_less_squares_over_half_width", named.mirror_deg)
+    least = least_difference(context, named.mirror, "energy_loss", named.mirror_deg)
+    return {
+        "least_difference_of_losses_rough_less_smooth": least,
+        "largest_error_of_difference_over_half_width": error.abs().max(),
+    }
+
+
+@claim("C75", by_case=True)
+def c75(context: Context) -> Numbers:
+    """Falls of restitution with the speed and the angle: means of the rebounds of a class.
+
+    Beside them the fall of the mean sphere between the two faster speeds.
+    """
+    slow = context.params.slow
+    e = [[class_mean(context, name, angle) for angle in slow.trend_deg] for name in slow.classes]
+    (fast, fast_shallow), (middle, _), (slowest, slowest_shallow) = e
+    speeds = np.array(slow.speeds_m_per_s[:2])
+    sphere = simulate(context.steel, speeds, slow.trend_deg[0]).coefficient_of_restitution
+    return {
+        "fall_to_slowest_class": fast - slowest,
+        "fall_with_angle_of_slowest_less_fastest_class": (slowest - slowest_shallow)
+        - (fast - fast_shallow),
+        "fall_to_middle_class": fast - middle,
+        "fall_of_mean_sphere_to_middle_speed": sphere[0] - sphere[1],
+    }
+
+
+def class_mean(context: Context, name: str, angle: float) -> Estimate:
+    """Return the mean restitution of the rebounds of a speed class at one angle.
+
+    Raises ValueError if too few rebound.
+    """
+    speed_class = context.params.slow.classes[name]
+    dropped = replace(
+        context.params.slow.dropped,
+        speed_m_per_s=speed_class.speed_m_per_s,
+        speed_range_m_per_s=speed_class.speed_range_m_per_s,
+    )
+    if not context.seen(dropped, angle).measured:
+        raise ValueError(f"slow.classes.{name}: no sphere rebounds at {angle:g} deg")
+    return context.mean("restitution", dropped, angle)
+
+
+@claim("C76", by_case=True)
+def c76(context: Context) -> Numbers:
+    """Fall of restitution from steep to shallow: means of the rebounds of the fastest class."""
+    slow = context.params.slow
+    fastest = next(iter(slow.classes))
+    steep, shallow = (class_mean(context, fastest, angle) for angle in slow.trend_deg)
+    return {"fall_of_restitution": steep - shallow}
+
+
+@claim("C77", by_case=True)
+def c77(context: Context) -> Numbers:
+    """How far the end of rolling moves towards steep angles as the speed falls, by spin."""
+    slow = context.params.slow
+    fast, middle, slowest = slow.speeds_m_per_s
+    base = rolling_limit(context.steel, fast, 0.0)
+    return {
+        name: {
+            f"shift_of_rolling_limit_at_{words}": rolling_limit(context.steel, speed, spin) - base
+            for words, speed in (("slowest", slowest), ("middle", middle))
+        }
+        for name, spin in (("no spin", 0.0), ("back spin", slow.limit_spin_ratio))
+    }
+
+
+@claim("C111", by_case=True)
+def c111(context: Context) -> Numbers:
+    """Share of initial spins that narrow rolling visibly, that end friction, and that do both.
+
+    Of spins of the mean sphere at the slowest speed, from back spin r omega = v to rolling.
+    """
+    slow = context.params.slow
+    fast, _, slowest = slow.speeds_m_per_s
+    spins = np.linspace(-slow.spin_ratio, slow.spin_ratio, slow.tried_spins)
+    base = rolling_limit(context.steel, fast, 0.0)
+    shift = np.array([rolling_limit(context.steel, slowest, spin) - base for spin in spins])
+    turning = spins * slowest / context.steel.radius
+    ratio = simulate(context.steel, slowest, slow.spin_deg, turning).impulse_ratio
+    narrower, frictionless = shift >= slow.seen_shift_deg, ratio <= 0.0
+    return {
+        "share_of_spins_that_do_both": np.mean(narrower & frictionless),
+        "share_of_spins_that_narrow_rolling": np.mean(narrower),
+        "share_of_spins_without_friction": np.mean(frictionless),
+        "least_spin_over_speed_without_friction": spins[frictionless].min(initial=np.inf),
+        "greatest_spin_over_speed_that_narrows": spins[narrower].max(initial=-np.inf),
+    }
+
+
+@claim("C78", by_case=True)
+def c78(context: Context) -> Numbers:
+    """Least mean impulse ratio over spreads of spins about two means, and the spins needed.
+
+    The mean spin needed brings the mean to zero. No spread about zero does; the spread needed is
+    the least with which the interval of an experiment reaches zero.
+    """
+    spin = context.params.slow.mean_spin
+    alternatives = {"spins of either sense": 0.0, "spins of the sense of rolling": spin}
+    return {name: low_ratios(context, mean) for name, mean in alternatives.items()}
+
+
+def low_ratios(context: Context, mean: float) -> Numbers:
+    """Return the least mean impulse ratio over spreads about a mean spin, and what is needed."""
+    slow = context.params.slow
+    needed = context.table("spin_needed", angle_deg=slow.spin_deg).iloc[0]
+    energy = "rotational_over_translational_energy"
+    return {
+        "least_mean_impulse_ratio": min(
+            _with_spread(context, mean, sd).value for sd in slow.spin_spreads
+        ),
+        "mean_spin_over_speed_needed": needed["mean_spin_needed"],
+        "spin_deviation_over_speed_needed": spread_needed(context),
+        f"{energy}_needed": needed[energy],
+    }
+
+
+def _with_spread(context: Context, mean: float, sd: float) -> Mean:
+    slow = context.params.slow
+    spun = replace(slow.dropped, spin=InitialSpin(mean=mean, sd=sd))
+    return context.seen(spun, slow.spin_deg, context.series).means["impulse_ratio"]
+
+
+def spread_needed(context: Context) -> float:
+    """Return the spread of spins without a mean whose interval, of one mean, reaches zero."""
+
+    def lower_end(sd: float) -> float:
+        mean = _with_spread(context, 0.0, sd)
+        return mean.value - half_width(mean, EXACT, context.params.sampling)
+
+    return root(lower_end, 0.0, WIDEST_SPREAD, absolute=1e-2)
+
+
+@claim("C79", by_case=True)
+def c79(context: Context) -> Numbers:
+    """First angle at which the loss differs from that at the steepest.
+
+    Without such an angle there is no number.
+    """
+    table = context.table("speed_and_angle").sort_values("speed_m_per_s")
+    slow, middle, fast = table["first_departure_of_loss_deg"].to_numpy(float)
+    return {
+        "angle_of_departure_of_middle_class": middle,
+        "angle_of_departure_of_slowest_class": slow,
+        "angle_of_departure_of_fastest_class": fast,
+    }
+
+
+@claim("C80")
+def c80(context: Context) -> Numbers:
+    """Share of angles, restitutions and frictions at which the loss falls towards shallow ones.
+
+    Its error is that of a mean over as many pairs of restitution and friction drawn at random.
+    """
+    shares = context.table("loss_slopes")["share_falling"].to_list()
+    return {"share_of_falling_slopes": over_draws(shares)}
+
+
+@claim("C106", by_case=True)
+def c106(context: Context) -> Numbers:
+    """Impulse ratio at the shallow angle less that at the steep one, at the slow speed."""
+    oblique, slowest = context.params.oblique, context.params.slow.speeds_m_per_s[-1]
+    angle = np.array(oblique.slow_angles_deg)[:, None]
+    share = np.power(np.sin(np.radians(angle)), oblique.friction_speed_exponent)
+    basis = context.params.steel.friction_basis
+
+    def ratios(steel: Contact) -> FloatArray:
+        rubbing = steel.replace(friction=steel.friction * share)
+        return simulate(rubbing, slowest, angle, 0.0, basis).impulse_ratio
+
+    ratio = context.of_steel(("C106",), ratios)
+    return {"difference_of_impulse_ratios": ratio[0] - ratio[1]}
+
+
+@claim("C109")
+def c109(context: Context) -> Numbers:
+    """Mean half-width of -mu in experiments with spin over that in those without.
+
+    Events are those that the imaging system reports, by the model of its errors.
+    """
+    spread = context.params.spread
+    spun = half_widths(context, spread.dropped.spin)
+    bare = half_widths(context, NO_SPIN)
+    error = np.hypot(spun.error / spun.value, bare.error / bare.value)
+    ratio = spun.value / bare.value
+    return {"interval_width_with_over_without_spin": Estimate(ratio, ratio * error)}
+
+
+def half_widths(context: Context, spin: InitialSpin) -> Estimate:
+    """Return the mean half-width of the impulse ratio over repeated experiments."""
+    params = context.params
+    spread, sampling, camera = params.spread, params.sampling, params.camera
+    dropped = replace(spread.dropped, spin=spin)
+    drop = dropped.drop(context.contact(dropped), spread.angle_deg, sampling.dispenser)
+    stop = StopRule(events=sampling.events, fewest_events=2, most_dropped=spread.most_dropped)
+    streams = (generator(sampling.seed, ANALYSIS, SPREAD, n) for n in range(spread.experiments))
+    means = [collect(drop, camera, stop, rng).means["impulse_ratio"] for rng in streams]
+    return over_draws([0.5 * (mean.high - mean.low) for mean in means])
+
+
+@claim("C110", by_case=True)
+def c110(context: Context) -> Numbers:
+    """Largest angle at which -mu of a rebound exceeds that at 40 deg by a share."""
+    contact, oblique = context.steel, context.params.oblique
+    start, least = oblique.from_angle_deg, max(context.capture_angle(ABOVE_CAPTURE), FINE)
+    angle = np.append(np.arange(start, least, -FINE), least)
+    level = (1.0 + oblique.rise_share) * at_angles(context, contact, start).impulse_ratio
+
+    def first(places: IntArray) -> int:
+        risen = places[at_angles(context, contact, angle[places]).impulse_ratio >= level]
+        return int(risen[0]) if risen.size else angle.size
+
+    # Over coarse steps, then within the one in which it rises.
+    coarse = first(np.append(np.arange(0, angle.size - 1, COARSE_STEPS), angle.size - 1))
+    if coarse == angle.size:
+        return {"angle_of_rise": 0.0}
+    fine = first(np.arange(max(coarse - COARSE_STEPS, 0), coarse + 1))
+    return {"angle_of_rise": float(angle[fine])}

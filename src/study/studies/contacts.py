@@ -1,0 +1,239 @@
+"""The contact that a study's parameters name, from the declared rows handed to it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from microimpact.core.materials import Material, materials_from_rows
+from microimpact.core.nearest import nearest
+from microimpact.model.contact import Contact, resized
+from microimpact.model.pairs import Pairs, pair_contact, pairs_from_rows
+from study.declared.parameters import Name
+from study.declared.selection import IMPACT
+from study.tables import Tables
+
+# Columns of the admissible contacts, and the fields of a contact that they are.
+DRAWN = {
+    "diameter_um": "diameter",
+    "work_of_adhesion_J_per_m2": "work_of_adhesion",
+    "hertz_damping_s_per_m": "hertz_damping",
+    "adhesion_damping_s_per_m": "adhesion_damping",
+    "rate_exponent": "adhesion_rate_exponent",
+    "reference_velocity_m_per_s": "reference_velocity",
+    "friction": "friction",
+}
+
+
+# Printed numbers have two or three digits.
+DIGITS = 0.01
+CAPTURE_VELOCITIES = (
+    "capture_velocity_psl_quartz",
+    "capture_velocity_af_molybdenum",
+    "capture_velocity_af_mica",
+    "capture_velocity_sst_silicon",
+)
+
+
+def printed_beside(inputs: Tables, *pair: str, **impact: float) -> pd.DataFrame:
+    """Return the printed values that are of an impact, by key.
+
+    Parameters
+    ----------
+    inputs
+        ``printed``: rows of the printed values, each with the impact that it is of.
+    *pair
+        Materials of particle and surface.
+    **impact
+        ``diameter_um``, ``speed_m_per_s``, ``angle_deg``.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Rows whose cells are empty or name this impact; a cell that is not asked for counts as
+        empty. ``value``, ``low`` and ``high`` are numbers.
+    """
+    rows = inputs["printed"].set_index("key")
+    rows[["value", "low", "high"]] = rows[["value", "low", "high"]].astype(float)
+    cells = rows[list(IMPACT)].astype(object).fillna("").astype(str)
+    quantities: dict[str, str | float] = {**dict(zip(IMPACT, pair, strict=False)), **impact}
+    for column, quantity in quantities.items():
+        cells = cells[cells[column].map(lambda cell, q=quantity: names(cell, q)).astype(bool)]
+    return rows.loc[cells.index]
+
+
+def intervals(cell: Any) -> list[tuple[float, ...]]:
+    """Return the numbers, and pairs of ends, in a cell like ``49; 62`` or ``85 to 15``."""
+    parts = [] if pd.isna(cell) else str(cell).split("; ")
+    return [tuple(map(float, part.split(" to "))) for part in parts]
+
+
+def names(cell: str, quantity: str | float) -> bool:
+    """Return whether a cell is empty, or holds a name, or a number within its `DIGITS`."""
+    if not cell or isinstance(quantity, str):
+        return not cell or quantity in cell.split("; ")
+    low, high = quantity / (1 + DIGITS), quantity * (1 + DIGITS)
+    return any(min(ends) <= high and max(ends) >= low for ends in intervals(cell))
+
+
+def all_printed(inputs: Tables) -> pd.Series:
+    """Return the printed values that a study reads, by key."""
+    return printed_beside(inputs)["value"]
+
+
+def printed_capture_velocity(inputs: Tables, contact: Contact) -> float:
+    """Return the capture velocity (m/s) printed of a contact, nan if there is none."""
+    pair, diameter = (contact.particle.name, contact.surface.name), 1e6 * float(contact.diameter)
+    values = printed_beside(inputs, *pair, diameter_um=diameter)["value"]
+    values = values[values.index.isin(CAPTURE_VELOCITIES)]
+    return float(values.iloc[0]) if len(values) else np.nan
+
+
+def fitted_to(inputs: Tables, case: str, quantity: str) -> bool:
+    """Return whether a case was calibrated to a quantity: a target of the table ``calibration``."""
+    table = inputs["calibration"]
+    rows = table[(table["case"] == case) & (table["role"] == "target")]
+    return quantity in set(rows["quantity"])
+
+
+# Lower end, middle and upper end of what is told or drawn of admissible contacts.
+BAND = (0.05, 0.5, 0.95)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Admissible:
+    """Which of the contacts that printed statements admit are shown beside a case."""
+
+    case: Name
+    variant: Name
+
+
+def admissible_beside(
+    inputs: Tables, shown: Admissible, case: str, diameter: float
+) -> dict[str, Contact]:
+    """Return the admissible contacts at a diameter (m), none if they are of another pair.
+
+    Parameters
+    ----------
+    inputs
+        Tables of `calibrated_contact` and `admissible_contact`.
+    shown, case
+        The admissible contacts, and the case beside which they are shown.
+
+    Returns
+    -------
+    dict
+        One contact of arrays for each normal force in Coulomb's law that some were drawn with.
+    """
+    table = inputs["admissible_contacts"]
+    rows = table[(table["case"] == shown.case) & (table["variant"] == shown.variant)]
+    if pair_of({"calibration": rows}, shown.case) != pair_of(inputs, case):
+        return {}
+    contacts = {}
+    for basis, draws in rows.groupby("friction_basis"):
+        contact = admissible_contact(
+            {**inputs, "admissible_contacts": draws}, shown.case, shown.variant
+        )
+        contacts[str(basis)] = resized(contact, diameter)
+    return contacts
+
+
+def pair_of(inputs: Tables, case: str) -> tuple[str, str]:
+    """Return the particle and the surface of a case, as `calibrated_contact` takes it."""
+    table = inputs["calibration"]
+    rows = table[table["case"] == case]
+    if rows.empty:
+        particle, _, surface = case.partition(" on ")
+        return particle, surface
+    return str(rows["particle"].iloc[0]), str(rows["surface"].iloc[0])
+
+
+def declared_contact(inputs: Tables, particle: str, surface: str, **changes: Any) -> Contact:
+    """Return the contact of a declared pair.
+
+    Parameters
+    ----------
+    inputs
+        ``materials`` and ``contacts``, declared rows as tables.
+    particle, surface
+        Names of the materials.
+    **changes
+        Fields of `Contact` in place of the declared ones.
+    """
+    return pair_contact(particle, surface, *declared(inputs), **changes)
+
+
+def calibrated_contact(inputs: Tables, case: str, **changes: Any) -> Contact:
+    """Return the contact of a case: a calibrated one, or a declared pair, as ``glass on silicon``.
+
+    Parameters
+    ----------
+    inputs
+        ``calibration``, the table of that study, and ``materials``, declared rows;
+        ``contacts``, if the case is a declared pair.
+    case
+        Name of the case.
+    **changes
+        Fields of `Contact` in place of those of the case.
+
+    Raises
+    ------
+    ValueError
+        If there is no such case; the message names the nearest.
+    """
+    table = inputs["calibration"]
+    rows = table[(table["case"] == case) & (table["role"] == "parameter")]
+    if rows.empty and "contacts" in inputs and " on " in case:
+        return declared_contact(inputs, *case.split(" on "), **changes)
+    if rows.empty:
+        raise ValueError(f"no calibrated case {case!r}{nearest(case, set(table['case']))}")
+    fields = dict(zip(rows["quantity"], rows["value"].astype(float), strict=True))
+    return _of_rows(inputs, rows, fields).replace(**changes)
+
+
+def admissible_contact(inputs: Tables, case: str, variant: str, **changes: Any) -> Contact:
+    """Return the admissible contacts of a case as one contact of arrays (draws,).
+
+    Their diameter is the size class that the article leaves open; `resized` gives another one.
+
+    Parameters
+    ----------
+    inputs
+        ``admissible_contacts``, the table of that study, and ``materials``, declared rows.
+    case, variant
+        As in that table.
+    **changes
+        Fields of `Contact` in place of those of the table.
+
+    Raises
+    ------
+    ValueError
+        If there are no such draws; the message names the nearest.
+    """
+    table = inputs["admissible_contacts"]
+    for column, name in {"case": case, "variant": variant}.items():
+        if name not in set(table[column]):
+            raise ValueError(f"no admissible {column} {name!r}{nearest(name, set(table[column]))}")
+        table = table[table[column] == name]
+    fields: dict[str, Any] = {field: table[name].to_numpy(float) for name, field in DRAWN.items()}
+    fields["diameter"] = fields["diameter"] * 1e-6
+    return _of_rows(inputs, table, fields).replace(**changes)
+
+
+def _of_rows(inputs: Tables, rows: pd.DataFrame, fields: Mapping[str, Any]) -> Contact:
+    """Return the contact of the pair that the rows are about, from fields that say all of it."""
+    materials: Any = inputs["materials"].to_dict("records")
+    particle, surface = rows["particle"].iloc[0], rows["surface"].iloc[0]
+    return pair_contact(particle, surface, materials_from_rows(materials), {}, **fields)
+
+
+def declared(inputs: Tables) -> tuple[dict[str, Material], Pairs]:
+    """Return the declared materials and pairs of a study's inputs."""
+    rows: dict[str, Any] = {
+        name: inputs[name].to_dict("records") for name in ("materials", "contacts")
+    }
+    return materials_from_rows(rows["materials"]), pairs_from_rows(rows["contacts"])

@@ -1,0 +1,192 @@
+"""Does a pile on the target tell the capture velocity? Repeated bounces on it (2.3.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+from itertools import product
+from typing import Annotated, Any
+
+import numpy as np
+import pandas as pd
+from pydantic import Field
+
+from microimpact.core.arrays import FloatArray
+from microimpact.lab.bounces import Resting, resting
+from microimpact.lab.dispenser import Dispenser, InitialSpin
+from microimpact.lab.experiment import Drop, Target
+from microimpact.lab.surface import rough
+from microimpact.model.calibration import two_stage
+from microimpact.model.contact import Contact, resized
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.statistics.distributions import Distribution, generator, mean
+from study.declared.parameters import (
+    Ascending,
+    CaseName,
+    Count,
+    Fraction,
+    Must,
+    NonNegative,
+    Positive,
+)
+from study.studies.contacts import calibrated_contact, pair_of, printed_beside
+from study.tables import Tables, series_frame
+
+NEEDS = {"calibration": ("calibration",)}
+PRINTED_VALUES = ("pile_up_speed_sst_silicon",)
+
+# Of the spheres dropped, those at rest on the target, and those captured there by one impact.
+SHARES = "share_on_target", "share_captured_at_first_impact"
+
+_frame = partial(series_frame, "all", x_unit="m_per_s", y_unit="1")
+
+# More than any sphere makes before it rests.
+MOST_IMPACTS = 60
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params:
+    """Spheres dropped on a flat target, for two capture velocities."""
+
+    seed: Annotated[int, Field(ge=0)]
+    # Calibrated contact, whose capture velocity holds for the diameter of its calibration.
+    case: CaseName
+    friction: Fraction
+    diameter_um: Distribution
+    spin: InitialSpin
+    dispenser: Dispenser
+    spheres: Count
+    # That restitution.
+    high_speed_m_per_s: Positive
+    restitution: Fraction
+    # Of a contact with less adhesion, calibrated anew to the same restitution at high speed.
+    other_work_of_adhesion_J_per_m2: Positive  # noqa: N815 (the unit)
+    other_capture_velocity_m_per_s: Positive
+    # Of targets, and spread of their slopes per axis.
+    radii_mm: tuple[Positive, ...]
+    slopes_deg: tuple[NonNegative, ...]
+    # Of the figure.
+    drawn_radius_mm: Annotated[Positive, Must("one of", "radii_mm")]
+    drawn_slope_deg: Annotated[NonNegative, Must("one of", "slopes_deg")]
+    speeds_m_per_s: Annotated[tuple[Positive, ...], Ascending]
+    shares: tuple[Fraction, ...]  # Shares of spheres on the target at which it begins to pile up
+
+
+def run(params: Params, inputs: Tables) -> Tables:
+    """Drop spheres at every speed on every target.
+
+    ``pile_up``: share of spheres that rest on the target, per contact, target and speed.
+    ``pile_up_onsets``: speeds below which it piles up. ``pile_up_onset``: data of the figure.
+    """
+    table = pd.DataFrame(_rows(params, contacts(params, inputs)))
+    size = mean(params.diameter_um)
+    printed = printed_beside(inputs, *pair_of(inputs, params.case), diameter_um=size)
+    ends = printed[["low", "high"]].to_numpy().ravel()
+    return {
+        "pile_up": table,
+        "pile_up_onsets": pd.DataFrame(onsets(params, table)),
+        "pile_up_onset": figure_data(params, table, ends),
+    }
+
+
+def contacts(params: Params, inputs: Tables) -> dict[float, Contact]:
+    """Return both contacts by their capture velocity (m/s) at the diameter of the calibration."""
+    strong = calibrated_contact(inputs, params.case).replace(friction=params.friction)
+    weak = two_stage(
+        strong.replace(work_of_adhesion=params.other_work_of_adhesion_J_per_m2),
+        params.high_speed_m_per_s,
+        params.restitution,
+        params.other_capture_velocity_m_per_s,
+    ).contact
+    return {round(float(capture_velocity(c)), 6): c for c in (strong, weak)}
+
+
+def _rows(params: Params, known: Mapping[float, Contact]) -> Iterator[dict[str, Any]]:
+    for velocity, contact in known.items():
+        limit = float(capture_velocity(resized(contact, mean(params.diameter_um) * 1e-6)))
+        for slope, speed in product(params.slopes_deg, params.speeds_m_per_s):
+            resting_spheres = rest(params, contact, slope, speed)
+            for radius in params.radii_mm:
+                stays = resting_spheres.on_target(radius * 1e-3)
+                shares = stays, stays & (resting_spheres.impacts == 1)
+                yield {
+                    "capture_velocity_m_per_s": velocity,
+                    "capture_velocity_of_mean_sphere_m_per_s": limit,
+                    "target_radius_mm": radius,
+                    "slope_deg": slope,
+                    "speed_m_per_s": speed,
+                    **{k: np.sum(v) / params.spheres for k, v in zip(SHARES, shares, strict=True)},
+                    "mean_impacts": float(np.sum(resting_spheres.impacts) / params.spheres),
+                    "evidence": "virtual experiment",
+                }
+
+
+def rest(params: Params, contact: Contact, slope_deg: float, speed: float) -> Resting:
+    """Drop spheres at one nominal speed and follow those that meet the largest target.
+
+    All cases share the random numbers.
+    """
+    rng, farthest = generator(params.seed, 0), max(params.radii_mm) * 1e-3
+    drop = Drop(
+        target=Target(contact=contact, surface=rough(float(np.tan(np.radians(slope_deg))))),
+        diameter_um=params.diameter_um,
+        speed=speed,
+        dispenser=params.dispenser,
+        spin=params.spin,
+    ).tabulated()
+    impacts = drop.impacts(params.spheres, rng, within=farthest)
+    later = drop.target.later(impacts.diameter, rng)
+    return resting(impacts, later, MOST_IMPACTS, farthest)
+
+
+def onsets(params: Params, table: pd.DataFrame) -> Iterator[dict[str, Any]]:
+    """Yield the speeds below which given shares rest, for every capture velocity."""
+    for (radius, slope), part in table.groupby(["target_radius_mm", "slope_deg"], sort=False):
+        for share in params.shares:
+            row, speeds = {"target_radius_mm": radius, "slope_deg": slope, "share": share}, []
+            for velocity, rows in part.groupby("capture_velocity_m_per_s", sort=False):
+                speed, total, at_once = rows[["speed_m_per_s", *SHARES]].to_numpy().T
+                speeds.append(onset(speed, total, share))
+                row[onset_column(velocity)] = speeds[-1]
+                row[f"first_impact_{onset_column(velocity)}"] = onset(speed, at_once, share)
+            apart = {"difference_m_per_s": speeds[0] - speeds[1]}
+            yield row | apart | {"evidence": "virtual experiment"}
+
+
+def onset_column(velocity: Any) -> str:
+    """Return the column of the onsets of a capture velocity, m/s."""
+    return f"onset_at_{velocity:g}_m_per_s".replace(".", "p")
+
+
+def onset(speed: FloatArray, share: FloatArray, wanted: float) -> float:
+    """Return the highest of ascending speeds (m/s) at which a share rests; nan without one."""
+    above = np.flatnonzero(share >= wanted)
+    if above.size == 0 or above[-1] == speed.size - 1:
+        return float("nan")
+    k = int(above[-1])
+    step = (share[k] - wanted) / (share[k] - share[k + 1])
+    return float(speed[k] + step * (speed[k + 1] - speed[k]))
+
+
+def figure_data(params: Params, table: pd.DataFrame, printed: FloatArray) -> pd.DataFrame:
+    """Return the data of the figure: share on the target, at first impact and in the end.
+
+    Parameters
+    ----------
+    printed
+        Ends of the speeds at which particles piled up, m/s; none for another pair.
+    """
+    shown = table[
+        (table["target_radius_mm"] == params.drawn_radius_mm)
+        & (table["slope_deg"] == params.drawn_slope_deg)
+    ]
+    frames = []
+    for velocity, rows in shown.groupby("capture_velocity_m_per_s", sort=False):
+        name, speed = f"{velocity:g} m/s", rows["speed_m_per_s"]
+        total, at_once = (rows[share] for share in SHARES)
+        frames.append(_frame(f"{name}, in the end", speed, total, "virtual experiment"))
+        frames.append(_frame(f"{name}, first impact", speed, at_once))
+    if len(printed):
+        frames.append(_frame("printed pile-up", printed, 0.0, "printed"))
+    return pd.concat(frames, ignore_index=True)

@@ -1,0 +1,303 @@
+"""What else than adhesion may lower restitution, and how fast steel is captured (2.3.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import Annotated, Any
+
+import numpy as np
+import pandas as pd
+from pydantic import Field
+
+from microimpact.core.arrays import FloatArray, Real
+from microimpact.core.constants import gravity
+from microimpact.model.closed_forms import jkr_sticking_velocity
+from microimpact.model.contact import Contact, resized
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import simulate
+from study.declared.parameters import (
+    AngleDegrees,
+    CaseName,
+    Fraction,
+    NonNegative,
+    OpenShare,
+    Positive,
+    PrintedName,
+)
+from study.studies.contacts import (
+    CAPTURE_VELOCITIES,
+    calibrated_contact,
+    pair_of,
+    printed_beside,
+    printed_capture_velocity,
+)
+from study.studies.experiments.pile_up import onset_column
+from study.tables import Tables, series_frame
+
+NEEDS = {"calibration": ("calibration",), "pile_up": ("pile_up", "pile_up_onsets")}
+
+RIVAL = "probe alone"
+PILES_BEGIN = "pile_up_speed_sst_silicon"
+MARKS = ("speed_oblique_sst76", "restitution_sst76_silicon", PILES_BEGIN)
+PRINTED_VALUES = (*CAPTURE_VELOCITIES, *MARKS, "plateau_speed_sst_silicon")
+_frame = partial(series_frame, panel="restitution", x_unit="m_per_s", y_unit="1")
+
+# Smooth curves.
+POINTS = 200
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Oblique:
+    """An oblique impact."""
+
+    angle_deg: AngleDegrees
+    speed_m_per_s: Positive
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params:
+    """The rival: spheres of one restitution without adhesion, seen above the surface."""
+
+    # Calibrated contacts of steel on silicon: the explanation by adhesion.
+    cases: Annotated[tuple[CaseName, ...], Field(min_length=1)]
+    diameters_um: tuple[Positive, Positive]  # Mean spheres of two classes, the smaller first
+    probe_height_mm: Positive  # Of the probe; speeds are not corrected for it
+    restitution: Annotated[Fraction, Field(gt=0)]  # Of the rival, and of the plateau
+    # Share of the plateau to which restitution falls, and the fastest speed of it.
+    plateau_share: OpenShare
+    seen_from_m_per_s: Positive
+    # Of the figure: ends, and points of a curve.
+    speeds_m_per_s: tuple[Positive, Positive]
+    # Oblique impacts, by the printed value of their restitution: angle and total speed. These are
+    # seen by a camera at the surface.
+    oblique: dict[PrintedName, Oblique]
+    # Target whose piles are compared, and the normal speed at which oblique rebounds are seen.
+    pile_radius_mm: Positive
+    pile_slope_deg: NonNegative
+    slow_speed_m_per_s: Positive
+    # Of the contact of JKR that gives the scale of energy.
+    compared_work_of_adhesion_J_per_m2: Positive  # noqa: N815 (the unit)
+    captured: tuple[CaseName, ...]  # Contacts of other particles
+    # Of steel on silicon: as printed, and much lower.
+    capture_velocities_m_per_s: tuple[Positive, Positive]
+
+
+# What is asked of piles, and where the study of piles has all that it computes.
+PILES = {
+    "pile_radius_mm": "radii_mm",
+    "pile_slope_deg": "slopes_deg",
+    "slow_speed_m_per_s": "speeds_m_per_s",
+}
+
+
+def disagreements(params: Params, others: Mapping[str, Any]) -> Iterator[str]:
+    """Yield a line for each number asked of piles that is not computed.
+
+    Parameters
+    ----------
+    others
+        Parameters of the analyses whose tables it takes, None for a faulty one.
+    """
+    piles = others.get("pile_up")
+    for key, known in PILES.items() if piles else ():
+        if (asked := getattr(params, key)) not in (computed := getattr(piles, known)):
+            yield f"{key}: {asked:g} must be one of pile_up.{known} {list(computed)}"
+
+
+def run(params: Params, inputs: Tables) -> Tables:
+    """Hold both explanations against the printed facts, and two capture velocities.
+
+    ``rival_restitution``: data of the figure. ``rival_explanations``: per printed observation what
+    each explanation gives, and whether it tells them apart. ``capture_evidence``: what piles, slow
+    rebounds and energies give for two capture velocities. `inputs`: ``calibration``, ``pile_up``,
+    ``pile_up_onsets``: tables of these studies; ``materials``: declared rows; ``printed``:
+    printed values.
+    """
+    contacts = {case: calibrated_contact(inputs, case) for case in params.cases}
+    printed = printed_beside(inputs)
+    pairs = {pair_of(inputs, case) for case in params.cases}
+    is_marked = all(set(MARKS) <= set(printed_beside(inputs, *pair).index) for pair in pairs)
+    marks = printed if is_marked else printed.iloc[:0]
+    return {
+        "rival_restitution": figure_data(params, contacts, marks),
+        "rival_explanations": pd.DataFrame(observations(params, contacts, printed)),
+        "capture_evidence": pd.DataFrame(evidence(params, contacts, inputs, printed)),
+    }
+
+
+def ends_of(printed: pd.DataFrame, key: str) -> tuple[float, float]:
+    """Return the ends of a printed range."""
+    return float(printed["low"][key]), float(printed["high"][key])
+
+
+def uncorrected(speed: Real, restitution: Real, height: float) -> tuple[FloatArray, FloatArray]:
+    """Return the incident speed and the restitution of uncorrected speeds at a height.
+
+    Incident speed, m/s, and restitution; nan where the sphere does not reach the probe. `speed`: at
+    the surface, m/s; `restitution`: true; `height`: of the probe, m.
+    """
+    fall = 2.0 * gravity * height
+    squares = np.square(speed) - fall, np.square(restitution * np.asarray(speed)) - fall
+    before, after = (np.sqrt(np.where(square > 0.0, square, np.nan)) for square in squares)
+    return before, after / before
+
+
+def figure_data(
+    params: Params, contacts: Mapping[str, Contact], printed: pd.DataFrame
+) -> pd.DataFrame:
+    """Return restitution against the incident speed by both explanations, and as printed."""
+    speed = np.geomspace(*params.speeds_m_per_s, POINTS)
+    frames = []
+    for diameter in params.diameters_um:
+        for case, contact in contacts.items():
+            impact = simulate(resized(contact, diameter * 1e-6), speed)
+            e = np.where(impact.captured, 0.0, impact.coefficient_of_restitution)
+            frames.append(
+                _frame(series=f"{case}, {diameter:g} um", evidence="calibrated", x=speed, y=e)
+            )
+    before, e = uncorrected(speed, params.restitution, params.probe_height_mm * 1e-3)
+    seen = np.isfinite(e)
+    frames.append(_frame(series=RIVAL, evidence="computed", x=before[seen], y=e[seen]))
+    if len(printed):
+        speed, e = printed["value"][list(MARKS[:2])]
+        frames.append(_frame(series="printed, oblique impact", evidence="printed", x=speed, y=e))
+        band = ends_of(printed, PILES_BEGIN)
+        frames.append(_frame(series="printed pile-up", evidence="printed", x=band, y=0.0))
+    return pd.concat(frames, ignore_index=True)
+
+
+def observations(
+    params: Params, contacts: Mapping[str, Contact], printed: pd.DataFrame
+) -> Iterator[dict[str, Any]]:
+    """Yield the prediction of each explanation for each printed observation.
+
+    An observation tells them apart if what is printed, or its sign, is compatible with one alone.
+    """
+    height, speed = params.probe_height_mm * 1e-3, params.seen_from_m_per_s
+    both = np.array([printed["value"]["plateau_speed_sst_silicon"], speed])
+    _, seen = uncorrected(both, params.restitution, height)
+    small, large = (
+        [resized(contact, diameter * 1e-6) for contact in contacts.values()]
+        for diameter in params.diameters_um
+    )
+    e = [simulate(one, both).coefficient_of_restitution for one in small]
+    falls = [1.0 - float(np.divide(*of)) for of in e]
+    fall = 1.0 - float(np.divide(*seen))
+    name = "fall of restitution from the fastest to the end of the plateau"
+    yield row(name, "1", fall, falls, (-0.1, 0.1))
+    fallen = ([fallen_speed(params, one) for one in of] for of in (large, small))
+    ratios = [of / other for of, other in zip(*fallen, strict=True)]
+    name = "speed at which restitution has fallen, larger over smaller class"
+    yield row(name, "1", 1.0, ratios, (0.0, 0.999))
+    limits = [float(capture_velocity(one)) for one in small]
+    slowest = np.sqrt(2.0 * gravity * height) / params.restitution
+    name = "speed below which no rebound is seen"
+    yield row(name, "m/s", slowest, limits, ends_of(printed, PILES_BEGIN))
+    for key, impact in params.oblique.items():
+        aim, angle, total = printed["value"][key], impact.angle_deg, impact.speed_m_per_s
+        impacts = [simulate(one, total, angle) for one in contacts.values()]
+        each = [float(of.coefficient_of_restitution) for of in impacts]
+        name = f"restitution at {angle:g} deg and {total:g} m/s"
+        yield row(name, "1", params.restitution, each, (0.9 * aim, 1.1 * aim))
+
+
+def row(
+    observation: str, unit: str, rival: float, adhesion: list[float], printed: tuple[float, float]
+) -> dict[str, Any]:
+    """Return both predictions of an observation, beside the printed range."""
+    low, high = printed
+    rival_agrees = low <= rival <= high
+    others = [low <= value <= high for value in adhesion]
+    return {
+        "observation": observation,
+        "unit": unit,
+        "printed_low": low,
+        "printed_high": high,
+        "probe_alone": float(rival),
+        "adhesion_low": min(adhesion),
+        "adhesion_high": max(adhesion),
+        "probe_alone_agrees": rival_agrees,
+        "adhesion_agrees": any(others),
+        "tells_apart": rival_agrees != any(others),
+        "evidence": "computed",
+    }
+
+
+def fallen_speed(params: Params, contact: Contact) -> float:
+    """Return the fastest speed of the figure at which restitution is down to its share, m/s."""
+    speed = np.geomspace(*params.speeds_m_per_s, 20 * POINTS)
+    e = simulate(contact, speed).coefficient_of_restitution
+    plateau = float(simulate(contact, params.seen_from_m_per_s).coefficient_of_restitution)
+    below = speed[(e < params.plateau_share * plateau) & (speed < params.seen_from_m_per_s)]
+    if below.size == 0:
+        raise ValueError("speeds_m_per_s: restitution does not fall at any of them")
+    return float(below.max())
+
+
+def evidence(
+    params: Params, contacts: Mapping[str, Contact], inputs: Tables, printed: pd.DataFrame
+) -> Iterator[dict[str, Any]]:
+    """Yield piles, slow rebounds and energies for both capture velocities of steel."""
+    strong, weak = params.capture_velocities_m_per_s
+    ends = ends_of(printed, PILES_BEGIN)
+    target = {"target_radius_mm": params.pile_radius_mm, "slope_deg": params.pile_slope_deg}
+    onsets = chosen(inputs["pile_up_onsets"], **target)
+    for share in sorted(set(onsets["share"].astype(float))):
+        onset = chosen(onsets, share=share).iloc[0]
+        at = [float(onset[onset_column(v)]) for v in (strong, weak)]
+        yield weighed(f"speed below which {100 * share:.0f} % of the spheres stay", "m/s", at, ends)
+    rows = chosen(inputs["pile_up"], **target, speed_m_per_s=params.slow_speed_m_per_s)
+    at = [
+        float(chosen(rows, capture_velocity_m_per_s=v)["share_captured_at_first_impact"].iloc[0])
+        for v in (strong, weak)
+    ]
+    name = f"share captured at once at {params.slow_speed_m_per_s:g} m/s, where rebounds are seen"
+    yield weighed(name, "1", at, (0.0, 0.025))
+    others = [
+        energy_ratio(params, contact, printed_capture_velocity(inputs, contact))
+        for contact in (calibrated_contact(inputs, case) for case in params.captured)
+    ]
+    steel = resized(next(iter(contacts.values())), params.diameters_um[0] * 1e-6)
+    at = [energy_ratio(params, steel, velocity) for velocity in (strong, weak)]
+    name = "kinetic energy at capture over the loss of JKR, beside that of other particles"
+    yield weighed(name, "1", at, (min(others), max(others)))
+
+
+def energy_ratio(params: Params, contact: Contact, velocity: float) -> float:
+    """Return ``m v_c^2/2`` over the loss of a contact of JKR with the work of adhesion compared."""
+    compared = contact.replace(work_of_adhesion=params.compared_work_of_adhesion_J_per_m2)
+    return float(np.square(velocity / jkr_sticking_velocity(compared)))
+
+
+def chosen(table: pd.DataFrame, **where: float) -> pd.DataFrame:
+    """Return the rows of a table with these numbers.
+
+    Raises ValueError if there is none.
+    """
+    for column, value in where.items():
+        known = table
+        table = known[np.isclose(known[column].astype(float), value)]
+        if table.empty:
+            raise ValueError(f"{column}: {value:g} is not among {sorted(set(known[column]))}")
+    return table
+
+
+def weighed(line: str, unit: str, at: list[float], ends: tuple[float, float]) -> dict[str, Any]:
+    """Return a line of evidence: both numbers, the range seen, and which lies nearer to it."""
+    low, high = ends
+    away = [max(low - value, value - high, 0.0) for value in at]
+    if unit == "1" and low > 0.0:
+        away = [max(np.log(low / value), np.log(value / high), 0.0) for value in at]
+    prefers = "neither" if away[0] == away[1] else ("printed" if away[0] < away[1] else "lower")
+    return {
+        "line": line,
+        "unit": unit,
+        "seen_low": low,
+        "seen_high": high,
+        "at_printed_capture_velocity": at[0],
+        "at_lower_capture_velocity": at[1],
+        "prefers": prefers,
+        "evidence": "virtual experiment" if unit == "m/s" else "computed",
+    }

@@ -1,0 +1,355 @@
+"""What the particle trajectory imaging system can measure, and how well (Section 2.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Annotated, Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from pydantic import Field
+
+from microimpact.core.arrays import FloatArray
+from microimpact.lab.events import Impacts
+from microimpact.lab.ptis.frames import render
+from microimpact.lab.ptis.observation import ImagedEvents, modelled, photographed
+from microimpact.lab.ptis.system import (
+    ImagingSystem,
+    Setup,
+    Systematics,
+    draw_systematics,
+    event_generator,
+)
+from microimpact.lab.ptis.tracks import Rejection, Track, measure
+from microimpact.statistics.distributions import generator
+from study.declared.parameters import Count, Fraction, Keyed, Must, ObliqueDegrees, Positive
+from study.studies.experiments.track_imaging.agreement import (
+    LEGS,
+    RigidSpheres,
+    Tolerances,
+    compared,
+    impacts,
+    residual_rows,
+    speed_and_angle_errors,
+    verdicts,
+)
+from study.tables import Tables, series_frame
+
+# Dashes of each leg that are shown, room around them, px, and points of a fitted path.
+SHOWN = 5
+MARGIN_PX = 12
+POINTS = 200
+
+
+def pixels(frame: NDArray[np.uint8], track: Track, setup: Setup) -> pd.DataFrame:
+    """Return the grey levels around a track: one series per row, of the row's number."""
+    lines = setup.instrument.frame_px[1] // frame.shape[0]
+    left, top, right, bottom = window(track, setup)
+    columns = np.arange(left, right)
+    of_row = partial(
+        series_frame, "pixels", evidence="virtual experiment", x_unit="px", y_unit="counts"
+    )
+    frames = [
+        of_row(str(row * lines), columns, frame[row, left:right])
+        for row in range(top // lines, bottom // lines)
+    ]
+    return pd.concat(frames, ignore_index=True)
+
+
+def window(track: Track, setup: Setup) -> tuple[int, int, int, int]:
+    """Return the part of the frame around the impact: left, top, right, bottom."""
+    near = np.concatenate([track.incident.points[-SHOWN:], track.rebound.points[:SHOWN]])
+    contact = track.incident.at(np.array([track.incident.contact]))
+    places = _places(np.concatenate([near, contact]), setup)
+    low = np.maximum(np.floor(places.min(axis=0)) - MARGIN_PX, 0.0)
+    high = np.minimum(np.ceil(places.max(axis=0)) + MARGIN_PX, setup.instrument.frame_px)
+    return int(low[0]), int(low[1]), int(high[0]), int(high[1])
+
+
+def drawn_track(track: Track, setup: Setup) -> pd.DataFrame:
+    """Return centroids and fitted paths of both legs and the line of the surface, px."""
+    *low, right, bottom = window(track, setup)
+
+    def series(name: str, places: FloatArray, evidence: str = "virtual experiment") -> None:
+        shown = places[np.all((places >= low) & (places < (right, bottom)), axis=1)]
+        ends = shown[[0, -1]] if name == "surface" else shown
+        x, y = ends.T
+        frames.append(series_frame("frame", name, x, y, evidence, x_unit="px", y_unit="px"))
+
+    frames: list[pd.DataFrame] = []
+    for name, leg in (("incident", track.incident), ("rebound", track.rebound)):
+        last = (len(leg.points) - 1) / setup.chop_rate
+        contact = float(leg.contact)
+        times = np.linspace(min(0.0, contact), max(last, contact), POINTS)
+        series(f"{name} centroids", _places(leg.points, setup))
+        series(f"{name} path", _places(leg.at(times), setup), "computed")
+    # Points of the surface, along and below the horizontal: it is turned by 90 deg - alpha.
+    alpha = np.radians(setup.angle)
+    along = np.linspace(-1.0, 1.0, 2001) * np.hypot(*setup.instrument.frame_px)
+    line = setup.centre + along[:, None] * [np.sin(alpha), np.cos(alpha)]
+    series("surface", line, "computed")
+    return pd.concat(frames, ignore_index=True)
+
+
+def _places(points: FloatArray, setup: Setup) -> FloatArray:
+    """Columns and rows of points in m from the image of the target's origin."""
+    return setup.centre + points * [1.0, -1.0] / setup.pixel
+
+
+RANGE, ERRORS, FRAME = range(3)
+FRAMES, STRAIGHT, MODEL = "frames", "straight lines", "model"
+# Systematic errors would look like a bias of the reduction.
+EXACT = Systematics()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Incidence:
+    """Speed and angle of incidence."""
+
+    speed_m_per_s: Positive
+    angle_deg: ObliqueDegrees
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params:
+    """Ranges that are searched, and the share of events that counts as measurable.
+
+    A field of view covers a speed if at least `least_observed` of the events show enough dashes in
+    both legs and the mean speed is off by at most `largest_bias`. The chopper is set to each of
+    `dash_pitches_px` and the best is taken. Frames are rendered for the best field of view at
+    `drawn_angle_deg`.
+    """
+
+    seed: Annotated[int, Field(ge=0)]
+    particles: RigidSpheres
+    instrument: ImagingSystem
+    speeds_m_per_s: tuple[Positive, ...]
+    angles_deg: tuple[ObliqueDegrees, ...]
+    pixels_um: tuple[Positive, ...]
+    dash_pitches_px: tuple[Positive, ...]
+    modelled_events: Annotated[int, Field(ge=2)]
+    rendered_events: Annotated[int, Field(ge=2)]
+    least_observed: Fraction
+    largest_bias: Fraction
+    drawn_angle_deg: Annotated[ObliqueDegrees, Must("one of", "angles_deg")]
+    error_cases: Annotated[tuple[Incidence, ...], Keyed()]
+    experiments: Count
+    events: Annotated[int, Field(ge=2)]
+    tolerances: Tolerances
+    frame: Incidence
+    frame_dash_pitch_px: Positive
+
+
+def run(params: Params, inputs: Tables) -> Tables:
+    """Search the range of the instrument, and compare frames, error model and truth.
+
+    ``ptis_range``: per speed, angle and field of view, the chopper's setting, share observed, bias
+    and scatter. ``ptis_views``: which speeds each field of view covers. ``ptis_errors``: residuals
+    of frames in units of the error model. ``ptis_agreement``: whether the error model agrees with
+    the frames. ``ptis_losses``: fates of events. ``ptis_frame``, ``ptis_pixels``: one frame with
+    its track. ``ptis_accuracy``: errors of the speed against the speed. Raises ValueError if
+    nothing can be measured at the angle drawn, or in the frame.
+    """
+    searched = pd.DataFrame(search(params))
+    rendered, lost = rendered_range(params, searched)
+    ranges = pd.concat([searched, rendered], ignore_index=True)
+    errors, agreement, fates = error_cases(params)
+    frame, track = one_frame(params)
+    return {
+        "ptis_range": ranges,
+        "ptis_views": views(params, searched),
+        "ptis_errors": errors,
+        "ptis_agreement": agreement,
+        "ptis_losses": pd.concat([lost, fates], ignore_index=True),
+        "ptis_frame": track,
+        "ptis_pixels": frame,
+        "ptis_accuracy": accuracy(params, ranges),
+    }
+
+
+def search(params: Params) -> Iterator[dict[str, Any]]:
+    """Yield a row per angle, speed and field of view: the best setting of the chopper."""
+    for angle in params.angles_deg:
+        for speed in params.speeds_m_per_s:
+            true, rng = _arriving(params, speed, angle, params.modelled_events)
+            for pixel in params.pixels_um:
+                rows = []
+                for pitch in params.dash_pitches_px:
+                    setup = _setup(params, speed, angle, pixel, pitch)
+                    seen = modelled(true, setup, EXACT, rng)
+                    rows.append(_summary(params, setup, MODEL, seen, true))
+                yield max(rows, key=lambda row: float(row["fraction_observed"]))
+
+
+def _setup(params: Params, speed: float, angle: float, pixel: float, pitch: float) -> Setup:
+    instrument = replace(params.instrument, pixel_um=pixel, dash_pitch_mm=pitch * pixel * 1e-3)
+    diameter = params.particles.diameter_um * 1e-6
+    return Setup(instrument=instrument, angle=angle, speed=speed, diameter=diameter)
+
+
+def _arriving(
+    params: Params, speed: float, angle: float, events: int
+) -> tuple[Impacts, np.random.Generator]:
+    """Return impacts at a speed and an angle, and the generator by which they are observed."""
+    key = [RANGE, params.speeds_m_per_s.index(speed), params.angles_deg.index(angle)]
+    true = impacts(params.particles, events, speed, angle, generator(params.seed, *key, 0))
+    return true, generator(params.seed, *key, 1)
+
+
+def _summary(
+    params: Params, setup: Setup, method: str, observation: ImagedEvents, true: Impacts
+) -> dict[str, Any]:
+    measured = observation.measured
+    width, height = setup.instrument.frame_px
+    row: dict[str, Any] = {
+        "speed_m_per_s": setup.speed,
+        "angle_deg": setup.angle,
+        "pixel_um": setup.instrument.pixel_um,
+        "view_width_mm": width * setup.pixel * 1e3,
+        "view_height_mm": height * setup.pixel * 1e3,
+        "dash_pitch_px": setup.speed / setup.chop_rate / setup.pixel,
+        "chop_per_s": setup.chop_rate,
+        "disk_rev_per_min": setup.disk_speed,
+        "pulses_per_field": setup.chop_rate / setup.instrument.fields_per_s,
+        "fall_height_mm": setup.speed**2 / (2.0 * np.linalg.norm(setup.gravity)) * 1e3,
+        "method": method,
+        "events": len(true),
+        "fraction_observed": len(measured) / len(true),
+    }
+    exact = true.in_plane.velocities[measured.event]
+    errors = speed_and_angle_errors(measured.velocities, exact)
+    for k, leg in enumerate(LEGS):
+        for error, name in zip(errors, ("speed_error", "direction_error_deg"), strict=True):
+            component = error[:, k]
+            row[f"{leg}_{name}"] = float(np.mean(component)) if component.size else np.nan
+            row[f"{leg}_{name}_sd"] = (
+                float(np.std(component, ddof=1)) if component.size > 1 else np.nan
+            )
+    bias = max(abs(row[f"{leg}_speed_error"]) for leg in LEGS)
+    enough = row["fraction_observed"] >= params.least_observed
+    return {**row, "covered": bool(enough and bias <= params.largest_bias)}
+
+
+def rendered_range(params: Params, searched: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Return rows by frames at the angle drawn, at the best field of view of every speed.
+
+    And the losses.
+    """
+    rows, lost = [], []
+    drawn = searched[searched["angle_deg"] == params.drawn_angle_deg]
+    best = drawn.loc[drawn.groupby("speed_m_per_s", sort=False)["fraction_observed"].idxmax()]
+    names = ["speed_m_per_s", "angle_deg", "pixel_um", "dash_pitch_px"]
+    for chosen in best.loc[best["fraction_observed"] > 0.0, names].to_numpy(float).tolist():
+        setup = _setup(params, *chosen)
+        true, rng = _arriving(params, setup.speed, setup.angle, params.rendered_events)
+        frames = photographed(true, setup, EXACT, rng)
+        for method, with_gravity in ((FRAMES, True), (STRAIGHT, False)):
+            seen = frames.reduced(setup, with_gravity=with_gravity)
+            rows.append(_summary(params, setup, method, seen, true))
+            if method == FRAMES:
+                lost.append(_fates(setup, method, seen.fates))
+    if not rows:
+        raise ValueError(
+            f"drawn_angle_deg: at {params.drawn_angle_deg:g} deg no speed is measurable"
+        )
+    return pd.DataFrame(rows), pd.concat(lost, ignore_index=True)
+
+
+def _fates(setup: Setup, method: str, fates: tuple[str, ...]) -> pd.DataFrame:
+    counts = pd.Series(fates).value_counts().sort_index()
+    return pd.DataFrame(
+        {
+            "speed_m_per_s": setup.speed,
+            "angle_deg": setup.angle,
+            "pixel_um": setup.instrument.pixel_um,
+            "method": method,
+            "fate": counts.index,
+            "events": counts.to_numpy(),
+            "fraction": counts.to_numpy() / len(fates),
+        }
+    )
+
+
+def views(params: Params, searched: pd.DataFrame) -> pd.DataFrame:
+    """Return which of the speeds each field of view covers, and whether one covers them all."""
+    view = ["pixel_um", "view_width_mm", "view_height_mm", "angle_deg"]
+    covered = searched.assign(speed=searched["speed_m_per_s"].where(searched["covered"]))
+    view_rows = covered.groupby(view, as_index=False).agg(
+        speeds_covered=("speed", "count"),
+        lowest_m_per_s=("speed", "min"),
+        highest_m_per_s=("speed", "max"),
+    )
+    return view_rows.assign(covers_range=view_rows["speeds_covered"] == len(params.speeds_m_per_s))
+
+
+def error_cases(params: Params) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
+    """Compare frames with the error model, event by event, over whole experiments.
+
+    Residuals per case, verdicts over all, and fates of the events.
+    """
+    cases, lost = [], []
+    for number, case in enumerate(params.error_cases):
+        setup = Setup(
+            instrument=params.instrument,
+            angle=case.angle_deg,
+            speed=case.speed_m_per_s,
+            diameter=params.particles.diameter_um * 1e-6,
+        )
+        experiments = []
+        for experiment in range(params.experiments):
+            key = ERRORS, number, experiment
+            drawn = generator(params.seed, *key, 0)
+            true = impacts(params.particles, params.events, setup.speed, setup.angle, drawn)
+            experiments.append(compared(true, setup, generator(params.seed, *key, 1)))
+        cases.append((setup, experiments))
+        for method in (FRAMES, MODEL):
+            fates = [fate for one in experiments for fate in getattr(one, method).fates]
+            lost.append(_fates(setup, method, tuple(fates)))
+    return (
+        pd.DataFrame([row for case in cases for row in residual_rows(*case)]),
+        pd.DataFrame(verdicts(cases, params.tolerances)),
+        pd.concat(lost, ignore_index=True),
+    )
+
+
+def one_frame(params: Params) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Return the pixels and the track of the first frame that is measured.
+
+    Raises ValueError if none of an experiment is.
+    """
+    case, pixel = params.frame, params.instrument.pixel_um
+    pitch = params.frame_dash_pitch_px
+    setup = _setup(params, case.speed_m_per_s, case.angle_deg, pixel, pitch)
+    true = impacts(
+        params.particles, params.events, setup.speed, setup.angle, generator(params.seed, FRAME, 0)
+    )
+    rng = generator(params.seed, FRAME, 1)
+    errors = draw_systematics(setup.instrument, rng)
+    for i in range(len(true)):
+        frame = render(true, i, setup, errors, event_generator(rng, i))
+        track = measure(frame, setup)
+        if not isinstance(track, Rejection):
+            return pixels(frame, track, setup), drawn_track(track, setup)
+    raise ValueError(f"frame: none of {len(true)} frames at {case} could be measured")
+
+
+def accuracy(params: Params, ranges: pd.DataFrame) -> pd.DataFrame:
+    """Return the error of the speed against the speed at one angle, per leg."""
+    rows = ranges[ranges["angle_deg"] == params.drawn_angle_deg]
+    series = (
+        (FRAMES, "path under gravity", "virtual experiment"),
+        (STRAIGHT, "straight line", "virtual experiment"),
+        (MODEL, "error model", "computed"),
+    )
+    rendered = rows.loc[rows["method"] == FRAMES, ["speed_m_per_s", "pixel_um"]]
+    frames = []
+    for leg in LEGS:
+        for method, name, evidence in series:
+            compared = rows[rows["method"] == method].merge(rendered).sort_values("speed_m_per_s")
+            mean, sd = (100.0 * compared[f"{leg}_speed_error{end}"] for end in ("", "_sd"))
+            points = compared["speed_m_per_s"], mean, evidence, mean - sd, mean + sd
+            frames.append(series_frame(leg, name, *points, x_unit="m_per_s", y_unit="percent"))
+    return pd.concat(frames, ignore_index=True)

@@ -1,0 +1,102 @@
+"""The laboratory: what is declared once, and named by the analyses.
+
+Fields bear the names of the parameters they are given to.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from microimpact.lab.dispenser import Dispenser, InitialSpin
+from microimpact.lab.experiment import StopRule
+from microimpact.lab.pdpa.analyser import Analyser
+from microimpact.lab.ptis.system import ImagingSystem
+from microimpact.statistics.distributions import Distribution
+from study.declared.parameters import (
+    AngleDegrees,
+    Fraction,
+    MaterialName,
+    Name,
+    NonNegative,
+    Positive,
+)
+from study.studies.samples import Dropped
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DeclaredParticles:
+    """One size class of one material, and the mean of its diameters as it is printed."""
+
+    particle: MaterialName
+    diameter_um: Distribution | None = None
+    particle_slope: NonNegative | None = None
+    mean_diameter_um: Positive | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DeclaredSurface:
+    """A target: its material and its slope."""
+
+    surface: MaterialName
+    surface_slope: NonNegative
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DeclaredSpeed:
+    """Speed of an impact, the number the text has for it, and the measured speeds accepted."""
+
+    speed_m_per_s: Positive
+    printed_speed_m_per_s: Positive | None = None
+    speed_range_m_per_s: tuple[Positive, Positive] | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Protocol(StopRule):
+    """End of an experiment, and the angles of the target."""
+
+    angles_deg: tuple[AngleDegrees, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pile:
+    """A target on which spheres pile up, and a capture velocity far below the printed one."""
+
+    target_radius_mm: Positive
+    slope_deg: NonNegative
+    weak_capture_m_per_s: Positive
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Case:
+    """A contact: its materials, targets of its calibration, and numbers left open."""
+
+    particle: MaterialName
+    surface: MaterialName
+    diameter_um: Positive | None = None
+    damped_as: Name | None = None
+    speed_m_per_s: Positive | None = None
+    restitution: Fraction | None = None
+    capture_velocity_m_per_s: Positive | None = None
+    rate_exponent: NonNegative | None = None
+    work_of_adhesion_J_per_m2: Positive | None = None  # noqa: N815
+    adhesion_over_hertz: Positive | None = None
+    dissipation_over_adhesion: Positive | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Laboratory:
+    """All that can be named, by section."""
+
+    particles: Mapping[str, DeclaredParticles]
+    surfaces: Mapping[str, DeclaredSurface]
+    speeds: Mapping[str, DeclaredSpeed]
+    spins: Mapping[str, InitialSpin]
+    frictions: Mapping[str, Fraction]
+    dispenser: Dispenser
+    pdpa: Analyser
+    ptis: ImagingSystem
+    experiment: Protocol
+    pile: Pile
+    cases: Mapping[str, Case]
+    drops: Mapping[str, Dropped]

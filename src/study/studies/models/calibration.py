@@ -1,0 +1,410 @@
+"""Parameters estimated from printed numbers (3.2.1), and how far the printed numbers fix them.
+
+Steel on silicon by the two-stage method, over the family of works of adhesion and rate exponents
+that the article leaves open; ammonium fluorescein on molybdenum from the force ratios of Fig. 20,
+as an interval; other pairs by their work of adhesion or by their damping alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache, partial
+from itertools import product
+from typing import Annotated
+
+import numpy as np
+import pandas as pd
+
+from microimpact.core.arrays import FloatArray, Real
+from microimpact.model.calibration import (
+    NoSolutionError,
+    damping_factor_for,
+    dissipation_ratio_for,
+    hertz_damping_for_adhesion_ratio,
+    peak_ratios,
+    two_stage,
+    work_of_adhesion_for,
+)
+from microimpact.model.contact import Contact, resized
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import simulate
+from microimpact.model.dynamics.normal import losses
+from study.declared.parameters import (
+    CaseName,
+    CounterpartName,
+    Finite,
+    Fraction,
+    Keyed,
+    MaterialName,
+    NonNegative,
+    Positive,
+)
+from study.studies.contacts import (
+    CAPTURE_VELOCITIES,
+    declared_contact,
+    printed_capture_velocity,
+)
+from study.tables import Row, Tables, series_frame
+
+PRINTED_VALUES = CAPTURE_VELOCITIES
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Facts:
+    """Printed facts that were not fitted, and how well a member of the family must meet them."""
+
+    flat_from_m_per_s: Positive
+    flat_within: Positive
+    shallow_angle_deg: Positive
+    shallow_speed_m_per_s: Positive
+    shallow_restitution: Fraction
+    shallow_within: Positive
+    grazing_angle_deg: Positive
+    grazing_restitution: Fraction
+    plateau_angles_deg: tuple[Finite, Finite]
+    rise_angles_deg: tuple[Finite, Finite]
+    about: Positive
+    contact_times_ns: tuple[Finite, Finite]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Member:
+    """A case of the family: one work of adhesion and one rate exponent."""
+
+    case: CaseName
+    rate_exponent: NonNegative
+    work_of_adhesion_J_per_m2: Positive  # noqa: N815
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TwoStageTargets:
+    """Steel on silicon: targets, the family looked through, and the members others use."""
+
+    particle: MaterialName
+    surface: CounterpartName
+    diameter_um: Positive
+    speed_m_per_s: Positive
+    restitution: Fraction
+    capture_velocity_m_per_s: Positive
+    rate_exponents: tuple[NonNegative, ...]
+    works_of_adhesion_J_per_m2: tuple[Positive, ...]  # noqa: N815
+    members: Annotated[tuple[Member, ...], Keyed("case")]
+    facts: Facts
+
+
+def bare_contact(targets: TwoStageTargets, inputs: Tables) -> Contact:
+    """Return the steel-silicon contact, normalised at the speed of the high target."""
+    return declared_contact(
+        inputs,
+        targets.particle,
+        targets.surface,
+        diameter=targets.diameter_um * 1e-6,
+        reference_velocity=targets.speed_m_per_s,
+    )
+
+
+@cache
+def solved(contact: Contact, targets: TwoStageTargets, exponent: float, work: float) -> Contact:
+    """Return the member of the family at one rate exponent and work of adhesion."""
+    changed = contact.replace(adhesion_rate_exponent=exponent, work_of_adhesion=work)
+    return two_stage(
+        changed, targets.speed_m_per_s, targets.restitution, targets.capture_velocity_m_per_s
+    ).contact
+
+
+def family(targets: TwoStageTargets, inputs: Tables) -> pd.DataFrame:
+    """Return every member looked for: its parameters and facts, or why there is none."""
+    contact = bare_contact(targets, inputs)
+    rows: list[Row] = []
+    for exponent, work in product(targets.rate_exponents, targets.works_of_adhesion_J_per_m2):
+        row: Row = {"rate_exponent": exponent, "work_of_adhesion_J_per_m2": work}
+        try:
+            member = solved(contact, targets, exponent, work)
+        except NoSolutionError as reason:
+            rows.append(row | {"solved": False, "reason": str(reason)})
+            continue
+        unit = member.damping_unit
+        parameters = {
+            "hertz_damping_s_per_m": float(member.hertz_damping),
+            "adhesion_damping_s_per_m": float(member.adhesion_damping),
+            "zeta_hertz": float(member.hertz_damping / unit),
+            "zeta_adhesion": float(member.adhesion_damping / unit),
+        }
+        rows.append(row | {"solved": True} | parameters | facts(member, targets))
+    return pd.DataFrame(rows)
+
+
+def facts(member: Contact, targets: TwoStageTargets) -> Row:
+    """Return the printed facts that were not fitted, as this member has them, and the verdicts."""
+    wanted, speed = targets.facts, targets.speed_m_per_s
+
+    def e(speed: Real, angle: float = 90.0) -> FloatArray:
+        return simulate(member, speed, angle).coefficient_of_restitution
+
+    def quotient(angles: tuple[float, float]) -> float:
+        numerator, denominator = simulate(member, speed, np.array(angles)).impulse_ratio
+        return float(numerator / denominator)
+
+    between = np.geomspace(wanted.flat_from_m_per_s, speed, 20)
+    deviation = float(np.abs(e(between) - targets.restitution).max())
+    shallow = float(e(wanted.shallow_speed_m_per_s, wanted.shallow_angle_deg))
+    grazing = float(e(speed, wanted.grazing_angle_deg))
+    flat, raised = quotient(wanted.plateau_angles_deg), quotient(wanted.rise_angles_deg)
+    share = float(losses(member, speed).adhesion_share)
+    ends = np.array([1.2 * targets.capture_velocity_m_per_s, speed])
+    shortest, longest = np.sort(simulate(member, ends).contact_time * 1e9).tolist()
+    low, high = wanted.contact_times_ns
+    return {
+        "deviation_from_plateau": deviation,
+        "plateau_of_e_holds": deviation <= wanted.flat_within,
+        "e_shallow": shallow,
+        "e_shallow_holds": abs(shallow - wanted.shallow_restitution) <= wanted.shallow_within,
+        "e_grazing": grazing,
+        "e_grazing_holds": abs(grazing / wanted.grazing_restitution - 1.0) <= wanted.about,
+        "plateau_of_impulse_ratio": flat,
+        "plateau_of_impulse_ratio_holds": abs(flat - 1.0) <= wanted.about,
+        "rise_of_impulse_ratio": raised,
+        "rise_of_impulse_ratio_holds": raised > 1.0 + wanted.about,
+        "adhesion_share_of_loss": share,
+        "most_loss_by_adhesion_holds": share > 0.5,
+        "shortest_contact_ns": shortest,
+        "longest_contact_ns": longest,
+        "contact_times_hold": shortest >= low * (1 - wanted.about)
+        and longest <= high * (1 + wanted.about),
+    }
+
+
+def ridge(members: pd.DataFrame, flat_within: float) -> pd.DataFrame:
+    """Return how far e leaves its plateau, against the work of adhesion, per exponent."""
+    frame = partial(series_frame, "ridge", x_unit="J_per_m2", y_unit="1")
+    x, y = "work_of_adhesion_J_per_m2", "deviation_from_plateau"
+    frames = [
+        frame(f"n = {exponent:g}", rows[x], rows[y], "calibrated")
+        for exponent, rows in members[members["solved"]].groupby("rate_exponent")
+    ]
+    frames.append(frame("criterion", members[x].agg(["min", "max"]), flat_within))
+    return pd.concat(frames, ignore_index=True)
+
+
+def curves(targets: TwoStageTargets, members: Sequence[Contact], inputs: Tables) -> pd.DataFrame:
+    """Return e against speed for the members that others use, with the targets."""
+    frames = []
+    speed = np.geomspace(targets.capture_velocity_m_per_s, 3.0, 200)
+    frame = partial(series_frame, "curves", x_unit="m_per_s", y_unit="1")
+    for member_target, member in zip(targets.members, members, strict=True):
+        e = simulate(member, speed).coefficient_of_restitution
+        # At the capture velocity itself rounding decides between none and hardly any.
+        e = np.where(speed > targets.capture_velocity_m_per_s, e, 0.0)
+        exponent, work = member_target.rate_exponent, member_target.work_of_adhesion_J_per_m2
+        name = f"n = {exponent:g}, w = {work:g} J/m2"
+        frames.append(frame(name, speed, e, "calibrated"))
+    # Of normal impact only the capture velocity is printed.
+    limit = targets.capture_velocity_m_per_s
+    is_printed = limit == printed_capture_velocity(inputs, members[0])
+    frames.append(frame("targets", limit, 0.0, "printed" if is_printed else "assumed"))
+    frames.append(frame("targets", targets.speed_m_per_s, targets.restitution, "assumed"))
+    return pd.concat(frames, ignore_index=True)
+
+
+PARAMETERS = {
+    "diameter": "m",
+    "work_of_adhesion": "J/m2",
+    "hertz_damping": "s/m",
+    "adhesion_damping": "s/m",
+    "adhesion_rate_exponent": "-",
+    "reference_velocity": "m/s",
+}
+
+
+CORNERS = tuple(f"fluorescein-molybdenum, {name}" for name in ("least", "nominal", "greatest"))
+
+# Contacts with the least, the nominal and the greatest capture velocity of an admissible set.
+Corners = tuple[Contact, Contact, Contact]
+# Of each quantity of a contact: the value met, its target, and the unit.
+Met = dict[str, tuple[float, float, str]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ForceRatios:
+    """Ammonium fluorescein on molybdenum: ratios of peaks, as bands, and the sizes to look at."""
+
+    particle: MaterialName
+    surface: CounterpartName
+    diameter_um: Positive
+    speed_m_per_s: Positive
+    adhesion_over_hertz: Positive
+    dissipation_over_adhesion: Positive
+    band: Fraction
+    other_diameters_um: tuple[Positive, ...]
+    capture_velocity_m_per_s: Positive  # As printed
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WorkTarget:
+    """A pair whose work of adhesion follows from its capture velocity, damped as another case."""
+
+    case: CaseName
+    damped_as: CaseName
+    particle: MaterialName
+    surface: CounterpartName
+    diameter_um: Positive
+    capture_velocity_m_per_s: Positive
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RestitutionTarget:
+    """A pair of which one restitution is known: one factor on both coefficients of another case."""
+
+    case: CaseName
+    damped_as: CaseName
+    particle: MaterialName
+    surface: CounterpartName
+    speed_m_per_s: Positive
+    restitution: Fraction
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params:
+    """Cases that are calibrated, and their printed targets."""
+
+    two_stage: TwoStageTargets
+    force_ratios: ForceRatios
+    by_work_of_adhesion: Annotated[tuple[WorkTarget, ...], Keyed("case")]
+    by_restitution: Annotated[tuple[RestitutionTarget, ...], Keyed("case")]
+
+    @property
+    def calibrated(self) -> set[str]:
+        """Names of all cases whose contact the study finds."""
+        members = (member.case for member in self.two_stage.members)
+        others = (each.case for each in self.by_work_of_adhesion + self.by_restitution)
+        return {*CORNERS, *members, *others}
+
+
+def run(params: Params, inputs: Tables) -> Tables:
+    """Calibrate every case.
+
+    ``calibration``: per case its targets, as met, and the parameters found. ``calibration_family``:
+    steel on silicon over works of adhesion and exponents, each member judged by printed facts.
+    ``molybdenum_capture``: capture velocities in m/s as intervals. ``ridge`` and ``ridge_curves``:
+    the family drawn.
+    """
+    targets, ratios = params.two_stage, params.force_ratios
+    bare, corners = bare_contact(targets, inputs), _corners(ratios, inputs)
+    members = [
+        solved(bare, targets, one.rate_exponent, one.work_of_adhesion_J_per_m2)
+        for one in targets.members
+    ]
+    known = {one.case: contact for one, contact in zip(targets.members, members, strict=True)}
+    known |= dict(zip(CORNERS, corners, strict=True))
+    family_table = family(targets, inputs)
+    return {
+        "calibration": pd.DataFrame(_rows(params, known, inputs)),
+        "calibration_family": family_table,
+        "molybdenum_capture": capture_intervals(ratios, corners),
+        "ridge": ridge(family_table, targets.facts.flat_within),
+        "ridge_curves": curves(targets, members, inputs),
+    }
+
+
+def capture_intervals(ratios: ForceRatios, corners: Corners) -> pd.DataFrame:
+    """Return capture velocities over the admissible set, at every size.
+
+    Both ratios are bands. The adhesion ratio grows with c_H >= 0, so c_H runs from zero to where
+    the band's end is met; the capture velocity grows with c_H and with the dissipation ratio, so
+    the corners of the set give the interval. Material parameters are the same at every size.
+    """
+    diameter = np.array(sorted({ratios.diameter_um, *ratios.other_diameters_um}))
+    low, nominal, high = (capture_velocity(resized(c, diameter * 1e-6)) for c in corners)
+    printed = ratios.capture_velocity_m_per_s
+    return pd.DataFrame(
+        {
+            "diameter_um": diameter,
+            "capture_velocity_m_per_s": nominal,
+            "low_m_per_s": low,
+            "high_m_per_s": high,
+            "printed_m_per_s": printed,
+            "printed_inside": (low <= printed) & (printed <= high),
+            "evidence": "computed",
+        }
+    )
+
+
+def _corners(ratios: ForceRatios, inputs: Tables) -> Corners:
+    """Contacts with the least, the nominal and the greatest capture velocity."""
+    contact = declared_contact(
+        inputs, ratios.particle, ratios.surface, diameter=ratios.diameter_um * 1e-6
+    )
+    elastic = contact.replace(hertz_damping=0.0)
+    speed, wanted, band = ratios.speed_m_per_s, ratios.dissipation_over_adhesion, ratios.band
+    return (
+        dissipation_ratio_for(elastic, speed, wanted * (1 - band)),
+        dissipation_ratio_for(elastic, speed, wanted),
+        hertz_damping_for_adhesion_ratio(
+            elastic, speed, ratios.adhesion_over_hertz * (1 + band), wanted * (1 + band)
+        ),
+    )
+
+
+def _rows(params: Params, known: Mapping[str, Contact], inputs: Tables) -> Iterator[Row]:
+    """Yield the rows of all cases; `known`: contacts of the members and of the corners."""
+    targets, ratios = params.two_stage, params.force_ratios
+    for member in targets.members:
+        e = _restitution(known[member.case], targets.speed_m_per_s, targets.restitution)
+        limit = _capture(known[member.case], targets.capture_velocity_m_per_s)
+        yield from _case_rows(member.case, known[member.case], e | limit)
+    wanted = {
+        "adhesion_over_hertz": ratios.adhesion_over_hertz,
+        "dissipation_over_adhesion": ratios.dissipation_over_adhesion,
+    }
+    for case in CORNERS:
+        peaks = peak_ratios(known[case], ratios.speed_m_per_s)
+        met = {n: (of, wanted[n], "-") for n, of in zip(wanted, peaks, strict=True)}
+        yield from _case_rows(case, known[case], met)
+    for work in params.by_work_of_adhesion:
+        contact = _damped_as(work, known, inputs).replace(diameter=work.diameter_um * 1e-6)
+        solution = work_of_adhesion_for(contact, work.capture_velocity_m_per_s)
+        limit = _capture(solution, work.capture_velocity_m_per_s)
+        yield from _case_rows(work.case, solution, limit)
+    for target in params.by_restitution:
+        contact = _damped_as(target, known, inputs)
+        solution = damping_factor_for(contact, target.speed_m_per_s, target.restitution)
+        e = _restitution(solution, target.speed_m_per_s, target.restitution)
+        yield from _case_rows(target.case, solution, e)
+
+
+def _case_rows(case: str, contact: Contact, targets: Met) -> Iterator[Row]:
+    """Yield the rows of one case: targets, then parameters."""
+    numbers = [("target", name, *of) for name, of in targets.items()]
+    numbers += [
+        ("parameter", name, float(getattr(contact, name)), np.nan, unit)
+        for name, unit in PARAMETERS.items()
+        if getattr(contact, name) is not None
+    ]
+    for role, name, value, target, unit in numbers:
+        bodies = {"particle": contact.particle.name, "surface": contact.surface.name}
+        columns = {"role": role, "quantity": name, "value": value, "target": target, "unit": unit}
+        yield {"case": case, **bodies, **columns, "evidence": "calibrated"}
+
+
+def _restitution(contact: Contact, speed: float, target: float) -> Met:
+    e = float(simulate(contact, speed).coefficient_of_restitution)
+    return {"coefficient_of_restitution": (e, target, "-")}
+
+
+def _capture(contact: Contact, target: float) -> Met:
+    return {"capture_velocity": (float(capture_velocity(contact)), target, "m/s")}
+
+
+def _damped_as(
+    target: WorkTarget | RestitutionTarget, known: Mapping[str, Contact], inputs: Tables
+) -> Contact:
+    """Return the declared contact of a pair with the damping of another case."""
+    if target.damped_as not in known:
+        raise ValueError(
+            f"{target.case}.damped_as: {target.damped_as!r} must be one of {', '.join(known)}"
+        )
+    damped = known[target.damped_as]
+    names = "hertz_damping", "adhesion_damping", "adhesion_rate_exponent", "reference_velocity"
+    damping = {name: getattr(damped, name) for name in names}
+    return declared_contact(inputs, target.particle, target.surface).replace(**damping)

@@ -1,0 +1,221 @@
+"""Capture velocity by competing laws, for declared and calibrated contacts and over diameter.
+
+Codes that compute the deposition of particles in flows rely on the law of Brach and Dunn (1992) in
+El-Batsh's form. It holds no energy of adhesion: its constant 0.51 is dimensional (SI). Beside it
+stand JKR's quasi-static law, Dahneke's of 1971 and this model, which take the adhesion of the pair.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import Annotated, NamedTuple
+
+import numpy as np
+import pandas as pd
+from pydantic import Field
+
+from microimpact.core.arrays import Real
+from microimpact.model.closed_forms import (
+    adhesion_energy,
+    brach_dunn_velocity,
+    dahneke_velocity,
+    jkr_sticking_velocity,
+    plastic_restitution,
+    sticking_restitution,
+    yield_velocity,
+)
+from microimpact.model.contact import Contact, resized
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import simulate
+from study.declared.parameters import (
+    AboveOne,
+    CaseName,
+    Keyed,
+    Must,
+    Positive,
+)
+from study.studies.contacts import (
+    CAPTURE_VELOCITIES,
+    calibrated_contact,
+    fitted_to,
+    printed_capture_velocity,
+)
+from study.tables import Row, Tables, result_evidence, series_frame
+
+NEEDS = {"calibration": ("calibration",)}
+PRINTED_VALUES = CAPTURE_VELOCITIES
+
+_frame = partial(series_frame, x_unit="um", y_unit="m_per_s")
+
+MODEL, JKR = "model", "jkr"
+BRACH_DUNN, DAHNEKE = "brach_dunn_1992", "dahneke_1971"
+YIELD = "thornton_ning_yield"
+
+NOTES = {
+    MODEL: "work of adhesion and damping of this contact, Eq. 25 time-reversed from capture",
+    JKR: "quasi-static loss of the snap-off alone, no damping (Johnson and Pollock 1994; Thornton "
+    "and Ning 1998)",
+    BRACH_DUNN: "stick criterion of deposition codes (El-Batsh); holds no energy of adhesion, its "
+    "0.51 is dimensional (SI)",
+    DAHNEKE: "energy of adhesion and restitution far above capture are those of this model",
+    YIELD: "onset of yield, for context; no law of capture, the same at every diameter",
+}
+
+# Well above the printed capture velocity, where every law that gives a restitution gives one.
+COMPARED_RATIO = 2.0
+# One per cent of the diameter to either side: errors of the exponent below 1e-5.
+EXPONENT_STEP = 0.01
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PairCase:
+    """One pair, calibrated.
+
+    `case`: a case of the table ``calibration``; `yield_strength_MPa`: of the softer body, for the
+    onset of yield.
+    """
+
+    case: CaseName
+    yield_strength_MPa: Positive | None = None  # noqa: N815 (the unit)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params:
+    """The pairs, the range of diameters, and where restitutions and exponents are read.
+
+    Dahneke's restitution is read off the model at ``plateau_speed_ratio`` times its capture
+    velocity, those of all laws at `COMPARED_RATIO` times the printed one.
+    """
+
+    pairs: Annotated[tuple[PairCase, ...], Field(min_length=1), Keyed("case")]
+    smallest_diameter_um: Positive
+    largest_diameter_um: Annotated[Positive, Must("above", "smallest_diameter_um")]
+    points: Annotated[int, Field(ge=5)]
+    plateau_speed_ratio: AboveOne
+
+
+class Law(NamedTuple):
+    """One law for one pair: capture velocity of a contact, and e at a speed above it.
+
+    ``restitution`` is None where the law is a criterion of capture and nothing else.
+    """
+
+    velocity: Callable[[Contact], Real]
+    restitution: Callable[[float], Real] | None
+
+
+def run(params: Params, inputs: Tables) -> Tables:
+    """Compare the laws.
+
+    ``capture_laws``: per pair and law the capture velocity at the pair's diameter, its ratios to
+    the printed one and to this model, the exponent of the diameter, and e at a compared speed.
+    ``capture_law_curves``: capture velocity in m/s against diameter in um, one panel per pair.
+    """
+    rows: list[Row] = []
+    frames = []
+    for pair in params.pairs:
+        contact = calibrated_contact(inputs, pair.case)
+        limit = float(capture_velocity(contact))
+        if not 0.0 < limit < np.inf:
+            complaint = f"a capture velocity of {limit:g} m/s has no law beside it"
+            raise ValueError(f"{pair.case}: {complaint}")
+        printed = printed_capture_velocity(inputs, contact)
+        laws = laws_of(pair, contact, params.plateau_speed_ratio)
+        # Of these capture velocities only this model's can have been fitted.
+        fitted = (MODEL,) if fitted_to(inputs, pair.case, "capture_velocity") else ()
+        evidence = {name: result_evidence(name, fitted) for name in laws}
+        for name in laws:
+            row = _row(params, pair, contact, name, laws, printed)
+            rows.append(row | {"evidence": evidence[name], "note": NOTES[name]})
+        frames += _curves(params, pair, contact, laws, evidence)
+        if np.isfinite(printed):
+            diameter = contact.diameter * 1e6
+            frames.append(_frame(pair.case, "printed", diameter, printed, "printed"))
+    return {
+        "capture_laws": pd.DataFrame(rows),
+        "capture_law_curves": pd.concat(frames, ignore_index=True),
+    }
+
+
+def laws_of(pair: PairCase, contact: Contact, plateau_speed_ratio: float) -> dict[str, Law]:
+    """Return the laws that apply to a pair, by name.
+
+    What the pair gives to a law, such as Dahneke's restitution, is taken at the pair's diameter.
+    """
+
+    def modelled(speed: float) -> Real:
+        return simulate(contact, speed).coefficient_of_restitution
+
+    plateau = float(modelled(plateau_speed_ratio * float(capture_velocity(contact))))
+
+    def dahneke(sphere: Contact) -> Real:
+        return dahneke_velocity(adhesion_energy(sphere), sphere.mass, plateau)
+
+    laws = {
+        MODEL: Law(capture_velocity, modelled),
+        JKR: Law(
+            jkr_sticking_velocity,
+            lambda v: sticking_restitution(v, jkr_sticking_velocity(contact)),
+        ),
+        BRACH_DUNN: Law(brach_dunn_velocity, None),
+        DAHNEKE: Law(dahneke, lambda v: sticking_restitution(v, dahneke(contact), plateau)),
+    }
+    if pair.yield_strength_MPa is None:
+        return laws
+    yields = partial(yield_velocity, yield_strength=pair.yield_strength_MPa * 1e6)
+    return laws | {YIELD: Law(yields, lambda v: plastic_restitution(v, yields(contact)))}
+
+
+def local_exponent(velocity: Callable[[Contact], Real], contact: Contact, step: float) -> float:
+    """Return d ln v_c / d ln d over a step in ln d to either side; NaN without a finite v_c."""
+    ends = np.asarray(velocity(resized(contact, contact.diameter * np.exp([-step, step]))))
+    if not np.all(np.isfinite(ends) & (ends > 0.0)):
+        return np.nan
+    return float(np.diff(np.log(ends))[0] / (2.0 * step))
+
+
+def _row(
+    params: Params,
+    pair: PairCase,
+    contact: Contact,
+    name: str,
+    laws: Mapping[str, Law],
+    printed: float,
+) -> Row:
+    law, compared = laws[name], COMPARED_RATIO * printed
+    velocity, modelled = (float(laws[own].velocity(contact)) for own in (name, MODEL))
+    gives_e = law.restitution if np.isfinite(compared) else None
+    return {
+        "pair": pair.case,
+        "particle": contact.particle.name,
+        "surface": contact.surface.name,
+        "diameter_um": float(contact.diameter) * 1e6,
+        "law": name,
+        "capture_velocity_m_per_s": velocity,
+        "printed_m_per_s": printed,
+        "ratio_to_printed": velocity / printed,
+        "ratio_to_model": velocity / modelled,
+        "exponent": local_exponent(law.velocity, contact, EXPONENT_STEP),
+        "compared_speed_m_per_s": compared,
+        "restitution_at_compared_speed": float(gives_e(compared)) if gives_e else np.nan,
+    }
+
+
+def _curves(
+    params: Params,
+    pair: PairCase,
+    contact: Contact,
+    laws: Mapping[str, Law],
+    evidence: Mapping[str, str],
+) -> list[pd.DataFrame]:
+    diameter = np.geomspace(params.smallest_diameter_um, params.largest_diameter_um, params.points)
+    sized = resized(contact, diameter * 1e-6)
+    frames = []
+    for name, law in laws.items():
+        velocity = np.broadcast_to(law.velocity(sized), diameter.shape)
+        finite = np.isfinite(velocity)
+        curve = diameter[finite], velocity[finite], evidence[name]
+        frames.append(_frame(pair.case, name, *curve))
+    return frames
