@@ -14,7 +14,6 @@ from hypothesis import settings
 from scipy.integrate import solve_ivp
 from tests.shared import settings_as_shipped, tables_made_once
 
-import study
 from microimpact.core.materials import Material
 from microimpact.model.contact import Contact
 
@@ -132,10 +131,12 @@ def _settings():
 def made(tmp_path_factory):
     """The function that gives the tables of an earlier study; studies that need some take these."""
 
+    from study import run_study
+
     @cache
     def tables(name):
         def make():
-            return study.run_study(name, **SMALLER.get(name, {}))
+            return run_study(name, **SMALLER.get(name, {}))
 
         return tables_made_once(tmp_path_factory, name, make)
 

@@ -17,9 +17,9 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from tests.shared import copy_project, execute
+from tests.shared import ROOT, copy_project, execute
 
-PACKAGE = "src/microimpact"
+SOURCE = "src"
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +47,8 @@ class Mutant:
     @property
     def modules(self) -> list[str]:
         """Files of the test modules, from the project's root."""
-        return [f"tests/{name}.py" for name in self.tests.split()]
+        paths = (path for name in self.tests.split() for path in ROOT.glob(f"tests/*/{name}.py"))
+        return [str(path.relative_to(ROOT)) for path in paths]
 
     def apply(self, text: str) -> str:
         """Return a file's text with the wrong form in it."""
@@ -59,140 +60,140 @@ class Mutant:
 MUTANTS = (
     Mutant(
         "pairs: each rebound one record late",
-        "lab/pdpa/pairing.py",
+        "microimpact/lab/pdpa/pairing.py",
         "return incident, up[np.repeat(first, number) + within]",
         "return incident, up[np.minimum(np.repeat(first, number) + within + 1, up.size - 1)]",
         "lab/pdpa/test_pairing",
     ),
     Mutant(
         "pairs: the last candidate of each left out",
-        "lab/pdpa/pairing.py",
+        "microimpact/lab/pdpa/pairing.py",
         "    number = last - first\n",
         "    number = np.maximum(last - first - 1, 0)\n",
         "lab/pdpa/test_pairing",
     ),
     Mutant(
         "pairs: sizes not compared",
-        "lab/pdpa/pairing.py",
+        "microimpact/lab/pdpa/pairing.py",
         "cost = np.square(growth[inside]) + np.square(lateness[inside])",
         "cost = np.square(lateness[inside])",
         "lab/pdpa/test_pairing",
     ),
     Mutant(
         "interval: as many degrees of freedom as events",
-        "statistics/intervals.py",
+        "microimpact/statistics/intervals.py",
         "t = stdtrit(events - 1 if freedom is None else freedom, 0.5 * (1.0 + level))",
         "t = stdtrit(events if freedom is None else freedom, 0.5 * (1.0 + level))",
         "lab/test_dispenser lab/test_reduction statistics/test_intervals",
     ),
     Mutant(
         "interval: one-sided",
-        "statistics/intervals.py",
+        "microimpact/statistics/intervals.py",
         "t = stdtrit(events - 1 if freedom is None else freedom, 0.5 * (1.0 + level))",
         "t = stdtrit(events - 1 if freedom is None else freedom, level)",
         "lab/test_dispenser lab/test_reduction statistics/test_intervals",
     ),
     Mutant(
         "camera: gravity upwards",
-        "lab/ptis/system.py",
+        "microimpact/lab/ptis/system.py",
         "return gravity * np.array([np.cos(alpha), 0.0, -np.sin(alpha)])",
         "return gravity * np.array([np.cos(alpha), 0.0, np.sin(alpha)])",
         "lab/ptis/test_ptis lab/ptis/test_tracks",
     ),
     Mutant(
         "camera: no noise of the light itself",
-        "lab/ptis/frames.py",
+        "microimpact/lab/ptis/frames.py",
         "level / instrument.electrons_per_count + instrument.read_noise_counts**2",
         "0.0 * level + instrument.read_noise_counts**2",
         "lab/ptis/test_ptis",
     ),
     Mutant(
         "spots: pixels that touch by a corner are apart",
-        "lab/ptis/tracks.py",
+        "microimpact/lab/ptis/tracks.py",
         "scipy.ndimage.label(bright[box], np.ones((3, 3)))",
         "scipy.ndimage.label(bright[box])",
         "lab/ptis/test_spots",
     ),
     Mutant(
         "tracks: gravity gains speed after the surface",
-        "lab/ptis/tracks.py",
+        "microimpact/lab/ptis/tracks.py",
         "return self.velocity - self.contact[..., None] * [0.0, self.gravity]",
         "return self.velocity + self.contact[..., None] * [0.0, self.gravity]",
         "lab/ptis/test_tracks",
     ),
     Mutant(
         "error model of imaging: no jitter of the pulses",
-        "lab/ptis/errors.py",
+        "microimpact/lab/ptis/errors.py",
         "each = [jitter * velocity, noise[0] * direction, noise[1] * aside]",
         "each = [0.0 * velocity, noise[0] * direction, noise[1] * aside]",
         "lab/ptis/test_ptis_model article/test_ptis",
     ),
     Mutant(
         "drop height: factor 2 missing",
-        "lab/dispenser.py",
+        "microimpact/lab/dispenser.py",
         "return (speed**2 - exit_speed**2) / (2.0 * gravity)",
         "return (speed**2 - exit_speed**2) / gravity",
         "lab/test_dispenser",
     ),
     Mutant(
         "sum of twelve numbers: mean 6 left in",
-        "statistics/sampling.py",
+        "microimpact/statistics/sampling.py",
         "return _inside(scipy.special.ndtr(part.sum(axis=1) - SUMMANDS / 2))",
         "return _inside(scipy.special.ndtr(part.sum(axis=1) - SUMMANDS / 2 + 0.5))",
         "statistics/test_distributions studies/test_monte_carlo",
     ),
     Mutant(
         "design: runs in the library's order",
-        "statistics/effects.py",
+        "microimpact/statistics/effects.py",
         "rows: FloatArray = design[order]",
         "rows: FloatArray = design[order[::-1]]",
         "statistics/test_designs",
     ),
     Mutant(
         "design: half effects",
-        "statistics/effects.py",
+        "microimpact/statistics/effects.py",
         "2.0 / len(design) * np.asarray(response) @ contrasts",
         "1.0 / len(design) * np.asarray(response) @ contrasts",
         "studies/test_doe",
     ),
     Mutant(
         "design: product of words as their union",
-        "statistics/effects.py",
+        "microimpact/statistics/effects.py",
         "set(first) ^ set(second)",
         "set(first) | set(second)",
         "studies/test_doe",
     ),
     Mutant(
         "design: Lenth's degrees of freedom m for m/3",
-        "statistics/effects.py",
+        "microimpact/statistics/effects.py",
         "stdtrit(sizes.size / 3.0, [single, together])",
         "stdtrit(sizes.size, [single, together])",
         "studies/test_doe",
     ),
     Mutant(
         "Monte Carlo: scatter of the sums for that of their ratio",
-        "studies/analyses/monte_carlo/ensembles.py",
+        "study/studies/analyses/monte_carlo/ensembles.py",
         "scatter = sums[:, first] - average * sums[:, passes.ACCEPTED]",
         "scatter = sums[:, first] - np.mean(sums[:, first])",
         "studies/test_monte_carlo",
     ),
     Mutant(
         "random numbers: parts of an analysis share one stream",
-        "statistics/distributions.py",
+        "microimpact/statistics/distributions.py",
         "return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=key))",
         "return np.random.default_rng(np.random.SeedSequence(seed))",
         "statistics/test_distributions studies/test_campaign lab/test_dispenser lab/pdpa/test_pdpa",
     ),
     Mutant(
         "fits: constants left in the units of the fit",
-        "model/empirical/search.py",
+        "microimpact/model/empirical/search.py",
         "    parameters[:, [0, 2, V_C]] *= sets.unit[:, None]",
         "    parameters[:, [V_C]] *= sets.unit[:, None]",
         "model/empirical/test_restitution_fit",
     ),
     Mutant(
         "fits: captured spheres miss below v_c, as by the printed form",
-        "model/empirical/kernel.py",
+        "microimpact/model/empirical/kernel.py",
         "                kept = kept if rebounds else 0.0",
         "                kept = kept if rebounds else 0.5",
         "model/empirical/test_search",
@@ -215,7 +216,7 @@ def failing(root: Path, modules: list[str]) -> str:
 
 def noticed(root: Path, mutant: Mutant) -> bool:
     """Put a wrong form into a copy, see whether a test fails, and take it out again."""
-    path, begin = root / PACKAGE / mutant.path, time.perf_counter()
+    path, begin = root / SOURCE / mutant.path, time.perf_counter()
     right = path.read_text(encoding="utf-8")
     path.write_text(mutant.apply(right), encoding="utf-8")
     by = failing(root, mutant.modules)

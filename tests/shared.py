@@ -11,16 +11,18 @@ from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from microimpact.lab.dispenser import Dispenser
 from microimpact.model import passes
-from study.run.config import Settings, read_configuration, validate
-from study.tables import parse_table
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from study.run.config import Settings
 
 ROOT = Path(__file__).parents[1]
 # What a copy needs to be run.
@@ -48,12 +50,16 @@ USUAL = Dispenser(
 @cache
 def shipped() -> dict[str, Any]:
     """Return the configuration as shipped; nobody changes it."""
+    from study.run.config import read_configuration
+
     return read_configuration(ROOT / "config")
 
 
 @cache
 def settings_as_shipped() -> Settings:
     """Return what the configuration as shipped makes of all studies."""
+    from study.run.config import validate
+
     return validate(shipped(), shipped())
 
 
@@ -120,6 +126,7 @@ def tables_made_once(
     folders: pytest.TempPathFactory, name: str, make: Callable[[], dict[str, pd.DataFrame]]
 ) -> dict[str, pd.DataFrame]:
     """Return tables that are made once for all workers, as they are read from files."""
+    from study.tables import parse_table
 
     def write(place: Path) -> None:
         place.mkdir()

@@ -9,7 +9,7 @@ import pytest
 from tests.docs.blocks import MARKERS, PAGES, ROOT, blocks, blocks_of
 
 TEXTS = {page: (ROOT / page).read_text(encoding="utf-8") for page in PAGES}
-# docs/python.md runs where only the physics is installed: tests/core/test_imports.py.
+# docs/python.md runs where only the physics is installed: tests/test_imports.py.
 WITH_PYTHON = sorted({block.page for block in blocks("python")} - {"docs/python.md"})
 
 
@@ -38,7 +38,7 @@ def test_an_analysis_is_shown_in_every_kind_of_file_it_is_made_of():
         "config/printed_values.csv",
         "config/figures.yaml",
         "workflow/rules/analyses.smk",
-        "tests/article/test_separation.py",
+        "tests/study/article/test_separation.py",
     }
 
 

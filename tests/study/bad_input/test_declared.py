@@ -1,0 +1,281 @@
+"""Whatever is wrong with a declared input, one line names the key or the file and the line."""
+
+from __future__ import annotations
+
+import pytest
+from tests.shared import shipped
+from tests.study.bad_input.conftest import DIGITISED
+
+from study.declared.documents import ConfigError
+from study.declared.references import merged
+from study.declared.selection import NamedTables
+from study.run.config import validate
+
+CONFIG, MATERIALS, CONTACTS = "config.yaml", "materials.csv", "contacts.csv"
+LABORATORY, MODELS, EXPERIMENTS = (
+    f"{name}.yaml" for name in ("laboratory", "analyses/models", "analyses/experiments")
+)
+PRINTED, FIGURES, POINTS = "printed_values.csv", "figures.yaml", "digitised/fig14.csv"
+EXTERNAL, ANALYSES = "external.csv", "analyses/analyses.yaml"
+
+RESTITUTION = "restitution: {value: 0.80, evidence: derived,"
+STEEL = "stainless-steel-316,youngs_modulus,193,GPa,,,found,maker's data sheets of AISI 316"
+DIAMETER = "stainless-steel-316,silicon,diameter,62,um,printed,Section 2.4.1"
+GIVEN = "stainless-steel-316,silicon,diameter,62,um,assumed,as told"
+ANCHOR = "capture_velocity_psl_quartz,0.967,,,m/s,"
+
+# File, text there, what replaces it, words of the one line.
+# fmt: off
+CASES = [
+    # YAML as such
+    (CONFIG, "seed: {value: 20011,", "seed: {value: 20011", ["config.yaml, line 9", "not valid YAML"]),
+    (CONFIG, "seed: {", "\tseed: {", ["config.yaml, line 9, column 1", "\\t"]),
+    (CONFIG, "seed: {", "seed: [", ["config.yaml, line 9", "not valid YAML"]),
+    (CONFIG, "materials: config/materials.csv", "materials: a\nmaterials: b", ["config.yaml, line", "'materials' is given twice"]),
+    (MODELS, "coulomb_friction:\n", "coulomb_friction:\n  points: 3\n", ["'points' is given twice"]),
+    (CONFIG, "seed: {value: 20011,", "seed: {value: *nowhere,", ["config.yaml, line 9", "undefined alias"]),
+    (CONFIG, "seed: {", "seed: !!python/object/apply:os.system ['true']\nother: {", ["config.yaml, line 9", "could not determine a constructor"]),
+    (CONFIG, "seed: {", "seed: \x07{", ["config.yaml", "not valid YAML"]),
+    (CONFIG, "value: 20011", "value: " + "9" * 5000, ["config.yaml", "not valid YAML", "digits"]),
+    # keys
+    (CONFIG, "seed: {", "sead: {", ["sead: unknown key (did you mean 'seed'?)", "seed: missing"]),
+    (MODELS, "coulomb_friction:", "coulomb_frction:", ["did you mean 'coulomb_friction'?", "coulomb_friction: missing"]),
+    (MODELS, "  spin_friction: {", "  spin_fricton: {", ["coulomb_friction.spin_fricton: unknown key", "coulomb_friction.spin_friction: missing"]),
+    (CONFIG, "seed: {value: 20011", "1: 2\nseed: {value: 20011", ["1: unknown key"]),
+    # values and their provenance
+    (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", "1.5"), ["cases.steel-mirror front.restitution: 1.5", "less than or equal to 1"]),
+    (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", "-0.1"), ["cases.steel-mirror front.restitution: -0.1"]),
+    (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", ".nan"), ["cases.steel-mirror front.restitution: nan", "finite"]),
+    (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", ".inf"), ["cases.steel-mirror front.restitution: inf"]),
+    (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", "yes"), ["cases.steel-mirror front.restitution: True"]),
+    (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", "'0.70'"), ["cases.steel-mirror front.restitution: '0.70'"]),
+    (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", "7e-1"), ["cases.steel-mirror front.restitution: '7e-1'"]),
+    (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", "0,70"), ["cases.steel-mirror front.restitution"]),
+    (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", "2026-11-21"), ["cases.steel-mirror front.restitution"]),
+    (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", "[0.70]"), ["cases.steel-mirror front.restitution.value", "single value"]),
+    (LABORATORY, RESTITUTION, RESTITUTION.replace("0.80", ""), ["cases.steel-mirror front.restitution"]),
+    (LABORATORY, RESTITUTION, RESTITUTION.replace("derived", "guessed"), ["cases.steel-mirror front.restitution.evidence: 'guessed' must be one of"]),
+    (LABORATORY, RESTITUTION, RESTITUTION.replace("value:", "vale:"), ["cases.steel-mirror front.restitution"]),
+    (MODELS, "friction: {values: [0.05, 0.10, 0.15, 0.20]", "friction: {values: 0.05", ["coulomb_friction.friction.values: 0.05 must be a list"]),
+    (MODELS, "friction: {values: [0.05, 0.10", "friction: {values: [0.05, -0.10", ["coulomb_friction.friction[1]: -0.1"]),
+    (MODELS, "points: {value: 360,", "points: {value: 360.5,", ["coulomb_friction.points: 360.5"]),
+    (MODELS, "points: {value: 360,", "points: {value: 0,", ["coulomb_friction.points: 0"]),
+    (CONFIG, "seed: {value: 20011", "seed: {value: -1", ["seed: -1"]),
+    (CONFIG, "source: \"root of every random draw; an analysis takes its seed from this and its name, unless it gives one\"", "source: ''", ["seed.source: '' must say where"]),
+    (MODELS, "coulomb_friction:\n", "coulomb_friction: 3\nwas:\n", ["coulomb_friction: 3 must be a mapping"]),
+    # names that are not declared
+    (MODELS, "case: fluorescein-molybdenum, nominal", "case: fluorescein-molybdenum, nomial", ["force_history.case: 'fluorescein-molybdenum, nomial' is not declared in cases (did you mean 'fluorescein-molybdenum, nominal'?)"]),
+    (LABORATORY, "    surface: {from: surfaces.Formica}", "    surface: formcia", ["cases.steel-formica.surface: 'formcia' is not declared in config/materials.csv (did you mean 'formica'?)"]),
+    (EXPERIMENTS, "printed: impulse_ratio_plateau", "printed: impulse_ratio_plat", ["oblique_experiments.marks.printed plateau.printed: 'impulse_ratio_plat' is not declared in config/printed_values.csv", "did you mean 'impulse_ratio_plateau'?"]),
+    (PRINTED, "1.59 to 1.69,50 to 15", "1.59 to fast,50 to 15", ["printed_values.csv, line", "speed_m_per_s '1.59 to fast' must be numbers, as 49; 62 or 15 to 85, or empty"]),
+    (PRINTED, "\ndoe_small_variation,", "\ndoe_variation,", ["printed_values.csv: doe_small_variation: missing; doe reads it"]),
+    (CONFIG, "digitised: config/digitised", "digitised: config/nowhere", ["digitised: 'config/nowhere' must be a folder"]),
+    (CONFIG, "figures: config/figures.yaml", "figures: config/materials.csv", ["config/materials.csv"]),
+    (LABORATORY, "    case: steel-formica", "    case: {surface: formica}", ["drops.steel on Formica.case: {'surface': 'formica'} must be a name that is declared in cases (did you mean 'steel-formica'?)"]),
+    (LABORATORY, "    case: steel-formica", "    case: stainless-steel-316 on formcia", ["drops.steel on Formica.case: 'stainless-steel-316 on formcia' is not declared in cases (did you mean 'stainless-steel-316 on formica'?)"]),
+    (MODELS, "    steel-formica: {from: cases.steel-formica}\n", "", ["cases.steel-formica: is named, but calibration does not calibrate it"]),
+    (CONTACTS, "stainless-steel-316,formica,work_of_adhesion", "stainless-steel-316,formcia,work_of_adhesion", ["contacts.csv: stainless-steel-316 on formica: the pair", "is incomplete; give work_of_adhesion", "unknown material 'formcia' (did you mean 'formica'?)"]),
+    (EXPERIMENTS, "speeds: [fast, middle, slow]", "speeds: [fats, middle, slow]", ["campaign: blocks[3].speeds: 'fats' must be one of those declared (did you mean 'fast'?)"]),
+    (CONFIG, "materials: config/materials.csv", "materials: config/material.csv", ["materials: 'config/material.csv' must be a file; there is none"]),
+    (CONFIG, "figures: config/figures.yaml", "figures: config/figure.yaml", ["figures: 'config/figure.yaml' must be a file; there is none"]),
+    (MODELS, "case: fluorescein-molybdenum, nominal", "case: Fluorescein-Molybdenum, Nominal", ["(did you mean 'fluorescein-molybdenum, nominal'?)"]),
+    (LABORATORY, "  SST76:\n    particle: stainless-steel-316", "  SST76:\n    particle: stel", ["particles.SST76.particle: 'stel' is not declared in config/materials.csv"]),
+    (LABORATORY, "    case: steel-formica", "    case: formica on stainless-steel-316", ["drops.steel on Formica.case: 'formica on stainless-steel-316' is not declared in cases (did you mean 'stainless-steel-316 on formica'?)"]),
+    # slips of lists, kinds and units
+    (MODELS, "friction: {values: [0.05, 0.10, 0.15, 0.20]", "friction: {values: []", ["coulomb_friction.friction: [] must hold at least one number"]),
+    (MODELS, "friction: {values: [0.05, 0.10, 0.15, 0.20]", "friction: {value: 0.3", ["coulomb_friction.friction: 0.3 must be a list, as [0.3]"]),
+    (MODELS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: 1.0e+8", ["oblique_impact.speed_m_per_s: 1e+08 m/s must be from 0 to 1000 m/s"]),
+    (MODELS, "diameter_um: {from: particles.SST76.mean_diameter_um}", "diameter_um: 62.0e-6", ["oblique_impact.diameter_um: 6.2e-05 um must be from 0.001 to 5000 um"]),
+    (LABORATORY, "kind: truncated_normal", "kind: gaussian", [".diameter_um.kind: 'gaussian' must be one of constant, uniform, normal", "particles.SST6"]),
+    (POINTS, "1.0,0.5,0.4,0.6", "1.0,50,40,60", ["fig14.csv, line 5, y: 50 is far off the axis of 'trends', 0 to 1.05"]),
+    # references
+    (MODELS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speeds.nominl}", ["oblique_impact.speed_m_per_s.from: 'speeds.nominl' is not declared (did you mean 'nominal'?)"]),
+    (MODELS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speds.nominal}", ["'speds.nominal' is not declared (did you mean 'speeds'?)"]),
+    (MODELS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: surfaces.Formica}", ["oblique_impact.speed_m_per_s.from: no speed_m_per_s in surfaces.Formica"]),
+    (MODELS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speeds.nominal, valu: 3}", ["oblique_impact.speed_m_per_s.valu: unknown key"]),
+    (MODELS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speeds.nominal, value: -3}", ["oblique_impact.speed_m_per_s: -3"]),
+    (MODELS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: spins.none}", ["no speed_m_per_s in spins.none"]),
+    (LABORATORY, "silicon front, speeds.nominal]", "silicon font, speeds.nominal]", ["drops.steel on silicon.from: 'surfaces.silicon font' is not declared (did you mean 'silicon front'?)"]),
+    (LABORATORY, "other pairs: {from: frictions.steel on silicon", "other pairs: {from: frictions.other pairs", ["frictions.other pairs", "refers to itself"]),
+    (LABORATORY, "surface_slope: {value: 0.16,", "surface_slope: {value: -0.16,", ["surfaces.Formica.surface_slope: -0.16 must be greater than or equal to 0"]),
+    (LABORATORY, "    case: steel-formica", "    case: steel-formic", ["drops.steel on Formica.case: 'steel-formic' is not declared in cases (did you mean 'steel-formica'?)"]),
+    (EXPERIMENTS, "populations:\n    SST65: {from: particles.SST65}\n    SST125: {from: particles.SST125}", "populations: [SST65, SST125]", ["normal_experiments.populations: must be a mapping: a name, then its fields"]),
+    (LABORATORY, "target_radius_mm: {value: 5.0", "target_radius_mm: {value: 5.5", ["pile.target_radius_mm: 5.5 must be one of radii_mm, [3, 5, 10]"]),
+    ("analyses/claims.yaml", "falling_loss_deg: {values: [50, 10]", "falling_loss_deg: {values: [5, 10]", ["claim_numbers.oblique.falling_loss_deg: [5, 10] must descend"]),
+    (LABORATORY, "speed_range_m_per_s: {values: [1.6, 1.72]", "speed_range_m_per_s: {values: [1.72, 1.6]", ["speeds.nominal.speed_range_m_per_s: [1.72, 1.6] must ascend"]),
+    (LABORATORY, "speed_range_m_per_s: {values: [1.6, 1.72]", "speed_range_m_per_s: {values: [1.6]", ["speeds.nominal.speed_range_m_per_s[1]: missing"]),
+    (LABORATORY, "angles_deg: {values: [85, 80, 75, 70, 60, 55, 50, 45, 40, 30, 20, 15, 10, 5]", "angles_deg: {values: [95]", ["experiment.angles_deg[0]: 95 must be less than or equal to 90"]),
+    (LABORATORY, "      mean: {value: 50.0, evidence", "      mode: 3\n      mean: {value: 50.0, evidence", ["particles.SST65.diameter_um.mode: unknown key"]),
+    (LABORATORY, "      sd: {value: 9.0,", "      sd: {value: -9.0,", ["particles.SST65.diameter_um.sd: -9.0 must be greater than"]),
+    (LABORATORY, "surfaces:\n", "surfaces: 3\nnone:\n", ["surfaces: 3 must be a mapping"]),
+    (LABORATORY, "\ncases:\n", "\ncases: []\nnone:\n", ["cases: [] must be a mapping"]),
+    (ANALYSES, "friction: {kind: constant, at:", "friction: {kind: constant, value:", [".at: missing", ".value: unknown key (known here: at, kind)"]),
+    # declared tables
+    (MATERIALS, "material,property", "material;property", ["materials.csv: the header is"]),
+    (MATERIALS, STEEL, STEEL + ",more", ["materials.csv, line 2: must have 8 fields"]),
+    (MATERIALS, STEEL, "stainless-steel-316,youngs_modulus,193,GPa", ["materials.csv, line 2: must have 8 fields"]),
+    (MATERIALS, STEEL, STEEL.replace("193", "193 GPa"), ["materials.csv, line 2: value '193 GPa' must be a finite number"]),
+    (MATERIALS, STEEL, STEEL.replace("193", "1,93"), ["materials.csv, line 2"]),
+    (MATERIALS, STEEL, STEEL.replace("193", "nan"), ["materials.csv, line 2: value 'nan' must be a finite number"]),
+    (MATERIALS, STEEL, STEEL.replace("193", "-193"), ["material 'stainless-steel-316'", "youngs_modulus", "> 0, got -193000000000"]),
+    (MATERIALS, STEEL, STEEL.replace("193", "0"), ["material 'stainless-steel-316'", "youngs_modulus"]),
+    (MATERIALS, STEEL, STEEL.replace("193", ""), ["materials.csv, line 2: value '' must be a finite number"]),
+    (MATERIALS, STEEL, STEEL.replace("GPa", "psi"), ["material 'stainless-steel-316', youngs_modulus", "psi"]),
+    (MATERIALS, STEEL, STEEL.replace("GPa", "um"), ["material 'stainless-steel-316', youngs_modulus", "um"]),
+    (MATERIALS, STEEL, STEEL.replace("GPa", ""), ["materials.csv, line 2: unit is empty"]),
+    (MATERIALS, STEEL, STEEL.replace("found", "rumour"), ["materials.csv, line 2: evidence 'rumour' must be one of"]),
+    (MATERIALS, STEEL, STEEL.replace("maker's data sheets of AISI 316", " "), ["materials.csv, line 2: source is empty"]),
+    (MATERIALS, STEEL, STEEL.replace("youngs_modulus", "young_modulus"), ["property 'young_modulus' unknown (did you mean 'youngs_modulus'?)"]),
+    (MATERIALS, STEEL, STEEL + "\n" + STEEL, ["material 'stainless-steel-316': youngs_modulus is declared twice"]),
+    (MATERIALS, STEEL + "\n", "", ["material 'stainless-steel-316': youngs_modulus not declared"]),
+    (MATERIALS, "poissons_ratio,0.28,-,0.27,0.30", "poissons_ratio,0.6,-,,", ["material 'stainless-steel-316'", "poissons_ratio", "0.6"]),
+    (MATERIALS, "0.28,-,0.27,0.30", "0.28,-,0.30,0.27", ["materials.csv, line 3: low 0.3 must be below high, 0.27"]),
+    (MATERIALS, "0.28,-,0.27,0.30", "0.28,-,0.29,0.30", ["materials.csv, line 3: value 0.28 must be from low to high, 0.29 to 0.3"]),
+    (MATERIALS, "0.28,-,0.27,0.30", "0.28,-,0.27,0.6", ["materials.csv: material 'stainless-steel-316'", "poissons_ratio", "0.6"]),
+    (MATERIALS, STEEL, STEEL.replace(",,,", ",-1,200,"), ["materials.csv: material 'stainless-steel-316'", "youngs_modulus", "> 0, got -1000000000"]),
+    (MATERIALS, STEEL, '"' + STEEL, ["materials.csv, line"]),
+    (MATERIALS, STEEL, STEEL.replace("GPa", "Pa"), ["config/materials.csv: stainless-steel-316: Young's modulus, 193 Pa, is not from 1 MPa to 2000 GPa"]),
+    (MATERIALS, STEEL, STEEL.replace("193", "193000000000"), ["config/materials.csv: stainless-steel-316: Young's modulus", "is not from 1 MPa to 2000 GPa"]),
+    (MATERIALS, "density,8000,kg/m3", "density,8,kg/m3", ["config/materials.csv: stainless-steel-316: the density, 8 kg/m3, is not from 10 to 30000 kg/m3"]),
+    (CONTACTS, DIAMETER, GIVEN.replace("62,um", "0.000062,um"), ["config/contacts.csv: stainless-steel-316 on silicon: diameter 6.2e-11 m must be from 1e-09 to 0.005 m"]),
+    (CONTACTS, DIAMETER, GIVEN.replace("62,um", "62,m"), ["config/contacts.csv: stainless-steel-316 on silicon: diameter 62 m must be"]),
+    (CONTACTS, DIAMETER, GIVEN.replace("62", "sixty-two"), ["contacts.csv, line 2: value 'sixty-two' must be a finite number"]),
+    (CONTACTS, DIAMETER, GIVEN.replace(",um,", ",J/m2,"), ["contact 'stainless-steel-316' on 'silicon', diameter"]),
+    (CONTACTS, DIAMETER, GIVEN.replace("diameter", "diametre"), ["property 'diametre' unknown (did you mean 'diameter'?)"]),
+    (CONTACTS, DIAMETER, DIAMETER.replace("printed", ""), ["contacts.csv, line 2: evidence '' must be one of"]),
+    (CONTACTS, "stainless-steel-316,silicon,friction,0.15,-,printed,Sections 2.4.1 and 2.4.2", "stainless-steel-316,silicon,friction,-0.15,-,assumed,as told", ["config/contacts.csv: stainless-steel-316 on silicon: friction must be", ">= 0", "-0.15"]),
+    (CONTACTS, DIAMETER, GIVEN.replace("62", "0"), ["config/contacts.csv: stainless-steel-316 on silicon: diameter must be"]),
+    (PRINTED, ANCHOR, ANCHOR.replace("0.967", ""), ["printed_values.csv, line 2: value '' must be a finite number"]),
+    (PRINTED, ANCHOR, ANCHOR.replace("m/s", ""), ["printed_values.csv, line 2: unit is empty"]),
+    (PRINTED, ANCHOR, ANCHOR.replace("m/s", "mm/s"), ["printed.capture_velocity_psl_quartz: the unit mm/s must be m/s, as that of calibration.by_work_of_adhesion.polystyrene-latex-fused-silica.capture_velocity_m_per_s"]),
+    (CONTACTS, "lycopodium,silicon,diameter,33,um", "lycopodium,silicon,diameter,0.033,mm", ["contacts.lycopodium on silicon.diameter: the unit mm must be um, as that of "]),
+    (CONTACTS, DIAMETER, GIVEN.replace(",um,", ",J/m2,"), ["config/contacts.csv: contact 'stainless-steel-316' on 'silicon', diameter: unit 'J/m2' must be one of"]),
+    (EXTERNAL, "A,1.84,", "A,steep,", ["external.csv, line 2: at 'steep' must be a finite number"]),
+    (EXTERNAL, ",0.015,found", ",-0.015,found", ["external.csv, line 2: reading_error -0.015 must not be negative"]),
+    (EXTERNAL, ",2.6,6.9,um", ",6.9,2.6,um", ["external.csv, line", "low 6.9 must be below high, 2.6"]),
+    (PRINTED, "pile_up_speed_sst_silicon,,0.2,0.3", "pile_up_speed_sst_silicon,,0.3,0.2", ["printed_values.csv, line 10: low 0.3 must be below high, 0.2"]),
+    (EXTERNAL, ",0.79344,", ",,", ["external.csv, line 2: value '' must be a finite number"]),
+    (ANALYSES, "external: kharaz2001", "external: kharas2001", ["oblique_data.external: 'kharas2001' is not declared in config/external.csv (did you mean 'kharaz2001'?)"]),
+    (PRINTED, "key,value", "name,value", ["printed_values.csv: the header is name, value"]),
+    # figure registry
+    (FIGURES, "\nfig14:", "\nfigure14:", ["figure14"]),
+    (FIGURES, "study: restitution_trends", "study: restitution_trend", ["'restitution_trend' is no study (did you mean 'restitution_trends'?)"]),
+    (FIGURES, "[[set_ups.disk_slots]]", "[[set_ups.disk_slot]]", ["no parameter 'set_ups.disk_slot' (did you mean 'disk_slots'?)"]),
+    (FIGURES, "module: study.figures.", "module: os.", ["module"]),
+    (FIGURES, "x_range: [", "x_range: [9.0e9, ", ["x_range"]),
+    (FIGURES, "study: restitution_trends", "study: 3", ["config/figures.yaml: fig14.study: 3 is no study"]),
+    (FIGURES, "\nfig14:\n", "\nfig14:\n  tables: 3\n", ["config/figures.yaml: fig14.tables: 3 must be a mapping"]),
+    (FIGURES, "width: double", "width: triple", ["width: 'triple'"]),
+    # digitised points: run/test_digitised.py has all that may be wrong in a file
+    (POINTS, "1.0,0.5,0.4,0.6", "1.0,0.5,0.6,0.4", ["fig14.csv, line 5"]),
+]
+# fmt: on
+
+
+@pytest.mark.parametrize(("name", "old", "new", "words"), CASES, ids=range(len(CASES)))
+def test_one_clear_error(declared, name, old, new, words):
+    declared.replace(name, old, new)
+    with pytest.raises((ValueError, OSError)) as caught:
+        declared.read()
+    told = str(caught.value)
+    for word in words:
+        assert word in told
+    assert len(told.splitlines()) <= len(words) + 1
+    assert "Traceback" not in told
+    assert "pydantic" not in told
+
+
+def test_there_are_many_of_them():
+    assert len(CASES) >= 60
+
+
+def test_unspoilt_inputs_are_read(declared):
+    settings, found = declared.read()
+    assert "fig14" in found.digitised
+    assert set(settings.rows) == set(settings.branches)
+    assert not settings.unused
+
+
+BYTES = [
+    (CONFIG, b"\xff\xfe\x00", "config.yaml: not valid YAML"),
+    (CONFIG, b"", "config.yaml: must hold a mapping"),
+    (CONFIG, b"- 1\n", "config.yaml: must hold a mapping"),
+    (MATERIALS, b"", "materials.csv: the header is"),
+    (MATERIALS, b"\x00\x01", "materials.csv"),
+    (MATERIALS, b"material,\xe9\n", "materials.csv: must be a text in UTF-8, byte 9 is not"),
+    (CONTACTS, b"particle,surface\n", "contacts.csv: the header is particle, surface;"),
+    (FIGURES, b"fig14: 3\n", "config/figures.yaml: fig14: 3 must be a mapping"),
+    (FIGURES, b"fig14: {study: {}}\n", "fig14.study: {} is no study"),
+]  # fmt: skip
+
+
+# What a user lays over the files as shipped, and the lines that refuse it.
+OVERLAYS = [
+    ({"force_history": {"diameter_um": 4, "9": None}}, ["force_history.9: unknown key (known here: admissible,"]),  # {diameter_um: 4,9}
+    ({"nonsense": None}, ["nonsense: unknown key"]),
+    ({"particles": None}, ["particles: missing"]),
+    ({"particles": {"SST77": None}}, ["particles.SST77: None must be a mapping"]),
+    ({"particles": {"SST77": {"particle": "glass", "particle_slope": 0.1}}}, [f"particles.SST77.{key}: changes nothing: no analysis names it" for key in ("particle", "particle_slope")]),
+    ({"speeds": {"nominal": {"speed_m_per_s": 0}}}, ["speeds.nominal.speed_m_per_s: 0 must be greater than 0", "admissible_contacts."]),
+    ({"monte_carlo": {"process": {"diameter_um": {"kind": "constant", "at": 6.2e-5}}}}, ["monte_carlo.process.diameter_um.at: 6.2e-05 um must be from 0.001 to 5000 um"]),
+    ({"monte_carlo": {"process": {"diameter_um": {"kind": "histogram", "edges": [5e-5, 6e-5], "counts": [1]}}}}, ["monte_carlo.process.diameter_um.edges[0]: 5e-05 um must be", "monte_carlo.process.diameter_um.edges[1]: 6e-05 um must be"]),
+    ({"monte_carlo": {"process": {"slope": 0.3}}}, ["monte_carlo.process.slope: 0.3 must be a mapping with the key kind: constant, uniform,"]),
+    ({"pathvars": "build/x"}, ["pathvars: 'build/x' must be a mapping"]),
+    ({"pathvars": {"results": ""}}, ["pathvars.results: '' must not be empty"]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("\ufeff# seen\r\n58.1\r\n60\r\n", ""),
+        ("58.1\n6e-5\n", "diameter_um: 6e-05 um must be from 0.001 to 5000 um"),
+        ("58,1\n", "diameter_um.path: sizes.txt, line 1: '58,1' must be one finite number"),
+        ("", "diameter_um.path: sizes.txt: must hold at least one number, got none"),
+    ],
+)
+def test_a_file_of_values(tmp_path, text, line):
+    file = tmp_path / "sizes.txt"
+    file.write_text(text, encoding="utf-8", newline="")
+    sizes = {"kind": "sample_file", "path": str(file)}
+    config = merged(shipped(), {"monte_carlo": {"process": {"diameter_um": sizes}}})
+    if not line:
+        validate(config, shipped())
+        return
+    with pytest.raises(ConfigError) as caught:
+        validate(config, shipped())
+    assert str(caught.value) == f"monte_carlo.process.{line.replace('sizes.txt', str(file))}"
+
+
+@pytest.mark.parametrize(("overlay", "lines"), OVERLAYS, ids=range(len(OVERLAYS)))
+def test_an_overlay_is_refused_in_a_line_a_key(overlay, lines):
+    with pytest.raises(ConfigError) as caught:
+        validate(merged(shipped(), overlay), shipped())
+    found = str(caught.value).splitlines()
+    assert len(found) == len(lines)
+    for told, line in zip(found, lines, strict=True):
+        assert told.startswith(line)
+
+
+@pytest.mark.parametrize(("name", "content", "words"), BYTES, ids=range(len(BYTES)))
+def test_a_file_that_is_none(declared, name, content, words):
+    declared.write(name, content)
+    with pytest.raises((ValueError, OSError)) as caught:
+        declared.read()
+    assert words in str(caught.value)
+    assert len(str(caught.value).splitlines()) <= 3
+
+
+def test_a_byte_order_mark_and_other_line_ends_do_no_harm(declared):
+    for name in (CONFIG, MATERIALS, CONTACTS, FIGURES):
+        text = (declared.root / "config" / name).read_text(encoding="utf-8")
+        declared.write(name, b"\xef\xbb\xbf" + text.replace("\n", "\r\n").encode())
+    declared.write(POINTS, DIGITISED.replace("\n", "\r\n").encode())
+    assert declared.read()[0].general.seed == 20011
+
+
+def test_a_study_whose_branch_names_no_rows(declared):
+    rows = declared.read()[0].rows["rolling_dissipation"]
+    assert set(rows) == {"materials"}
+    with pytest.raises(ValueError, match="no rows of 'printed': the study's branch must name some"):
+        NamedTables(rows)["printed"]

@@ -1,0 +1,297 @@
+"""The check against references: what it names, what it refuses, and how references change."""
+
+from __future__ import annotations
+
+import gzip
+import io
+import math
+from shutil import rmtree
+
+import pandas as pd
+import pytest
+from tests.study.report.results_roots import edit, results, run
+
+from study.report.check import verify as verification
+from study.report.check.differences import Difference, Tolerance, compare_tables
+from study.report.check.results import read_cells
+from study.report.check.verify import concerned, renew, verify
+from study.report.check.wording import markdown, worst
+
+CURVES = "name,x,y\na,1,10\na,2,20\nb,1,30\n"
+
+
+def compared(before, after, tolerance=None):
+    tables = (
+        pd.read_csv(io.StringIO(text), dtype=object, keep_default_na=False)
+        for text in (before, after)
+    )
+    return compare_tables("tables/x.csv", *tables, lambda _: tolerance or Tolerance())
+
+
+@pytest.fixture
+def built(tmp_path):
+    return results(tmp_path / "built")
+
+
+@pytest.fixture
+def reference(tmp_path, built):
+    target = tmp_path / "reference"
+    target.mkdir()
+    renew(built, target, verify(built, target))
+    return target
+
+
+@pytest.mark.parametrize(
+    ("after", "expected"),
+    [
+        (CURVES, []),
+        # The same number, written otherwise.
+        (CURVES.replace("a,1,10\n", "a,1.0,1e1\n"), []),
+        (CURVES.replace("20", "22"), [("number", "a #2", "y", "20", "22", 0.1)]),
+        (CURVES.replace("20", "-20"), [("number", "a #2", "y", "20", "-20", 2.0)]),
+        (CURVES.replace("20", ""), [("number", "a #2", "y", "20", "", math.inf)]),
+        (CURVES.replace("b,1,30\n", ""), [("missing row", "b", "", "x 1, y 30", "", math.nan)]),
+        (CURVES + "b,2,4\n", [("extra row", "b #2", "", "", "x 2, y 4", math.nan)]),
+        # Rows of the same name are matched in order, others by name.
+        ("name,x,y\nb,1,30\na,1,10\na,2,20\n", []),
+        (
+            "name,x,y\na,2,10\na,1,20\nb,1,30\n",
+            [("number", "a #1", "x", "1", "2", 1.0), ("number", "a #2", "x", "2", "1", 0.5)],
+        ),
+        (
+            "name,x,z\na,1,10\na,2,20\nb,1,30\n",
+            [
+                ("missing column", "", "y", "", "", math.nan),
+                ("extra column", "", "z", "", "", math.nan),
+            ],
+        ),
+    ],
+)
+def test_all_differences_of_tables_are_named_with_both_cells(after, expected):
+    differences = compared(CURVES, after)
+    fields = ("kind", "row", "column", "reference", "result", "relative")
+    shown = [tuple(getattr(d, name) for name in fields) for d in differences]
+    assert [row[:-1] for row in shown] == [row[:-1] for row in expected]
+    assert [row[-1] for row in shown] == pytest.approx([r[-1] for r in expected], nan_ok=True)
+
+
+@pytest.mark.parametrize(
+    ("tolerance", "value", "differs"),
+    [
+        (Tolerance(), 20 * (1 + 0.99e-8), False),
+        (Tolerance(), 20 * (1 + 1.01e-8), True),
+        (Tolerance(), 20 * (1 - 1.01e-8), True),
+        # Powers of two: the bound itself is exact, and belongs to what is accepted.
+        (Tolerance(rtol=0, atol=0.5), 20.5, False),
+        (Tolerance(rtol=0, atol=0.5), math.nextafter(20.5, 21), True),
+        (Tolerance(rtol=0.25, atol=0.5), 25.5, False),
+        (Tolerance(rtol=0, atol=0), math.nextafter(20, 21), True),
+    ],
+)
+def test_the_bound_of_a_tolerance_is_relative_to_the_reference(tolerance, value, differs):
+    assert bool(compared(CURVES, CURVES.replace("20", repr(value)), tolerance)) == differs
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "kinds"),
+    [
+        ("", "nan", []),
+        ("", "0", ["number"]),
+        ("inf", "inf", []),
+        ("inf", "1e308", ["number"]),
+        ("inf", "-inf", ["number"]),
+        ("0", "-0.0", []),
+        ("0", "1e-300", ["number"]),
+        ("True", "False", ["text"]),
+    ],
+)
+def test_missing_infinite_and_zero_numbers_agree_with_themselves_alone(before, after, kinds):
+    differences = compared(f"x,y\n1,{before}\n", f"x,y\n1,{after}\n")
+    assert [d.kind for d in differences] == kinds
+
+
+def test_thousands_of_differences_stay_readable_and_the_largest_come_first():
+    rows = [f"{i},{{}}\n" for i in range(5000)]
+    before, after = (
+        "i,y\n" + "".join(row.format(1.0 + k * i * 1e-6) for i, row in enumerate(rows))
+        for k in (0, 1)
+    )
+    differences = compared(before, after)
+    text = markdown(differences, 5)
+    assert "4999 numbers, largest relative difference 5.0e-03" in text
+    assert "and 4994 more" in text
+    assert len(text.splitlines()) < 15
+    assert [d.row for d in worst(differences, 2)] == ["row 5000", "row 4999"]
+
+
+def test_numbers_that_are_all_but_zero_do_not_lead():
+    differences = compared("case,y\na,1e-10\nb,1.0\n", "case,y\na,9e-10\nb,1.1\n")
+    assert [d.row for d in worst(differences, 5)] == ["b", "a"]
+
+
+def test_cells_cannot_break_the_table():
+    difference = Difference(file="f", kind="text", row="a|b\nc", column="x", reference="y" * 500)
+    rows = [line for line in markdown([difference], 5).splitlines() if line.startswith("|")]
+    assert len(rows) == 3
+    assert "a\\|b c" in rows[2]
+    assert len(rows[2]) < 250
+
+
+def test_results_agree_with_references_made_from_them(built, reference):
+    assert verify(built, reference) == []
+    code, text, _ = run("check", built, "--reference", reference)
+    assert code == 0
+    assert "4 files agree" in text
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "figures", "tables"),
+    [
+        ("data/fig14.csv", ",0.7,", ",0.7007,", "fig14", "none"),
+        ("tables/inputs.csv", "2500", "2502.5", "none", "inputs"),
+        ("tables/claims.csv", ",reproduced", ",calibrated", "none", "claims"),
+        ("figures/fig14.csv", "Restitution", "Loss", "fig14", "none"),
+        ("figures/fig14.csv", "#0072b2 1.2", "#d55e00 1.2", "fig14", "none"),
+    ],
+)
+def test_a_changed_cell_names_its_figures_or_its_table(
+    built, reference, file, old, new, figures, tables
+):
+    edit(built / file, old, new)
+    code, text, _ = run("check", built, "--reference", reference)
+    assert code == 1
+    assert f"\nFigures: {figures}\nTables: {tables}\n" in text
+    assert all(cell.strip(",") in text for cell in (old, new))
+
+
+def test_differences_concern_every_figure_that_is_drawn_from_a_table(built, reference):
+    edit(built / "data/fig14.csv", ",0.7,", ",0.7007,")
+    drawn = {"fig14": ("fig14",), "overview": ("fig13", "fig14"), "fig13": ("fig13",)}
+    assert concerned(verify(built, reference), drawn) == (["fig14", "overview"], [])
+
+
+@pytest.mark.parametrize("name", ["tables/claims.csv", "data/fig14.csv", "figures/fig14.csv"])
+def test_files_without_counterpart_fail_both_ways(built, reference, name):
+    text = (built / name).read_text()
+    (built / name).unlink()
+    (lost,) = verify(built, reference)
+    assert (lost.kind, lost.file) == ("missing file", name)
+    renew(built, reference, [lost], remove=True)
+    assert verify(built, reference) == []
+    (built / name).write_text(text)
+    (new,) = verify(built, reference)
+    assert (new.kind, new.file) == ("extra file", name)
+
+
+def test_a_run_with_other_settings_is_one_line(built, reference):
+    rows = "".join(f"config,a.b[{i}],{{}},,,-,chosen,x,\n" for i in range(21))
+    for root, value in ((built, 1024), (reference, 64)):
+        table = root / "tables/inputs.csv"
+        table.write_text(table.read_text() + rows.replace("{}", str(value)))
+    code, text, error = run("check", built, "--reference", reference)
+    assert (code, text) == (2, "")
+    assert error.count("\n") == 1
+    assert "21 inputs differ, as a.b[0]: 1024 where the references have 64" in error
+    edit(built / "tables/inputs.csv", "a.b[20],1024", "a.b[20],64")
+    assert run("check", built, "--reference", reference)[0] == 1
+
+
+TOLERANCE = "columns:\n- {file: data/fig*.csv, column: y_1, rtol: 0.01, reason: made up}\n"
+
+
+def test_a_wider_tolerance_holds_for_its_column_alone(built, reference):
+    (reference / "tolerances.yaml").write_text(TOLERANCE)
+    edit(built / "data/fig14.csv", ",0.7,", ",0.7007,")
+    assert verify(built, reference) == []
+    edit(built / "data/fig14.csv", "1.0,0.7007", "1.001,0.7007")
+    assert [d.column for d in verify(built, reference)] == ["x_m_per_s"]
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (TOLERANCE.replace(", reason: made up", ""), "columns[0].reason: missing"),
+        (TOLERANCE.replace("0.01", "-1"), "columns[0].rtol: -1 must be greater than or equal to 0"),
+        (TOLERANCE.replace("rtol", "rtoll"), "columns[0].rtoll: unknown key"),
+        (TOLERANCE.replace("y_1", "y_2"), "no table has a column 'y_2' in 'data/fig*.csv'"),
+    ],
+)
+def test_tolerances_are_checked(built, reference, text, expected):
+    (reference / "tolerances.yaml").write_text(text)
+    code, _, error = run("check", built, "--reference", reference)
+    assert code == 2
+    assert expected in error
+    assert "tolerances.yaml" in error
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "expected"),
+    [
+        ("data/fig14.csv", "a,b\n1,2\n1,2,3\n", "data/fig14.csv, line 3: 3 fields where the"),
+        ("data/fig14.csv", 'a,b\n1,"2\n', "data/fig14.csv, line 2: unexpected end of data"),
+        ("figures/fig14.csv", "", "figures/fig14.csv, line 1: must be a header"),
+    ],
+)
+def test_malformed_results_are_one_clear_error(built, reference, name, content, expected):
+    (built / name).write_text(content)
+    code, _, error = run("check", built, "--reference", reference)
+    assert code == 2
+    assert expected in error
+
+
+def test_missing_folders_are_one_clear_error(built, reference, tmp_path):
+    nothing = tmp_path / "nothing"
+    for arguments in ((nothing, "--reference", reference), (built, "--reference", nothing)):
+        code, _, error = run("check", *arguments)
+        assert (code, error) == (2, f"microimpact: {nothing}: no such folder\n")
+    nothing.mkdir()
+    code, _, error = run("check", nothing, "--reference", reference)
+    assert code == 2
+    assert "not a results folder" in error
+
+
+def test_references_change_by_command_alone_where_they_differ(built, reference):
+    def content():
+        return {path: path.read_bytes() for path in reference.rglob("*.*")}
+
+    before = content()
+    edit(built / "data/fig14.csv", ",0.7,", ",0.7007,")
+    edit(built / "tables/claims.csv", "0.44", "0.440000000001")
+    assert run("check", built, "--reference", reference)[0] == 1
+    assert before == content()
+    code, text, _ = run("reference", built, "--reference", reference)
+    assert code == 0
+    assert "0.7007" in text
+    assert "1 files changed" in text
+    assert run("check", built, "--reference", reference)[0] == 0
+    after = content()
+    assert [path.name for path in after if after[path] != before[path]] == ["fig14.csv"]
+
+
+def test_a_partial_run_cannot_drop_references(built, reference):
+    (built / "tables/claims.csv").unlink()
+    code, _, error = run("reference", built, "--reference", reference)
+    assert code == 2
+    assert "lacks 1 files that have references (tables/claims.csv)" in error
+    assert run("reference", built, "--reference", reference, "--remove")[0] == 0
+    assert not (reference / "tables/claims.csv").exists()
+
+
+def test_large_tables_are_kept_compressed_in_twelve_digits(built, reference, monkeypatch):
+    monkeypatch.setattr(verification, "PLAIN_BYTES", 100)
+    edit(built / "data/fig14.csv", ",0.7,", ",0.70000000000000123,")
+    rmtree(reference)
+    reference.mkdir()
+    renew(built, reference, verify(built, reference))
+    packed = reference / "data/fig14.csv.gz"
+    assert len(gzip.decompress(packed.read_bytes()).splitlines()) == 6
+    assert list(read_cells(packed)["y_1"])[-1] == "0.7"
+    assert verify(built, reference) == []
+    first = packed.read_bytes()
+    packed.unlink()
+    renew(built, reference, verify(built, reference))
+    assert packed.read_bytes() == first
+    monkeypatch.undo()
+    edit(built / "data/fig14.csv", "a,e", "a,f")
+    renew(built, reference, verify(built, reference))
+    assert not packed.exists()

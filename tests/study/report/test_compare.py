@@ -1,0 +1,179 @@
+"""Two runs compared: inputs, numbers, verdicts and figures, as text and as a page."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+
+import pytest
+from tests.study.report.pages import Page
+from tests.study.report.results_roots import CLAIMS, INPUTS, draw, edit, results, run
+
+from microimpact.core.files import write_checksums
+from study.report.check.compare import as_text, compare, page
+
+
+@pytest.fixture
+def baseline(tmp_path):
+    return results(tmp_path / "a")
+
+
+@pytest.fixture
+def changed(tmp_path):
+    return results(
+        tmp_path / "b",
+        slope=0.5,
+        inputs=INPUTS.replace("2500", "2600"),
+        claims=CLAIMS.replace("0.44,reproduced", "0.4,not reproduced"),
+        commit="def",
+    )
+
+
+def told(differences):
+    return [(d.row, d.column, d.reference, d.result) for d in differences]
+
+
+def test_a_run_is_the_same_as_itself_at_another_commit(baseline, tmp_path):
+    changes = compare(baseline, results(tmp_path / "again", commit="def"))
+    assert changes.same
+    assert changes.unchanged_figures == ("fig14",)
+    assert told(changes.runs) == [("git commit", "value", "abc", "def")]
+    assert "are the same" in as_text(changes)
+    assert "are the same" in page(changes)
+
+
+def test_every_kind_of_change_is_named(baseline, changed):
+    changes = compare(baseline, changed)
+    assert told(changes.inputs) == [("materials.glass.density", "value", "2500", "2600")]
+    assert told(changes.verdicts) == [("C01", "verdict", "reproduced", "not reproduced")]
+    assert {d.file for d in changes.numbers} == {"data/fig14.csv", "tables/claims.csv"}
+    assert [figure.name for figure in changes.figures] == ["fig14"]
+    text = as_text(changes)
+    for title in ("Runs", "Inputs", "Verdicts", "Numbers", "Figures"):
+        assert f"\n## {title}\n" in text
+    assert "| baseline" in text
+
+
+def test_words_of_figures_and_criteria_are_named(baseline, tmp_path):
+    other = results(tmp_path / "b", claims=CLAIMS.replace("at most 1", "at most 2"))
+    edit(other / "figures/fig14.csv", "Restitution", "Loss")
+    changes = compare(baseline, other)
+    assert told(changes.inputs) == [("C01", "criterion", "at most 1", "at most 2")]
+    assert told(changes.figures[0].parts) == [("figure, title", "text", "Restitution", "Loss")]
+    assert "- fig14: 1 text (figure, title)" in as_text(changes)
+
+
+def configured(root, **config):
+    (root / "run.json").write_text(json.dumps({"git": {"commit": "abc"}, "config": config}))
+    return root
+
+
+def test_a_changed_input_is_one_row_whatever_its_form_and_however_often_it_is_used(
+    baseline, tmp_path
+):
+    uses = "".join(f"config,study.v[{i}],{{v}},,,m/s,printed,x,printed.v[{i}]\n" for i in (0, 1))
+    rows = (
+        f"{uses}printed_values,v,{{v}},,,m/s,printed,x,\n"
+        "config,friction.angles[0],{a},,,deg,chosen,x,\nconfig,friction.angles[1],15,,,deg,chosen,x,\n"
+    )
+    other = results(tmp_path / "b", inputs=INPUTS + rows.replace("{v}", "2").replace("{a}", "10"))
+    (baseline / "tables/inputs.csv").write_text(
+        INPUTS + rows.replace("{v}", "1").replace("{a}", "5")
+    )
+    configured(baseline, friction={"surface": "silicon", "angles": [5, 15]})
+    configured(other, friction={"surface": "glass", "angles": [10, 15]})
+    assert told(compare(baseline, other).inputs) == [
+        ("friction.surface", "value", "silicon", "glass"),
+        ("friction.angles", "value", "[5, 15]", "[10, 15]"),
+        ("printed.v", "value (uses: 2)", "1", "2"),
+    ]
+
+
+def test_all_changed_inputs_are_shown_with_their_whole_names(baseline, tmp_path):
+    rows = "".join(f"config,{'a' * 70}.b{i},1,,,-,chosen,x,\n" for i in range(40))
+    other = results(tmp_path / "b", inputs=INPUTS + rows)
+    assert as_text(compare(baseline, other), few=3).count(f"| {'a' * 70}.b") == 40
+
+
+def test_series_are_matched_by_name(baseline, tmp_path):
+    def data(*series):
+        rows = "".join(f"a,{name},computed,{x},{y},,\n" for name, y in series for x in (1, 2))
+        return "panel,series,evidence,x_m_per_s,y_1,y_low,y_high\n" + rows
+
+    other = results(tmp_path / "b")
+    (baseline / "data/fig14.csv").write_text(data(("f = 0.1", 0.1), ("f = 0.2", 0.2)))
+    (other / "data/fig14.csv").write_text(data(("f = 0.2", 0.2), ("f = 0.3", 0.3)))
+    assert [(d.kind, d.row, d.reference, d.result) for d in compare(baseline, other).numbers] == [
+        ("missing row", "f = 0.1", "2 points", ""),
+        ("extra row", "f = 0.3", "", "2 points"),
+    ]
+
+
+def test_figures_that_rest_on_a_changed_input_come_first(baseline, tmp_path):
+    other = results(tmp_path / "b", slope=0.5)
+    for root, slope in ((baseline, 0.2), (other, 0.4)):
+        for name, rests_on in (("fig04", "the same"), ("fig17", f"slope {slope}")):
+            draw(root, name, slope)
+            write_checksums(root, [root / f"figures/{name}.svg"], rests_on)
+        configured(root, restitution_fits={"points": slope})
+    changes = compare(baseline, other)
+    assert changes.resting == ("fig17",)
+    assert [figure.name for figure in changes.figures] == ["fig17", "fig04", "fig14"]
+    text = as_text(changes)
+    assert text.index("Figures that rest on them: fig17.") < text.index("## Numbers")
+
+
+def test_a_claim_that_one_run_judged_is_a_change_of_verdict(baseline, tmp_path):
+    other = results(tmp_path / "b", claims=CLAIMS + "C03,rolls,at most 1,1,reproduced\n")
+    (difference,) = compare(baseline, other).verdicts
+    assert (difference.kind, difference.row) == ("extra row", "C03")
+
+
+def test_a_run_without_some_files_is_told_in_one_line_and_is_the_same(baseline, tmp_path):
+    other = results(tmp_path / "b")
+    draw(baseline, "fig20", 0.3)
+    (other / "tables/claims.csv").unlink()
+    changes = compare(baseline, other)
+    assert changes.same
+    lacking = ("tables/claims.csv", "figures/fig20.csv", "figures/fig20.svg")
+    assert changes.not_built["changed"] == lacking
+    for text in (as_text(changes), page(changes)):
+        assert f"3 files were not built in {other}." in text
+        assert "fig20" not in text
+    assert run("compare", other, baseline)[0] == 0
+
+
+def test_the_page_shows_figures_side_by_side_and_needs_nothing_else(baseline, tmp_path):
+    evil = "<script>alert(1)</script>"
+    changed = results(tmp_path / "b", inputs=INPUTS.replace("glass", evil), slope=0.5)
+    text = page(compare(baseline, changed))
+    parsed = Page(text)
+    pictures = [
+        base64.b64decode(picture["src"].removeprefix("data:image/svg+xml;base64,"), validate=True)
+        for picture in parsed.pictures
+    ]
+    drawn = [(root / "figures/fig14.svg").read_bytes() for root in (baseline, changed)]
+    assert pictures == drawn
+    assert evil in "".join(parsed.text)
+    assert not {"link", "script", "iframe", "object", "base"} & {tag for tag, _ in parsed.tags}
+    assert all(link.startswith("data:") for link in parsed.links)
+    assert "//" not in re.sub(r"base64,[\w+/=]*", "", text)
+
+
+def test_the_command_ends_with_one_where_something_differs(baseline, changed, tmp_path):
+    html = tmp_path / "page.html"
+    code, text, _ = run("compare", baseline, changed, "--html", html)
+    assert code == 1
+    assert "## Verdicts" in text
+    Page(html.read_text(encoding="utf-8"))
+    assert run("compare", baseline, baseline)[0] == 0
+
+
+def test_the_command_refuses_folders_without_results(baseline, tmp_path):
+    code, _, error = run("compare", baseline, tmp_path / "nothing")
+    assert (code, error) == (2, f"microimpact: {tmp_path / 'nothing'}: no such folder\n")
+    (baseline / "run.json").write_text("{\n?")
+    code, _, error = run("compare", baseline, baseline)
+    assert code == 2
+    assert "run.json, line 2: " in error

@@ -1,0 +1,359 @@
+"""The site as files: links lead somewhere, nothing asks the network, text stays text."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from dataclasses import replace
+from types import SimpleNamespace
+from urllib.parse import unquote, urlsplit
+from zipfile import ZipFile
+
+import pandas as pd
+import pytest
+from click.testing import CliRunner
+from tests.shared import ROOT
+from tests.study.report.conftest import REFERENCE
+from tests.study.report.pages import Page
+
+from study.figures.registry import FORMATS
+from study.report.check.results import ResultsError, table_files
+from study.report.commands import commands
+from study.report.site import PAGES
+from study.report.site.build import (
+    CLAIM_COLUMNS,
+    EQUATION_COLUMNS,
+    INPUT_COLUMNS,
+    site_pages,
+    write_site,
+)
+from study.report.site.code import modules, place
+from study.report.site.figures import departures, joined, studies_behind
+from study.report.site.graph import needs, upstream, users
+from study.report.site.pages import ASSETS
+from study.report.site.record import (
+    Change,
+    Record,
+    Rule,
+    changes,
+    from_plain,
+    read_record,
+    row_names,
+    write_record,
+)
+
+
+@pytest.fixture(scope="module")
+def pages(site):
+    return {
+        path.relative_to(site).as_posix(): Page(path.read_text(encoding="utf-8"))
+        for path in sorted(site.rglob("*.html"))
+    }
+
+
+def test_there_is_a_page_for_every_figure(pages, registry):
+    assert {f"figures/{name}.html" for name in registry} < set(pages)
+    assert {f"{name}.html" for name in PAGES} < set(pages)
+
+
+def test_every_link_and_anchor_leads_somewhere(site, pages):
+    assert sum(len(page.links) for page in pages.values()) > 2000
+    for name, page in pages.items():
+        for link in page.links:
+            parts = urlsplit(link)
+            assert not parts.scheme, f"{name}: {link} is not relative"
+            assert not parts.netloc, f"{name}: {link} is not relative"
+            target = (site / name).parent / unquote(parts.path) if parts.path else site / name
+            assert target.is_file(), f"{name}: {link}"
+            assert target.resolve().is_relative_to(site.resolve()), f"{name}: {link} leaves"
+            if parts.fragment:
+                other = pages[target.resolve().relative_to(site.resolve()).as_posix()]
+                assert parts.fragment in other.ids, f"{name}: {link}"
+
+
+def test_a_claim_and_an_equation_lead_to_their_code(pages, results):
+    for ledger, page, column in (
+        ("claims", "claims.html", "code"),
+        ("equations", "equations.html", "function"),
+    ):
+        rows = pd.read_csv(results / f"tables/{ledger}.csv", dtype=str, keep_default_na=False)
+        names = {name.rpartition(".")[2] for name in rows[column] if name}
+        linked = {
+            link.rpartition("#")[2].rpartition(".")[2]
+            for link in pages[page].links
+            if link.startswith("code/")
+        }
+        assert linked == names
+        assert len(names) > 20
+
+
+def test_every_table_has_a_sentence(results, registry):
+    """Its figure's entry or the rule that makes it tells what a table contains."""
+    folder = ROOT / "workflow/rules"
+    rules = "".join(path.read_text(encoding="utf-8") for path in sorted(folder.glob("*.smk")))
+    told = {f"tables/{name}" for entry in registry.values() for name in entry.get("tables", {})}
+    told |= {f"data/{name}" for entry in registry.values() for name in entry["data"]}
+    told |= set(re.findall(r"((?:tables|data)/\w+)\.csv: \w+", rules))
+    files = {n.partition(".")[0] for n in table_files(results) if not n.startswith("figures/")}
+    assert len(files) > 100
+    assert sorted(files - told) == []
+
+
+def test_all_figures_come_in_one_archive(site, registry):
+    with ZipFile(site / "files/figures.zip") as archive:
+        assert archive.testzip() is None
+        assert {f"figures/{name}.{kind}" for name in registry for kind in FORMATS} == set(
+            archive.namelist()
+        )
+        assert {entry.date_time for entry in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
+
+
+def test_no_asset_asks_the_network():
+    for path in ASSETS.iterdir():
+        text = path.read_text(encoding="utf-8").replace("http://www.w3.org/2000/svg", "")
+        assert not re.search(r"https?://|@import|url\((?!data:)|fetch\(|XMLHttp", text), path
+
+
+def test_a_figure_page_tells_inputs_claims_and_command(pages):
+    text = " ".join(" ".join(pages["figures/fig04.html"].text).split())
+    assert "snakemake --cores 1 fig04" in text
+    # Values of its study, with their source, of the study upstream, and declared rows.
+    assert "Tables of normal_experiments." in text
+    assert "Tables of calibration." in text
+    assert "silicon.youngs_modulus" in text
+    assert "virtual experiment" in text
+    links = pages["figures/fig04.html"].links
+    assert "../claims.html#C03" in links
+    assert "../equations.html#eq-2-1-incident" in links
+
+
+def test_the_front_page_counts_what_the_ledgers_say(pages, results):
+    claims = pd.read_csv(results / "tables/claims.csv", dtype=str)
+    counted = claims[~claims["kind"].isin(["arithmetic", "finding"])]["verdict"].value_counts()
+    (told,) = [
+        given["aria-label"]
+        for tag, given in pages["index.html"].tags
+        if tag == "svg" and given.get("aria-label", "").startswith("Claims")
+    ]
+    found = {
+        verdict: int(number)
+        for number, verdict in re.findall(r"(\d+) ([a-z ]+)", told.partition(": ")[2])
+    }
+    assert found == counted.to_dict()
+    links = pages["index.html"].links
+    failed = claims[(claims["verdict"] == "not reproduced") & (claims["kind"] != "arithmetic")]
+    assert len(failed) > 10
+    assert {f"claims.html#{i}" for i in failed["id"]} <= set(links)
+
+
+def test_the_run_page_tells_the_changed_key(pages):
+    text = pages["run.html"].text
+    assert "coulomb_friction.points" in text
+    assert text[text.index("coulomb_friction.points") + 1 :][:2] == ["360", "36"]
+    assert "not installed" in text
+
+
+def contents(folder):
+    paths = [path for path in folder.rglob("*") if path.is_file()]
+    return {path.relative_to(folder): path.read_bytes() for path in paths}
+
+
+def test_the_same_run_gives_the_same_bytes(site, record, tmp_path):
+    again = shutil.copytree(site.parent, tmp_path / "again")
+    stale = again / "report/files/tables/no_longer.csv"
+    stale.write_text("a\n1\n", encoding="utf-8")
+    write_site(again, record)
+    assert not stale.exists()
+    assert contents(again / "report") == contents(site)
+
+
+def test_the_explorer_is_linked_where_it_is_and_left_alone(few):
+    root, record = few
+    write_site(root, record)
+    index = root / "report/index.html"
+    assert "explorer.html" not in Page(index.read_text(encoding="utf-8")).links
+    (root / "report/explorer.html").write_text("another's page", encoding="utf-8")
+    write_site(root, record)
+    assert "explorer.html" in Page(index.read_text(encoding="utf-8")).links
+    assert (root / "report/explorer.html").read_text(encoding="utf-8") == "another's page"
+
+
+def test_names_stay_text(few):
+    root, record = few
+    evil = "<script>alert(1)</script>"
+    entry = dict(record.figures["fig14"], title=evil, caption=f'a "{evil}" & b')
+    marks = pd.DataFrame(
+        {"panel": [evil], "series": [evil], "evidence": [evil], "x_1": [0], "y_1": [0]}
+    )
+    marks.to_csv(root / "data/fig14.csv", index=False)
+    inputs = {
+        "file": ["config", "materials"],
+        "key": [f"restitution_trends.{evil}", f"{evil}.density"],
+        **{name: [evil, evil] for name in INPUT_COLUMNS[2:]},
+    }
+    (root / "tables").mkdir()
+    pd.DataFrame(inputs).to_csv(root / "tables/inputs.csv", index=False)
+    for ledger, columns in (("claims", CLAIM_COLUMNS), ("equations", EQUATION_COLUMNS)):
+        row = dict.fromkeys(columns, evil)
+        pd.DataFrame([row]).to_csv(root / f"tables/{ledger}.csv", index=False)
+    changed = replace(
+        record,
+        figures={"fig14": entry},
+        changes=(Change(key=evil, shipped=evil, used=evil),),
+        git={"commit": evil, "dirty": False},
+    )
+    texts = site_pages(root, changed)
+    assert any("&lt;script&gt;alert(1)" in text for text in texts.values())
+    for name, text in texts.items():
+        assert "<script>alert" not in text, name
+        page = Page(text)
+        assert not [t for t, given in page.tags if t == "script" and "src" not in given]
+
+
+def test_a_run_without_ledgers_and_rules_has_pages_too(few):
+    root, record = few
+    texts = site_pages(root, record)
+    assert "no ledger of claims" in texts["claims.html"]
+    assert "were not recorded" in texts["workflow.html"]
+    assert "As shipped" in texts["run.html"]
+    assert [name for name in texts if name.startswith("figures/")] == ["figures/fig14.html"]
+
+
+def test_a_results_folder_without_anything_is_refused(tmp_path, record):
+    with pytest.raises(ValueError, match="no figures and no tables"):
+        write_site(tmp_path, record)
+
+
+def test_a_ledger_without_a_column_is_refused(few):
+    root, record = few
+    (root / "tables").mkdir()
+    (root / "tables/claims.csv").write_text("id,statement\nC01,x\n", encoding="utf-8")
+    with pytest.raises(ValueError, match=r"claims\.csv: has no column where, kind"):
+        site_pages(root, record)
+
+
+def test_slips_of_the_text_stand_below_the_equations(few):
+    root, record = few
+    (root / "tables").mkdir()
+    shutil.copy(REFERENCE / "tables/equations.csv", root / "tables")
+    assert "Other slips" not in site_pages(root, record)["equations.html"]
+    errata = pd.read_csv(shutil.copy(REFERENCE / "tables/errata.csv", root / "tables"))
+    shown = site_pages(root, record)["equations.html"].partition("Other slips")[2]
+    for row in errata.itertuples():
+        assert row.printed in shown
+        assert row.meant in shown
+
+
+def test_a_record_survives_its_file(few):
+    root, record = few
+    write_record(root, record)
+    again = read_record(root)
+    assert isinstance(again, Record)
+    assert again.plain() == record.plain()
+
+
+@pytest.mark.parametrize("broken", ["seed", "rules"])
+def test_a_malformed_record_is_refused(record, broken):
+    content = record.plain()
+    del content[broken]
+    with pytest.raises(ResultsError, match=broken):
+        from_plain(content)
+
+
+def test_changes_of_the_configuration():
+    shipped = {
+        "a": {"x": {"value": 30.0, "evidence": "assumed", "source": "s"}, "y": [1, 2]},
+        "gone": 1,
+        "pathvars": {"results": "results"},
+    }
+    config = {
+        "a": {"x": {"value": 30, "evidence": "user", "source": "other words"}, "y": [1, 3]},
+        "new": {"z": 0},
+        "pathvars": {"results": "elsewhere"},
+    }
+    assert changes(config, shipped) == (
+        Change(key="a.y", shipped=[1, 2], used=[1, 3]),
+        Change(key="gone", shipped=1, used=None),
+        Change(key="new.z", shipped=None, used=0),
+    )
+
+
+def test_names_of_declared_rows():
+    rows = {
+        "materials": "material,property,value\nsilicon,density,1\nsilicon,youngs_modulus,2\n",
+        "contacts": "particle,surface,property,value\nsteel,silicon,friction,1\n",
+    }
+    assert row_names(rows) == {"materials": ("silicon",), "contacts": ("steel on silicon",)}
+    assert row_names(None) == {}
+
+
+def test_the_command_writes_the_site_of_a_finished_run(few):
+    root, record = few
+    write_record(root, record)
+    done = CliRunner().invoke(commands, ["report", str(root)])
+    assert done.exit_code == 0, done.output
+    assert (root / "report/index.html").is_file()
+    assert (root / "report/files/figures/fig14.svg").is_file()
+
+
+def test_no_site_shows_results_of_several_inputs(few):
+    root, record = few
+    write_record(root, record)
+    (root / "run.json").write_text('{"outdated": ["data/fig14.csv"]}')
+    done = CliRunner().invoke(commands, ["report", str(root)])
+    assert str(done.exception).endswith(
+        "run.json: made earlier, from other inputs: data/fig14.csv; renew them with `snakemake`"
+    )
+    assert not (root / "report/index.html").exists()
+
+
+RULES = (
+    Rule(name="a", outputs=("tables/a.csv",)),
+    Rule(name="b", inputs=("tables/a.csv", "src/x.py"), outputs=("data/b.csv",)),
+    Rule(name="fig01", inputs=("data/b.csv",), outputs=("figures/fig01.svg",)),
+    Rule(name="alone", outputs=("tables/alone.csv",)),
+)
+
+
+def test_a_rule_needs_the_makers_of_its_inputs():
+    needed = needs(RULES)
+    assert needed == {"a": (), "b": ("a",), "fig01": ("b",), "alone": ()}
+    assert upstream("fig01", needed) == ("b", "a")
+    assert users(needed)["a"] == ["b"]
+
+
+def test_code_has_a_page_with_an_anchor_for_every_function():
+    stiffness = "microimpact.model.contact.Contact.stiffness"
+    assert place(stiffness) == "code/microimpact.model.contact.html#Contact.stiffness"
+    assert place("microimpact.model.contact.nothing") == place("os.remove") == place("") == ""
+    (module,) = modules([stiffness, "os.remove", "microimpact.model.contact.hertz_stiffness"])
+    assert module.file == "src/microimpact/model/contact.py"
+    begins = {name: i for i, line in enumerate(module.lines) for name in line.begins}
+    # A property begins with its decorator, within its class.
+    assert "@" in module.lines[begins["Contact.stiffness"]].text
+    assert begins["Contact"] < begins["Contact.stiffness"]
+    assert sum(line.ends for line in module.lines) == len(begins)
+
+
+def test_a_claim_rests_on_the_departures_of_its_own_studies_alone():
+    keys = ("force_history.diameter_um", "calibration.n", "doe.levels", "claim_numbers.speed")
+    declared = [{"key": key, "overrides": "printed.x = 1"} for key in keys]
+    needed = {"force_history": ("calibration",), "claim_numbers": ()}
+    record = SimpleNamespace(figures={"fig25": {"study": "doe"}})
+
+    def departing(**claim):
+        behind = studies_behind({"figures": "", "inputs": "", **claim}, record)
+        return [row["key"] for row in departures(declared, behind, needed)]
+
+    assert departing() == ["claim_numbers.speed"]
+    assert departing(inputs="force_ratios materials") == [keys[0], keys[1], keys[3]]
+    assert departing(figures="fig25") == [keys[2], keys[3]]
+
+
+def test_items_of_a_list_are_one_row_where_only_the_value_differs():
+    def row(key, value, source="s"):
+        same = {"unit": "deg", "evidence": "chosen", "overrides": ""}
+        return {"key": key, "value": value, "source": source} | same
+
+    rows = [row("angle[0]", "1"), row("angle[1]", "2"), row("angle[2]", "3", "t"), row("n", "4")]
+    assert joined(rows) == [row("angle", "1, 2"), row("angle", "3", "t"), row("n", "4")]
