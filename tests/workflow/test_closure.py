@@ -44,9 +44,9 @@ def test_scripts_are_read_for_imports(tmp_path):
         "    import study.tables as t\n"
     )
     assert imports_of(script) == [
-        "study.tables",
         "microimpact.model.empirical",
         "microimpact.model.empirical.equations",
+        "study.tables",
     ]
 
 
