@@ -6,7 +6,8 @@ import json
 import re
 import sys
 import tracemalloc
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -17,6 +18,7 @@ from tests.shared import ROOT, STILL, facet_rebound
 
 from microimpact.lab.experiment import Drop, Target
 from microimpact.lab.surface import LABORATORY, Rules, Surface, facets, rough
+from microimpact.model import passes
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.rigid_body.roughness import rough_rebound
@@ -38,10 +40,13 @@ from study.studies.analyses.monte_carlo.ensembles import (
     Ensemble,
     Plan,
     Process,
+    Struck,
     deterministic,
     estimate,
     long_run,
     progress,
+    replicate_shares,
+    replicate_sums,
 )
 from study.studies.analyses.monte_carlo.impacts import RigidBody, Simulation, require_meaning
 from study.studies.analyses.monte_carlo.slope_inference import SlopeInference, infer_slope
@@ -209,6 +214,17 @@ def test_threads_change_no_digit_and_keys_change_the_draws(ensemble):
     assert estimate(base, 20.0, 4) != whole
 
 
+def test_longer_runs_begin_with_shorter_ones_whatever_the_threads(ensemble):
+    base = ensemble(size=(2, 64))
+    short, long = long_run(base, 4 * BLOCK + 1), long_run(base, 6 * BLOCK)
+    assert (short.plan.replicates, long.plan.replicates) == (5, 6)
+    shares = [replicate_shares(short, 0, number) for number in range(5)]
+    assert estimate(short, 20.0, shares=shares) == estimate(short, 20.0)
+    whole = estimate(long, 20.0, shares=[*shares, replicate_shares(long, 0, 5)])
+    assert estimate(long, 20.0) == whole
+    assert estimate(long, 20.0, threads=2) == whole
+
+
 def test_memory_does_not_grow_with_the_events(ensemble):
     base = ensemble(size=(2, 64))
     peaks = []
@@ -334,6 +350,60 @@ def test_rigid_bodies_without_friction_are_the_simulation_event_by_event(ensembl
         assert rigid[:6] == pytest.approx(simulated[:6], rel=1e-6, abs=1e-9)
 
 
+@dataclass(frozen=True)
+class Sequential(Struck):
+    """Contacts of rigid bodies one after the other: Coulomb's law and the balance of momentum."""
+
+    model: RigidBody
+
+    def __call__(self, draws):
+        def strike(which, velocity, spin, normal):
+            drawn = {name: values[which] for name, values in draws.items()}
+            unit, place = self.model.scales(drawn)
+            into = np.vecdot(velocity, normal)
+            bare = self.model.law.restitution(-into / unit, place)
+            e = np.clip(drawn["restitution_factor"] * bare + drawn["restitution_offset"], 0.0, 1.0)
+            radius, friction = 0.5e-6 * drawn["diameter_um"][:, None], drawn["friction"][:, None]
+            into, support = into[:, None], (-(1.0 + e) * into)[:, None]
+            slip = velocity - into * normal - np.cross(radius * spin, normal)
+            speed = np.linalg.norm(slip, axis=1, keepdims=True)
+            impulse = support * normal
+            impulse -= np.minimum(friction * support, 2.0 / 7.0 * speed) * slip / speed
+            turned = spin - 2.5 * np.cross(normal, impulse) / radius
+            return velocity + impulse, turned, bare == 0.0
+
+        return strike
+
+
+@pytest.mark.parametrize("facets", ["seen", "facing", "every"])
+@pytest.mark.parametrize("most_contacts", [1, 5])
+@pytest.mark.parametrize("must_leave", [False, True])
+def test_rigid_bodies_with_friction_and_spin_obey_mechanics_over_all_their_contacts(
+    ensemble, facets, most_contacts, must_leave
+):
+    process = constants(
+        speed_m_per_s=Uniform(low=0.5, high=1.7),
+        angle_offset_deg=Normal(sd=3.0) if most_contacts == 1 else Constant(at=1.0),
+        diameter_um=Uniform(low=45.0, high=76.0),
+        slope=Sample(values_seen=(-0.2, 0.1, 0.1, 0.4)) if must_leave else Normal(sd=0.3),
+        cross_slope=Histogram(edges=(-0.2, 0.0, 0.1), counts=(1.0, 3.0)),
+        spin_ratio=Normal(sd=0.3),
+        friction=Sample(values_seen=(0.0, 0.1, 0.3)),
+        restitution_factor=Uniform(low=0.8, high=1.2),
+        restitution_offset=Constant(at=0.02),
+        work_of_adhesion_factor=Uniform(low=0.9, high=1.1),
+    )
+    rules = Rules(facets=facets, must_leave=must_leave, most_contacts=most_contacts)
+    compiled = ensemble(process, rules=rules, size=(4, 1024))
+    sequential = replace(compiled, impact=Sequential(compiled.impact))
+    shares = [replicate_shares(compiled, 0, number) for number in range(4)]
+    for angle in (8.0, 40.0, 90.0):
+        sums, expected = (replicate_sums(of, angle, shares) for of in (compiled, sequential))
+        assert np.array_equal(sums[:, : passes.E], expected[:, : passes.E])
+        assert sums[:, passes.E :] == pytest.approx(expected[:, passes.E :], rel=1e-9)
+        assert expected[:, passes.ACCEPTED].all()
+
+
 @pytest.mark.parametrize("exponent", [0.0, 1.0])
 def test_the_rigid_body_has_the_restitution_of_the_simulation_at_every_size(contact, exponent):
     rated = contact.replace(adhesion_rate_exponent=exponent, reference_velocity=1.66)
@@ -370,6 +440,30 @@ def test_the_simulation_of_an_ensemble_is_that_of_single_impacts(ensemble, conta
     single = simulate(contact.replace(friction=0.1), 1.66, 30.0, 0.05 * 1.66 / 31e-6)
     assert mean.restitution == pytest.approx(float(single.coefficient_of_restitution), rel=1e-9)
     assert mean.impulse_ratio == pytest.approx(float(single.impulse_ratio), rel=1e-9)
+
+
+def test_ensembles_by_the_rules_of_the_laboratory_are_its_own_draw_by_draw(ensemble, contact):
+    varied = {name: Normal(sd=0.16) for name in ("slope", "cross_slope")}
+    process = constants(**varied, spin_ratio=Constant(at=0.1))
+    of_laboratory = ensemble(process, rules=LABORATORY, simulation=True, size=(2, 512))
+    shares = replicate_shares(of_laboratory, 0, 0)
+    sums = replicate_sums(of_laboratory, 20.0, [shares])[0]
+    slopes = iter(
+        np.stack([shares[name + later] for name in varied])
+        for later in ("", *(f", contact {k}" for k in range(2, 6)))
+    )
+    rng = SimpleNamespace(random=lambda _: next(slopes))
+    angle = np.radians(20.0)
+    before = np.tile([1.66 * np.cos(angle), 0.0, -1.66 * np.sin(angle)], (512, 1))
+    spin = np.tile([0.0, 0.1 * 1.66 / 31e-6, 0.0], (512, 1))
+    target = Target(contact=contact.replace(friction=0.15), surface=rough(0.16))
+    rebound = target.hit(np.full(512, 62e-6), before, spin, rng)
+    change = (rebound.velocity - before)[~rebound.captured]
+    e = change[:, 2] / (1.66 * np.sin(angle)) - 1.0
+    assert rebound.contacts.max() > 1
+    assert 0 < e.size == sums[passes.ACCEPTED] < 512
+    assert e.sum() == pytest.approx(sums[passes.E], rel=1e-12)
+    assert -np.sum(change[:, 0] / change[:, 2]) == pytest.approx(sums[passes.MU], rel=1e-12)
 
 
 def test_ensembles_by_the_rules_of_the_laboratory_agree_with_its_samples(ensemble, contact):
