@@ -41,7 +41,7 @@ class TableError(ValueError):
 
 
 def points_series(evidence: str, name: str) -> str:
-    """Return how a series of points is called: no table takes it for another one or a number."""
+    """Prefix the name of a series of points with its evidence."""
     return f"{evidence}: {name}"
 
 

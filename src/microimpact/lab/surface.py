@@ -354,8 +354,8 @@ def simulated(contact: Contact, n: int, law: Law | None = None) -> Strike:
 def _steady(distribution: Distribution, angle: float) -> Steady:
     """Inverse of the cumulative hit probability at one angle, degrees, of many spheres.
 
-    For equal steps of the share, the cells in which it is reached; for the cells from the first
-    that can be hit, and the end of the last: hits below, lower slope, width by share of facets.
+    Cell of each of ``GUIDES`` equal steps of probability, (GUIDES,); and per edge of the cells
+    that can be hit, (cells + 1, 3): hits below, slope, width of the cell over its share of facets.
     """
     edges, mass, below, moment = hit_slopes(distribution)
     tangent = min(float(np.tan(np.radians(angle))), STEEPEST)

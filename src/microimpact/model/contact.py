@@ -144,7 +144,7 @@ class Contact:
             self._resolve_adhesion()
 
     def _check_law(self, law: ContactLaw, adhesion_input: str) -> None:
-        """Refuse what belongs to the ring force, and works of adhesion that would gain energy."""
+        """Refuse parameters of the ring force, and works of adhesion that would gain energy."""
         foreign = {
             "ring_force": adhesion_input == "ring_force",
             "stiffness_model": self.stiffness_model != "hertz",

@@ -27,11 +27,11 @@ RESTITUTION, CONTACT_TIME, COMPRESSION_TIME, COMPRESSION, COMPRESSIVE, PEAK, HER
 ROUNDING = 2e-14
 
 # Columns of what contacts give to a pass: radius and friction; the unit of the variable of the
-# tables, and the place in their family; units of velocity, length and time. Without adhesion the
+# tables, and coordinate in their family; units of velocity, length and time. Without adhesion the
 # speed itself is the unit of velocity, which is then 0 here, and that of length goes with its 0.8th
 # power.
 CONTACT_COLUMNS = RADIUS, FRICTION, UNIT, PLACE, VELOCITY, LENGTH, TIME = range(7)
-# Rows of outcomes: those that are numbers, and those that are true or false.
+# Rows of outcomes: numbers, then flags.
 (
     OUT_RESTITUTION,
     OUT_IMPULSE_RATIO,
@@ -54,9 +54,9 @@ TINY = float(np.finfo(float).tiny)
 # Columns of the sums over events: how many were rejected and why, and how many were not; sums of
 # the measured e and -mu of these, and of their squares.
 SUMS = FACING_AWAY, CAPTURED, NOT_LEAVING, ACCEPTED, E, E_SQUARED, MU, MU_SQUARED = range(8)
-# What rounding has taken from a sum stands so many columns further on.
+# The rounding error of a sum stands so many columns further on.
 LOST = len(SUMS)
-# Columns of what is asked: number of the event and of its contact, and w.
+# Columns of impacts to integrate: number of the event and of its contact, and w.
 ASKED = EVENT, CONTACT, W = range(3)
 # Rows of outcomes begin this many numbers further apart than they are long: in the same place of
 # every page of memory they would push each other out of the processor's first cache.
@@ -66,9 +66,9 @@ SUPPORT = {"compressive": COMPRESSIVE, "hertz": HERTZ, "net": PEAK}
 
 
 def flat(values: Real, shape: tuple[int, ...]) -> FloatArray:
-    """Return values that broadcast to a shape as a pass takes them: (n,), or (1,) if all are one.
+    """Flatten values that broadcast to a shape: (n,), or (1,) for a single value.
 
-    They cannot be written to, be they written elsewhere or not: a pass is compiled for one kind.
+    Read-only, so that Numba compiles a single signature.
     """
     array = np.asarray(values, dtype=np.float64)
     if array.size != 1 and array.shape != shape:
@@ -79,7 +79,7 @@ def flat(values: Real, shape: tuple[int, ...]) -> FloatArray:
 
 
 def outcomes(shape: tuple[int, ...]) -> tuple[FloatArray, BoolArray]:
-    """Return rows for the outcomes of impacts, numbers and truths."""
+    """Return empty rows for the outcomes of impacts: numbers, flags."""
     size = math.prod(shape)
     numbers = np.empty((OUT_ERROR + 1, size + APART))[:, :size]
     return numbers, np.empty((OUT_ROLLING + 1, size + APART), dtype=np.bool_)[:, :size]
@@ -93,22 +93,22 @@ _jit_contract = jit(fastmath={"contract"})
 
 
 @_jit_inline
-def _ratio(w, place, slowness):  # type: ignore[no-untyped-def]
+def _ratio(w, coordinate, slowness):  # type: ignore[no-untyped-def]
     """Return w over the threshold, by Clenshaw's sum of its reciprocal."""
-    one, two = 0.0, 0.0
+    b1, b2 = 0.0, 0.0
     for k in range(slowness.size - 1, 0, -1):
-        one, two = 2.0 * place * one + (slowness[k] - two), one
-    return w * (place * one - two + slowness[0])
+        b1, b2 = 2.0 * coordinate * b1 + (slowness[k] - b2), b1
+    return w * (coordinate * b1 - b2 + slowness[0])
 
 
 @_jit_inline
-def _find(w, place, law):  # type: ignore[no-untyped-def]
+def _find(w, coordinate, law):  # type: ignore[no-untyped-def]
     """Return w over the threshold, whether the impact is captured, and where its polynomials are.
 
     That is their row (-1: there are none), and the places along and across its piece.
     """
     slowness, _, captures, rebounds, gap, _ = law
-    ratio = _ratio(w, place, slowness) if slowness.size else math.inf
+    ratio = _ratio(w, coordinate, slowness) if slowness.size else math.inf
     captured = ratio <= 1.0 - gap
     x = ratio if captured else ratio - 1.0 if slowness.size else w
     first, bands, pieces, lowest, split = captures if captured else rebounds
@@ -116,11 +116,11 @@ def _find(w, place, law):  # type: ignore[no-untyped-def]
     along = (2.0 * mantissa - 1.0) * split
     part = int(along)
     piece = (exponent - lowest) * split + part
-    across = 0.5 * (place + 1.0) * bands
+    across = 0.5 * (coordinate + 1.0) * bands
     band = min(max(int(across), 0), bands - 1)
     row = first + band * pieces + piece
     # Beyond the family a table means nothing.
-    if not (0.0 < x < math.inf and 0 <= piece < pieces and abs(place) <= 1.0):
+    if not (0.0 < x < math.inf and 0 <= piece < pieces and abs(coordinate) <= 1.0):
         row = -1
     return ratio, captured, (row, 2.0 * (along - part) - 1.0, 2.0 * (across - band) - 1.0)
 
@@ -131,13 +131,13 @@ def _value(quantity, coefficients, where):  # type: ignore[no-untyped-def]
     row, t, across = where
     if row < 0:
         return math.nan
-    found = 0.0
+    total = 0.0
     for j in range(coefficients.shape[1] - 1, -1, -1):
         value = coefficients[row, j, quantity, DEGREE]
         for k in range(DEGREE):
             value = value * t + coefficients[row, j, quantity, DEGREE - 1 - k]
-        found = found * across + value
-    return found
+        total = total * across + value
+    return total
 
 
 @_jit_inline
@@ -147,12 +147,12 @@ def _fits(coefficients):  # type: ignore[no-untyped-def]
 
 
 @_jit_contract
-def look_up(w, place, law, out, start):  # type: ignore[no-untyped-def]
-    """Write the quantities at w (n,) and place (n,) or (1,) into ``out`` from a column on."""
+def look_up(w, coordinate, law, out, start):  # type: ignore[no-untyped-def]
+    """Write the quantities at w (n,) and coordinate (n,) or (1,) into ``out`` from a column on."""
     if not _fits(law[1]):
         return  # never
     for i in range(w.size):
-        _, captured, where = _find(w[i], _of(place, i), law)
+        _, captured, where = _find(w[i], _of(coordinate, i), law)
         for quantity in range(WIDTH):
             out[quantity, start + i] = _value(quantity, law[1], where)
         if captured:
@@ -160,25 +160,25 @@ def look_up(w, place, law, out, start):  # type: ignore[no-untyped-def]
 
 
 @_jit_inline
-def _restitution(w, place, law):  # type: ignore[no-untyped-def]
-    _, captured, where = _find(w, place, law)
-    found = _value(RESTITUTION, law[1], where)  # asked in any case: no branch, a third faster
+def _restitution(w, coordinate, law):  # type: ignore[no-untyped-def]
+    _, captured, where = _find(w, coordinate, law)
+    e = _value(RESTITUTION, law[1], where)  # asked in any case: no branch, a third faster
     # Captured impacts below the table need none.
-    return 0.0 if captured and abs(place) <= 1.0 else found
+    return 0.0 if captured and abs(coordinate) <= 1.0 else e
 
 
 @_jit_contract
-def restitution(w, place, law, out):  # type: ignore[no-untyped-def]
-    """Write e at w (n,) and place (n,) or (1,)."""
+def restitution(w, coordinate, law, out):  # type: ignore[no-untyped-def]
+    """Write e at w (n,) and coordinate (n,) or (1,)."""
     if not _fits(law[1]):
         return  # never
     for i in range(w.size):
-        out[i] = _restitution(w[i], _of(place, i), law)
+        out[i] = _restitution(w[i], _of(coordinate, i), law)
 
 
 @_jit_inline
 def _of(values, i):  # type: ignore[no-untyped-def]
-    """Return the value of one impact; a single one is that of all."""
+    """Return the value for an impact; a single value holds for all."""
     return values[i] if values.size > 1 else values[0]
 
 
@@ -201,7 +201,7 @@ def _friction(slip, friction, sliding, available, captured):  # type: ignore[no-
 
 @_jit_inline
 def _planar(i, v_n, v_t, spin, radius, e, change, out):  # type: ignore[no-untyped-def]
-    """Write what an impulse of friction makes of a planar impact into column ``i``."""
+    """Write the outcome of a planar impact with an impulse of friction into column ``i``."""
     after_n, after_t, after_spin = e * v_n, v_t - change, spin + change / (INERTIA * radius)
     energy = v_n * v_n + v_t * v_t
     linear = energy - after_n * after_n - after_t * after_t
@@ -219,7 +219,7 @@ def _planar(i, v_n, v_t, spin, radius, e, change, out):  # type: ignore[no-untyp
 
 @_jit
 def planar(v_n, v_t, spin, radius, e, change, out):  # type: ignore[no-untyped-def]
-    """Write what impulses of friction ``change`` make of planar impacts at normal speeds v_n."""
+    """Write outcomes of planar impacts at normal speeds v_n; ``change``: impulses of friction."""
     for i in range(out.shape[1]):
         slow, along, turn = _of(v_n, i), _of(v_t, i), _of(spin, i)
         _planar(i, slow, along, turn, _of(radius, i), _of(e, i), _of(change, i), out)
@@ -227,43 +227,43 @@ def planar(v_n, v_t, spin, radius, e, change, out):  # type: ignore[no-untyped-d
 
 @_jit_contract
 def tabulated(  # type: ignore[no-untyped-def]
-    which, given, law, speed, angle, spin, contacts, support, out, told
+    indices, integrated, law, speed, angle, spin, contacts, support, out, flags
 ):
     """Write the outcome of planar impacts by a law of normal impacts.
 
-    `which`: numbers of the impacts (m,), as integers; `given`: quantities (WIDTH, m) of theirs that
-    were integrated; if there are none, the law is asked; `law`: tables and thresholds, see
+    `indices`: of the impacts (m,), as integers; `integrated`: their quantities (WIDTH, m), if they
+    were integrated; if empty, the law is looked up; `law`: tables and thresholds, see
     `law.table.Law.compiled`; `speed`, `angle`, `spin`: m/s, degrees, rad/s; of all impacts, (n,),
     or one for all, (1,); `contacts`: (n, columns) or (1, columns); `support`: quantity that
-    friction rests on; `out`, `told`: outcomes of all impacts, (rows, n), numbers and truths; NaN
+    friction rests on; `out`, `flags`: outcomes of all impacts, (rows, n), numbers and flags; NaN
     for e where the law has none.
     """
     if not _fits(law[1]):
         return  # never
     error = law[-1]
     sine = cosine = math.nan
-    for j in range(which.size):
-        i = which[j]
+    for j in range(indices.size):
+        i = indices[j]
         if j == 0 or angle.size > 1:
             sine, cosine = _components(_of(angle, i))
         v_n, v_t, omega = sine * _of(speed, i), cosine * _of(speed, i), _of(spin, i)
-        own = i if contacts.shape[0] > 1 else 0
-        radius, friction = contacts[own, RADIUS], contacts[own, FRICTION]
-        ratio, captured, where = _find(v_n / contacts[own, UNIT], contacts[own, PLACE], law)
-        if given.size:
-            e, captured = given[RESTITUTION, j], given[CONTACT_TIME, j] == math.inf
+        row = i if contacts.shape[0] > 1 else 0
+        radius, friction = contacts[row, RADIUS], contacts[row, FRICTION]
+        ratio, captured, where = _find(v_n / contacts[row, UNIT], contacts[row, PLACE], law)
+        if integrated.size:
+            e, captured = integrated[RESTITUTION, j], integrated[CONTACT_TIME, j] == math.inf
             duration, depth, impulse = (
-                given[CONTACT_TIME, j],
-                given[COMPRESSION, j],
-                given[support, j],
+                integrated[CONTACT_TIME, j],
+                integrated[COMPRESSION, j],
+                integrated[support, j],
             )
         else:
             e, duration = _value(RESTITUTION, law[1], where), _value(CONTACT_TIME, law[1], where)
             depth, impulse = _value(COMPRESSION, law[1], where), _value(support, law[1], where)
         velocity, length, time = (
-            contacts[own, VELOCITY],
-            contacts[own, LENGTH],
-            contacts[own, TIME],
+            contacts[row, VELOCITY],
+            contacts[row, LENGTH],
+            contacts[row, TIME],
         )
         if velocity == 0.0:
             velocity, length = v_n, length * v_n**0.8
@@ -277,7 +277,7 @@ def tabulated(  # type: ignore[no-untyped-def]
         out[OUT_CONTACT_TIME, i] = math.inf if captured else duration * time
         out[OUT_COMPRESSION, i] = depth * length
         out[OUT_ERROR, i] = error + ROUNDING / (abs(ratio - 1.0) if ratio < math.inf else 1.0)
-        told[OUT_CAPTURED, i], told[OUT_ROLLING, i] = captured, rolling
+        flags[OUT_CAPTURED, i], flags[OUT_ROLLING, i] = captured, rolling
 
 
 # Rough surfaces: facets, and what they make of velocity and r omega, both as (x, y, z)
@@ -340,7 +340,7 @@ def _hit_slope(u, c, slopes):  # type: ignore[no-untyped-def]
 
 @_jit_inline
 def _steady_slope(u, c, steady):  # type: ignore[no-untyped-def]
-    """The same at the one tangent that `steady` is for, see `lab.surface`."""
+    """Slope with cumulative hit probability u, at a fixed angle of approach, see `lab.surface`."""
     guide, cells = steady
     last, cell = cells.shape[0] - 1, guide[int(u * guide.size)]
     target = cells[0, 0] + u * (cells[last, 0] - cells[0, 0])
@@ -408,8 +408,8 @@ def normals(velocity, along, across, slopes, facets, normal):  # type: ignore[no
     """Write the normals of facets met, (n, 3); arguments as of `events`, of one contact."""
     for i in range(velocity.shape[0]):
         v = velocity[i, 0], velocity[i, 1], velocity[i, 2]
-        found, _ = _met(v, along[i], across[i], slopes, slopes[0], False, facets)
-        normal[i, 0], normal[i, 1], normal[i, 2] = found
+        direction, _ = _met(v, along[i], across[i], slopes, slopes[0], False, facets)
+        normal[i, 0], normal[i, 1], normal[i, 2] = direction
 
 
 @_jit_inline
@@ -433,7 +433,7 @@ def _count(sums, row, contacts, kept, leaves, before, after):  # type: ignore[no
 
 @_jit_inline
 def _add(sums, row, column, value):  # type: ignore[no-untyped-def]
-    """Add to a sum, and what rounding takes from it to a column of its own."""
+    """Add to a sum, and its rounding error to a separate column."""
     before = sums[row, column]
     after = before + value
     sums[row, column] = after
@@ -446,32 +446,32 @@ def _facet(values, contact, i):  # type: ignore[no-untyped-def]
 
 
 @_jit_contract
-def events(rows, known, drawn, facets, given, sums, asked):  # type: ignore[no-untyped-def]
-    """Let spheres hit a rough surface as rigid bodies, and add what is observed.
+def events(rows, known, drawn, facets, rules, sums, asked):  # type: ignore[no-untyped-def]
+    """Let spheres hit a rough surface as rigid bodies, and add their observations to the sums.
 
     Gives the number of rows of `asked`; events that ask are not counted.
 
     `rows`: of the sums, that of each event's replicate, (n,), as integers; `known`: e of contacts
-    in turn that were integrated, (contacts, n), NaN for all others; where there are none, the law
-    is asked; `drawn`: of all events, (n,), or one for all, (1,): speed, angle of incidence
+    in turn that were integrated, (contacts, n), NaN for all others; if empty, the law is looked
+    up; `drawn`: of all events, (n,), or one for all, (1,): speed, angle of incidence
     (degrees), r omega over the speed, friction, factor and offset of e; unit of the law's variable,
-    m/s, and place in its family; `facets`: those met in turn, (contacts, n) or (contacts, 1):
+    m/s, and coordinate in its family; `facets`: those met in turn, (contacts, n) or (contacts, 1):
     slopes along the motion, of facets that are seen shares in their place, and across it; and the
-    table of slopes made for the one angle of the first, empty if there is none; `given`: table of
+    table of slopes made for the one angle of the first, empty if there is none; `rules`: table of
     slopes by `lab.surface.hit_slopes`; number of the facets in ``FACETS``, whether a sphere must
     leave, most contacts; law as in `tabulated`; `sums`: of each replicate, (replicates, 2 columns),
     added to: ``SUMS``, what they lost; `asked`: impacts that must be integrated, (n, ``ASKED``).
     """
-    speeds, angles, spins, frictions, factors, offsets, units, places = drawn
+    speeds, angles, spins, frictions, factors, offsets, units, coordinates = drawn
     along, across, steady = facets
-    slopes, (kind, must_leave, most_contacts), law = given
+    slopes, (kind, must_leave, most_contacts), law = rules
     waiting = 0
     sine = cosine = math.nan
     for i in range(rows.size):
         if i == 0 or angles.size > 1:
             angle = math.radians(_of(angles, i))
             sine, cosine = math.sin(angle), math.cos(angle)
-        speed, place = _of(speeds, i), _of(places, i)
+        speed, coordinate = _of(speeds, i), _of(coordinates, i)
         before = speed * cosine, 0.0, -speed * sine
         velocity, turn = before, (0.0, _of(spins, i) * speed, 0.0)
         contacts, kept, missing = 0, False, False
@@ -484,7 +484,7 @@ def events(rows, known, drawn, facets, given, sums, asked):  # type: ignore[no-u
             bare = known[contacts, i] if known.size else math.nan
             if math.isnan(bare):
                 w = -into / _of(units, i)
-                bare = _restitution(w, place, law)
+                bare = _restitution(w, coordinate, law)
                 if math.isnan(bare):
                     asked[waiting, EVENT], asked[waiting, CONTACT] = i, contacts
                     asked[waiting, W] = w

@@ -19,7 +19,7 @@ class ConfigError(ValueError):
 
 @contextmanager
 def located(path: Path | str) -> Iterator[None]:
-    """Put the name of a file before every line on what is wrong in it."""
+    """Prefix every line of an error with the name of the file."""
     try:
         yield
     except ValueError as error:

@@ -68,7 +68,7 @@ class Names:
     def __get_pydantic_core_schema__(
         self, source: Any, handler: GetCoreSchemaHandler
     ) -> CoreSchema:
-        """Check the name where it is known what is declared."""
+        """Check the name against the declared ones where they are known."""
         return core_schema.with_info_wrap_validator_function(self._checked, handler(source))
 
     def _checked(self, name: Any, handler: Callable[[Any], str], info: ValidationInfo) -> Any:
@@ -272,7 +272,7 @@ def build(kind: type[T], values: Mapping[str, Any], known: Known | None = None) 
     values
         Its fields as plain values: numbers, strings, lists, nested mappings.
     known
-        What can be named; without it names are not checked.
+        Names that can be referred to; without it names are not checked.
 
     Raises
     ------

@@ -36,14 +36,14 @@ _SUFFIX = re.compile(rf"_({_SYMBOL}(?:_per_{_SYMBOL})*|per_s)$")
 
 @dataclass(frozen=True, slots=True)
 class Declared:
-    """A value with what it rests on: number, choice, name or list of these."""
+    """A value with its evidence and source: number, choice, name or list of these."""
 
     value: Any
     evidence: str
     source: str
     # Dotted key under which it stands; of a value in use, if the analysis names it there.
-    place: str
-    # The place whose value it replaces, and that value, if the analysis departs from it.
+    origin: str
+    # The origin whose value it replaces, and that value, if the analysis departs from it.
     overrides: str = ""
     # Of a value in use: dotted key in the configuration, analysis, then parameter.
     key: str = ""
@@ -64,8 +64,8 @@ class Declared:
         several = isinstance(self.value, list)
         for i, value in enumerate(self.value if several else [self.value]):
             item = f"[{i}]" if several else ""
-            place = "" if self.place == key else f"{self.place}{item}"
-            yield replace(self, value=value, key=f"{key}{item}", place=place)
+            origin = "" if self.origin == key else f"{self.origin}{item}"
+            yield replace(self, value=value, key=f"{key}{item}", origin=origin)
 
 
 def is_declaration(node: object) -> bool:
@@ -87,22 +87,22 @@ def plain(node: Any) -> Any:
     return node
 
 
-def problems(node: Mapping[str, object], place: str | None) -> Iterator[str]:
-    """Yield what is wrong with a declaration, each with the part of it that is meant.
+def problems(node: Mapping[str, object], reference: str | None) -> Iterator[str]:
+    """Yield the errors of a declaration, each with the part that it concerns.
 
-    Beside the place of another value, its own value or its words may be left out.
+    Beside a reference to another value, value or words may be left out.
     """
     for name in node:
         if name not in _PARTS:
             yield f".{name}: unknown key{nearest(str(name), _PARTS)}"
     has_value, has_words = ("value" in node) + ("values" in node), any(p in node for p in _WORDS)
-    if has_value != 1 and not (place and not has_value):
+    if has_value != 1 and not (reference and not has_value):
         yield ": give either value (one) or values (a list)"
     elif isinstance(node.get("value"), Mapping | list):
         yield f".value: {node['value']!r} must be a single value (a list goes under values)"
     elif "values" in node and not isinstance(node["values"], list):
         yield f".values: {node['values']!r} must be a list"
-    if place and not has_words:
+    if reference and not has_words:
         return
     if node.get("evidence") not in EVIDENCE:
         yield f".evidence: {node.get('evidence')!r} must be one of {', '.join(EVIDENCE)}"
@@ -111,11 +111,11 @@ def problems(node: Mapping[str, object], place: str | None) -> Iterator[str]:
         yield f".source: {source!r} must say where the value comes from"
 
 
-def as_declared(node: Any, base: object, place: str) -> Declared:
+def as_declared(node: Any, base: object, origin: str) -> Declared:
     """Return a well-formed declaration, or a bare value, with its provenance.
 
     `base`: the same node as shipped. A value that differs from it while evidence and source were
-    left as they stood belongs to the user, and so does a bare number. `place`: dotted key of both.
+    left as they stood belongs to the user, and so does a bare number. `origin`: dotted key of both.
     """
     value, before = plain(node), plain(base)
     if is_declaration(node) and "evidence" in node:
@@ -129,7 +129,7 @@ def as_declared(node: Any, base: object, place: str) -> Declared:
         words = "chosen", "as shipped"
     else:
         words = "user", "given without a source"
-    return Declared(value, *words, place)
+    return Declared(value, *words, origin)
 
 
 def _has_number(value: object) -> bool:

@@ -1,4 +1,4 @@
-"""Analyses name what is declared once: the configuration merged, and its references resolved.
+"""References of analyses to declared values: the configuration merged, references resolved.
 
 A mapping with the key ``from`` is a reference to a place of the laboratory, or to several. It
 stands for the field of its own name there, or else for those fields that its parameter has.
@@ -23,7 +23,7 @@ NOTHING = "names nothing"
 
 
 def merged(old: Any, new: Any) -> Any:
-    """Return a configuration with changes laid over it.
+    """Merge changes over a configuration.
 
     Mappings are merged by name, and a name given as null is taken away; it stays null, to be
     refused as an unknown key, where there is no such name. A value with its provenance and a
@@ -66,7 +66,7 @@ class _Reference:
 
 
 class Resolver:
-    """A configuration whose branches name what its sections declare.
+    """A configuration whose branches refer to values that its sections declare.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ class Resolver:
 
     def unused(self) -> list[str]:
         """Return the places of the sections that no resolved value comes from."""
-        used = {row.place.partition("[")[0] for row in self.rows}
+        used = {row.origin.partition("[")[0] for row in self.rows}
         every = {place for name in self._sections for place in _places(self._nodes.get(name))}
         return sorted(every - used)
 
@@ -129,7 +129,7 @@ class Resolver:
             beside = {name: child for name, child in node.items() if name != FROM}
             shipped = {n: c for n, c in base.items() if n != FROM} if is_reference(base) else None
             if is_declaration(beside):
-                override: Any = self._declared(beside, shipped, key, place=str(places))
+                override: Any = self._declared(beside, shipped, key, reference=str(places))
             else:
                 override = self._parsed(beside, shipped, key) if beside else None
             return _Reference(tuple(map(str, places)), override, key)
@@ -146,8 +146,8 @@ class Resolver:
             return [self._parsed(c, items.get(i), f"{key}[{i}]") for i, c in enumerate(node)]
         return as_declared(node, base, key)
 
-    def _declared(self, node: Any, base: Any, key: str, place: str | None = None) -> Declared:
-        malformed = [f"{key}{line}" for line in problems(node, place)]
+    def _declared(self, node: Any, base: Any, key: str, reference: str | None = None) -> Declared:
+        malformed = [f"{key}{line}" for line in problems(node, reference)]
         self.problems += malformed
         return (
             Declared(None, "user", "malformed", key) if malformed else as_declared(node, base, key)
@@ -183,10 +183,10 @@ class Resolver:
 
     def _recorded(self, kind: Shape, node: Declared, key: str) -> Any:
         if node.value == [] and kind.is_numbers:
-            self.problems.append(f"{node.place}: [] must hold at least one number")
+            self.problems.append(f"{node.origin}: [] must hold at least one number")
         self.rows += node.rows(key)
-        if node.place != key:
-            self.aliases[key] = node.place
+        if node.origin != key:
+            self.aliases[key] = node.origin
         return node.value
 
     def _seed(self, stream: str, key: str) -> Any:
@@ -226,22 +226,22 @@ class Resolver:
     def _referenced(self, node: _Reference, opened: tuple[str, ...] = ()) -> Any:
         """Merge the mappings at the places of a reference; the first place goes before."""
         nodes = []
-        for place in node.places:
-            if place in opened:
-                self.problems.append(f"{node.key}.{FROM}: {place!r} refers to itself")
+        for path in node.places:
+            if path in opened:
+                self.problems.append(f"{node.key}.{FROM}: {path!r} refers to itself")
                 return _absent(node.key)
-            target = self._looked_up(place, node.key)
+            target = self._looked_up(path, node.key)
             if isinstance(target, _Reference):
-                below = self._referenced(target, (*opened, place))
+                below = self._referenced(target, (*opened, path))
                 target = self._overlaid(below, target.beside)
             nodes.append(target)
         if all(isinstance(target, dict) for target in nodes):
             return {name: child for target in reversed(nodes) for name, child in target.items()}
         return next(target for target in nodes if not isinstance(target, dict))
 
-    def _looked_up(self, place: str, key: str) -> Any:
+    def _looked_up(self, path: str, key: str) -> Any:
         """Return the node at a dotted place; names may hold dots."""
-        section, _, rest = place.partition(".")
+        section, _, rest = path.partition(".")
         part, known = (
             section,
             {name: self._nodes.get(name) for name in self._sections | self._elsewhere},
@@ -255,7 +255,7 @@ class Resolver:
             part = rest
             node, rest = (known[name], rest[len(name) + 1 :]) if name else (None, "")
         if node is None:
-            self.problems.append(f"{key}.{FROM}: {place!r} is not declared{nearest(part, known)}")
+            self.problems.append(f"{key}.{FROM}: {path!r} is not declared{nearest(part, known)}")
             return _absent(key)
         return node
 
@@ -284,10 +284,10 @@ class Resolver:
 
     def _overriding(self, above: Any, below: Any) -> Any:
         """Record in a value of an analysis the value of the laboratory that it replaces."""
-        if not isinstance(above, Declared) or above.place.partition(".")[0] in self._sections:
+        if not isinstance(above, Declared) or above.origin.partition(".")[0] in self._sections:
             return above
         if isinstance(below, Declared):
-            overridden = f"{below.place} = {as_text(below.value)}"
+            overridden = f"{below.origin} = {as_text(below.value)}"
         else:
             overridden = ", ".join(below.places) if isinstance(below, _Reference) else ""
             overridden = overridden or next(_places(below), "").rpartition(".")[0]
@@ -302,7 +302,7 @@ def _absent(key: str, value: object = None) -> Declared:
 def _places(node: Any) -> Iterator[str]:
     """Yield the place of every value at or below a node."""
     if isinstance(node, Declared):
-        yield node.place
+        yield node.origin
     elif isinstance(node, _Reference):
         yield from _places(node.beside)
     elif isinstance(node, dict | list):

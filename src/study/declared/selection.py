@@ -183,7 +183,7 @@ class DeclaredTables:
         return pairs
 
     def units(self) -> dict[str, str]:
-        """Return the units of what can be referred to, by its place."""
+        """Return the units of printed values and contacts, by dotted key."""
         printed = {f"printed.{row['key']}": row["unit"] for row in self.printed_values.rows}
         return printed | {
             f"contacts.{row['particle']} on {row['surface']}.{row['property']}": row["unit"]
@@ -191,7 +191,7 @@ class DeclaredTables:
         }
 
     def names(self) -> dict[str, tuple[str, set[str]]]:
-        """Return what can be named, by its sort: the file it stands in, and its names."""
+        """Return the names that can be referred to, by sort: their file, and the names."""
         sorts = {
             "materials": (self.materials, ("material",)),
             "contacts": (self.contacts, ("particle", "surface")),

@@ -1,4 +1,4 @@
-"""The figure registry: what ``config/figures.yaml`` says of each figure, checked."""
+"""The figure registry: the entries of ``config/figures.yaml``, checked."""
 
 from __future__ import annotations
 

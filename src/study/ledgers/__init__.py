@@ -1,1 +1,1 @@
-"""What the study asserts about the article: declared criteria, and what came of them."""
+"""Assertions of the study about the article: declared criteria, and their outcomes."""

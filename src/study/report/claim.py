@@ -1,4 +1,4 @@
-"""One claim in words: what is stated, how it is judged, its numbers and where they come from."""
+"""One claim in words: its statement, criterion, numbers and their source."""
 
 from __future__ import annotations
 

@@ -106,7 +106,7 @@ def compare_command(baseline: Path, changed: Path, html: Path | None, few: int) 
 def claim_command(
     name: str, settings: tuple[str, ...], results: Path | None, *, broken: bool
 ) -> None:
-    """Tell what is claimed in NAME, such as C58, how it is judged, its numbers and their source.
+    """Tell the claim NAME, such as C58, how it is judged, its numbers and their source.
 
     With --set or --break the claim alone is computed anew; nothing is written.
     """

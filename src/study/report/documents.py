@@ -127,7 +127,7 @@ def pages(results: Path, docs: Path, criteria: Path) -> tuple[dict[str, str], tu
 
 
 def deviations(results: Path, criteria: Path, settings: str) -> str:
-    """Return the page of what was corrected, not reproduced or changed, in Markdown.
+    """Return the page of corrections, failed reproductions and changes, in Markdown.
 
     Parameters
     ----------

@@ -131,7 +131,7 @@ def validate(
     cases = [*config["cases"], *tables.contacts.known("particle", "surface")]
     check.known = Known({**tables.names(), "cases": ("cases", cases)})
     laboratory = check.sections(Laboratory, SECTIONS)
-    stands = {row.key: row.place or row.key for row in resolver.rows}
+    stands = {row.key: row.origin or row.key for row in resolver.rows}
     resolver.rows = shown
     params, named = {}, {}
     branches = _branches(tuple(only or studies.homes()))
@@ -182,7 +182,7 @@ class _Check:
     known: Known = field(default_factory=lambda: Known({}))
 
     def branch(self, kind: type[Any], key: str) -> Any:
-        """Return one branch of `_branches`, or None, with what is wrong added to the lines."""
+        """Return one branch of `_branches`, or None, with its errors added to the lines."""
         values = self.resolver.resolved(get_type_hints(kind)[key], key)
         if isinstance(values, Mapping):
             return getattr(self._built(kind, {key: values}), key, None)
@@ -232,15 +232,15 @@ def _out_of_unit(rows: Iterable[Declared], units: Mapping[str, str]) -> Iterator
         yield from filter(None, (doubt_of_input(key, value) for value in values))
         # A number of a distribution has the unit of the distribution's key.
         wanted = {row.unit, unit_of(row.key.rpartition(".")[0])} - {"-"}
-        unit = units.get(row.place.partition("[")[0])
+        unit = units.get(row.origin.partition("[")[0])
         if unit and wanted and unit not in wanted:
             allowed = " or ".join(sorted(wanted))
-            yield f"{row.place}: the unit {unit} must be {allowed}, as that of {row.key}"
+            yield f"{row.origin}: the unit {unit} must be {allowed}, as that of {row.key}"
 
 
 @cache
 def _branches(names: tuple[str, ...]) -> type[Any]:
-    """Return a dataclass of branches: one validator for what they share takes half the time."""
+    """Return a dataclass of branches: a single validator of shared types takes half the time."""
     parts = [(name, studies.study(name).Params, field(default=None)) for name in names]
     return make_dataclass("Branches", parts, frozen=True)
 
@@ -323,7 +323,7 @@ def read_inputs(settings: Settings) -> Inputs:
 
 
 def _materials(table: DeclaredTable) -> dict[str, Material]:
-    """Return the materials; those of the ends of what is uncertain must be possible, too."""
+    """Return the materials; both ends of every uncertain property must be possible, too."""
     try:
         for end in ("low", "high"):
             materials_from_rows({**row, "value": row[end] or row["value"]} for row in table.rows)
@@ -335,8 +335,8 @@ def _materials(table: DeclaredTable) -> dict[str, Material]:
 def study_rows(name: str, settings: Settings, digitised: Mapping[str, Digitised]) -> dict[str, str]:
     """Return the declared rows that a study is given, as CSV by table.
 
-    The rows that its branch names; all contacts for the study of contacts, and everything for the
-    table of declared inputs. Digitised points go to the studies that compare with them.
+    Rows named by its branch; for `contact_properties` all contacts, for `declared_inputs` all
+    rows. Digitised points go to the studies that compare with them.
     """
     if name == "declared_inputs":
         return settings.tables.everything(settings.declared)

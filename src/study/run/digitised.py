@@ -208,7 +208,7 @@ def _point(fields: list[str], spec: FigureSpec) -> Point:
 
 
 def _number(text: str) -> float | str | None:
-    """Return a number, none of an empty text, and what is none as it is."""
+    """Return a number, None for an empty text, and any other text unchanged."""
     try:
         return float(text) if text.strip() else None
     except ValueError:

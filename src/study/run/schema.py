@@ -1,4 +1,4 @@
-"""JSON schemas of the declared inputs, for editors: what may be written, and what it means.
+"""JSON schemas of the declared inputs, for editors: permitted values and their meaning.
 
     python -m study.run.schema workflow/schemas
 

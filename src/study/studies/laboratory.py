@@ -1,4 +1,4 @@
-"""The laboratory: what is declared once, and named by the analyses.
+"""The laboratory: values declared once, to which the analyses refer.
 
 Fields bear the names of the parameters they are given to.
 """

@@ -98,7 +98,7 @@ def test_a_reference_gives_the_fields_that_are_wanted():
         "fast_m_per_s": 1.6,
         "range_m_per_s": [1.5, 1.7],
     }
-    assert row(resolver, "study.drops.a.diameter_um.mean").place == "particles.SST65.mean_um"
+    assert row(resolver, "study.drops.a.diameter_um.mean").origin == "particles.SST65.mean_um"
     assert row(resolver, "study.fast_m_per_s").evidence == "assumed"
 
 

@@ -33,7 +33,7 @@ from microimpact.model.dynamics.normal import NormalImpact, normal_impact
 from microimpact.model.dynamics.tangential import compliant_impulse
 from microimpact.model.rigid_body.algebra import APPROACHING, INERTIA, SLIP_PER_IMPULSE
 
-# Of other laws than the ring force: that has a Hertz term, and if damped pulls harder than this.
+# Friction basis F + 2 F_pull-off; not for the ring force, which may pull harder than F_pull-off.
 PULL_OFF = "pull-off"
 # Squares of faster spheres' energies would leave double precision long after physics is left.
 SPEED_OF_LIGHT = 299_792_458.0

@@ -145,7 +145,7 @@ def _coefficients(first, stop, beta, damping_h, damping_a, s, u, p, m):  # type:
 
 @_jit
 def _rows(number):  # type: ignore[no-untyped-def]
-    """Rows of zeros that begin where cache lines do: the widest loads would straddle two else."""
+    """Rows of zeros, aligned to cache lines."""
     size = number * LANES
     buffer = np.zeros(size + _LINE // 8)
     start = (-buffer.ctypes.data % _LINE) // 8

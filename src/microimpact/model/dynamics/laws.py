@@ -363,7 +363,7 @@ def _backwards(problem: Problem) -> FloatArray:
 
 
 def _stops_at_the_break(problem: Problem) -> FloatArray:
-    """Speeds of scaled impacts that regain just what they need: a root in s at the turning."""
+    """Scaled speeds whose unloading regains just the energy needed: a root in s at the turning."""
     loading = _Loading.of(problem.closing, problem.pressure)
     shares = (*(getattr(loading, name) for name in loading.__slots__), problem.opening)
 

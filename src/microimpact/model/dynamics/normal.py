@@ -89,8 +89,8 @@ class NormalImpact:
 class Losses:
     """Energy lost in the bulk, viscous or plastic, and to adhesion, J: all that was lost.
 
-    Of a captured sphere the bulk has what it took in the first compression, adhesion all else of
-    the energy before impact: less than nothing where the pull has added to that.
+    For a captured sphere, `bulk` is the loss of the first compression, and `adhesion` the rest of
+    the energy before impact: negative if the bulk takes more than that, by the work of the pull.
     """
 
     bulk: FloatArray

@@ -348,14 +348,14 @@ def _press_row(s, limit, count, springs):  # type: ignore[no-untyped-def]
 @_jit
 def _slip(problem, path, turn, last, springs):  # type: ignore[no-untyped-def]
     """Slip at the end of a path, and whether the contact stuck."""
-    one, oscillator = problem[ONE_SPRING] != 0.0, problem[OSCILLATOR]
+    single, oscillator = problem[ONE_SPRING] != 0.0, problem[OSCILLATOR]
     slip, held, stuck, count = problem[START_SLIP], 0.0, 0.0, 1
     springs[:, 0] = 0.0
     for row in range(1, last + 1):
         joins = row <= turn
         start, end, time = path[row - 1, RADIUS], path[row, RADIUS], path[row, TIME]
         first, change = path[row - 1, FORCE], path[row, FORCE] - path[row - 1, FORCE]
-        if joins and not one:
+        if joins and not single:
             count = row
             springs[PLACE, row - 1] = (start * start + start * end + end * end) / 3.0
             springs[LENGTH, row - 1] = end - start
@@ -368,12 +368,12 @@ def _slip(problem, path, turn, last, springs):  # type: ignore[no-untyped-def]
             done = stroke / strokes
             s, force = start + (end - start) * done, first + change * done
             limit = problem[FRICTION] * (s * s if problem[ON_HERTZ] != 0.0 else force)
-            if one:
+            if single:
                 _press_one(before, s, limit, springs)
             else:
                 _press_row(s, limit, count, springs)
             slip, held = _drive(
-                slip, time / strokes, count, joins and not one, oscillator, held, springs
+                slip, time / strokes, count, joins and not single, oscillator, held, springs
             )
             if abs(springs[STRAIN, 0]) < springs[LIMIT, 0]:
                 stuck = 1.0

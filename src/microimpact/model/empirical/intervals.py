@@ -106,7 +106,7 @@ class _Way:
         self.least = self.minimum.copy()
 
     def excess(self, gap: FloatArray, rows: Places, *, fresh: bool) -> FloatArray:
-        """Root of the rise of chi-square, which is nearly linear in v_c, less that of the limit."""
+        """Root of the rise of chi-square, nearly linear in v_c, less the root at the limit."""
         owner = rows % len(self.sets.unit)
         minimum = profile(self.sets, owner, gap, self.logs[rows], fresh=int(fresh))
         chi_square, logs = minimum.chi_square, minimum.x[:, :V_C]

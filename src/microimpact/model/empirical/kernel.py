@@ -168,7 +168,7 @@ def evaluate(points, groups, state, slopes):  # type: ignore[no-untyped-def]  # 
 
 @_jit_inline
 def _solve(state):  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912
-    """Put the solution of the damped normal equations, by L D L^T, on trial.
+    """Solve the damped normal equations (L D L^T) and propose the step.
 
     Variables that would leave the box stay. The factor has D L^T above its diagonal, L below.
     """
@@ -218,7 +218,7 @@ def _solve(state):  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912
 
 @_jit_contract
 def _propose(state, stride):  # type: ignore[no-untyped-def]
-    """Put a damped step within the box on trial, and note the decrease expected of it."""
+    """Propose a damped step within the box, and write its expected decrease."""
     if state.shape[1] != LANES:
         return  # never
     _solve(state)

@@ -81,7 +81,7 @@ _OVERDAMPED = 1.15
 
 
 def _ring(hertz: Real, adhesion: Real) -> Contact:
-    """Contact of C_H and of C_A at v_c, the latter over what it lacks to overdamping."""
+    """Contact of C_H and of C_A at v_c, the latter over its distance from overdamping."""
     group = _OVERDAMPED * adhesion / (1.0 + adhesion)
     return _ANY.replace(hertz_damping=hertz / _SPEED, adhesion_damping=group / _SPEED)
 

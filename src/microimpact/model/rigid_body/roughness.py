@@ -24,7 +24,7 @@ ROLLING_SHARE = INERTIA / (1.0 + INERTIA)
 
 
 class RoughRebound(NamedTuple):
-    """Impulse ratio about the local normal, and what is measured about the nominal one.
+    """Impulse ratio about the local normal, and the quantities measured about the nominal one.
 
     `rolling` is False where the sphere slides throughout. A measured restitution below zero is a
     sphere that moves on towards the nominal surface and has to strike it again.

@@ -1,4 +1,4 @@
-"""Figures of the campaign: which experiments it has, and what the intervals of a mean hold."""
+"""Figures of the campaign: its experiments, and the contents of the intervals of a mean."""
 
 from __future__ import annotations
 

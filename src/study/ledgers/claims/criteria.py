@@ -127,7 +127,7 @@ class Criterion:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Quantity:
-    """A number to compute: its unit, ``-`` for none, and what it is called."""
+    """A number to compute: its unit, ``-`` for none, and its label."""
 
     unit: Name
     label: Name
@@ -168,7 +168,7 @@ class Amendment:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Claim:
-    """A testable statement of the article and what decides it, fixed before the results.
+    """A testable statement of the article and its criteria, fixed before the results.
 
     Attributes
     ----------
@@ -264,7 +264,7 @@ class Claim:
 
     @property
     def evidence(self) -> str:
-        """What its numbers rest on."""
+        """Class of evidence of its numbers."""
         if not self.testable:
             return ""
         if self.if_met == "calibrated":
@@ -273,7 +273,7 @@ class Claim:
 
     @property
     def verdicts(self) -> tuple[Verdict, ...]:
-        """What can come out."""
+        """Verdicts that are possible."""
         if not self.testable:
             return ("not testable",)
         is_open: tuple[Verdict, ...] = ("not identified",)

@@ -127,7 +127,7 @@ def _deciding(residuals: pd.DataFrame) -> pd.DataFrame:
 
 
 def _criterion(criteria: DigitisedCriteria, figure: str, deciding: pd.DataFrame) -> Criterion:
-    """Return that of points with error bars if all have one, else that of the figure."""
+    """Return the criterion for points with error bars if all have one, else the figure's."""
     if len(deciding) and (deciding["bars"] == deciding["n"]).all():
         return Criterion(quantity="normalised_rms", test="at_most", value=criteria.normalised_rms)
     if figure not in criteria.rms_difference:

@@ -1,4 +1,4 @@
-"""In what share of the admissible contacts a claim meets its criteria, and what decides that."""
+"""Share of the admissible contacts that meet a claim's criteria, and the deciding parameter."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Share:
         return next(iter(self.variants.values()))
 
     def in_words(self) -> str:
-        """Return all shares, and what decides, in a sentence."""
+        """Return all shares, and the deciding parameter, in a sentence."""
         shares = ", ".join(f"{100 * share:.0f} % {name}" for name, share in self.variants.items())
         by = f", decided by {self.decided_by}" if self.decided_by else ""
         return f"Met by {shares}, of the admissible contacts{by}"

@@ -37,7 +37,7 @@ class Quantity:
 
 
 def readable(value: float, unit: str = "-", rounding: float = 0.0, *, digits: int = DIGITS) -> str:
-    """Return a number in three digits, or more, with its unit; what is below rounding is zero.
+    """Return a number in three digits, or more, with its unit; zero if below rounding.
 
     A share that is nearly one keeps the digits that tell it from one.
     """
@@ -69,7 +69,7 @@ def in_words(quantity: str) -> str:
 
 
 def with_unit(text: str, unit: str) -> str:
-    """Return what the article gives with a unit, if it ends as a number."""
+    """Append the unit to a printed value that ends as a number."""
     if unit == "-" or not text[-1:].isdigit():
         return text
     return f"{text}°" if unit == "deg" else f"{text} {unit}"
@@ -140,7 +140,7 @@ def quantities(results: Iterable[Row]) -> list[Quantity]:
 
 
 def amended(amendment: Row) -> str:
-    """Return what was changed after a claim had first been judged, and why."""
+    """Return the change of a claim after its first judgement, and the reason."""
     was, now = (amendment[key].rstrip(".") for key in ("was", "now"))
     changed = f"Changed after first judging, {amendment['part']}"
     return f"{changed}: was {was}; now {now}. {amendment['reason']}"

@@ -61,7 +61,7 @@ AGREEMENT = 1e-9
 
 
 class Checks(NamedTuple):
-    """Outcomes of the checks of one form; `remark` says what does not agree in dimension."""
+    """Outcomes of the checks of one form; `remark` names the disagreement in dimension."""
 
     dimension: Checked
     derivation: Checked

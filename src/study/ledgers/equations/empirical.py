@@ -41,7 +41,7 @@ def _body(form: Form, _: ReferenceCase) -> bool:
 
 
 def _captures(form: Form, _: ReferenceCase) -> bool:
-    """No rebound at the capture velocity, ever more above, nearly that of the body far above."""
+    """No rebound at the capture velocity, a rising one above, the body's in the limit."""
     k, p = (_CONSTANTS[name] for name in symbols("k p"))
     none, all_ = {rho: (1.0, 0.0), e: (0.0, float(body_restitution(1e3, k, p)))}[form.left]
     values = [_at(form, speed) for speed in (1.0, 1.01, 1.1, 2.0)]
@@ -50,7 +50,7 @@ def _captures(form: Form, _: ReferenceCase) -> bool:
 
 
 def _by_speed(at: At) -> float:
-    """Return what a positive v_c would make of the capture velocity."""
+    """Return the capture velocity that a positive v_c would give."""
     speed = -at.values()["v_c"]
     constants = dict.fromkeys(("v_c", "kappa", "kappa_1", "kappa_2"), speed)
     return at.printed(v_n=-speed, q=1.0, **constants)

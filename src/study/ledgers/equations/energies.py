@@ -58,7 +58,7 @@ def works() -> Facts:
 
 @cache
 def balance() -> Facts:
-    """Loss through adhesion: all that is lost less what the body alone would lose (Eq. 17)."""
+    """Loss through adhesion: total loss less the loss of the body alone (Eq. 17)."""
     kept = works()[e] ** 2
     return {W_A: (R**2 - kept) * m * v_n**2 / 2}
 

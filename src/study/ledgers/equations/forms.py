@@ -143,7 +143,7 @@ def _dimension(node: Any, units: Mapping[str, str]) -> Dimension:
 
 
 def _factors(node: Any) -> tuple[Any, ...]:
-    """Return the parts whose dimensions make up that of a node."""
+    """Return the parts whose dimensions multiply to the dimension of a node."""
     if node.is_Mul or node.func is sympy.Abs:
         return tuple(node.args)
     return (node.function, *node.variables) if isinstance(node, sympy.Integral) else ()

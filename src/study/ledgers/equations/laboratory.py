@@ -50,7 +50,7 @@ def rolling_loss() -> sympy.Expr:
 
 
 def normal_incidence() -> Facts:
-    """What happens at 90 degrees without spin: no tangential impulse, loss by the limit."""
+    """Impact at 90 degrees without spin: no tangential impulse, loss by the limit."""
     return {T_L: rolling_loss().subs(alpha, sympy.pi / 2), omega: 0, Omega: 0, V: e * v}
 
 

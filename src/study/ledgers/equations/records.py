@@ -1,4 +1,4 @@
-"""A row of the equation ledger: a relation as declared, and what proves it."""
+"""A row of the equation ledger: a relation as declared, and its proof."""
 
 from __future__ import annotations
 
@@ -47,14 +47,14 @@ class Derivation:
     proof: Callable[[Form, ReferenceCase], bool | None]
 
     def check(self, form: Form, case: ReferenceCase) -> Checked:
-        """Return what the proof says of a formula."""
+        """Return the outcome of the proof for a formula."""
         holds = self.proof(form, case)
         return "open" if holds is None else "passed" if holds else "failed"
 
 
 @dataclass(frozen=True, slots=True)
 class Proof:
-    """What shows that a relation holds, and what its printed form leads to."""
+    """Derivation of a relation, and the consequence of its printed form."""
 
     derivation: Derivation | None = None  # None for a definition
     # What implements the relation, called with the values of a case: must agree with the used form.
@@ -118,7 +118,7 @@ class At:
 
 
 def follows(method: str, facts: Callable[[], Facts]) -> Derivation:
-    """Proof that both sides are equal once what is known is put in for their symbols."""
+    """Proof that both sides are equal once known facts are substituted."""
 
     def proof(form: Form, _: ReferenceCase) -> bool:
         return form.relation == "=" and vanishes(form.residual.subs(facts(), simultaneous=True))

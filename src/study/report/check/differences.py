@@ -43,7 +43,7 @@ class Tolerance:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Difference:
-    """One difference: its place, the cell of the reference and that of the result.
+    """One difference: its place, and the cells of the reference and the result.
 
     `relative` is the relative difference of two numbers, infinite if it has no bound, as beside
     zero or a missing number, and NaN for all else. `share` is the difference over the largest

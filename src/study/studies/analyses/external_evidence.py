@@ -1,4 +1,4 @@
-"""What others found, fact by fact, beside what the model gives for the contacts of this study.
+"""Facts of other papers beside the model's values for the contacts of this study.
 
 Of Wall, Arffman, Brach and Li only the abstracts are known. A fact that comes as words bounds a
 number from one side; what the words leave open is a declared criterion.

@@ -1,1 +1,1 @@
-"""Studies of Section 2: set-ups, instruments, measured means, and what is supposed behind them."""
+"""Studies of Section 2: set-ups, instruments, measured means, and their supposed causes."""

@@ -1,4 +1,4 @@
-"""What the assumed spreads of the laboratory do to its means: each halved and doubled."""
+"""Effect of the laboratory's assumed spreads on its means: each halved and doubled."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What else than adhesion may lower restitution, and how fast steel is captured (2.3.1)."""
+"""Rivals of adhesion that lower restitution, and the capture velocity of steel (2.3.1)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The five factors of the sensitivity studies (Section 4.3), and what each is worth.
+"""The five factors of the sensitivity studies (Section 4.3), and their levels.
 
 A = stiffness K, B = work of adhesion w_A, C = radius r, D and E = dissipation parameters zeta_A and
 zeta_H of adhesion and material (Eqs. 23 and 24) at a fixed v_N.

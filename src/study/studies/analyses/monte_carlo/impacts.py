@@ -1,4 +1,4 @@
-"""What an impact does in an ensemble: the rigid body model, or the dynamic simulation."""
+"""Outcomes of impacts in an ensemble: the rigid body model, or the dynamic simulation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Numbers of the claims of Sections 6 and 7: what the article concludes."""
+"""Numbers of the claims of Sections 6 and 7: the conclusions of the article."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def c59(context: Context) -> Numbers:
 
 @claim("C97", by_case=True)
 def c97(context: Context) -> Numbers:
-    """How far a captured sphere rolls, and the moment of its weight over that of adhesion.
+    """Distance that a captured sphere rolls, and moment of its weight over adhesion's.
 
     It comes at the steepest angle at which it is captured, and adhesion alone stops it: the weight,
     which would carry it further, is given, too.
@@ -131,7 +131,7 @@ def apparent_speed(context: Context, contact: Contact, angle: float) -> float:
 
 
 def on_slopes(context: Context, contact: Contact, angle: float, normal_speed: float) -> Rebound:
-    """Return what identical spheres do on slopes; the same facets whatever the speed."""
+    """Return rebounds of identical spheres from slopes; the same facets at every speed."""
     capture = context.params.capture
     into, along = velocity_components(normal_speed / np.sin(np.radians(angle)), angle)
     velocity = np.tile([along, 0.0, into], (capture.spheres, 1))

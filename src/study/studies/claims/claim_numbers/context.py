@@ -1,4 +1,4 @@
-"""What the functions of the claims share: settings, contacts, samples and earlier tables."""
+"""Inputs shared by the functions of the claims: settings, contacts, samples and tables."""
 
 from __future__ import annotations
 
@@ -85,17 +85,15 @@ class Context:
         return self._steel[steel, case]
 
     def of_steel(self, key: tuple[object, ...], function: Callable[[Contact], Any]) -> Any:
-        """Return what a function makes of the steel contact.
+        """Evaluate a function once for all draws of the steel contact; return the current draw.
 
-        That of all draws is computed together, which costs hardly more than one.
-
-        `key`: tells what is found from all else; `function`: takes the contact and gives an array,
+        `key`: identifies the quantity; `function`: takes the contact and gives an array,
         or an `Impact`, the last axis of all being that of draws.
         """
         return part_of(self._of_draws(key, function), self.draw)
 
     def _of_draws(self, key: tuple[object, ...], function: Callable[[Contact], Any]) -> Any:
-        """Return what a function makes of the contacts of all draws, or of the one contact."""
+        """Evaluate a function for the contacts of all draws, or for the single contact."""
         if self.drawn is None:
             return function(resized(self.steel, np.atleast_1d(self.steel.diameter)))
         if key not in self.found_of_draws:
@@ -206,7 +204,7 @@ class Context:
         return replace(self.params.sampling, impacts=self.params.series_impacts)
 
     def contact(self, dropped: Dropped) -> Contact:
-        """Return the contact of what is dropped, at the mean diameter."""
+        """Return the contact of the dropped particles, at the mean diameter."""
         # Made once, but read for every sample.
         _ = self.inputs["calibration"], self.inputs["materials"]
         key = replace(dropped, spin=NO_SPIN, surface_slope=0.0)
@@ -215,7 +213,7 @@ class Context:
         return self._contacts[key]
 
     def seen(self, dropped: Dropped, angle: float, sampling: Sampling | None = None) -> Seen:
-        """Return what a large sample of virtual impacts shows; of the case, if there is one."""
+        """Return the results of a large sample of virtual impacts; of the case, if there is one."""
         case_dropped = replace(dropped, case=self.case or dropped.case)
         key = (case_dropped, angle, sampling or self.params.sampling)
         if key not in self._seen:

@@ -97,7 +97,7 @@ def fraction(context: Context, variation: str, response: str = DIRECT) -> pd.Dat
 
 
 def effect(effects: pd.DataFrame, word: str) -> float:
-    """Return what the design takes for the effect of a word: that of its whole alias class.
+    """Return the design's estimate of the effect of a word: the effect of its alias class.
 
     Raises ValueError if the word is constant over the runs.
     """

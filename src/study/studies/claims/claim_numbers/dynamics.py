@@ -68,7 +68,7 @@ def c25(context: Context) -> Numbers:
 
 
 def damping_group(contact: Contact) -> Real:
-    """Return what is raised to a power in Eqs. (23), (24): ``r^3 K v_N^(1/2)/m``."""
+    """Return the base of the powers in Eqs. (23), (24): ``r^3 K v_N^(1/2)/m``."""
     speed = np.sqrt(np.asarray(contact.reference_velocity, dtype=np.float64))
     cube: Real = np.power(contact.hertz_radius, 3) * contact.stiffness * speed / contact.mass
     return cube
@@ -107,7 +107,7 @@ def in_other_units(contact: Contact, mass: float, length: float, time: float) ->
 
 @claim("C26")
 def c26(context: Context) -> Numbers:
-    """Contact radius at rest with the ring force over that of JKR, ``a^3 = 6 pi w r^2/K``."""
+    """Contact radius at rest with the ring force over the JKR radius, ``a^3 = 6 pi w r^2/K``."""
     ratios = []
     for steel in (case.steel for case in context.cases()):
         load = 6.0 * np.pi * np.asarray(steel.work_of_adhesion) * np.square(steel.hertz_radius)
@@ -278,7 +278,7 @@ def c39(context: Context) -> Numbers:
 
 @claim("C41", by_case=True)
 def c41(context: Context) -> Numbers:
-    """How far the loss without rotation lies above the true one, and what rotation holds.
+    """Excess of the loss without rotation over the true one, and the share of rotation.
 
     The gap of the means over the half-width of the 95 % interval that an experiment has for the
     loss without rotation, the largest over the declared angles; the least gap, and the share of
@@ -329,7 +329,7 @@ def rotational_share(contact: Contact, impact: Impact) -> float:
 
 @claim("C42", by_case=True)
 def c42(context: Context) -> Numbers:
-    """Greatest impulse of the moments that can arise in an impact over that of friction.
+    """Greatest impulse of the moments possible in an impact over the impulse of friction.
 
     Over all rebounds of the table; beside it what steady rolling would give and what no moment
     exceeds, the greatest contact radius over the radius, and the distance rolled over it.
@@ -388,7 +388,7 @@ def flat_members(context: Context, contact: Contact) -> Contact:
 
 @claim("C100", by_case=True)
 def c100(context: Context) -> Numbers:
-    """What it changes to hold zeta at each impact's own speed, or at another nominal one."""
+    """Change of e if zeta is held at each impact's speed, or at another nominal speed."""
     contact, settings = context.steel, context.params.losses
     speed = np.geomspace(*settings.normalised_speeds_m_per_s, POINTS)
     renamed = renormalised(contact, settings.other_speed_m_per_s)

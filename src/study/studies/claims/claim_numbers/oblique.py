@@ -446,7 +446,7 @@ def c78(context: Context) -> Numbers:
 
 
 def low_ratios(context: Context, mean: float) -> Numbers:
-    """Return the least mean impulse ratio over spreads about a mean spin, and what is needed."""
+    """Return the least mean impulse ratio over spreads about a mean spin, and the spin needed."""
     slow = context.params.slow
     needed = context.table("spin_needed", angle_deg=slow.spin_deg).iloc[0]
     energy = "rotational_over_translational_energy"

@@ -70,7 +70,7 @@ class Fall:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Instruments:
-    """Section 2.1: what is read from the tables on imaging, pairs and piles."""
+    """Section 2.1: readings from the tables on imaging, pairs and piles."""
 
     most_pulses_per_s: Positive
     pair_speeds_m_per_s: tuple[Positive, ...]
@@ -323,7 +323,7 @@ class Roughness:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Capture:
-    """Section 6: what becomes of captured spheres, and capture on slopes."""
+    """Section 6: motion of captured spheres, and capture on slopes."""
 
     shifts_nm: PositiveRange  # Both ends of how far adhesion lags behind rolling
     kept_share: Fraction  # Tangential velocity after capture over that before

@@ -88,7 +88,7 @@ def farthest(ratios: Real) -> float:
 
 @claim("C21", by_case=True)
 def c21(context: Context) -> Numbers:
-    """Restitution and adhesion coefficient at a speed 1e-4 above that of capture, as calibrated.
+    """Restitution and adhesion coefficient at 1e-4 above the calibrated capture velocity.
 
     The adhesion coefficient by Eq. (16), 1 - e/R, R from the same impact without ring force.
     """
@@ -143,7 +143,7 @@ def c23(context: Context) -> Numbers:
 
 @claim("C24")
 def c24(context: Context) -> Numbers:
-    """What both works leave of the loss of kinetic energy: simulated rebounds, and Eq. (17)."""
+    """Kinetic energy loss less both works: residuals of simulated rebounds, and of Eq. (17)."""
     R, rho = body_and_adhesion(context)
     half = 0.5 * context.speed**2
     e = restitution_with_adhesion(R, rho)

@@ -1,4 +1,4 @@
-"""Numbers of the claims of Sections 4.1 and 4.2: what is measured on slopes, one or many."""
+"""Numbers of the claims of Sections 4.1 and 4.2: measurements on a slope, and on many."""
 
 from __future__ import annotations
 
@@ -122,7 +122,7 @@ def c49(context: Context) -> Numbers:
 
 @claim("C50")
 def c50(context: Context) -> Numbers:
-    """Exact bias by spin over that of Eq. (41), and over (2/7) (r omega / v) phi."""
+    """Exact bias by spin over the bias of Eq. (41), and over (2/7) (r omega / v) phi."""
     slopes = context.params.slopes
     spun, bare = (
         on_slope(context, 90.0, slopes.small_slope_deg, spin_ratio=spin)

@@ -40,7 +40,7 @@ def c81(context: Context) -> Numbers:
 
 @claim("C82")
 def c82(context: Context) -> Numbers:
-    """Printed normal speed over the quoted capture velocity; what the smooth spore does below."""
+    """Printed normal speed over the quoted capture velocity; the smooth spore's fall of e below."""
     first = context.table("smooth_spore").iloc[0]
     quoted = first["normal_speed_m_per_s"] / first["normal_speed_over_quoted_capture_velocity"]
     printed = context.printed("normal_speed_lycopodium_38deg")
@@ -108,7 +108,7 @@ def c85(context: Context) -> Numbers:
 
 @claim("C86")
 def c86(context: Context) -> Numbers:
-    """Restitution of steel less that of spores, rises of both, and that of steel itself.
+    """Restitution of steel less the spores', rises of both, and restitution of steel.
 
     With the slopes that are supposed of the spores, and without any.
     """

@@ -1,4 +1,4 @@
-"""What slopes of the surface do to restitution, impulse ratio and energy loss."""
+"""Effect of slopes of the surface on restitution, impulse ratio and energy loss."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Restitution and energy loss over speed and angle: what follows from the normal speed alone."""
+"""Restitution and energy loss over speed and angle, and by the normal speed alone."""
 
 from __future__ import annotations
 

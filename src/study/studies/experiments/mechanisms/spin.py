@@ -1,4 +1,4 @@
-"""What initial spin does to the impulse ratio: spread alone, and a mean sense."""
+"""Effect of initial spin on the impulse ratio: spread alone, and a mean sense."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What could raise the measured restitution of spores at shallow angles, each cause alone."""
+"""Possible causes of spores' high measured restitution at shallow angles, each alone."""
 
 from __future__ import annotations
 

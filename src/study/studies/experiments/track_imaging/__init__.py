@@ -1,4 +1,4 @@
-"""What the particle trajectory imaging system can measure, and how well (Section 2.1)."""
+"""Range and errors of the particle trajectory imaging system (Section 2.1)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A pair whose contact is open: what is open of it, what is printed on it, and its posterior."""
+"""A pair whose contact is open: its free parameters, printed values and posterior."""
 
 from __future__ import annotations
 
