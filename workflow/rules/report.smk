@@ -18,9 +18,7 @@ rule explorer:
     params:
         rows=SETTINGS.tables.contact_rows(),
         rests_on=digest_of_inputs("contact_properties", "calibration"),
-        code=digest_of_code(
-            "study.report.explorer.build", script="write_explorer.py", files=PAGES
-        ),
+        code=digest_of_code("study.report.explorer.build", script="write_explorer.py", files=PAGES),
     script:
         "../scripts/write_explorer.py"
 
