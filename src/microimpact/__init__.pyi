@@ -1,4 +1,5 @@
 from .core.materials import Material as Material
+from .measured.rebounds import read_rebounds as read_rebounds
 from .model import JKR as JKR
 from .model import Contact as Contact
 from .model import Hysteresis as Hysteresis

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +14,7 @@ import numpy as np
 from microimpact.cli.output import Sweep, number, print_json, print_table, warn
 from microimpact.core.arrays import POSITIVE, checked
 from microimpact.core.materials import Material, declared_file, read_materials
+from microimpact.core.nearest import nearest
 from microimpact.model.choices import (
     CALIBRATED,
     FORMATS,
@@ -392,6 +393,7 @@ def contact_of(
     file: str | None,
     diameter_um: float | None,
     materials: str | None,
+    missing: Sequence[str] = (),
     **options: Any,
 ) -> Chosen:
     """Return the contact that the options make.
@@ -406,6 +408,8 @@ def contact_of(
         um; None: that of the pair or of the file.
     materials
         CSV of own materials.
+    missing
+        Options that the command lacks beside these, to be asked for together.
     **options
         All other options of `contact_options`; None where they are not set.
 
@@ -426,39 +430,53 @@ def contact_of(
                 "--contact holds the whole contact, but the diameter may change; leave out "
                 f"{', '.join(flags)}"
             )
+        if missing:
+            raise ValueError(f"give {', '.join(missing)}")
         return chosen
     if particle is None or surface is None:
         raise ValueError("give --particle and --surface, or --contact")
+    from microimpact.model.pairs import pair_contact
+
     shipped, pairs = _shipped()
-    known = shipped | ({} if materials is None else read_materials(materials))
-    for role, name in (("particle", particle), ("surface", surface)):
-        known = known | _with_options(role, name, known, options)
+    declared = shipped | ({} if materials is None else read_materials(materials))
     changes = {name: options[name] for name in _FIELDS}
     changes |= {"diameter": diameter, "stiffness_model": options["stiffness_model"]}
-    contact = _contact(particle, surface, known, pairs, changes)
+    known = _completed((particle, surface), declared, pairs, options, changes, missing)
+    contact = pair_contact(particle, surface, known, pairs, **changes)
     replaced = {}
     if (particle, surface) in pairs:
         same = {name: changes[name] for name in ("diameter", "stiffness_model")}
-        declared = _contact(particle, surface, shipped, pairs, same)
-        replaced = _differences(declared, contact)
+        shipped_contact = pair_contact(particle, surface, shipped, pairs, **same)
+        replaced = _differences(shipped_contact, contact)
     return Chosen(contact=contact, best=contact, replaced=replaced)
 
 
-def _contact(
-    particle: str,
-    surface: str,
+def _completed(
+    pair: Pair,
     known: Mapping[str, Material],
     pairs: Mapping[Pair, Mapping[str, float]],
+    options: Mapping[str, Any],
     changes: Mapping[str, Any],
-) -> Contact:
-    """Build the contact of a pair; an incomplete one names the options to give."""
-    from microimpact.model.pairs import IncompletePairError, pair_contact
+    missing: Sequence[str],
+) -> Mapping[str, Material]:
+    """Known materials with those of the options; all options that are missing are asked for."""
+    from microimpact.model.pairs import IncompletePairError, pair_fields
 
+    reasons: list[str] = []
+    flags: list[str] = []
+    for role, name in zip(("particle", "surface"), pair, strict=True):
+        known, missing_here = _with_options(role, name, known, options)
+        if missing_here:
+            reasons.append(f"the material {name!r} is not declared{nearest(name, known)}")
+            flags += missing_here
     try:
-        return pair_contact(particle, surface, known, pairs, **changes)
+        pair_fields(*pair, pairs, **changes)
     except IncompletePairError as error:
-        flags = ["--diameter-um" if name == "diameter" else _flag(name) for name in error.missing]
-        raise ValueError(f"{error.pair}; give {', '.join(flags)}{error.near}") from None
+        reasons.append(f"{error.pair}{error.near}")
+        flags += ["--diameter-um" if name == "diameter" else _flag(name) for name in error.missing]
+    if flags or missing:
+        raise ValueError("; ".join([*reasons, f"give {', '.join([*flags, *missing])}"]))
+    return known
 
 
 def _differences(declared: Contact, contact: Contact) -> dict[str, tuple[float, float]]:
@@ -478,24 +496,24 @@ def _flag(name: str) -> str:
 
 def _with_options(
     role: str, name: str, known: Mapping[str, Material], options: Mapping[str, Any]
-) -> dict[str, Material]:
-    """Material of a body with the properties that options give, if any."""
+) -> tuple[dict[str, Material], list[str]]:
+    """Known materials, a body's with the properties that options give; and options it lacks."""
     values = {option: options[f"{role}_{option.replace('-', '_')}"] for option in _ELASTIC}
     fields: dict[str, Any] = {
         field: factor * values[option]
         for option, (field, factor, _) in _ELASTIC.items()
         if values[option] is not None
     }
-    if not fields:
-        return {}
     missing = [f"--{role}-{option}" for option, value in values.items() if value is None]
-    if missing and name not in known:
-        raise ValueError(f"the material {name!r} is not declared; give {', '.join(missing)}, too")
+    if name not in known and missing:
+        return dict(known), missing
+    if not fields:
+        return dict(known), []
     try:
         body = replace(known[name], **fields) if name in known else Material(name=name, **fields)
     except ValueError as error:
         raise ValueError(f"--{role} {name!r}: {error}") from None
-    return {name: body}
+    return {**known, name: body}, []
 
 
 def _from_file(file: str, diameter: float | None) -> Chosen:

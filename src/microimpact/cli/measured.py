@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import wraps
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -16,20 +18,38 @@ if TYPE_CHECKING:
     from microimpact.measured.rebounds import Rebounds
     from microimpact.model.contact import Contact
 
-_unit_option = click.option(
-    "--unit", help="Unit of the speeds where the header says none; default m/s."
-)
-_sigma_option = click.option(
-    "--sigma", type=float, help="Standard deviation of e where no column has it."
-)
+_READ = ("unit", "columns", "delimiter", "decimal", "encoding", "sigma")
 _SHORT = {"w_A": "work_of_adhesion", "c_H": "hertz_damping", "c_A": "adhesion_damping"}
 _SHORT |= {"n": "adhesion_rate_exponent"}
 
 
+def data_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command the options that say how DATA is read, as ``reading``."""
+    options = (
+        click.option("--unit", help="Unit of the speeds where the header says none; default m/s."),
+        click.option(
+            "--columns", help="Headers by the names above: 'v=Impact speed [cm/s],V=Rebound'."
+        ),
+        click.option("--delimiter", help="Between cells: comma, semicolon, tab, bar or space."),
+        click.option("--decimal", help="Of numbers: '.' or ','."),
+        click.option("--encoding", help="Of the file; default UTF-8, or else Latin-1."),
+        click.option("--sigma", type=float, help="Standard deviation of e where no column has it."),
+    )
+
+    @wraps(command)
+    def with_reading(**options: Any) -> None:
+        reading = {name: options.pop(name) for name in _READ}
+        command(**options, reading=reading)
+
+    wrapped: Callable[..., None] = with_reading
+    for option in reversed(options):
+        wrapped = option(wrapped)
+    return wrapped
+
+
 @click.command("fit")
 @click.argument("data")
-@_unit_option
-@_sigma_option
+@data_options
 @click.option("--confidence", type=float, default=0.95, show_default=True, help="Of intervals.")
 @click.option(
     "--model", "models", multiple=True, help="Try the one of this name, not all; may be repeated."
@@ -38,8 +58,7 @@ _SHORT |= {"n": "adhesion_rate_exponent"}
 @click.option("--json", "as_json", is_flag=True, help="Print JSON in SI units.")
 def fit_command(
     data: str,
-    unit: str | None,
-    sigma: float | None,
+    reading: Mapping[str, Any],
     confidence: float,
     models: tuple[str, ...],
     plot: str | None,
@@ -47,12 +66,14 @@ def fit_command(
 ) -> None:
     """Find the capture velocity from measured restitutions, by several models.
 
-    DATA is a CSV file with the columns v, and e or V (normal speeds before and after impact), and
-    optionally sigma (of e) and captured (yes or no).
+    DATA is a text file with the columns v, and e or V (normal speeds before and after impact), and
+    optionally sigma (of e), captured (yes or no) and angle (degrees from the surface; v is then the
+    total speed). A header may have a unit: v (cm/s). Comments begin with # or %. Other columns are
+    not used.
     """
     from microimpact.model.empirical.comparison import compare_models
 
-    measured = _measured(data, unit, sigma)
+    measured = _measured(data, **reading)
     comparison = compare_models(
         measured.v, measured.e, measured.sigma, confidence=confidence, models=models or None
     )
@@ -104,8 +125,7 @@ def fit_command(
 @click.command("calibrate")
 @click.argument("data", required=False)
 @contact_options
-@_unit_option
-@_sigma_option
+@data_options
 @click.option(
     "--free",
     default="w_A,c_H,c_A",
@@ -120,8 +140,7 @@ def fit_command(
 @click.option("-o", "--output", help="File of the contacts, for --contact of other commands.")
 def calibrate_command(
     data: str | None,
-    unit: str | None,
-    sigma: float | None,
+    reading: Mapping[str, Any],
     free: str,
     draws: int,
     seed: int,
@@ -134,7 +153,7 @@ def calibrate_command(
 ) -> None:
     """Find contacts from measured restitutions, or c_H and c_A from two numbers.
 
-    DATA is a CSV file as of 'microimpact fit'. The result is a sample of contacts that agree with
+    DATA is a file as of 'microimpact fit'. The result is a sample of contacts that agree with
     the data; predictions from it ('microimpact simulate --contact FILE') have a range.
     """
     from microimpact.measured.contacts import write_contacts
@@ -144,18 +163,18 @@ def calibrate_command(
 
     targets = _targets(data, restitution, at_speed, capture_velocity)
     free_fields = ["hertz_damping", "adhesion_damping"] if targets else _fields(free)
-    start = _start(pair, free_fields)
+    measured = None if targets else _measured(str(data), **reading)
+    # Without it all contacts fit.
+    missing = [] if measured is None or measured.sigma is not None else ["--sigma or its column"]
+    start = _start(pair, free_fields, missing)
     diagnostics = ""
-    if targets:
-        contact = best = two_stage(start, *targets).contact
+    if measured is None:
+        contact = best = two_stage(start, *(targets or ())).contact
     else:
-        measured = _measured(str(data), unit, sigma)
-        if measured.sigma is None:
-            raise ValueError(
-                "sigma is needed, as a column or as --sigma: without it all contacts fit"
-            )
-        points = measured.v, measured.e, measured.sigma
-        posterior = calibrate(start, *points, free_fields, draws=draws, seed=seed)
+        spread: Any = measured.sigma
+        posterior = calibrate(
+            start, measured.v, measured.e, spread, free_fields, draws=draws, seed=seed
+        )
         contact, best, diagnostics = posterior.contact, posterior.best, f"{posterior}\n"
     if output:
         write_contacts(output, contact, best)
@@ -168,7 +187,10 @@ def calibrate_command(
     if as_json:
         print_json({"contacts": ranges, "draws": limit.size, "file": output})
         return
-    title = f"{best.particle.name} on {best.surface.name}, {best.diameter * 1e6:g} um"
+    title = (
+        f"{best.particle.name} on {best.surface.name}, {best.diameter * 1e6:g} um, "
+        f"friction {best.friction:g} (not from these data)"
+    )
     rows = [(symbol, *map(number, numbers.values())) for symbol, numbers in ranges.items()]
     print_table(title, ("", "best", "median", "5 %", "95 %"), rows)
     click.echo(diagnostics, nl=False)
@@ -194,21 +216,28 @@ def _targets(
     return (values[0], values[1], values[2]) if values else None
 
 
-def _start(pair: dict[str, Any], free_fields: Sequence[str]) -> Contact:
+def _start(pair: dict[str, Any], free_fields: Sequence[str], missing: Sequence[str]) -> Contact:
     """Contact from which a search starts; numbers that it is to find need not be given."""
     if pair["file"] is None:
         for name in free_fields:
             ring_force = name == "work_of_adhesion" and pair["ring_force"] is not None
             if pair[name] is None and not ring_force:
                 pair[name] = 0.1
-    return contact_of(**pair).best
+    return contact_of(**pair, missing=missing).best
 
 
-def _measured(data: str, unit: str | None, sigma: float | None) -> Rebounds:
+def _measured(data: str, sigma: float | None, columns: str | None, **reading: Any) -> Rebounds:
     """Read measurements; ``sigma`` is the standard deviation of e where the file has none."""
     from microimpact.measured.rebounds import read_rebounds
 
-    measured = read_rebounds(data, unit)
+    headers: dict[str, str] = {}
+    for part in re.split(r",(?=\s*\w+\s*=)", columns or ""):
+        name, _, header = part.partition("=")
+        if columns and not (name.strip() and header.strip()):
+            raise ValueError(f"--columns must be 'v=HEADER,e=HEADER', got {columns!r}")
+        headers[name.strip()] = header.strip()
+    measured = read_rebounds(data, columns=headers if columns else None, **reading)
+    warn(measured.notes)
     if sigma is None:
         return measured
     if measured.sigma is not None:

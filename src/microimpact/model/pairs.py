@@ -100,6 +100,21 @@ def pair_contact(
         "particle": find_material(particle, materials),
         "surface": find_material(surface, materials),
     }
+    fields = pair_fields(particle, surface, pairs, **changes)
+    if {"zeta_hertz", "zeta_adhesion"} & set(fields):
+        if {"hertz_damping", "adhesion_damping"} & set(fields):
+            raise ValueError(
+                f"the pair {particle!r} on {surface!r}: give both zetas or both dampings"
+            )
+        return Contact.from_zeta(**bodies, **fields)
+    return Contact(**bodies, **fields)
+
+
+def pair_fields(particle: str, surface: str, pairs: Pairs, **changes: Any) -> dict[str, Any]:
+    """Return the fields of a pair's contact beside its materials; see `pair_contact`.
+
+    Raises IncompletePairError if the pair is not declared and the changes do not suffice.
+    """
     declared = dict(pairs.get((particle, surface), {}))
     replaced = {name: value for name, value in changes.items() if value is not None}
     alternatives = (
@@ -121,10 +136,4 @@ def pair_contact(
         raise IncompletePairError(
             f"the pair {name!r} {state}", missing, nearest(name, known) if known else ""
         )
-    if {"zeta_hertz", "zeta_adhesion"} & set(fields):
-        if {"hertz_damping", "adhesion_damping"} & set(fields):
-            raise ValueError(
-                f"the pair {particle!r} on {surface!r}: give both zetas or both dampings"
-            )
-        return Contact.from_zeta(**bodies, **fields)
-    return Contact(**bodies, **fields)
+    return fields

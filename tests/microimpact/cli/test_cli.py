@@ -343,6 +343,31 @@ def test_fit_refuses_in_one_line(microimpact, own_data, options, message):
     assert done.stderr.count("\n") == 1
 
 
+def test_a_file_of_a_spreadsheet_needs_one_option(microimpact, answered, own_data, tmp_path):
+    table = pd.read_csv(own_data).rename(columns={"v (m/s)": "Speed [m/s]"}).assign(Nr=1)
+    german = tmp_path / "german.csv"
+    german.write_bytes(
+        f"% Düse\n{table.to_csv(index=False, sep=';', decimal=',')}n.d.;;;".encode("latin-1")
+    )
+    done = microimpact("fit", str(german), "--model", "fixed loss", "--columns", "v=Speed,e=e")
+    plain = microimpact("fit", str(own_data), "--model", "fixed loss")
+    assert done.stdout.splitlines()[1:] == plain.stdout.splitlines()[1:]
+    assert "Warning: german.csv: columns not used: 'Nr'." in done.stderr
+    assert "1 of 21 rows lack a number and are skipped: line 23" in done.stderr
+    require_refusal(microimpact("fit", str(german), "--columns", "Speed"), "--columns must be")
+
+
+def test_calibrate_asks_for_all_that_is_missing(microimpact, own_data, tmp_path):
+    bare = tmp_path / "bare.csv"
+    pd.read_csv(own_data).drop(columns="sigma").to_csv(bare, index=False)
+    done = microimpact("calibrate", str(bare), "--particle", "my-glass", "--surface", "silicon")
+    require_refusal(
+        done,
+        "give --particle-youngs-modulus-gpa, --particle-poissons-ratio, --particle-density, "
+        "--diameter-um, --sigma or its column",
+    )
+
+
 def test_digits_of_a_fit_follow_the_interval(microimpact, answered, tmp_path):
     random, file = np.random.default_rng(1), tmp_path / "many.csv"
     v = np.exp(random.uniform(np.log(0.2002), np.log(3.0), 2000))

@@ -1,6 +1,7 @@
 """Measured rebounds are read with their units, or refused in one line."""
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from microimpact.measured.rebounds import SPEED_UNITS, read_rebounds
@@ -25,6 +26,12 @@ def written(tmp_path):
         ("v,V\n50,30\n10,0\n", "cm/s"),
         ("v,V (mm/s)\n50,-300\n10,0\n", "cm/s"),
         ("v,captured,e\n0.5,no,0.6\n0.1,yes,\n", None),
+        ("v,e (%)\n0.5,60\n0.1,0\n", None),
+        ("v in cm/s;e\n50;0,6\n10;0\n", None),
+        ("v\te\n0,5\t0,6\n0,1\t0\n", None),
+        ("  % by hand\nv (m/s)  e\n0.5  0.6\n0.1  0\n", None),
+        ("v,e,angle\n1.0,0.6,30\n0.1,0,90\n", None),
+        ("v [m s^-1],e,Captured\n0.5,0.6,no\n0.1,,yes\n", None),
     ],
 )
 def test_units_and_forms(written, text, unit):
@@ -59,22 +66,22 @@ def test_sigma_is_read(written):
     [
         ("", "no header"),
         ("v,e\n", "no data"),
-        ("v,f\n1,2\n", "the column 'f' is none of"),
-        ("speed,e\n1,2\n", "the column 'speed'"),
+        ("v,f\n1,2\n", "either e or V are needed, got 'v', 'f'"),
+        ("speed,e\n1,2\n", "needed, got 'speed', 'e'; other names go by --columns"),
         ("v,v\n1,2\n", "stands there twice"),
-        ("v (m/s);e\n1;0,5\n", "line 1: the columns must be separated by commas, got ';'"),
-        ("v\te\n1\t0.5\n", "the columns must be separated by commas, got '\\t'"),
-        ("v e\n1 0.5\n", "the columns must be separated by commas, got ' '"),
         ('v,e\n"1,0.5\n2,0.6\n', "line 2: unexpected end of data"),
         ("v,sigma\n1,2\n", "either e or V are needed"),
         ("v,e,V\n1,0.5,0.5\n", "either e or V are needed"),
         ("v (furlong),e\n1,0.5\n", "the unit of v must be one of"),
-        ("v,e (%)\n1,50\n", "e has no unit"),
+        ("v,e (J)\n1,50\n", "the unit of e must be one of 1, -, %, got 'J'"),
+        ("v;e\n1,0;0.5\n", "numbers have commas ('1,0') and points ('0.5')"),
+        ("v,e\n1,n.d.\n", "no data below the header"),
+        ("v,e\n1,1.01\n", "e must be from 0 to 1, got 1.01"),
+        ("v,e,angle\n1,0.5,91\n", "angle must be above 0 and at most 90 degrees, got 91"),
         ("v,e\n1,0.5\n2\n", "line 3: 1 cells, but 2 columns"),
         ("v,e\n1,fast\n", "line 2: e must be a number, got 'fast'"),
-        ("v,e\n1,nan\n", "e must be a number"),
         ("v,e\n0,0.5\n", "v must be positive, got 0"),
-        ("v,e\n1,70\n", "line 2: e must be from 0 to 1, got 70; divide percent by 100"),
+        ("v,e\n1,70\n", "line 2: e must be from 0 to 1, got 70; are these percent?"),
         ("v,e\n1,-0.1\n", "e must be from 0 to 1"),
         ("v,V\n1,1.5\n", "V/v = 1.5"),
         ("v,e,sigma\n1,0.5,0\n", "sigma must be above 0"),
@@ -88,10 +95,68 @@ def test_bad_files_are_refused(written, text, message):
     assert message in str(refused.value)
 
 
-def test_a_file_in_another_encoding_is_refused(tmp_path):
-    (tmp_path / "mine.csv").write_bytes("v,e\n1,0.5\n".encode("utf-16"))
-    with pytest.raises(ValueError, match=r"mine\.csv: must be a text in UTF-8, byte 0 is not"):
-        read_rebounds(tmp_path / "mine.csv")
+def test_a_spreadsheet_of_a_german_laboratory(tmp_path):
+    """Latin-1, semicolons, decimal commas, comments, names and columns of its own, missing rows."""
+    lines = (
+        "% Rückprall, Düse 3",
+        "  # glass on steel",
+        "Nr;Dp [µm];Impact speed [cm/s];Rebound [mm/s];Remark",
+        '1;30,1;50;300;"good; really"',
+        "2;29,8;40,0;n.d.;dirt",
+        "3;30,0;;-120;",
+        "4;30,0;10;0,0;stuck;;",
+    )
+    path = tmp_path / "german.csv"
+    path.write_bytes("\r\n".join(lines).encode("latin-1"))
+    data = read_rebounds(path, columns={"v": "Impact speed [cm/s]", "V": "Rebound"})
+    assert data.v == pytest.approx([0.5, 0.1], rel=1e-15)
+    assert data.e == pytest.approx([0.6, 0.0], rel=1e-15)
+    ignored, skipped = data.notes
+    assert ignored == "german.csv: columns not used: 'Nr', 'Dp [µm]', 'Remark'"
+    assert "2 of 4 rows lack a number and are skipped: line 5, line 6" in skipped
+
+
+def test_a_frame_and_a_mapping_are_read_as_a_file():
+    columns = {"v (cm/s)": [50.0, 30.0, 10.0], "e": [0.6, np.nan, 0.0], "run": [1, 2, 3]}
+    for table in (columns, pd.DataFrame(columns)):
+        data = read_rebounds(table)
+        assert data.v == pytest.approx([0.5, 0.1], rel=1e-15)
+        assert data.e.tolist() == [0.6, 0.0]
+        assert "row 1" in data.notes[1]
+    with pytest.raises(ValueError, match="columns must be of one length, got v 2, e 1"):
+        read_rebounds({"v": [1.0, 2.0], "e": [0.5]})
+    with pytest.raises(TypeError, match="a file, a data frame or a mapping of arrays, got 3"):
+        read_rebounds(3)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"columns": {"speed": "v"}}, "columns: 'speed' is none of v, e"),
+        ({"columns": {"v": "Speed"}}, r"mine.csv: no column 'Speed' \(known here: e, v\)"),
+        ({"delimiter": "/"}, "delimiter must be one of comma, semicolon"),
+        ({"decimal": "/"}, "decimal must be '.' or ','"),
+        ({"encoding": "latin-99"}, "encoding must be one that Python knows, got 'latin-99'"),
+        ({"encoding": "ascii"}, "must be a text in ascii, byte 2 is not"),
+    ],
+)
+def test_wrong_options_are_refused(written, options, message):
+    with pytest.raises(ValueError, match=message):
+        read_rebounds(written("# \u00b5\nv,e\n1,0.5\n"), **options)
+
+
+def test_forms_that_are_stated_are_taken(tmp_path):
+    path = tmp_path / "mine.csv"
+    path.write_text("v;e\n1,5;0,5\n", encoding="utf-16")
+    data = read_rebounds(path, delimiter="semicolon", decimal=",", encoding="utf-16")
+    assert data.v.tolist() == [1.5]
+    assert read_rebounds(path).v.tolist() == [1.5]
+
+
+def test_a_workbook_is_refused(tmp_path):
+    (tmp_path / "mine.xlsx").write_bytes(b"PK\x03\x04rest")
+    with pytest.raises(ValueError, match=r"mine\.xlsx: must be a text, got a workbook"):
+        read_rebounds(tmp_path / "mine.xlsx")
 
 
 def test_an_unknown_unit_is_refused(written):
