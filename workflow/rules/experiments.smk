@@ -43,7 +43,7 @@ use rule study as oblique_experiments with:
     output:
         **tables("oblique_experiments"),
         **data("fig06", "fig07", "fig08", "fig09", "fig10", "fig11", "fig12"),
-        **data("fig18_points", "fig21_points", "fig23_points"),
+        **data("fig23_points"),
     pathvars:
         study="oblique_experiments",
     params:

@@ -58,7 +58,7 @@ use rule study as coulomb_friction with:
 use rule study as oblique_impact with:
     """data/fig18.csv: impulse ratio, data/fig21.csv: energy loss."""
     input:
-        **tables("calibration", "admissible_contacts"),
+        **tables("calibration", "admissible_contacts", "oblique_experiments"),
     output:
         **data("fig18", "fig21"),
     pathvars:

@@ -20,7 +20,11 @@ def study(run_study, calibration, admitted):
     """The function that runs the study with some parameters of its own."""
     bases = {0.12: "net", 0.15: "compressive", 0.18: "compressive"}
     drawn = [{"friction": f, "friction_basis": basis} for f, basis in bases.items()]
-    inputs = {**calibration, "admissible_contacts": admitted("oblique_impact", drawn)}
+    inputs = {
+        **calibration,
+        "admissible_contacts": admitted("oblique_impact", drawn),
+        **run_study("oblique_experiments", calibration, angles_deg=[85, 45], points=10),
+    }
     return partial(run_study, "oblique_impact", inputs)
 
 
@@ -174,3 +178,21 @@ def test_the_rigid_body_has_the_restitution_of_the_pair(study):
     drawn = study(points=90, case=case, diameter_um=4.9, speed_m_per_s=5.2)["fig18"]
     drawn = drawn[drawn["panel"] == "adhesion"].set_index(["series", "x_deg"])["y_1"]
     assert drawn["rigid body", 75.0] == pytest.approx(drawn["simulation", 75.0], rel=0.02)
+
+
+@pytest.mark.parametrize(
+    "impact",
+    [
+        {"friction": 0.3},
+        {"speed_m_per_s": 3.0},
+        {"diameter_um": 30.0},
+        {"case": "steel-silicon, n = 0"},
+        {"spin_rad_per_s": 1.0e4},
+    ],
+)
+def test_experiments_stand_beside_their_own_impact_alone(study, tables, impact):
+    mark = "series == 'virtual experiment'"
+    assert len(tables["fig18"].query(mark)) == len(tables["fig21"].query(mark)) == 2
+    changed = study(points=20, **impact)
+    assert changed["fig18"].query(mark).empty
+    assert changed["fig21"].query(mark).empty

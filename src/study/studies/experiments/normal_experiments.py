@@ -34,7 +34,7 @@ from study.studies.contacts import calibrated_contact, pair_of, printed_beside
 from study.tables import Tables, series_frame
 
 NEEDS = {"calibration": ("calibration",)}
-PRINTED_VALUES = ("restitution_sst76_silicon", "speed_oblique_sst76", "pile_up_speed_sst_silicon")
+PRINTED_VALUES = ("pile_up_speed_sst_silicon",)
 
 _frame = partial(series_frame, "all", x_unit="m_per_s", y_unit="1")
 # Speed, m/s, and restitution of a curve.
@@ -97,7 +97,8 @@ def run(params: Params, inputs: Tables) -> Tables:
         for case, contact in contacts.items()
         for population in params.populations
     }
-    printed = printed_beside(inputs, *pair_of(inputs, params.case))
+    pair, sizes = pair_of(inputs, params.case), [mean(p.diameter_um) for p in params.populations]
+    printed = pd.concat([printed_beside(inputs, *pair, diameter_um=size) for size in sizes])
     series = sieves_drawn(params, params.case, curves)
     spheres = spheres_drawn(params, contacts[params.case], next(iter(curves.values())).speed)
     drawn = {**series, **sieves_drawn(params, params.other_case, curves, ", other end"), **spheres}
@@ -213,18 +214,14 @@ def figure_data(
     printed: pd.DataFrame,
     transform: Callable[[Real], Real] = lambda e: e,
 ) -> pd.DataFrame:
-    """Measured means of a quantity, and the transform to it of restitutions drawn and printed."""
+    """Measured means of a quantity, and the transform to it of restitutions drawn."""
     frames = [
         _frame(str(population), own["speed_m_per_s"], own[quantity], "virtual experiment", *ends)
         for population, own in table.dropna(subset=quantity).groupby("population", sort=False)
         for ends in [(own[f"{quantity}_low"], own[f"{quantity}_high"])]
     ]
     frames += [_frame(name, speed, transform(e)) for name, (speed, e) in drawn.items()]
-    if set(PRINTED_VALUES) <= set(printed.index):
-        # None is printed for normal impact.
-        oblique = transform(printed["value"]["restitution_sst76_silicon"])
-        speed = printed["value"]["speed_oblique_sst76"]
-        piles = printed.loc["pile_up_speed_sst_silicon", ["low", "high"]]
-        frames.append(_frame("printed, oblique impact", speed, oblique, "printed"))
-        frames.append(_frame("printed pile-up", piles, 0.0, "printed"))
+    piles = printed.loc[printed.index.isin(PRINTED_VALUES), ["low", "high"]]
+    if len(piles):
+        frames.append(_frame("printed pile-up", piles.iloc[0], 0.0, "printed"))
     return pd.concat(frames, ignore_index=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Annotated, Any
 
@@ -47,11 +47,25 @@ _frame = partial(series_frame, x_unit="deg", y_unit="1")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Mark:
+    """A printed number drawn beside the points of a series: a value or both ends of a range.
+
+    It is drawn at the angles that it is printed for, if it is printed of the impacts of the series.
+    """
+
+    figures: tuple[Name, ...]
+    panel: Name
+    printed: PrintedName
+    angles_deg: tuple[AngleDegrees, ...] = ()  # Where none is printed
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Series(Dropped):
-    """One series of a figure: particles dropped, and the figures that show it."""
+    """One series of a figure: particles dropped, the figures that show it, and its marks."""
 
     name: Name
     figures: tuple[Name, ...]
+    marks: dict[Name, Mark] = field(default_factory=dict)
 
 
 def smooth_curves(
@@ -85,22 +99,6 @@ FIGURES = {
     "fig11": ALL,
     "fig12": ALL,
 }
-# Points beside the curves of other studies: the panel that they are in, and their quantity.
-POINTS = {"fig18_points": {"adhesion": "impulse_ratio"}, "fig21_points": {"loss": "energy_loss"}}
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Mark:
-    """A printed number drawn beside the points: a value or both ends of a range.
-
-    It is drawn at the angles that it is printed for, in figures with a series of its impact.
-    """
-
-    figures: tuple[Name, ...]
-    panel: Name
-    name: Name
-    printed: PrintedName
-    angles_deg: tuple[AngleDegrees, ...] = ()  # Where none is printed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -119,15 +117,13 @@ class Params:
     compared_with_all: tuple[Name, ...]
     compared_series: Name
     reference_angle_deg: Annotated[AngleDegrees, Must("one of", "angles_deg")]
-    marks: Annotated[tuple[Mark, ...], Keyed("name")]
 
     def __post_init__(self) -> None:
         """Refuse figures that this study does not make."""
-        named = [*(s.figures for s in self.series), *(m.figures for m in self.marks)]
-        for figure in (name for names in named for name in names):
-            if figure not in {**FIGURES, **POINTS}:
-                allowed = ", ".join((*FIGURES, *POINTS))
-                raise ValueError(f"figures: {figure!r} must be one of {allowed}")
+        shown = [*self.series, *(mark for s in self.series for mark in s.marks.values())]
+        for figure in (name for each in shown for name in each.figures):
+            if figure not in FIGURES:
+                raise ValueError(f"figures: {figure!r} must be one of {', '.join(FIGURES)}")
         names = [series.name for series in self.series]
         compared = [("compared_with_all", name) for name in self.compared_with_all]
         for key, name in (("compared_series", self.compared_series), *compared):
@@ -139,8 +135,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     """Run every series at every angle, observe, reduce.
 
     ``fig06`` to ``fig12``: restitution, impulse ratio and translational energy loss against the
-    angle of incidence in degrees. ``fig18_points``, ``fig21_points``: impulse ratio and loss of the
-    series that are drawn there. ``fig23_points``: one series relative to its restitution at a
+    angle of incidence in degrees. ``fig23_points``: one series relative to its restitution at a
     reference angle. ``oblique_experiments``: one row per experiment.
     """
     contacts = {series.name: contact_of(series, inputs) for series in params.series}
@@ -155,7 +150,6 @@ def run(params: Params, inputs: Tables) -> Tables:
     table = pd.DataFrame(rows)
     return {
         **{of: figure_data(params, of, table, contacts, inputs) for of in FIGURES},
-        **{of: points_beside(params, of, table) for of in POINTS},
         "fig23_points": relative_points(params, table),
         "oblique_experiments": table,
     }
@@ -183,6 +177,7 @@ def experiment_row(
     true = outcome.true.coefficient_of_restitution
     return {
         "series": series.name,
+        **impact_columns(series),
         "angle_deg": angle,
         "dropped": outcome.dropped,
         "events": len(outcome.measured),
@@ -192,6 +187,19 @@ def experiment_row(
         "true_restitution": mean_and_error(true)[0],
         "true_restitution_of_rebounds": of_rebounds,
         "evidence": "virtual experiment",
+    }
+
+
+def impact_columns(series: Series) -> dict[str, Any]:
+    """Return the impacts of a series as columns: contact, mean size, nominal speed and the rest."""
+    return {
+        "case": series.case,
+        "diameter_um": mean(series.diameter_um),
+        "speed_m_per_s": series.speed_m_per_s,
+        "friction": series.friction,
+        "slope_sd": series.slope_sd,
+        "spin_mean": series.spin.mean,
+        "spin_sd": series.spin.sd,
     }
 
 
@@ -208,16 +216,15 @@ def figure_data(
         *_rebounds(params, figure, table),
         *_curves(params, figure, contacts),
     ]
-    drawn = [series for series in params.series if figure in series.figures]
-    printed = [printed_of(series, contacts[series.name], inputs) for series in drawn]
-    rows = {str(key): row for table in printed for key, row in table.iterrows()}
-    for mark in params.marks:
-        if figure in mark.figures and mark.printed in rows:
-            row = rows[mark.printed]
-            heights = row[["value", "low", "high"]].dropna().to_numpy(float)
-            angles = [end for ends in intervals(row["angle_deg"]) for end in ends]
-            x, y = np.broadcast_arrays(np.array(angles or mark.angles_deg)[:, None], heights)
-            frames.append(_frame(mark.panel, mark.name, x.ravel(), y.ravel(), "printed"))
+    for series in params.series:
+        printed = printed_of(series, contacts[series.name], inputs)
+        for name, mark in series.marks.items() if figure in series.figures else ():
+            if figure in mark.figures and mark.printed in printed.index:
+                row = printed.loc[mark.printed]
+                heights = row[["value", "low", "high"]].dropna().to_numpy(float)
+                angles = [end for ends in intervals(row["angle_deg"]) for end in ends]
+                x, y = np.broadcast_arrays(np.array(angles or mark.angles_deg)[:, None], heights)
+                frames.append(_frame(mark.panel, name, x.ravel(), y.ravel(), "printed"))
     return pd.concat(frames, ignore_index=True)
 
 
@@ -237,12 +244,6 @@ def relative_points(params: Params, table: pd.DataFrame) -> pd.DataFrame:
     zero = rows.loc[rows["angle_deg"] == params.reference_angle_deg, "restitution"].iloc[0]
     quantities = (("restitution", zero), ("impulse_ratio", 0.0))
     return pd.concat([_means(rows, name, less) for name, less in quantities], ignore_index=True)
-
-
-def points_beside(params: Params, figure: str, table: pd.DataFrame) -> pd.DataFrame:
-    """Return the means that stand beside the curves of another study; there may be none."""
-    frames = [*_points(params, figure, POINTS[figure], table)]
-    return pd.concat(frames, ignore_index=True) if frames else _frame("", "", [], [])
 
 
 def _means(rows: pd.DataFrame, quantity: str, less: float = 0.0) -> pd.DataFrame:

@@ -20,6 +20,7 @@ from microimpact.model.rigid_body.algebra import rigid_body_rebound
 from study.declared.parameters import CaseName, Finite, Fraction, Positive
 from study.studies.contacts import (
     BAND,
+    DIGITS,
     Admissible,
     admissible_beside,
     calibrated_contact,
@@ -28,11 +29,18 @@ from study.studies.contacts import (
 )
 from study.tables import Tables, series_frame
 
-NEEDS = {"calibration": ("calibration",), "admissible_contacts": ("admissible_contacts",)}
+NEEDS = {
+    "calibration": ("calibration",),
+    "admissible_contacts": ("admissible_contacts",),
+    "oblique_experiments": ("oblique_experiments",),
+}
 # Ends and height of the friction plateau.
 PRINTED_VALUES = ("plateau_end_angle", "rolling_to_sliding_angle", "impulse_ratio_plateau")
 # The share that must rebound where a band is drawn, and the step in which it takes the angles.
 REBOUNDING, STEP = 0.5, 4
+
+# What experiments measure, by panel.
+QUANTITIES = {"adhesion": "impulse_ratio", "loss": "energy_loss"}
 
 _frame = partial(series_frame, x_unit="deg", y_unit="1")
 
@@ -57,7 +65,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     body with the simulation, panel ``basis`` the normal forces that Coulomb's law may take.
     ``fig21``: energy loss, total and translational. Captured impacts are left out. The series
     ``admissible`` is the band of the contacts that printed statements admit, if they are of the
-    pair.
+    pair; ``virtual experiment`` has the means of experiments on this very impact, if any.
     """
     changes = {"diameter": params.diameter_um * 1e-6, "friction": params.friction}
     contact = calibrated_contact(inputs, params.case, **changes)
@@ -71,9 +79,14 @@ def run(params: Params, inputs: Tables) -> Tables:
         "fig18": impulse_ratios(params, contact, angle, inputs),
         "fig21": energy_losses(params, contact, angle),
     }
-    bands = admissible_bands(params, inputs, angle[STEP - 1 :: STEP])
+    beside = pd.concat(
+        [
+            experiments(params, inputs["oblique_experiments"]),
+            admissible_bands(params, inputs, angle[STEP - 1 :: STEP]),
+        ]
+    )
     return {
-        name: pd.concat([table, bands[bands["panel"].isin(table["panel"])]], ignore_index=True)
+        name: pd.concat([table, beside[beside["panel"].isin(table["panel"])]], ignore_index=True)
         for name, table in figures.items()
     }
 
@@ -116,6 +129,24 @@ def energy_losses(params: Params, contact: Contact, angle: FloatArray) -> pd.Dat
         )
     ]
     frames.append(_capture_line("loss", params, contact))
+    return pd.concat(frames, ignore_index=True)
+
+
+def experiments(params: Params, table: pd.DataFrame) -> pd.DataFrame:
+    """Return the means of the experiments with this contact, size, speed and friction.
+
+    They are on smooth surfaces and without spin. Empty if there are none.
+    """
+    smooth = (table[["slope_sd", "spin_mean", "spin_sd"]] == 0.0).all(axis=1)
+    same = smooth & (table["case"] == params.case) & (params.spin_rad_per_s == 0.0)
+    for name in ("diameter_um", "speed_m_per_s", "friction"):
+        same &= np.isclose(table[name], getattr(params, name), rtol=DIGITS)
+    frames = []
+    for panel, quantity in QUANTITIES.items():
+        rows = table[same].dropna(subset=quantity)
+        ends = rows[f"{quantity}_low"], rows[f"{quantity}_high"]
+        at = rows["angle_deg"], rows[quantity]
+        frames.append(_frame(panel, "virtual experiment", *at, "virtual experiment", *ends))
     return pd.concat(frames, ignore_index=True)
 
 
