@@ -36,8 +36,33 @@ RESULT_EVIDENCE = (
 POINTS = ("digitised", "measured")
 
 
+# The only column of a table, and the quantity of a row, in place of what cannot be computed.
+NOT_COMPUTED = "not computed"
+
+
 class TableError(ValueError):
     """A table file that does not have the agreed form."""
+
+
+class NotComputedError(ValueError):
+    """A result that the inputs do not allow; the message names the study, the case and why."""
+
+
+# What inputs or the physics forbid. Errors of the program are none of these and end the run.
+UNCOMPUTABLE = (ValueError, ArithmeticError, RuntimeError)
+
+
+def reason(study: str, error: Exception) -> str:
+    """Return in one line why a study has no result; one that it takes over keeps its name."""
+    line = " ".join(str(error).split())
+    return line if isinstance(error, NotComputedError) else f"{study}: {line}"
+
+
+def not_computed(why: str) -> pd.DataFrame:
+    """Return the table in place of one that cannot be computed; `read_table` raises its reason."""
+    import pandas as pd
+
+    return pd.DataFrame({NOT_COMPUTED: [why]})
 
 
 def points_series(evidence: str, name: str) -> str:
@@ -121,7 +146,7 @@ def read_table(path: Path | str, columns: Sequence[str] | None = None) -> pd.Dat
 
     `columns`: the header it must have, in this order. Raises TableError, naming the file and the
     missing, misnamed or unexpected columns, or the line that is cut or has too many fields; also
-    for a file that is no text.
+    for a file that is no text. Raises NotComputedError for a table of `not_computed`.
     """
     try:
         text = Path(path).read_text(encoding="utf-8")
@@ -129,6 +154,8 @@ def read_table(path: Path | str, columns: Sequence[str] | None = None) -> pd.Dat
     except (UnicodeDecodeError, csv.Error) as error:
         raise TableError(f"{path}: no CSV table in UTF-8: {error}") from None
     table = parse_table(text)
+    if list(table.columns) == [NOT_COMPUTED]:
+        raise NotComputedError(table[NOT_COMPUTED].iloc[0])
     if columns is not None:
         check_columns(list(table.columns), columns, str(path))
     return table

@@ -5,12 +5,13 @@ from pathlib import Path
 from typing import Any
 
 from job import run
+from matplotlib.figure import Figure
 
 from study.figures.content import content
-from study.figures.registry import FORMATS, figure_spec
-from study.figures.style import save
+from study.figures.registry import FORMATS, FigureSpec, figure_spec
+from study.figures.style import save, without_data
 from study.run.digitised import overlaid, read_points
-from study.tables import read_figure_data, write_table
+from study.tables import NOT_COMPUTED, NotComputedError, read_figure_data, write_table
 
 
 def main(job: Any) -> str:
@@ -22,21 +23,32 @@ def main(job: Any) -> str:
     folder, account = Path(job.output[0]).parent, []
     for figure, entry in job.params.entries.items():
         spec = figure_spec(figure, entry)
-        tables = {
-            name: read_figure_data(job.input[name], unit.x, unit.y)
-            for name, unit in spec.data.items()
-        }
-        origin = ""
-        if path := job.input.get(f"{figure}_digitised"):
-            points = read_points(path, spec)
-            tables = overlaid(tables, spec, points)
-            origin = f", {points.evidence} points from {points.header.source}"
-        draw = getattr(import_module(spec.module), spec.function)
-        picture = draw(tables, spec)
+        try:
+            picture, words = drawn(spec, job)
+        except NotComputedError as why:
+            words = f"{NOT_COMPUTED}: {why}"
+            picture = without_data(spec, words)
         save(picture, *(folder / f"{figure}.{kind}" for kind in FORMATS))
         write_table(content(picture, spec), folder / f"{figure}.csv")
-        account.append(f"{figure}: drawn from {', '.join(tables)}{origin}\n")
+        account.append(f"{figure}: {words}\n")
     return "".join(account)
+
+
+def drawn(spec: FigureSpec, job: Any) -> tuple[Figure, str]:
+    """Return a figure, and a line on what it was drawn from.
+
+    Raises NotComputedError if one of its tables could not be computed.
+    """
+    tables = {
+        name: read_figure_data(job.input[name], unit.x, unit.y) for name, unit in spec.data.items()
+    }
+    origin = ""
+    if path := job.input.get(f"{spec.name}_digitised"):
+        points = read_points(path, spec)
+        tables = overlaid(tables, spec, points)
+        origin = f", {points.evidence} points from {points.header.source}"
+    draw = getattr(import_module(spec.module), spec.function)
+    return draw(tables, spec), f"drawn from {', '.join(tables)}{origin}"
 
 
 if __name__ == "__main__":

@@ -5,7 +5,8 @@ from typing import Any
 
 from job import run
 
-from study.tables import parse_table, read_table, write_table
+from study.declared.selection import NamedTables
+from study.tables import parse_table, write_table
 
 
 def main(job: Any) -> str:
@@ -17,10 +18,10 @@ def main(job: Any) -> str:
     ledger by their names.
     """
     ledger = import_module(f"study.ledgers.{job.params.ledger}")
-    tables = {name: parse_table(text) for name, text in job.params.rows.items()}
+    declared = {name: parse_table(text) for name, text in job.params.rows.items()}
     files = dict(job.input.items())
     criteria = files.pop("criteria", None)
-    tables |= {name: read_table(path) for name, path in files.items()}
+    tables = NamedTables(declared, files)
     judged = ledger.judge(tables, *((criteria, job.params.branch) if criteria else ()))
     for name, path in job.output.items():
         write_table(judged[name], path)

@@ -1,5 +1,6 @@
 """Run a study, or one part of it, and write the tables it returns."""
 
+import sys
 from typing import Any
 
 import pandas as pd
@@ -8,7 +9,15 @@ from job import run
 from study import studies
 from study.declared.parameters import build
 from study.declared.selection import NamedTables
-from study.tables import parse_table, read_table, write_table
+from study.tables import (
+    NOT_COMPUTED,
+    UNCOMPUTABLE,
+    not_computed,
+    parse_table,
+    read_table,
+    reason,
+    write_table,
+)
 
 # Inputs of the rule that are no tables of earlier studies.
 OTHERS = {"parts", "samples"}
@@ -20,20 +29,27 @@ def main(job: Any) -> str:
     The rule names it as ``params.study``, with its branch of the configuration as
     ``params.branch``, rows of declared tables as ``params.rows`` (name -> CSV text), and tables of
     earlier studies as named input files. The rule of its parts makes one, such as 1-of-2; what is
-    made of the files ``parts`` is among the inputs of the study as one table.
+    made of the files ``parts`` is among the inputs of the study as one table. In place of what the
+    inputs do not allow, tables that say why are written: it stops neither claims nor report.
     """
     study = studies.study(job.params.study)
-    inputs = NamedTables({name: parse_table(text) for name, text in job.params.rows.items()})
-    inputs |= {name: read_table(path) for name, path in job.input.items() if name not in OTHERS}
+    declared = {name: parse_table(text) for name, text in job.params.rows.items()}
+    made = {name: path for name, path in job.input.items() if name not in OTHERS}
+    inputs = NamedTables(declared, made)
     params = build(study.Params, job.params.branch)
-    if item := job.wildcards.get("scatteritem"):
-        number, count = map(int, item.split("-of-"))
-        tables = {"part": study.part(params, inputs, number - 1, count)}
-    else:
-        if parts := job.input.get("parts"):
-            inputs["parts"] = pd.concat(map(read_table, parts))
-        tables = study.run(params, inputs)
     outputs = dict(job.output.items())
+    try:
+        if item := job.wildcards.get("scatteritem"):
+            number, count = map(int, item.split("-of-"))
+            tables = {"part": study.part(params, inputs, number - 1, count)}
+        else:
+            if parts := job.input.get("parts"):
+                inputs["parts"] = pd.concat(map(read_table, parts))
+            tables = study.run(params, inputs)
+    except UNCOMPUTABLE as error:
+        why = reason(job.params.study, error)
+        sys.stderr.write(f"{NOT_COMPUTED}: {why}\n")
+        tables = dict.fromkeys(outputs, not_computed(why))
     if set(tables) != set(outputs):
         raise ValueError(f"returned the tables {sorted(tables)}, the rule has {sorted(outputs)}")
     for name, path in outputs.items():

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from study.declared.provenance import EVIDENCE, Declared, as_text, finite_number
+from study.tables import NotComputedError, read_table
 
 Row = dict[str, str]
 
@@ -64,9 +65,24 @@ class DeclaredTable:
 
 
 class NamedTables(dict[str, Any]):
-    """Tables of a study by name; one that is missing is named in the error."""
+    """Tables of a study by name; asking for one that is missing says why.
+
+    `files`: tables to be read. One that could not be computed is missing.
+    """
+
+    def __init__(self, tables: Mapping[str, Any], files: Mapping[str, Path | str]) -> None:
+        super().__init__(tables)
+        self.lacking = dict[str, NotComputedError]()
+        for name, path in files.items():
+            try:
+                self[name] = read_table(path)
+            except NotComputedError as why:
+                self.lacking[name] = why
 
     def __missing__(self, name: str) -> Any:
+        """Raise the reason why there is no such table."""
+        if name in self.lacking:
+            raise self.lacking[name]
         raise SelectionError(f"no rows of {name!r}: the study's branch must name some")
 
 

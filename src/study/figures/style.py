@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -117,6 +118,17 @@ def new_figure(spec: FigureSpec) -> tuple[Figure, dict[str, Axes]]:
         prefix = f"({letter}) " if len(spec.panels) > 1 else ""
         _set_axes(axes[name], panel, prefix)
     return figure, axes
+
+
+@context()
+def without_data(spec: FigureSpec, words: str) -> Figure:
+    """Return the figure in place of one whose data could not be computed: the reason in words."""
+    size = WIDTH_MM[spec.width] / MM_PER_INCH, spec.height_mm / MM_PER_INCH
+    figure = Figure(figsize=size)
+    figure.set_layout_engine("none")
+    letters = int(WIDTH_MM[spec.width] / KEY_LETTER_MM)
+    figure.text(0.5, 0.5, textwrap.fill(words, letters), ha="center", va="center")
+    return figure
 
 
 def _set_axes(ax: Axes, panel: PanelSpec, prefix: str) -> None:

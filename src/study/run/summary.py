@@ -7,6 +7,8 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
+from study.tables import NOT_COMPUTED
+
 # Files that are named; of more only their number is told.
 FEW = 6
 
@@ -26,10 +28,13 @@ def summary(results: Path, made: Sequence[str], outdated: Sequence[str] = ()) ->
     Returns
     -------
     str
-        One line each on files, verdicts of a full run, outdated files, and the page to open.
+        One line each on files, what could not be computed, verdicts of a full run, outdated files,
+        and the page to open.
     """
     files = f": {_listed(made)}" if made else " nothing was made anew"
     lines = [f"In {results}{files}."]
+    tables = [results / name for name in made if name.startswith(("tables/", "data/"))]
+    lines += dict.fromkeys(f"Not computed: {why}." for path in tables if (why := _problem(path)))
     if "report/index.html" in made:
         lines += [
             f"{words}: {counts}."
@@ -45,6 +50,15 @@ def summary(results: Path, made: Sequence[str], outdated: Sequence[str] = ()) ->
     if page.is_file():
         lines.append(f"Open {page}")
     return "\n".join(lines)
+
+
+def _problem(table: Path) -> str:
+    """Return why a table could not be computed, empty if it was."""
+    if not table.is_file():
+        return ""
+    with table.open(encoding="utf-8", newline="") as file:
+        rows = csv.reader(file)
+        return next(rows)[0] if next(rows, None) == [NOT_COMPUTED] else ""
 
 
 def _listed(made: Sequence[str]) -> str:

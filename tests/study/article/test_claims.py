@@ -17,9 +17,9 @@ from study.ledgers.claims.shares import shares
 from study.report.claim import judged
 from study.studies.analyses.doe.factors import elasticities
 from study.studies.claims import NUMBER_COLUMNS, claim_numbers
-from study.studies.claims.claim_numbers import CLAIMS, NOT_COMPUTED, numbers_of
+from study.studies.claims.claim_numbers import CLAIMS, numbers_of
 from study.studies.contacts import DRAWN, calibrated_contact
-from study.tables import parse_table
+from study.tables import NOT_COMPUTED, parse_table
 
 # All rest on tables that take long to make.
 pytestmark = pytest.mark.slow

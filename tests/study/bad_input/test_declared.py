@@ -278,4 +278,4 @@ def test_a_study_whose_branch_names_no_rows(declared):
     rows = declared.read()[0].rows["rolling_dissipation"]
     assert set(rows) == {"materials"}
     with pytest.raises(ValueError, match="no rows of 'printed': the study's branch must name some"):
-        NamedTables(rows)["printed"]
+        NamedTables(rows, {})["printed"]

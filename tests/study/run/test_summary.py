@@ -9,6 +9,7 @@ import pytest
 
 from study.run import stamp as runstamp
 from study.run.summary import summary
+from study.tables import not_computed, write_table
 
 
 def test_a_whole_run_in_a_few_lines(tmp_path):
@@ -38,6 +39,14 @@ def test_figures_are_named_beside_many_tables(tmp_path):
     made = ["figures/fig20.svg", "tables/inputs.csv", *(f"data/{n}.csv" for n in range(6))]
     told = f"In {tmp_path}: figures/fig20.svg, 6 tables of figure data, 1 table."
     assert summary(tmp_path, made) == told
+
+
+def test_what_could_not_be_computed_is_told_once(tmp_path):
+    made = ["tables/a.csv", "data/b.csv"]
+    for name in made:
+        write_table(not_computed("calibration.latex: no solution"), tmp_path / name)
+    lines = summary(tmp_path, made).splitlines()
+    assert lines[1:] == ["Not computed: calibration.latex: no solution."]
 
 
 def test_stamp(tmp_path, monkeypatch):

@@ -68,9 +68,10 @@ def judge(
     import pandas as pd
 
     claims = read_claims(criteria, values)
-    drawn = shares(claims, tables["claim_draws"], tables["admissible_contacts"])
+    draws = tables["claim_draws"]
+    drawn = shares(claims, draws, tables["admissible_contacts"]) if len(draws) else NO_SHARES
     ledger, numbers = verdicts(claims, tables["claim_numbers"], drawn)
-    evidence = independent(claims, tables["external_evidence"])
+    evidence = independent(claims, tables.get("external_evidence"))
     ledger["independent"] = ledger["id"].map(agreements(evidence)).fillna("")
     rows, residuals = digitised_rows(read_digitised(criteria), tables["digitised_residuals"])
     amendments = [

@@ -16,7 +16,7 @@ SPLIT = "agrees in part with independent data"
 EVIDENCE_COLUMNS = ("id", "fact", "agreeing", "disagreeing")
 
 
-def independent(claims: Mapping[str, Claim], external: pd.DataFrame) -> pd.DataFrame:
+def independent(claims: Mapping[str, Claim], external: pd.DataFrame | None) -> pd.DataFrame:
     """Return the contacts for which each fact that a claim names agrees with the model, or not.
 
     Parameters
@@ -24,7 +24,8 @@ def independent(claims: Mapping[str, Claim], external: pd.DataFrame) -> pd.DataF
     claims
         By id.
     external
-        Table ``external_evidence``: a row per fact and contact, with ``agreement``.
+        Table ``external_evidence``: a row per fact and contact, with ``agreement``; None if it
+        could not be computed.
 
     Returns
     -------
@@ -38,6 +39,8 @@ def independent(claims: Mapping[str, Claim], external: pd.DataFrame) -> pd.DataF
     """
     import pandas as pd
 
+    if external is None:
+        return pd.DataFrame(columns=list(EVIDENCE_COLUMNS))
     known = list(dict.fromkeys(external["fact"]))
     named = [(name, fact) for name, claim in claims.items() for fact in claim.external]
     wrong = [

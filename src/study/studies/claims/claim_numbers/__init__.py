@@ -22,12 +22,12 @@ from study.studies.claims.claim_numbers import (
     roughness,
     spores,
 )
-from study.studies.claims.claim_numbers.claim import CLAIMS, NOT_COMPUTED, rows
+from study.studies.claims.claim_numbers.claim import CLAIMS, rows
 from study.studies.claims.claim_numbers.context import Context
 from study.studies.claims.claim_numbers.params import Params
-from study.tables import Tables
+from study.tables import NOT_COMPUTED, UNCOMPUTABLE, Tables, reason
 
-__all__ = ["CLAIMS", "NOT_COMPUTED", "SECTIONS", "Params", "numbers_of", "run"]
+__all__ = ["CLAIMS", "SECTIONS", "Params", "numbers_of", "run"]
 
 NEEDS = {
     "admissible_contacts": ("admissible_contacts",),
@@ -99,9 +99,15 @@ def run(params: Params, inputs: Tables) -> Tables:
     context = Context(params=params, inputs=inputs)
     ascending = sorted(CLAIMS, key=lambda name: int(name[1:]))
     numbers = [row for name in ascending for row in rows(name, context)]
+    try:
+        drawn = draws_of(params, inputs)
+    except UNCOMPUTABLE as error:  # these claims are not judged by their calibrated cases instead
+        drawn = pd.DataFrame(columns=list(draws.COLUMNS))
+        row = {"quantity": NOT_COMPUTED, "problem": reason("claim_draws", error)}
+        numbers += [{"claim": name, **row} for name in params.draws.claims]
     return {
         "claim_numbers": pd.DataFrame(numbers, columns=list(NUMBER_COLUMNS)),
-        "claim_draws": draws_of(params, inputs),
+        "claim_draws": drawn,
     }
 
 

@@ -8,12 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from study.studies.claims.claim_numbers.context import Context, Estimate, Numbers
-from study.tables import Row
-
-# The quantity of the row that stands for numbers that cannot be computed.
-NOT_COMPUTED = "not computed"
-# What the settings or the physics forbid. Errors of the program are none of these and end the run.
-UNCOMPUTABLE = (ValueError, ArithmeticError, RuntimeError)
+from study.tables import NOT_COMPUTED, UNCOMPUTABLE, Row, reason
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,7 +73,7 @@ def rows(name: str, context: Context) -> Iterator[Row]:
         try:
             numbers = list(flat(entry.function(each), each.case))
         except UNCOMPUTABLE as error:
-            why = " ".join(f"{type(error).__name__}: {error}".split())
+            why = reason(type(error).__name__, error)
             numbers = [(each.case, NOT_COMPUTED, Estimate(math.nan, math.nan), why)]
         for case, quantity, number, problem in numbers:
             yield row | {

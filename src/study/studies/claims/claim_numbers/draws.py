@@ -10,10 +10,11 @@ import numpy as np
 import pandas as pd
 
 from microimpact.model.contact import Contact
-from study.studies.claims.claim_numbers.claim import CLAIMS, UNCOMPUTABLE, flat
+from study.studies.claims.claim_numbers.claim import CLAIMS, flat
 from study.studies.claims.claim_numbers.context import Context
 from study.studies.claims.claim_numbers.params import Params
 from study.studies.contacts import admissible_contact
+from study.tables import UNCOMPUTABLE
 
 COLUMNS = ("claim", "contact", "variant", "draw", "alternative", "quantity", "value")
 Row = tuple[str, str, str, int, str, str, float]
