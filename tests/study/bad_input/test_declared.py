@@ -66,7 +66,7 @@ CASES = [
     # names that are not declared
     (MODELS, "case: fluorescein-molybdenum, nominal", "case: fluorescein-molybdenum, nomial", ["force_history.case: 'fluorescein-molybdenum, nomial' is not declared in cases (did you mean 'fluorescein-molybdenum, nominal'?)"]),
     (LABORATORY, "    surface: {from: surfaces.Formica}", "    surface: formcia", ["cases.steel-formica.surface: 'formcia' is not declared in config/materials.csv (did you mean 'formica'?)"]),
-    (EXPERIMENTS, "printed: impulse_ratio_plateau", "printed: impulse_ratio_plat", ["oblique_experiments.marks.printed plateau.printed: 'impulse_ratio_plat' is not declared in config/printed_values.csv", "did you mean 'impulse_ratio_plateau'?"]),
+    (EXPERIMENTS, "printed: impulse_ratio_plateau", "printed: impulse_ratio_plat", ["oblique_experiments.series.silicon front.marks.printed plateau.printed: 'impulse_ratio_plat' is not declared in config/printed_values.csv", "did you mean 'impulse_ratio_plateau'?"]),
     (PRINTED, "1.59 to 1.69,50 to 15", "1.59 to fast,50 to 15", ["printed_values.csv, line", "speed_m_per_s '1.59 to fast' must be numbers, as 49; 62 or 15 to 85, or empty"]),
     (PRINTED, "\ndoe_small_variation,", "\ndoe_variation,", ["printed_values.csv: doe_small_variation: missing; doe reads it"]),
     (CONFIG, "digitised: config/digitised", "digitised: config/nowhere", ["digitised: 'config/nowhere' must be a folder"]),

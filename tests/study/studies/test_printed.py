@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import pandas as pd
 import pytest
+from tests.shared import shipped
 
+from study.declared.references import merged
+from study.run.config import validate
 from study.studies.contacts import intervals, printed_beside
 
 STEEL = "stainless-steel-316", "silicon"
@@ -48,3 +51,10 @@ def test_a_cell_holds_numbers_and_ranges():
     assert intervals("49; 62") == [(49.0,), (62.0,)]
     assert intervals("85 to 15") == [(85.0, 15.0)]
     assert intervals(None) == []
+
+
+def test_faster_drops_move_no_printed_target(settings):
+    faster = {"speed_m_per_s": 3.0, "speed_range_m_per_s": [2.9, 3.1]}
+    changed = validate(merged(shipped(), {"speeds": {"nominal": faster}}), shipped())
+    assert changed.branches["oblique_impact"] != settings.branches["oblique_impact"]
+    assert changed.branches["calibration"] == settings.branches["calibration"]
