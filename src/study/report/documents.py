@@ -14,11 +14,14 @@ from typing import Any
 import jinja2
 import numpy as np
 import pandas as pd
+import yaml
 
 from microimpact.core.files import write_file
 from microimpact.core.nearest import nearest
+from study.declared.documents import load
 from study.ledgers.claims.criteria import CLAIM_NAME, UNCOUNTED, read_claims
 from study.ledgers.claims.words import agreement, quantities, readable, with_unit
+from study.report.site.figures import label
 from study.report.site.ledgers import by_claim, read_rows
 from study.report.site.pages import render
 from study.report.site.record import read_record
@@ -27,6 +30,7 @@ SETTINGS = "config/config.yaml"
 DEVIATIONS, SUFFIX = "deviations.md", ".jinja"
 # Tables of the page of deviations and of the counts in the README.
 LEDGERS = ("claims", "equations", "claim_evidence", "claim_results")
+CODECHECK = "../codecheck.yml"
 ABOUT = "<!-- Made by `make pages` from {template} and tables of a full run; do not edit. -->\n\n"
 
 
@@ -115,7 +119,10 @@ def pages(results: Path, docs: Path, criteria: Path) -> tuple[dict[str, str], tu
 
     environment = _ENVIRONMENT.overlay()
     environment.globals = {**_ENVIRONMENT.globals, "table": table}
-    texts = {DEVIATIONS: deviations(results, criteria, SETTINGS)}
+    texts = {
+        DEVIATIONS: deviations(results, criteria, SETTINGS),
+        CODECHECK: codecheck(load("config/figures.yaml")),
+    }
     for template in sorted(docs.glob(f"*{SUFFIX}")):
         text = template.read_text(encoding="utf-8")
         try:
@@ -124,6 +131,29 @@ def pages(results: Path, docs: Path, criteria: Path) -> tuple[dict[str, str], tu
             raise PageError(f"{template}: {error}") from None
         texts[template.name.removesuffix(SUFFIX)] = ABOUT.format(template=template.name) + body
     return texts, tuple(sorted({*LEDGERS, *read}))
+
+
+def codecheck(figures: Mapping[str, Any]) -> str:
+    """Return the outputs that a person who repeats the run compares (CODECHECK, version 1)."""
+    manifest = [
+        {"file": f"results/figures/{name}.pdf", "comment": label(name)} for name in sorted(figures)
+    ]
+    manifest.append({"file": "results/tables/claims.csv", "comment": "Verdicts on the article"})
+    about = {
+        "version": "https://codecheck.org.uk/spec/config/1.0/",
+        "source": "make reproduce",
+        "paper": {
+            "title": "Experiments and Engineering Models of Microparticle Impact and Deposition",
+            "authors": [{"name": name} for name in ("R. M. Brach", "P. F. Dunn", "X. Li")],
+            "reference": "https://doi.org/10.1080/00218460008034531",
+        },
+        "manifest": manifest,
+        "codechecker": [],
+        "summary": "",
+        "repository": "",
+        "report": "",
+    }
+    return yaml.safe_dump(about, sort_keys=False, allow_unicode=True, width=100)
 
 
 def deviations(results: Path, criteria: Path, settings: str) -> str:

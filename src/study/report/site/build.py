@@ -18,6 +18,8 @@ from study.figures.registry import FORMATS
 from study.ledgers.claims import words
 from study.ledgers.claims.words import in_words
 from study.report.site import PAGES, code, ledgers
+from study.report.site.datapackage import FILE as DATAPACKAGE
+from study.report.site.datapackage import datapackage
 from study.report.site.figures import (
     CLAIM_STUDY,
     Figure,
@@ -186,6 +188,7 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
     named += [row["function"] for row in equations]
     return (
         pages
+        | {DATAPACKAGE: datapackage(results, tables)}
         | _figure_pages(shown, common)
         | {
             f"{code.FOLDER}/{module.name}.html": render(
