@@ -349,8 +349,8 @@ def test_a_choice_of_material_sets_its_constants_and_own_numbers_are_named_so(br
 
 def test_bad_input_gives_one_clear_message_and_no_numbers(browser):
     for name, typed, said in (
-        ("d", "abc", "Diameter “abc”: it must be a number greater than 0."),
-        ("d", "-3", "Diameter “-3”: it must be a number greater than 0."),
+        ("d", "abc", "Diameter “abc”: it must be greater than 0 and up to 10000 µm."),
+        ("d", "1e9", "Diameter “1e9”: it must be greater than 0 and up to 10000 µm."),
         ("angle", "91", "Angle from the surface “91”: it must be a number above 0 and up to 90 "),
         ("v", "", "Speed is empty: it must be greater than 0 and below that of light."),
         ("w", "1e400", "Work of adhesion “1e400”: it must be 0 or a positive number."),
@@ -366,6 +366,15 @@ def test_bad_input_gives_one_clear_message_and_no_numbers(browser):
         type_into(browser, name, "0.4")
         assert not browser.find_element("id", "problem").is_displayed()
         assert "–" not in outputs(browser)
+
+
+def test_all_wrong_fields_are_named_and_marked_at_once(browser):
+    type_into(browser, "d", "-3")
+    type_into(browser, "v", "fast")
+    assert "Diameter “-3”" in text(browser, "problem")
+    assert "Speed “fast”" in text(browser, "problem")
+    marked = browser.find_elements("css selector", "[aria-invalid=true]")
+    assert [field.get_attribute("id") for field in marked] == ["d", "v"]
 
 
 def test_what_takes_too_many_steps_is_said_and_not_shown(browser):

@@ -6,6 +6,7 @@ globalThis.Fields = (() => {
   const ratio = { test: (x) => x > -1 && x <= 0.5, text: "a number above −1 and up to 0.5" };
   const angle = { test: (x) => x > 0 && x <= 90, text: "a number above 0 and up to 90 degrees" };
   const speed = { test: (x) => x > 0 && x < 299792458, text: "greater than 0 and below that of light" };
+  const diameter = { test: (x) => x > 0 && x <= 1e4, text: "greater than 0 and up to 10000 µm" };
   const finite = { test: () => true, text: "a finite number" };
 
   // factor: from the unit shown to SI. low, high: ends of the slider, in the unit shown.
@@ -16,7 +17,7 @@ globalThis.Fields = (() => {
     { key: "particle_rho", name: "Density of the particle", factor: 1, allowed: positive },
     { key: "surface_E", name: "Young’s modulus of the surface", factor: 1e9, allowed: positive },
     { key: "surface_nu", name: "Poisson’s ratio of the surface", factor: 1, allowed: ratio },
-    { key: "d", name: "Diameter", unit: "µm", factor: 1e-6, curve: "log", low: 0.1, high: 1000, allowed: positive },
+    { key: "d", name: "Diameter", unit: "µm", factor: 1e-6, curve: "log", low: 0.1, high: 1000, allowed: diameter },
     { key: "w", name: "Work of adhesion", unit: "J/m²", factor: 1, curve: "cubic", low: 0, high: 10, allowed: notNegative },
     { key: "cH", name: "Hertz damping", unit: "s/m", factor: 1, curve: "cubic", low: 0, high: 2, allowed: notNegative },
     { key: "cA", name: "Adhesion damping", unit: "s/m", factor: 1, curve: "cubic", low: 0, high: 5, allowed: notNegative },
@@ -56,16 +57,14 @@ globalThis.Fields = (() => {
     return /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(plain) ? Number(plain) : NaN;
   }
 
-  /** The first text that is no admissible number, as {key, message}; null if all are good. */
-  function problem(texts) {
-    for (const { key, name, allowed } of list) {
+  /** Every text that is no admissible number, as {key, message}, in the order of the form. */
+  function problems(texts) {
+    return list.flatMap(({ key, name, allowed }) => {
       const value = parsed(texts[key]);
-      if (!Number.isFinite(value) || !allowed.test(value)) {
-        const given = texts[key].trim() === "" ? "is empty" : `“${texts[key].trim()}”`;
-        return { key, message: `${name} ${given}: it must be ${allowed.text}.` };
-      }
-    }
-    return null;
+      if (Number.isFinite(value) && allowed.test(value)) return [];
+      const given = texts[key].trim() === "" ? "is empty" : `“${texts[key].trim()}”`;
+      return [{ key, message: `${name} ${given}: it must be ${allowed.text}.` }];
+    });
   }
 
   /** What the model takes, in SI, from the texts of the form. */
@@ -110,6 +109,6 @@ globalThis.Fields = (() => {
   }
 
   return {
-    list, byKey, BASES, position, atPosition, parsed, problem, shown, toFragment, fromFragment, toArguments,
+    list, byKey, BASES, position, atPosition, parsed, problems, shown, toFragment, fromFragment, toArguments,
   };
 })();

@@ -79,11 +79,11 @@ globalThis.Page = (() => {
     byId("verdict").dataset.outcome = "none";
   }
 
-  function complain(message, key = null) {
+  function complain(message, keys = []) {
     byId("problem").hidden = !message;
     if (byId("problem").textContent !== message) byId("problem").textContent = message;
     for (const field of Fields.list) {
-      const wrong = field.key === key;
+      const wrong = keys.includes(field.key);
       const input = byId(field.key);
       if (wrong) {
         input.setAttribute("aria-invalid", "true");
@@ -162,8 +162,8 @@ globalThis.Page = (() => {
       }
     }
     nameChoices(now);
-    const wrong = Fields.problem(now);
-    if (wrong) return complain(wrong.message, wrong.key);
+    const wrong = Fields.problems(now);
+    if (wrong.length) return complain(wrong.map((w) => w.message).join(" "), wrong.map((w) => w.key));
     const fragment = Fields.toFragment(now, basis);
     byId("permalink").href = `#${fragment}`;
     history.replaceState(null, "", `#${fragment}`);
