@@ -41,6 +41,7 @@ _IMPACT = {
     "normal_velocity": ("normal velocity after", "m/s", 1.0),
     "tangential_velocity": ("tangential velocity after", "m/s", 1.0),
     "spin": ("spin after", "rad/s", 1.0),
+    "partner_spin": ("spin of the second sphere after", "rad/s", 1.0),
     "contact_time": ("contact time", "ns", 1e9),
     "maximum_compression": ("maximum compression", "nm", 1e9),
     "energy_loss": ("energy loss, total", "", 1.0),
@@ -49,6 +50,7 @@ _IMPACT = {
 # Options that replace a number of the declared pair.
 _NUMBERS = {
     "diameter-um": "Diameter, um; default: the pair's.",
+    "partner-diameter-um": "Diameter of a second, free sphere in place of the surface, um.",
     "work-of-adhesion": "w_A, J/m2.",
     "ring-force": "f_0, N/m, in place of w_A.",
     "hertz-damping": "c_H, s/m.",
@@ -57,7 +59,7 @@ _NUMBERS = {
     "reference-velocity": "v_N, m/s.",
     "friction": "Coulomb coefficient f.",
 }
-_FIELDS = [name.replace("-", "_") for name in _NUMBERS if name != "diameter-um"]
+_FIELDS = [name.replace("-", "_") for name in _NUMBERS if not name.endswith("diameter-um")]
 # Numbers whose replacement makes another contact of a declared pair; w_A speaks for f_0.
 REPLACEABLE = (*CALIBRATED, "friction")
 # Properties of a pair, and their symbols.
@@ -113,7 +115,8 @@ class Chosen:
         """Pair and parameters, and a line on draws or on numbers that are not the declared ones."""
         contact = self.best
         title = (
-            f"{contact.particle.name} on {contact.surface.name}, {contact.diameter * 1e6:g} um: "
+            f"{contact.particle.name} on {contact.surface.name}, {contact.diameter * 1e6:g} um"
+            f"{f' on {contact.partner_diameter * 1e6:g} um' if contact.is_pair else ''}: "
             f"w_A = {contact.work_of_adhesion:.4g} J/m2, c_H = {contact.hertz_damping:.4g} s/m, "
             f"c_A = {contact.adhesion_damping:.4g} s/m, n = {contact.adhesion_rate_exponent:.4g}"
         )
@@ -138,6 +141,8 @@ class Chosen:
         for name in ("diameter", "friction", "ring_force", *CALIBRATED):
             value = getattr(contact, name)
             inputs[name] = None if value is None else np.squeeze(value)
+        if contact.is_pair:
+            inputs["partner_diameter"] = contact.partner_diameter
         declared = {name: declared for name, (declared, _) in self.replaced.items()}
         return inputs | {"stiffness_model": contact.stiffness_model, "in_place_of": declared}
 
@@ -173,6 +178,7 @@ def contact_options(command: Command) -> Command:
 @click.option("--speed", type=Sweep(), required=True, help="Before impact, m/s.")
 @click.option("--angle", type=Sweep(), default="90", help="From the surface, degrees; default 90.")
 @click.option("--spin", type=Sweep(), default="0", help="Before impact, rad/s; default 0.")
+@click.option("--partner-spin", type=float, default=0.0, help="Of a second sphere, rad/s.")
 @_basis_option
 @click.option(
     "--tangential",
@@ -188,6 +194,7 @@ def simulate_command(
     speed: FloatArray,
     angle: FloatArray,
     spin: FloatArray,
+    partner_spin: float,
     friction_basis: str,
     tangential: str,
     yield_strength_mpa: float | None,
@@ -204,23 +211,30 @@ def simulate_command(
     names = ("speed", "angle", "spin")
     before = {name: axis.ravel() for name, axis in zip(names, axes, strict=True)}
     laws: dict[str, Any] = {"friction_basis": friction_basis, "tangential": tangential}
-    outcome = simulate(chosen.contact, before["speed"], before["angle"], before["spin"], **laws)
+    motion: dict[str, Any] = before | {"partner_spin": partner_spin}
+    outcome = simulate(chosen.contact, **motion, **laws)
     limit = None
     if yield_strength_mpa is not None:
         limit = 1e6 * float(checked("yield-strength-mpa", yield_strength_mpa, POSITIVE))
     warn(doubts(chosen.contact, outcome.maximum_compression, limit))
-    after = {name: _summary(getattr(outcome, name), chosen.draws) for name in _IMPACT}
+    after = {
+        name: _summary(getattr(outcome, name), chosen.draws)
+        for name in _IMPACT
+        if chosen.best.is_pair or name != "partner_spin"
+    }
     single = before["speed"].size == 1
     if as_json:
         row = 0 if single else slice(None)
         incident = {name: values[row] for name, values in before.items()}
+        if chosen.best.is_pair:
+            incident["partner_spin"] = np.asarray(partner_spin)
         outputs: dict[str, Any] = {}
         for name, summary in after.items():
             numbers = {key: values[row] for key, values in summary.items()}
             outputs[name] = numbers if chosen.draws else numbers["value"]
         print_json({"inputs": chosen.inputs() | incident | laws, "outputs": outputs})
     elif single:
-        v, degrees, omega = (float(before[name][0]) for name in names)
+        v, degrees, omega = (float(values[0]) for values in before.values())
         title = (
             f"{chosen.title()}\n{v:g} m/s at {degrees:g} deg, spin {omega:g} rad/s, "
             f"friction {chosen.best.friction:g}, supported by the {friction_basis} force"
@@ -234,8 +248,9 @@ def simulate_command(
 def _print_impact(title: str, after: Mapping[str, Summary], *, draws: bool) -> None:
     """Print one impact, or the median and the range over draws of the contact."""
     rows: list[tuple[str, ...]] = []
-    for name, (label, unit, factor) in _IMPACT.items():
-        numbers = {key: number(values[0], factor) for key, values in after[name].items()}
+    for name, summary in after.items():
+        label, unit, factor = _IMPACT[name]
+        numbers = {key: number(values[0], factor) for key, values in summary.items()}
         if not draws:
             rows.append((label, numbers["value"], unit))
         elif "low" in numbers:
@@ -262,10 +277,11 @@ def _csv(before: Mapping[str, FloatArray], after: Mapping[str, Summary]) -> str:
     """One row an impact, SI units in the header."""
     units = {"speed": "m_per_s", "angle": "deg", "spin": "rad_per_s"}
     columns = {f"{name}_{units[name]}": values for name, values in before.items()}
-    for name, (_, unit, _) in _IMPACT.items():
+    for name, summary in after.items():
+        unit = _IMPACT[name][1]
         si = {"ns": "_s", "nm": "_m", "": ""}.get(unit, f"_{unit.replace('/', '_per_')}")
-        stem = f"{name}_after" if name == "spin" else name
-        for key, values in after[name].items():
+        stem = f"{name}_after" if name.endswith("spin") else name
+        for key, values in summary.items():
             columns[f"{stem}{'' if key == 'value' else f'_{key}'}{si}"] = values
     target = io.StringIO()
     writer = csv.writer(target, lineterminator="\n")
@@ -392,6 +408,7 @@ def contact_of(
     surface: str | None,
     file: str | None,
     diameter_um: float | None,
+    partner_diameter_um: float | None,
     materials: str | None,
     missing: Sequence[str] = (),
     **options: Any,
@@ -404,8 +421,8 @@ def contact_of(
         Names of the materials.
     file
         Contacts as `measured.contacts.write_contacts` writes them: all but the diameter.
-    diameter_um
-        um; None: that of the pair or of the file.
+    diameter_um, partner_diameter_um
+        um; None: that of the pair or of the file, and no second sphere.
     materials
         CSV of own materials.
     missing
@@ -418,9 +435,10 @@ def contact_of(
     OSError, ValueError
         If a file cannot be read, or the options do not suffice or contradict each other.
     """
-    diameter = None if diameter_um is None else diameter_um * 1e-6
+    microns = {"diameter": diameter_um, "partner_diameter": partner_diameter_um}
+    sizes = {name: size * 1e-6 for name, size in microns.items() if size is not None}
     if file is not None:
-        chosen = _from_file(file, diameter)
+        chosen = _from_file(file, sizes)
         excess = options | {"particle": particle, "surface": surface, "materials": materials}
         if excess["stiffness_model"] == STIFFNESS_MODELS[0]:
             del excess["stiffness_model"]
@@ -440,12 +458,12 @@ def contact_of(
     shipped, pairs = _shipped()
     declared = shipped | ({} if materials is None else read_materials(materials))
     changes = {name: options[name] for name in _FIELDS}
-    changes |= {"diameter": diameter, "stiffness_model": options["stiffness_model"]}
+    changes |= {"stiffness_model": options["stiffness_model"]} | sizes
     known = _completed((particle, surface), declared, pairs, options, changes, missing)
     contact = pair_contact(particle, surface, known, pairs, **changes)
     replaced = {}
     if (particle, surface) in pairs:
-        same = {name: changes[name] for name in ("diameter", "stiffness_model")}
+        same = {"stiffness_model": options["stiffness_model"]} | sizes
         shipped_contact = pair_contact(particle, surface, shipped, pairs, **same)
         replaced = _differences(shipped_contact, contact)
     return Chosen(contact=contact, best=contact, replaced=replaced)
@@ -516,12 +534,10 @@ def _with_options(
     return {**known, name: body}, []
 
 
-def _from_file(file: str, diameter: float | None) -> Chosen:
-    """Contacts of a file, at another diameter if one is given."""
+def _from_file(file: str, sizes: Mapping[str, float]) -> Chosen:
+    """Contacts of a file, at another diameter or with a second sphere if these are given."""
     from microimpact.measured.contacts import read_contacts
     from microimpact.model.contact import resized
 
-    contact, best = read_contacts(file)
-    if diameter is not None:
-        contact, best = resized(contact, diameter), resized(best, diameter)
+    contact, best = (resized(contact, **sizes) for contact in read_contacts(file))
     return Chosen(contact=contact, best=best, replaced={})

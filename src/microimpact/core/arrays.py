@@ -128,12 +128,12 @@ def checked(name: str, value: object, allowed: Range = FINITE) -> Real:
 
 # Units of arguments that have one; angles are degrees, as everywhere.
 _UNITS = {
-    "m": ("diameter", "radius", "surface_radius", "equivalent_radius"),
+    "m": ("diameter", "radius", "surface_radius", "partner_diameter", "equivalent_radius"),
     "m/s": (
         *("v", "v_n", "v_t", "v_c", "speed", "velocity", "reference_velocity", "slowest"),
         *("fastest", "high_speed", "capture_speed", "k", "kappa"),
     ),
-    "rad/s": ("omega", "spin"),
+    "rad/s": ("omega", "spin", "partner_spin"),
     "degree": ("angle", "tilt"),
     "Pa": ("youngs_modulus", "law.yield_pressure"),
     "kg/m**3": ("density",),

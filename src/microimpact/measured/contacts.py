@@ -16,6 +16,7 @@ from microimpact.model.choices import NUMBERS
 from microimpact.model.contact import Contact
 
 TEXTS = ("stiffness_model",)
+PARTNER = "partner_diameter"
 
 
 def write_contacts(path: Path | str, contact: Contact, best: Contact) -> None:
@@ -43,6 +44,8 @@ def write_contacts(path: Path | str, contact: Contact, best: Contact) -> None:
         record[name] = value if value is None else np.asarray(value).tolist()
     record |= {name: getattr(contact, name) for name in TEXTS}
     numbers = {name: getattr(best, name) for name in NUMBERS}
+    if best.is_pair:
+        record[PARTNER] = numbers[PARTNER] = best.partner_diameter
     record["best"] = {
         name: value if value is None else float(value) for name, value in numbers.items()
     }
@@ -78,7 +81,7 @@ def read_contacts(path: Path | str) -> tuple[Contact, Contact]:
             f"{name} must be a file that 'microimpact calibrate -o' wrote: {error}"
         ) from None
     for key in (*record, *best):
-        if key not in NUMBERS + TEXTS:
+        if key not in (*NUMBERS, PARTNER, *TEXTS):
             raise ValueError(f"{name}: {key!r} unknown{nearest(key, NUMBERS)}")
     texts = {key: record[key] for key in TEXTS if key in record}
     drawn: dict[str, Any] = {

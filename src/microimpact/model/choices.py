@@ -19,3 +19,5 @@ NUMBERS = ("diameter", *CALIBRATED, "friction")
 STIFFNESS_MODELS = ("hertz", "reduced")
 # Forms in which a rebound law is written.
 FORMATS = ("c", "csv", "npz", "fluent", "openfoam", "lammps")
+# Those of a wall, which a second sphere is not.
+WALL_FORMATS = ("fluent", "openfoam", "lammps")

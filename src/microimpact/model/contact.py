@@ -1,4 +1,7 @@
-"""A particle-surface contact: stiffness, ring force, scales and damping (Eqs. 20-24, 30, 31)."""
+"""Contacts of a sphere with a surface or a second sphere (Eqs. 20-24, 30, 31).
+
+Stiffness, ring force, scales and damping.
+"""
 
 from __future__ import annotations
 
@@ -39,25 +42,30 @@ def work_from_ring_force(ring_force: Real, radius: Real, stiffness: Real) -> Rea
     return np.sqrt(2.0 * np.pi * np.power(ring_force, 3) / (9.0 * stiffness * radius))
 
 
-def resized(contact: Contact, diameter: Real) -> Contact:
-    """Return the contact at other diameters (m): w_A, c_H and c_A stay, f_0 follows Eq. (30)."""
-    return contact.replace(diameter=diameter, work_of_adhesion=contact.work_of_adhesion)
+def resized(contact: Contact, diameter: Real | None = None, **sizes: Real) -> Contact:
+    """Return the contact at other sizes (m): w_A, c_H and c_A stay, f_0 follows Eq. (30)."""
+    if diameter is not None:
+        sizes["diameter"] = diameter
+    return contact.replace(**sizes, work_of_adhesion=contact.work_of_adhesion)
 
 
-def require_contact(value: object, *, any_law: bool = False) -> None:
+def require_contact(value: object, *, any_law: bool = False, pair: bool = False) -> None:
     """Raise a TypeError unless ``value`` is a contact.
 
-    Raises ValueError if it has another law than the ring force, and not any law will do.
+    Raises ValueError if it has another law than the ring force, and not any law will do, or if it
+    is one of two spheres where these will not do.
     """
     if not isinstance(value, Contact):
         raise TypeError(f"contact must be a Contact, got {value!r}")
     if value.law is not None and not any_law:
         raise ValueError(f"contact must have the law {RING_FORCE!r} here, got {value.law.name!r}")
+    if value.is_pair and not pair:
+        raise ValueError("contact must be one with a surface here, got one with a partner_diameter")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Contact:
-    """A sphere on a surface, with adhesion, damping and friction.
+    """A sphere on a surface, or two spheres, with adhesion, damping and friction.
 
     Every number may be an array; the fields broadcast with each other and with the speeds, angles
     and spins of a simulation. Give either ``work_of_adhesion`` or ``ring_force``: the other is
@@ -66,7 +74,7 @@ class Contact:
     Parameters
     ----------
     particle, surface
-        The two materials.
+        The two materials; of two spheres ``surface`` is that of the second.
     diameter
         Diameter of the sphere, m.
     work_of_adhesion
@@ -85,6 +93,9 @@ class Contact:
         v_N, m/s; needed where n is not zero.
     surface_radius
         Radius of curvature of the surface, m (Eq. 22); infinite for a plane.
+    partner_diameter
+        Diameter of a second, free sphere in place of the surface, m; infinite for a surface, which
+        is its limit. Speeds are then those of the sphere relative to the second.
     damped_attachment
         Whether adhesion is damped during approach too (the article: no).
     law
@@ -117,6 +128,7 @@ class Contact:
     adhesion_rate_exponent: Real = 0.0
     reference_velocity: Real | None = None
     surface_radius: Real = math.inf
+    partner_diameter: Real = math.inf
     damped_attachment: bool = False
     law: ContactLaw | None = None
     adhesion_input: str = field(init=False, default="")
@@ -194,8 +206,15 @@ class Contact:
             raise ValueError(
                 "reference_velocity is needed where adhesion_rate_exponent is not zero"
             )
-        if not (np.ndim(self.surface_radius) == 0 and self.surface_radius == math.inf):
-            self._check("surface_radius", POSITIVE)
+        curved = [
+            name
+            for name in ("surface_radius", "partner_diameter")
+            if not (np.ndim(value := getattr(self, name)) == 0 and value == math.inf)
+        ]
+        if len(curved) > 1:
+            raise ValueError(f"give either {' or '.join(curved)}, got both")
+        for name in curved:
+            self._check(name, POSITIVE)
         self._set("shape", common_shape(self._arrays()))
 
     def _set(self, name: str, value: object) -> None:
@@ -306,7 +325,19 @@ class Contact:
     @property
     def hertz_radius(self) -> Real:
         """Effective radius r of Eq. (22), m; the sphere's on a plane."""
-        return 1.0 / (1.0 / self.radius + 1.0 / np.asarray(self.surface_radius))[()]
+        curvature = 1.0 / np.asarray(self.surface_radius) + 2.0 / np.asarray(self.partner_diameter)
+        return 1.0 / (1.0 / self.radius + curvature)[()]
+
+    @property
+    def is_pair(self) -> bool:
+        """Whether the contact is one of two spheres."""
+        return bool(np.any(np.isfinite(self.partner_diameter)))
+
+    @property
+    def mass_share(self) -> Real:
+        """Reduced mass over the sphere's: the share of it in relative motion, 1 on a surface."""
+        size = np.power(self.diameter / np.asarray(self.partner_diameter), 3)
+        return 1.0 / (1.0 + self.particle.density / self.surface.density * size)[()]
 
     @property
     def pull_off_force(self) -> Real:
@@ -317,8 +348,9 @@ class Contact:
 
     @property
     def mass(self) -> Real:
-        """Mass of the sphere, kg."""
-        return self.particle.density * np.pi * np.power(self.diameter, 3) / 6.0
+        """Mass of the sphere, kg; of two spheres the reduced mass."""
+        sphere = self.particle.density * np.pi * np.power(self.diameter, 3) / 6.0
+        return sphere * self.mass_share if self.is_pair else sphere
 
     @property
     def equilibrium_compression(self) -> Real:

@@ -140,7 +140,7 @@ def calibrate(
     >>> capture_velocity(found.contact).shape
     (400,)
     """
-    require_contact(contact)
+    require_contact(contact, pair=True)
     if contact.shape:
         raise ValueError(f"contact must be a single one, got one of shape {contact.shape}")
     names = _free(free, contact)

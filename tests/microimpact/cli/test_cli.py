@@ -92,6 +92,20 @@ def test_simulate_as_table_and_as_json_agree(microimpact):
         assert re.search(rf"^{re.escape(label)} +{values[name]:.6g}$", table.stdout, re.MULTILINE)
 
 
+def test_two_spheres_have_a_second_spin(microimpact, answered, tmp_path):
+    pair = (*STEEL, "--diameter-um", "62", "--partner-diameter-um", "31")
+    answer = answered("simulate", *pair, "--speed", "2", "--angle", "50", "--partner-spin", "1e4")
+    assert answer["inputs"]["partner_diameter"] == pytest.approx(31e-6)
+    assert answer["outputs"]["partner_spin"] > 1e4
+    table = microimpact("simulate", *pair, "--speed", "1:2:2").stdout
+    assert "partner_spin_after_rad_per_s" in table.splitlines()[0]
+    limits = [
+        answered("capture", *options)["outputs"]["capture_velocity"]
+        for options in (pair, pair[:-2])
+    ]
+    assert limits[0] != limits[1]
+
+
 def test_capture_uses_the_declared_pair_and_its_overrides(microimpact, answered):
     declared = answered("capture", *STEEL)
     weaker = answered("capture", *STEEL, "--work-of-adhesion", "0.2")

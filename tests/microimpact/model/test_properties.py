@@ -11,7 +11,16 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from microimpact import Contact, Material, capture_velocity, simulate, trajectory
+from microimpact import (
+    Contact,
+    Material,
+    capture_velocity,
+    planar,
+    simulate,
+    spatial,
+    tabulate,
+    trajectory,
+)
 from microimpact.model.dynamics.normal import normal_impact
 
 settings.register_profile("interface", deadline=None, max_examples=60, derandomize=True)
@@ -200,3 +209,131 @@ def test_a_path_ends_where_the_impact_does(contact, ratio, impact):
     assert path.time[-1] == pytest.approx(found.contact_time, rel=1e-9)
     assert path.velocity[-1] == pytest.approx(found.normal_velocity, rel=1e-8, abs=1e-10 * speed)
     assert path.spin[-1] == pytest.approx(found.spin, rel=1e-6, abs=1e-8 * speed / contact.radius)
+
+
+def as_pair(contact, ratio):
+    """The same damping groups between two spheres whose sizes have a ratio."""
+    pair = contact.replace(partner_diameter=ratio * contact.diameter)
+    change = contact.velocity_scale / pair.velocity_scale
+    return pair.replace(
+        hertz_damping=pair.hertz_damping * change,
+        adhesion_damping=pair.adhesion_damping * change,
+        reference_velocity=pair.reference_velocity / change,
+    )
+
+
+vectors = st.tuples(*[st.floats(-3.0, 3.0)] * 3).map(np.array)
+
+
+@given(
+    contact=contacts(),
+    size=decades(-1.5, 1.5),
+    ratio=ratios,
+    along=vectors,
+    spin=vectors,
+    partner_spin=vectors,
+    tangential=st.sampled_from(["rigid", "mindlin"]),
+)
+def test_two_spheres_keep_momentum_and_angular_momentum(
+    contact, size, ratio, along, spin, partner_spin, tangential
+):
+    pair = as_pair(contact, size)
+    speed = speed_of(pair, ratio)
+    radii = np.array([pair.diameter, pair.partner_diameter]) / 2.0
+    densities = np.array([pair.particle.density, pair.surface.density])
+    masses = densities * 4.0 / 3.0 * np.pi * radii**3
+    velocity = speed * np.array([along[0], along[1], -1.0])
+    spins = np.array([spin, partner_spin]) * speed / radii[:, None]
+    after = spatial(pair, velocity, spins[0], tangential=tangential, partner_spin=spins[1])
+    # Each sphere in the frame of the centre of mass, whose momentum is zero throughout.
+    shares = np.array([masses[1], -masses[0]])[:, None] / masses.sum()
+    arms = np.array([[0.0, 0.0, radii[0]], [0.0, 0.0, -radii[1]]])
+
+    def angular(relative, turning):
+        orbital = np.cross(arms, masses[:, None] * shares * relative)
+        return np.sum(orbital + (0.4 * masses * radii**2)[:, None] * turning, axis=0)
+
+    def energy(relative, turning):
+        moving = np.sum(masses[:, None] * (shares * relative) ** 2)
+        return moving + np.sum((0.4 * masses * radii**2)[:, None] * turning**2)
+
+    turning = np.array([after.spin, after.partner_spin])
+    before = angular(velocity, spins)
+    scale = masses.min() * radii.max() * speed
+    np.testing.assert_allclose(angular(after.velocity, turning), before, atol=1e-11 * scale * 10.0)
+    lost = energy(velocity, spins) - energy(after.velocity, turning)
+    assert lost == pytest.approx(
+        after.energy_loss * pair.mass * np.sum(velocity**2), abs=1e-9 * energy(velocity, spins)
+    )
+    assert lost >= -1e-9 * energy(velocity, spins)
+
+
+@given(contact=contacts(), size=decades(-1.5, 1.5), ratio=ratios, impact=impacts)
+def test_an_impact_is_the_same_from_either_sphere(contact, size, ratio, impact):
+    pair = as_pair(contact, size)
+    swapped = pair.replace(
+        particle=pair.surface,
+        surface=pair.particle,
+        diameter=pair.partner_diameter,
+        partner_diameter=pair.diameter,
+    )
+    speed = speed_of(pair, ratio)
+    limit = float(capture_velocity(pair))
+    assume(abs(speed * np.sin(np.radians(impact["angle"])) - limit) > 1e-3 * limit)
+    spins = impact["spin_ratio"] * speed / pair.radius, -0.3 * speed / swapped.radius
+    basis = impact["friction_basis"]
+    first = simulate(pair, speed, impact["angle"], spins[0], basis, partner_spin=spins[1])
+    second = simulate(swapped, speed, impact["angle"], spins[1], basis, partner_spin=spins[0])
+    for name in ("normal_velocity", "tangential_velocity", "energy_loss"):
+        assert getattr(second, name) == pytest.approx(getattr(first, name), rel=1e-8, abs=1e-9)
+    assert second.partner_spin == pytest.approx(
+        first.spin, rel=1e-8, abs=1e-8 * speed / pair.radius
+    )
+
+
+@given(contact=contacts(), ratio=ratios, impact=impacts)
+def test_a_large_second_sphere_is_a_plane(contact, ratio, impact):
+    large = contact.replace(partner_diameter=1e12 * contact.diameter)
+    speed, _, plane = outcome(contact, ratio, impact)
+    limit = float(capture_velocity(contact))
+    assume(abs(speed * np.sin(np.radians(impact["angle"])) - limit) > 1e-3 * limit)
+    sphere = outcome(large, ratio, impact)[2]
+    for name in ("coefficient_of_restitution", "impulse_ratio", "spin", "contact_time"):
+        assert getattr(sphere, name) == pytest.approx(getattr(plane, name), rel=1e-8), name
+    assert abs(sphere.partner_spin) * 1e12 * contact.radius < 1e-20 * speed * 1e12
+
+
+def test_tables_and_planar_impacts_hold_for_two_spheres():
+    steel = Material(name="steel", youngs_modulus=193e9, poissons_ratio=0.28, density=8000.0)
+    pair = Contact(
+        particle=steel,
+        surface=steel,
+        diameter=[20e-6, 30e-6],
+        partner_diameter=[60e-6, 30e-6],
+        work_of_adhesion=0.5,
+        hertz_damping=0.1,
+        adhesion_damping=2.0,
+    )
+    speed, partner = 2.0, np.array([3e4, -2e4])
+    table = tabulate(pair, 0.1, 5.0).simulate(speed, 40.0, 1e4, partner_spin=partner)
+    impact = simulate(pair, speed, 40.0, 1e4, partner_spin=partner)
+    for name in ("spin", "partner_spin", "tangential_velocity", "energy_loss"):
+        np.testing.assert_allclose(getattr(table, name), getattr(impact, name), rtol=1e-8)
+    angle = np.radians(40.0)
+    v_n, v_t = -speed * np.sin(angle), speed * np.cos(angle)
+    plane = planar(pair, v_n, v_t, 1e4, partner_spin=partner)
+    np.testing.assert_allclose(plane.partner_spin, impact.partner_spin, rtol=1e-12)
+    # Equal spheres share the change of spin.
+    assert impact.spin[1] - 1e4 == pytest.approx(impact.partner_spin[1] + 2e4, rel=1e-12)
+
+
+def test_a_spin_of_no_sphere_is_refused():
+    glass = Material(name="glass", youngs_modulus=70e9, poissons_ratio=0.2, density=2500.0)
+    wall = Contact(particle=glass, surface=glass, diameter=1e-5, work_of_adhesion=0.1)
+    with pytest.raises(ValueError, match="partner_spin is of a second sphere"):
+        simulate(wall, 1.0, partner_spin=1.0)
+    pair = wall.replace(partner_diameter=1e-5)
+    with pytest.raises(ValueError, match="got one with a partner_diameter"):
+        trajectory(pair, 1.0)
+    with pytest.raises(ValueError, match="give either surface_radius or partner_diameter"):
+        pair.replace(surface_radius=1e-5)

@@ -75,7 +75,7 @@ def capture_velocity(contact: Contact) -> FloatArray:
     RuntimeError
         If an integration failed.
     """
-    require_contact(contact, any_law=True)
+    require_contact(contact, any_law=True, pair=True)
     if contact.law is not None:
         return laws.capture_speed(contact)
     shape = contact.shape

@@ -5,12 +5,17 @@ impulse per mass. In a rigid contact it stops for good. So the outcome follows f
 the normal force in Coulomb's law: the sphere slides throughout, or rolls from the instant at which
 the slip would be used up. A compliant contact gives slip back, see `dynamics.tangential`. Eq. (29)
 is used with the moment ``-R F_t``: with the printed sign friction would speed the slip up.
+
+Two spheres of radii R and R' move, relative to each other, as one sphere of the reduced mass m that
+spins with ``omega + omega' R'/R``: friction turns the sphere of mass M by the share m/M of this
+spin's change, and the second by the rest. Both turn in the same sense.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -70,7 +75,7 @@ class Impact:
     contact_time
         s; infinite where captured.
     normal_velocity, tangential_velocity, spin
-        After impact, m/s and rad/s.
+        After impact, m/s and rad/s; of two spheres the velocity relative to the second.
     rolling
         True where slip has ended; with a compliant contact, where it stuck for some time.
     energy_loss, translational_energy_loss
@@ -80,6 +85,8 @@ class Impact:
     interpolation_error
         Bound of the relative difference of normal impacts from integration: 0 unless they come
         from a table, see `model.law.table.Law`.
+    partner_spin
+        Of a second sphere after impact, rad/s.
     """
 
     coefficient_of_restitution: FloatArray
@@ -94,13 +101,14 @@ class Impact:
     translational_energy_loss: FloatArray
     maximum_compression: FloatArray
     interpolation_error: FloatArray | float = 0.0
+    partner_spin: FloatArray | float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
 class SpatialImpact:
     """Outcome of impacts in three dimensions, surface normal along z.
 
-    As `Impact`, with ``velocity`` and ``spin`` vectors (..., 3), m/s and rad/s, and
+    As `Impact`, with ``velocity`` and the spins vectors (..., 3), m/s and rad/s, and
     ``impulse_ratio`` the tangential over the normal impulse, positive against the slip.
     """
 
@@ -115,6 +123,47 @@ class SpatialImpact:
     translational_energy_loss: FloatArray
     maximum_compression: FloatArray
     interpolation_error: FloatArray | float = 0.0
+    partner_spin: FloatArray | float = 0.0
+
+
+AnyImpact = TypeVar("AnyImpact", Impact, SpatialImpact)
+
+
+@dataclass(frozen=True, slots=True)
+class Spins:
+    """Spins of a sphere and its partner, rad/s: numbers, or vectors along the last axis."""
+
+    sphere: Real
+    partner: Real
+    size: Real  # Radius of the partner over the sphere's, 0 without one
+    share: Real  # Reduced mass over the sphere's
+
+    @classmethod
+    def of(cls, contact: Contact, spin: Real, partner_spin: Real, vectors: bool = False) -> Spins:
+        """Return the spins before an impact.
+
+        Raises ValueError if a second sphere spins that is not there.
+        """
+        if not contact.is_pair and np.any(partner_spin):
+            raise ValueError("partner_spin is of a second sphere: contact has no partner_diameter")
+        size = np.asarray(contact.partner_diameter if contact.is_pair else 0.0) / contact.diameter
+        share = np.asarray(contact.mass_share)
+        if vectors:
+            size, share = size[..., None], share[..., None]
+        return cls(spin, partner_spin, size, share)
+
+    @property
+    def joint(self) -> Real:
+        """Spin of one sphere with the slip and the energy of both."""
+        return self.sphere + self.size * self.partner
+
+    def separate(self, impact: AnyImpact) -> AnyImpact:
+        """Return an impact computed with the joint spin, with the spins of both spheres."""
+        if not np.any(self.size):
+            return impact
+        turn = impact.spin - self.joint
+        partner = self.partner + (1.0 - self.share) / self.size * turn
+        return replace(impact, spin=self.sphere + self.share * turn, partner_spin=partner)
 
 
 def friction_impulse(
@@ -170,6 +219,7 @@ def planar(
     friction_basis: str = "compressive",
     law: NormalLaw | None = None,
     tangential: str = "rigid",
+    partner_spin: Numbers = 0.0,
 ) -> Impact:
     """Impact in a plane.
 
@@ -179,8 +229,9 @@ def planar(
         The contact; its fields broadcast with the velocities.
     v_n, v_t
         Normal (negative: approaching) and tangential velocity before impact, m/s.
-    omega
-        Spin before impact, rad/s, positive in the sense of rolling along t.
+    omega, partner_spin
+        Spin before impact, rad/s, positive in the sense of rolling along t; of a second sphere in
+        the same sense.
     friction_basis
         ``"compressive"``, ``"hertz"``, ``"net"`` or ``"pull-off"``; see `friction_impulse`.
     law
@@ -199,36 +250,37 @@ def planar(
     RuntimeError
         If an integration failed.
     """
-    require_contact(contact, any_law=tangential == "rigid")
+    require_contact(contact, any_law=tangential == "rigid", pair=True)
     basis = _basis(contact, friction_basis, tangential)
     v_n = checked("v_n", v_n, APPROACHING)
     v_t = checked("v_t", v_t, FINITE)
     omega = checked("omega", omega, FINITE)
-    shape = common_shape(
-        {"contact": np.empty(contact.shape), "v_n": v_n, "v_t": v_t, "omega": omega}
-    )
-    return _planar(contact, v_n, v_t, omega, shape, basis, law, tangential)
+    partner_spin = checked("partner_spin", partner_spin, FINITE)
+    arguments = {"v_n": v_n, "v_t": v_t, "omega": omega, "partner_spin": partner_spin}
+    shape = common_shape({"contact": np.empty(contact.shape), **arguments})
+    spins = Spins.of(contact, omega, partner_spin)
+    return _planar(contact, v_n, v_t, spins, shape, basis, law, tangential)
 
 
 def _planar(
     contact: Contact,
     v_n: Real,
     v_t: Real,
-    omega: Real,
+    spins: Spins,
     shape: tuple[int, ...],
     basis: str,
     law: NormalLaw | None,
     tangential: str,
 ) -> Impact:
     """Return planar impacts of a shape, of arguments that are checked; see `planar`."""
-    speed, radius = np.abs(v_n), contact.radius
+    speed, radius, omega = np.abs(v_n), contact.radius, spins.joint
     normal = _normal(contact, speed, basis, law)
     slip = np.asarray(v_t - radius * omega)
     size, rolling = friction_impulse(contact, normal, np.abs(slip), basis, speed, tangential)
     out, _ = passes.outcomes(shape)
     columns = speed, v_t, omega, radius, normal.coefficient_of_restitution, np.sign(slip) * size
     passes.planar(*(passes.flat(values, shape) for values in columns), out)
-    return Impact(
+    impact = Impact(
         **planar_fields(out, shape),
         captured=np.broadcast_to(normal.captured, shape)[()],
         rolling=np.broadcast_to(rolling, shape)[()],
@@ -236,6 +288,7 @@ def _planar(
         maximum_compression=_shaped(normal.maximum_compression, shape),
         interpolation_error=normal.interpolation_error,
     )
+    return spins.separate(impact)
 
 
 def planar_fields(out: FloatArray, shape: tuple[int, ...]) -> dict[str, FloatArray]:
@@ -250,6 +303,7 @@ def simulate(
     spin: Numbers = 0.0,
     friction_basis: str = "compressive",
     tangential: str = "rigid",
+    partner_spin: Numbers = 0.0,
 ) -> Impact:
     """Simulate impacts given by speed and angle of incidence, each integrated.
 
@@ -258,7 +312,7 @@ def simulate(
     contact
         The contact; its fields broadcast with speed, angle and spin.
     speed
-        Total speed before impact, m/s, positive.
+        Total speed before impact, m/s, positive; of two spheres relative to the second.
     angle
         Angle of incidence from the surface, degrees, in (0, 90].
     spin
@@ -269,6 +323,8 @@ def simulate(
     tangential
         Compliance along the surface: ``"rigid"`` (none), ``"mindlin"`` or ``"spring"``; see
         `planar`.
+    partner_spin
+        Of a second sphere before impact, rad/s, positive in the same sense as ``spin``.
 
     Returns
     -------
@@ -282,10 +338,12 @@ def simulate(
     RuntimeError
         If an integration failed.
     """
-    arguments, shape = incident(contact, speed, angle, spin, friction_basis, tangential)
+    arguments, spins, shape = incident(
+        contact, speed, angle, spin, friction_basis, tangential, partner_spin
+    )
     v_n, v_t = velocity_components(arguments["speed"], arguments["angle"])
     v_n = checked("v_n", v_n, APPROACHING)  # may have vanished
-    return _planar(contact, v_n, v_t, arguments["spin"], shape, friction_basis, None, tangential)
+    return _planar(contact, v_n, v_t, spins, shape, friction_basis, None, tangential)
 
 
 def incident(
@@ -295,16 +353,16 @@ def incident(
     spin: Numbers,
     friction_basis: str,
     tangential: str = "rigid",
-) -> tuple[dict[str, Real], tuple[int, ...]]:
-    """Return speed, angle and spin checked, and their shape with the contact; as `simulate`."""
-    require_contact(contact, any_law=tangential == "rigid")
+    partner_spin: Numbers = 0.0,
+) -> tuple[dict[str, Real], Spins, tuple[int, ...]]:
+    """Return speed and angle checked, spins, and their shape with the contact; as `simulate`."""
+    require_contact(contact, any_law=tangential == "rigid", pair=True)
     _basis(contact, friction_basis, tangential)
-    arguments = {
-        "speed": checked("speed", speed, SPEED),
-        "angle": checked("angle", angle, ANGLE),
-        "spin": checked("spin", spin, FINITE),
-    }
-    return arguments, common_shape({"contact": np.empty(contact.shape), **arguments})
+    arguments = {"speed": checked("speed", speed, SPEED), "angle": checked("angle", angle, ANGLE)}
+    turning = checked("spin", spin, FINITE), checked("partner_spin", partner_spin, FINITE)
+    together = arguments | dict(zip(("spin", "partner_spin"), turning, strict=True))
+    shape = common_shape({"contact": np.empty(contact.shape), **together})
+    return arguments, Spins.of(contact, *turning), shape
 
 
 def _basis(contact: Contact, friction_basis: object, tangential: object) -> str:
@@ -346,8 +404,11 @@ def spatial(
     friction_basis: str = "compressive",
     law: NormalLaw | None = None,
     tangential: str = "rigid",
+    partner_spin: Numbers = (0.0, 0.0, 0.0),
 ) -> SpatialImpact:
     """Impact in three dimensions; the surface is the plane z = 0, the normal +z.
+
+    A second sphere in place of the surface lies below, and velocities are relative to it.
 
     Spin about the normal is inert: a point contact gives it no moment.
 
@@ -357,8 +418,8 @@ def spatial(
         The contact; its fields broadcast with the leading shape of the vectors.
     velocity
         Velocity before impact (..., 3), m/s, with a negative z component.
-    spin
-        Angular velocity before impact (..., 3), rad/s, right-handed.
+    spin, partner_spin
+        Angular velocities before impact (..., 3), rad/s, right-handed.
     friction_basis, law, tangential
         As in `planar`.
 
@@ -369,22 +430,19 @@ def spatial(
     RuntimeError
         If an integration failed.
     """
-    require_contact(contact, any_law=tangential == "rigid")
+    require_contact(contact, any_law=tangential == "rigid", pair=True)
     basis = _basis(contact, friction_basis, tangential)
     vectors = {}
-    for name, value in {"velocity": velocity, "spin": spin}.items():
+    arguments = {"velocity": velocity, "spin": spin, "partner_spin": partner_spin}
+    for name, value in arguments.items():
         vectors[name] = np.asarray(checked(name, value, FINITE))
         if vectors[name].shape[-1:] != (3,):
             raise ValueError(f"{name} must have shape (..., 3), got {vectors[name].shape}")
-    shape = common_shape(
-        {
-            "contact": np.empty(contact.shape),
-            "velocity": vectors["velocity"][..., 0],
-            "spin": vectors["spin"][..., 0],
-        }
-    )
+    leading = {name: vector[..., 0] for name, vector in vectors.items()}
+    shape = common_shape({"contact": np.empty(contact.shape), **leading})
     v = np.broadcast_to(vectors["velocity"], (*shape, 3))
-    w = np.broadcast_to(vectors["spin"], (*shape, 3))
+    spins = Spins.of(contact, vectors["spin"], vectors["partner_spin"], vectors=True)
+    w = np.broadcast_to(spins.joint, (*shape, 3))
     v_n = checked("velocity[..., 2]", v[..., 2], APPROACHING)
     speed = np.abs(v_n)
     radius = np.broadcast_to(contact.radius, shape)
@@ -406,7 +464,7 @@ def spatial(
     def shaped(values: Real) -> FloatArray:
         return _shaped(values, shape)
 
-    return SpatialImpact(
+    impact = SpatialImpact(
         coefficient_of_restitution=shaped(e),
         impulse_ratio=shaped(size / ((1.0 + e) * speed)),
         captured=np.broadcast_to(normal.captured, shape)[()],
@@ -419,3 +477,4 @@ def spatial(
         maximum_compression=shaped(normal.maximum_compression),
         interpolation_error=normal.interpolation_error,
     )
+    return spins.separate(impact)

@@ -341,7 +341,7 @@ def normal_impact(contact: Contact, speed: Real, *, ledger: bool = False) -> Nor
         If an integration failed.
     """
     if contact.law is not None:
-        require_contact(contact, any_law=not ledger)
+        require_contact(contact, any_law=not ledger, pair=True)
         return _by_law(contact, speed)
     problems, scales, shape = scaled_problems(contact, speed)
     results = integrate(problems, ledger=ledger)

@@ -19,7 +19,7 @@ import numpy as np
 
 from microimpact.core.arrays import FloatArray, checked, choice
 from microimpact.core.files import write_file
-from microimpact.model.choices import FORMATS, FRICTION_BASES
+from microimpact.model.choices import FORMATS, FRICTION_BASES, WALL_FORMATS
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.normal import integrate
 from microimpact.model.law.families import Family, quantities
@@ -147,6 +147,8 @@ def export(
 ) -> list[Path]:
     """Write the rebound law of a contact for another program; see `model.law.table.Law.export`."""
     choice("format", form, FORMATS)
+    if contact.is_pair and form in WALL_FORMATS:
+        raise ValueError(f"format {form!r} is of a wall: two spheres have c, csv and npz")
     basis = choice("friction_basis", friction_basis, FRICTION_BASES)
     limit = float(checked("tolerance", tolerance, TOLERANCES))
     law = rebounds(contact, family, fastest, basis, limit)
@@ -221,6 +223,20 @@ def _description(law: Rebounds) -> list[str]:
         + f", f = {contact.friction:g} on the {law.basis} force.",
         f"Capture velocity {law.capture_velocity:.6g} m/s; holds up to {law.fastest:.6g} m/s.",
         f"Error of e and of the impulse ratio: {law.error:.1e}.",
+        *(_of_two_spheres(contact) if contact.is_pair else ()),
+    ]
+
+
+def _of_two_spheres(contact: Contact) -> list[str]:
+    """Meaning of velocities and spin between two spheres, in lines of words."""
+    second, share = contact.partner_diameter, float(contact.mass_share)
+    size = float(second / contact.diameter)
+    return [
+        f"Two spheres, the second of {second * 1e6:g} um: velocities are relative to the second,",
+        f"and the spin is that of the first plus {size:.9g} times that of the second.",
+        f"Of its change the first sphere takes the share {share:.9g}, the second "
+        f"{(1.0 - share) / size:.9g};",
+        f"of a change of relative velocity the first takes {share:.9g}, the second the rest, back.",
     ]
 
 

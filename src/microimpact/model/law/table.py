@@ -116,6 +116,7 @@ class Law:
         friction_basis: str = "compressive",
         *,
         threads: int = 1,
+        partner_spin: Numbers = 0.0,
     ) -> Impact:
         """Simulate impacts as `model.dynamics.impact.simulate` does, from the table.
 
@@ -126,7 +127,7 @@ class Law:
 
         Parameters
         ----------
-        speed, angle, spin, friction_basis
+        speed, angle, spin, friction_basis, partner_spin
             As of `model.dynamics.impact.simulate`; they broadcast with the contacts.
         threads
             Among which the work is shared; results do not depend on it.
@@ -138,8 +139,11 @@ class Law:
         RuntimeError
             If an integration failed.
         """
-        before, shape = incident(self.contact, speed, angle, spin, friction_basis)
-        speed, angle, spin = states = [passes.flat(values, shape) for values in before.values()]
+        before, spins, shape = incident(
+            self.contact, speed, angle, spin, friction_basis, partner_spin=partner_spin
+        )
+        columns = *before.values(), spins.joint
+        speed, angle, _ = states = [passes.flat(values, shape) for values in columns]
         contacts = self.family.columns(self.contact, shape)
         out, flags = passes.outcomes(shape)
         support = passes.SUPPORT[friction_basis]
@@ -155,19 +159,20 @@ class Law:
         in_blocks(block, math.prod(shape), threads)
         rest = np.flatnonzero(np.isnan(out[passes.OUT_RESTITUTION]))
         if rest.size:
-            columns, toward, tilt = (a[rest % len(a)] for a in (contacts, speed, angle))
-            w = -velocity_components(toward, tilt)[0] / columns[:, passes.UNIT]
-            position = columns[:, passes.PLACE]
+            rows, toward, tilt = (a[rest % len(a)] for a in (contacts, speed, angle))
+            w = -velocity_components(toward, tilt)[0] / rows[:, passes.UNIT]
+            position = rows[:, passes.PLACE]
             run(rest, self._integrated(w, position)[0])
             out[passes.OUT_ERROR, rest] = self._error(w, position)
         fields = {"contact_time": passes.OUT_CONTACT_TIME, "interpolation_error": passes.OUT_ERROR}
         fields |= {"maximum_compression": passes.OUT_COMPRESSION}
-        return Impact(
+        impact = Impact(
             **planar_fields(out, shape),
             **{name: out[row].reshape(shape)[()] for name, row in fields.items()},
             captured=flags[passes.OUT_CAPTURED].reshape(shape)[()],
             rolling=flags[passes.OUT_ROLLING].reshape(shape)[()],
         )
+        return spins.separate(impact)
 
     @cached_property
     def compiled(self) -> Compiled:
@@ -346,7 +351,7 @@ def tabulate(contact: Contact, slowest: float, fastest: float, tolerance: float 
         A ValueError: if the contacts share neither, if at no speed a sphere of them rebounds, or if
         no table reaches the tolerance.
     """
-    require_contact(contact)
+    require_contact(contact, pair=True)
     slowest = float(checked("slowest", slowest, SPEED))
     fastest = float(
         checked("fastest", fastest, Range(lower=slowest, upper=SPEED.upper, lower_closed=True))

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 from tests.shared import execute, require
 
-from microimpact.model.choices import FORMATS, FRICTION_BASES
+from microimpact.model.choices import FORMATS, FRICTION_BASES, WALL_FORMATS
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import planar
 from microimpact.model.dynamics.normal import normal_impact
@@ -141,6 +141,27 @@ def test_the_header_is_the_package(pair, compiled, basis):
     units = (1.0, 1.0, 1.0 / pair.radius)
     for name, unit, value in zip(names, units, found, strict=True):
         assert np.max(np.abs(value - getattr(expected, name)) / (unit * size)) < 1e-6, name
+
+
+@compiled_here
+def test_the_header_holds_for_two_spheres_by_the_shares_that_it_states(pair, compiled, tmp_path):
+    spheres = pair.replace(partner_diameter=2.0 * pair.diameter)
+    spins = np.array([2e4, -3e4])
+    joint = spins[:1] + 2.0 * spins[1]
+    v_n, v_t = np.array([-5.0]), np.array([1.0])
+    _, along, spin, _ = rebounds(compiled(spheres), v_n, v_t, joint)
+    (path,) = tabulate(spheres, 0.1, FASTEST).export(tmp_path, "csv")
+    text = path.read_text(encoding="utf-8")
+    share, other = map(
+        float, re.findall(r"the first sphere takes the share (\S+), the second (\S+);", text)[0]
+    )
+    expected = planar(spheres, v_n, v_t, spins[0], partner_spin=spins[1])
+    assert along == pytest.approx(expected.tangential_velocity, rel=1e-6)
+    assert spins[0] + share * (spin - joint) == pytest.approx(expected.spin, rel=1e-6)
+    assert spins[1] + other * (spin - joint) == pytest.approx(expected.partner_spin, rel=1e-6)
+    for form in WALL_FORMATS:
+        with pytest.raises(ValueError, match="two spheres have c, csv and npz"):
+            tabulate(spheres, 0.1, FASTEST).export(tmp_path, form)
 
 
 @compiled_here
