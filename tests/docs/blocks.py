@@ -16,9 +16,9 @@ PAGES = (
 
 Task = Literal["quoted", "written", "appended", "python", "command", "output"]
 # The end of the paragraph before a block: a file that it quotes, is written into or is added to.
-MARKERS: dict[str, Task] = {"From": "quoted", "Into": "written", "Add to": "appended"}
+MARKERS: dict[str, Task] = {"From": "quoted", "Create": "written", "Add to": "appended"}
 
-_MARKER = re.compile(r"(From|Into|Add to)\s+`([^`\s]+)`:$")
+_MARKER = re.compile(r"(From|Create|Add to)\s+`([^`\s]+)`:$")
 _FENCE = re.compile(r"(?ms)^(?P<indent> *)```(?P<kind>\w*)\n(?P<text>.*?)^(?P=indent)```$")
 
 

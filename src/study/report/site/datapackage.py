@@ -43,7 +43,7 @@ TYPES = {"b": "boolean", "i": "integer", "u": "integer", "f": "number"}
 
 
 def datapackage(results: Path, tables: Iterable[Table]) -> str:
-    """Return the description of every table: what it holds, type and unit of each column."""
+    """Return the content of every table, and type and unit of each of its columns."""
     about = metadata("microimpact")
     package = {
         "profile": "tabular-data-package",
