@@ -120,7 +120,8 @@ class Params:
 
     def __post_init__(self) -> None:
         """Refuse figures that this study does not make."""
-        shown = [*self.series, *(mark for s in self.series for mark in s.marks.values())]
+        shown: list[Series | Mark] = [*self.series]
+        shown += [mark for series in self.series for mark in series.marks.values()]
         for figure in (name for each in shown for name in each.figures):
             if figure not in FIGURES:
                 raise ValueError(f"figures: {figure!r} must be one of {', '.join(FIGURES)}")
