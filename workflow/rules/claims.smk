@@ -45,6 +45,11 @@ rule claims:
         ledger="claims",
         rows={},
         branch=SETTINGS.branches["claim_numbers"],
+        changed={
+            study: CHANGED[study]
+            for study in {"claim_numbers", *studies.needs("claim_numbers").values()}
+            if CHANGED
+        },
         rests_on=digest_of_inputs("claim_numbers", "digitised_comparison"),
         code=digest_of_code("study.ledgers.claims", script="judge_ledger.py"),
     script:

@@ -46,6 +46,7 @@ from study.report import explorer, site
 from study.report.site import record as site_record
 from study.declared.documents import load, located
 from study.declared.references import merged
+from study.run.changed import changed_inputs
 from study.run.config import FILES, read_configuration, read_inputs, validate
 from study.run import stamp
 from study.run.summary import summary
@@ -64,6 +65,7 @@ try:
     config |= merged(base, config)
     SETTINGS = validate(config, SHIPPED)
     stamp.require_own_root(config, base)
+    CHANGED = changed_inputs(SETTINGS, validate(SHIPPED, SHIPPED)) if config != SHIPPED else {}
     INPUTS = read_inputs(SETTINGS)
     if workflow.is_main_process:  # not in every job
         if Path(workflow.basedir).is_relative_to(PROJECT):  # a module writes beside other results

@@ -14,15 +14,16 @@ def main(job: Any) -> str:
 
     The rule names it as ``params.ledger`` and gives rows of declared tables as ``params.rows``
     (name -> CSV text), tables of studies as named input files and, for some, a file of criteria,
-    with the values that its words take as ``params.branch``; its outputs are the tables of the
-    ledger by their names.
+    with the values that its words take as ``params.branch`` and what is not as shipped as
+    ``params.changed``; its outputs are the tables of the ledger by their names.
     """
     ledger = import_module(f"study.ledgers.{job.params.ledger}")
     declared = {name: parse_table(text) for name, text in job.params.rows.items()}
     files = dict(job.input.items())
     criteria = files.pop("criteria", None)
     tables = NamedTables(declared, files)
-    judged = ledger.judge(tables, *((criteria, job.params.branch) if criteria else ()))
+    settings = (criteria, job.params.branch, job.params.changed) if criteria else ()
+    judged = ledger.judge(tables, *settings)
     for name, path in job.output.items():
         write_table(judged[name], path)
     counts = judged[job.params.ledger]["verdict"].value_counts().items()

@@ -17,14 +17,16 @@ from study import studies
 from study.declared.parameters import build
 from study.declared.references import merged
 from study.ledgers.claims import verdicts, words
+from study.ledgers.claims.changed import Changed, with_inputs
 from study.ledgers.claims.criteria import Claim, ContactProperty, read_claims
 from study.ledgers.claims.independent import independent
 from study.ledgers.claims.shares import shares
 from study.report.check.results import ResultsError
 from study.report.site.pages import render
 from study.report.site.record import read_record
+from study.run.changed import changed_inputs
 from study.run.config import study_rows
-from study.run.study import Made
+from study.run.study import Made, settings_as_shipped
 from study.studies.claims.claim_numbers import CLAIMS, Params, draws_of, numbers_of
 from study.studies.contacts import DRAWN
 from study.tables import Row, parse_table, read_table
@@ -44,7 +46,8 @@ class Judged:
 
     claim: Claim  # Words filled in
     numbers: pd.DataFrame  # As in the table ``claim_numbers``
-    ledger: pd.Series  # Its row of the table ``claims``
+    ledger: pd.Series  # Its row of the table ``claims``, without a mark of changed inputs
+    changed: Changed  # Inputs of the studies that are not as shipped
     results: list[Row]  # Its rows of ``claim_results``
 
 
@@ -88,7 +91,10 @@ def judged(
         numbers, draws = _computed(claim, build(Params, branch), made)
     drawn = shares({name: claim}, draws, made["admissible_contacts"]) if len(draws) else {}
     ledger, results = verdicts({name: claim}, numbers, drawn)
-    return Judged(claim=claim, numbers=numbers, ledger=ledger.iloc[0], results=results)
+    inputs = changed_inputs(made.settings, settings_as_shipped()) if changes else {}
+    return Judged(
+        claim=claim, numbers=numbers, ledger=ledger.iloc[0], changed=inputs, results=results
+    )
 
 
 def with_contacts(
@@ -147,10 +153,11 @@ def tell(name: str, changes: Mapping[str, Any], results: Path, *, broken: bool =
     anew = "computed anew" if changes or contacts else "computed now"
     rest = f"{anew}; what rests on no change from {folder}" if changes or contacts else str(folder)
     settings = yaml.safe_dump(dict(changes), default_flow_style=True).strip() if changes else ""
+    row = with_inputs(claim.ledger, {} if broken else claim.changed)
     factors = f"contacts by {dict(contacts)}" if contacts else ""
     return _page(
         claim.claim,
-        {key: value for key, value in claim.ledger.dropna().items() if value != ""},
+        {key: value for key, value in row.items() if value != "" and pd.notna(value)},
         results=claim.results,
         evidence=evidence.to_dict("records"),
         problems=[each for each in dict.fromkeys(numbers["problem"].dropna()) if each],

@@ -66,6 +66,7 @@ class Settings:
     # the tables that it names, as CSV by table.
     branches: Mapping[str, Mapping[str, Any]]
     rows: Mapping[str, Mapping[str, str]]
+    pairs: Mapping[str, tuple[str, str]]  # Materials of particle and surface of every case
     declared: tuple[Declared, ...]  # Every value as it is used
     unused: tuple[str, ...]  # Places of the laboratory on which no analysis rests
 
@@ -166,6 +167,7 @@ def validate(
             branches(**params), mode="json"
         ),
         rows={name: tables.named(each, bodies) for name, each in named.items()},
+        pairs=bodies,
         # Where the results go is no input: the same study has the same table anywhere.
         declared=tuple(row for row in resolver.rows if not row.key.startswith("pathvars.")),
         unused=unused,

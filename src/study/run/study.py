@@ -61,7 +61,7 @@ def run_study(
     if name not in studies.homes():
         raise ValueError(f"{name!r} is no study{nearest(str(name), studies.homes())}")
     text = json.dumps(changes, default=_plain)
-    settings = _settings(name, text) if changes else _declared()
+    settings = _settings(name, text) if changes else settings_as_shipped()
     rows = study_rows(name, settings, {})
     inputs = dict(tables or {})
     for table, maker in studies.needs(name).items():
@@ -123,7 +123,7 @@ class Made(dict[str, "pd.DataFrame"]):
     def __init__(self, name: str, changes: Mapping[str, Any], results: Path | None = None) -> None:
         super().__init__()
         self.settings = (
-            validate(merged(_shipped(), changes), _shipped()) if changes else _declared()
+            validate(merged(_shipped(), changes), _shipped()) if changes else settings_as_shipped()
         )
         self.results = results
         self.makers = dict(studies.needs(name))
@@ -144,7 +144,7 @@ class Made(dict[str, "pd.DataFrame"]):
 
     def moved(self, name: str) -> bool:
         """Return whether a study, or one that it needs, has changed parameters."""
-        changed = self.settings.branches[name] != _declared().branches[name]
+        changed = self.settings.branches[name] != settings_as_shipped().branches[name]
         return changed or any(self.moved(maker) for maker in set(studies.needs(name).values()))
 
 
@@ -154,7 +154,8 @@ def _made(name: str) -> dict[str, pd.DataFrame]:
 
 
 @cache
-def _declared() -> Settings:
+def settings_as_shipped() -> Settings:
+    """Return what the shipped configuration makes of all studies."""
     base = _shipped()
     return validate(base, base)
 

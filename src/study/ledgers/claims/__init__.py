@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from microimpact.core.nearest import nearest
+from study.ledgers.claims.changed import Changed, with_inputs
 from study.ledgers.claims.criteria import NOT_COMPUTED, Claim, read_claims
 from study.ledgers.claims.digitised import digitised_rows, read_digitised
 from study.ledgers.claims.independent import agreements, independent
@@ -32,11 +33,12 @@ if TYPE_CHECKING:
 COLUMNS = (
     *("id", "where", "statement", "kind", "criterion", "article_value", "computed_value"),
     *("unit", "verdict", "margin", "share", "decided_by", "independent", "evidence"),
-    *("figures", "code", "inputs", "reason", "note"),
+    *("figures", "code", "inputs", "changed_inputs", "reason", "note"),
 )
 AMENDMENT_COLUMNS = ("id", "part", "was", "now", "reason")
 
 NO_SHARES: Mapping[str, Share] = {}
+AS_SHIPPED: Changed = {}
 
 
 class LedgerError(ValueError):
@@ -47,6 +49,7 @@ def judge(
     tables: Mapping[str, pd.DataFrame],
     criteria: Path | str,
     values: Mapping[str, Any] | None = None,
+    changed: Changed = AS_SHIPPED,
 ) -> dict[str, pd.DataFrame]:
     """Return the verdict on every claim of a file, from tables of numbers.
 
@@ -58,6 +61,8 @@ def judge(
         rows after the claims.
     criteria, values
         File of claims and values in its words, see `read_claims`.
+    changed
+        Inputs of the studies that are not as shipped, see `changed.with_inputs`.
 
     Returns
     -------
@@ -73,6 +78,7 @@ def judge(
     ledger, numbers = verdicts(claims, tables["claim_numbers"], drawn)
     evidence = independent(claims, tables.get("external_evidence"))
     ledger["independent"] = ledger["id"].map(agreements(evidence)).fillna("")
+    judged = [with_inputs(row, changed) for _, row in ledger.iterrows()]
     rows, residuals = digitised_rows(read_digitised(criteria), tables["digitised_residuals"])
     amendments = [
         {"id": name, **asdict(amendment)}
@@ -80,7 +86,7 @@ def judge(
         for amendment in claim.amendments
     ]
     return {
-        "claims": pd.DataFrame([*ledger.to_dict("records"), *rows], columns=list(COLUMNS)),
+        "claims": pd.DataFrame([*judged, *rows], columns=list(COLUMNS)),
         "claim_results": pd.DataFrame([*numbers, *residuals], columns=list(RESULT_COLUMNS)),
         "claim_evidence": evidence,
         "claim_amendments": pd.DataFrame(amendments, columns=list(AMENDMENT_COLUMNS)),
@@ -188,6 +194,7 @@ def _judged(claim: Claim, numbers: pd.DataFrame, share: Share | None) -> tuple[R
         "figures": " ".join(claim.figures),
         "code": " ".join(dict.fromkeys(numbers["code"])),
         "inputs": " ".join(sorted({name for text in numbers["inputs"] for name in text.split()})),
+        "changed_inputs": "",
         "reason": claim.reason,
         "note": "; ".join(failed) or claim.reason,
     }

@@ -52,7 +52,10 @@ CLAIM_COLUMNS = (
     *("unit", "verdict", "figures", "note"),
 )
 # Of a ledger of claims; those of earlier versions have none of these.
-LATER_COLUMNS = ("margin", "share", "decided_by", "independent", "code", "inputs", "reason")
+LATER_COLUMNS = (
+    *("margin", "share", "decided_by", "independent", "code", "inputs"),
+    *("changed_inputs", "reason"),
+)
 # Tables with rows of single claims.
 PARTS_OF_CLAIMS = {"results": "results", "facts": "evidence", "amendments": "amendments"}
 # Tables that the page of claims shows below them.

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from markupsafe import Markup
 
+from study.ledgers.claims.changed import OF_ANOTHER
 from study.ledgers.claims.criteria import UNCOUNTED
 from study.ledgers.claims.words import readable, with_unit
 from study.report.site.formula import mathml
@@ -28,6 +29,7 @@ CLAIM_VERDICTS = {
     "undecided": "halved",
     "not testable": "mute",
     "not computed": "mute",
+    OF_ANOTHER: "mute",
 }
 EXTERNAL_VERDICTS = {
     "agrees with independent data": "good",

@@ -1,0 +1,90 @@
+"""Inputs of a run that are not as shipped, by the studies that rest on them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from study import studies
+from study.declared.selection import TABLES
+from study.run.config import Settings
+
+# Names of the declared tables in a study, where they are not those of the files.
+_IN_STUDIES = {"printed_values": "printed"}
+
+
+def changed_inputs(used: Settings, shipped: Settings) -> dict[str, dict[str, str]]:
+    """Return what differs from the shipped inputs of every study and of those that it needs.
+
+    Parameters
+    ----------
+    used, shipped
+        What the configuration of the run, and the shipped one, make of all studies.
+
+    Returns
+    -------
+    dict
+        By study: keys of parameters, as ``force_history.case``, each with the key under which its
+        value is declared. A case of another pair has the keys ``case.particle`` and
+        ``case.surface``, too.
+    """
+    stand = {row.key: row.origin or row.key for row in (*shipped.declared, *used.declared)}
+    differing = {
+        name: {**_parameters(name, used, shipped, stand), **_rows(name, used, shipped)}
+        for name in used.branches
+    }
+    return {
+        name: {key: place for each in _resting(name) for key, place in differing[each].items()}
+        for name in differing
+    }
+
+
+def _resting(name: str) -> dict[str, None]:
+    """Return a study and all that it needs."""
+    makers = dict.fromkeys(studies.needs(name).values())
+    return {name: None} | {each: None for maker in makers for each in _resting(maker)}
+
+
+def _parameters(
+    name: str, used: Settings, shipped: Settings, stand: Mapping[str, str]
+) -> dict[str, str]:
+    before, after = (
+        dict(_leaves(each.branches[name], name, each.pairs)) for each in (shipped, used)
+    )
+    places = {}
+    for key in dict.fromkeys((*before, *after)):
+        if before.get(key) != after.get(key):
+            place = stand.get(key) or stand.get(f"{key}[0]", key).removesuffix("[0]")
+            places[key] = "seed" if key.endswith(".seed") else place
+    return places
+
+
+def _leaves(node: Any, key: str, pairs: Mapping[str, tuple[str, str]]) -> Iterator[tuple[str, Any]]:
+    """Yield every value below a node with its key; a case with its particle and surface."""
+    if isinstance(node, list) and node and isinstance(node[0], Mapping):
+        node = {str(item.get("name", i)): item for i, item in enumerate(node)}
+    if isinstance(node, Mapping):
+        for name, child in node.items():
+            yield from _leaves(child, f"{key}.{name}", pairs)
+        return
+    yield key, node
+    named = {name: pairs[name] for name in _texts(node) if name in pairs}
+    if named and key.rpartition(".")[2] in {"case", "cases"}:
+        for i, body in enumerate(("particle", "surface")):
+            yield f"{key}.{body}", sorted({pair[i] for pair in named.values()})
+
+
+def _texts(node: Any) -> list[str]:
+    return [each for each in (node if isinstance(node, list) else [node]) if isinstance(each, str)]
+
+
+def _rows(name: str, used: Settings, shipped: Settings) -> dict[str, str]:
+    """Return the rows of declared tables that a study is given and that are not as shipped."""
+    rows = {}
+    for table in TABLES:
+        as_used, as_shipped = getattr(used.tables, table), getattr(shipped.tables, table)
+        if as_used.rows != as_shipped.rows:
+            text = used.rows[name].get(_IN_STUDIES.get(table, table), "")
+            for line in set(text.splitlines()) - set(as_shipped.text().splitlines()):
+                rows[f"{name}.{table}.{line}"] = f"{table}.{line.partition(',')[0]}"
+    return rows
