@@ -96,8 +96,8 @@ def checked(name: str, value: object, allowed: Range = FINITE) -> Real:
     ValueError
         If a number is masked, not finite or not in range.
     """
-    if type(value) is float and math.isfinite(value) and allowed.contains(value):
-        return value  # most often, and unchanged
+    if isinstance(value, float) and math.isfinite(value) and allowed.contains(value):
+        return float(value)  # most often, and unchanged
     if hasattr(value, "magnitude") and hasattr(value, "to"):
         value = _plain(name, value)
     if np.ma.is_masked(value):
@@ -178,8 +178,10 @@ def common_shape(named: Mapping[str, object]) -> tuple[int, ...]:
     shapes = {
         name: np.shape(value)  # type: ignore[call-overload]
         for name, value in named.items()
-        if type(value) is not float
+        if not isinstance(value, float)
     }
+    if not shapes:
+        return ()
     try:
         return np.broadcast_shapes(*filter(None, shapes.values()))
     except ValueError:

@@ -73,7 +73,7 @@ def two_stage(
         "capture_speed": checked("capture_speed", capture_speed, POSITIVE),
     }
     undamped = contact.replace(hertz_damping=0.0, adhesion_damping=0.0)
-    shape = common_shape({"contact": np.empty(undamped.shape), **targets})
+    shape = common_shape({"contact": undamped.extent, **targets})
     every = np.stack(
         [np.broadcast_to(target, shape).ravel() for target in targets.values()], axis=-1
     )

@@ -133,6 +133,8 @@ class Contact:
     law: ContactLaw | None = None
     adhesion_input: str = field(init=False, default="")
     shape: tuple[int, ...] = field(init=False, default=())
+    # Mass, velocity scale, r^(1/2) K and equilibrium compression, which every impact needs.
+    scales: tuple[Real, ...] = field(init=False, default=(), repr=False, compare=False)
 
     def __post_init__(self) -> None:
         for name in ("particle", "surface"):
@@ -183,6 +185,9 @@ class Contact:
             self._set("work_of_adhesion", work_from_ring_force(self.ring_force, radius, stiffness))
         elif self.work_of_adhesion is not None:
             self._set("ring_force", ring_force_from_work(self.work_of_adhesion, radius, stiffness))
+        hertz = np.sqrt(radius) * self.stiffness
+        scales = (self.mass, self.velocity_scale, hertz, self.equilibrium_compression)
+        self._set("scales", scales if self.shape else tuple(map(float, scales)))
         sums = np.array([np.sum(self.mass), np.sum(self.stiffness), np.sum(self.velocity_scale)])
         if not (np.all(np.isfinite(sums)) and np.all(np.asarray(self.mass) > 0.0)):
             raise ValueError(
@@ -216,6 +221,11 @@ class Contact:
         for name in curved:
             self._check(name, POSITIVE)
         self._set("shape", common_shape(self._arrays()))
+
+    @property
+    def extent(self) -> Real:
+        """An array of the shape of the fields without memory, or a number, to broadcast with."""
+        return np.broadcast_to(0.0, self.shape) if self.shape else 0.0
 
     def _set(self, name: str, value: object) -> None:
         object.__setattr__(self, name, value)
@@ -378,6 +388,6 @@ class Contact:
         """Adhesion damping in s/m of an impact with normal speed ``speed`` (m/s, positive)."""
         if self.reference_velocity is None:
             return self.adhesion_damping
-        ratio = self.reference_velocity / np.asarray(speed)
+        ratio = self.reference_velocity / speed
         with np.errstate(over="ignore"):
             return self.adhesion_damping * np.power(ratio, self.adhesion_rate_exponent)

@@ -7,6 +7,7 @@ are algebra. All compiled functions are in this one module, see `core.compiled`.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -76,6 +77,15 @@ def flat(values: Real, shape: tuple[int, ...]) -> FloatArray:
     array = array.reshape(-1)
     array.setflags(write=False)
     return array
+
+
+def flats(columns: Sequence[Real], shape: tuple[int, ...]) -> Iterable[FloatArray]:
+    """Flatten several values, see `flat`; those of a single impact in one array, which is fast."""
+    if shape:
+        return (flat(values, shape) for values in columns)
+    numbers = np.array(columns, dtype=np.float64).reshape(-1, 1)
+    numbers.setflags(write=False)
+    return numbers
 
 
 def outcomes(shape: tuple[int, ...]) -> tuple[FloatArray, BoolArray]:

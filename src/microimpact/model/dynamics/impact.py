@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -169,11 +169,11 @@ class Spins:
 def friction_impulse(
     contact: Contact,
     normal: NormalImpact,
-    slip: FloatArray,
+    slip: Real,
     basis: str,
     speed: Real,
     tangential: str = "rigid",
-) -> tuple[FloatArray, BoolArray]:
+) -> tuple[Any, BoolArray]:
     """Friction impulse per mass against the slip, m/s, and whether the sphere ends rolling.
 
     Parameters
@@ -202,9 +202,11 @@ def friction_impulse(
         assert impulse is not None
         sliding = available = impulse / contact.mass
     # A captured sphere is pressed on for ever: it rolls in the end, if there is friction at all.
-    stays = normal.captured & (np.asarray(contact.friction) > 0.0)
+    stays = normal.captured & (contact.friction > 0.0)
     if tangential == "rigid":
         rolling = stays | (SLIP_PER_IMPULSE * contact.friction * available >= slip)
+        if isinstance(rolling, np.bool_):
+            return slip / SLIP_PER_IMPULSE if rolling else contact.friction * sliding, rolling
         return np.where(rolling, slip / SLIP_PER_IMPULSE, contact.friction * sliding), rolling
     impulse, stuck = compliant_impulse(contact, normal, slip, speed, tangential, basis)
     impulse = np.where(stays, slip / SLIP_PER_IMPULSE, impulse)
@@ -257,7 +259,7 @@ def planar(
     omega = checked("omega", omega, FINITE)
     partner_spin = checked("partner_spin", partner_spin, FINITE)
     arguments = {"v_n": v_n, "v_t": v_t, "omega": omega, "partner_spin": partner_spin}
-    shape = common_shape({"contact": np.empty(contact.shape), **arguments})
+    shape = common_shape({"contact": contact.extent, **arguments})
     spins = Spins.of(contact, omega, partner_spin)
     return _planar(contact, v_n, v_t, spins, shape, basis, law, tangential)
 
@@ -273,17 +275,17 @@ def _planar(
     tangential: str,
 ) -> Impact:
     """Return planar impacts of a shape, of arguments that are checked; see `planar`."""
-    speed, radius, omega = np.abs(v_n), contact.radius, spins.joint
+    speed, radius, omega = -v_n, contact.radius, spins.joint
     normal = _normal(contact, speed, basis, law)
-    slip = np.asarray(v_t - radius * omega)
+    slip = v_t - radius * omega
     size, rolling = friction_impulse(contact, normal, np.abs(slip), basis, speed, tangential)
-    out, _ = passes.outcomes(shape)
+    out = passes.outcomes(shape)[0]
     columns = speed, v_t, omega, radius, normal.coefficient_of_restitution, np.sign(slip) * size
-    passes.planar(*(passes.flat(values, shape) for values in columns), out)
+    passes.planar(*passes.flats(columns, shape), out)
     impact = Impact(
         **planar_fields(out, shape),
-        captured=np.broadcast_to(normal.captured, shape)[()],
-        rolling=np.broadcast_to(rolling, shape)[()],
+        captured=_shaped(normal.captured, shape),
+        rolling=_shaped(rolling, shape),
         contact_time=_shaped(normal.contact_time, shape),
         maximum_compression=_shaped(normal.maximum_compression, shape),
         interpolation_error=normal.interpolation_error,
@@ -291,8 +293,11 @@ def _planar(
     return spins.separate(impact)
 
 
-def planar_fields(out: FloatArray, shape: tuple[int, ...]) -> dict[str, FloatArray]:
+def planar_fields(out: FloatArray, shape: tuple[int, ...]) -> dict[str, Any]:
     """Return the fields of an `Impact` that a compiled pass has written."""
+    if not shape:
+        numbers = out[:, 0].tolist()
+        return {name: numbers[row] for name, row in PLANAR.items()}
     return {name: out[row].reshape(shape)[()] for name, row in PLANAR.items()}
 
 
@@ -361,7 +366,7 @@ def incident(
     arguments = {"speed": checked("speed", speed, SPEED), "angle": checked("angle", angle, ANGLE)}
     turning = checked("spin", spin, FINITE), checked("partner_spin", partner_spin, FINITE)
     together = arguments | dict(zip(("spin", "partner_spin"), turning, strict=True))
-    shape = common_shape({"contact": np.empty(contact.shape), **together})
+    shape = common_shape({"contact": contact.extent, **together})
     return arguments, Spins.of(contact, *turning), shape
 
 
@@ -384,17 +389,18 @@ def _normal(contact: Contact, speed: Real, basis: str, law: NormalLaw | None) ->
     return law(contact, speed) if law else normal_impact(contact, speed, ledger=basis == "hertz")
 
 
-def _shaped(values: Real, shape: tuple[int, ...]) -> FloatArray:
-    array = np.asarray(values, dtype=np.float64)
-    return (array if array.shape == shape else np.broadcast_to(array, shape))[()]
+def _shaped(values: Any, shape: tuple[int, ...]) -> Any:
+    """Values broadcast to a shape; a single number or flag stays a number or flag."""
+    if not shape:
+        return values[()] if isinstance(values, np.ndarray) else values
+    return values if np.shape(values) == shape else np.broadcast_to(values, shape)
 
 
 def velocity_components(speed: Real, angle: Real) -> tuple[Real, Real]:
     """Normal (negative) and tangential velocity at an angle of incidence in degrees."""
-    angle = np.asarray(angle)
     # cos(90 degrees) must be exactly zero: the complement goes through the sine.
     along = np.sin(np.radians(90.0 - angle))
-    return (-speed * np.sin(np.radians(angle)))[()], (speed * along)[()]
+    return -speed * np.sin(np.radians(angle)), speed * along
 
 
 def spatial(
@@ -439,7 +445,7 @@ def spatial(
         if vectors[name].shape[-1:] != (3,):
             raise ValueError(f"{name} must have shape (..., 3), got {vectors[name].shape}")
     leading = {name: vector[..., 0] for name, vector in vectors.items()}
-    shape = common_shape({"contact": np.empty(contact.shape), **leading})
+    shape = common_shape({"contact": contact.extent, **leading})
     v = np.broadcast_to(vectors["velocity"], (*shape, 3))
     spins = Spins.of(contact, vectors["spin"], vectors["partner_spin"], vectors=True)
     w = np.broadcast_to(spins.joint, (*shape, 3))
@@ -461,7 +467,7 @@ def spatial(
     linear = energy - np.sum(np.square(after_v), axis=-1)
     rotational = -radius * np.sum(turn * (w + after_w), axis=-1)
 
-    def shaped(values: Real) -> FloatArray:
+    def shaped(values: Real) -> Any:
         return _shaped(values, shape)
 
     impact = SpatialImpact(

@@ -86,7 +86,7 @@ def scaled(contact: Contact, speed: Real) -> tuple[Problem, Scales, tuple[int, .
 
     Raises ValueError if shapes do not broadcast, or an impact is too viscous for double precision.
     """
-    shape = common_shape({"contact": np.empty(contact.shape), "speed": speed})
+    shape = common_shape({"contact": contact.extent, "speed": speed})
 
     def flat(value: object) -> FloatArray:
         return np.full(shape, value, dtype=np.float64).ravel()

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -144,47 +145,61 @@ def scaled_problems(contact: Contact, speed: Real) -> tuple[FloatArray, Scales, 
     Raises ValueError if shapes do not broadcast, or a speed is too small or damped too heavily for
     double precision.
     """
-    shape = common_shape({"contact": np.empty(contact.shape), "speed": speed})
+    shape = common_shape({"contact": contact.extent, "speed": speed})
 
-    def flat(value: Real) -> FloatArray:
-        return passes.flat(value, shape)
+    def flat(value: Real) -> Any:
+        return passes.flat(value, shape) if shape else float(value)
 
-    v, own_scale, mass = flat(speed), flat(contact.velocity_scale), flat(contact.mass)
-    if np.any(slow := v < SMALLEST_SPEED * own_scale):
+    # Plain numbers are ten times as fast as arrays of one.
+    where: Any = np.where if shape else _either
+    v, (mass, own_scale, hertz, equilibrium) = flat(speed), map(flat, contact.scales)
+    hertz_damping, damping = flat(contact.hertz_damping), flat(contact.adhesion_damping_at(speed))
+    _require_computable(v, own_scale, hertz_damping * v)
+    adhesive = v < own_scale
+    length = where(adhesive, equilibrium, np.power(mass * v * v / hertz, 0.4))
+    velocity = where(adhesive, own_scale, v)
+    always_captured = (equilibrium > 0.0) & (
+        (hertz_damping * own_scale > ALWAYS_CAPTURED_HERTZ_GROUP)
+        | (damping * own_scale > ALWAYS_CAPTURED_ADHESION_GROUP)
+    )
+    problems = np.zeros((math.prod(shape), kernel.PROBLEM_COLUMNS))
+    rows = problems.T if shape else problems[0]
+    rows[kernel.START_U], rows[kernel.ADHESION] = v / velocity, equilibrium / length
+    rows[kernel.HERTZ_DAMPING] = hertz_damping * velocity
+    rows[kernel.DAMPING_2] = where(always_captured, 0.0, damping * velocity)
+    if contact.damped_attachment:
+        rows[kernel.DAMPING_1] = damping * velocity
+    rows[kernel.ALWAYS_CAPTURED] = always_captured
+    scales = (length, velocity, mass) if shape else np.array([[length], [velocity], [mass]])
+    return problems, Scales(*scales), shape
+
+
+def _either(condition: bool, true: float, false: float) -> float:
+    """Return the one or the other number, as `np.where` does for arrays."""
+    return true if condition else false
+
+
+def _require_computable(speed: Real, velocity_scale: Real, damping: Real) -> None:
+    """Refuse speeds that are too small, or damped too heavily, for double precision."""
+    slow = speed < SMALLEST_SPEED * velocity_scale
+    heavy = damping > LARGEST_DAMPING
+    if slow is False and heavy is False:
+        return
+    if np.any(slow):
         raise ValueError(
             f"speed must be at least {SMALLEST_SPEED:g} of the contact's velocity scale, "
-            f"got {np.broadcast_to(v, slow.shape)[slow][0]:g} m/s"
+            f"got {np.broadcast_to(speed, np.shape(slow))[slow][0]:g} m/s"
         )
-    hertz = flat(np.sqrt(contact.hertz_radius) * contact.stiffness)
-    equilibrium = flat(contact.equilibrium_compression)
-    adhesive = v < own_scale
-    length = np.where(adhesive, equilibrium, (mass * v**2 / hertz) ** 0.4)
-    velocity = np.where(adhesive, own_scale, v)
-    damping = flat(contact.adhesion_damping_at(speed))
-    heaviest = flat(contact.hertz_damping) * v
-    if np.any(heaviest > LARGEST_DAMPING):
+    if np.any(heavy):
         raise ValueError(
-            f"hertz_damping times speed must be at most {LARGEST_DAMPING:g}, got {heaviest.max():g}"
+            f"hertz_damping times speed must be at most {LARGEST_DAMPING:g}, "
+            f"got {np.max(damping):g}"
         )
-    always_captured = (flat(contact.hertz_damping) * own_scale > ALWAYS_CAPTURED_HERTZ_GROUP) | (
-        damping * own_scale > ALWAYS_CAPTURED_ADHESION_GROUP
-    )
-    always_captured &= equilibrium > 0.0
-    problems = np.zeros((math.prod(shape), kernel.PROBLEM_COLUMNS))
-    problems[:, kernel.START_U] = v / velocity
-    problems[:, kernel.ADHESION] = equilibrium / length
-    problems[:, kernel.HERTZ_DAMPING] = flat(contact.hertz_damping) * velocity
-    problems[:, kernel.DAMPING_2] = np.where(always_captured, 0.0, damping * velocity)
-    if contact.damped_attachment:
-        problems[:, kernel.DAMPING_1] = damping * velocity
-    problems[:, kernel.ALWAYS_CAPTURED] = always_captured
-    return problems, Scales(length, velocity, mass), shape
 
 
-def is_shallow(problems: FloatArray) -> BoolArray:
-    """Tell for each problem (last axis) whether its energy must be taken from the works."""
-    slow = problems[..., kernel.START_U] < SHALLOW_SPEED
-    shallow: BoolArray = (problems[..., kernel.ADHESION] == 1.0) & slow
+def is_shallow(start: FloatArray, adhesion: FloatArray) -> BoolArray:
+    """Tell for each problem, of a start and adhesion, whether its energy is that of the works."""
+    shallow: BoolArray = (adhesion == 1.0) & (start < SHALLOW_SPEED)
     return shallow
 
 
@@ -193,33 +208,41 @@ def integrate(problems: FloatArray, *, ledger: bool) -> FloatArray:
 
     Raises RuntimeError if an integration did not come to an end.
     """
-    start, adhesion = problems[:, kernel.START_U], problems[:, kernel.ADHESION]
-    stiff = problems[:, kernel.HERTZ_DAMPING] * start > STIFF
-    shallow = is_shallow(problems) & ~stiff
+    results = np.zeros((problems.shape[0], kernel.RESULT_COLUMNS))
+    rows, after = (problems[0], results[0]) if len(problems) == 1 else (problems.T, results.T)
+    start, adhesion = rows[kernel.START_U], rows[kernel.ADHESION]
+    stiff = rows[kernel.HERTZ_DAMPING] * start > STIFF
+    shallow = is_shallow(start, adhesion) & ~stiff
     plain = ~(shallow | stiff)
     mode = kernel.LEDGER if ledger else kernel.PLAIN
-    results = np.zeros((problems.shape[0], kernel.RESULT_COLUMNS))
     _run(problems, shallow, kernel.SHALLOW, results)
     _run(problems, plain, mode, results)
-    if np.any(stiff):
-        results[stiff] = _stiff(problems[stiff], mode)
-    slow = plain & (adhesion == 1.0) & (results[:, kernel.STATUS] == kernel.REBOUND)
-    slow &= -results[:, kernel.END_U] < SLOW_REBOUND * start
+    if _number(stiff):
+        chosen = np.atleast_1d(stiff)
+        results[chosen] = _stiff(problems[chosen], mode)
+    slow = plain & (adhesion == 1.0) & (after[kernel.STATUS] == kernel.REBOUND)
+    slow &= -after[kernel.END_U] < SLOW_REBOUND * start
     _run(problems, slow, kernel.SHALLOW, results)
-    failed = np.flatnonzero(results[:, kernel.STATUS] == kernel.FAILED)
-    if failed.size:
+    failed = after[kernel.STATUS] == kernel.FAILED
+    if number := _number(failed):
         raise RuntimeError(
-            f"the integration of {failed.size} impact(s) failed; "
-            f"the first in scaled form: {problems[failed[0]].tolist()}"
+            f"the integration of {number} impact(s) failed; "
+            f"the first in scaled form: {problems[np.atleast_1d(failed)][0].tolist()}"
         )
     return results
 
 
+def _number(chosen: BoolArray | np.bool_) -> int:
+    """Return how many are chosen, quickly for a single one."""
+    return int(chosen) if isinstance(chosen, np.bool_) else int(np.count_nonzero(chosen))
+
+
 def _run(problems: FloatArray, chosen: BoolArray, mode: int, results: FloatArray) -> None:
-    if np.all(chosen):
+    number = _number(chosen)
+    if number == len(problems):
         kernel.integrate(problems, mode, results)
-    elif np.any(chosen):
-        part = np.zeros((int(chosen.sum()), kernel.RESULT_COLUMNS))
+    elif number:
+        part = np.zeros((number, kernel.RESULT_COLUMNS))
         kernel.integrate(np.ascontiguousarray(problems[chosen]), mode, part)
         results[chosen] = part
 
@@ -347,9 +370,11 @@ def normal_impact(contact: Contact, speed: Real, *, ledger: bool = False) -> Nor
     results = integrate(problems, ledger=ledger)
     outcomes = np.empty((kernel.OUTCOMES, len(results)))
     kernel.outcomes(problems, results, scales.length, scales.velocity, scales.mass, outcomes)
-    e, time, turning, depth, compressive, peak, hertz = (row.reshape(shape) for row in outcomes)
+    rows: Any = [row.reshape(shape) for row in outcomes] if shape else outcomes[:, 0].tolist()
+    e, time, turning, depth, compressive, peak, hertz = rows
+    status = results[:, kernel.STATUS].reshape(shape) if shape else results[0, kernel.STATUS]
     return NormalImpact(
-        captured=(results[:, kernel.STATUS] == kernel.CAPTURED).reshape(shape),
+        captured=status == kernel.CAPTURED,
         coefficient_of_restitution=e,
         contact_time=time,
         compression_time=turning,

@@ -92,7 +92,7 @@ def contact_shear_modulus(particle: Material, surface: Material) -> Real:
 
 
 def compliant_impulse(
-    contact: Contact, normal: NormalImpact, slip: FloatArray, speed: Real, law: str, basis: str
+    contact: Contact, normal: NormalImpact, slip: Real, speed: Real, law: str, basis: str
 ) -> tuple[FloatArray, BoolArray]:
     """Impulse of the tangential force per mass, m/s, and whether the contact stuck for some time.
 
@@ -123,7 +123,7 @@ def compliant_impulse(
     shear = contact_shear_modulus(contact.particle, contact.surface)
     stiffness = flat(8.0 * shear / contact.stiffness)
     end = flat(normal.coefficient_of_restitution) * scaled[:, kernel.START_U]
-    problems = np.empty((slip.size, PROBLEM_COLUMNS))
+    problems = np.empty((math.prod(shape), PROBLEM_COLUMNS))
     columns: dict[int, FloatArray | bool] = {
         START_U: scaled[:, kernel.START_U],
         ADHESION: scaled[:, kernel.ADHESION],
@@ -149,7 +149,7 @@ def compliant_impulse(
             f"the tangential force of {np.sum(results[:, ENDED] == 0.0)} impact(s) was not found: "
             f"c_H v is {heaviest:.3g} at most, too much damping for tangential {law!r}"
         )
-    lost, stuck = np.zeros(slip.size), np.zeros(slip.size, dtype=bool)
+    lost, stuck = np.zeros(len(problems)), np.zeros(len(problems), dtype=bool)
     lost[free] = problems[free, START_SLIP] - results[:, SLIP]
     stuck[free] = results[:, STUCK] > 0.0
     impulse = lost * scales.velocity / SLIP_PER_IMPULSE

@@ -166,7 +166,8 @@ def _sample(
         series, ends = np.zeros((room, 2, kernel.ORDER + 1)), np.zeros((room, 3))
         # An impact that rebounds ends at s = 0, not by the clock, whose last digit is rounding.
         stop = end if captured else np.inf
-        steps = kernel.record(problem, bool(is_shallow(problem)), stop, series, ends)
+        shallow = bool(is_shallow(problem[kernel.START_U], problem[kernel.ADHESION]))
+        steps = kernel.record(problem, shallow, stop, series, ends)
         room *= 8
     series, ends = series[:steps], ends[:steps]
     stops = np.cumsum(ends[:, 1])

@@ -290,7 +290,7 @@ class Law:
             If the contacts are damped otherwise, or only some adhere.
         """
         self.family.require(contact)
-        shape = common_shape({"contact": np.empty(contact.shape), "speed": speed})
+        shape = common_shape({"contact": contact.extent, "speed": speed})
         w, position = self.family.coordinates(contact, np.broadcast_to(speed, shape))
         values, captured = self.quantities(np.ravel(w), np.ravel(position), threads=threads)
         length, velocity, mass = self.family.scales(contact, np.asarray(speed))
