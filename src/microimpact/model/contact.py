@@ -341,7 +341,10 @@ class Contact:
     @property
     def is_pair(self) -> bool:
         """Whether the contact is one of two spheres."""
-        return bool(np.any(np.isfinite(self.partner_diameter)))
+        partner = self.partner_diameter
+        if isinstance(partner, float):
+            return math.isfinite(partner)
+        return bool(np.any(np.isfinite(partner)))
 
     @property
     def mass_share(self) -> Real:

@@ -13,8 +13,9 @@ spin's change, and the second by the rest. Both turn in the same sense.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any, TypeVar
 
 import numpy as np
@@ -44,6 +45,9 @@ PULL_OFF = "pull-off"
 SPEED_OF_LIGHT = 299_792_458.0
 SPEED = Range(lower=0.0, upper=SPEED_OF_LIGHT)
 ANGLE = Range(lower=0.0, upper=90.0, upper_closed=True)
+
+# Impacts integrated at a time: so many take all of the memory but that for the outcomes.
+BLOCK = 2**16
 
 # Fields of an `Impact` by the rows of a compiled pass.
 PLANAR = {
@@ -135,7 +139,7 @@ class Spins:
 
     sphere: Real
     partner: Real
-    size: Real  # Radius of the partner over the sphere's, 0 without one
+    size: Real | None  # Radius of the partner over the sphere's; None without one
     share: Real  # Reduced mass over the sphere's
 
     @classmethod
@@ -144,9 +148,14 @@ class Spins:
 
         Raises ValueError if a second sphere spins that is not there.
         """
-        if not contact.is_pair and np.any(partner_spin):
-            raise ValueError("partner_spin is of a second sphere: contact has no partner_diameter")
-        size = np.asarray(contact.partner_diameter if contact.is_pair else 0.0) / contact.diameter
+        if not contact.is_pair:
+            spinning = partner_spin if isinstance(partner_spin, float) else np.any(partner_spin)
+            if spinning:
+                raise ValueError(
+                    "partner_spin is of a second sphere: contact has no partner_diameter"
+                )
+            return cls(spin, partner_spin, None, 1.0)
+        size = np.asarray(contact.partner_diameter) / contact.diameter
         share = np.asarray(contact.mass_share)
         if vectors:
             size, share = size[..., None], share[..., None]
@@ -155,11 +164,11 @@ class Spins:
     @property
     def joint(self) -> Real:
         """Spin of one sphere with the slip and the energy of both."""
-        return self.sphere + self.size * self.partner
+        return self.sphere if self.size is None else self.sphere + self.size * self.partner
 
     def separate(self, impact: AnyImpact) -> AnyImpact:
         """Return an impact computed with the joint spin, with the spins of both spheres."""
-        if not np.any(self.size):
+        if self.size is None:
             return impact
         turn = impact.spin - self.joint
         partner = self.partner + (1.0 - self.share) / self.size * turn
@@ -275,10 +284,12 @@ def _planar(
     tangential: str,
 ) -> Impact:
     """Return planar impacts of a shape, of arguments that are checked; see `planar`."""
+    if law is None and math.prod(shape) > BLOCK:
+        return _in_blocks(contact, v_n, v_t, spins, shape, basis, tangential)
     speed, radius, omega = -v_n, contact.radius, spins.joint
     normal = _normal(contact, speed, basis, law)
     slip = v_t - radius * omega
-    size, rolling = friction_impulse(contact, normal, np.abs(slip), basis, speed, tangential)
+    size, rolling = friction_impulse(contact, normal, abs(slip), basis, speed, tangential)
     out = passes.outcomes(shape)[0]
     columns = speed, v_t, omega, radius, normal.coefficient_of_restitution, np.sign(slip) * size
     passes.planar(*passes.flats(columns, shape), out)
@@ -291,6 +302,41 @@ def _planar(
         interpolation_error=normal.interpolation_error,
     )
     return spins.separate(impact)
+
+
+def _in_blocks(
+    contact: Contact,
+    v_n: Real,
+    v_t: Real,
+    spins: Spins,
+    shape: tuple[int, ...],
+    basis: str,
+    tangential: str,
+) -> Impact:
+    """Return impacts as `_planar` does, with memory for their outcomes and one block."""
+    outcome: dict[str, Any] = {}
+    size = math.prod(shape)
+    for start in range(0, size, BLOCK):
+        part = slice(start, min(start + BLOCK, size))
+        index = np.unravel_index(np.arange(part.start, part.stop), shape)
+        along, across, turning = (_at(values, shape, index) for values in (v_n, v_t, spins))
+        contacts = contact.at(index, shape) if contact.shape else contact
+        impact = _planar(contacts, along, across, turning, index[0].shape, basis, None, tangential)
+        for field in fields(Impact):
+            values = getattr(impact, field.name)
+            if np.ndim(values):
+                whole = outcome.setdefault(field.name, np.empty(size, values.dtype))
+                whole[part] = values
+            else:  # one number for all
+                outcome[field.name] = values
+    return Impact(**{k: v.reshape(shape) if np.ndim(v) else v for k, v in outcome.items()})
+
+
+def _at(values: Any, shape: tuple[int, ...], index: Any) -> Any:
+    """Return part of values, or of the spins of several impacts, that broadcast to a shape."""
+    if isinstance(values, Spins):
+        return Spins(*(_at(getattr(values, f.name), shape, index) for f in fields(Spins)))
+    return np.broadcast_to(values, shape)[index] if np.ndim(values) else values
 
 
 def planar_fields(out: FloatArray, shape: tuple[int, ...]) -> dict[str, Any]:

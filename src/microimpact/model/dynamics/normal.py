@@ -198,7 +198,7 @@ def _require_computable(speed: Real, velocity_scale: Real, damping: Real) -> Non
 
 
 def is_shallow(start: FloatArray, adhesion: FloatArray) -> BoolArray:
-    """Tell for each problem, of a start and adhesion, whether its energy is that of the works."""
+    """Whether an energy must be taken from the works, by the start and adhesion of problems."""
     shallow: BoolArray = (adhesion == 1.0) & (start < SHALLOW_SPEED)
     return shallow
 

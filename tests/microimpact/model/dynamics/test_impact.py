@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from scipy.integrate import cumulative_simpson
 
 from microimpact.model.choices import FRICTION_BASES
+from microimpact.model.dynamics import impact
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import planar, simulate, spatial
 from microimpact.model.dynamics.normal import normal_impact
@@ -483,3 +484,13 @@ def test_a_captured_sphere_rolls_only_by_friction(contact, friction):
     assert bool(impact.rolling) == (friction > 0.0)
     v_n = 0.5 * capture_velocity(contact)
     assert bool(spatial(smooth, (0.1, 0.0, -v_n)).rolling) == (friction > 0.0)
+
+
+def test_impacts_in_blocks_are_those_in_one(contact, monkeypatch):
+    several = contact.replace(diameter=np.linspace(1e-5, 1e-4, 4)[:, None])
+    states = np.geomspace(0.01, 3.0, 5), 60.0, np.linspace(0.0, 1e5, 5)
+    one = simulate(several, *states)
+    monkeypatch.setattr(impact, "BLOCK", 7)
+    blocks = simulate(several, *states)
+    for name in FIELDS:
+        np.testing.assert_array_equal(getattr(blocks, name), getattr(one, name))
