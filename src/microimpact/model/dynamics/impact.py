@@ -288,7 +288,7 @@ def _planar(
         return _in_blocks(contact, v_n, v_t, spins, shape, basis, tangential)
     speed, radius, omega = -v_n, contact.radius, spins.joint
     normal = _normal(contact, speed, basis, law)
-    slip = v_t - radius * omega
+    slip: Any = v_t - radius * omega
     size, rolling = friction_impulse(contact, normal, abs(slip), basis, speed, tangential)
     out = passes.outcomes(shape)[0]
     columns = speed, v_t, omega, radius, normal.coefficient_of_restitution, np.sign(slip) * size
