@@ -24,7 +24,6 @@ TINY = {
     "claim_numbers": {
         "draws": {
             "variants": {"with the printed v_c": 4, "without the printed v_c": 2},
-            "claims": ["C05", "C12", "C68"],
         }
     },
     "fit_coverage": {

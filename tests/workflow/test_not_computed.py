@@ -49,8 +49,7 @@ def test_only_claims_that_rest_on_it_have_no_number(lacking, monkeypatch):
     problems = table.groupby("claim")["problem"].agg(set)
     assert problems["C01"] == {""}
     assert problems["C10"] == {WHY}
-    # claims of drawn contacts are not judged by the calibrated ones instead
-    assert set(problems.index) == {"C01", "C10", *params.draws.claims}
+    assert set(problems.index) == {"C01", "C10"}
 
 
 def test_a_figure_without_data_says_why(tmp_path):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +28,7 @@ from study.run.changed import changed_inputs
 from study.run.config import study_rows
 from study.run.study import Made, settings_as_shipped
 from study.studies.claims.claim_numbers import CLAIMS, Params, draws_of, numbers_of
+from study.studies.claims.claim_numbers.params import Common
 from study.studies.contacts import DRAWN
 from study.tables import Row, parse_table, read_table
 
@@ -212,12 +213,10 @@ def _shipped(results: Path) -> bool:
         return False
 
 
-def _computed(claim: Claim, params: Params, made: Made) -> tuple[pd.DataFrame, pd.DataFrame]:
+def _computed(claim: Claim, params: Common, made: Made) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Return the numbers of a claim, and those for admissible contacts if it has some."""
     rows = study_rows(STUDY, made.settings, {})
     made.update({key: parse_table(text) for key, text in rows.items()})
     numbers = numbers_of(claim.id, params, made)
-    if claim.id not in params.draws.claims:
-        return numbers, pd.DataFrame()
-    alone = replace(params, draws=replace(params.draws, claims=(claim.id,)))
-    return numbers, draws_of(alone, made)
+    drawn = CLAIMS[claim.id].by_contact
+    return numbers, draws_of(params, made, claim.id) if drawn else pd.DataFrame()

@@ -26,7 +26,7 @@ from study import studies
 from study.declared.documents import ConfigError, load, located
 from study.declared.parameters import Known, Name, adapter, build, explain
 from study.declared.provenance import Declared, unit_of
-from study.declared.references import Resolver
+from study.declared.references import Resolver, merged
 from study.declared.selection import TABLES, DeclaredTable, DeclaredTables, read_all
 from study.figures.registry import FigureSpec, filled, registry
 from study.run.digitised import Digitised, as_rows, read_folder
@@ -81,7 +81,7 @@ FILES = (*TABLES, "figures", "claims", "digitised")
 
 
 def read_configuration(folder: Path | str) -> dict[str, Any]:
-    """Read a folder of configuration: general keys, the laboratory, and the analyses by section.
+    """Read a folder of configuration: general keys, laboratory, analyses, settings of claims.
 
     Raises ConfigError, in one line, if a file is no proper YAML, or a key stands in two of them.
     """
@@ -92,7 +92,12 @@ def read_configuration(folder: Path | str) -> dict[str, Any]:
         if twice := set(configuration) & set(content):
             raise ConfigError(f"{path}: {', '.join(sorted(twice))}: stands in another file, too")
         configuration |= content
-    return configuration
+    settings = {
+        name: claim["with"]
+        for name, claim in load(folder / "claims.yaml").items()
+        if isinstance(claim, Mapping) and "with" in claim
+    }
+    return merged({"claim_numbers": settings}, configuration)  # type: ignore[no-any-return]
 
 
 def validate(

@@ -101,7 +101,7 @@ CASES = [
     (LABORATORY, "    case: steel-formica", "    case: steel-formic", ["drops.steel on Formica.case: 'steel-formic' is not declared in cases (did you mean 'steel-formica'?)"]),
     (EXPERIMENTS, "populations:\n    SST65: {from: particles.SST65}\n    SST125: {from: particles.SST125}", "populations: [SST65, SST125]", ["normal_experiments.populations: must be a mapping: a name, then its fields"]),
     (LABORATORY, "target_radius_mm: {value: 5.0", "target_radius_mm: {value: 5.5", ["pile.target_radius_mm: 5.5 must be one of radii_mm, [3, 5, 10]"]),
-    ("analyses/claims.yaml", "falling_loss_deg: {values: [50, 10]", "falling_loss_deg: {values: [5, 10]", ["claim_numbers.oblique.falling_loss_deg: [5, 10] must descend"]),
+    ("claims.yaml", "angles_deg: {values: [50, 10]", "angles_deg: {values: [5, 10]", ["claim_numbers.C13.angles_deg: [5, 10] must descend"]),
     (LABORATORY, "speed_range_m_per_s: {values: [1.6, 1.72]", "speed_range_m_per_s: {values: [1.72, 1.6]", ["speeds.nominal.speed_range_m_per_s: [1.72, 1.6] must ascend"]),
     (LABORATORY, "speed_range_m_per_s: {values: [1.6, 1.72]", "speed_range_m_per_s: {values: [1.6]", ["speeds.nominal.speed_range_m_per_s[1]: missing"]),
     (LABORATORY, "angles_deg: {values: [85, 80, 75, 70, 60, 55, 50, 45, 40, 30, 20, 15, 10, 5]", "angles_deg: {values: [95]", ["experiment.angles_deg[0]: 95 must be less than or equal to 90"]),

@@ -81,8 +81,8 @@ def test_a_changed_value_changes_the_reasons_that_tell_it():
     assert list(labels) == ["captured share below 0.2 m/s", "captured share below 0.4 m/s"]
     assert "restitution 0.70, sliding with friction 0.15" in here["C45"].reason
     assert "at 0.25, 0.45, 0.75 and 1.66 m/s" in here["C101"].reason
-    with pytest.raises(ConfigError, match=r"C\d+\.reason: no parameter 'fall\.\S+'"):
-        read_claims(SHIPPED, branch | {"fall": {}})
+    with pytest.raises(ConfigError, match=r"C04\.\S+: no parameter 'speed_m_per_s'"):
+        read_claims(SHIPPED, branch | {"C04": {}})
 
 
 def doubled(node):

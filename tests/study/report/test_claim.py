@@ -32,8 +32,8 @@ def test_a_claim_is_told_with_all_that_decides_it(nowhere):
     ("setting", "verdict"),
     [
         # of the claim's own branch, and of a study that its numbers rest on
-        ("claim_numbers.fall.pile_up_speed_m_per_s=0.44", "reproduced"),
-        ("claim_numbers.fall.pile_up_speed_m_per_s=0.2", "not reproduced"),
+        ("claim_numbers.C04.speed_m_per_s=0.44", "reproduced"),
+        ("claim_numbers.C04.speed_m_per_s=0.2", "not reproduced"),
     ],
 )
 def test_a_changed_value_gives_another_verdict(setting, verdict, nowhere):
@@ -70,9 +70,9 @@ def test_a_claim_without_a_test_is_told(nowhere):
         (["C10O"], "'C10O' is no claim (did you mean 'C10'?)"),
         (["C04", "--set", "claim_numbers"], "--set: 'claim_numbers' must be of the form key=value"),
         (["C04", "--set", "claim_numbrs.x=1"], "claim_numbrs: unknown key (did you mean 'cla"),
-        (["C04", "--set", "claim_numbers.fal.x=1"], "claim_numbers.fal: unknown key (did you me"),
+        (["C04", "--set", "claim_numbers.C4.x=1"], "claim_numbers.C4: unknown key (did you me"),
         (["C14", "--break"], "C14: its break is a wrong form of the code: the printed inverse"),
-        (["C04", "--set", "claim_numbers.fall=[}"], "--set: '[}' is no value that YAML knows"),
+        (["C04", "--set", "claim_numbers.C04=[}"], "--set: '[}' is no value that YAML knows"),
     ],
 )
 def test_bad_input_gives_one_line(arguments, message):

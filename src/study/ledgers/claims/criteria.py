@@ -199,6 +199,8 @@ class Claim:
     identified_if
         Criteria without which the published facts cannot decide: if one fails in any case, the
         claim is `not identified`.
+    with_
+        Settings of its function; ``with`` in the file. The configuration reads and checks them.
     figures, equations
         What it concerns.
     external
@@ -222,6 +224,7 @@ class Claim:
     testable: bool = True
     cases: tuple[Name, ...] = ()
     identified_if: tuple[Criterion, ...] = ()
+    with_: Annotated[dict[str, Any], Field(alias="with")] = field(default_factory=dict)
     figures: tuple[FigureName, ...] = ()
     equations: tuple[EquationNumber, ...] = ()
     external: tuple[Name, ...] = ()
@@ -283,9 +286,10 @@ class Claim:
 def read_claims(path: Path | str, values: Mapping[str, Any] | None = None) -> dict[str, Claim]:
     """Read and check a file of claims.
 
-    `values`: parameters of ``claim_numbers``, to be put into the words; without them these keep the
-    names of the parameters. Raises ClaimsError, naming the dotted key of every problem in any
-    claim, one line each, and ConfigError if the words name a parameter that there is not.
+    `values`: parameters of ``claim_numbers``, to be put into the words, a claim's own by their
+    names alone; without them the words keep the names. Raises ClaimsError, naming the dotted key
+    of every problem in any claim, one line each, and ConfigError if the words name a parameter
+    that there is not.
     """
     claims, problems = {}, []
     for key, entry in load(path).items():
@@ -295,7 +299,7 @@ def read_claims(path: Path | str, values: Mapping[str, Any] | None = None) -> di
             problems.append(f"{key}: {entry!r} must be a mapping")
             continue
         try:
-            words = entry if values is None else filled(entry, values, str(key))
+            words = entry if values is None else filled(entry, _named(values, key), str(key))
             claims[key] = build(Claim, {"id": str(key), **words})
         except ValidationError as error:
             # The field cannot bear the name of its key, a word of the language.
@@ -305,3 +309,8 @@ def read_claims(path: Path | str, values: Mapping[str, Any] | None = None) -> di
     if problems:
         raise ClaimsError("\n".join(problems))
     return dict(sorted(claims.items(), key=lambda item: int(item[0][1:])))
+
+
+def _named(values: Mapping[str, Any], claim: str) -> dict[str, Any]:
+    """Return the parameters of all claims, and those of one by their names alone."""
+    return {**values, **values.get(claim, {})}

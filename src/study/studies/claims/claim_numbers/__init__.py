@@ -6,6 +6,8 @@ states, and the criteria, are in ``config/claims.yaml``.
 
 from __future__ import annotations
 
+from typing import Any
+
 import pandas as pd
 
 from microimpact.core.nearest import nearest
@@ -22,9 +24,9 @@ from study.studies.claims.claim_numbers import (
     roughness,
     spores,
 )
-from study.studies.claims.claim_numbers.claim import CLAIMS, rows
+from study.studies.claims.claim_numbers.claim import CLAIMS, ascending, params, rows
 from study.studies.claims.claim_numbers.context import Context
-from study.studies.claims.claim_numbers.params import Params
+from study.studies.claims.claim_numbers.params import Common
 from study.tables import NOT_COMPUTED, UNCOMPUTABLE, Tables, reason
 
 __all__ = ["CLAIMS", "SECTIONS", "Params", "numbers_of", "run"]
@@ -75,8 +77,11 @@ SECTIONS = (
     conclusions,
 )
 
+# Settings of all claims: what they share, and a field for each claim with settings.
+Params: Any = params()
 
-def run(params: Params, inputs: Tables) -> Tables:
+
+def run(params: Common, inputs: Tables) -> Tables:
     """Compute the numbers of every claim.
 
     A claim that cannot be computed with the settings has a row that says why, and leaves the others
@@ -97,30 +102,30 @@ def run(params: Params, inputs: Tables) -> Tables:
         contacts.
     """
     context = Context(params=params, inputs=inputs)
-    ascending = sorted(CLAIMS, key=lambda name: int(name[1:]))
-    numbers = [row for name in ascending for row in rows(name, context)]
+    numbers = [row for name in ascending() for row in rows(name, context)]
     try:
         drawn = draws_of(params, inputs)
     except UNCOMPUTABLE as error:  # these claims are not judged by their calibrated cases instead
         drawn = pd.DataFrame(columns=list(draws.COLUMNS))
         row = {"quantity": NOT_COMPUTED, "problem": reason("claim_draws", error)}
-        numbers += [{"claim": name, **row} for name in params.draws.claims]
+        numbers += [{"claim": name, **row} for name in ascending() if CLAIMS[name].by_contact]
     return {
         "claim_numbers": pd.DataFrame(numbers, columns=list(NUMBER_COLUMNS)),
         "claim_draws": drawn,
     }
 
 
-def draws_of(params: Params, inputs: Tables) -> pd.DataFrame:
+def draws_of(params: Common, inputs: Tables, *claims: str) -> pd.DataFrame:
     """Return the numbers of the claims that admissible contacts decide, for every draw.
 
-    Of the tables, only ``calibration`` and ``admissible_contacts`` are read.
+    Of `claims` alone, if some are named. Of the tables, only ``calibration`` and
+    ``admissible_contacts`` are read.
     """
-    numbers = draws.rows_of(params, inputs, draws.chosen(params, inputs))
-    return pd.DataFrame([row for draw in numbers for row in draw], columns=list(draws.COLUMNS))
+    wanted = claims or [name for name in ascending() if CLAIMS[name].by_contact]
+    return draws.numbers_of_draws(params, inputs, wanted)
 
 
-def numbers_of(claim: str, params: Params, inputs: Tables) -> pd.DataFrame:
+def numbers_of(claim: str, params: Common, inputs: Tables) -> pd.DataFrame:
     """Return the numbers of one claim, as rows of the table of all.
 
     `claim`: such as ``C58``; `params`, `inputs`: as in `run`; of the tables those that the claim

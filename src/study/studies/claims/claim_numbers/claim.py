@@ -2,21 +2,42 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass, fields, make_dataclass, replace
+from typing import Any, get_type_hints
 
 from study.studies.claims.claim_numbers.context import Context, Estimate, Numbers
+from study.studies.claims.claim_numbers.params import Common
 from study.tables import NOT_COMPUTED, UNCOMPUTABLE, Row, reason
+
+Function = Callable[..., Numbers]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Claim:
     """How the numbers of one claim come about."""
 
-    function: Callable[[Context], Numbers]  # Numbers from the context
+    name: str
+    function: Function  # Numbers from the context, and from settings by name
     by_case: bool  # Whether there are numbers for every case of steel on silicon
+    by_contact: bool  # Whether it takes steel as a contact of arrays (n,), and has numbers for each
+
+    def settings(self) -> type | None:
+        """Return the dataclass of its settings, the keyword arguments of its function, if any."""
+        named = inspect.signature(self.function).parameters.values()
+        names = [each.name for each in named if each.kind is each.KEYWORD_ONLY]
+        hints = get_type_hints(self.function, include_extras=True) if names else {}
+        parts = [(name, hints[name]) for name in names]
+        kind = make_dataclass(self.name, parts, frozen=True, slots=True, kw_only=True)
+        return kind if names else None
+
+    def numbers(self, context: Context) -> Numbers:
+        """Return its numbers in a context."""
+        settings = getattr(context.params, self.name, None)
+        named = {f.name: getattr(settings, f.name) for f in fields(settings)} if settings else {}
+        return self.function(context, **named)
 
 
 class Read(dict[str, Any]):
@@ -36,16 +57,16 @@ CLAIMS: dict[str, Claim] = {}
 
 
 def claim(
-    name: str, *, by_case: bool = False
-) -> Callable[[Callable[[Context], Numbers]], Callable[[Context], Numbers]]:
+    name: str, *, by_case: bool = False, by_contact: bool = False
+) -> Callable[[Function], Function]:
     """Register the function that computes the numbers of a claim.
 
     Parameters
     ----------
     name
         The claim's, as in ``config/claims.yaml``.
-    by_case
-        As in `Claim`.
+    by_case, by_contact
+        As in `Claim`; the latter has the former with it.
 
     Raises
     ------
@@ -53,13 +74,27 @@ def claim(
         If the claim has a function already.
     """
 
-    def register(function: Callable[[Context], Numbers]) -> Callable[[Context], Numbers]:
+    def register(function: Function) -> Function:
         if name in CLAIMS:
             raise ValueError(f"claim {name!r} has a function already")
-        CLAIMS[name] = Claim(function=function, by_case=by_case)
+        CLAIMS[name] = Claim(
+            name=name, function=function, by_case=by_case or by_contact, by_contact=by_contact
+        )
         return function
 
     return register
+
+
+def ascending() -> list[str]:
+    """Return the names of all claims in their order."""
+    return sorted(CLAIMS, key=lambda name: int(name[1:]))
+
+
+def params() -> type:
+    """Return the dataclass of all settings: those of each claim in a field of its name."""
+    kinds = {name: CLAIMS[name].settings() for name in ascending()}
+    parts = [(name, kind) for name, kind in kinds.items() if kind]
+    return make_dataclass("Params", parts, bases=(Common,), frozen=True, kw_only=True)
 
 
 def rows(name: str, context: Context) -> Iterator[Row]:
@@ -71,11 +106,12 @@ def rows(name: str, context: Context) -> Iterator[Row]:
     context = replace(context, inputs=read)
     for each in context.cases() if entry.by_case else (context,):
         try:
-            numbers = list(flat(entry.function(each), each.case))
+            numbers = entry.numbers(each.stacked() if entry.by_contact else each)
+            results = [finite(*number) for number in flat(numbers, each.case)]
         except UNCOMPUTABLE as error:
             why = reason(type(error).__name__, error)
-            numbers = [(each.case, NOT_COMPUTED, Estimate(math.nan, math.nan), why)]
-        for case, quantity, number, problem in numbers:
+            results = [(each.case, NOT_COMPUTED, Estimate(math.nan, math.nan), why)]
+        for case, quantity, number, problem in results:
             yield row | {
                 "case": case,
                 "quantity": quantity,
@@ -86,13 +122,22 @@ def rows(name: str, context: Context) -> Iterator[Row]:
             }
 
 
-def flat(numbers: Numbers, case: str) -> Iterator[tuple[str, str, Estimate, str]]:
-    """Yield case, quantity, number and problem (none); alternatives are named after the case."""
+def flat(numbers: Numbers, case: str) -> Iterator[tuple[str, str, Any]]:
+    """Yield case, quantity and number or `Estimate`; alternatives are named after the case."""
     for name, number in numbers.items():
         if isinstance(number, Mapping):
             yield from flat(number, f"{case}, {name}" if case else name)
-            continue
-        value, error = number if isinstance(number, Estimate) else (number, math.nan)
-        if not math.isfinite(value):
-            raise ArithmeticError(f"{name} = {value} is not a finite number")
-        yield case, name, Estimate(float(value), float(error)), ""
+        else:
+            yield case, name, number
+
+
+def finite(case: str, quantity: str, number: Any) -> tuple[str, str, Estimate, str]:
+    """Return case, quantity, number and problem (none).
+
+    Raises ArithmeticError if the number is not finite.
+    """
+    value, error = number if isinstance(number, Estimate) else (number, math.nan)
+    value = float(value.item()) if hasattr(value, "item") else float(value)
+    if not math.isfinite(value):
+        raise ArithmeticError(f"{quantity} = {value} is not a finite number")
+    return case, quantity, Estimate(value, float(error)), ""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from microimpact.core.arrays import BoolArray, FloatArray
@@ -14,25 +16,45 @@ from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import planar, simulate, velocity_components
 from microimpact.model.dynamics.rolling import gravity_ratio, rolling_distance
 from microimpact.statistics.distributions import generator
+from study.declared.parameters import (
+    AngleDegrees,
+    Count,
+    Fraction,
+    Name,
+    NonNegative,
+    Positive,
+    PositiveRange,
+)
 from study.studies.claims.claim_numbers.claim import claim
-from study.studies.claims.claim_numbers.context import Context, Numbers, without_adhesion
+from study.studies.claims.claim_numbers.context import (
+    Context,
+    Numbers,
+    greatest,
+    without_adhesion,
+)
 
 ANALYSIS = 98
 # Where normal speeds of capture are looked for, relative to the one known.
 AROUND = 1e-3
 # To how much of the nominal normal speed apparent capture is found.
 APPARENT = 1e-3
+# Angles at which the normal speed of capture is sought.
+DECOUPLED_DEG = (10.0, 20.0, 30.0, 45.0, 60.0, 75.0, 85.0)
 
 
-@claim("C40", by_case=True)
+@claim("C40", by_contact=True)
 def c40(context: Context) -> Numbers:
     """Spin after impact, the largest over all rebounds."""
-    _, impact = context.rebounds()
-    return {"largest_final_spin": np.max(np.abs(impact.spin))}
+    impact = context.rebounds()
+    return {"largest_final_spin": greatest(np.abs(impact.spin), ~impact.captured)}
 
 
 @claim("C58")
-def c58(context: Context) -> Numbers:
+def c58(
+    context: Context,
+    *,
+    yield_strengths_MPa: dict[Name, Positive],
+) -> Numbers:
     """Loss by plastic deformation (Thornton and Ning 1998) over the loss measured, by hardness.
 
     Beside it the greatest pressure by Hertz without adhesion and damping, ``p_0 = 3 F/(2 pi a^2)``
@@ -53,58 +75,70 @@ def c58(context: Context) -> Numbers:
 
     return {
         name: {"plastic_loss_over_measured_loss": lost(strength) / measured, **common}
-        for name, strength in context.params.capture.yield_strengths_MPa.items()
+        for name, strength in yield_strengths_MPa.items()
     }
 
 
-@claim("C59", by_case=True)
+@claim("C59", by_contact=True)
 def c59(context: Context) -> Numbers:
     """Loss of energy, rotation included, with friction less that without; least of all rebounds."""
-    angles = np.array(context.params.steel.angles_deg)
-    rough = context.steel_impacts(context.speed, angles)
-
-    def smooth(steel: Contact) -> FloatArray:
-        return context.hit(steel.replace(friction=0.0), context.speed, angles[:, None]).energy_loss
-
-    added = rough.energy_loss - context.of_steel(("C59",), smooth)
+    angles = np.array(context.params.steel.angles_deg)[:, None]
+    rough = context.impacts(context.speed, angles[:, 0])
+    smooth = context.hit(context.steel.replace(friction=0.0), context.speed, angles)
     oblique = ~rough.captured & (angles < 90.0)
-    return {"least_added_loss_of_total_energy": np.min(added[oblique])}
+    return {
+        "least_added_loss_of_total_energy": -greatest(
+            smooth.energy_loss - rough.energy_loss, oblique
+        )
+    }
 
 
-@claim("C97", by_case=True)
-def c97(context: Context) -> Numbers:
+@claim("C97", by_contact=True)
+def c97(
+    context: Context, *, shifts_nm: PositiveRange, kept_share: Fraction, spot_mm: Positive
+) -> Numbers:
     """Distance that a captured sphere rolls, and moment of its weight over adhesion's.
 
     It comes at the steepest angle at which it is captured, and adhesion alone stops it: the weight,
     which would carry it further, is given, too.
     """
-    capture, contact = context.params.capture, context.steel
-    angle = context.capture_angle()
-    along = capture.kept_share * velocity_components(context.speed, angle)[1]
+    contact, angle = context.steel, context.capture_angle()
+    along = kept_share * velocity_components(context.speed, angle)[1]
     numbers = {}
-    for shift in capture.shifts_nm:
+    for shift in shifts_nm:
         lag = shift * 1e-9
         distance = rolling_distance(contact, along, lag) * 1e3
         numbers[f"shift {shift:g} nm"] = {
-            "distance_rolled_over_half_width_of_spot": distance / capture.spot_mm,
+            "distance_rolled_over_half_width_of_spot": distance / spot_mm,
             "gravity_moment_over_rolling_moment": gravity_ratio(contact, lag, 90.0 - angle),
         }
     return numbers
 
 
 @claim("C98", by_case=True)
-def c98(context: Context) -> Numbers:
+def c98(
+    context: Context,
+    *,
+    angle_deg: AngleDegrees,
+    slope_sd: NonNegative,
+    spheres: Count,
+    shift_nm: Positive,
+    spot_mm: Positive,
+) -> Numbers:
     """Normal speeds of capture without slopes, and where half are captured with them."""
-    capture, contact = context.params.capture, context.steel
-    *speeds, upright = decoupled_speeds(contact, np.array([*capture.decoupled_angles_deg, 90.0]))
-    apparent, steep = (
-        apparent_speed(context, contact, angle) for angle in (capture.oblique_angle_deg, 90.0)
-    )
+    contact = context.steel
+    *speeds, upright = decoupled_speeds(contact, np.array([*DECOUPLED_DEG, 90.0]))
+    slopes = Slopes(context=context, contact=contact, sd=slope_sd, spheres=spheres)
+    apparent, steep = (slopes.apparent_speed(angle) for angle in (angle_deg, 90.0))
     apart = np.max(np.abs(np.array(speeds) / upright - 1.0))
+    rebound = slopes.hit(angle_deg, apparent)
+    along = np.hypot(rebound.velocity[:, 0], rebound.velocity[:, 1])
+    distance = rolling_distance(contact, along, shift_nm * 1e-9, 90.0 - angle_deg) * 1e3
+    rolls = rebound.captured & (distance > spot_mm)
     return {
         "largest_difference_of_normal_capture_speeds_over_angles": apart,
         "ratio_of_apparent_capture_speeds": apparent / steep,
-        "share_that_rolls_away_or_bounces_again": share_lost(context, contact, apparent),
+        "share_that_rolls_away_or_bounces_again": np.mean(rolls | (rebound.contacts > 1)),
     }
 
 
@@ -120,36 +154,29 @@ def decoupled_speeds(contact: Contact, angle: FloatArray) -> FloatArray:
     return threshold(leaves, low, high)
 
 
-def apparent_speed(context: Context, contact: Contact, angle: float) -> float:
-    """Return the nominal normal speed below which more than half the spheres stay on slopes."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Slopes:
+    """Impacts of identical spheres on slopes."""
 
-    def half_leave(speed: float) -> bool:
-        return float(np.mean(on_slopes(context, contact, angle, speed).captured)) <= 0.5
+    context: Context
+    contact: Contact
+    sd: float  # Standard deviation of the slopes
+    spheres: int
 
-    limit = float(capture_velocity(contact))
-    return threshold(half_leave, 0.02 * limit, 3.0 * limit, absolute=APPARENT * limit)
+    def hit(self, angle: float, normal_speed: float) -> Rebound:
+        """Return rebounds at an angle in degrees; the same facets at every speed (m/s)."""
+        into, along = velocity_components(normal_speed / np.sin(np.radians(angle)), angle)
+        velocity = np.tile([along, 0.0, into], (self.spheres, 1))
+        target = Target(contact=self.contact, surface=rough(self.sd))
+        diameter = np.full(self.spheres, self.contact.diameter)
+        rng = generator(self.context.params.sampling.seed, ANALYSIS)
+        return target.hit(diameter, velocity, np.zeros_like(velocity), rng)
 
+    def apparent_speed(self, angle: float) -> float:
+        """Return the nominal normal speed below which more than half the spheres stay."""
 
-def on_slopes(context: Context, contact: Contact, angle: float, normal_speed: float) -> Rebound:
-    """Return rebounds of identical spheres from slopes; the same facets at every speed."""
-    capture = context.params.capture
-    into, along = velocity_components(normal_speed / np.sin(np.radians(angle)), angle)
-    velocity = np.tile([along, 0.0, into], (capture.spheres, 1))
-    target = Target(contact=contact, surface=rough(capture.slope_sd))
-    diameter, rng = (
-        np.full(capture.spheres, contact.diameter),
-        generator(context.params.sampling.seed, ANALYSIS),
-    )
-    return target.hit(diameter, velocity, np.zeros_like(velocity), rng)
+        def half_leave(speed: float) -> bool:
+            return float(np.mean(self.hit(angle, speed).captured)) <= 0.5
 
-
-def share_lost(context: Context, contact: Contact, normal_speed: float) -> float:
-    """Return the share that strikes again at once, or stays and rolls off the spot."""
-    capture = context.params.capture
-    angle = capture.oblique_angle_deg
-    rebound = on_slopes(context, contact, angle, normal_speed)
-    along = np.hypot(rebound.velocity[:, 0], rebound.velocity[:, 1])
-    lag = max(capture.shifts_nm) * 1e-9
-    distance = rolling_distance(contact, along, lag, 90.0 - angle) * 1e3
-    rolls = rebound.captured & (distance > capture.spot_mm)
-    return float(np.mean(rolls | (rebound.contacts > 1)))
+        limit = float(capture_velocity(self.contact))
+        return threshold(half_leave, 0.02 * limit, 3.0 * limit, absolute=APPARENT * limit)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, Self
 
@@ -10,12 +10,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from microimpact.core.arrays import FloatArray, Real, part_of
+from microimpact.core.arrays import BoolArray, FloatArray, Real
 from microimpact.lab.dispenser import NO_SPIN
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import Impact, simulate
-from study.studies.claims.claim_numbers.params import Params
+from study.studies.claims.claim_numbers.params import Common
 from study.studies.contacts import all_printed, calibrated_contact
 from study.studies.samples import Dropped, Sample, Sampling, Seen, contact_of, half_width
 
@@ -48,114 +48,68 @@ class Estimate(NamedTuple):
 class Context:
     """One case of steel on silicon, or none (""), with all settings and tables."""
 
-    params: Params  # Parameters of the study
+    params: Common  # Parameters of the study
     inputs: Mapping[str, pd.DataFrame]  # Declared rows and tables of earlier studies by name
     # Name of the calibrated case; the first of those declared is meant where there is none.
     case: str = ""
-    # Admissible contacts of steel on silicon (draws,), in place of a calibrated one, and which of
-    # them is meant.
-    drawn: Contact | None = None
-    draw: int = 0
-    # What was found of all draws.
-    found_of_draws: dict[tuple[object, ...], Any] = field(default_factory=dict)
+    # Contacts of steel on silicon (n,) in place of that of the case.
+    contacts: Contact | None = None
     # Made once, here for all cases: a table of the impact law serves one and the same contact.
     _seen: dict[tuple[Dropped, float, Sampling], Seen] = field(default_factory=dict)
     _contacts: dict[Dropped, Contact] = field(default_factory=dict)
-    _steel: dict[tuple[object, ...], Contact] = field(default_factory=dict)
+    _steel: dict[str, Contact] = field(default_factory=dict)
 
     def cases(self) -> Iterator[Self]:
         """Yield the context of every case."""
         return (replace(self, case=case) for case in self.params.steel.cases)
 
+    def stacked(self) -> Self:
+        """Return the context with the contact of its case as a contact of arrays (1,)."""
+        return replace(self, contacts=resized(self.steel, np.atleast_1d(self.steel.diameter)))
+
     # Contacts and impacts
 
     @property
     def steel(self) -> Contact:
-        """Contact of the case, as large and with such friction as is meant."""
+        """Contact of the case, or contacts (n,), as large and with such friction as is meant."""
         _ = self.inputs["calibration"], self.inputs["materials"]
-        steel, case = self.params.steel, self.case
-        if (steel, case) not in self._steel:
-            contact = (
-                self.drawn.at(self.draw)
-                if self.drawn
-                else calibrated_contact(self.inputs, case or steel.cases[0])
-            )
+        steel = self.params.steel
+        if self.contacts is not None:
+            return resized(self.contacts, steel.diameter_um * 1e-6)
+        if self.case not in self._steel:
+            contact = calibrated_contact(self.inputs, self.case or steel.cases[0])
             sized = resized(contact, steel.diameter_um * 1e-6)
-            self._steel[steel, case] = sized.replace(friction=steel.friction)
-        return self._steel[steel, case]
+            self._steel[self.case] = sized.replace(friction=steel.friction)
+        return self._steel[self.case]
 
-    def of_steel(self, key: tuple[object, ...], function: Callable[[Contact], Any]) -> Any:
-        """Evaluate a function once for all draws of the steel contact; return the current draw.
-
-        `key`: identifies the quantity; `function`: takes the contact and gives an array,
-        or an `Impact`, the last axis of all being that of draws.
-        """
-        return part_of(self._of_draws(key, function), self.draw)
-
-    def _of_draws(self, key: tuple[object, ...], function: Callable[[Contact], Any]) -> Any:
-        """Evaluate a function for the contacts of all draws, or for the single contact."""
-        if self.drawn is None:
-            return function(resized(self.steel, np.atleast_1d(self.steel.diameter)))
-        if key not in self.found_of_draws:
-            drawn = resized(self.drawn, self.params.steel.diameter_um * 1e-6)
-            self.found_of_draws[key] = function(drawn)
-        return self.found_of_draws[key]
-
-    def limits(self, claim: str, sized: Callable[[Contact], Contact]) -> FloatArray:
-        """Return capture velocities of the steel contact in several sizes, m/s.
-
-        `claim`: whose they are; `sized`: gives the contact, its sizes along another axis than the
-        last.
-        """
-        return np.asarray(self.of_steel((claim,), lambda steel: capture_velocity(sized(steel))))
-
-    def steel_impacts(
+    def impacts(
         self, speed: Real, angle: Real = 90.0, spin_ratio: Real | None = None, basis: str = ""
     ) -> Impact:
-        """Return impacts of the steel contact at speeds and angles that are those of all draws.
+        """Return impacts of steel at speeds and angles, the contacts along one more axis, the last.
 
         `spin_ratio`: r omega/v, and `basis`: that of friction; those meant, if not given.
         """
-        impact: Impact = part_of(self._impacts(speed, angle, spin_ratio, basis), self.draw)
-        return impact
+        meant = self.params.steel
+        ratio = meant.spin_ratio if spin_ratio is None else spin_ratio
+        speed, angle, ratio = (np.asarray(x, float)[..., None] for x in (speed, angle, ratio))
+        spin = ratio * speed / self.steel.radius
+        return simulate(self.steel, speed, angle, spin, basis or meant.friction_basis)
 
-    def _impacts(
-        self, speed: Real, angle: Real, spin_ratio: Real | None = None, basis: str = ""
-    ) -> Impact:
-        """Return the impacts of `steel_impacts` of all draws, these along the last axis."""
-        steel = self.params.steel
-        spin_ratio, basis = (
-            steel.spin_ratio if spin_ratio is None else spin_ratio,
-            basis or steel.friction_basis,
-        )
-        settings = [np.asarray(x, float)[..., None] for x in (speed, angle, spin_ratio)]
-
-        def impacts(contact: Contact) -> Impact:
-            speed, angle, ratio = settings
-            return simulate(contact, speed, angle, ratio * speed / contact.radius, basis)
-
-        key = basis, *((x.shape, x.tobytes()) for x in settings)
-        impact: Impact = self._of_draws(key, impacts)
-        return impact
-
-    def capture_angle(self, above: float = 0.0) -> float:
+    def capture_angle(self, above: float = 0.0) -> FloatArray:
         """Return the angle at and below which the impact meant is captured, degrees; at most 90.
 
         `above`: how far above the capture velocity the normal speed is, relatively.
         """
-        limit = float(self.limits("capture", lambda steel: steel))
-        return float(np.degrees(np.arcsin(min(limit * (1.0 + above) / self.speed, 1.0))))
+        limit = np.asarray(capture_velocity(self.steel))
+        angle: FloatArray = np.degrees(
+            np.arcsin(np.minimum(limit * (1.0 + above) / self.speed, 1.0))
+        )
+        return angle
 
     @property
     def calibrated_capture_velocity(self) -> float:
         """Capture velocity that the calibration met, m/s."""
         return self.number("calibration", "value", role="target", quantity="capture_velocity")
-
-    @property
-    def fluorescein(self) -> Contact:
-        """Contact of ammonium fluorescein on molybdenum."""
-        pair = self.params.fluorescein
-        return calibrated_contact(self.inputs, pair.case, diameter=pair.diameter_um * 1e-6)
 
     @property
     def speed(self) -> float:
@@ -175,26 +129,23 @@ class Context:
         inside = angles[(angles >= low) & (angles <= high)][::-1]
         return inside.astype(np.float64)
 
-    def rebounds(self, angles: FloatArray | None = None) -> tuple[FloatArray, Impact]:
-        """Return the angles (all steps, if none given) at which steel rebounds, and the impacts.
+    def rebounds(self, angles: FloatArray | None = None) -> Impact:
+        """Return the impacts meant at angles (all steps, if none given), the contacts last.
 
-        Raises ValueError if it rebounds at none.
+        Raises ValueError if no contact rebounds at any.
         """
-        wanted = self.all_angles() if angles is None else angles
-        impact = self.steel_impacts(self.speed, wanted)
-        free = ~impact.captured
-        if not np.any(free):
+        impact = self.impacts(self.speed, self.all_angles() if angles is None else angles)
+        if np.all(impact.captured):
             raise ValueError(f"steel.speed_m_per_s: at {self.speed:g} it rebounds at no angle")
-        return wanted[free], part_of(impact, free)
+        return impact
 
     def shallowest_rebounds(self) -> FloatArray:
-        """Return the least angle of all steps at which each draw of steel rebounds, degrees.
+        """Return the least angle of all steps at which each contact rebounds, degrees.
 
-        90, if it does at none.
+        90, if it does at none. Raises ValueError if no contact rebounds at any.
         """
-        angles = self.all_angles()
-        captured = self._impacts(self.speed, angles).captured
-        return np.asarray(np.where(captured, 90.0, angles[:, None]).min(axis=0))
+        captured = self.rebounds().captured
+        return np.asarray(np.where(captured, 90.0, self.all_angles()[:, None]).min(axis=0))
 
     # Samples of virtual impacts
 
@@ -304,6 +255,12 @@ def of_share(share: Number, drawn: int) -> Estimate:
 def over_draws(values: Sequence[float]) -> Estimate:
     """Return the mean of independent draws with its standard error."""
     return Estimate(np.mean(values), np.std(values, ddof=1) / np.sqrt(len(values)))
+
+
+def greatest(values: FloatArray, where: BoolArray) -> FloatArray:
+    """Return the greatest of the values (m, n) over the first axis where they count, else nan."""
+    largest = np.max(values, axis=0, where=where, initial=-np.inf)
+    return np.asarray(np.where(np.any(where, axis=0), largest, np.nan))
 
 
 def without_adhesion(contact: Contact) -> Contact:

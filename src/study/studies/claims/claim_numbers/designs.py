@@ -6,9 +6,10 @@ import numpy as np
 import pandas as pd
 
 from microimpact.model.dynamics.capture import capture_velocity
+from study.declared.parameters import Finite
 from study.studies.claims.claim_numbers.claim import claim
 from study.studies.claims.claim_numbers.context import Context, Numbers
-from study.studies.claims.claim_numbers.experiments import local_exponents
+from study.studies.claims.claim_numbers.experiments import EXPONENT_STEP, local_exponents
 
 REALISTIC, SMALL = "realistic", "uniform"
 DIRECT, LOGARITHM = "v_c", "ln v_c"
@@ -117,7 +118,7 @@ def leading(effects: pd.DataFrame) -> float:
 
 
 @claim("C57", by_case=True)
-def c57(context: Context) -> Numbers:
+def c57(context: Context, *, work_size_exponent: Finite) -> Numbers:
     """Elasticities of the capture velocity at the nominal contact, damping held.
 
     Beside them, its mean over the realistic runs with small and adhesive spheres, over that of the
@@ -127,11 +128,10 @@ def c57(context: Context) -> Numbers:
     groups = runs[runs["run"] > 0].groupby(["B", "C"])["capture_velocity_m_per_s"].mean()
     over_next = groups[1, -1] / groups.drop((1, -1)).max()
     contact = context.steel
-    step = context.params.normal.exponent_step
-    work = np.asarray(contact.work_of_adhesion) * np.exp([step, -step])
+    work = np.asarray(contact.work_of_adhesion) * np.exp([EXPONENT_STEP, -EXPONENT_STEP])
     limit = capture_velocity(contact.replace(work_of_adhesion=work))
     return {
-        "elasticity_to_work_of_adhesion": np.log(limit[0] / limit[1]) / (2.0 * step),
-        "elasticity_to_diameter": local_exponents(context, contact, contact.diameter),
+        "elasticity_to_work_of_adhesion": np.log(limit[0] / limit[1]) / (2.0 * EXPONENT_STEP),
+        "elasticity_to_diameter": local_exponents(contact, contact.diameter, work_size_exponent),
         "capture_velocity_of_small_and_adhesive_over_next_group": over_next,
     }

@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from microimpact.model.contact import Contact
 from study.studies.claims.claim_numbers.claim import CLAIMS, flat
 from study.studies.claims.claim_numbers.context import Context
-from study.studies.claims.claim_numbers.params import Params
+from study.studies.claims.claim_numbers.params import Common
 from study.studies.contacts import admissible_contact
 from study.tables import UNCOMPUTABLE
 
-COLUMNS = ("claim", "contact", "variant", "draw", "alternative", "quantity", "value")
-Row = tuple[str, str, str, int, str, str, float]
+DRAW = ("contact", "variant", "draw")
+COLUMNS = ("claim", *DRAW, "alternative", "quantity", "value")
 
 
-def chosen(params: Params, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+def chosen(params: Common, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
     """Return the draws that are taken of every variant, evenly over all of its draws."""
     table, wanted = inputs["admissible_contacts"], params.draws
     parts = []
@@ -29,49 +27,57 @@ def chosen(params: Params, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
         if draws.empty:
             raise ValueError(f"admissible_contacts: no draw of {wanted.case}, {variant}")
         parts.append(draws.iloc[np.unique(np.linspace(0, len(draws) - 1, count).astype(int))])
-    return pd.concat(parts)
+    return pd.concat(parts, ignore_index=True)
 
 
-def drawn_contact(inputs: Mapping[str, pd.DataFrame], rows: pd.DataFrame) -> Contact:
-    """Return the contact of all draws, its numbers arrays (draws,)."""
-    renamed = rows.assign(variant=rows["variant"].iloc[0])
-    case, variant = str(renamed["case"].iloc[0]), str(renamed["variant"].iloc[0])
-    return admissible_contact({**inputs, "admissible_contacts": renamed}, case, variant)
-
-
-def rows_of(
-    params: Params, inputs: Mapping[str, pd.DataFrame], rows: pd.DataFrame
-) -> Iterator[list[Row]]:
-    """Yield the numbers of all claims for every draw.
+def numbers_of_draws(
+    params: Common, inputs: Mapping[str, pd.DataFrame], claims: Iterable[str]
+) -> pd.DataFrame:
+    """Return the numbers of claims for every draw, with `COLUMNS`.
 
     Friction and its basis are those of the draw, all else as for the calibrated cases. A claim
     that cannot be computed with a draw has no row.
     """
-    # Those of one basis of friction together.
-    results: dict[str, dict[tuple[object, ...], Any]] = {}
-    drawn = {basis: drawn_contact(inputs, draws) for basis, draws in rows.groupby("friction_basis")}
-    places = rows.groupby("friction_basis").cumcount()
-    for index, (_, row) in zip(places, rows.iterrows(), strict=True):
-        steel = replace(
-            params.steel, friction=float(row["friction"]), friction_basis=row["friction_basis"]
-        )
-        context = Context(
-            params=replace(params, steel=steel),
-            inputs=inputs,
-            case=steel.cases[0],
-            drawn=drawn[row["friction_basis"]],
-            draw=index,
-            found_of_draws=results.setdefault(row["friction_basis"], {}),
-        )
-        yield list(_of_draw(context, row))
+    drawn = chosen(params, inputs)
+    parts = [
+        part
+        for basis, rows in drawn.groupby("friction_basis")
+        for part in _of_basis(params, inputs, str(basis), rows, tuple(claims))
+    ]
+    if not parts:
+        return pd.DataFrame(columns=list(COLUMNS))
+    table = pd.concat(parts)
+    # In the order of the claims and the draws, whatever the basis of friction.
+    order = {name: number for number, name in enumerate(claims)}
+    table = table.assign(order=table["claim"].map(order)).reset_index(names="row")
+    return table.sort_values(["order", "row"], kind="stable")[list(COLUMNS)]
 
 
-def _of_draw(context: Context, row: pd.Series[Any]) -> Iterator[Row]:
-    for name in context.params.draws.claims:
+def _of_basis(
+    params: Common,
+    inputs: Mapping[str, pd.DataFrame],
+    basis: str,
+    rows: pd.DataFrame,
+    claims: tuple[str, ...],
+) -> Iterator[pd.DataFrame]:
+    """Yield the numbers of each quantity for the draws of one basis of friction."""
+    case, variant = str(rows["case"].iloc[0]), str(rows["variant"].iloc[0])
+    # As if of one variant.
+    table = {**inputs, "admissible_contacts": rows.assign(variant=variant)}
+    context = Context(
+        params=replace(params, steel=replace(params.steel, friction_basis=basis)),
+        inputs=inputs,
+        case=params.steel.cases[0],
+        contacts=admissible_contact(table, case, variant),
+    )
+    draws = rows.rename(columns={"case": "contact"})[list(DRAW)]
+    for name in claims:
         try:
-            numbers = list(flat(CLAIMS[name].function(context), ""))
+            numbers = list(flat(CLAIMS[name].numbers(context), ""))
         except UNCOMPUTABLE:
             continue
-        for alternative, quantity, number, _ in numbers:
-            draw = str(row["case"]), str(row["variant"]), int(row["draw"])
-            yield name, *draw, alternative, quantity, float(number.value)
+        values = [np.broadcast_to(value, len(rows)) for *_, value in numbers]
+        known = np.all(np.isfinite(values), axis=0)
+        for (alternative, quantity, _), value in zip(numbers, values, strict=True):
+            part = draws.assign(claim=name, alternative=alternative, quantity=quantity, value=value)
+            yield part[known]

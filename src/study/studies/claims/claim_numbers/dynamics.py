@@ -16,6 +16,7 @@ from microimpact.model.dynamics.impact import Impact, simulate
 from microimpact.model.dynamics.normal import losses, normal_impact
 from microimpact.model.rigid_body.algebra import INERTIA
 from microimpact.statistics.intervals import student_half_width
+from study.declared.parameters import AngleDegrees, CaseName, Name, Positive, PositiveRange
 from study.studies.claims.claim_numbers.claim import claim
 from study.studies.claims.claim_numbers.context import (
     Context,
@@ -23,11 +24,12 @@ from study.studies.claims.claim_numbers.context import (
     between,
     without_adhesion,
 )
+from study.studies.claims.claim_numbers.experiments import ABOVE_CAPTURE
+from study.studies.claims.claim_numbers.experiments import POINTS as CURVE_POINTS
 from study.studies.claims.claim_numbers.oblique import sampled
-from study.studies.claims.claim_numbers.params import Normal
 from study.studies.claims.claim_numbers.rigid_body import farthest
 from study.studies.contacts import calibrated_contact
-from study.studies.samples import reduce_to
+from study.studies.samples import Dropped, reduce_to
 
 # Factor by which each base unit (mass, length, time) is changed: a power of two is exact.
 UNIT_FACTOR = 2.0
@@ -49,6 +51,8 @@ MOMENTS = ("impact_over_friction", "damping_over_friction")
 POINTS = 60
 # How far from the known capture velocity another is sought, as a logarithm.
 REACH = 3.0
+# Nominal speed, m/s, far from the one meant.
+OTHER_SPEED = 0.5
 
 
 @claim("C25")
@@ -115,19 +119,14 @@ def c26(context: Context) -> Numbers:
     return {"ratio_of_contact_radii_at_rest": farthest(np.array(ratios))}
 
 
-@claim("C27", by_case=True)
-def c27(context: Context) -> Numbers:
+@claim("C27", by_contact=True)
+def c27(context: Context, *, capture_velocities: tuple[Positive, Positive, Positive]) -> Numbers:
     """Share of the adhesion's damping in all that is lost, at multiples of the capture velocity.
 
     The capture velocity is that which the calibration met.
     """
-    multiples = np.array(context.params.normal.capture_velocities)
-
-    def lost(steel: Contact) -> FloatArray:  # the table is looked into once for all draws
-        speeds = multiples[:, None] * context.calibrated_capture_velocity
-        return losses(steel, speeds).adhesion_share
-
-    shares = context.of_steel(("C27",), lost)
+    speeds = np.array(capture_velocities)[:, None] * context.calibrated_capture_velocity
+    shares = losses(context.steel, speeds).adhesion_share
     names = (f"adhesion_share_at_{speed}_speed" for speed in ("low", "middle", "high"))
     return dict(zip(names, shares, strict=True))
 
@@ -143,18 +142,13 @@ def c28(context: Context) -> Numbers:
     }
 
 
-@claim("C29", by_case=True)
-def c29(context: Context) -> Numbers:
+@claim("C29", by_contact=True)
+def c29(context: Context, *, slow_speed_m_per_s: Positive) -> Numbers:
     """Greatest compression with the ring force over that without: the least over speeds."""
-    normal = context.params.normal
-    speeds = between((normal.slow_speed_m_per_s, context.speed), normal.points)[:, None]
-
-    def ratios(steel: Contact) -> FloatArray:
-        deep, bare = (normal_impact(c, speeds) for c in (steel, without_adhesion(steel)))
-        return deep.maximum_compression / bare.maximum_compression
-
-    ratio = context.of_steel(("C29",), ratios)
-    return {"least_ratio_of_compression_with_to_without_adhesion": np.min(ratio)}
+    speeds = between((slow_speed_m_per_s, context.speed), CURVE_POINTS)[:, None]
+    both = context.steel, without_adhesion(context.steel)
+    deep, bare = (normal_impact(contact, speeds).maximum_compression for contact in both)
+    return {"least_ratio_of_compression_with_to_without_adhesion": np.min(deep / bare, axis=0)}
 
 
 @claim("C30")
@@ -170,9 +164,9 @@ def c30(context: Context) -> Numbers:
 
 
 @claim("C31")
-def c31(context: Context) -> Numbers:
+def c31(context: Context, *, case: CaseName) -> Numbers:
     """Work of adhesion that gives the printed ring force by Eq. (30)."""
-    return {"work_of_adhesion_by_eq_30": context.fluorescein.work_of_adhesion}
+    return {"work_of_adhesion_by_eq_30": calibrated_contact(context.inputs, case).work_of_adhesion}
 
 
 @claim("C32")
@@ -190,10 +184,9 @@ def c33(context: Context) -> Numbers:
 
 
 @claim("C34")
-def c34(context: Context) -> Numbers:
+def c34(context: Context, *, diameter_um: Positive) -> Numbers:
     """Ends of the interval of capture velocities over the contacts that both ratios admit."""
-    diameter = context.params.fluorescein.diameter_um
-    rows = context.table("molybdenum_capture", diameter_um=diameter)
+    rows = context.table("molybdenum_capture", diameter_um=diameter_um)
     low, high = rows[["low_m_per_s", "high_m_per_s"]].iloc[0]
     return {
         "least_capture_velocity": low,
@@ -203,13 +196,15 @@ def c34(context: Context) -> Numbers:
 
 
 @claim("C35")
-def c35(context: Context) -> Numbers:
+def c35(context: Context, *, on_mica: CaseName, on_molybdenum: CaseName) -> Numbers:
     """Capture velocity of the calibrated contact on mica, and its work over that on molybdenum."""
-    mica = calibrated_contact(context.inputs, context.params.fluorescein.on_mica)
-    work, on_molybdenum = (np.asarray(c.work_of_adhesion) for c in (mica, context.fluorescein))
+    mica, molybdenum = (
+        calibrated_contact(context.inputs, case) for case in (on_mica, on_molybdenum)
+    )
+    ratio = np.asarray(mica.work_of_adhesion) / np.asarray(molybdenum.work_of_adhesion)
     return {
         "capture_velocity": capture_velocity(mica),
-        "work_of_adhesion_over_that_on_molybdenum": work / on_molybdenum,
+        "work_of_adhesion_over_that_on_molybdenum": ratio,
     }
 
 
@@ -219,47 +214,46 @@ def c36(context: Context) -> Numbers:
     return {"capture_velocity": capture_velocity(context.steel)}
 
 
-@claim("C37", by_case=True)
-def c37(context: Context) -> Numbers:
+@claim("C37", by_contact=True)
+def c37(
+    context: Context, *, diameters_um: dict[Name, Positive], speeds_m_per_s: PositiveRange
+) -> Numbers:
     """Shortest and longest contact of the rebounds over a range of speeds, by size class."""
-    normal = context.params.normal
-    named = normal.lasting_diameters_um
-    sizes = np.array(list(named.values()))[:, None] * 1e-6
-    lasts = context.of_steel(("C37",), lambda steel: lasting(normal, resized(steel, sizes)))
-    if np.any(np.isnan(lasts)):
-        raise ValueError("normal.lasting_speeds_m_per_s: no sphere rebounds at them")
+    sizes = np.array(list(diameters_um.values()))[:, None] * 1e-6
+    lasts = lasting(resized(context.steel, sizes), speeds_m_per_s)
+    if np.isnan(lasts).any(axis=(0, 1)).all():
+        raise ValueError("C37.speeds_m_per_s: no sphere rebounds at them")
     return {
         name: dict(zip(LASTING, times, strict=True))
-        for name, times in zip(named, lasts, strict=True)
+        for name, times in zip(diameters_um, lasts, strict=True)
     }
 
 
-def lasting(normal: Normal, spheres: Contact) -> FloatArray:
-    """Return the contacts of spheres (sizes, draws), ns, by `LASTING`: (sizes, numbers, draws).
+def lasting(spheres: Contact, ends: tuple[float, float]) -> FloatArray:
+    """Return the contacts of spheres (sizes, n), ns, by `LASTING`: (sizes, numbers, n).
 
-    Just above its capture velocity contact lasts longest: that speed is added. nan where no sphere
-    rebounds.
+    At speeds between two ends, m/s. Just above its capture velocity contact lasts longest: that
+    speed is added. nan where no sphere rebounds.
     """
-    low, high = normal.lasting_speeds_m_per_s
-    limit = np.clip(capture_velocity(spheres) * (1.0 + normal.above_capture), low, high)
-    speeds = between((low, high), normal.points)[:, None, None]
-    speeds = np.concatenate([np.broadcast_to(speeds, (normal.points, *limit.shape)), limit[None]])
+    limit = np.clip(capture_velocity(spheres) * (1.0 + ABOVE_CAPTURE), *ends)
+    speeds = between(ends, CURVE_POINTS)[:, None, None]
+    speeds = np.concatenate([np.broadcast_to(speeds, (CURVE_POINTS, *limit.shape)), limit[None]])
     impact = normal_impact(spheres, speeds)
     # Hertz: K sqrt(r) s^(5/2) = 5/4 m v^2.
     stiffness = np.sqrt(spheres.hertz_radius) * spheres.stiffness
     deepest = np.power(1.25 * spheres.mass * np.square(speeds) / stiffness, 0.4)
-    ends = []
+    lasts = []
     for times in (impact.contact_time, HERTZ_DURATION * deepest / speeds):
         of_rebounds = np.where(impact.captured, np.nan, times * 1e9)
-        ends += [np.fmin.reduce(of_rebounds), np.fmax.reduce(of_rebounds)]
-    return np.stack(ends, axis=1)
+        lasts += [np.fmin.reduce(of_rebounds), np.fmax.reduce(of_rebounds)]
+    return np.stack(lasts, axis=1)
 
 
-@claim("C38", by_case=True)
+@claim("C38", by_contact=True)
 def c38(context: Context) -> Numbers:
     """Strain of a normal impact over half its duration, by three measures of strain."""
     steel = context.steel
-    impact = context.steel_impacts(context.speed)
+    impact = context.impacts(context.speed)
     compression, reach = impact.maximum_compression, steel.radius * impact.contact_time / 2.0
     contact_radius = np.sqrt(steel.hertz_radius * compression)
     return {
@@ -269,15 +263,14 @@ def c38(context: Context) -> Numbers:
     }
 
 
-@claim("C39", by_case=True)
-def c39(context: Context) -> Numbers:
+@claim("C39", by_contact=True)
+def c39(context: Context, *, angle_deg: AngleDegrees) -> Numbers:
     """Spin after the impact at 50 deg."""
-    angle = context.params.oblique.spin_angle_deg
-    return {"final_spin": context.steel_impacts(context.speed, angle).spin}
+    return {"final_spin": context.impacts(context.speed, angle_deg).spin}
 
 
 @claim("C41", by_case=True)
-def c41(context: Context) -> Numbers:
+def c41(context: Context, *, dropped: Dropped, angle_deg: AngleDegrees) -> Numbers:
     """Excess of the loss without rotation over the true one, and the share of rotation.
 
     The gap of the means over the half-width of the 95 % interval that an experiment has for the
@@ -286,23 +279,25 @@ def c41(context: Context) -> Numbers:
     """
     steel, angles = context.steel, context.params.steel.angles_deg
     oblique = np.array([angle for angle in angles if angle < 90.0])
-    gaps = [gap_over_half_width(context, float(angle)) for angle in oblique]
-    _, impact = context.rebounds(oblique)
-    at_50 = context.hit(steel, context.speed, context.params.oblique.spin_angle_deg)
+    gaps = [gap_over_half_width(context, dropped, float(angle)) for angle in oblique]
+    impact = context.rebounds(oblique)
+    loss = impact.translational_energy_loss - impact.energy_loss
     return {
         "largest_gap_of_losses_over_half_width": max(gaps),
-        "least_gap_of_losses": np.min(impact.translational_energy_loss - impact.energy_loss),
-        "rotational_share_of_final_energy": rotational_share(steel, at_50),
+        "least_gap_of_losses": np.min(loss[~impact.captured]),
+        "rotational_share_of_final_energy": rotational_share(
+            steel, context.hit(steel, context.speed, angle_deg)
+        ),
     }
 
 
-def gap_over_half_width(context: Context, angle: float) -> float:
+def gap_over_half_width(context: Context, dropped: Dropped, angle: float) -> float:
     """Return the gap of both losses over the half-width of that which is measured.
 
     It is 0 where so few rebound that there is no such experiment.
     """
     params = context.params
-    impacts = sampled(context, replace(params.smooth, friction=params.steel.friction), angle)
+    impacts = sampled(context, replace(dropped, friction=params.steel.friction), angle)
     free = impacts.select(~impacts.captured)
     if len(free) < params.sampling.events:
         return 0.0
@@ -348,20 +343,25 @@ def c42(context: Context) -> Numbers:
     }
 
 
-@claim("C70", by_case=True)
+@claim("C70", by_contact=True)
 def c70(context: Context) -> Numbers:
     """Share of the loss at the nominal speed that goes into damped adhesion."""
-    share = context.of_steel(("C70",), lambda steel: losses(steel, context.speed).adhesion_share)
-    return {"adhesion_share_of_normal_loss": share}
+    return {"adhesion_share_of_normal_loss": losses(context.steel, context.speed).adhesion_share}
 
 
 @claim("C99", by_case=True)
-def c99(context: Context) -> Numbers:
+def c99(
+    context: Context,
+    *,
+    held_out_speeds_m_per_s: tuple[Positive, ...],
+    open_speed_m_per_s: Positive,
+    flat_within: Positive,
+) -> Numbers:
     """Error of e at speeds not fitted, and how far members of the family differ."""
-    contact, settings = context.steel, context.params.losses
-    e = simulate(contact, np.array(settings.held_out_speeds_m_per_s)).coefficient_of_restitution
-    members = flat_members(context, contact)
-    at_open_speed = simulate(members, settings.open_speed_m_per_s).coefficient_of_restitution
+    contact = context.steel
+    e = simulate(contact, np.array(held_out_speeds_m_per_s)).coefficient_of_restitution
+    members = flat_members(context, contact, flat_within)
+    at_open_speed = simulate(members, open_speed_m_per_s).coefficient_of_restitution
     error = np.max(np.abs(e - context.params.steel.restitution))
     return {
         "largest_error": error,
@@ -369,13 +369,13 @@ def c99(context: Context) -> Numbers:
     }
 
 
-def flat_members(context: Context, contact: Contact) -> Contact:
+def flat_members(context: Context, contact: Contact, flat_within: float) -> Contact:
     """Return the members (n,) of the family that keep e flat enough, of all rate exponents.
 
     Raises ValueError if there is none.
     """
     table = context.table("calibration_family")
-    flat = table[table["deviation_from_plateau"] <= context.params.losses.flat_within]
+    flat = table[table["deviation_from_plateau"] <= flat_within]
     if flat.empty:
         raise ValueError("flat_within: no member of the calibrated family is so flat")
     return contact.replace(
@@ -387,11 +387,11 @@ def flat_members(context: Context, contact: Contact) -> Contact:
 
 
 @claim("C100", by_case=True)
-def c100(context: Context) -> Numbers:
+def c100(context: Context, *, speeds_m_per_s: PositiveRange) -> Numbers:
     """Change of e if zeta is held at each impact's speed, or at another nominal speed."""
-    contact, settings = context.steel, context.params.losses
-    speed = np.geomspace(*settings.normalised_speeds_m_per_s, POINTS)
-    renamed = renormalised(contact, settings.other_speed_m_per_s)
+    contact = context.steel
+    speed = np.geomspace(*speeds_m_per_s, POINTS)
+    renamed = renormalised(contact, OTHER_SPEED)
     e, each, again = (
         simulate(c, speed).coefficient_of_restitution
         for c in (contact, at_own_speed(contact, speed), renamed)

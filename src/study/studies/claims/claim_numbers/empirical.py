@@ -13,33 +13,45 @@ from microimpact.model.empirical.fit import fit_restitution
 from microimpact.model.empirical.intervals import interval_batch
 from microimpact.model.empirical.search import fit_batch
 from microimpact.statistics.distributions import generator
+from study.declared.parameters import AboveOne, Count
 from study.studies.claims.claim_numbers.claim import claim
 from study.studies.claims.claim_numbers.context import Context, Estimate, Numbers, between
+from study.studies.claims.claim_numbers.params import Rebounds
 from study.tables import POINTS
 
 ANALYSIS = 104
 CONFIDENCE = 0.95
 # Standard error of a median over that of the mean, of a normal distribution.
 MEDIAN_ERROR = 1.2533
+# Fastest of the fitted rebounds in capture velocities, as for Fig. 16.
+FITTED_TO = 15.0
 
 
 @claim("C43", by_case=True)
-def c43(context: Context) -> Numbers:
+def c43(
+    context: Context,
+    *,
+    fitted_from: AboveOne,
+    late_from: AboveOne,
+    rebounds: Rebounds,
+    data_sets: Count,
+) -> Numbers:
     """Capture velocity by Eq. (34) over the simulated one, less 1, exponents free.
 
     The rms over some sets of rebounds with the noise of the instrument; without noise from data
     close above capture, by the table of the fits, and from two capture velocities.
     """
-    table, fits = context.table("restitution_fits", exponent="free"), context.params.fits
+    table = context.table("restitution_fits", exponent="free")
     rows = table[~table["evidence"].isin(POINTS)]
     if len(rows) != 1:
         raise ValueError(f"restitution_fits: {len(rows)} fits of case {context.case!r}, need one")
     fitted, limit = rows["v_c_m_per_s"].iloc[0], rows["simulated_v_c_m_per_s"].iloc[0]
     steel_limit = float(capture_velocity(context.steel))
-    ratios = between((fits.late_from, fits.fitted_to), fits.rebounds)
+    ratios = between((late_from, FITTED_TO), rebounds)
     e = simulate(context.steel, ratios * steel_limit).coefficient_of_restitution
     later = fit_restitution(ratios * steel_limit, e).v_c
-    errors = fit_batch(noisy_sets(context)).parameters[:, -1] / steel_limit - 1.0
+    sets = noisy_sets(context, fitted_from, rebounds, data_sets)
+    errors = fit_batch(sets).parameters[:, -1] / steel_limit - 1.0
     rms = np.sqrt(np.mean(np.square(errors)))
     scatter = np.std(np.square(errors)) / (2.0 * rms * np.sqrt(len(errors)))
     return {
@@ -50,24 +62,28 @@ def c43(context: Context) -> Numbers:
 
 
 @claim("C104", by_case=True)
-def c104(context: Context) -> Numbers:
+def c104(
+    context: Context, *, fitted_from: AboveOne, rebounds: Rebounds, data_sets: Count
+) -> Numbers:
     """Width of the interval of v_c by Eq. (34), over v_c; the median of some sets."""
-    sets = noisy_sets(context)
+    sets = noisy_sets(context, fitted_from, rebounds, data_sets)
     ends = interval_batch(sets, fit_batch(sets), scipy.special.chdtri(1, 1.0 - CONFIDENCE)).ends
     width = np.diff(ends) / float(capture_velocity(context.steel))
     error = MEDIAN_ERROR * np.std(width) / np.sqrt(width.size)
     return {"relative_width_of_profile_interval": Estimate(np.median(width), error)}
 
 
-def noisy_sets(context: Context) -> DataSets:
-    """Return sets of rebounds above the capture velocity with the noise of the instrument."""
-    contact, fits = context.steel, context.params.fits
-    limit = float(capture_velocity(contact))
-    speed = limit * np.geomspace(fits.fitted_from, fits.fitted_to, fits.rebounds)
+def noisy_sets(context: Context, fitted_from: float, rebounds: int, sets: int) -> DataSets:
+    """Return sets of rebounds with the noise of the instrument.
+
+    Their speeds begin at so many capture velocities.
+    """
+    contact = context.steel
+    speed = float(capture_velocity(contact)) * np.geomspace(fitted_from, FITTED_TO, rebounds)
     e = simulate(contact, speed).coefficient_of_restitution
     sigma = restitution_noise(context, speed, e)
     rng = generator(context.params.sampling.seed, ANALYSIS)
-    measured = np.maximum(e + sigma * rng.standard_normal((fits.data_sets, e.size)), 0.0)
+    measured = np.maximum(e + sigma * rng.standard_normal((sets, e.size)), 0.0)
     return data_sets(speed, measured, (measured > 0.0) / sigma)
 
 

@@ -11,13 +11,22 @@ from microimpact.core.arrays import BoolArray, FloatArray, Real
 from microimpact.core.solve import IntArray, root, threshold
 from microimpact.lab.dispenser import NO_SPIN, InitialSpin
 from microimpact.lab.events import Impacts
-from microimpact.lab.experiment import StopRule
+from microimpact.lab.experiment import SpeedClass, StopRule
 from microimpact.lab.ptis.experiment import collect
 from microimpact.lab.reduction import EXACT, Mean
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import Impact, simulate, velocity_components
 from microimpact.model.rigid_body.roughness import measured_restitution
 from microimpact.statistics.distributions import generator
+from study.declared.parameters import (
+    AngleDegrees,
+    Count,
+    Finite,
+    Name,
+    NonNegative,
+    ObliqueDegrees,
+    Positive,
+)
 from study.studies.claims.claim_numbers.claim import claim
 from study.studies.claims.claim_numbers.context import (
     Context,
@@ -26,6 +35,7 @@ from study.studies.claims.claim_numbers.context import (
     of_share,
     over_draws,
 )
+from study.studies.claims.claim_numbers.params import AngleRange, SteepToShallow
 from study.studies.experiments.mechanisms.impulse_regions import regions
 from study.studies.experiments.mechanisms.spin import rolling_limit
 from study.studies.samples import Dropped, Sample, half_width, in_class
@@ -41,25 +51,38 @@ ABOVE_CAPTURE = 1e-6
 WIDEST_SPREAD = 10.0
 # Second number of the key of the stream of repeated experiments; the first is that of the claim.
 ANALYSIS, SPREAD = 109, 0
+# Points of curves over angles and facets, and spins tried from back spin to rolling.
+POINTS, TRIED_SPINS = 61, 41
+# Angles over which regions of the impulse ratio are sought, denser than the article's; how far a
+# constant region may stray, and the least width of a transition that is seen.
+REGION_ANGLES = (
+    *(87.0, 84.0, 81.0, 78.0, 75.0, 72.0, 69.0, 66.0, 63.0, 60.0, 57.0, 55.0, 53.0, 51.0, 49.0),
+    *(47.0, 45.0, 42.0, 39.0, 36.0, 33.0, 30.0, 27.0, 24.0, 21.0, 18.0, 16.0, 14.0, 12.0, 11.0),
+    *(10.0, 9.0, 8.0),
+)
+CONSTANT_WITHIN, LEAST_TRANSITION = 0.1, 5.0
+# Pairs of surfaces in the table of the mechanisms.
+SLOPES_ALONE, HALF_ADHESION, MIRROR = "silicon", "silicon, half the adhesion", "mirror"
 
 
 @claim("C09")
-def c09(context: Context) -> Numbers:
+def c09(context: Context, *, angles_deg: AngleRange, facet_slope_deg: Finite) -> Numbers:
     """Normal speed of capture at 30 deg over that at 90 deg, the larger ratio of all cases."""
-    shallow, steep = context.params.oblique.captured_at_deg
+    shallow, steep = angles_deg
     ratios = [
-        normal_capture_speed(case, shallow) / normal_capture_speed(case, steep)
+        normal_capture_speed(case, shallow, facet_slope_deg)
+        / normal_capture_speed(case, steep, facet_slope_deg)
         for case in context.cases()
     ]
     return {"ratio_of_normal_capture_speeds": max(ratios)}
 
 
-def normal_capture_speed(context: Context, angle: float) -> float:
+def normal_capture_speed(context: Context, angle: float, facet_slope: float) -> float:
     """Return the speed normal to the nominal surface at which simulated impacts begin to rebound.
 
-    The sphere meets a facet that faces it by the slope declared, as a rule none.
+    The sphere meets a facet that faces it by a slope, degrees, as a rule none.
     """
-    steel, local = context.steel, angle + context.params.oblique.facet_slope_deg
+    steel, local = context.steel, angle + facet_slope
     local = min(local, 180.0 - local)
 
     def rebounds(log_speed: float) -> bool:
@@ -69,37 +92,33 @@ def normal_capture_speed(context: Context, angle: float) -> float:
     return float(speed * np.sin(np.radians(angle)))
 
 
-@claim("C10", by_case=True)
+@claim("C10", by_contact=True)
 def c10(context: Context) -> Numbers:
     """Angle at which the sphere that leaves begins to roll."""
-    context.rebounds()  # or there is no limit
+    low, steel = context.shallowest_rebounds(), context.steel
 
-    def limit(steel: Contact) -> FloatArray:
-        def rolls(angle: FloatArray) -> BoolArray:
-            return context.hit(steel, context.speed, angle).rolling
+    def rolls(angle: FloatArray) -> BoolArray:
+        return context.hit(steel, context.speed, angle).rolling
 
-        low = context.shallowest_rebounds()
-        high = np.full(low.shape, 90.0)
-        known = ~rolls(low) & rolls(high)
+    high = np.full(low.shape, 90.0)
+    known = ~rolls(low) & rolls(high)
 
-        def begun(angle: FloatArray) -> BoolArray:
-            return np.where(known, rolls(angle), angle >= 90.0)
+    def begun(angle: FloatArray) -> BoolArray:
+        return np.where(known, rolls(angle), angle >= 90.0)
 
-        return np.where(known, threshold(begun, low - ~known, high), np.nan)
-
-    return {"rolling_to_sliding_angle": context.of_steel(("C10",), limit)}
+    limit = np.where(known, threshold(begun, low - ~known, high), np.nan)
+    return {"rolling_to_sliding_angle": limit}
 
 
 @claim("C11")
-def c11(context: Context) -> Numbers:
+def c11(context: Context, *, angles_deg: AngleRange) -> Numbers:
     """Greatest true and measured restitution over shallow angles and facets up to the angle.
 
     The impact with the facet is simulated; Eq. (35) gives what is measured about the nominal
     surface. The largest over all cases.
     """
-    oblique = context.params.oblique
-    angles = np.linspace(*oblique.rough_angles_deg, oblique.points)[:, None]
-    slopes = angles * np.linspace(0.0, 1.0, oblique.points)
+    angles = np.linspace(*angles_deg, POINTS)[:, None]
+    slopes = angles * np.linspace(0.0, 1.0, POINTS)
     true, measured, bounded = [], [], []
     for case in context.cases():
         impact = case.hit(case.steel, context.speed, angles + slopes)
@@ -107,7 +126,7 @@ def c11(context: Context) -> Numbers:
         seen = np.asarray(measured_restitution(np.radians(angles), np.radians(slopes), e, mu))
         free = ~impact.captured
         if not free.any():
-            raise ValueError(f"oblique.rough_angles_deg: no rebound at {context.speed:g} m/s")
+            raise ValueError(f"C11.angles_deg: no rebound at {context.speed:g} m/s")
         true.append(e[free].max())
         measured.append(seen[free].max())
         bounded.append((seen * np.sin(np.radians(angles)))[free].max())
@@ -118,28 +137,30 @@ def c11(context: Context) -> Numbers:
     }
 
 
-@claim("C12", by_case=True)
-def c12(context: Context) -> Numbers:
+@claim("C12", by_contact=True)
+def c12(context: Context, *, speed_m_per_s: Positive, angles_deg: SteepToShallow) -> Numbers:
     """Change of the translational loss between 85 and 50 deg, over its value at 85 deg."""
-    oblique = context.params.oblique
-    loss = translational_loss(context, oblique.loss_speed_m_per_s, *oblique.level_loss_deg)
-    return {"largest_relative_change_of_energy_loss": np.max(np.abs(loss / loss[0] - 1.0))}
+    loss = translational_loss(context, speed_m_per_s, *angles_deg)
+    change = np.max(np.abs(loss / loss[0] - 1.0), axis=0)
+    return {"largest_relative_change_of_energy_loss": change}
 
 
-@claim("C13", by_case=True)
-def c13(context: Context) -> Numbers:
+@claim("C13", by_contact=True)
+def c13(context: Context, *, angles_deg: SteepToShallow) -> Numbers:
     """Translational loss at 10 deg, and its greatest rise above any value at a steeper angle."""
-    loss = translational_loss(context, context.speed, *context.params.oblique.falling_loss_deg)
+    loss = translational_loss(context, context.speed, *angles_deg)
     return {
         "energy_loss_at_shallow_angle": loss[-1],
-        "largest_rise_towards_shallow_angles": np.max(loss - np.minimum.accumulate(loss)),
+        "largest_rise_towards_shallow_angles": np.max(
+            loss - np.minimum.accumulate(loss, axis=0), axis=0
+        ),
     }
 
 
 def translational_loss(context: Context, speed: float, steep: float, shallow: float) -> FloatArray:
     """Return the loss of Eq. (3) in all steps from the steep angle to the shallow one."""
     angles = context.all_angles(steep, shallow)
-    return np.asarray(context.steel_impacts(speed, angles).translational_energy_loss)
+    return np.asarray(context.impacts(speed, angles).translational_energy_loss)
 
 
 @claim("C14")
@@ -164,30 +185,35 @@ def inverse_tangent(angle: FloatArray) -> FloatArray:
 
 
 @claim("C15", by_case=True)
-def c15(context: Context) -> Numbers:
+def c15(
+    context: Context, *, speed_m_per_s: Positive, angle_deg: AngleDegrees, spin_ratio: Finite
+) -> Numbers:
     """Impulse ratio of a slow oblique impact with the spin of a sphere that has rolled."""
-    slow, contact = context.params.slow, context.steel
-    speed = min(slow.speeds_m_per_s)
-    spin = slow.spin_ratio * speed / contact.radius
-    impact = simulate(contact, speed, slow.spin_deg, spin)
+    contact = context.steel
+    spin = spin_ratio * speed_m_per_s / contact.radius
+    impact = simulate(contact, speed_m_per_s, angle_deg, spin)
     return {"impulse_ratio_with_greatest_spin": impact.impulse_ratio}
 
 
 @claim("C16", by_case=True)
-def c16(context: Context) -> Numbers:
+def c16(
+    context: Context,
+    *,
+    dropped: Dropped,
+    speed_m_per_s: Positive,
+    normal_speed_below_m_per_s: Positive,
+) -> Numbers:
     """Share captured, and mean restitution, of slow impacts below a normal speed.
 
     At the declared angles at which the nominal speed leads there. A captured sphere counts with the
     restitution 0 that it has: where none rebounds there is no other mean.
     """
-    slow = context.params.slow
-    angles = np.array(context.params.steel.angles_deg)
-    limit = slow.normal_speed_below_m_per_s
-    dropped = replace(slow.dropped, speed_m_per_s=slow.speeds_m_per_s[-1])
-    below = angles[dropped.speed_m_per_s * np.sin(np.radians(angles)) < limit]
+    angles, limit = np.array(context.params.steel.angles_deg), normal_speed_below_m_per_s
+    slow = replace(dropped, speed_m_per_s=speed_m_per_s)
+    below = angles[speed_m_per_s * np.sin(np.radians(angles)) < limit]
     stayed, restitution = [], []
     for angle in below:
-        impacts = sampled(context, dropped, float(angle))
+        impacts = sampled(context, slow, float(angle))
         chosen = impacts.select(-impacts.velocity[:, 2] < limit)
         stayed += chosen.captured.tolist()
         rebound = np.where(chosen.captured, 0.0, chosen.rebound_velocity[:, 2])
@@ -209,86 +235,82 @@ def sampled(context: Context, dropped: Dropped, angle: float) -> Impacts:
 
 
 @claim("C67", by_case=True)
-def c67(context: Context) -> Numbers:
+def c67(context: Context, *, dropped: Dropped, spin_sd: NonNegative) -> Numbers:
     """Kinds of regions of the mean impulse ratio, and the transition, with and without spins."""
-    smooth = context.params.smooth
-    spin = InitialSpin(mean=0.0, sd=context.params.regions.spin_sd)
+    spun = replace(dropped, spin=InitialSpin(mean=0.0, sd=spin_sd))
     return {
-        "no spin": found_regions(context, smooth),
-        "spins of either sense": found_regions(context, replace(smooth, spin=spin)),
+        "no spin": found_regions(context, dropped),
+        "spins of either sense": found_regions(context, spun),
     }
 
 
 def found_regions(context: Context, dropped: Dropped) -> Numbers:
     """Return the kinds of regions between change points, and the width of the transition."""
-    wanted = context.params.regions
-    angle = np.array(wanted.angles_deg)
+    angle = np.array(REGION_ANGLES)
     means = [context.mean("impulse_ratio", dropped, a, context.series) for a in angle.tolist()]
     mean, error = np.array(means, dtype=float).T
     known = np.isfinite(mean)
     if not known.any():
-        raise ValueError("regions.angles_deg: at none of them is there a mean of rebounds")
-    parts = regions(angle[known], mean[known], error[known], wanted.constant_within)
+        raise ValueError("at no angle is there a mean of rebounds")
+    parts = regions(angle[known], mean[known], error[known], CONSTANT_WITHIN)
     width = sum(part["width_deg"] for part in parts if part["region"] == "transition")
     kinds = {part["region"] for part in parts}
-    if width < wanted.least_transition_deg:
+    if width < LEAST_TRANSITION:
         kinds.discard("transition")
     return {"regions_found": len(kinds), "width_of_transition": width}
 
 
-@claim("C68", by_case=True)
-def c68(context: Context) -> Numbers:
+@claim("C68", by_contact=True)
+def c68(
+    context: Context, *, plateau_angles_deg: AngleRange, grazing_angle_deg: AngleDegrees
+) -> Numbers:
     """How far e strays from the printed plateau, and e at the grazing angle."""
-    oblique = context.params.oblique
-    low, high = sorted(oblique.plateau_angles_deg)
+    low, high = sorted(plateau_angles_deg)
     angle = np.arange(low, high + COARSE / 2, COARSE)
     level, grazing = (
-        context.steel_impacts(context.speed, angles, 0.0)
-        for angles in (angle, oblique.grazing_angle_deg)
+        context.impacts(context.speed, angles, 0.0).coefficient_of_restitution
+        for angles in (angle, grazing_angle_deg)
     )
-    stray = np.max(np.abs(level.coefficient_of_restitution - context.params.steel.restitution))
+    stray = np.abs(level - context.params.steel.restitution)
     return {
-        "largest_difference_from_plateau": stray,
-        "restitution_at_grazing_angle": grazing.coefficient_of_restitution,
+        "largest_difference_from_plateau": np.max(stray, axis=0),
+        "restitution_at_grazing_angle": grazing,
     }
 
 
-def at_angles(context: Context, contact: Contact, angle: Real, basis: str | None = None) -> Impact:
-    """Return impacts at the nominal speed."""
-    wanted = basis or context.params.steel.friction_basis
-    return simulate(contact, context.speed, angle, 0.0, wanted)
+def at_angles(context: Context, contact: Contact, angle: Real) -> Impact:
+    """Return impacts at the nominal speed without spin."""
+    return simulate(contact, context.speed, angle, 0.0, context.params.steel.friction_basis)
 
 
-@claim("C69", by_case=True)
-def c69(context: Context) -> Numbers:
+@claim("C69", by_contact=True)
+def c69(context: Context, *, level_angles_deg: AngleRange, rise_angles_deg: AngleRange) -> Numbers:
     """Ratios of impulse ratios between angles, friction following the declared force."""
-    oblique = context.params.oblique
     return {
-        "level_of_impulse_ratio": quotient(context, oblique.level_angles_deg),
-        "rise_of_impulse_ratio": quotient(context, oblique.rise_angles_deg),
-        "rise_of_impulse_ratio_hertz": quotient(context, oblique.rise_angles_deg, "hertz"),
-        "rise_of_impulse_ratio_net": quotient(context, oblique.rise_angles_deg, "net"),
+        "level_of_impulse_ratio": quotient(context, level_angles_deg),
+        "rise_of_impulse_ratio": quotient(context, rise_angles_deg),
+        "rise_of_impulse_ratio_hertz": quotient(context, rise_angles_deg, "hertz"),
+        "rise_of_impulse_ratio_net": quotient(context, rise_angles_deg, "net"),
     }
 
 
-def quotient(context: Context, angles: tuple[float, float], basis: str = "") -> float:
+def quotient(context: Context, angles: tuple[float, float], basis: str = "") -> FloatArray:
     """Return the impulse ratio at one angle over that at another."""
-    ratio = context.steel_impacts(context.speed, np.array(angles), 0.0, basis).impulse_ratio
-    return float(ratio[0] / ratio[1])
+    ratio = context.impacts(context.speed, np.array(angles), 0.0, basis).impulse_ratio
+    return np.asarray(ratio[0] / ratio[1])
 
 
 @claim("C71")
-def c71(context: Context) -> Numbers:
+def c71(context: Context, *, angles_deg: tuple[AngleDegrees, ...]) -> Numbers:
     """Least difference of restitution above 20 deg, by slopes alone and with weaker adhesion."""
-    named = context.params.mechanisms
-    alternatives = {"slopes alone": named.slopes_alone, "half the adhesion": named.half_adhesion}
-    differences = {
-        words: least_difference(context, name, "restitution", named.restitution_deg)
-        for words, name in alternatives.items()
-    }
+    alternatives = {"slopes alone": SLOPES_ALONE, "half the adhesion": HALF_ADHESION}
     return {
-        words: {"least_difference_rough_less_smooth": difference}
-        for words, difference in differences.items()
+        words: {
+            "least_difference_rough_less_smooth": least_difference(
+                context, name, "restitution", angles_deg
+            )
+        }
+        for words, name in alternatives.items()
     }
 
 
@@ -318,19 +340,16 @@ def pair(
 @claim("C72")
 def c72(context: Context) -> Numbers:
     """Largest excess of the impulse ratio on the rough surface, at any angle."""
-    name, column = context.params.mechanisms.slopes_alone, "impulse_ratio_difference"
-    excess = pair(context, name, f"{column}_over_half_width")
+    excess = pair(context, SLOPES_ALONE, "impulse_ratio_difference_over_half_width")
     return {"largest_excess_of_rough_surface_over_half_width": excess.max()}
 
 
 @claim("C73")
-def c73(context: Context) -> Numbers:
+def c73(context: Context, *, angles_deg: tuple[AngleDegrees, ...]) -> Numbers:
     """Largest difference of the energy loss above 50 deg, with half the adhesion and without."""
-    named = context.params.mechanisms
     column = "energy_loss_difference_over_half_width"
     half, alone = (
-        pair(context, name, column, named.adhesion_deg).max()
-        for name in (named.half_adhesion, named.slopes_alone)
+        pair(context, name, column, angles_deg).max() for name in (HALF_ADHESION, SLOPES_ALONE)
     )
     return {
         "largest_difference_rough_less_smooth_with_half_adhesion_over_half_width": half,
@@ -339,11 +358,10 @@ def c73(context: Context) -> Numbers:
 
 
 @claim("C74")
-def c74(context: Context) -> Numbers:
+def c74(context: Context, *, angles_deg: tuple[AngleDegrees, ...]) -> Numbers:
     """Least difference of the losses on the mirror, and its error by squared restitutions."""
-    named = context.params.mechanisms
-    error = pair(context, named.mirror, "loss_less_squares_over_half_width", named.mirror_deg)
-    least = least_difference(context, named.mirror, "energy_loss", named.mirror_deg)
+    error = pair(context, MIRROR, "loss_less_squares_over_half_width", angles_deg)
+    least = least_difference(context, MIRROR, "energy_loss", angles_deg)
     return {
         "least_difference_of_losses_rough_less_smooth": least,
         "largest_error_of_difference_over_half_width": error.abs().max(),
@@ -351,16 +369,22 @@ def c74(context: Context) -> Numbers:
 
 
 @claim("C75", by_case=True)
-def c75(context: Context) -> Numbers:
+def c75(
+    context: Context,
+    *,
+    dropped: Dropped,
+    classes: dict[Name, SpeedClass],
+    trend_deg: AngleRange,
+    sphere_speeds_m_per_s: tuple[Positive, Positive],
+) -> Numbers:
     """Falls of restitution with the speed and the angle: means of the rebounds of a class.
 
     Beside them the fall of the mean sphere between the two faster speeds.
     """
-    slow = context.params.slow
-    e = [[class_mean(context, name, angle) for angle in slow.trend_deg] for name in slow.classes]
+    e = [[class_mean(context, dropped, c, angle) for angle in trend_deg] for c in classes.values()]
     (fast, fast_shallow), (middle, _), (slowest, slowest_shallow) = e
-    speeds = np.array(slow.speeds_m_per_s[:2])
-    sphere = simulate(context.steel, speeds, slow.trend_deg[0]).coefficient_of_restitution
+    speeds = np.array(sphere_speeds_m_per_s)
+    sphere = simulate(context.steel, speeds, trend_deg[0]).coefficient_of_restitution
     return {
         "fall_to_slowest_class": fast - slowest,
         "fall_with_angle_of_slowest_less_fastest_class": (slowest - slowest_shallow)
@@ -370,60 +394,66 @@ def c75(context: Context) -> Numbers:
     }
 
 
-def class_mean(context: Context, name: str, angle: float) -> Estimate:
+def class_mean(
+    context: Context, dropped: Dropped, speed_class: SpeedClass, angle: float
+) -> Estimate:
     """Return the mean restitution of the rebounds of a speed class at one angle.
 
     Raises ValueError if too few rebound.
     """
-    speed_class = context.params.slow.classes[name]
-    dropped = replace(
-        context.params.slow.dropped,
-        speed_m_per_s=speed_class.speed_m_per_s,
-        speed_range_m_per_s=speed_class.speed_range_m_per_s,
+    speed = speed_class.speed_m_per_s
+    of_class = replace(
+        dropped, speed_m_per_s=speed, speed_range_m_per_s=speed_class.speed_range_m_per_s
     )
-    if not context.seen(dropped, angle).measured:
-        raise ValueError(f"slow.classes.{name}: no sphere rebounds at {angle:g} deg")
-    return context.mean("restitution", dropped, angle)
+    if not context.seen(of_class, angle).measured:
+        raise ValueError(f"of the class at {speed:g} m/s no sphere rebounds at {angle:g} deg")
+    return context.mean("restitution", of_class, angle)
 
 
 @claim("C76", by_case=True)
-def c76(context: Context) -> Numbers:
+def c76(
+    context: Context, *, dropped: Dropped, speed_class: SpeedClass, trend_deg: AngleRange
+) -> Numbers:
     """Fall of restitution from steep to shallow: means of the rebounds of the fastest class."""
-    slow = context.params.slow
-    fastest = next(iter(slow.classes))
-    steep, shallow = (class_mean(context, fastest, angle) for angle in slow.trend_deg)
+    steep, shallow = (class_mean(context, dropped, speed_class, angle) for angle in trend_deg)
     return {"fall_of_restitution": steep - shallow}
 
 
 @claim("C77", by_case=True)
-def c77(context: Context) -> Numbers:
+def c77(
+    context: Context, *, speeds_m_per_s: tuple[Positive, Positive, Positive], spin_ratio: Finite
+) -> Numbers:
     """How far the end of rolling moves towards steep angles as the speed falls, by spin."""
-    slow = context.params.slow
-    fast, middle, slowest = slow.speeds_m_per_s
+    fast, middle, slowest = speeds_m_per_s
     base = rolling_limit(context.steel, fast, 0.0)
     return {
         name: {
             f"shift_of_rolling_limit_at_{words}": rolling_limit(context.steel, speed, spin) - base
             for words, speed in (("slowest", slowest), ("middle", middle))
         }
-        for name, spin in (("no spin", 0.0), ("back spin", slow.limit_spin_ratio))
+        for name, spin in (("no spin", 0.0), ("back spin", spin_ratio))
     }
 
 
 @claim("C111", by_case=True)
-def c111(context: Context) -> Numbers:
+def c111(
+    context: Context,
+    *,
+    speeds_m_per_s: tuple[Positive, Positive],
+    angle_deg: AngleDegrees,
+    seen_shift_deg: Positive,
+) -> Numbers:
     """Share of initial spins that narrow rolling visibly, that end friction, and that do both.
 
     Of spins of the mean sphere at the slowest speed, from back spin r omega = v to rolling.
     """
-    slow = context.params.slow
-    fast, _, slowest = slow.speeds_m_per_s
-    spins = np.linspace(-slow.spin_ratio, slow.spin_ratio, slow.tried_spins)
+    fast, slowest = speeds_m_per_s
+    spins = np.linspace(-1.0, 1.0, TRIED_SPINS)
     base = rolling_limit(context.steel, fast, 0.0)
     shift = np.array([rolling_limit(context.steel, slowest, spin) - base for spin in spins])
     turning = spins * slowest / context.steel.radius
-    ratio = simulate(context.steel, slowest, slow.spin_deg, turning).impulse_ratio
-    narrower, frictionless = shift >= slow.seen_shift_deg, ratio <= 0.0
+    ratio = simulate(context.steel, slowest, angle_deg, turning).impulse_ratio
+    narrower, frictionless = shift >= seen_shift_deg, ratio <= 0.0
     return {
         "share_of_spins_that_do_both": np.mean(narrower & frictionless),
         "share_of_spins_that_narrow_rolling": np.mean(narrower),
@@ -434,46 +464,43 @@ def c111(context: Context) -> Numbers:
 
 
 @claim("C78", by_case=True)
-def c78(context: Context) -> Numbers:
+def c78(
+    context: Context,
+    *,
+    dropped: Dropped,
+    angle_deg: AngleDegrees,
+    mean_spin: Finite,
+    spin_spreads: tuple[Positive, ...],
+) -> Numbers:
     """Least mean impulse ratio over spreads of spins about two means, and the spins needed.
 
     The mean spin needed brings the mean to zero. No spread about zero does; the spread needed is
     the least with which the interval of an experiment reaches zero.
     """
-    spin = context.params.slow.mean_spin
-    alternatives = {"spins of either sense": 0.0, "spins of the sense of rolling": spin}
-    return {name: low_ratios(context, mean) for name, mean in alternatives.items()}
-
-
-def low_ratios(context: Context, mean: float) -> Numbers:
-    """Return the least mean impulse ratio over spreads about a mean spin, and the spin needed."""
-    slow = context.params.slow
-    needed = context.table("spin_needed", angle_deg=slow.spin_deg).iloc[0]
+    needed = context.table("spin_needed", angle_deg=angle_deg).iloc[0]
     energy = "rotational_over_translational_energy"
-    return {
-        "least_mean_impulse_ratio": min(
-            _with_spread(context, mean, sd).value for sd in slow.spin_spreads
-        ),
-        "mean_spin_over_speed_needed": needed["mean_spin_needed"],
-        "spin_deviation_over_speed_needed": spread_needed(context),
-        f"{energy}_needed": needed[energy],
-    }
 
-
-def _with_spread(context: Context, mean: float, sd: float) -> Mean:
-    slow = context.params.slow
-    spun = replace(slow.dropped, spin=InitialSpin(mean=mean, sd=sd))
-    return context.seen(spun, slow.spin_deg, context.series).means["impulse_ratio"]
-
-
-def spread_needed(context: Context) -> float:
-    """Return the spread of spins without a mean whose interval, of one mean, reaches zero."""
+    def ratio(mean: float, sd: float) -> Mean:
+        spun = replace(dropped, spin=InitialSpin(mean=mean, sd=sd))
+        return context.seen(spun, angle_deg, context.series).means["impulse_ratio"]
 
     def lower_end(sd: float) -> float:
-        mean = _with_spread(context, 0.0, sd)
+        mean = ratio(0.0, sd)
         return mean.value - half_width(mean, EXACT, context.params.sampling)
 
-    return root(lower_end, 0.0, WIDEST_SPREAD, absolute=1e-2)
+    common = {
+        "mean_spin_over_speed_needed": needed["mean_spin_needed"],
+        "spin_deviation_over_speed_needed": root(lower_end, 0.0, WIDEST_SPREAD, absolute=1e-2),
+        f"{energy}_needed": needed[energy],
+    }
+    return {
+        name: {"least_mean_impulse_ratio": min(ratio(mean, sd).value for sd in spin_spreads)}
+        | common
+        for name, mean in (
+            ("spins of either sense", 0.0),
+            ("spins of the sense of rolling", mean_spin),
+        )
+    }
 
 
 @claim("C79", by_case=True)
@@ -501,63 +528,74 @@ def c80(context: Context) -> Numbers:
     return {"share_of_falling_slopes": over_draws(shares)}
 
 
-@claim("C106", by_case=True)
-def c106(context: Context) -> Numbers:
-    """Impulse ratio at the shallow angle less that at the steep one, at the slow speed."""
-    oblique, slowest = context.params.oblique, context.params.slow.speeds_m_per_s[-1]
-    angle = np.array(oblique.slow_angles_deg)[:, None]
-    share = np.power(np.sin(np.radians(angle)), oblique.friction_speed_exponent)
+@claim("C106", by_contact=True)
+def c106(
+    context: Context,
+    *,
+    speed_m_per_s: Positive,
+    angles_deg: AngleRange,
+    friction_speed_exponent: NonNegative,
+) -> Numbers:
+    """Impulse ratio at the shallow angle less that at the steep one, at the slow speed.
+
+    `friction_speed_exponent`: of the normal speed, over the speed, in the coefficient of friction,
+    which is constant: 0.
+    """
+    angle, steel = np.array(angles_deg)[:, None], context.steel
+    share = np.power(np.sin(np.radians(angle)), friction_speed_exponent)
+    rubbing = steel.replace(friction=steel.friction * share)
     basis = context.params.steel.friction_basis
-
-    def ratios(steel: Contact) -> FloatArray:
-        rubbing = steel.replace(friction=steel.friction * share)
-        return simulate(rubbing, slowest, angle, 0.0, basis).impulse_ratio
-
-    ratio = context.of_steel(("C106",), ratios)
-    return {"difference_of_impulse_ratios": ratio[0] - ratio[1]}
+    shallow, steep = simulate(rubbing, speed_m_per_s, angle, 0.0, basis).impulse_ratio
+    return {"difference_of_impulse_ratios": shallow - steep}
 
 
 @claim("C109")
-def c109(context: Context) -> Numbers:
+def c109(
+    context: Context,
+    *,
+    dropped: Dropped,
+    angle_deg: ObliqueDegrees,
+    experiments: Count,
+    most_dropped: Count,
+) -> Numbers:
     """Mean half-width of -mu in experiments with spin over that in those without.
 
     Events are those that the imaging system reports, by the model of its errors.
     """
-    spread = context.params.spread
-    spun = half_widths(context, spread.dropped.spin)
-    bare = half_widths(context, NO_SPIN)
+    params, contact = context.params, context.contact(dropped)
+    sampling = params.sampling
+    stop = StopRule(events=sampling.events, fewest_events=2, most_dropped=most_dropped)
+
+    def half_widths(spin: InitialSpin) -> Estimate:
+        drop = replace(dropped, spin=spin).drop(contact, angle_deg, sampling.dispenser)
+        streams = (generator(sampling.seed, ANALYSIS, SPREAD, n) for n in range(experiments))
+        means = [collect(drop, params.camera, stop, rng).means["impulse_ratio"] for rng in streams]
+        return over_draws([0.5 * (mean.high - mean.low) for mean in means])
+
+    spun, bare = half_widths(dropped.spin), half_widths(NO_SPIN)
     error = np.hypot(spun.error / spun.value, bare.error / bare.value)
     ratio = spun.value / bare.value
     return {"interval_width_with_over_without_spin": Estimate(ratio, ratio * error)}
 
 
-def half_widths(context: Context, spin: InitialSpin) -> Estimate:
-    """Return the mean half-width of the impulse ratio over repeated experiments."""
-    params = context.params
-    spread, sampling, camera = params.spread, params.sampling, params.camera
-    dropped = replace(spread.dropped, spin=spin)
-    drop = dropped.drop(context.contact(dropped), spread.angle_deg, sampling.dispenser)
-    stop = StopRule(events=sampling.events, fewest_events=2, most_dropped=spread.most_dropped)
-    streams = (generator(sampling.seed, ANALYSIS, SPREAD, n) for n in range(spread.experiments))
-    means = [collect(drop, camera, stop, rng).means["impulse_ratio"] for rng in streams]
-    return over_draws([0.5 * (mean.high - mean.low) for mean in means])
-
-
-@claim("C110", by_case=True)
-def c110(context: Context) -> Numbers:
+@claim("C110", by_contact=True)
+def c110(context: Context, *, rise_share: Positive, from_angle_deg: AngleDegrees) -> Numbers:
     """Largest angle at which -mu of a rebound exceeds that at 40 deg by a share."""
-    contact, oblique = context.steel, context.params.oblique
-    start, least = oblique.from_angle_deg, max(context.capture_angle(ABOVE_CAPTURE), FINE)
-    angle = np.append(np.arange(start, least, -FINE), least)
-    level = (1.0 + oblique.rise_share) * at_angles(context, contact, start).impulse_ratio
+    steel, start = context.steel, from_angle_deg
+    least = np.maximum(context.capture_angle(ABOVE_CAPTURE), FINE)
+    level = (1.0 + rise_share) * at_angles(context, steel, start).impulse_ratio
 
-    def first(places: IntArray) -> int:
-        risen = places[at_angles(context, contact, angle[places]).impulse_ratio >= level]
-        return int(risen[0]) if risen.size else angle.size
+    def first(steps: IntArray) -> tuple[IntArray, BoolArray]:
+        """Return the first of steps (m, n) at which it has risen, and whether there is one."""
+        risen = at_angles(context, steel, angle(steps)).impulse_ratio >= level
+        step = np.take_along_axis(steps, risen.argmax(axis=0)[None], axis=0)[0]
+        return step, risen.any(axis=0)
+
+    def angle(steps: IntArray) -> FloatArray:
+        return np.asarray(np.maximum(start - FINE * steps, least))
 
     # Over coarse steps, then within the one in which it rises.
-    coarse = first(np.append(np.arange(0, angle.size - 1, COARSE_STEPS), angle.size - 1))
-    if coarse == angle.size:
-        return {"angle_of_rise": 0.0}
-    fine = first(np.arange(max(coarse - COARSE_STEPS, 0), coarse + 1))
-    return {"angle_of_rise": float(angle[fine])}
+    steps = np.arange(0, round(start / FINE) + COARSE_STEPS, COARSE_STEPS)[:, None]
+    coarse, rises = first(np.broadcast_to(steps, (len(steps), least.size)))
+    fine, _ = first(np.maximum(coarse - np.arange(COARSE_STEPS + 1)[::-1, None], 0))
+    return {"angle_of_rise": np.where(rises, angle(fine), 0.0)}

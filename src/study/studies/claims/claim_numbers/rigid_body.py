@@ -16,20 +16,30 @@ from microimpact.model.rigid_body.algebra import (
     deformation_impulse,
     restitution_with_adhesion,
 )
+from study.declared.parameters import AngleDegrees, Finite, Fraction, Positive
 from study.studies.claims.claim_numbers.claim import claim
-from study.studies.claims.claim_numbers.context import Context, Numbers, without_adhesion
+from study.studies.claims.claim_numbers.context import (
+    Context,
+    Numbers,
+    greatest,
+    without_adhesion,
+)
 from study.studies.claims.claim_numbers.experiments import rebounding_speeds
 
 # Entries of the energy ledger that are lost.
 WORKS = ("hertz_work", "adhesion_work")
 # Instants of a trajectory whose works are added up.
 INSTANTS = 4001
+# At which identities are tried: over the range of the article, and from hardly any adhesion to
+# capture.
+RESTITUTIONS = (0.3, 0.5, 0.7, 0.9)
+ADHESION_COEFFICIENTS = (0.05, 0.2, 0.5, 0.8, 1.0)
 
 
 @claim("C18")
 def c18(context: Context) -> Numbers:
     """Restitution from momentum with the adhesion impulse of Eqs. (5) and (10), and by Eq. (16)."""
-    R, rho = body_and_adhesion(context)
+    R, rho = body_and_adhesion()
     v_n = -context.speed
     impulses = (-rho * loading_impulse(v_n, R), adhesion_impulse(v_n, R, rho))
     # e from V_n = v_n + P_D + P_A, impulses per mass.
@@ -48,33 +58,31 @@ def approach_impulse(v_n: float, R: Real) -> Real:
     return deformation_impulse(v_n, np.zeros_like(R))
 
 
-def body_and_adhesion(context: Context) -> tuple[FloatArray, FloatArray]:
+def body_and_adhesion() -> tuple[FloatArray, FloatArray]:
     """Return all pairs of body restitution and adhesion coefficient."""
-    algebra = context.params.algebra
-    R, rho = np.meshgrid(algebra.restitutions, algebra.adhesion_coefficients)
+    R, rho = np.meshgrid(RESTITUTIONS, ADHESION_COEFFICIENTS)
     return R, rho
 
 
-@claim("C19", by_case=True)
+@claim("C19", by_contact=True)
 def c19(context: Context) -> Numbers:
     """Impulse ratio over the coefficient of friction, the largest over all rebounds.
 
     Friction follows the declared force; beside it, that of Hertz.
     """
-    friction = context.params.steel.friction
-    angles, impact = context.rebounds()
-    hertz = context.steel_impacts(context.speed, context.all_angles(), 0.0, "hertz")
-    free = np.isin(context.all_angles(), angles)
+    impact = context.rebounds()
+    hertz = context.impacts(context.speed, context.all_angles(), 0.0, "hertz")
+    friction, free = context.steel.friction, ~impact.captured
     return {
-        "largest_impulse_ratio_over_friction": np.max(impact.impulse_ratio) / friction,
-        "largest_impulse_ratio_over_friction_hertz": np.max(hertz.impulse_ratio[free]) / friction,
+        "largest_impulse_ratio_over_friction": greatest(impact.impulse_ratio, free) / friction,
+        "largest_impulse_ratio_over_friction_hertz": greatest(hertz.impulse_ratio, free) / friction,
     }
 
 
 @claim("C20")
 def c20(context: Context) -> Numbers:
     """Work of Eq. (18) at rho = 1 over the energy that deformation gives back; farthest from 1."""
-    R = np.array(context.params.algebra.restitutions)
+    R = np.array(RESTITUTIONS)
     given_back = 0.5 * np.square(restitution_with_adhesion(R, 0.0) * context.speed)
     ratio = adhesion_work(-context.speed, R, 1.0) / given_back
     return {"work_ratio_at_capture": farthest(ratio)}
@@ -87,16 +95,16 @@ def farthest(ratios: Real) -> float:
 
 
 @claim("C21", by_case=True)
-def c21(context: Context) -> Numbers:
+def c21(context: Context, *, above_capture: Positive, rest_speed_m_per_s: Positive) -> Numbers:
     """Restitution and adhesion coefficient at 1e-4 above the calibrated capture velocity.
 
     The adhesion coefficient by Eq. (16), 1 - e/R, R from the same impact without ring force.
     """
-    normal, steel = context.params.normal, context.steel
-    speed = context.calibrated_capture_velocity * (1.0 + normal.above_capture)
+    steel = context.steel
+    speed = context.calibrated_capture_velocity * (1.0 + above_capture)
     bare = without_adhesion(steel)
     e, body = (simulate(c, speed).coefficient_of_restitution for c in (steel, bare))
-    at_rest = simulate(bare, normal.rest_speed_m_per_s).coefficient_of_restitution
+    at_rest = simulate(bare, rest_speed_m_per_s).coefficient_of_restitution
     return {
         "restitution_just_above_capture": e,
         "adhesion_coefficient_just_above_capture": 1.0 - e / body,
@@ -104,11 +112,11 @@ def c21(context: Context) -> Numbers:
     }
 
 
-@claim("C22", by_case=True)
-def c22(context: Context) -> Numbers:
+@claim("C22", by_contact=True)
+def c22(context: Context, *, spin_ratio: Finite) -> Numbers:
     """Signed impulse ratio of Eq. (2) at normal incidence with spin of either sign and without."""
-    spin_ratio = context.params.oblique.normal_spin_ratio * np.array([1.0, -1.0, 0.0])
-    impact = context.steel_impacts(context.speed, 90.0, spin_ratio, "compressive")
+    spins = spin_ratio * np.array([1.0, -1.0, 0.0])
+    impact = context.impacts(context.speed, 90.0, spins, "compressive")
     positive, negative, none = -impact.impulse_ratio
     return {
         "signed_impulse_ratio_positive_spin": positive,
@@ -117,24 +125,20 @@ def c22(context: Context) -> Numbers:
     }
 
 
-@claim("C23", by_case=True)
-def c23(context: Context) -> Numbers:
+@claim("C23", by_contact=True)
+def c23(context: Context, *, plateau_deg: AngleDegrees) -> Numbers:
     """Impulse ratio at the shallowest angle of adhesive rebound over that at 15 deg.
 
     With adhesion, and without at the same two angles.
     """
-    context.rebounds()  # or there is no shallowest one
-
-    def rises(steel: Contact) -> FloatArray:
-        shallowest = context.shallowest_rebounds()
-        angles = shallowest, np.full_like(shallowest, context.params.oblique.plateau_deg)
-        both = steel, without_adhesion(steel)
-        ratios = [
-            context.hit(contact, context.speed, np.stack(angles)).impulse_ratio for contact in both
-        ]
-        return np.stack([shallow / level for shallow, level in ratios])
-
-    adhesive, bare = context.of_steel(("C23",), rises)
+    shallowest = context.shallowest_rebounds()
+    angles = np.stack([shallowest, np.full_like(shallowest, plateau_deg)])
+    both = context.steel, without_adhesion(context.steel)
+    impacts = [context.hit(contact, context.speed, angles) for contact in both]
+    adhesive, bare = (
+        np.where(impacts[0].captured[0], np.nan, shallow / level)
+        for shallow, level in (impact.impulse_ratio for impact in impacts)
+    )
     return {
         "rise_to_shallowest_rebound_with_adhesion": adhesive,
         "rise_to_shallowest_rebound_without_adhesion": bare,
@@ -144,7 +148,7 @@ def c23(context: Context) -> Numbers:
 @claim("C24")
 def c24(context: Context) -> Numbers:
     """Kinetic energy loss less both works: residuals of simulated rebounds, and of Eq. (17)."""
-    R, rho = body_and_adhesion(context)
+    R, rho = body_and_adhesion()
     half = 0.5 * context.speed**2
     e = restitution_with_adhesion(R, rho)
     works = (1.0 - np.square(R)) * half + adhesion_work(-context.speed, R, rho)
@@ -159,7 +163,7 @@ def c24(context: Context) -> Numbers:
 
 
 @claim("C91")
-def c91(context: Context) -> Numbers:
+def c91(context: Context, *, angle_error_deg: Positive) -> Numbers:
     """Spin, or tilt, that gives a mean impulse ratio of 0.01 at normal incidence.
 
     Of the calibrated contacts the greatest spin, and the least tilt, over the uncertainty of the
@@ -170,7 +174,7 @@ def c91(context: Context) -> Numbers:
     return {
         "spin_over_speed_needed": table["spin_over_speed"].max(),
         "tilt_needed": tilt,
-        "tilt_over_its_uncertainty": tilt / context.params.slopes.printed_angle_error_deg,
+        "tilt_over_its_uncertainty": tilt / angle_error_deg,
     }
 
 
@@ -187,13 +191,16 @@ def c92(context: Context) -> Numbers:
 
 
 @claim("C93", by_case=True)
-def c93(context: Context) -> Numbers:
-    """Impulse and impulse ratio at a vanishing angle without adhesion, by all measures."""
-    contact, oblique = context.steel, context.params.oblique
-    work = np.asarray(contact.work_of_adhesion) * oblique.share_without_adhesion
-    impact = contact.replace(work_of_adhesion=work), context.speed, oblique.limit_angle_deg
+def c93(context: Context, *, share_without_adhesion: Fraction, angle_deg: AngleDegrees) -> Numbers:
+    """Impulse and impulse ratio at a vanishing angle without adhesion, by all measures.
+
+    `share_without_adhesion`: of the work of adhesion that is left.
+    """
+    contact = context.steel
+    work = np.asarray(contact.work_of_adhesion) * share_without_adhesion
+    impact = contact.replace(work_of_adhesion=work), context.speed, angle_deg
     limits = [simulate(*impact, friction_basis=basis) for basis in FRICTION_BASES]
-    along = context.speed * np.cos(np.radians(oblique.limit_angle_deg))
+    along = context.speed * np.cos(np.radians(angle_deg))
     momentum = max((along - i.tangential_velocity) / context.speed for i in limits)
     difference = max(abs(i.impulse_ratio - contact.friction) for i in limits)
     return {
@@ -202,34 +209,29 @@ def c93(context: Context) -> Numbers:
     }
 
 
-@claim("C101", by_case=True)
-def c101(context: Context) -> Numbers:
+@claim("C101", by_contact=True)
+def c101(context: Context, *, speeds_m_per_s: tuple[Positive, ...]) -> Numbers:
     """W_A of Eq. (18), R from impacts without adhesion, over the simulated adhesion loss."""
-    speed = np.array(context.params.losses.speeds_m_per_s)[:, None]
-
-    def ratios(steel: Contact) -> FloatArray:
-        body = body_restitution(steel, speed)
-        e = simulate(steel, speed).coefficient_of_restitution
-        work = losses(steel, speed).adhesion / steel.mass
-        return np.asarray(adhesion_work(speed, body, 1.0 - e / body) / work)
-
-    ratio = context.of_steel(("C101",), ratios)
-    return {"least_ratio_of_works": ratio.min(), "greatest_ratio_of_works": ratio.max()}
-
-
-@claim("C102", by_case=True)
-def c102(context: Context) -> Numbers:
-    """Loss (1 - R^2) v^2/2, R from impacts without adhesion, over the simulated material loss."""
-    speed = np.array(context.params.losses.speeds_m_per_s)[:, None]
-
-    def ratios(steel: Contact) -> FloatArray:
-        body = 0.5 * (1.0 - np.square(body_restitution(steel, speed))) * np.square(speed)
-        return np.asarray(body / (losses(steel, speed).bulk / steel.mass))
-
-    ratio = context.of_steel(("C102",), ratios)
+    speed, steel = np.array(speeds_m_per_s)[:, None], context.steel
+    body = body_restitution(steel, speed)
+    e = simulate(steel, speed).coefficient_of_restitution
+    work = losses(steel, speed).adhesion / steel.mass
+    ratio = np.asarray(adhesion_work(speed, body, 1.0 - e / body) / work)
     return {
-        "least_ratio_of_material_losses": ratio.min(),
-        "greatest_ratio_of_material_losses": ratio.max(),
+        "least_ratio_of_works": ratio.min(axis=0),
+        "greatest_ratio_of_works": ratio.max(axis=0),
+    }
+
+
+@claim("C102", by_contact=True)
+def c102(context: Context, *, speeds_m_per_s: tuple[Positive, ...]) -> Numbers:
+    """Loss (1 - R^2) v^2/2, R from impacts without adhesion, over the simulated material loss."""
+    speed, steel = np.array(speeds_m_per_s)[:, None], context.steel
+    body = 0.5 * (1.0 - np.square(body_restitution(steel, speed))) * np.square(speed)
+    ratio = np.asarray(body / (losses(steel, speed).bulk / steel.mass))
+    return {
+        "least_ratio_of_material_losses": ratio.min(axis=0),
+        "greatest_ratio_of_material_losses": ratio.max(axis=0),
     }
 
 
@@ -239,14 +241,13 @@ def body_restitution(contact: Contact, speed: FloatArray) -> FloatArray:
 
 
 @claim("C108", by_case=True)
-def c108(context: Context) -> Numbers:
+def c108(context: Context, *, attachment_damped: bool) -> Numbers:
     """Share of the loss to damped adhesion that falls on the rebound.
 
     As the model supposes, with damping on rebound alone, and with damping on approach as well.
     """
     supposed, damped = (
-        rebound_share(context, damped=damped)
-        for damped in (context.params.losses.attachment_damped, True)
+        rebound_share(context, damped=damped) for damped in (attachment_damped, True)
     )
     return {
         "rebound_share_of_adhesion_loss": supposed,

@@ -9,72 +9,79 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import FloatArray
+from study.declared.parameters import AngleDegrees, Fraction, Name
 from study.studies.claims.claim_numbers.claim import claim
 from study.studies.claims.claim_numbers.context import Context, Estimate, Numbers
+from study.studies.claims.claim_numbers.params import AngleRange, SteepToShallow
 from study.studies.experiments.mechanisms.spore import as_imaged
-from study.studies.samples import Dropped, Sample, Sampling, Seen
+from study.studies.samples import Dropped, Sample, Sampling
 
 # Half-width of a 95 % interval over its standard error.
 ERROR_BAR = 1.96
+# Events of the sample that the camera sees, and particles after which it is taken as it is.
+SEEN_EVENTS, MOST_DROPPED = 100, 12000
 
 
 @claim("C17")
-def c17(context: Context) -> Numbers:
+def c17(context: Context, *, angles_deg: AngleRange) -> Numbers:
     """Total speeds that the two printed normal speeds of the spores mean."""
-    angles = np.radians(context.params.formica.spore_angles_deg)
+    angles = np.radians(angles_deg)
     keys = ("normal_speed_lycopodium_48deg", "normal_speed_lycopodium_38deg")
     speeds = np.array([context.printed(key) for key in keys]) / np.sin(angles)
     return {"difference_of_total_speeds": speeds[0] - speeds[1], "total_speed": speeds.mean()}
 
 
 @claim("C81", by_case=True)
-def c81(context: Context) -> Numbers:
+def c81(context: Context, *, angles_deg: tuple[AngleDegrees, ...]) -> Numbers:
     """Largest difference of restitution, steel less spores, each calibrated at 85 deg alone."""
-    difference = context.column(
-        "spore_comparison",
-        "restitution_difference_over_half_width",
-        context.params.mechanisms.compared_deg,
-    )
+    name = "restitution_difference_over_half_width"
+    difference = context.column("spore_comparison", name, angles_deg)
     return {"largest_difference_over_half_width": difference.abs().max()}
 
 
 @claim("C82")
-def c82(context: Context) -> Numbers:
+def c82(context: Context, *, angles_deg: SteepToShallow) -> Numbers:
     """Printed normal speed over the quoted capture velocity; the smooth spore's fall of e below."""
     first = context.table("smooth_spore").iloc[0]
     quoted = first["normal_speed_m_per_s"] / first["normal_speed_over_quoted_capture_velocity"]
     printed = context.printed("normal_speed_lycopodium_38deg")
-    restitution = context.column("smooth_spore", "restitution", (38.0, 10.0))
+    restitution = context.column("smooth_spore", "restitution", angles_deg).to_numpy()
     return {
         "normal_speed_over_quoted_capture_velocity": printed / quoted,
-        "fall_of_restitution_of_smooth_spore": restitution[38.0] - restitution[10.0],
+        "fall_of_restitution_of_smooth_spore": restitution[0] - restitution[1],
         "angle_of_quoted_capture_velocity": first["angle_of_quoted_capture_velocity_deg"],
     }
 
 
 @claim("C83")
-def c83(context: Context) -> Numbers:
+def c83(context: Context, *, angles_deg: SteepToShallow, off_centre: Name) -> Numbers:
     """Rise of restitution from 38 to 15 deg by each cause alone, and the greatest."""
-    named = context.params.mechanisms
     causes = {
-        "slopes": named.spore_slopes,
-        "second_contacts": named.spore_second_contacts,
-        "collisions_off_centre": named.spore_off_centre,
+        "slopes": "slopes, first contacts",
+        "second_contacts": "second contacts, added to slopes",
+        "collisions_off_centre": off_centre,
     }
-    rises = {w: trend(context, name, "restitution_rise_38_to_15") for w, name in causes.items()}
+    rises = {
+        words: trend(context, name, "restitution_rise", angles_deg)
+        for words, name in causes.items()
+    }
     return {"greatest_rise_over_half_width": max(rises.values())} | {
         f"rise_by_{words}_over_half_width": rise.value for words, rise in rises.items()
     }
 
 
-def trend(context: Context, mechanism: str, column: str) -> Estimate:
+def trend(context: Context, mechanism: str, quantity: str, angles: tuple[float, float]) -> Estimate:
     """Return a trend that a supposed cause gives, over its half-width.
 
     The sample is large: its error is about that of means of as many events as rebound at 15 deg.
 
-    Raises ValueError if so few rebound at one of the angles that there is no trend to see.
+    Raises ValueError if the table has no trend between these angles, or so few rebound at one of
+    them that there is none to see.
     """
     row = context.table("spore_trends", mechanism=mechanism).iloc[0]
+    column = "{}_{:g}_to_{:g}".format(quantity, *angles)
+    if f"{column}_over_half_width" not in row:
+        raise ValueError(f"spore_trends: no column {column}_over_half_width")
     value, rebounds = row[f"{column}_over_half_width"], row["rebounds_at_15_deg"]
     if not np.isfinite(value):
         raise ValueError(f"spore_trends: too few rebounds for {column}, {mechanism}")
@@ -82,13 +89,23 @@ def trend(context: Context, mechanism: str, column: str) -> Estimate:
 
 
 @claim("C84")
-def c84(context: Context) -> Numbers:
+def c84(
+    context: Context,
+    *,
+    rise_deg: SteepToShallow,
+    later_rise_deg: SteepToShallow,
+    fall_deg: SteepToShallow,
+) -> Numbers:
     """Rises and fall of the impulse ratio as the camera sees them."""
-    seen = context.params.mechanisms.spore_seen
-    trends = {"rise": "rise_85_to_20", "later_rise": "rise_45_to_20", "fall": "fall_15_to_5"}
+    trends = {"rise": rise_deg, "later_rise": later_rise_deg, "fall": fall_deg}
     return {
-        f"{name}_over_half_width": trend(context, seen, f"impulse_ratio_{column}")
-        for name, column in trends.items()
+        f"{name}_over_half_width": trend(
+            context,
+            "slopes, seen by the camera",
+            f"impulse_ratio_{name.removeprefix('later_')}",
+            angles,
+        )
+        for name, angles in trends.items()
     }
 
 
@@ -107,45 +124,57 @@ def c85(context: Context) -> Numbers:
 
 
 @claim("C86")
-def c86(context: Context) -> Numbers:
+def c86(
+    context: Context,
+    *,
+    steel: Dropped,
+    spore: Dropped,
+    trend_deg: AngleRange,
+    from_deg: AngleDegrees,
+    steel_deg: AngleRange,
+) -> Numbers:
     """Restitution of steel less the spores', rises of both, and restitution of steel.
 
     With the slopes that are supposed of the spores, and without any.
     """
-    spore = context.params.formica.spore
     alternatives = {
         "slopes of spores as supposed": spore,
         "spores without slopes": replace(spore, particle_slope=0.0),
     }
-    return {name: on_formica(context, each) for name, each in alternatives.items()}
-
-
-def on_formica(context: Context, spore: Dropped) -> Numbers:
-    """Return the numbers of C86 for one sort of spores."""
-    steel = formica(context, "steel_restitution", (20.0, 15.0))
+    measured, below = formica(context, "steel_restitution", steel_deg)
     return {
-        "least_difference_steel_less_spore_over_half_width": min(
-            compared(context, "restitution", spore)
-        ),
-        "lesser_rise_over_half_width": lesser_rise(context, "restitution", spore),
-        "measured_restitution_of_steel": steel[20.0],
-        "measured_restitution_of_steel_below": steel[15.0],
-        "slope_deviation_of_formica": context.params.formica.steel.surface_slope,
+        name: {
+            "least_difference_steel_less_spore_over_half_width": min(
+                compared(context, "restitution", steel, each, from_deg)
+            ),
+            "lesser_rise_over_half_width": lesser_rise(
+                context, "restitution", (steel, each), trend_deg
+            ),
+            "measured_restitution_of_steel": measured,
+            "measured_restitution_of_steel_below": below,
+            "slope_deviation_of_formica": steel.surface_slope,
+        }
+        for name, each in alternatives.items()
     }
 
 
 def rise(
-    context: Context, quantity: str, dropped: Dropped, sampling: Sampling | None = None
+    context: Context,
+    quantity: str,
+    dropped: Dropped,
+    trend: tuple[float, float],
+    sampling: Sampling | None = None,
 ) -> Estimate:
     """Return the rise of a mean on Formica from steep to shallow, over its half-width."""
-    steep, shallow = context.params.formica.trend_deg
+    steep, shallow = trend
     return context.over_half_width(quantity, (dropped, shallow), (dropped, steep), sampling)
 
 
-def lesser_rise(context: Context, quantity: str, spore: Dropped) -> Estimate:
+def lesser_rise(
+    context: Context, quantity: str, samples: tuple[Dropped, Dropped], trend: tuple[float, float]
+) -> Estimate:
     """Return the lesser rise of a mean, of steel and of one sort of spores."""
-    samples = context.params.formica.steel, spore
-    return min(rise(context, quantity, sample, context.series) for sample in samples)
+    return min(rise(context, quantity, sample, trend, context.series) for sample in samples)
 
 
 def formica(context: Context, column: str, angles: ArrayLike | None = None) -> pd.Series:
@@ -153,42 +182,53 @@ def formica(context: Context, column: str, angles: ArrayLike | None = None) -> p
     return context.column("formica_mechanism", column, angles)
 
 
-def compared(context: Context, quantity: str, spore: Dropped) -> list[Estimate]:
-    """Return differences of a mean at the angles compared, steel less spores, over half-widths."""
-    steel, angles = context.params.formica.steel, formica(context, f"{quantity}_difference").index
+def compared(
+    context: Context, quantity: str, steel: Dropped, spore: Dropped, least: float
+) -> list[Estimate]:
+    """Return differences of a mean from an angle up, steel less spores, over half-widths."""
+    angles = formica(context, f"{quantity}_difference").index
     return [
         context.over_half_width(quantity, (steel, angle), (spore, angle), context.series)
-        for angle in angles[angles >= context.params.mechanisms.formica_from_deg]
+        for angle in angles[angles >= least]
     ]
 
 
 @claim("C87")
-def c87(context: Context) -> Numbers:
+def c87(
+    context: Context,
+    *,
+    steel: Dropped,
+    spore: Dropped,
+    trend_deg: AngleRange,
+    from_deg: AngleDegrees,
+    least_spore_friction: Fraction,
+) -> Numbers:
     """Largest difference of the impulse ratios over its half-width, and the lesser rise.
 
     With the friction of steel for the spores, and with less.
     """
-    samples = context.params.formica
-    less = replace(samples.spore, friction=samples.least_spore_friction)
-    alternatives = {"friction of spores as of steel": samples.spore, "less friction": less}
+    less = replace(spore, friction=least_spore_friction)
+    alternatives = {"friction of spores as of steel": spore, "less friction": less}
     return {
         name: {
             "largest_difference_of_impulse_ratios_over_half_width": max(
-                map(abs, compared(context, "impulse_ratio", spore))
+                map(abs, compared(context, "impulse_ratio", steel, each, from_deg))
             ),
-            "lesser_rise_over_half_width": lesser_rise(context, "impulse_ratio", spore),
+            "lesser_rise_over_half_width": lesser_rise(
+                context, "impulse_ratio", (steel, each), trend_deg
+            ),
         }
-        for name, spore in alternatives.items()
+        for name, each in alternatives.items()
     }
 
 
 @claim("C88")
-def c88(context: Context) -> Numbers:
+def c88(context: Context, *, angles_deg: AngleRange) -> Numbers:
     """How far the difference of the losses shrinks from 80 to 30 deg, over its half-width.
 
     Beside it the ratio of both, and the difference of the restitutions at 30 deg.
     """
-    angles = [30.0, 80.0]
+    angles = list(angles_deg)
     losses, widths, errors = differences(context, "energy_loss", angles)
     apart, width, error = (values[0] for values in differences(context, "restitution", angles[:1]))
     change = Estimate(abs(losses[1]) - abs(losses[0]), np.hypot(*errors))
@@ -217,25 +257,20 @@ def differences(context: Context, quantity: str, angles: list[float]) -> list[Fl
 
 
 @claim("C89")
-def c89(context: Context) -> Numbers:
+def c89(context: Context, *, spore: Dropped, trend_deg: AngleRange) -> Numbers:
     """Share of spores captured, or not seen by the camera, while restitution rises."""
-    spore, (_, shallow) = context.params.formica.spore, context.params.formica.trend_deg
+    shallow = trend_deg[1]
     captured, bias = (
         formica(context, f"spore_{name}", shallow)[shallow]
         for name in ("captured_share", "bias_of_conditional_mean")
     )
+    sample = Sample(dropped=spore, contact=context.contact(spore), sampling=context.series)
+    seen = as_imaged(
+        sample, shallow, context.params.camera, events=SEEN_EVENTS, most_dropped=MOST_DROPPED
+    )
     return {
         "captured_share": captured,
-        "rise_over_half_width": rise(context, "restitution", spore, context.series),
-        "share_not_observed": watched(context).captured_share,
+        "rise_over_half_width": rise(context, "restitution", spore, trend_deg, context.series),
+        "share_not_observed": seen.captured_share,
         "bias_of_conditional_mean": bias,
     }
-
-
-def watched(context: Context) -> Seen:
-    """Return the spores on Formica at the shallow angle, as the camera sees them."""
-    params = context.params.formica
-    contact, camera = context.contact(params.spore), context.params.camera
-    sample = Sample(dropped=params.spore, contact=contact, sampling=context.series)
-    events, most = params.seen_events, params.seen_dropped
-    return as_imaged(sample, params.trend_deg[1], camera, events=events, most_dropped=most)
