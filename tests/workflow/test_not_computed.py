@@ -40,9 +40,8 @@ def test_a_study_without_its_table_writes_why(lacking, tmp_path, monkeypatch):
 
 
 def test_only_claims_that_rest_on_it_have_no_number(lacking, monkeypatch):
-    monkeypatch.setattr(
-        claim_numbers, "CLAIMS", {n: claim_numbers.CLAIMS[n] for n in ("C01", "C10")}
-    )
+    few = {name: claim_numbers.CLAIMS[name] for name in ("C01", "C10")}
+    monkeypatch.setattr(claim_numbers.claim, "CLAIMS", few)
     params = build(claim_numbers.Params, settings_as_shipped().branches["claim_numbers"])
     files = {"calibration": lacking, "admissible_contacts": lacking}
     table = claim_numbers.run(params, NamedTables({}, files))["claim_numbers"]

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 import pandas as pd
 
+from microimpact.model.choices import FrictionBasis
 from study.studies.claims.claim_numbers.claim import CLAIMS, flat
 from study.studies.claims.claim_numbers.context import Context
 from study.studies.claims.claim_numbers.params import Common
@@ -42,7 +44,7 @@ def numbers_of_draws(
     parts = [
         part
         for basis, rows in drawn.groupby("friction_basis")
-        for part in _of_basis(params, inputs, str(basis), rows, tuple(claims))
+        for part in _of_basis(params, inputs, cast("FrictionBasis", basis), rows, tuple(claims))
     ]
     if not parts:
         return pd.DataFrame(columns=list(COLUMNS))
@@ -56,7 +58,7 @@ def numbers_of_draws(
 def _of_basis(
     params: Common,
     inputs: Mapping[str, pd.DataFrame],
-    basis: str,
+    basis: FrictionBasis,
     rows: pd.DataFrame,
     claims: tuple[str, ...],
 ) -> Iterator[pd.DataFrame]:

@@ -589,7 +589,7 @@ def c110(context: Context, *, rise_share: Positive, from_angle_deg: AngleDegrees
         """Return the first of steps (m, n) at which it has risen, and whether there is one."""
         risen = at_angles(context, steel, angle(steps)).impulse_ratio >= level
         step = np.take_along_axis(steps, risen.argmax(axis=0)[None], axis=0)[0]
-        return step, risen.any(axis=0)
+        return step, np.any(risen, axis=0)
 
     def angle(steps: IntArray) -> FloatArray:
         return np.asarray(np.maximum(start - FINE * steps, least))
