@@ -29,18 +29,17 @@ def test_a_claim_is_told_with_all_that_decides_it(nowhere):
 
 
 @pytest.mark.parametrize(
-    ("setting", "verdict"),
+    ("setting", "value", "verdict"),
     [
-        # of the claim's own branch, and of a study that its numbers rest on
-        ("claim_numbers.C04.speed_m_per_s=0.44", "reproduced"),
-        ("claim_numbers.C04.speed_m_per_s=0.2", "not reproduced"),
+        ("correction", "printed", "not reproduced"),
+        ("probe_height_mm", "0.5", "reproduced with a correction"),
     ],
 )
-def test_a_changed_value_gives_another_verdict(setting, verdict, nowhere):
-    text = tell("C04", changed([setting]), nowhere)
+def test_a_changed_value_gives_another_verdict(setting, value, verdict, nowhere):
+    text = tell("C02", changed([f"claim_numbers.C02.{setting}={value}"]), nowhere)
     assert f"\nVerdict: {verdict}\n" in text
-    assert "pile_up_speed_m_per_s" in text
-    assert f"{setting.partition('=')[2]} m/s is the faster end" in " ".join(text.split())
+    assert f"Changed: {{claim_numbers: {{C02: {{{setting}: {value}}}}}}}" in text
+    assert ("a probe 0.5 mm high" in " ".join(text.split())) == (value == "0.5")
 
 
 def test_the_break_of_a_claim_changes_its_verdict(nowhere):
