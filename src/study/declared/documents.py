@@ -114,10 +114,7 @@ def filled(node: Any, values: Mapping[str, Any], key: str) -> Any:
 
 
 def _named(node: Any) -> Mapping[str, Any]:
-    """Return the entries of a mapping, or of a list by their names or places."""
+    """Return the entries of a mapping, or of a list by their numbers."""
     if isinstance(node, list | tuple):
-        named = (item.get("name") if isinstance(item, Mapping) else None for item in node)
-        return {
-            name or str(i): item for i, (name, item) in enumerate(zip(named, node, strict=True))
-        }
+        return {str(number): item for number, item in enumerate(node)}
     return node if isinstance(node, Mapping) else {}

@@ -21,7 +21,6 @@ from pydantic import (
     ConfigDict,
     Field,
     GetCoreSchemaHandler,
-    GetJsonSchemaHandler,
     TypeAdapter,
     ValidationError,
     ValidationInfo,
@@ -134,35 +133,6 @@ ExternalName = Annotated[Name, Names("external")]
 
 
 @dataclass(frozen=True, slots=True)
-class Keyed:
-    """Marks a tuple that stands as a mapping in the configuration: name -> fields.
-
-    Each item has its name in a field of its own; or in none, and the names serve the files alone.
-    """
-
-    field: str = ""
-
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
-        """Refuse two items of one name."""
-        return core_schema.no_info_after_validator_function(self._distinct, handler(source))
-
-    def _distinct(self, items: tuple[Any, ...]) -> tuple[Any, ...]:
-        names = [getattr(item, self.field) for item in items] if self.field else []
-        if twice := [name for name in dict.fromkeys(names) if names.count(name) > 1]:
-            raise ValueError(f"{twice[0]!r} is listed twice")
-        return items
-
-    def __get_pydantic_json_schema__(
-        self, core: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
-        """Describe the mapping."""
-        items = handler(core)["items"]
-        return {"type": "object", "additionalProperties": items, KEYED: self.field}
-
-
-@dataclass(frozen=True, slots=True)
 class Stream:
     """Marks a seed that several analyses share, where none of them has its own."""
 
@@ -177,8 +147,6 @@ T = TypeVar("T")
 
 # Field that tells which of several dataclasses a mapping stands for.
 KIND = "kind"
-# In schemas: the field that holds the name of an item.
-KEYED = "x-name-in"
 
 STRICT = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
 
@@ -193,11 +161,10 @@ def adapter(kind: Any) -> TypeAdapter[Any]:
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """Form of a type in the files: its dataclasses, its items and how these are named."""
+    """Form of a type in the files: its dataclasses or its items."""
 
     classes: tuple[type, ...] = ()
     hint: Any = object  # Of its items, if it holds some
-    keyed: Keyed | None = None  # How the items stand in the files, if by their names
     stream: str = ""  # Name of the random numbers of a seed, if not that of its analysis
 
     @property
@@ -248,9 +215,8 @@ def shape(hint: Any) -> Shape:
         return Shape(classes=classes) if classes else parts[0]
     if typing.get_origin(hint) is typing.Literal:
         return Shape(hint=hint)
-    keyed = next((mark for mark in marks if isinstance(mark, Keyed)), None)
     stream = next((mark.name for mark in marks if isinstance(mark, Stream)), "")
-    return Shape(hint=arguments[-1] if arguments else object, keyed=keyed, stream=stream)
+    return Shape(hint=arguments[-1] if arguments else object, stream=stream)
 
 
 @cache
@@ -314,6 +280,8 @@ def _line(item: Mapping[str, Any], kind: type, key: str, aliases: Mapping[str, s
     for part in item["loc"]:
         if part in here.kinds:  # which variant the validator took stands in no file
             here = here.kinds[part]
+            continue
+        if part == "[key]":  # the name of an item itself
             continue
         fields = here.fields()
         here = here.item if isinstance(part, int) else here.fields().get(part, here.item)

@@ -84,7 +84,7 @@ class Resolver:
     rows
         Every value resolved so far, as it is used.
     aliases
-        Where a value or a named item stands in the files, by its key in the parameters.
+        Where a value stands in the files, by its key in the parameters.
     """
 
     def __init__(
@@ -157,18 +157,12 @@ class Resolver:
         """Return the plain values of a node, and record the place of each."""
         if isinstance(node, _Reference):
             node = self._dereferenced(kind, node, key)
-        # From Python, whole items may come in a list, with their names.
-        if kind.keyed and isinstance(node, Declared) and node.value and node.source != NOTHING:
-            self.problems.append(f"{key}: must be a mapping: a name, then its fields")
-            return None
         if isinstance(node, Declared):
             return self._recorded(kind, node, key)
         if isinstance(node, list):
             return [self._plain(kind.item, item, f"{key}[{i}]") for i, item in enumerate(node)]
         if not isinstance(node, dict):
             return None
-        if kind.keyed:
-            return [self._item(kind, i, name, key, node[name]) for i, name in enumerate(node)]
         stands = next(_places(node), "").rpartition(".")[0]
         # where one value or a distribution is wanted
         if (kind == Shape() or kind.kinds) and stands not in {"", key}:
@@ -198,14 +192,6 @@ class Resolver:
         value = int(words.generate_state(1)[0])
         source = f"from the root seed, {root.value}, and the name {stream!r}"
         return Declared(value, "derived", source, f"{key}.{SEED}")
-
-    def _item(self, kind: Shape, number: int, name: str, key: str, node: Any) -> Any:
-        """Return a named item of a mapping as an item that holds its name."""
-        self.aliases[f"{key}[{number}]"] = where = f"{key}.{name}"
-        value = self._plain(kind.item, node, where)
-        if not (kind.keyed and kind.keyed.field and isinstance(value, dict)):
-            return value
-        return {kind.keyed.field: name, **value}
 
     def _dereferenced(self, kind: Shape, node: _Reference, key: str) -> Any:
         """Return the fields of the places that a parameter of some kind has, overrides merged."""

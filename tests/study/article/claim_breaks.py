@@ -125,7 +125,7 @@ def restitution_of_0_90(claim, world):
     for case in STEEL:
         dropped = replace(params.speed.dropped, case=case)
         sample = Sample.of(dropped, sampling, world.inputs)
-        rows += [class_row(params.speed, sample, each) for each in params.speed.classes]
+        rows += [class_row(params.speed, sample, each) for each in params.speed.classes.values()]
     return world.numbers(claim, {"speed_and_angle": pd.DataFrame(rows)})
 
 
@@ -219,8 +219,12 @@ def no_material_damping(claim, world):
     world.patch.setattr(calibration_study, "hertz_damping_for_adhesion_ratio", undamped)
     branch = world.settings.branches["calibration"]
     family = {"works_of_adhesion_J_per_m2": [3.5], "rate_exponents": [0.0]}
-    works = [target for target in branch["by_work_of_adhesion"] if target["surface"] == "mica"]
-    changes = {"by_work_of_adhesion": works, "by_restitution": []}
+    targets = branch["by_work_of_adhesion"].items()
+    works = {case: None for case, target in targets if target["surface"] != "mica"}
+    changes = {
+        "by_work_of_adhesion": works,
+        "by_restitution": dict.fromkeys(branch["by_restitution"]),
+    }
     two = branch["two_stage"] | family
     return world.numbers(claim, dict(world.run_study("calibration", two_stage=two, **changes)))
 

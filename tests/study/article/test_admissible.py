@@ -127,7 +127,6 @@ def test_a_captured_share_becomes_a_likelihood_over_what_is_noticed():
     from study.studies.models.admissible_contacts.statements import NoCapture
 
     one = NoCapture(
-        statement="none",
         diameter_um=Constant(at=50.0),
         speed_range_m_per_s=(0.4, 0.5),
         angle_deg=30.0,
@@ -145,7 +144,7 @@ def test_a_captured_share_becomes_a_likelihood_over_what_is_noticed():
 def test_an_interval_with_normal_tails():
     from study.studies.models.admissible_contacts.statements import Within
 
-    one = Within(statement="e", quantity="restitution", interval=(0.6, 0.7), tail=0.1)
+    one = Within(quantity="restitution", interval=(0.6, 0.7), tail=0.1)
     values = np.array([0.5, 0.6, 0.65, 0.9, np.nan, np.inf])
     logs = one.log_likelihood(values)
     assert logs[:4] == pytest.approx([-0.5, 0.0, 0.0, -2.0])

@@ -103,9 +103,9 @@ def test_an_experiment_is_the_same_alone_and_among_the_others(
 
 
 def test_blocks_that_do_not_agree_with_the_article_are_refused(settings, run_study, calibration):
-    first, *rest = settings.branches["campaign"]["blocks"]
+    first = next(iter(settings.branches["campaign"]["blocks"]))
     message = r"blocks: give 174 experiments, not 187; 10 surfaces, not 11, as counted$"
-    blocks = [{**first, "surfaces": ["silicon front"]}, *rest]
+    blocks = {first: {"surfaces": ["silicon front"]}}
     with pytest.raises(ValueError, match=message):
         run_study("campaign", calibration, blocks=blocks)
 
@@ -135,8 +135,9 @@ def test_the_unknown_height_of_the_probe_selects_slow_rebounds(
     slow = held.loc[("smooth, normal", 90.0, 0.3, "restitution")]
     assert slow["coverage_observable"] < 0.85
     branch = settings.branches["interval_coverage"]
-    normal, oblique = branch["cases"][:2]
-    cases = [{**normal, "speeds_m_per_s": [0.3]}, {**oblique, "angles_deg": [60.0]}]
+    normal, oblique, *others = branch["cases"]
+    cases = {normal: {"speeds_m_per_s": [0.3]}, oblique: {"angles_deg": [60.0]}}
+    cases |= dict.fromkeys(others)
     exact = {**branch["pdpa"], "probe_height_error_um": 0.0}
     found = run_study("interval_coverage", calibration, cases=cases, pdpa=exact)
     share = found["interval_coverage"]["coverage_observable"].iloc[0]
@@ -190,14 +191,15 @@ def test_settings_without_meaning_are_refused(run_study, calibration, change, ke
 
 
 def test_a_class_that_nothing_meets_is_refused(settings, run_study, calibration):
-    normal, oblique = settings.branches["interval_coverage"]["cases"][:2]
-    cases = [{**oblique, "angles_deg": [2.0]}, normal]
+    normal, oblique, *others = settings.branches["interval_coverage"]["cases"]
+    cases = {oblique: {"angles_deg": [2.0]}, normal: {"speeds_m_per_s": [1.25]}}
+    cases |= dict.fromkeys(others)
     message = r"^cases.smooth, oblique, 1.66 m/s, 2 deg: no event .* 40 are wanted"
     with pytest.raises(ValueError, match=message):
         run_study("interval_coverage", calibration, cases=cases)
 
 
 def test_cases_of_one_instrument_alone_are_refused(settings, run_study, calibration):
-    cases = settings.branches["interval_coverage"]["cases"][1:]
+    cases = dict.fromkeys([next(iter(settings.branches["interval_coverage"]["cases"]))])
     with pytest.raises(ConfigError, match="one at another angle"):
         run_study("interval_coverage", calibration, cases=cases)

@@ -86,12 +86,13 @@ def test_slopes_raise_the_impulse_ratio_at_steep_angles_as_the_rigid_body_says(
     sampling = Sampling(
         seed=1, impacts=40_000, events=40, angle_error_deg=0.25, dispenser=params.dispenser
     )
-    steep = replace(params.slope, pairs=params.slope.pairs[:1], angles_deg=(85.0, 75.0, 65.0))
+    name, pair = next(iter(params.slope.pairs.items()))
+    steep = replace(params.slope, pairs={name: pair}, angles_deg=(85.0, 75.0, 65.0))
     table = pd.DataFrame(pair_rows(steep, sampling, inputs))
     error = table["impulse_ratio_sd"] / np.sqrt(table["rebounds"])
     found = table["impulse_ratio_difference"]
     expected = [
-        rigid_rise(*row, steep.pairs[0].rough.friction)
+        rigid_rise(*row, pair.rough.friction)
         for row in table[["angle_deg", "slope_sd", "restitution"]].to_numpy()
     ]
     assert ((found - expected).abs() < 4.0 * error).all()
@@ -193,7 +194,7 @@ def test_spreads_of_the_laboratory(run_study, settings, calibration):
         "laboratory_sensitivity",
         calibration,
         impacts=400,
-        series=[branch["series"][2]],
+        series={name: {} if n == 2 else None for n, name in enumerate(branch["series"])},
         angles_deg=[45.0, 20.0],
     )["laboratory_sensitivity"]
     effect = table.set_index(["spread", "factor", "quantity", "angle_deg"]).sort_index()
@@ -209,10 +210,9 @@ def test_spreads_of_the_laboratory(run_study, settings, calibration):
 
 
 def test_a_misspelt_spread_is_refused(run_study, settings, calibration):
-    branch = settings.branches["laboratory_sensitivity"]
-    series = [{**branch["series"][0], "spreads": ["exit"]}]
+    name = next(iter(settings.branches["laboratory_sensitivity"]["series"]))
     with pytest.raises(ValueError, match="spreads"):
-        run_study("laboratory_sensitivity", calibration, series=series)
+        run_study("laboratory_sensitivity", calibration, series={name: {"spreads": ["exit"]}})
 
 
 def test_printed_piles_vanish_for_another_pair(run_study, calibration, draw):

@@ -131,6 +131,6 @@ def test_a_contact_of_every_law_is_made_from_arrays(steel, silicon):
     )
     values = {name: np.array([0.5, 2.0]) for name in contact_laws.UNITS}
     for kind in contact_laws.FREE:
-        law = contact_laws.Law(name="any", law=kind)
+        law = contact_laws.Law(law=kind)
         contact = contact_laws.contact_of(base, law, values)
         assert np.shape(capture_velocity(contact)) == (2,)

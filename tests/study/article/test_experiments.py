@@ -101,7 +101,7 @@ def test_the_same_experiment_gives_the_same_number_in_every_study(
         "speeds": ["own"],
         "angles_deg": [angle],
     }
-    own = {"blocks": [block], "counted": dict.fromkeys(branch["counted"], 1)}
+    own = {"blocks": {"one": block}, "counted": dict.fromkeys(branch["counted"], 1)}
     params = build(campaign.Params, {**branch, "speed_classes": classes, **own})
     tables = {}
 

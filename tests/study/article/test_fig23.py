@@ -127,7 +127,7 @@ def antithetic(request, run_study, calibration, settings):
         "monte_carlo",
         calibration,
         plan=few,
-        variants=branch["variants"][:1],
+        variants=dict.fromkeys(list(branch["variants"])[1:]),
         points=10,
         comparison={"angle_deg": request.param, "replicates": 256, "events": 256},
         slope_inference={**branch["slope_inference"], "plan": {**few, "events": 256}},
@@ -163,7 +163,7 @@ def test_the_whole_study_runs_on_the_simulation(run_study, calibration, settings
             "restitution_half_width": 0.0,
             "plan": {**branch["plan"], **small},
         },
-        variants=branch["variants"][:1],
+        variants=dict.fromkeys(list(branch["variants"])[1:]),
         points=10,
     )
     relative = found["monte_carlo"].set_index("angle_deg")["relative_restitution"]

@@ -120,7 +120,7 @@ def test_an_uncapturable_run_is_named(run_study, calibration, sampling):
 
 
 def test_another_generator(run_study, calibration, sampling, settings):
-    cases = settings.branches["doe"]["cases"][:1]
+    cases = dict.fromkeys(list(settings.branches["doe"]["cases"])[1:])
     generator = "a b c ab ac"
     found = run_study("doe", calibration, sampling=sampling, cases=cases, generator=generator)
     table = found["doe_effects"]

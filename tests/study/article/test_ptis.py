@@ -67,8 +67,9 @@ def held(settings):
     branch = settings.branches["track_imaging"]
 
     def hold(cases=slice(None), **changes):
-        chosen = {"error_cases": branch["error_cases"][cases], **changes}
-        errors, agreement, _ = error_cases(build(Params, {**branch, **chosen}))
+        chosen = dict(list(branch["error_cases"].items())[cases])
+        params = build(Params, {**branch, "error_cases": chosen, **changes})
+        errors, agreement, _ = error_cases(params)
         return errors, agreement.set_index("quantity")
 
     return hold

@@ -70,5 +70,5 @@ def test_a_capture_velocity(work, hertz, adhesion):
 def test_a_material_that_is_none(name):
     done = CliRunner().invoke(commands, ["capture", "--particle", name, "--surface", "silicon"])
     assert isinstance(done.exception, ValueError)
-    assert "unknown material" in str(done.exception)
+    assert "is not declared" in str(done.exception)
     assert repr(name) in str(done.exception)

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import pytest
 
-from study.declared.parameters import Keyed, Seed, Stream
+from study.declared.parameters import Seed, Stream
 from study.declared.references import Resolver, merged
 
 
@@ -32,7 +32,6 @@ class Spin:
 
 @dataclass(frozen=True, kw_only=True)
 class Drop:
-    name: str
     diameter_um: Constant | Normal
     speed_m_per_s: float
     spin: Spin
@@ -41,7 +40,7 @@ class Drop:
 @dataclass(frozen=True, kw_only=True)
 class Params:
     seed: Seed
-    drops: Annotated[tuple[Drop, ...], Keyed("name")]
+    drops: dict[str, Drop]
     fast_m_per_s: float
     range_m_per_s: tuple[float, float]
 
@@ -91,10 +90,10 @@ def test_a_reference_gives_the_fields_that_are_wanted():
     resolver, study = resolved()
     assert not resolver.problems
     sizes = {"kind": "normal", "mean": 49, "sd": 9.0}
-    a = {"name": "a", "diameter_um": sizes, "speed_m_per_s": 1.6, "spin": {"sd": 0.0, "mean": 0.0}}
+    a = {"diameter_um": sizes, "speed_m_per_s": 1.6, "spin": {"sd": 0.0, "mean": 0.0}}
     assert study == {
         "seed": study["seed"],
-        "drops": [a, {**a, "name": "b", "spin": {"sd": 0.0, "mean": 0.5}}],
+        "drops": {"a": a, "b": {**a, "spin": {"sd": 0.0, "mean": 0.5}}},
         "fast_m_per_s": 1.6,
         "range_m_per_s": [1.5, 1.7],
     }
@@ -114,7 +113,7 @@ def test_a_value_beside_a_reference_is_told_as_one_in_its_place():
 
 def test_what_is_changed_in_the_laboratory_moves_all_that_names_it():
     resolver, study = resolved({"particles": {"SST65": {"mean_um": 50}}})
-    assert [drop["diameter_um"]["mean"] for drop in study["drops"]] == [50, 50]
+    assert [drop["diameter_um"]["mean"] for drop in study["drops"].values()] == [50, 50]
     assert row(resolver, "study.drops.a.diameter_um.mean").evidence == "user"
     assert not row(resolver, "study.drops.a.diameter_um.mean").overrides
 
@@ -126,7 +125,7 @@ def test_a_distribution_is_replaced_as_a_whole():
         {"study": {"drops": {"a": {"diameter_um": constant}}}},
     ):
         resolver, study = resolved(changes)
-        assert study["drops"][0]["diameter_um"] == constant
+        assert study["drops"]["a"]["diameter_um"] == constant
         assert not resolver.problems
     told = row(resolver, "study.drops.a.diameter_um.at").overrides
     assert told == "particles.SST65.diameter_um"
@@ -149,8 +148,8 @@ def test_what_is_taken_away_must_be_there():
 def test_names_are_added_and_taken_away():
     drops = {"a": None, "c": {"from": "steel", "speed_m_per_s": 2.0}}
     _, study = resolved({"study": {"drops": drops}})
-    assert [drop["name"] for drop in study["drops"]] == ["b", "c"]
-    assert study["drops"][1]["speed_m_per_s"] == 2.0
+    assert list(study["drops"]) == ["b", "c"]
+    assert study["drops"]["c"]["speed_m_per_s"] == 2.0
 
 
 def test_a_declaration_is_replaced_as_a_whole():

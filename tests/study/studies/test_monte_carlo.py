@@ -603,7 +603,7 @@ def branch(settings):
     ("changes", "message"),
     [
         (
-            {"ablation": {"angles_deg": [20.0], "sources": [{"parameter": "slop"}]}},
+            {"ablation": {"angles_deg": [20.0], "sources": {"slop": {}}}},
             "ablation.sources: 'slop' must be one of speed_m_per_s",
         ),
         (
@@ -612,7 +612,7 @@ def branch(settings):
         ),
         ({"model": "simulation"}, "slope_inference.restitution_half_width: must be 0"),
         ({"reference_angle_deg": 84.0}, "reference_angle_deg: 84 must be one of angles_deg, "),
-        ({"variants": []}, r"variants: \[\] must hold at least 1"),
+        ({"variants": {}}, r"variants: \{\} must hold at least 1"),
     ],
 )
 def test_bad_parameters_of_the_study_are_refused_in_one_line(branch, changes, message):

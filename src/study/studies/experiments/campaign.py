@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from functools import partial
 from itertools import product
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -39,7 +39,6 @@ from study.declared.parameters import (
     Count,
     ExperimentSeed,
     Fraction,
-    Keyed,
     MaterialName,
     Name,
     NonNegative,
@@ -128,7 +127,7 @@ class Experiment:
 
 
 def expand(
-    blocks: Iterable[Block],
+    blocks: Mapping[str, Block],
     particles: Mapping[str, SizeRange],
     surfaces: Mapping[str, DeclaredSurface],
     speed_classes: Mapping[str, SpeedClass],
@@ -140,11 +139,11 @@ def expand(
     """
     known = {"particles": particles, "surfaces": surfaces, "speeds": speed_classes}
     experiments: dict[str, Experiment] = {}
-    for number, block in enumerate(blocks):
+    for block_name, block in blocks.items():
         for key, declared in known.items():
             for name in (name for name in getattr(block, key) if name not in declared):
                 complaint = f"{name!r} must be one of those declared{nearest(name, declared)}"
-                raise ValueError(f"blocks[{number}].{key}: {complaint}")
+                raise ValueError(f"blocks.{block_name}.{key}: {complaint}")
         chosen = block.particles, block.surfaces, block.speeds, block.angles_deg or angles_deg
         for *names, angle in product(*chosen):
             experiment = Experiment(
@@ -156,7 +155,7 @@ def expand(
                 angle=angle,
             )
             if experiment.title in experiments:
-                raise ValueError(f"blocks[{number}]: {experiment.title}: declared twice")
+                raise ValueError(f"blocks.{block_name}: {experiment.title}: declared twice")
             experiments[experiment.title] = experiment
     return list(experiments.values())
 
@@ -255,7 +254,7 @@ class Params:
     surfaces: Mapping[str, DeclaredSurface]
     speed_classes: Mapping[str, SpeedClass]
     angles_deg: tuple[AngleDegrees, ...]
-    blocks: Annotated[tuple[Block, ...], Keyed()]
+    blocks: dict[Name, Block]
     friction: Fraction
     stop: StopRule
     dispenser: Dispenser

@@ -33,7 +33,6 @@ from study.declared.parameters import (
     CaseName,
     Count,
     Fraction,
-    Keyed,
     Name,
     NonNegative,
     OpenShare,
@@ -242,7 +241,6 @@ DRAWN = {"observable": "events that can be measured", "rebounds": "all rebounds"
 class CoverageCase:
     """Experiments of one surface, over speeds at one angle or over angles at one speed."""
 
-    name: Name
     speeds_m_per_s: tuple[Positive, ...]
     angles_deg: tuple[Annotated[float, Field(gt=0, le=90)], ...]
     diameter_um: Distribution
@@ -258,7 +256,7 @@ class Params:
     seed: Annotated[int, Field(ge=0)]
     case: CaseName
     friction: Fraction
-    cases: Annotated[tuple[CoverageCase, ...], Keyed("name")]
+    cases: dict[Name, CoverageCase]
     experiments: Annotated[int, Field(ge=2)]
     events: Annotated[int, Field(ge=2)]
     level: OpenShare
@@ -268,7 +266,7 @@ class Params:
 
     def __post_init__(self) -> None:
         """Refuse to draw a panel of nothing."""
-        normal = [angle == NORMAL for case in self.cases for angle in case.angles_deg]
+        normal = [angle == NORMAL for case in self.cases.values() for angle in case.angles_deg]
         if not (any(normal) and not all(normal)):
             raise ValueError("cases: must hold an experiment at 90 deg and one at another angle")
 
@@ -281,7 +279,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     """
     contact = calibrated_contact(inputs, params.case).replace(friction=params.friction)
     rows: list[dict[str, Any]] = []
-    for number, case in enumerate(params.cases):
+    for number, (name, case) in enumerate(params.cases.items()):
         for (i, angle), (k, speed) in product(
             enumerate(case.angles_deg), enumerate(case.speeds_m_per_s)
         ):
@@ -298,9 +296,9 @@ def run(params: Params, inputs: Tables) -> Tables:
             try:
                 repeated = repeat(params, case.simulated, drop, rng)
             except ValueError as error:
-                where = f"cases.{case.name}, {speed:g} m/s, {angle:g} deg"
+                where = f"cases.{name}, {speed:g} m/s, {angle:g} deg"
                 raise ValueError(f"{where}: {error}") from None
-            rows += coverage_rows(params, case.name, drop, repeated)
+            rows += coverage_rows(params, name, drop, repeated)
     table = pd.DataFrame(rows)
     return {"interval_coverage": table, **drawn(table, params.level)}
 

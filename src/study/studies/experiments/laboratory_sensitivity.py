@@ -17,7 +17,6 @@ from microimpact.lab.reduction import QUANTITIES, quantities
 from microimpact.statistics.distributions import TruncatedNormal, generator
 from study.declared.parameters import (
     Count,
-    Keyed,
     Name,
     NonNegative,
     ObliqueDegrees,
@@ -57,7 +56,6 @@ SPREADS: Mapping[Spread, tuple[str, ...]] = {
 class BaseSeries:
     """Particles dropped, and the spreads that are varied."""
 
-    name: Name
     dropped: Dropped
     spreads: tuple[Spread, ...]
 
@@ -73,7 +71,7 @@ class Params:
 
     seed: Annotated[int, Field(ge=0)]
     impacts: Count
-    series: Annotated[tuple[BaseSeries, ...], Keyed("name")]
+    series: dict[Name, BaseSeries]
     angles_deg: tuple[ObliqueDegrees, ...]
     factors: tuple[Positive, ...]
     dispenser: Dispenser
@@ -116,7 +114,7 @@ def _rows(params: Params, inputs: Tables) -> Iterator[dict[str, Any]]:
         angle_error_deg=params.angle_error_deg,
         dispenser=params.dispenser,
     )
-    for series in params.series:
+    for name, series in params.series.items():
         base = Setting(
             sample=Sample.of(series.dropped, sampling, inputs),
             velocity_noise=params.velocity_noise_relative,
@@ -127,14 +125,14 @@ def _rows(params: Params, inputs: Tables) -> Iterator[dict[str, Any]]:
             for spread in series.spreads:
                 for factor in params.factors:
                     varied = measured(scaled(base, SPREADS[spread], factor), angle)
-                    for name in QUANTITIES:
+                    for quantity in QUANTITIES:
                         yield {
-                            "series": series.name,
+                            "series": name,
                             "angle_deg": angle,
                             "spread": spread,
                             "factor": factor,
-                            "quantity": name,
-                            **change(reference[name], varied[name]),
+                            "quantity": quantity,
+                            **change(reference[quantity], varied[quantity]),
                             "evidence": "virtual experiment",
                         }
 

@@ -26,7 +26,6 @@ from study.declared.parameters import (
     CaseName,
     ExperimentSeed,
     Fraction,
-    Keyed,
     Name,
     Positive,
 )
@@ -48,7 +47,6 @@ HIDDEN_SHARE = 0.9
 class Population:
     """Particles of one sieve class."""
 
-    name: Name
     diameter_um: Distribution
 
 
@@ -59,7 +57,7 @@ class Params:
     seed: ExperimentSeed
     case: CaseName
     other_case: CaseName
-    populations: Annotated[tuple[Population, ...], Keyed("name")]
+    populations: dict[Name, Population]
     speeds_m_per_s: tuple[Positive, ...]
     speed_window: Fraction
     stop: StopRule
@@ -89,15 +87,16 @@ def run(params: Params, inputs: Tables) -> Tables:
     """
     contacts = {case: calibrated_contact(inputs, case) for case in (params.case, params.other_case)}
     table = pd.DataFrame(
-        experiment_row(one, speed, experiment(params, one, speed, contacts[params.case]))
-        for one, speed in product(params.populations, params.speeds_m_per_s)
+        experiment_row(name, speed, experiment(params, population, speed, contacts[params.case]))
+        for (name, population), speed in product(params.populations.items(), params.speeds_m_per_s)
     )
     curves = {
-        (case, population.name): sieve_curve(params, population, contact)
+        (case, name): sieve_curve(params, population, contact)
         for case, contact in contacts.items()
-        for population in params.populations
+        for name, population in params.populations.items()
     }
-    pair, sizes = pair_of(inputs, params.case), [mean(p.diameter_um) for p in params.populations]
+    pair, populations = pair_of(inputs, params.case), params.populations.values()
+    sizes = [mean(population.diameter_um) for population in populations]
     printed = pd.concat([printed_beside(inputs, *pair, diameter_um=size) for size in sizes])
     series = sieves_drawn(params, params.case, curves)
     spheres = spheres_drawn(params, contacts[params.case], next(iter(curves.values())).speed)
@@ -123,14 +122,14 @@ def experiment(params: Params, population: Population, speed: float, contact: Co
     return collect(drop, params.instrument, params.stop, generator(params.seed, *drop.key))
 
 
-def experiment_row(population: Population, speed: float, outcome: Session) -> dict[str, Any]:
+def experiment_row(population: str, speed: float, outcome: Session) -> dict[str, Any]:
     """Return one experiment as a row of the table: losses, measured means, and truth."""
     observation, fates, measured = outcome.observation, outcome.fates, outcome.measured
     quality = observation.quality
     first = outcome.first_impacts.in_plane
     truth = first.coefficient_of_restitution
     return {
-        "population": population.name,
+        "population": population,
         "nominal_speed_m_per_s": speed,
         "speed_m_per_s": mean_and_error(-measured.normal[0])[0],
         "dropped": outcome.dropped,
@@ -189,20 +188,20 @@ def sieves_drawn(
 ) -> dict[str, Drawn]:
     """Return the restitution of both classes on one contact, where not all is captured."""
     drawn = {}
-    for population in params.populations:
-        curve = curves[case, population.name]
+    for name in params.populations:
+        curve = curves[case, name]
         shown = curve.captured < HIDDEN_SHARE
-        drawn[f"{population.name} sieve{end}"] = curve.speed[shown], curve.rebounding[shown]
+        drawn[f"{name} sieve{end}"] = curve.speed[shown], curve.rebounding[shown]
     return drawn
 
 
 def spheres_drawn(params: Params, contact: Contact, speed: FloatArray) -> dict[str, Drawn]:
     """Return the restitution of the mean sphere of both classes where it rebounds."""
     drawn = {}
-    for population in params.populations:
+    for name, population in params.populations.items():
         sphere = resized(contact, mean(population.diameter_um) * 1e-6)
         e = normal_impact(sphere, speed).coefficient_of_restitution
-        drawn[f"{population.name} mean size"] = speed[e > 0], e[e > 0]
+        drawn[f"{name} mean size"] = speed[e > 0], e[e > 0]
     return drawn
 
 

@@ -28,7 +28,6 @@ from study.declared.parameters import (
     Count,
     ExperimentSeed,
     Fraction,
-    Keyed,
     Must,
     Name,
     ObliqueDegrees,
@@ -63,7 +62,6 @@ class Mark:
 class Series(Dropped):
     """One series of a figure: particles dropped, the figures that show it, and its marks."""
 
-    name: Name
     figures: tuple[Name, ...]
     marks: dict[Name, Mark] = field(default_factory=dict)
 
@@ -108,7 +106,7 @@ class Params:
     seed: ExperimentSeed
     angles_deg: tuple[ObliqueDegrees, ...]
     stop: StopRule
-    series: Annotated[tuple[Series, ...], Keyed("name")]
+    series: dict[Name, Series]
     dispenser: Dispenser
     instrument: ImagingSystem
     coulomb_restitution: Fraction
@@ -120,16 +118,15 @@ class Params:
 
     def __post_init__(self) -> None:
         """Refuse figures that this study does not make."""
-        shown: list[Series | Mark] = [*self.series]
-        shown += [mark for series in self.series for mark in series.marks.values()]
-        for figure in (name for each in shown for name in each.figures):
+        shown = [series.figures for series in self.series.values()]
+        shown += [mark.figures for s in self.series.values() for mark in s.marks.values()]
+        for figure in (figure for figures in shown for figure in figures):
             if figure not in FIGURES:
                 raise ValueError(f"figures: {figure!r} must be one of {', '.join(FIGURES)}")
-        names = [series.name for series in self.series]
         compared = [("compared_with_all", name) for name in self.compared_with_all]
         for key, name in (("compared_series", self.compared_series), *compared):
-            if name not in names:
-                raise ValueError(f"{key}: {name!r} must be one of {', '.join(names)}")
+            if name not in self.series:
+                raise ValueError(f"{key}: {name!r} must be one of {', '.join(self.series)}")
 
 
 def run(params: Params, inputs: Tables) -> Tables:
@@ -139,15 +136,16 @@ def run(params: Params, inputs: Tables) -> Tables:
     angle of incidence in degrees. ``fig23_points``: one series relative to its restitution at a
     reference angle. ``oblique_experiments``: one row per experiment.
     """
-    contacts = {series.name: contact_of(series, inputs) for series in params.series}
+    contacts = {name: contact_of(series, inputs) for name, series in params.series.items()}
     rows = []
-    for series in params.series:
+    for name, series in params.series.items():
         for angle in params.angles_deg:
-            drop = series.drop(contacts[series.name], angle, params.dispenser).tabulated()
+            drop = series.drop(contacts[name], angle, params.dispenser).tabulated()
             rng = generator(params.seed, *drop.key)
             outcome = collect(drop, params.instrument, params.stop, rng)
             truth = restitution_of_rebounds(params, series, drop, child(rng, UNSELECTED))
-            rows.append(experiment_row(series, angle, outcome, truth))
+            names = {"series": name, **impact_columns(series)}
+            rows.append(names | experiment_row(angle, outcome, truth))
     table = pd.DataFrame(rows)
     return {
         **{of: figure_data(params, of, table, contacts, inputs) for of in FIGURES},
@@ -170,15 +168,11 @@ def restitution_of_rebounds(
     return float(np.mean(rebounds.coefficient_of_restitution))
 
 
-def experiment_row(
-    series: Series, angle: float, outcome: Outcome, of_rebounds: float
-) -> dict[str, Any]:
+def experiment_row(angle: float, outcome: Outcome, of_rebounds: float) -> dict[str, Any]:
     """Return one experiment as a row of the table: losses, measured means, and truth."""
     captured = outcome.impacts.captured
     true = outcome.true.coefficient_of_restitution
     return {
-        "series": series.name,
-        **impact_columns(series),
         "angle_deg": angle,
         "dropped": outcome.dropped,
         "events": len(outcome.measured),
@@ -217,9 +211,9 @@ def figure_data(
         *_rebounds(params, figure, table),
         *_curves(params, figure, contacts),
     ]
-    for series in params.series:
-        printed = printed_of(series, contacts[series.name], inputs)
-        for name, mark in series.marks.items() if figure in series.figures else ():
+    for series_name, series in _drawn(params, figure).items():
+        printed = printed_of(series, contacts[series_name], inputs)
+        for name, mark in series.marks.items():
             if figure in mark.figures and mark.printed in printed.index:
                 row = printed.loc[mark.printed]
                 heights = row[["value", "low", "high"]].dropna().to_numpy(float)
@@ -227,6 +221,11 @@ def figure_data(
                 x, y = np.broadcast_arrays(np.array(angles or mark.angles_deg)[:, None], heights)
                 frames.append(_frame(mark.panel, name, x.ravel(), y.ravel(), "printed"))
     return pd.concat(frames, ignore_index=True)
+
+
+def _drawn(params: Params, figure: str) -> dict[str, Series]:
+    """Return the series of a figure, by name."""
+    return {name: series for name, series in params.series.items() if figure in series.figures}
 
 
 def printed_of(series: Series, contact: Contact, inputs: Tables) -> pd.DataFrame:
@@ -258,15 +257,14 @@ def _means(rows: pd.DataFrame, quantity: str, less: float = 0.0) -> pd.DataFrame
 def _points(
     params: Params, figure: str, panels: Mapping[str, str], table: pd.DataFrame
 ) -> Iterator[pd.DataFrame]:
-    for series in params.series:
-        for panel, quantity in panels.items() if figure in series.figures else ():
-            yield _means(table[table["series"] == series.name], quantity).assign(panel=panel)
+    for name in _drawn(params, figure):
+        for panel, quantity in panels.items():
+            yield _means(table[table["series"] == name], quantity).assign(panel=panel)
 
 
 def _rebounds(params: Params, figure: str, table: pd.DataFrame) -> Iterator[pd.DataFrame]:
-    figures = {series.name: series.figures for series in params.series}
     for name in params.compared_with_all if "restitution" in FIGURES[figure] else ():
-        if figure in figures[name]:
+        if figure in params.series[name].figures:
             rows = table[table["series"] == name].dropna(subset="true_restitution_of_rebounds")
             angle, mean = rows["angle_deg"], rows["true_restitution_of_rebounds"]
             yield _frame("restitution", f"{name}, all rebounds", angle, mean)
@@ -274,11 +272,12 @@ def _rebounds(params: Params, figure: str, table: pd.DataFrame) -> Iterator[pd.D
 
 def _curves(params: Params, figure: str, contacts: Mapping[str, Contact]) -> Iterator[pd.DataFrame]:
     angle = np.linspace(0.0, 90.0, params.points + 1)[1:]
-    shown = [series for series in params.series if figure in series.figures]
-    for series in shown:
-        curves = smooth_curves(series, contacts[series.name], angle)
+    shown = _drawn(params, figure)
+    for name, series in shown.items():
+        curves = smooth_curves(series, contacts[name], angle)
         for panel in FIGURES[figure]:
-            yield _frame(panel, f"{series.name}, smooth", *curves[panel])
+            yield _frame(panel, f"{name}, smooth", *curves[panel])
     if "impulse_ratio" in FIGURES[figure]:
-        curve = coulomb_curve(shown[0], contacts[shown[0].name], angle, params.coulomb_restitution)
+        name, series = next(iter(shown.items()))
+        curve = coulomb_curve(series, contacts[name], angle, params.coulomb_restitution)
         yield _frame("impulse_ratio", "Coulomb friction", angle, curve)

@@ -11,7 +11,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
 from itertools import product
-from typing import Annotated
 
 import numpy as np
 import pandas as pd
@@ -35,7 +34,6 @@ from study.declared.parameters import (
     CounterpartName,
     Finite,
     Fraction,
-    Keyed,
     MaterialName,
     NonNegative,
     Positive,
@@ -72,7 +70,6 @@ class Facts:
 class Member:
     """A case of the family: one work of adhesion and one rate exponent."""
 
-    case: CaseName
     rate_exponent: NonNegative
     work_of_adhesion_J_per_m2: Positive  # noqa: N815
 
@@ -89,8 +86,13 @@ class TwoStageTargets:
     capture_velocity_m_per_s: Positive
     rate_exponents: tuple[NonNegative, ...]
     works_of_adhesion_J_per_m2: tuple[Positive, ...]  # noqa: N815
-    members: Annotated[tuple[Member, ...], Keyed("case")]
+    members: dict[CaseName, Member]
     facts: Facts
+
+    @property
+    def aims(self) -> tuple[float, float, float]:
+        """Speed (m/s), restitution there, and capture velocity (m/s)."""
+        return self.speed_m_per_s, self.restitution, self.capture_velocity_m_per_s
 
 
 def bare_contact(targets: TwoStageTargets, inputs: Tables) -> Contact:
@@ -105,12 +107,15 @@ def bare_contact(targets: TwoStageTargets, inputs: Tables) -> Contact:
 
 
 @cache
-def solved(contact: Contact, targets: TwoStageTargets, exponent: float, work: float) -> Contact:
-    """Return the member of the family at one rate exponent and work of adhesion."""
+def solved(
+    contact: Contact, aims: tuple[float, float, float], exponent: float, work: float
+) -> Contact:
+    """Return the member of the family at one rate exponent and work of adhesion (J/m2).
+
+    `aims`: speed (m/s), restitution there, and capture velocity (m/s).
+    """
     changed = contact.replace(adhesion_rate_exponent=exponent, work_of_adhesion=work)
-    return two_stage(
-        changed, targets.speed_m_per_s, targets.restitution, targets.capture_velocity_m_per_s
-    ).contact
+    return two_stage(changed, *aims).contact
 
 
 def family(targets: TwoStageTargets, inputs: Tables) -> pd.DataFrame:
@@ -120,7 +125,7 @@ def family(targets: TwoStageTargets, inputs: Tables) -> pd.DataFrame:
     for exponent, work in product(targets.rate_exponents, targets.works_of_adhesion_J_per_m2):
         row: Row = {"rate_exponent": exponent, "work_of_adhesion_J_per_m2": work}
         try:
-            member = solved(contact, targets, exponent, work)
+            member = solved(contact, targets.aims, exponent, work)
         except NoSolutionError as reason:
             rows.append(row | {"solved": False, "reason": str(reason)})
             continue
@@ -192,12 +197,11 @@ def curves(targets: TwoStageTargets, members: Sequence[Contact], inputs: Tables)
     frames = []
     speed = np.geomspace(targets.capture_velocity_m_per_s, 3.0, 200)
     frame = partial(series_frame, "curves", x_unit="m_per_s", y_unit="1")
-    for member_target, member in zip(targets.members, members, strict=True):
+    for member in members:
         e = simulate(member, speed).coefficient_of_restitution
         # At the capture velocity itself rounding decides between none and hardly any.
         e = np.where(speed > targets.capture_velocity_m_per_s, e, 0.0)
-        exponent, work = member_target.rate_exponent, member_target.work_of_adhesion_J_per_m2
-        name = f"n = {exponent:g}, w = {work:g} J/m2"
+        name = f"n = {member.adhesion_rate_exponent:g}, w = {member.work_of_adhesion:g} J/m2"
         frames.append(frame(name, speed, e, "calibrated"))
     # Of normal impact only the capture velocity is printed.
     limit = targets.capture_velocity_m_per_s
@@ -244,7 +248,6 @@ class ForceRatios:
 class WorkTarget:
     """A pair whose work of adhesion follows from its capture velocity, damped as another case."""
 
-    case: CaseName
     damped_as: CaseName
     particle: MaterialName
     surface: CounterpartName
@@ -256,7 +259,6 @@ class WorkTarget:
 class RestitutionTarget:
     """A pair of which one restitution is known: one factor on both coefficients of another case."""
 
-    case: CaseName
     damped_as: CaseName
     particle: MaterialName
     surface: CounterpartName
@@ -270,15 +272,14 @@ class Params:
 
     two_stage: TwoStageTargets
     force_ratios: ForceRatios
-    by_work_of_adhesion: Annotated[tuple[WorkTarget, ...], Keyed("case")]
-    by_restitution: Annotated[tuple[RestitutionTarget, ...], Keyed("case")]
+    by_work_of_adhesion: dict[CaseName, WorkTarget]
+    by_restitution: dict[CaseName, RestitutionTarget]
 
     @property
     def calibrated(self) -> set[str]:
         """Names of all cases whose contact the study finds."""
-        members = (member.case for member in self.two_stage.members)
-        others = (each.case for each in self.by_work_of_adhesion + self.by_restitution)
-        return {*CORNERS, *members, *others}
+        members = self.two_stage.members
+        return {*CORNERS, *members, *self.by_work_of_adhesion, *self.by_restitution}
 
 
 def run(params: Params, inputs: Tables) -> Tables:
@@ -291,19 +292,18 @@ def run(params: Params, inputs: Tables) -> Tables:
     """
     targets, ratios = params.two_stage, params.force_ratios
     bare, corners = bare_contact(targets, inputs), _corners(ratios, inputs)
-    members = [
-        solved(bare, targets, one.rate_exponent, one.work_of_adhesion_J_per_m2)
-        for one in targets.members
-    ]
-    known = {one.case: contact for one, contact in zip(targets.members, members, strict=True)}
-    known |= dict(zip(CORNERS, corners, strict=True))
+    members = {
+        case: solved(bare, targets.aims, member.rate_exponent, member.work_of_adhesion_J_per_m2)
+        for case, member in targets.members.items()
+    }
+    known = members | dict(zip(CORNERS, corners, strict=True))
     family_table = family(targets, inputs)
     return {
         "calibration": pd.DataFrame(_rows(params, known, inputs)),
         "calibration_family": family_table,
         "molybdenum_capture": capture_intervals(ratios, corners),
         "ridge": ridge(family_table, targets.facts.flat_within),
-        "ridge_curves": curves(targets, members, inputs),
+        "ridge_curves": curves(targets, list(members.values()), inputs),
     }
 
 
@@ -349,10 +349,10 @@ def _corners(ratios: ForceRatios, inputs: Tables) -> Corners:
 def _rows(params: Params, known: Mapping[str, Contact], inputs: Tables) -> Iterator[Row]:
     """Yield the rows of all cases; `known`: contacts of the members and of the corners."""
     targets, ratios = params.two_stage, params.force_ratios
-    for member in targets.members:
-        e = _restitution(known[member.case], targets.speed_m_per_s, targets.restitution)
-        limit = _capture(known[member.case], targets.capture_velocity_m_per_s)
-        yield from _case_rows(member.case, known[member.case], e | limit)
+    for case in targets.members:
+        e = _restitution(known[case], targets.speed_m_per_s, targets.restitution)
+        limit = _capture(known[case], targets.capture_velocity_m_per_s)
+        yield from _case_rows(case, known[case], e | limit)
     wanted = {
         "adhesion_over_hertz": ratios.adhesion_over_hertz,
         "dissipation_over_adhesion": ratios.dissipation_over_adhesion,
@@ -361,16 +361,16 @@ def _rows(params: Params, known: Mapping[str, Contact], inputs: Tables) -> Itera
         peaks = peak_ratios(known[case], ratios.speed_m_per_s)
         met = {n: (of, wanted[n], "-") for n, of in zip(wanted, peaks, strict=True)}
         yield from _case_rows(case, known[case], met)
-    for work in params.by_work_of_adhesion:
-        contact = _damped_as(work, known, inputs).replace(diameter=work.diameter_um * 1e-6)
+    for case, work in params.by_work_of_adhesion.items():
+        contact = _damped_as(case, work, known, inputs).replace(diameter=work.diameter_um * 1e-6)
         solution = work_of_adhesion_for(contact, work.capture_velocity_m_per_s)
         limit = _capture(solution, work.capture_velocity_m_per_s)
-        yield from _case_rows(work.case, solution, limit)
-    for target in params.by_restitution:
-        contact = _damped_as(target, known, inputs)
+        yield from _case_rows(case, solution, limit)
+    for case, target in params.by_restitution.items():
+        contact = _damped_as(case, target, known, inputs)
         solution = damping_factor_for(contact, target.speed_m_per_s, target.restitution)
         e = _restitution(solution, target.speed_m_per_s, target.restitution)
-        yield from _case_rows(target.case, solution, e)
+        yield from _case_rows(case, solution, e)
 
 
 def _case_rows(case: str, contact: Contact, targets: Met) -> Iterator[Row]:
@@ -397,12 +397,12 @@ def _capture(contact: Contact, target: float) -> Met:
 
 
 def _damped_as(
-    target: WorkTarget | RestitutionTarget, known: Mapping[str, Contact], inputs: Tables
+    case: str, target: WorkTarget | RestitutionTarget, known: Mapping[str, Contact], inputs: Tables
 ) -> Contact:
     """Return the declared contact of a pair with the damping of another case."""
     if target.damped_as not in known:
         raise ValueError(
-            f"{target.case}.damped_as: {target.damped_as!r} must be one of {', '.join(known)}"
+            f"{case}.damped_as: {target.damped_as!r} must be one of {', '.join(known)}"
         )
     damped = known[target.damped_as]
     names = "hertz_damping", "adhesion_damping", "adhesion_rate_exponent", "reference_velocity"

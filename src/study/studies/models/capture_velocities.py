@@ -29,13 +29,7 @@ from microimpact.model.closed_forms import (
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
-from study.declared.parameters import (
-    AboveOne,
-    CaseName,
-    Keyed,
-    Must,
-    Positive,
-)
+from study.declared.parameters import AboveOne, CaseName, Must, Positive
 from study.studies.contacts import (
     CAPTURE_VELOCITIES,
     calibrated_contact,
@@ -71,13 +65,8 @@ EXPONENT_STEP = 0.01
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PairCase:
-    """One pair, calibrated.
+    """One calibrated pair; `yield_strength_MPa`: of the softer body, for the onset of yield."""
 
-    `case`: a case of the table ``calibration``; `yield_strength_MPa`: of the softer body, for the
-    onset of yield.
-    """
-
-    case: CaseName
     yield_strength_MPa: Positive | None = None  # noqa: N815 (the unit)
 
 
@@ -89,7 +78,7 @@ class Params:
     velocity, those of all laws at `COMPARED_RATIO` times the printed one.
     """
 
-    pairs: Annotated[tuple[PairCase, ...], Field(min_length=1), Keyed("case")]
+    pairs: Annotated[dict[CaseName, PairCase], Field(min_length=1)]
     smallest_diameter_um: Positive
     largest_diameter_um: Annotated[Positive, Must("above", "smallest_diameter_um")]
     points: Annotated[int, Field(ge=5)]
@@ -115,24 +104,24 @@ def run(params: Params, inputs: Tables) -> Tables:
     """
     rows: list[Row] = []
     frames = []
-    for pair in params.pairs:
-        contact = calibrated_contact(inputs, pair.case)
+    for case, pair in params.pairs.items():
+        contact = calibrated_contact(inputs, case)
         limit = float(capture_velocity(contact))
         if not 0.0 < limit < np.inf:
             complaint = f"a capture velocity of {limit:g} m/s has no law beside it"
-            raise ValueError(f"{pair.case}: {complaint}")
+            raise ValueError(f"{case}: {complaint}")
         printed = printed_capture_velocity(inputs, contact)
         laws = laws_of(pair, contact, params.plateau_speed_ratio)
         # Of these capture velocities only this model's can have been fitted.
-        fitted = (MODEL,) if fitted_to(inputs, pair.case, "capture_velocity") else ()
+        fitted = (MODEL,) if fitted_to(inputs, case, "capture_velocity") else ()
         evidence = {name: result_evidence(name, fitted) for name in laws}
         for name in laws:
-            row = _row(params, pair, contact, name, laws, printed)
-            rows.append(row | {"evidence": evidence[name], "note": NOTES[name]})
-        frames += _curves(params, pair, contact, laws, evidence)
+            row = _row(contact, name, laws, printed)
+            rows.append({"pair": case} | row | {"evidence": evidence[name], "note": NOTES[name]})
+        frames += _curves(params, case, contact, laws, evidence)
         if np.isfinite(printed):
             diameter = contact.diameter * 1e6
-            frames.append(_frame(pair.case, "printed", diameter, printed, "printed"))
+            frames.append(_frame(case, "printed", diameter, printed, "printed"))
     return {
         "capture_laws": pd.DataFrame(rows),
         "capture_law_curves": pd.concat(frames, ignore_index=True),
@@ -176,19 +165,11 @@ def local_exponent(velocity: Callable[[Contact], Real], contact: Contact, step: 
     return float(np.diff(np.log(ends))[0] / (2.0 * step))
 
 
-def _row(
-    params: Params,
-    pair: PairCase,
-    contact: Contact,
-    name: str,
-    laws: Mapping[str, Law],
-    printed: float,
-) -> Row:
+def _row(contact: Contact, name: str, laws: Mapping[str, Law], printed: float) -> Row:
     law, compared = laws[name], COMPARED_RATIO * printed
     velocity, modelled = (float(laws[own].velocity(contact)) for own in (name, MODEL))
     gives_e = law.restitution if np.isfinite(compared) else None
     return {
-        "pair": pair.case,
         "particle": contact.particle.name,
         "surface": contact.surface.name,
         "diameter_um": float(contact.diameter) * 1e6,
@@ -205,7 +186,7 @@ def _row(
 
 def _curves(
     params: Params,
-    pair: PairCase,
+    case: str,
     contact: Contact,
     laws: Mapping[str, Law],
     evidence: Mapping[str, str],
@@ -217,5 +198,5 @@ def _curves(
         velocity = np.broadcast_to(law.velocity(sized), diameter.shape)
         finite = np.isfinite(velocity)
         curve = diameter[finite], velocity[finite], evidence[name]
-        frames.append(_frame(pair.case, name, *curve))
+        frames.append(_frame(case, name, *curve))
     return frames

@@ -28,7 +28,6 @@ from microimpact.model.dynamics.normal import losses, normal_impact
 from study.declared.parameters import (
     CaseName,
     Count,
-    Keyed,
     Name,
     NonNegative,
     OpenShare,
@@ -66,9 +65,8 @@ FASTEST_DRAWN = 10.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Law:
-    """A law by the name it has here, and the rate exponent of its damping, if it has one."""
+    """A law of contact, and the rate exponent of its damping, if it has one."""
 
-    name: Name
     law: Literal["ring force", "jkr", "thornton-ning", "hysteresis"]
     rate_exponent: NonNegative = 0.0
 
@@ -89,7 +87,6 @@ class Ranges:
 class Fact:
     """A printed restitution, at a total speed and an angle of incidence, and its error."""
 
-    name: Name
     restitution: Positive
     error: Positive
     speed_m_per_s: Positive
@@ -127,9 +124,9 @@ class Params:
     """
 
     case: CaseName
-    laws: Annotated[tuple[Law, ...], Keyed("name")]
+    laws: dict[Name, Law]
     ranges: Ranges
-    facts: Annotated[tuple[Fact, ...], Keyed("name")]
+    facts: dict[Name, Fact]
     plateau_speed_m_per_s: Positive
     capture_velocity_m_per_s: Positive
     capture_velocity_error_m_per_s: Positive
@@ -144,7 +141,7 @@ class Params:
 class Fit:
     """A law fitted to the facts: its contact, parameters, and root mean square of the misfits."""
 
-    law: Law
+    law: str
     targets: str
     contact: Contact
     parameters: Mapping[str, float]
@@ -191,10 +188,11 @@ def contact_of(base: Contact, law: Law, parameters: Mapping[str, Real]) -> Conta
     return base.by_law(records[law.law], work)
 
 
-def fitted(params: Params, base: Contact, law: Law, targets: str) -> Fit:
+def fitted(params: Params, base: Contact, name: str, targets: str) -> Fit:
     """Fit the free parameters of a law: least squares from the best places of a grid."""
     from scipy.optimize import least_squares
 
+    law = params.laws[name]
     names = (WORK, *FREE[law.law])
     low, high = np.log([getattr(params.ranges, name) for name in names]).T
 
@@ -230,12 +228,12 @@ def fitted(params: Params, base: Contact, law: Law, targets: str) -> Fit:
     parameters = dict(zip(names, np.exp(best.x).tolist(), strict=True))
     near = np.minimum(best.x - low, high - best.x) < AT_END
     return Fit(
-        law=law,
+        law=name,
         targets=targets,
         contact=contact_of(base, law, parameters),
         parameters=parameters,
         misfit=float(np.sqrt(np.mean(np.square(best.fun)))),
-        at_end=tuple(name for name, reached in zip(names, near, strict=True) if reached),
+        at_end=tuple(each for each, reached in zip(names, near, strict=True) if reached),
     )
 
 
@@ -275,7 +273,9 @@ def misfits(params: Params, contact: Contact, targets: str) -> FloatArray:
 
 def printed(params: Params) -> FloatArray:
     """Return normal speeds, restitutions and their errors, as printed: shape (3, facts)."""
-    return np.array([(_normal_speed(of), of.restitution, of.error) for of in params.facts]).T
+    return np.array(
+        [(_normal_speed(of), of.restitution, of.error) for of in params.facts.values()]
+    ).T
 
 
 def _normal_speed(fact: Fact) -> float:
@@ -290,7 +290,7 @@ def _row(
 
 
 def _fit_rows(fit: Fit) -> list[Row]:
-    row = partial(_row, fit.law.name, fit.targets)
+    row = partial(_row, fit.law, fit.targets)
     return [
         *(row(n, of, UNITS[n], at_end=n in fit.at_end) for n, of in fit.parameters.items()),
         row("root_mean_square_misfit", fit.misfit, "-"),
@@ -338,7 +338,7 @@ def facts_of(params: Params, fit: Fit) -> pd.DataFrame:
     off, v_c = params.capture_velocity_error_m_per_s, params.capture_velocity_m_per_s
     facts = [
         *(
-            (f"restitution, {fact.name}", "-", "-", *numbers)
+            (f"restitution, {fact}", "-", "-", *numbers)
             for fact, *numbers in zip(params.facts, e, value - error, value + error, strict=True)
         ),
         ("relative change above the plateau speed", "C05", "-",
@@ -368,7 +368,7 @@ def facts_of(params: Params, fit: Fit) -> pd.DataFrame:
     table = pd.DataFrame(facts, columns=["fact", "claim", "unit", "value", "low", "high"])
     table["value"] = table["value"].astype(float)
     met = table["value"].between(table["low"], table["high"])
-    table = table.assign(law=fit.law.name, targets=fit.targets, met=np.where(met, "yes", "no"))
+    table = table.assign(law=fit.law, targets=fit.targets, met=np.where(met, "yes", "no"))
     return table[["law", "targets", "fact", "claim", "value", "unit", "low", "high", "met"]]
 
 
@@ -424,7 +424,7 @@ def curves(params: Params, fits: list[Fit]) -> pd.DataFrame:
         grid = np.union1d(speed, [limit]) if math.isfinite(limit) else speed
         e = normal_impact(fit.contact, grid).coefficient_of_restitution
         e = np.where(grid > limit, e, 0.0)
-        frames.append(_frame(fit.targets, fit.law.name, grid, e, "calibrated"))
+        frames.append(_frame(fit.targets, fit.law, grid, e, "calibrated"))
     speed, value, error = printed(params)
     ends, limit = (value - error, value + error), params.capture_velocity_m_per_s
     for targets in TARGETS:

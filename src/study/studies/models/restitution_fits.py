@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from typing import Annotated, Literal
+from typing import Literal
 
 import numpy as np
 import pandas as pd
@@ -13,7 +13,7 @@ from microimpact.core.arrays import FloatArray
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.impact import simulate
 from microimpact.model.empirical.fit import RestitutionFit, fit_restitution
-from study.declared.parameters import AboveOne, CaseName, Fraction, Keyed, Positive
+from study.declared.parameters import AboveOne, CaseName, Fraction, Positive
 from study.studies.contacts import (
     CAPTURE_VELOCITIES,
     calibrated_contact,
@@ -48,7 +48,6 @@ class FittedCase:
     are drawn only: the ends of an interval.
     """
 
-    case: CaseName
     figure: Literal["fig15", "fig16"]
     fitted: bool
     fitted_to: AboveOne
@@ -61,14 +60,14 @@ class Params:
     ``fitted_from`` is a speed in capture velocities of the simulation.
     """
 
-    cases: Annotated[tuple[FittedCase, ...], Keyed("case")]
+    cases: dict[CaseName, FittedCase]
     fitted_from: AboveOne
     fixed_exponent: Fraction
     largest_speed_m_per_s: Positive
 
     def __post_init__(self) -> None:
         """Refuse a figure without a case."""
-        missing = {"fig15", "fig16"} - {case.figure for case in self.cases}
+        missing = {"fig15", "fig16"} - {case.figure for case in self.cases.values()}
         if missing:
             raise ValueError(f"cases: none is drawn in {', '.join(sorted(missing))}")
 
@@ -83,53 +82,55 @@ def run(params: Params, inputs: Tables) -> Tables:
     frames: dict[str, list[pd.DataFrame]] = {"fig15": [], "fig16": []}
     rows: list[Row] = []
     later: list[Row] = []
-    for case in params.cases:
-        contact = calibrated_contact(inputs, case.case)
+    for name, case in params.cases.items():
+        contact = calibrated_contact(inputs, name)
         limit = float(capture_velocity(contact))
         printed = printed_capture_velocity(inputs, contact)
         known: Row = {"simulated_v_c_m_per_s": limit, "printed_v_c_m_per_s": printed}
-        is_fitted = fitted_to(inputs, case.case, "capture_velocity")
+        is_fitted = fitted_to(inputs, name, "capture_velocity")
         evidence = "calibrated" if is_fitted else "computed"
         largest = max(params.largest_speed_m_per_s, case.fitted_to * limit)
         speed = _speeds(DRAWN_FROM * limit, limit, largest, CURVE_POINTS)
         e = simulate(contact, speed).coefficient_of_restitution
-        digitised_rows, curves = _digitised_fits(case, params, inputs.get("digitised"), known)
+        digitised_rows, curves = _digitised_fits(
+            name, case.figure, params, inputs.get("digitised"), known
+        )
         later += digitised_rows
         figure_frames = frames[case.figure]
-        figure_frames += [_frame(f"{case.case}, simulation", speed, e, evidence), *curves]
+        figure_frames += [_frame(f"{name}, simulation", speed, e, evidence), *curves]
         if not case.fitted:
             continue
         sampled = np.geomspace(params.fitted_from, case.fitted_to, FITTED_POINTS) * limit
         measured = simulate(contact, sampled).coefficient_of_restitution
         fits = [fit_restitution(sampled, measured, q=q) for q in (None, params.fixed_exponent)]
-        rows += [_row(case, known, evidence, fit) for fit in fits]
+        rows += [_row(name, known, evidence, fit) for fit in fits]
         free = fits[0]
         speed = _speeds(DRAWN_FROM * limit, free.v_c, largest, CURVE_POINTS)
         figure_frames += [
-            _frame(f"{case.case}, fit", speed, free.curve(speed), evidence),
-            _frame(f"{case.case}, v_c of the fit", free.v_c, [0.0, V_C_MARK], evidence),
+            _frame(f"{name}, fit", speed, free.curve(speed), evidence),
+            _frame(f"{name}, v_c of the fit", free.v_c, [0.0, V_C_MARK], evidence),
         ]
         mark = _frame(f"printed, {printed:g} m/s", printed, 0.0, "printed")
         if np.isfinite(printed) and not any(mark.equals(frame) for frame in figure_frames):
             figure_frames.append(mark)
-    tables = {name: pd.concat(parts, ignore_index=True) for name, parts in frames.items()}
+    tables = {figure: pd.concat(parts, ignore_index=True) for figure, parts in frames.items()}
     return tables | {"restitution_fits": pd.DataFrame(rows + later)}
 
 
 def _digitised_fits(
-    case: FittedCase, params: Params, points: pd.DataFrame | None, known: Row
+    case: str, figure: str, params: Params, points: pd.DataFrame | None, known: Row
 ) -> tuple[list[Row], list[pd.DataFrame]]:
     """Rows of the fits to the user's points of a case, and the curve of that with q free."""
     if points is None:
         return [], []
-    names = [points_series(evidence, case.case) for evidence in POINTS]
-    is_own = (points["figure"] == case.figure) & points["series"].isin(names)
+    names = [points_series(evidence, case) for evidence in POINTS]
+    is_own = (points["figure"] == figure) & points["series"].isin(names)
     evidence = [points_parts(str(name))[0] for name in points.loc[is_own, "series"].unique()]
     v, e = (points.loc[is_own, name].to_numpy(float) for name in ("x", "y"))
     rows: list[Row] = []
     curves: list[pd.DataFrame] = []
     for exponent, q in (("free", None), ("fixed", params.fixed_exponent)) if v.size else ():
-        row: Row = {"case": case.case, "exponent": exponent, "evidence": evidence[0]}
+        row: Row = {"case": case, "exponent": exponent, "evidence": evidence[0]}
         try:
             fit = fit_restitution(v, e, q=q)
         except ValueError as error:  # too few points, or what is no coefficient of restitution
@@ -142,10 +143,10 @@ def _digitised_fits(
     return rows, curves
 
 
-def _fitted_curve(case: FittedCase, fit: RestitutionFit, points: int) -> pd.DataFrame:
+def _fitted_curve(case: str, fit: RestitutionFit, points: int) -> pd.DataFrame:
     start = DRAWN_FROM * max(fit.v_c, 0.5 * float(fit.v.min()))
     speed = _speeds(start, fit.v_c, float(fit.v.max()), points)
-    series = f"{case.case}, fit of points"
+    series = f"{case}, fit of points"
     return _frame(series, speed, fit.curve(speed))
 
 
@@ -155,10 +156,10 @@ def _speeds(start: float, v_c: float, end: float, points: int) -> FloatArray:
     return np.union1d(np.geomspace(start, end, points), near)
 
 
-def _row(case: FittedCase, known: Row, evidence: str, fit: RestitutionFit) -> Row:
+def _row(case: str, known: Row, evidence: str, fit: RestitutionFit) -> Row:
     low, high = fit.v_c_interval
     return {
-        "case": case.case,
+        "case": case,
         "exponent": "fixed" if fit.q_fixed else "free",
         "k_m_per_s": fit.k,
         "p": fit.p,

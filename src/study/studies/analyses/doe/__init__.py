@@ -34,7 +34,6 @@ from microimpact.statistics.effects import (
 from study.declared.parameters import (
     AboveOne,
     CaseName,
-    Keyed,
     Must,
     Name,
     OpenShare,
@@ -68,7 +67,6 @@ _frame = partial(series_frame, x_unit="percent", y_unit="1")
 class DesignedCase:
     """A calibrated contact: designs are run with it, or its elasticities are taken alone."""
 
-    case: CaseName
     designed: bool = False
 
 
@@ -94,7 +92,7 @@ class Params:
     """
 
     seed: Annotated[int, Field(ge=0)]
-    cases: Annotated[tuple[DesignedCase, ...], Keyed("case")]
+    cases: dict[CaseName, DesignedCase]
     drawn_case: CaseName
     generator: Name
     confidence: OpenShare
@@ -104,12 +102,16 @@ class Params:
     def __post_init__(self) -> None:
         """Refuse a generator that confounds factors, and a drawn case without a design."""
         defining_relation(self.generator, LETTERS)
-        designed = [case.case for case in self.cases if case.designed]
-        if self.drawn_case not in designed:
+        if self.drawn_case not in self.designed:
             raise ValueError(
                 f"drawn_case: {self.drawn_case!r} must be a designed case:"
-                f" {', '.join(designed) or 'there is none'}"
+                f" {', '.join(self.designed) or 'there is none'}"
             )
+
+    @property
+    def designed(self) -> list[str]:
+        """Cases with which designs are run."""
+        return [name for name, case in self.cases.items() if case.designed]
 
 
 def run(params: Params, inputs: Tables) -> Tables:
@@ -127,7 +129,7 @@ def run(params: Params, inputs: Tables) -> Tables:
         "doe_levels": [_level_table(each) for each in experiments],
         "doe_design": [_design_table(each) for each in experiments],
         "doe_bd_aliasing": [pd.DataFrame(bd_aliasing(each)) for each in experiments],
-        "doe_elasticities": [_elasticity_table(case.case, inputs) for case in params.cases],
+        "doe_elasticities": [_elasticity_table(case, inputs) for case in params.cases],
     }
     drawn = {
         FIGURES[each.variation]: figure_frame(each, effect_rows)
@@ -167,8 +169,7 @@ def _experiments(params: Params, inputs: Tables) -> Iterator[DesignedExperiment]
     """Yield each case with each set of levels, its runs made."""
     share = float(all_printed(inputs)[PRINTED_VALUES[0]]) / 100.0
     small = Levels(**{name: (1.0 - share, 1.0 + share) for name, _ in FACTORS.values()})
-    designed = [case.case for case in params.cases if case.designed]
-    for turn, case in enumerate(designed):
+    for turn, case in enumerate(params.designed):
         contact = calibrated_contact(inputs, case)
         wide = realistic_levels(contact, params.diameters_um, inputs)
         yield _experiment(params, case, "realistic", contact, wide, 2 * turn)

@@ -14,7 +14,7 @@ from pydantic import Field
 from microimpact.lab.surface import Rules
 from microimpact.statistics.distributions import Distribution, mean
 from microimpact.statistics.sampling import Correlation, require_varying
-from study.declared.parameters import AngleDegrees, CaseName, Keyed, Must, Name
+from study.declared.parameters import AngleDegrees, CaseName, Must, Name
 from study.studies.analyses.monte_carlo.ensembles import (
     Ensemble,
     Estimate,
@@ -55,7 +55,6 @@ ESTIMATES, SAMPLING, ABLATION, INFERENCE, LONG_RUN = range(5)
 class Variant:
     """A surface and rules by which it is struck."""
 
-    name: Name  # In tables and in the figure
     drawn: bool  # Whether it is in the figure; of all others the slope is inferred only
     rules: Rules  # Facets hit and events observed
     two_axes: bool = False  # Whether the surface slopes across the motion as it does along it
@@ -72,7 +71,7 @@ class Params:
     model: Literal["rigid_body", "simulation"]
     smooth: CaseName  # Case of the smooth surface of the ensembles
     process: Process
-    variants: Annotated[tuple[Variant, ...], Field(min_length=1), Keyed("name")]
+    variants: Annotated[dict[Name, Variant], Field(min_length=1)]  # By name in tables and figure
     plan: Plan
     # Nominal angles, and that from which relative restitution counts.
     angles_deg: Annotated[tuple[AngleDegrees, ...], Field(min_length=2)]
@@ -87,7 +86,7 @@ class Params:
 
     def __post_init__(self) -> None:
         """Refuse parameters that contradict each other."""
-        if not any(variant.drawn for variant in self.variants):
+        if not self.drawn:
             raise ValueError("variants: at least one must be drawn")
         if self.model == "simulation" and self.slope_inference.restitution_half_width > 0.0:
             raise ValueError(
@@ -97,11 +96,16 @@ class Params:
             )
         known = self.process.distributions
         for source in self.ablation.sources:
-            if source.parameter not in known:
-                complaint = f"{source.parameter!r} must be one of {', '.join(known)}"
+            if source not in known:
+                complaint = f"{source!r} must be one of {', '.join(known)}"
                 raise ValueError(f"ablation.sources: {complaint}")
         require_meaning(self.model, self.process)
         require_varying(self.correlation, known)
+
+    @property
+    def drawn(self) -> list[str]:
+        """Variants in the figure."""
+        return [name for name, variant in self.variants.items() if variant.drawn]
 
 
 def run(params: Params, inputs: Tables) -> Tables:
@@ -115,7 +119,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     """
     estimates = inputs["parts"] if "parts" in inputs else part(params, inputs, 0, 1)
     ensembles = _ensembles(params, inputs)
-    drawn = {v.name: ensembles[v.name] for v in params.variants if v.drawn}
+    drawn = {name: ensembles[name] for name in params.drawn}
     base = deterministic(next(iter(drawn.values())))
     rows = estimates.sort_values("angle_deg").groupby("variant")
     means = pd.concat(
@@ -141,7 +145,7 @@ def part(params: Params, inputs: Tables, index: int, count: int) -> pd.DataFrame
     """Estimates of every ``count``-th pair of drawn variant and angle, from ``index`` on."""
     ensembles = _ensembles(params, inputs)
     angles = enumerate(sorted(params.angles_deg))
-    pairs = list(product([v.name for v in params.variants if v.drawn], angles))[index::count]
+    pairs = list(product(params.drawn, angles))[index::count]
     return pd.DataFrame(
         [
             {"variant": name, "angle_deg": angle} | estimate(ensembles[name], angle, key)._asdict()
@@ -176,14 +180,12 @@ def stream(
     ValueError
         If there is no such variant, or no event is asked for.
     """
-    numbers = {item.name: number for number, item in enumerate(params.variants)}
-    if variant not in numbers:
-        raise ValueError(f"variant must be one of {', '.join(numbers)}, got {variant!r}")
+    if variant not in params.variants:
+        raise ValueError(f"variant must be one of {', '.join(params.variants)}, got {variant!r}")
     if events < 1 or threads < 1:
         raise ValueError(f"events and threads must be 1 or more, got {events} and {threads}")
-    number = numbers[variant]
     impact = impact_of(params.model, calibrated_contact(inputs, params.smooth), params.process)
-    ensemble = _stream(_ensemble(params, impact, params.variants[number], number), LONG_RUN)
+    ensemble = _stream(_ensemble(params, impact, variant), LONG_RUN)
     long = long_run(ensemble, events)
     with progress(f"{variant}, {angle_deg:g} deg", long.plan.replicates * long.plan.events) as done:
         return estimate(long, angle_deg, threads=threads, done=done)
@@ -192,13 +194,11 @@ def stream(
 def _ensembles(params: Params, inputs: Tables) -> dict[str, Ensemble]:
     contact = calibrated_contact(inputs, params.smooth)
     impact = impact_of(params.model, contact, params.process)
-    return {
-        variant.name: _ensemble(params, impact, variant, number)
-        for number, variant in enumerate(params.variants)
-    }
+    return {name: _ensemble(params, impact, name) for name in params.variants}
 
 
-def _ensemble(params: Params, impact: Impact, variant: Variant, number: int) -> Ensemble:
+def _ensemble(params: Params, impact: Impact, name: str) -> Ensemble:
+    variant, number = params.variants[name], list(params.variants).index(name)
     slope = variant.slope or params.process.slope
     across = params.process.cross_slope
     if variant.two_axes and not isinstance(slope, Inferred):
@@ -216,7 +216,7 @@ def _ensemble(params: Params, impact: Impact, variant: Variant, number: int) -> 
     inference = _inferred(params, ensemble, variant)
     if not inference["reached"]:
         raise ValueError(
-            f"variants.{variant.name}: no slope gives a restitution of "
+            f"variants.{name}: no slope gives a restitution of "
             f"{params.slope_inference.restitution:g} at {params.slope_inference.angle_deg:g} deg; "
             "declare process.slope"
         )
@@ -257,11 +257,11 @@ def _slopes(params: Params, ensembles: Mapping[str, Ensemble]) -> pd.DataFrame:
     settings = params.slope_inference
     return pd.DataFrame(
         {
-            "variant": variant.name,
+            "variant": name,
             "angle_deg": settings.angle_deg,
             "restitution": settings.restitution,
-            **_inferred(params, ensembles[variant.name], variant),
+            **_inferred(params, ensembles[name], variant),
             "evidence": "calibrated",
         }
-        for variant in params.variants
+        for name, variant in params.variants.items()
     )

@@ -16,7 +16,7 @@ from pydantic import Field
 from microimpact.statistics.distributions import Distribution
 from microimpact.statistics.intervals import student_half_width
 from microimpact.statistics.sampling import Correlation, Generator, Method
-from study.declared.parameters import AngleDegrees, Keyed, Name
+from study.declared.parameters import AngleDegrees, Name
 from study.studies.analyses.monte_carlo.ensembles import Ensemble, Plan, estimate
 from study.tables import result_evidence, series_frame
 
@@ -45,9 +45,8 @@ class Comparison:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Source:
-    """One parameter that varies alone; by the process's distribution, or one of its own."""
+    """A parameter that varies alone: by the distribution of the process, or by this one."""
 
-    parameter: Name
     distribution: Distribution | None = None
 
 
@@ -56,7 +55,7 @@ class Ablation:
     """Angles at which sources of scatter are compared, and the sources."""
 
     angles_deg: tuple[AngleDegrees, ...]
-    sources: Annotated[tuple[Source, ...], Field(min_length=1), Keyed("parameter")]
+    sources: Annotated[dict[Name, Source], Field(min_length=1)]
 
 
 def sampling_table(ensemble: Ensemble, settings: Comparison) -> pd.DataFrame:
@@ -107,7 +106,8 @@ def ablation_table(
     """
     rows = []
     for (variant, ensemble), angle in product(ensembles.items(), settings.angles_deg):
-        sources = {"all": ensemble} | {s.parameter: _alone(ensemble, s) for s in settings.sources}
+        alone = {p: _alone(ensemble, p, s.distribution) for p, s in settings.sources.items()}
+        sources = {"all": ensemble} | alone
         estimates = {name: estimate(one, angle) for name, one in sources.items()}
         bare = estimate(base, angle)
         for (name, source_estimate), quantity in product(estimates.items(), QUANTITIES):
@@ -129,10 +129,10 @@ def ablation_table(
     return pd.DataFrame(rows)
 
 
-def _alone(ensemble: Ensemble, source: Source) -> Ensemble:
-    process = ensemble.process.at_means(but=(source.parameter,))
-    if source.distribution is not None:
-        process = replace(process, **{source.parameter: source.distribution})
+def _alone(ensemble: Ensemble, parameter: str, distribution: Distribution | None) -> Ensemble:
+    process = ensemble.process.at_means(but=(parameter,))
+    if distribution is not None:
+        process = replace(process, **{parameter: distribution})
     return replace(ensemble, process=process, correlation=Correlation())
 
 

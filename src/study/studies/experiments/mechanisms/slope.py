@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -12,7 +12,6 @@ import pandas as pd
 from study.declared.parameters import (
     AngleDegrees,
     CaseName,
-    Keyed,
     Name,
     NonNegative,
     Positive,
@@ -36,7 +35,6 @@ SLOPE_RANGE = (0.0, 0.6)
 class Pair:
     """A smooth and a rough surface of one material, each with its own contact."""
 
-    name: Name
     smooth: Dropped
     rough: Dropped
     adhesion_factor: NonNegative
@@ -47,7 +45,7 @@ class Slope:
     """Surfaces compared, and slopes swept."""
 
     # Of surfaces; the work of adhesion of the rough one is multiplied by ``adhesion_factor``.
-    pairs: Annotated[tuple[Pair, ...], Keyed("name")]
+    pairs: dict[Name, Pair]
     angles_deg: tuple[AngleDegrees, ...]  # Of incidence
     swept: Dropped  # Spheres and smooth surface whose slope is swept
     cases: tuple[CaseName, ...]  # Calibrated contacts of these
@@ -88,7 +86,7 @@ def sweep_rows(params: Slope, sampling: Sampling, inputs: Tables) -> Iterator[di
 
 def pair_rows(params: Slope, sampling: Sampling, inputs: Tables) -> Iterator[dict[str, Any]]:
     """Rough less smooth surface at every angle, and the loss that squared restitutions predict."""
-    for pair in params.pairs:
+    for name, pair in params.pairs.items():
         flat, sloped = (Sample.of(of, sampling, inputs) for of in (pair.smooth, pair.rough))
         work = sloped.contact.work_of_adhesion
         assert work is not None
@@ -101,7 +99,7 @@ def pair_rows(params: Slope, sampling: Sampling, inputs: Tables) -> Iterator[dic
             columns = difference_columns(rough, smooth, sampling)
             error = columns["energy_loss_difference"] - predicted
             yield {
-                "pair": pair.name,
+                "pair": name,
                 "case": pair.rough.case,
                 "adhesion_factor": pair.adhesion_factor,
                 "slope_sd": pair.rough.slope_sd,

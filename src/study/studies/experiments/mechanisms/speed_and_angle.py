@@ -15,7 +15,7 @@ from microimpact.lab.experiment import SpeedClass
 from microimpact.lab.reduction import EXACT
 from microimpact.model.dynamics.impact import simulate, velocity_components
 from microimpact.model.rigid_body.algebra import energy_loss, rigid_body_rebound
-from study.declared.parameters import AngleDegrees, CaseName, Fraction, Keyed, NonNegative
+from study.declared.parameters import AngleDegrees, CaseName, Fraction, Name, NonNegative
 from study.studies.experiments.mechanisms.impulse_regions import regions
 from study.studies.samples import Dropped, Sample, Sampling, half_width
 from study.tables import Tables
@@ -31,7 +31,7 @@ class SpeedAndAngle:
     # Spheres, calibrated contacts, speed classes from the fastest.
     dropped: Dropped
     cases: tuple[CaseName, ...]
-    classes: Annotated[tuple[SpeedClass, ...], Keyed()]
+    classes: dict[Name, SpeedClass]
     # In descending order from the one with which the loss is compared.
     angles_deg: tuple[AngleDegrees, ...]
     trend_deg: tuple[AngleDegrees, AngleDegrees]  # Angles between which restitution falls
@@ -60,7 +60,7 @@ def speed_tables(
     rows, regions = [], []
     for case in params.cases:
         sample = Sample.of(replace(params.dropped, case=case), sampling, inputs)
-        rows += [class_row(params, sample, one) for one in params.classes]
+        rows += [class_row(params, sample, each) for each in params.classes.values()]
         regions += region_rows(params, sample)
     return {
         "speed_and_angle": pd.DataFrame(rows),
@@ -100,7 +100,7 @@ def class_row(params: SpeedAndAngle, sample: Sample, speed_class: SpeedClass) ->
 
 def region_rows(params: SpeedAndAngle, sample: Sample) -> list[dict[str, Any]]:
     """Regions of the mean impulse ratio of the fastest class."""
-    class_sample = sample.but(**asdict(params.classes[0]))
+    class_sample = sample.but(**asdict(next(iter(params.classes.values()))))
     samples = [class_sample.seen(angle) for angle in params.region_angles_deg]
     means = np.array([s.means["impulse_ratio"].value for s in samples])
     known = np.isfinite(means)

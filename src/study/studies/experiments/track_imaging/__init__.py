@@ -25,7 +25,7 @@ from microimpact.lab.ptis.system import (
 )
 from microimpact.lab.ptis.tracks import Rejection, Track, measure
 from microimpact.statistics.distributions import generator
-from study.declared.parameters import Count, Fraction, Keyed, Must, ObliqueDegrees, Positive
+from study.declared.parameters import Count, Fraction, Must, Name, ObliqueDegrees, Positive
 from study.studies.experiments.track_imaging.agreement import (
     LEGS,
     RigidSpheres,
@@ -135,7 +135,7 @@ class Params:
     least_observed: Fraction
     largest_bias: Fraction
     drawn_angle_deg: Annotated[ObliqueDegrees, Must("one of", "angles_deg")]
-    error_cases: Annotated[tuple[Incidence, ...], Keyed()]
+    error_cases: dict[Name, Incidence]
     experiments: Count
     events: Annotated[int, Field(ge=2)]
     tolerances: Tolerances
@@ -291,7 +291,7 @@ def error_cases(params: Params) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFram
     Residuals per case, verdicts over all, and fates of the events.
     """
     cases, lost = [], []
-    for number, case in enumerate(params.error_cases):
+    for number, case in enumerate(params.error_cases.values()):
         setup = Setup(
             instrument=params.instrument,
             angle=case.angle_deg,

@@ -12,8 +12,8 @@ proportion to its likelihood.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass
 from functools import partial
 from typing import Annotated
 
@@ -27,7 +27,7 @@ from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.separation import jkr_pull_off
-from study.declared.parameters import Count, Keyed, Seed
+from study.declared.parameters import Count, Name, Seed
 from study.studies.contacts import BAND, admissible_contact, calibrated_contact
 from study.studies.models.admissible_contacts.case import (
     FIELDS,
@@ -65,8 +65,8 @@ class Params:
     seed: Seed
     sampler: Sampler
     draws: Count
-    cases: Annotated[tuple[Case, ...], Keyed("case")]
-    variants: Annotated[tuple[Variant, ...], Keyed("variant")]
+    cases: dict[Name, Case]
+    variants: dict[Name, Variant]
     points: Annotated[int, Field(ge=10)]
 
 
@@ -81,22 +81,27 @@ def run(params: Params, inputs: Tables) -> Tables:
     speed. `inputs`: ``materials``, ``contacts``: the declared rows of the pairs; ``calibration``:
     the two-stage estimates.
     """
-    posteriors = [posterior(case, inputs, params.sampler, params.seed) for case in params.cases]
-    pairs = [(p, v, p.chosen(v, params.draws)) for p in posteriors for v in params.variants]
-    draws = [table(p, v, chosen, inputs) for p, v, chosen in pairs]
-    rows = [row for one, drawn in zip(pairs, draws, strict=True) for row in summary(*one, drawn)]
-    rows += [row for case in params.cases for row in two_stage(case, inputs)]
+    pairs = [
+        (pool, pool.chosen(variant, left.without, params.draws))
+        for name, case in params.cases.items()
+        for pool in [posterior(name, case, inputs, params.sampler, params.seed)]
+        for variant, left in params.variants.items()
+    ]
+    draws = [table(*pair, inputs) for pair in pairs]
+    rows = [row for pair, drawn in zip(pairs, draws, strict=True) for row in summary(*pair, drawn)]
+    rows += [row for name, case in params.cases.items() for row in two_stage(name, case, inputs)]
     summaries = pd.DataFrame(rows)[["case", "estimate", "quantity", *COLUMNS]]
     contacts_drawn = pd.concat(draws, ignore_index=True)
     known = {**inputs, "admissible_contacts": contacts_drawn}
-    curves = [bands(case, params.variants, known, params.points) for case in params.cases]
+    curves = [bands(*case, params.variants, known, params.points) for case in params.cases.items()]
+    first = next(iter(params.cases.items()))
     return {
         "admissible_contacts": contacts_drawn,
-        "admissible_diagnostics": pd.DataFrame([diagnostics(*one) for one in pairs]),
+        "admissible_diagnostics": pd.DataFrame([diagnostics(*pair) for pair in pairs]),
         "admissible_summary": summaries,
-        "admissible_statements": pd.DataFrame([row for one in pairs for row in told(*one)]),
+        "admissible_statements": pd.DataFrame([row for pair in pairs for row in told(*pair)]),
         "admissible_bands": pd.concat(curves, ignore_index=True),
-        **marginals(params.cases[0], params.variants, contacts_drawn, summaries, params.points),
+        **marginals(*first, params.variants, contacts_drawn, summaries, params.points),
     }
 
 
@@ -114,9 +119,7 @@ def derived(case: Case, contact: Contact) -> dict[str, FloatArray]:
     }
 
 
-def table(
-    posterior_of_case: Posterior, variant: Variant, chosen: Chosen, inputs: Tables
-) -> pd.DataFrame:
+def table(posterior_of_case: Posterior, chosen: Chosen, inputs: Tables) -> pd.DataFrame:
     """Return the draws of one case and variant, a row each."""
     case, bare = posterior_of_case.case, bare_contact(posterior_of_case.case, inputs)
     contact = contacts(case, bare, chosen.points, np.array([case.diameter_um]))
@@ -124,8 +127,8 @@ def table(
     limits = posterior_of_case.limits[chosen.taken]
     return pd.DataFrame(
         {
-            "case": case.case,
-            "variant": variant.variant,
+            "case": posterior_of_case.name,
+            "variant": chosen.variant,
             "draw": np.arange(len(limits)),
             "particle": case.particle,
             "surface": case.surface,
@@ -154,12 +157,12 @@ def most_central(points: FloatArray) -> BoolArray:
     return np.asarray(np.arange(len(points)) == np.argmin(distance))
 
 
-def diagnostics(posterior_of_case: Posterior, variant: Variant, chosen: Chosen) -> Row:
+def diagnostics(posterior_of_case: Posterior, chosen: Chosen) -> Row:
     """Return how well the draws of one case and variant came about."""
-    weights = posterior_of_case.weights(variant)
+    weights = posterior_of_case.weights(chosen.without)
     return {
-        "case": posterior_of_case.case.case,
-        "variant": variant.variant,
+        "case": posterior_of_case.name,
+        "variant": chosen.variant,
         "open_parameters": len(posterior_of_case.case.ranges.open()),
         "acceptance": posterior_of_case.pool.acceptance,
         "split_r_hat": float(np.max(posterior_of_case.pool.split_r_hat)),
@@ -173,14 +176,12 @@ def diagnostics(posterior_of_case: Posterior, variant: Variant, chosen: Chosen) 
     }
 
 
-def summary(
-    posterior_of_case: Posterior, variant: Variant, chosen: Chosen, draws: pd.DataFrame
-) -> list[Row]:
+def summary(posterior_of_case: Posterior, chosen: Chosen, draws: pd.DataFrame) -> list[Row]:
     """Return medians and intervals of the numbers of one case and variant."""
     case = posterior_of_case.case
     sizes = limits_by_size(case, posterior_of_case.limits[chosen.taken])
     numbers = {name: draws[name].to_numpy(float) for name in TOLD} | sizes
-    names = {"case": case.case, "estimate": variant.variant}
+    names = {"case": posterior_of_case.name, "estimate": chosen.variant}
     rows: list[Row] = [
         names | {"quantity": name} | dict(zip(COLUMNS, np.quantile(value, BAND), strict=True))
         for name, value in numbers.items()
@@ -193,15 +194,15 @@ def summary(
     ]
 
 
-def two_stage(case: Case, inputs: Tables) -> list[Row]:
+def two_stage(name: str, case: Case, inputs: Tables) -> list[Row]:
     """Return the same numbers of the two-stage estimates, which have no interval."""
     rows = []
     for compared in case.compared:
         contact = calibrated_contact(inputs, compared)
         limits = capture_velocity(resized(contact, np.array(case.classes_um) * 1e-6))
-        numbers = {name: getattr(contact, field) for name, field in FIELDS.items()}
+        numbers = {n: getattr(contact, field) for n, field in FIELDS.items()}
         numbers |= derived(case, contact) | limits_by_size(case, limits)
-        names = {"case": case.case, "estimate": f"{TWO_STAGE}, {compared}"}
+        names = {"case": name, "estimate": f"{TWO_STAGE}, {compared}"}
         rows += [names | {"quantity": n, "median": float(v)} for n, v in numbers.items()]
     return rows
 
@@ -212,14 +213,14 @@ def limits_by_size(case: Case, limits: FloatArray) -> dict[str, FloatArray]:
     return dict(zip(names, np.moveaxis(limits, -1, 0), strict=True))
 
 
-def told(posterior_of_case: Posterior, variant: Variant, chosen: Chosen) -> list[Row]:
+def told(posterior_of_case: Posterior, chosen: Chosen) -> list[Row]:
     """Return each statement beside the quantities of the draws of a case and variant.
 
     A statement that the variant leaves out is told, too: what the draws predict for it.
     """
     rows: list[Row] = []
-    for statement in posterior_of_case.case.all_statements:
-        value = posterior_of_case.quantities[statement.statement][chosen.taken]
+    for name, statement in posterior_of_case.case.all_statements.items():
+        value = posterior_of_case.quantities[name][chosen.taken]
         if value.ndim == 2:
             kinds = (
                 chosen.bases
@@ -228,10 +229,10 @@ def told(posterior_of_case: Posterior, variant: Variant, chosen: Chosen) -> list
             )
             value = value[np.arange(len(value)), kinds]
         row: Row = {
-            "case": posterior_of_case.case.case,
-            "variant": variant.variant,
-            "statement": statement.statement,
-            "stated": statement.statement not in variant.without,
+            "case": posterior_of_case.name,
+            "variant": chosen.variant,
+            "statement": name,
+            "stated": name not in chosen.without,
             "quantity": "share captured",
         }
         if isinstance(statement, Within):
@@ -243,17 +244,17 @@ def told(posterior_of_case: Posterior, variant: Variant, chosen: Chosen) -> list
             }
         row |= dict(zip(COLUMNS, np.quantile(value, BAND), strict=True))
         row["log_likelihood"] = np.median(statement.log_likelihood(value))
-        rows.append(row | left_out(posterior_of_case, variant, statement.statement))
+        rows.append(row | left_out(posterior_of_case, (*chosen.without, name)))
     return rows
 
 
-def left_out(posterior_of_case: Posterior, variant: Variant, statement: str) -> dict[str, float]:
-    """Return the capture velocity that is left if one more statement is left out.
+def left_out(posterior_of_case: Posterior, without: Collection[str]) -> dict[str, float]:
+    """Return the capture velocity by all statements but some.
 
     The pool was drawn with all statements on impacts: where the draws that then count are few, the
     effective size says so.
     """
-    weights = posterior_of_case.weights(replace(variant, without=(*variant.without, statement)))
+    weights = posterior_of_case.weights(without)
     limits = posterior_of_case.limits[
         :, posterior_of_case.case.classes_um.index(posterior_of_case.case.diameter_um)
     ]
@@ -273,7 +274,12 @@ def density(values: FloatArray, at: FloatArray) -> FloatArray:
 
 
 def marginals(
-    case: Case, variants: Iterable[Variant], draws: pd.DataFrame, summary: pd.DataFrame, points: int
+    case_name: str,
+    case: Case,
+    variants: Iterable[str],
+    draws: pd.DataFrame,
+    summary: pd.DataFrame,
+    points: int,
 ) -> dict[str, pd.DataFrame]:
     """Return densities and pairs of the draws of one case, beside the two-stage estimates."""
     shares = np.linspace(0.0, 1.0, points)
@@ -282,17 +288,17 @@ def marginals(
     share = partial(series_frame, "share", x_unit="1", y_unit="1")
     rate = partial(series_frame, "rate", x_unit="1", y_unit="1")
     work = partial(series_frame, "work", x_unit="J_per_m2", y_unit="m_per_s")
-    by_variant = draws[draws["case"] == case.case].groupby("variant")
+    by_variant = draws[draws["case"] == case_name].groupby("variant")
     for variant in variants:
-        rows = by_variant.get_group(variant.variant)
+        rows = by_variant.get_group(variant)
         v_c, part = rows["v_c_derived_m_per_s"].to_numpy(), rows["adhesion_share"].to_numpy()
         n, w = rows["rate_exponent"], rows["work_of_adhesion_J_per_m2"]
-        name, kind = variant.variant, "calibrated"
+        name, kind = variant, "calibrated"
         speeds = np.geomspace(v_c.min() / BESIDE, v_c.max() * BESIDE, points)
         limits.append(limit(name, speeds, density(np.log(v_c), np.log(speeds)), kind))
         others += [share(name, shares, density(part, shares), kind), rate(name, n, part, kind)]
         works.append(work(name, w, v_c, kind))
-    table = summary[summary["case"] == case.case].pivot(
+    table = summary[summary["case"] == case_name].pivot(
         index="estimate", columns="quantity", values="median"
     )
     v_c_name = f"v_c_at_{case.diameter_um:g}_um_m_per_s"
@@ -309,28 +315,28 @@ def marginals(
     }
 
 
-def bands(case: Case, variants: Iterable[Variant], inputs: Tables, points: int) -> pd.DataFrame:
+def bands(
+    case_name: str, case: Case, variants: Iterable[str], inputs: Tables, points: int
+) -> pd.DataFrame:
     """Return e against the normal speed: bands of the draws, single contacts, printed facts.
 
     Parameters
     ----------
-    case
+    case_name, case
         The pair; bands are of its diameter.
     inputs
         ``admissible_contacts``, ``calibration``, ``materials``.
     """
-    frame = partial(series_frame, case.case, x_unit="m_per_s", y_unit="1")
+    frame = partial(series_frame, case_name, x_unit="m_per_s", y_unit="1")
     speeds = np.geomspace(*case.shown_m_per_s, points)
     table, frames = inputs["admissible_contacts"], []
-    by_variant = table[table["case"] == case.case].groupby("variant")
+    by_variant = table[table["case"] == case_name].groupby("variant")
     for variant in variants:
-        contact = resized(
-            admissible_contact(inputs, case.case, variant.variant), case.diameter_um * 1e-6
-        )
+        contact = resized(admissible_contact(inputs, case_name, variant), case.diameter_um * 1e-6)
         e = normal_impact(contact, speeds[:, None]).coefficient_of_restitution
         low, high = np.quantile(e, BAND[::2], axis=1)
-        single = e[:, int(np.argmax(by_variant.get_group(variant.variant)["most_central"]))]
-        frames.append(frame(variant.variant, speeds, single, "calibrated", low, high))
+        single = e[:, int(np.argmax(by_variant.get_group(variant)["most_central"]))]
+        frames.append(frame(variant, speeds, single, "calibrated", low, high))
     for compared in case.compared:
         contact = resized(calibrated_contact(inputs, compared), case.diameter_um * 1e-6)
         e = normal_impact(contact, speeds).coefficient_of_restitution

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import Annotated, Any
 
 import numpy as np
@@ -19,7 +19,6 @@ from study.declared.parameters import (
     CaseName,
     Count,
     CounterpartName,
-    Keyed,
     MaterialName,
     Name,
     NonNegative,
@@ -32,6 +31,7 @@ from study.studies.models.admissible_contacts.statements import (
     Likelihood,
     NoCapture,
     Statement,
+    Statements,
     Within,
     dissipation_ratio,
     impacts_of,
@@ -75,7 +75,6 @@ class Ranges:
 class Case:
     """A pair, its open parameters, and the printed statements on it."""
 
-    case: Name
     # The materials; what is not open is as declared of the pair.
     particle: MaterialName
     surface: CounterpartName
@@ -90,30 +89,29 @@ class Case:
     shown_m_per_s: PositiveRange  # Normal speeds of the figures
     compared: tuple[CaseName, ...]  # Cases of the two-stage calibration to be compared with
     # What is printed.
-    statements: Annotated[tuple[Within, ...], Keyed("statement")]
-    no_capture: Annotated[tuple[NoCapture, ...], Keyed("statement")] = ()
+    statements: dict[Name, Within]
+    no_capture: dict[Name, NoCapture] = field(default_factory=dict)
 
     @property
-    def all_statements(self) -> tuple[Statement, ...]:
-        """Statements of both sorts."""
-        return (*self.statements, *self.no_capture)
+    def all_statements(self) -> dict[str, Statement]:
+        """Statements of both sorts, by name."""
+        return {**self.statements, **self.no_capture}
 
     def printed_limits(self) -> list[float]:
         """Middles of the stated capture velocities of an open size, m/s."""
-        return [
-            0.5 * sum(s.interval) for s in self.statements if s.of_capture and not s.diameter_um
-        ]
+        stated = self.statements.values()
+        return [0.5 * sum(s.interval) for s in stated if s.of_capture and not s.diameter_um]
 
     def printed_restitutions(self) -> Iterator[tuple[float, float, tuple[float, float]]]:
         """Diameter (um), normal speed (m/s) and interval of each restitution that is stated."""
-        for statement in self.statements:
+        for statement in self.statements.values():
             if statement.quantity == "restitution":
                 for size, speed, _ in impacts_of(statement, self.classes_um):
                     yield size, speed, statement.interval
 
     def __post_init__(self) -> None:
         """Refuse diameters at which no capture velocity is computed."""
-        diameters = {s.statement: s.diameter_um for s in self.statements if s.of_capture}
+        diameters = {n: s.diameter_um for n, s in self.statements.items() if s.of_capture}
         for name, size in {"diameter_um": self.diameter_um, **diameters}.items():
             if size not in {None, *self.classes_um}:
                 raise ValueError(f"{name}: {size} must be one of classes_um {self.classes_um}")
@@ -123,7 +121,6 @@ class Case:
 class Variant:
     """Statements that are left out; a case need not have them."""
 
-    variant: Name
     without: tuple[Name, ...]
 
 
@@ -143,6 +140,7 @@ class Sampler:
 class Posterior:
     """A pool of draws by the statements on impacts, with the likelihoods of all statements."""
 
+    name: str  # Of the case
     case: Case  # The pair
     evaluation: Evaluation  # How statements are evaluated
     pool: ensemble.Draws  # The draws
@@ -150,28 +148,30 @@ class Posterior:
     limits: FloatArray  # Capture velocities (n, classes), m/s
     seed: int  # Of what is drawn from the pool
 
-    def likelihood(self, statements: Sequence[Statement]) -> Likelihood:
+    def likelihood(self, statements: Statements) -> Likelihood:
         """Return the log-likelihood of the pool by some statements."""
         return self.evaluation.likelihood(statements, self.quantities)
 
-    def stated(self, variant: Variant) -> list[Statement]:
-        """Statements that hold in a variant."""
-        return [s for s in self.case.all_statements if s.statement not in variant.without]
+    def stated(self, without: Collection[str]) -> Statements:
+        """All statements but some, by name."""
+        return {n: s for n, s in self.case.all_statements.items() if n not in without}
 
-    def weights(self, variant: Variant) -> FloatArray:
-        """Weights of the pool in a variant, the largest 1."""
-        all_of = self.likelihood(self.stated(variant)).total
+    def weights(self, without: Collection[str]) -> FloatArray:
+        """Weights of the pool by all statements but some, the largest 1."""
+        all_of = self.likelihood(self.stated(without)).total
         logs = all_of - self.likelihood(on_impacts(self.case)).total
         return np.exp(logs - np.max(logs))
 
-    def chosen(self, variant: Variant, draws: int) -> Chosen:
+    def chosen(self, variant: str, without: tuple[str, ...], draws: int) -> Chosen:
         """Draw from the pool by its weights, and class and basis of each by their likelihoods."""
         rng = generator(self.seed, 1)
-        taken = ensemble.resampled(self.weights(variant), draws, rng)
-        logs = self.likelihood(self.stated(variant))
+        taken = ensemble.resampled(self.weights(without), draws, rng)
+        logs = self.likelihood(self.stated(without))
         classes, bases = _one_each(logs.by_class[taken], rng), _one_each(logs.by_basis[taken], rng)
         rows = np.arange(draws)
         return Chosen(
+            variant=variant,
+            without=without,
             taken=taken,
             points=self.pool.points[taken],
             classes=classes,
@@ -186,6 +186,8 @@ class Posterior:
 class Chosen:
     """Draws of one variant (n,)."""
 
+    variant: str
+    without: tuple[str, ...]  # Statements that it leaves out
     taken: FloatArray  # Their numbers in the pool
     points: FloatArray  # As sampled (n, axes)
     # Numbers of size class and basis of friction.
@@ -200,9 +202,9 @@ def _one_each(logs: FloatArray, rng: np.random.Generator) -> Any:
     return np.argmax(share > rng.random((len(logs), 1)) * share[:, -1:], axis=1)
 
 
-def on_impacts(case: Case) -> list[Statement]:
+def on_impacts(case: Case) -> Statements:
     """Statements that need no capture velocity."""
-    return [s for s in case.all_statements if not s.of_capture]
+    return {name: s for name, s in case.all_statements.items() if not s.of_capture}
 
 
 def bare_contact(case: Case, inputs: Tables) -> Contact:
@@ -230,7 +232,7 @@ def contacts(case: Case, bare: Contact, points: FloatArray, diameters_um: FloatA
     return bare.replace(diameter=diameters_um * 1e-6, work_of_adhesion=work, **fields)
 
 
-def posterior(case: Case, inputs: Tables, sampler: Sampler, seed: int) -> Posterior:
+def posterior(name: str, case: Case, inputs: Tables, sampler: Sampler, seed: int) -> Posterior:
     """Draw the pool of a case and evaluate all statements."""
     bare = bare_contact(case, inputs)
     ends = case.ranges.open()
@@ -242,7 +244,7 @@ def posterior(case: Case, inputs: Tables, sampler: Sampler, seed: int) -> Poster
                 ends["hertz_damping_s_per_m"],
                 ends["adhesion_damping_s_per_m"],
             )
-            for s in case.statements
+            for s in case.statements.values()
             if s.quantity == "dissipation over adhesion"
         ),
         None,
@@ -266,6 +268,7 @@ def posterior(case: Case, inputs: Tables, sampler: Sampler, seed: int) -> Poster
     )
     limits = evaluation.limits(pool.points)
     return Posterior(
+        name=name,
         case=case,
         evaluation=evaluation,
         pool=pool,

@@ -7,7 +7,7 @@ a statement has a value per size class; where friction enters, one per basis of 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import Annotated, Literal
@@ -29,7 +29,6 @@ from study.declared.parameters import (
     Ascending,
     Count,
     Finite,
-    Name,
     Positive,
     PositiveRange,
 )
@@ -62,7 +61,6 @@ Quantity = Literal[
 class Within:
     """A quantity that a statement puts into an interval."""
 
-    statement: Name
     # The mean over the impacts; of a spread the largest less the smallest, of a change the first
     # over the last.
     quantity: Quantity
@@ -142,7 +140,6 @@ class NoCapture:
     would have been noticed is unknown, uniform between none and all.
     """
 
-    statement: Name
     diameter_um: Distribution
     speed_range_m_per_s: PositiveRange
     angle_deg: AngleDegrees
@@ -172,6 +169,7 @@ class NoCapture:
 
 
 Statement = Within | NoCapture
+Statements = Mapping[str, Statement]  # By name
 
 
 # Contacts at points (n, axes) and diameters in um (k,): fields (n, k).
@@ -212,16 +210,17 @@ class Evaluation:
     ratio: scipy.interpolate.RectBivariateSpline | None = None
 
     def quantities(
-        self, points: FloatArray, statements: Sequence[Statement], limits: FloatArray | None = None
+        self, points: FloatArray, statements: Statements, limits: FloatArray | None = None
     ) -> dict[str, FloatArray]:
         """Quantities by statement: (n,), (n, classes) or (n, bases).
 
         Those with friction are nan where the others are too unlikely; those of capture are left out
         where no capture velocities (n, classes) are given.
         """
-        within = [s for s in statements if isinstance(s, Within) and not s.of_capture]
-        frictional = [s for s in within if s.frictional]
-        normal = [s for s in within if not s.frictional]
+        frictional, normal = dict[str, Within](), dict[str, Within]()
+        for name, statement in statements.items():
+            if isinstance(statement, Within) and not statement.of_capture:
+                (frictional if statement.frictional else normal)[name] = statement
         values = self._normal(points, normal)
         if frictional:
             likely = self.likelihood(normal, values).total > UNLIKELY
@@ -229,18 +228,18 @@ class Evaluation:
                 values[name] = np.full((len(points), len(self.bases)), np.nan)
                 values[name][likely] = value
         if limits is not None:
-            values |= self._captures(limits, [s for s in statements if s.of_capture])
+            values |= self._captures(limits, statements)
         return values
 
     def likelihood(
-        self, statements: Sequence[Statement], quantities: Mapping[str, FloatArray]
+        self, statements: Statements, quantities: Mapping[str, FloatArray]
     ) -> Likelihood:
         """Return the joint log-likelihood of statements, given their quantities."""
         (n,) = {len(value) for value in quantities.values()}
         plain, by_class = np.zeros(n), np.zeros((n, len(self.classes_um)))
         by_basis = np.zeros((n, len(self.bases)))
-        for statement in statements:
-            log = statement.log_likelihood(quantities[statement.statement])
+        for name, statement in statements.items():
+            log = statement.log_likelihood(quantities[name])
             if isinstance(statement, Within) and statement.frictional:
                 by_basis += log
             elif log.ndim == 1:
@@ -249,15 +248,17 @@ class Evaluation:
                 by_class += log
         return Likelihood(plain=plain, by_class=by_class, by_basis=by_basis)
 
-    def _normal(self, points: FloatArray, statements: Sequence[Within]) -> dict[str, FloatArray]:
+    def _normal(
+        self, points: FloatArray, statements: Mapping[str, Within]
+    ) -> dict[str, FloatArray]:
         """Quantities of normal motion."""
         if not statements:
             return {}
-        _, events, places = shared_impacts(tuple(statements), self.classes_um)
+        _, events, places = shared_impacts(tuple(statements.values()), self.classes_um)
         contact = self.contacts(points, events[:, 0])
         outcome = normal_impact(contact, events[:, 1])
         values = {}
-        for statement, columns in zip(statements, places, strict=True):
+        for (name, statement), columns in zip(statements.items(), places, strict=True):
             if statement.quantity == "contact time in ns":
                 value = outcome.contact_time[:, columns] * 1e9
             elif statement.quantity == "adhesion over hertz":
@@ -271,14 +272,14 @@ class Evaluation:
                 ]
             else:
                 value = outcome.coefficient_of_restitution[:, columns]
-            values[statement.statement] = statement.value(value, len(self.classes_um))
+            values[name] = statement.value(value, len(self.classes_um))
         return values
 
     def _frictional(
-        self, points: FloatArray, statements: Sequence[Within]
+        self, points: FloatArray, statements: Mapping[str, Within]
     ) -> dict[str, FloatArray]:
         """Quantities of oblique impacts (n, bases)."""
-        impacts, events, places = shared_impacts(tuple(statements), self.classes_um)
+        impacts, events, places = shared_impacts(tuple(statements.values()), self.classes_um)
         diameter, v_n, v_t = impacts.T
         contact = self.contacts(points, events[:, 0])
         impact = normal_impact(contact, events[:, 1], ledger="hertz" in self.bases)
@@ -291,26 +292,25 @@ class Evaluation:
         ends = np.cumsum([len(own) for own in places])
         parts = np.split(np.stack(ratios, axis=1), ends[:-1], axis=2)
         return {
-            statement.statement: statement.value(part, 0)
-            for statement, part in zip(statements, parts, strict=True)
+            name: statement.value(part, 0)
+            for (name, statement), part in zip(statements.items(), parts, strict=True)
         }
 
     def limits(self, points: FloatArray) -> FloatArray:
         """Capture velocities (n, classes), m/s."""
         return capture_velocity(self.contacts(points, np.array(self.classes_um)))
 
-    def _captures(
-        self, limits: FloatArray, statements: Sequence[Statement]
-    ) -> dict[str, FloatArray]:
+    def _captures(self, limits: FloatArray, statements: Statements) -> dict[str, FloatArray]:
         """Capture velocities, or shares captured."""
         at = dict(zip(self.classes_um, limits.T, strict=True))
         return {
-            one.statement: one.captured(at)
-            if isinstance(one, NoCapture)
+            name: statement.captured(at)
+            if isinstance(statement, NoCapture)
             else limits
-            if one.diameter_um is None
-            else at[one.diameter_um]
-            for one in statements
+            if statement.diameter_um is None
+            else at[statement.diameter_um]
+            for name, statement in statements.items()
+            if statement.of_capture
         }
 
 
