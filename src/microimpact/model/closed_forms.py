@@ -5,6 +5,8 @@ Used by the studies and by the tests alike. Arguments are SI numbers or arrays t
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from microimpact.core.arrays import FloatArray, Real
@@ -31,6 +33,32 @@ def jkr_sticking_velocity(contact: Contact) -> Real:
     group = np.power(work, 5) * np.power(contact.hertz_radius, 4) / modulus
     velocity: Real = np.sqrt(14.18 / contact.mass) * np.power(group, 1.0 / 6.0)
     return velocity
+
+
+def jkr_loss(contact: Contact) -> Real:
+    """Energy that a JKR contact loses from closing to break, J: 7.0922 (w^5 r^4 / E*^2)^(1/3).
+
+    ``(12/5) (1 + 6 4^(1/3)) (pi/6)^(5/3) (w^5 r^4 / K^2)^(1/3)``; twice the constant is printed as
+    14.18 (Thornton and Ning 1998).
+    """
+    work = contact.work_of_adhesion
+    assert work is not None
+    group = np.power(work, 5) * np.power(contact.hertz_radius, 4)
+    scale = np.power(group / np.square(contact.hertz_stiffness), 1.0 / 3.0)
+    loss: Real = 2.4 * (1.0 + 6.0 * 4.0 ** (1.0 / 3.0)) * (np.pi / 6.0) ** (5.0 / 3.0) * scale
+    return loss
+
+
+def hertz_contact_time(contact: Contact, speed: Real) -> Real:
+    """Contact time of an elastic impact without adhesion, s, at a normal speed in m/s (Hertz 1881).
+
+    ``2 pi^(1/2) Gamma(7/5)/Gamma(9/10) n/V`` with the greatest compression ``n = (5 m V^2 / (4 K
+    r^(1/2)))^(2/5)``.
+    """
+    stiffness = contact.hertz_stiffness * np.sqrt(contact.hertz_radius)
+    compression = np.power(1.25 * contact.mass * np.square(speed) / stiffness, 0.4)
+    time: Real = 2.0 * math.sqrt(math.pi) * math.gamma(1.4) / math.gamma(0.9) * compression / speed
+    return time
 
 
 def brach_dunn_velocity(contact: Contact) -> Real:

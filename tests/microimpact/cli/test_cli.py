@@ -62,7 +62,7 @@ def test_it_is_installed_as_a_command():
 def test_the_study_adds_what_users_need(microimpact):
     listed = re.findall(r"^  (\w+) ", microimpact("--help").stdout, re.MULTILINE)
     assert {"simulate", "claim", "compare"} <= set(listed)
-    assert not {"check", "reference", "pages", "deviations", "report", "crate"} & set(listed)
+    assert not {"check", "pages", "deviations", "report", "crate"} & set(listed)
 
 
 def test_simulate_as_table_and_as_json_agree(microimpact):
@@ -535,3 +535,22 @@ def test_a_wrong_file_of_contacts_is_refused(microimpact, tmp_path, content):
     file.write_text(content, encoding="utf-8")
     done = microimpact("simulate", "--contact", str(file), "--speed", "1")
     require_refusal(done, "wrong.json must be a file that 'microimpact calibrate -o' wrote")
+
+
+def test_the_reference_verifies_itself_and_names_a_mistake(microimpact, answered, tmp_path):
+    written = microimpact("reference", "-o", str(tmp_path)).stdout.splitlines()
+    assert [Path(line).exists() for line in written] == [True] * 3
+    table = pd.read_csv(written[0])
+    agreed = microimpact("verify", written[0])
+    assert agreed.returncode == 0
+    assert agreed.stdout.count("agrees") == table["case"].nunique()
+    share = 0.49387 * (0.0422718 / table["normal_speed_m_per_s"]) ** 2
+    table["restitution"] = np.sqrt(np.maximum(1.0 - share, 0.0))
+    half = tmp_path / "half.csv"
+    table[table["case"] == "jkr-wall"].to_csv(half, index=False)
+    done = microimpact("verify", str(half))
+    assert done.returncode == 1
+    assert "broken at the pull-off force" in done.stdout
+    assert answered("verify", str(half))["verdicts"][0]["agrees"] is False
+    half.write_text("case,restitution\njkr-wall,0.5\n")
+    require_refusal(microimpact("verify", str(half)), "must have normal_speed_m_per_s, too")

@@ -143,7 +143,7 @@ def solve(problem: Problem) -> ScaledOutcome:
 
 def _integrated(problem: Problem) -> ScaledOutcome:
     closed, broken = np.cbrt(4.0 * problem.closing), np.cbrt(problem.opening)
-    results = _followed(problem.closing, problem.drag, closed, problem.speed, broken)
+    results = followed(problem.closing, problem.drag, closed, problem.speed, broken)
     captured = results[:, viscous.STATUS] == viscous.CAPTURED
     speed = np.where(captured, 0.0, results[:, viscous.SPEED])
     bulk = results[:, viscous.WORK]
@@ -160,7 +160,11 @@ def _integrated(problem: Problem) -> ScaledOutcome:
     )
 
 
-def _followed(*columns: FloatArray) -> FloatArray:
+def followed(*columns: FloatArray) -> FloatArray:
+    """Results of `viscous.integrate`, of problems given by its columns.
+
+    Raises RuntimeError if an integration failed.
+    """
     problems = np.stack(np.broadcast_arrays(*columns), axis=1)
     results = np.zeros((len(problems), viscous.RESULT_COLUMNS))
     viscous.integrate(problems, results)
@@ -357,7 +361,7 @@ def _backwards(problem: Problem) -> FloatArray:
     start = broken * BACKWARD_START
     pace = np.sqrt(60.0) * problem.opening * start
     closed = np.cbrt(4.0 * problem.closing)
-    results = _followed(problem.opening, -problem.drag, broken + start, pace, closed)
+    results = followed(problem.opening, -problem.drag, broken + start, pace, closed)
     escaped = results[:, viscous.STATUS] == viscous.ESCAPED
     return np.where(escaped, np.inf, results[:, viscous.SPEED])
 

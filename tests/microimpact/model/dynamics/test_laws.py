@@ -12,6 +12,7 @@ from scipy.special import beta
 
 from microimpact.model.closed_forms import (
     contact_modulus,
+    jkr_loss,
     jkr_sticking_velocity,
     plastic_restitution,
     yield_velocity,
@@ -95,6 +96,7 @@ class TestJKR:
         sticking = math.sqrt(2 * lost / contact.mass)
         assert e == pytest.approx(np.sqrt(1 - (sticking / speed) ** 2), rel=1e-12)
         assert capture_velocity(contact) == pytest.approx(sticking, rel=1e-12)
+        assert jkr_loss(contact) == pytest.approx(lost, rel=1e-12)
         # Thornton and Ning print 14.18 for the constant of its square.
         assert sticking == pytest.approx(jkr_sticking_velocity(contact), rel=4e-4)
 

@@ -1,0 +1,191 @@
+"""Restitution of another code against the reference, and which mistake the difference looks like.
+
+Each known mistake is computed, not fitted: its curve of e follows from the case. In terms of the
+s of `microimpact.model.dynamics.laws`, JKR's contact closes at ``s^3 = 4 b`` and breaks at
+``s^3 = b``; at ``3 b`` the pull is the greatest, at ``6 b`` there is none.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+
+from microimpact.core.arrays import FloatArray
+from microimpact.core.nearest import nearest
+from microimpact.model.contact import Contact
+from microimpact.model.contact_laws import JKR
+from microimpact.model.dynamics import laws, viscous
+from microimpact.model.dynamics.normal import normal_impact
+from microimpact.model.reference import CASES
+
+TOLERANCE = 0.005
+
+# Where a JKR contact may close and break, in s^3/b, and works of adhesion, each with its mistake.
+STARTS = {4.0: "", 6.0: "the contact begins at zero force, not at zero overlap"}
+ENDS = {
+    1.0: "",
+    3.0: "the contact is broken at the pull-off force, not at the greatest stretch",
+    4.0: "the contact ends at zero overlap, or adhesion pulls before touch: no loss",
+}
+WORKS = {
+    1.0: "",
+    2.0: "the work of adhesion w is taken for the surface energy gamma = w/2",
+    0.5: "the surface energy gamma = w/2 is taken for the work of adhesion w",
+}
+RIGID_WALL = "the wall is taken as rigid"
+NOT_REDUCED = "mass and radius of one sphere are taken, not the reduced ones of two"
+TIME_STEP = "the difference is irregular in the speed: the time step is too long"
+UNKNOWN = "no known mistake"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Verdict:
+    """Agreement of one case.
+
+    Attributes
+    ----------
+    case, impacts
+        Its name, and the number of impacts compared.
+    difference, speed
+        Largest difference of e from the reference, and the normal speed where it is, m/s.
+    agrees
+        Whether that is within the tolerance.
+    causes
+        Mistakes with this e(v), the simplest first, each with its largest difference of e.
+    """
+
+    case: str
+    impacts: int
+    difference: float
+    speed: float
+    agrees: bool
+    causes: tuple[tuple[str, float], ...] = ()
+
+
+def verify(
+    case: str, speed: FloatArray, restitution: FloatArray, tolerance: float = TOLERANCE
+) -> Verdict:
+    """Compare restitutions of another code with the reference.
+
+    Parameters
+    ----------
+    case
+        A name in `microimpact.model.reference.CASES`.
+    speed, restitution
+        Normal speeds before impact, m/s, and e, 0 where the sphere stays; (n,).
+    tolerance
+        Largest difference of e that counts as agreement.
+
+    Raises
+    ------
+    ValueError
+        If the case is unknown, or a number is no speed or no restitution.
+    """
+    if case not in CASES:
+        raise ValueError(f"case {case!r} unknown{nearest(case, CASES)}")
+    if not np.all((speed > 0.0) & np.isfinite(speed)):
+        raise ValueError(f"case {case!r}: speeds must be finite and above 0, got {speed.min():g}")
+    if not np.all((restitution >= 0.0) & (restitution < 2.0)):
+        raise ValueError(f"case {case!r}: e must be from 0 to 2, got {restitution.min():g}")
+    contact = CASES[case].contact
+    expected = normal_impact(contact, speed).coefficient_of_restitution
+    off = restitution - expected
+    largest = int(np.argmax(np.abs(off)))
+    verdict = Verdict(
+        case=case,
+        impacts=speed.size,
+        difference=float(off[largest]),
+        speed=float(speed[largest]),
+        agrees=bool(np.abs(off[largest]) <= tolerance),
+    )
+    if verdict.agrees:
+        return verdict
+    causes = []
+    for words, curve in mistakes(contact, speed):
+        misfit = float(np.max(np.abs(restitution - curve)))
+        # A mistake that moves nothing here explains nothing.
+        if misfit <= tolerance and np.max(np.abs(curve - expected)) > tolerance:
+            causes.append((words, misfit))
+    if not causes:
+        turns = np.count_nonzero(np.diff(np.sign(off[np.argsort(speed)])))
+        irregular = turns >= 2 or np.any(restitution > 1.0 + tolerance)
+        causes.append((TIME_STEP if irregular else UNKNOWN, math.nan))
+    return replace(verdict, causes=tuple(sorted(causes, key=lambda c: (c[0].count(";"), c[1]))))
+
+
+def mistakes(contact: Contact, speed: FloatArray) -> Iterator[tuple[str, FloatArray]]:
+    """Restitutions (n,) at normal speeds (n,), m/s, by all known mistakes, each with its words."""
+    for words, changed in _other_contacts(contact):
+        yield words, normal_impact(changed, speed).coefficient_of_restitution
+    if isinstance(contact.law, JKR):
+        for (start, begun), (end, broken), (factor, taken) in product(
+            STARTS.items(), ENDS.items(), WORKS.items()
+        ):
+            words = "; ".join(filter(None, (begun, broken, taken)))
+            if words and (begun or broken):
+                work = contact.replace(work_of_adhesion=factor * (contact.work_of_adhesion or 0.0))
+                yield words, jkr_restitution(work, speed, start, end)
+
+
+def jkr_restitution(
+    contact: Contact, speed: FloatArray, start: float = 4.0, end: float = 1.0
+) -> FloatArray:
+    """Restitution of a JKR contact that closes and breaks where it should not.
+
+    Parameters
+    ----------
+    contact
+        The contact, with the law JKR.
+    speed
+        Normal speeds, m/s, (n,).
+    start, end
+        s^3/b at which it closes and breaks.
+    """
+    problem, _, _ = laws.scaled(contact, speed)
+    first, last = np.cbrt(start * problem.closing), np.cbrt(end * problem.opening)
+    results = laws.followed(problem.closing, problem.drag, first, problem.speed, last)
+    rebounds = results[:, viscous.STATUS] == viscous.REBOUND
+    return np.where(rebounds, results[:, viscous.SPEED] / problem.speed, 0.0)
+
+
+def _other_contacts(contact: Contact) -> Iterator[tuple[str, Contact]]:
+    """Contacts that are another one by mistake, with its words."""
+    work = contact.work_of_adhesion or 0.0
+    for factor, taken in WORKS.items():
+        if taken and np.any(work):
+            yield taken, contact.replace(work_of_adhesion=factor * work)
+    if contact.is_pair:
+        yield NOT_REDUCED, contact.replace(partner_diameter=math.inf)
+    else:
+        rigid = replace(contact.surface, name="rigid", youngs_modulus=1e300)
+        yield RIGID_WALL, contact.replace(surface=rigid)
+    if contact.law is None and np.any(work):
+        # m v dv = -F (1 + c v) dn: adhesion drops out between two touches.
+        bare = contact.replace(work_of_adhesion=0.0, adhesion_damping=0.0)
+        yield "Hertz damping multiplies the total force, not the Hertz force alone", bare
+        yield "adhesion is damped during approach too", contact.replace(damped_attachment=True)
+        yield "adhesion is not damped", contact.replace(adhesion_damping=0.0)
+
+
+def verify_table(
+    rows: Sequence[Mapping[str, str]], tolerance: float = TOLERANCE
+) -> tuple[Verdict, ...]:
+    """Compare all cases of a table with the columns case, normal_speed_m_per_s and restitution.
+
+    Raises ValueError if there is no row, a cell is no number, or as `verify`.
+    """
+    cases: dict[str, list[tuple[float, float]]] = {}
+    for number, row in enumerate(rows, 1):
+        try:
+            pair = float(row["normal_speed_m_per_s"]), float(row["restitution"])
+        except ValueError as error:
+            raise ValueError(f"row {number}: {error}") from None
+        cases.setdefault(row["case"], []).append(pair)
+    if not cases:
+        raise ValueError("the table must have a row at least, got none")
+    columns = {case: np.array(pairs).T for case, pairs in cases.items()}
+    return tuple(verify(case, v, e, tolerance) for case, (v, e) in columns.items())
