@@ -15,11 +15,11 @@ from matplotlib import rc_context, rcParams
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.colors import to_rgb
 from matplotlib.container import Container
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.markers import TICKDOWN, TICKLEFT, TICKRIGHT, TICKUP
-from matplotlib.patheffects import Normal, Stroke
 from matplotlib.ticker import FuncFormatter, Locator, LogLocator, NullFormatter, NullLocator
 from numpy.typing import NDArray
 
@@ -42,8 +42,8 @@ HATCH: dict[str, Any] = {"facecolor": "none", "hatch": "//////", "alpha": 0.45}
 MARKS = {"circle": "o", "square": "s", "triangle": "^"}
 # Printed values of several series: open but for these.
 DIAMONDS = {"full diamond": "full", "half diamond": "left"}
-# The user's points, series by series.
-CROSSES = ("x", "1", "2", "3", "4")
+# Points of others and of the user, series by series: readings from a figure, and measurements.
+POINT_MARKS = {"digitised": ("x", "+", "1", "2", "3"), "measured": ("o", "s", "^", "v", "P")}
 # Where the name of a curve stands beside it: shift in points, and which part of it is there.
 SIDES: dict[str, tuple[tuple[float, float], str, str]] = {
     "above": ((0.0, 2.5), "center", "bottom"),
@@ -75,21 +75,20 @@ UNDATED = {
 # Packed lightly: a tenth larger, in two thirds of the time.
 PACKED = {"compress_level": 1}
 
-HOLLOW = [Normal(), Stroke(linewidth=0.5, foreground="white")]
-# How a mark shows its evidence; lines are computed, marks come from elsewhere. A calibrated line
-# is hollow: no marks, which might be taken for measured points.
+# How a mark shows its evidence; lines are computed, marks come from elsewhere. Simulated data are
+# drawn in half-tone, so that nobody takes them for measured ones, which are the heaviest marks.
+LIGHT = 0.35
+HEAVY: dict[str, Any] = {"markersize": 5.0, "markeredgewidth": 1.2, "zorder": 4}
 EVIDENCE: dict[str, dict[str, Any]] = {
     "computed": {"linestyle": "solid"},
-    "calibrated": {"linestyle": "solid", "linewidth": 1.6, "path_effects": HOLLOW},
+    "calibrated": {"linestyle": "solid"},
     "printed": {"linestyle": "none", "marker": "D", "markerfacecolor": "white"},
-    "virtual experiment": {"linestyle": "none", "marker": "o"},
-    "digitised": {"linestyle": "none", "marker": "x", "zorder": 4},
-    "measured": {"linestyle": "none", "marker": "x", "zorder": 4},
+    "virtual experiment": {"linestyle": "none", "marker": "o", "markerfacecolor": "0.75"},
+    "digitised": {"linestyle": "none", "marker": "x", **HEAVY},
+    "measured": {"linestyle": "none", "marker": "o", **HEAVY},
     "assumed": {"linestyle": "none", "marker": "+"},
 }
 EVIDENCE_LABEL = {
-    "computed": "computed",
-    "calibrated": "computed, calibrated",
     "printed": "printed in the article",
     "virtual experiment": "virtual experiment",
     "assumed": "assumed",
@@ -164,6 +163,7 @@ def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> li
     all_points = table.loc[table["evidence"].isin(POINTS), "series"].unique()
     entries = overlay(ax, rows[is_point], panel, list(all_points))
     rows = rows[~is_point]
+    calibrated = " (calibrated)" if {"computed", "calibrated"} <= set(table["evidence"]) else ""
     if rows.empty:
         raise ValueError(f"figure data: no rows for panel {name!r}")
     log_x, log_y = ax.get_xscale() == "log", ax.get_yscale() == "log"
@@ -178,12 +178,14 @@ def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> li
     for number, series in enumerate(names):
         spec = panel.series.get(series, SeriesSpec(label=series))
         colour = f"C{number if spec.colour is None else spec.colour}"
-        label: str | None = spec.label if spec.beside is None else f"_{spec.label}"
-        for evidence, part in rows[rows["series"] == series].groupby("evidence", sort=False):
+        curve = rows[rows["series"] == series]
+        words = spec.label + (calibrated if "calibrated" in set(curve["evidence"]) else "")
+        label: str | None = words if spec.beside is None else f"_{words}"
+        for evidence, part in curve.groupby("evidence", sort=False):
             _draw_series(ax, part, (x, y), str(evidence), spec, colour, label)
             label = None  # one entry per series; the key below the figure names the evidence
         if spec.beside is not None:
-            _name_beside(ax, rows[rows["series"] == series], spec, colour)
+            _name_beside(ax, curve, spec, words, colour)
     if panel.fixed:
         _write_above(ax, rows[rows["evidence"] == "virtual experiment"])
     corner = panel.legend_place
@@ -194,14 +196,14 @@ def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> li
     return entries
 
 
-def _name_beside(ax: Axes, rows: pd.DataFrame, spec: SeriesSpec, colour: str) -> None:
+def _name_beside(ax: Axes, rows: pd.DataFrame, spec: SeriesSpec, words: str, colour: str) -> None:
     """Write the name of a curve beside it, at the declared abscissa or the end next to it."""
     x, y = rows.iloc[:, 3:5].dropna().sort_values(rows.columns[3]).to_numpy(float).T
     at = float(np.clip(spec.beside or 0.0, x[0], x[-1]))
     shift, ha, va = SIDES[spec.side]
     look: dict[str, Any] = {"fontsize": "small", "color": colour, "ha": ha, "va": va}
     anchor = at, float(np.interp(at, x, y))
-    ax.annotate(spec.label, anchor, shift, textcoords="offset points", **look)
+    ax.annotate(words, anchor, shift, textcoords="offset points", **look)
 
 
 def overlay(ax: Axes, points: pd.DataFrame, panel: PanelSpec, names: Sequence[str]) -> list[Line2D]:
@@ -222,21 +224,22 @@ def overlay(ax: Axes, points: pd.DataFrame, panel: PanelSpec, names: Sequence[st
         heights = points[[y, "y_low", "y_high"]].to_numpy(float)
         ax.set_ylim(widened(ax.get_ylim(), heights, log=ax.get_yscale() == "log"))
     entries = []
-    for number, (series, rows) in enumerate(points.groupby("series", sort=False)):
+    for series, rows in points.groupby("series", sort=False):
         evidence, name = points_parts(str(series))
-        colour = _points_colour(name, panel, number)
-        look = EVIDENCE[evidence] | {"marker": CROSSES[names.index(str(series)) % len(CROSSES)]}
+        colour = _points_colour(name, panel)
+        marks = POINT_MARKS[evidence]
+        look = EVIDENCE[evidence] | {"marker": marks[names.index(str(series)) % len(marks)]}
         _draw_series(ax, rows, (x, y), evidence, SeriesSpec(label=name), colour, None, look)
         label = str(series).replace("$", r"\$")
         entries.append(Line2D([], [], color=colour, label=label, **look))
     return entries
 
 
-def _points_colour(name: str, panel: PanelSpec, number: int) -> str:
+def _points_colour(name: str, panel: PanelSpec) -> str:
     for index, (series, spec) in enumerate(panel.series.items()):
         if series == name or series.startswith(f"{name}, "):
             return f"C{index if spec.colour is None else spec.colour}"
-    return f"C{len(panel.series) + number}"
+    return "black"
 
 
 def widened(
@@ -270,8 +273,10 @@ def _draw_series(
     is_line = look["linestyle"] != "none"
     if is_line:
         look["linestyle"] = LINES[spec.line]
-    elif spec.open:
+    elif spec.open and evidence not in POINTS:
         look["markerfacecolor"] = "white"
+    elif evidence == "virtual experiment":
+        look["markerfacecolor"] = half_tone(colour)
     if (fill := DIAMONDS.get(spec.mark)) and evidence == "printed":
         look |= {"fillstyle": fill, "markerfacecolor": colour, "markerfacecoloralt": "white"}
     if look.get("marker") == MARKS["circle"]:
@@ -284,6 +289,12 @@ def _draw_series(
     drawn = ax.errorbar(x, marks, yerr=error, label=label, clip_on=is_line, **look)
     for bar in (*drawn.lines[1], *drawn.lines[2]):
         bar.set_clip_on(True)
+
+
+def half_tone(colour: str) -> tuple[float, float, float]:
+    """Return the colour in which marks of simulated data are filled: opaque, and light."""
+    red, green, blue = (1.0 - LIGHT * (1.0 - part) for part in to_rgb(colour))
+    return red, green, blue
 
 
 def draw_band(ax: Axes, rows: pd.DataFrame, spec: SeriesSpec, label: str | None = None) -> None:
@@ -343,8 +354,9 @@ def evidence_key(
     themselves. ``loc`` may be another place, and ``labels`` replace words, as of what was printed
     elsewhere than in the article.
     """
-    words = {**EVIDENCE_LABEL, **(labels or {})}
     known = set(evidence)
+    lines = {} if "computed" in known else {"calibrated": "computed, calibrated"}
+    words = {**lines, **EVIDENCE_LABEL, **(labels or {})}
     present = [name for name in words if name in known]
     handles = [
         Line2D([], [], color="black", label=words[name], **EVIDENCE[name]) for name in present
