@@ -154,8 +154,7 @@ STRICT = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
 @cache
 def adapter(kind: Any) -> TypeAdapter[Any]:
     """Return the strict validator of a dataclass and of the dataclasses nested in it."""
-    for member in (kind, *nested(kind)):
-        with_config(STRICT)(member)
+    with_config(STRICT)(kind)
     return TypeAdapter(kind)
 
 
@@ -217,17 +216,6 @@ def shape(hint: Any) -> Shape:
         return Shape(hint=hint)
     stream = next((mark.name for mark in marks if isinstance(mark, Stream)), "")
     return Shape(hint=arguments[-1] if arguments else object, stream=stream)
-
-
-@cache
-def nested(kind: type) -> frozenset[type]:
-    """Return every dataclass that occurs, at any depth, in the annotations of another."""
-    waiting, classes = list(_fields(kind).values()), set[type]()
-    while waiting:
-        form = waiting.pop()
-        classes |= {*form.classes}
-        waiting += [form.item] if form.item != form else []
-    return frozenset(classes).union(*map(nested, classes))
 
 
 def build(kind: type[T], values: Mapping[str, Any], known: Known | None = None) -> T:
