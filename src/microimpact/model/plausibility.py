@@ -15,6 +15,8 @@ LIGHTEST, HEAVIEST = 10.0, 30e3  # kg/m3
 SMALLEST, LARGEST = 1e-9, 5e-3  # m
 # Far above the speeds at which any solid stays elastic.
 FASTEST = 1e3  # m/s
+# Beyond it a facet hides its neighbours, which no model of a rough surface here considers.
+STEEPEST = 0.5  # rad
 # Of a distribution, in the unit of its key.
 _PLACES = {"at", "mean", "median", "low", "high", "edges", "values_seen"}
 # Of the radius: beyond it the contact is no small circle on a sphere.
@@ -34,7 +36,7 @@ def doubts_of_material(material: Material, whose: str = "") -> Iterator[str]:
 
 
 def doubt_of_input(key: str, value: object) -> str:
-    """Return the doubt about a diameter or a speed of the configuration, by the words of its key.
+    """Return the doubt about a diameter, speed or slope of the configuration, by its key's words.
 
     Metres for micrometres are the commonest slip. Nothing is said of what is likely.
     """
@@ -46,6 +48,8 @@ def doubt_of_input(key: str, value: object) -> str:
         low, high, unit = SMALLEST * 1e6, LARGEST * 1e6, "um"
     elif name.startswith("speed") and name.endswith("_m_per_s"):
         low, high, unit = 0.0, FASTEST, "m/s"
+    elif name.endswith("slope"):
+        low, high, unit = -STEEPEST, STEEPEST, "rad"
     else:
         return ""
     allowed = f"from {low:g} to {high:g} {unit}"

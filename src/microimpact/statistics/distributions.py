@@ -79,13 +79,18 @@ class TruncatedNormal:
     def __post_init__(self) -> None:
         """Refuse an empty interval, or one without probability."""
         _ordered(self.low, self.high)
-        low, high = self._ends()
-        # Below each end, doubled; by a function that needs no import of SciPy's.
-        if not math.erfc(-high / math.sqrt(2.0)) > math.erfc(-low / math.sqrt(2.0)):
+        if not self.share > 0.0:
             raise ValueError(
                 f"low {self.low:g} to high {self.high:g} lies so far from the mean {self.mean:g} "
                 f"(sd {self.sd:g}) that nothing is drawn there"
             )
+
+    @property
+    def share(self) -> float:
+        """Share of the normal distribution that the cut leaves."""
+        # Below each end; by a function that needs no import of SciPy's.
+        below, above = (0.5 * math.erfc(-end / math.sqrt(2.0)) for end in self._ends())
+        return above - below
 
     def _ends(self) -> tuple[float, float]:
         """Ends in standard deviations, on the side where probabilities are exact."""

@@ -92,6 +92,7 @@ _RELATIONS: dict[str, Callable[[Any, Any], bool]] = {
     "at least": operator.ge,
     "at most": operator.le,
     "one of": lambda value, allowed: value in allowed,
+    "within": lambda value, ends: ends[0] <= value <= ends[1],
 }
 
 
@@ -102,7 +103,7 @@ class Must:
     ``Annotated[Positive, Must("above", "smallest_diameter_um")]``; `be` is the relation.
     """
 
-    be: Literal["above", "at least", "at most", "one of"]
+    be: Literal["above", "at least", "at most", "one of", "within"]
     field: str
 
     def __get_pydantic_core_schema__(

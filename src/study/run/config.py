@@ -9,10 +9,10 @@ those of the files that it names after them.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields, make_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass, make_dataclass
 from functools import cache
 from pathlib import Path
-from typing import Annotated, Any, get_type_hints
+from typing import Annotated, Any, get_args, get_type_hints
 
 import numpy as np
 from pydantic import Field, ValidationError
@@ -21,7 +21,7 @@ from microimpact.core.materials import Material, materials_from_rows
 from microimpact.core.nearest import nearest
 from microimpact.model.pairs import Pair, Pairs, pair_contact, pairs_from_rows
 from microimpact.model.plausibility import LARGEST, SMALLEST, doubt_of_input, doubts_of_material
-from microimpact.statistics.distributions import SampleFile
+from microimpact.statistics.distributions import SampleFile, TruncatedNormal
 from study import studies
 from study.declared.documents import ConfigError, load, located
 from study.declared.parameters import Known, Name, adapter, build, explain
@@ -73,6 +73,8 @@ class Settings:
 
 CALIBRATION = "calibration"
 GENERAL = tuple(f.name for f in fields(General))
+# What a cut must leave of a normal distribution; less is a slip.
+SMALLEST_SHARE = 1e-4
 _ENDS = np.array([0.0, 1.0])
 _BODIES = ("particle", "surface")
 SECTIONS = tuple(f.name for f in fields(Laboratory))
@@ -153,15 +155,12 @@ def validate(
             f"cases.{case}: is named, but {CALIBRATION} does not calibrate it"
             for case in sorted(wanted & set(laboratory.cases) - calibrated)
         ]
-    for name, settings in params.items():
-        disagreements = getattr(studies.study(name), "disagreements", None)
-        if settings and disagreements:
-            others = {maker: params.get(maker) for maker in studies.needs(name).values()}
-            problems += [f"{name}.{line}" for line in disagreements(settings, others)]
     _refuse([*resolver.problems, *_others(problems, resolver.problems)])
     _refuse(_out_of_unit(resolver.rows, tables.units()))
+    _refuse(_contradictions(laboratory, params, resolver.rows))
     bodies = {name: (case.particle, case.surface) for name, case in laboratory.cases.items()}
     used = {stands[f"cases.{case}.{body}"] for case in wanted & set(bodies) for body in _BODIES}
+    used |= {stands[f"drops.{drop}.{body}"] for drop in laboratory.drops for body in _BODIES}
     unused = tuple(key for key in resolver.unused() if key not in used)
     changed = () if only else {change.key for change in changes(config, base)}
     _refuse(f"{key}: changes nothing: no analysis names it" for key in unused if key in changed)
@@ -211,6 +210,45 @@ class _Check:
             return None
 
 
+def _contradictions(
+    laboratory: Laboratory | None, params: Mapping[str, Any], rows: Iterable[Declared]
+) -> Iterator[str]:
+    """Yield a line for each input, allowed by itself, that contradicts another."""
+    yield from laboratory.disagreements() if laboratory else ()
+    origins = {row.key: row.origin or row.key for row in rows}
+    for name, settings in params.items():
+        yield from _slips(settings, name, origins)
+        disagreements = getattr(studies.study(name), "disagreements", None)
+        if settings and disagreements:
+            others = {maker: params.get(maker) for maker in studies.needs(name).values()}
+            yield from (f"{name}.{line}" for line in disagreements(settings, others))
+
+
+def _slips(node: Any, key: str, origins: Mapping[str, str]) -> Iterator[str]:
+    """Yield a line for each item that a list repeats, and each cut that leaves nothing."""
+    if isinstance(node, Mapping):
+        for name, child in node.items():
+            yield from _slips(child, f"{key}.{name}", origins)
+    if isinstance(node, TruncatedNormal) and node.share < SMALLEST_SHARE:
+        normal, cut = f"mean {node.mean:g}, sd {node.sd:g}", f"{node.low:g} to {node.high:g}"
+        yield f"{key}: from {cut}, only {node.share:.1g} of {normal} is left"
+    if not is_dataclass(node) or type(node).__module__ == TruncatedNormal.__module__:
+        return  # measured values may be equal
+    for name, hint in get_type_hints(type(node)).items():
+        child, items = getattr(node, name), f"{key}.{name}"
+        if get_args(hint)[1:] == (Ellipsis,) and isinstance(child, tuple):
+            # Facts that a list names may well be equal: it repeats what stands in one list only.
+            keys = [f"{items}[{i}]" for i in range(len(child))]
+            lists = [origins.get(each, each).rpartition("[")[0] for each in keys]
+            named = list(zip(lists, child, strict=True))
+            yield from (
+                f"{where}: {item!r} is repeated"
+                for i, (where, item) in enumerate(named)
+                if where and (where, item) in named[:i]
+            )
+        yield from _slips(child, items, origins)
+
+
 def _unprinted(name: str, table: DeclaredTable) -> Iterator[str]:
     """Yield a line for each printed value that a study reads and the table lacks."""
     for key in studies.printed(name):
@@ -233,7 +271,8 @@ def _refuse(lines: Iterable[str]) -> None:
 def _out_of_unit(rows: Iterable[Declared], units: Mapping[str, str]) -> Iterator[str]:
     """Yield a line for each value doubtful in its unit, or named for another unit."""
     for row in rows:
-        key, values = row.key, [row.value]
+        is_shared = row.origin.partition(".")[0] in SECTIONS
+        key, values = row.origin if is_shared else row.key, [row.value]
         if key.endswith(".path"):  # of a file of values
             key, values = key[:-5], SampleFile(path=row.value).quantile(_ENDS).tolist()
         yield from filter(None, (doubt_of_input(key, value) for value in values))

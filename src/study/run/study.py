@@ -16,7 +16,7 @@ from study import studies
 from study.declared.parameters import build
 from study.declared.references import merged
 from study.declared.selection import TABLES, NamedTables
-from study.run.config import Settings, read_configuration, study_rows, validate
+from study.run.config import SECTIONS, Settings, read_configuration, study_rows, validate
 from study.tables import parse_table, read_table
 
 if TYPE_CHECKING:
@@ -60,6 +60,12 @@ def run_study(
     """
     if name not in studies.homes():
         raise ValueError(f"{name!r} is no study{nearest(str(name), studies.homes())}")
+    for table, frame in (tables or {}).items():
+        if not hasattr(frame, "columns"):
+            raise ValueError(f"{table}: must be a table of a study; parameters are keywords")
+    for key in changes:
+        if key in SECTIONS:
+            raise ValueError(f"{key}: is shared by all studies: an overlay changes it, not {name}")
     text = json.dumps(changes, default=_plain)
     settings = _settings(name, text) if changes else settings_as_shipped()
     rows = study_rows(name, settings, {})

@@ -5,14 +5,14 @@ Fields bear the names of the parameters they are given to.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from microimpact.lab.dispenser import Dispenser, InitialSpin
 from microimpact.lab.experiment import StopRule
 from microimpact.lab.pdpa.analyser import Analyser
 from microimpact.lab.ptis.system import ImagingSystem
-from microimpact.statistics.distributions import Distribution
+from microimpact.statistics.distributions import Distribution, mean
 from study.declared.parameters import (
     AngleDegrees,
     Fraction,
@@ -20,8 +20,12 @@ from study.declared.parameters import (
     Name,
     NonNegative,
     Positive,
+    PositiveRange,
 )
 from study.studies.samples import Dropped
+
+# A mean is printed with two digits.
+MEAN_WITHIN = 0.02
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,6 +36,16 @@ class DeclaredParticles:
     diameter_um: Distribution | None = None
     particle_slope: NonNegative | None = None
     mean_diameter_um: Positive | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse a mean that the diameters have not."""
+        if self.diameter_um and self.mean_diameter_um:
+            drawn = mean(self.diameter_um)
+            if abs(drawn / self.mean_diameter_um - 1.0) > MEAN_WITHIN:
+                raise ValueError(
+                    f"mean_diameter_um {self.mean_diameter_um:g} must be the mean of diameter_um, "
+                    f"{drawn:.3g}: change both"
+                )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,7 +62,7 @@ class DeclaredSpeed:
 
     speed_m_per_s: Positive
     printed_speed_m_per_s: Positive | None = None
-    speed_range_m_per_s: tuple[Positive, Positive] | None = None
+    speed_range_m_per_s: PositiveRange | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,6 +99,14 @@ class Case:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class DeclaredDrop(Dropped):
+    """Drop as declared, with the materials of particle and surface."""
+
+    particle: MaterialName
+    surface: MaterialName
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Laboratory:
     """All that can be named, by section."""
 
@@ -99,4 +121,12 @@ class Laboratory:
     experiment: Protocol
     pile: Pile
     cases: Mapping[str, Case]
-    drops: Mapping[str, Dropped]
+    drops: Mapping[str, DeclaredDrop]
+
+    def disagreements(self) -> Iterator[str]:
+        """Yield a line for each drop whose contact is of other materials."""
+        for name, drop in self.drops.items():
+            case = self.cases.get(drop.case)
+            bodies = f"{case.particle} on {case.surface}" if case else drop.case
+            if bodies != (wanted := f"{drop.particle} on {drop.surface}"):
+                yield f"drops.{name}.case: {drop.case!r} is of {bodies}, must be of {wanted}"

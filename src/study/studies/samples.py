@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from study.declared.parameters import (
     CaseName,
     Count,
     Fraction,
+    Must,
     NonNegative,
     Positive,
     PositiveRange,
@@ -46,8 +47,8 @@ class Dropped:
     diameter_um: Distribution
     surface_slope: NonNegative
     particle_slope: NonNegative
-    speed_m_per_s: Positive
     speed_range_m_per_s: PositiveRange
+    speed_m_per_s: Annotated[Positive, Must("within", "speed_range_m_per_s")]
     spin: InitialSpin
 
     @property

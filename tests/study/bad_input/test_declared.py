@@ -220,6 +220,17 @@ OVERLAYS = [
     ({"monte_carlo": {"process": {"diameter_um": {"kind": "constant", "at": 6.2e-5}}}}, ["monte_carlo.process.diameter_um.at: 6.2e-05 um must be from 0.001 to 5000 um"]),
     ({"monte_carlo": {"process": {"diameter_um": {"kind": "histogram", "edges": [5e-5, 6e-5], "counts": [1]}}}}, ["monte_carlo.process.diameter_um.edges[0]: 5e-05 um must be", "monte_carlo.process.diameter_um.edges[1]: 6e-05 um must be"]),
     ({"monte_carlo": {"process": {"slope": 0.3}}}, ["monte_carlo.process.slope: 0.3 must be a mapping with the key kind: constant, uniform,"]),
+    # what is allowed alone, but contradicts something else
+    ({"particles": {"SST76": {"mean_diameter_um": 30}}}, ["particles.SST76: mean_diameter_um 30 must be the mean of diameter_um, 62: change both"]),
+    ({"monte_carlo": {"process": {"diameter_um": {"kind": "truncated_normal", "mean": 50, "sd": 9, "low": 100, "high": 110}}}}, ["monte_carlo.process.diameter_um: from 100 to 110, only 1e-08 of mean 50, sd 9 is left"]),
+    ({"oblique_experiments": {"series": {"silicon front": {"speed_m_per_s": 3.0}}}}, ["oblique_experiments.series.silicon front.speed_m_per_s: 3 must be within speed_range_m_per_s, [1.6, 1.72]"]),
+    ({"drops": {"steel on silicon": {"case": "steel-formica"}}}, ["drops.steel on silicon.case: 'steel-formica' is of stainless-steel-316 on formica, must be of stainless-steel-316 on silicon"]),
+    ({"oblique_experiments": {"series": {"spore on Formica": None}}}, ["oblique_experiments.compared_with_all: 'spore on Formica' must be one of"]),
+    ({"mechanisms": {"drawn_mechanisms": ["none", "slopess"]}}, ["mechanisms.drawn_mechanisms: 'slopess' must be one of none;"]),
+    ({"coulomb_friction": {"friction": [0.1, 0.1]}}, ["coulomb_friction.friction: 0.1 is repeated"]),
+    ({"surfaces": {"silicon front": {"surface_slope": 1.5}}}, ["surfaces.silicon front.surface_slope: 1.5 rad must be from -0.5 to 0.5 rad"]),
+    ({"campaign": {"blocks": {"fast impacts": None}}}, ["campaign.blocks: give 181 experiments, not 187; 12 speed ranges, not 14, as counted: change counted, too"]),
+    ({"contact_properties": {"plateau_speed_ratio": 1.0e9}}, ["contact_properties.plateau_speed_ratio: 1000000000.0 must be less than or equal to 1000"]),
     ({"pathvars": "build/x"}, ["pathvars: 'build/x' must be a mapping"]),
     ({"pathvars": {"results": ""}}, ["pathvars.results: '' must not be empty"]),
 ]  # fmt: skip

@@ -85,6 +85,14 @@ def test_a_changed_value_changes_the_reasons_that_tell_it():
         read_claims(SHIPPED, branch | {"C04": {}})
 
 
+def test_a_claim_and_the_function_of_its_numbers_go_together(tmp_path):
+    path = tmp_path / "claims.yaml"
+    path.write_text(SHIPPED.read_text(encoding="utf-8").replace("\nC58:", "\nC258:"))
+    with pytest.raises(ClaimsError) as caught:
+        read_claims(path, settings_as_shipped().branches["claim_numbers"])
+    assert [line.split(": ")[0] for line in str(caught.value).splitlines()] == ["C58", "C258"]
+
+
 def doubled(node):
     if isinstance(node, dict):
         return {key: doubled(child) for key, child in node.items()}

@@ -26,12 +26,18 @@ def test_arrays_are_taken_as_lists():
         ("force_history", {"diameter_um": 4.9e-6}, "4.9e-06 um must be from 0.001 to 5000 um"),
         ("force_history", {"diameter_um": None}, "force_history.diameter_um: missing"),
         ("force_history", {"diameter_um": {1, 2}}, "must be a number, a text, a list"),
+        ("force_history", {"particles": {}}, "particles: is shared by all studies: an overlay"),
     ],
 )
 def test_what_is_wrong_is_told_in_one_line(name, changes, told):
     with pytest.raises((ValueError, TypeError), match=told) as caught:
         run_study(name, **changes)
     assert len(str(caught.value).splitlines()) == 1
+
+
+def test_parameters_are_no_tables():
+    with pytest.raises(ValueError, match="friction: must be a table of a study"):
+        run_study("coulomb_friction", {"friction": [0.1]})
 
 
 @pytest.mark.parametrize("name", sorted(path.stem for path in ROOT.glob("config/examples/*.yaml")))

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from microimpact.core.nearest import nearest
 from study.ledgers.claims.changed import Changed, with_inputs
 from study.ledgers.claims.criteria import NOT_COMPUTED, Claim, read_claims
 from study.ledgers.claims.digitised import digitised_rows, read_digitised
@@ -114,7 +113,7 @@ def verdicts(
     Raises
     ------
     LedgerError
-        If a number is missing, not finite, or of an unknown claim, case or quantity.
+        If a number is missing, not finite, or of an unknown case or quantity.
     """
     import pandas as pd
 
@@ -123,8 +122,6 @@ def verdicts(
     text = {name: numbers[name].astype(object).fillna("") for name in names}
     numbers = numbers.assign(**text)
     problems = [line for claim in claims.values() for line in _problems(claim, numbers)]
-    strangers = [str(name) for name in dict.fromkeys(numbers["claim"]) if name not in claims]
-    problems += [f"{name}: no such claim{nearest(name, claims)}" for name in strangers]
     if problems:
         raise LedgerError("\n".join(problems))
     judged = [

@@ -19,6 +19,7 @@ from pydantic import Field, ValidationError
 from microimpact.core.arrays import FloatArray, Real
 from microimpact.core.nearest import nearest
 from microimpact.model.choices import FrictionBasis
+from study import studies
 from study.declared.documents import filled, load
 from study.declared.parameters import Finite, Name, NonNegative, build, explain
 
@@ -287,9 +288,10 @@ def read_claims(path: Path | str, values: Mapping[str, Any] | None = None) -> di
     """Read and check a file of claims.
 
     `values`: parameters of ``claim_numbers``, to be put into the words, a claim's own by their
-    names alone; without them the words keep the names. Raises ClaimsError, naming the dotted key
-    of every problem in any claim, one line each, and ConfigError if the words name a parameter
-    that there is not.
+    names alone; without them the words keep the names, and numbers are not asked for. Raises
+    ClaimsError, naming the dotted key of every problem in any claim, one line each, or a claim
+    without numbers, or numbers without a claim; and ConfigError if the words name a parameter that
+    there is not.
     """
     claims, problems = {}, []
     for key, entry in load(path).items():
@@ -306,6 +308,17 @@ def read_claims(path: Path | str, values: Mapping[str, Any] | None = None) -> di
             problems += [
                 line.replace("'break_'", "'break'") for line in explain(error, Claim, str(key))
             ]
+    if values is not None and not problems:
+        computed = studies.study("claim_numbers").CLAIMS
+        judged = {name for name, claim in claims.items() if claim.testable}
+        problems += [
+            f"{name}: claim_numbers has a function for it, but no claim is to be judged"
+            for name in sorted({*computed} - judged)
+        ]
+        problems += [
+            f"{name}: claim_numbers has no function for it{nearest(name, computed)}"
+            for name in sorted(judged - {*computed})
+        ]
     if problems:
         raise ClaimsError("\n".join(problems))
     return dict(sorted(claims.items(), key=lambda item: int(item[0][1:])))

@@ -177,7 +177,7 @@ def check_counts(experiments: Iterable[Experiment], wanted: Counts) -> None:
     pairs = zip(counts(experiments).in_words().items(), wanted.in_words().values(), strict=True)
     wrong = [f"{own} {name}, not {other}" for (name, own), other in pairs if own != other]
     if wrong:
-        raise ValueError(f"blocks: give {'; '.join(wrong)}, as counted")
+        raise ValueError(f"blocks: give {'; '.join(wrong)}, as counted: change counted, too")
 
 
 # What became of the particles, in the words of either instrument.

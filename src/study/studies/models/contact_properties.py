@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import pandas as pd
+from annotated_types import Le
 
 from microimpact.model.closed_forms import (
     adhesion_energy,
@@ -25,7 +27,7 @@ from study.tables import Tables
 class Params:
     """Where Dahneke's restitution without adhesion is read off: a multiple of v_c."""
 
-    plateau_speed_ratio: AboveOne
+    plateau_speed_ratio: Annotated[AboveOne, Le(1000)]
 
 
 def run(params: Params, inputs: Tables) -> Tables:

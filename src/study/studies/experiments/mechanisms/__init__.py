@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 from pydantic import Field
 
+from microimpact.core.nearest import nearest
 from microimpact.lab.dispenser import Dispenser
 from microimpact.lab.ptis.system import ImagingSystem
 from microimpact.statistics.intervals import student_half_width
@@ -26,7 +27,7 @@ from study.studies.experiments.mechanisms.shallow import (
 from study.studies.experiments.mechanisms.slope import Slope, slope_tables
 from study.studies.experiments.mechanisms.speed_and_angle import SpeedAndAngle, speed_tables
 from study.studies.experiments.mechanisms.spin import Spin, spin_tables
-from study.studies.experiments.mechanisms.spore import CAMERA, Spore, spore_tables
+from study.studies.experiments.mechanisms.spore import CAMERA, Spore, causes, spore_tables
 from study.studies.samples import Sampling
 from study.tables import Tables, series_frame
 
@@ -53,6 +54,16 @@ class Params:
     drawn_case: CaseName
     drawn_angles_deg: tuple[AngleDegrees, ...]
     drawn_mechanisms: tuple[Name, ...]
+
+    def __post_init__(self) -> None:
+        """Refuse mechanisms that are not tried."""
+        known = [*causes(self.spore), CAMERA]
+        for name in self.drawn_mechanisms:
+            if name not in known:
+                raise ValueError(
+                    f"drawn_mechanisms: {name!r} must be one of {'; '.join(known)}"
+                    f"{nearest(name, known)}"
+                )
 
 
 def run(params: Params, inputs: Tables) -> Tables:

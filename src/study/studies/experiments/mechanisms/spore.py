@@ -136,7 +136,11 @@ def spore_tables(
 ) -> dict[str, pd.DataFrame]:
     """Return the tables of the spore mechanisms, by name."""
     sample = Sample.of(params.spore, sampling, inputs)
-    samples_by_cause, most = causes(params, sample), params.seen_dropped
+    most = params.seen_dropped
+    samples_by_cause = {
+        name: {angle: cause(sample, angle) for angle in params.angles_deg}
+        for name, cause in causes(params).items()
+    }
     samples_by_cause[CAMERA] = {
         angle: as_imaged(sample, angle, instrument, events=params.seen_events, most_dropped=most)
         for angle in params.seen_deg
@@ -162,20 +166,24 @@ def spore_tables(
     }
 
 
-def causes(params: Spore, slopes: Sample) -> dict[str, dict[float, Seen]]:
-    """Return the rebounds by cause and angle, of spores with their slopes."""
-    smooth = slopes.but(particle_slope=0.0)
-    ways: dict[str, Callable[[float], Seen]] = {
-        "none": smooth.seen,
-        "slopes, first contacts": partial(slopes.seen, most_contacts=1),
-        "slopes": slopes.seen,
-        "spin with a mean": smooth.but(spin=replace(params.spore.spin, mean=params.mean_spin)).seen,
+def causes(params: Spore) -> dict[str, Callable[[Sample, float], Seen]]:
+    """Return the causes by name: the rebounds of spores with their slopes, at an angle."""
+    spin = replace(params.spore.spin, mean=params.mean_spin)
+
+    def but(slopes: Sample, angle: float, **changes: Any) -> Seen:
+        return slopes.but(**changes).seen(angle)
+
+    def off(slopes: Sample, angle: float, sd: float) -> Seen:
+        return off_centre(slopes.but(particle_slope=0.0), angle, offset_sd=sd)
+
+    return {
+        "none": partial(but, particle_slope=0.0),
+        "slopes, first contacts": partial(Sample.seen, most_contacts=1),
+        "slopes": Sample.seen,
+        "spin with a mean": partial(but, particle_slope=0.0, spin=spin),
+        **{f"slopes of {sd:g}": partial(but, particle_slope=sd) for sd in params.slope_sds},
+        **{f"off centre, {sd:g}": partial(off, sd=sd) for sd in params.offset_sds},
     }
-    ways |= {f"slopes of {sd:g}": slopes.but(particle_slope=sd).seen for sd in params.slope_sds}
-    ways |= {
-        f"off centre, {sd:g}": partial(off_centre, smooth, offset_sd=sd) for sd in params.offset_sds
-    }
-    return {name: {angle: way(angle) for angle in params.angles_deg} for name, way in ways.items()}
 
 
 def trend_row(name: str, samples: Mapping[float, Seen], sampling: Sampling) -> dict[str, Any]:

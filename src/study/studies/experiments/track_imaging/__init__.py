@@ -36,7 +36,7 @@ from study.studies.experiments.track_imaging.agreement import (
     speed_and_angle_errors,
     verdicts,
 )
-from study.tables import Tables, series_frame
+from study.tables import Tables, not_computed, reason, series_frame
 
 # Dashes of each leg that are shown, room around them, px, and points of a fitted path.
 SHOWN = 5
@@ -150,14 +150,17 @@ def run(params: Params, inputs: Tables) -> Tables:
     and scatter. ``ptis_views``: which speeds each field of view covers. ``ptis_errors``: residuals
     of frames in units of the error model. ``ptis_agreement``: whether the error model agrees with
     the frames. ``ptis_losses``: fates of events. ``ptis_frame``, ``ptis_pixels``: one frame with
-    its track. ``ptis_accuracy``: errors of the speed against the speed. Raises ValueError if
-    nothing can be measured at the angle drawn, or in the frame.
+    its track, or why none can be measured. ``ptis_accuracy``: errors of the speed against the
+    speed. Raises ValueError if nothing can be measured at the angle drawn.
     """
     searched = pd.DataFrame(search(params))
     rendered, lost = rendered_range(params, searched)
     ranges = pd.concat([searched, rendered], ignore_index=True)
     errors, agreement, fates = error_cases(params)
-    frame, track = one_frame(params)
+    try:
+        frame, track = one_frame(params)
+    except ValueError as error:
+        frame = track = not_computed(reason("track_imaging", error))
     return {
         "ptis_range": ranges,
         "ptis_views": views(params, searched),
@@ -333,7 +336,8 @@ def one_frame(params: Params) -> tuple[pd.DataFrame, pd.DataFrame]:
         track = measure(frame, setup)
         if not isinstance(track, Rejection):
             return pixels(frame, track, setup), drawn_track(track, setup)
-    raise ValueError(f"frame: none of {len(true)} frames at {case} could be measured")
+    where = f"{case.speed_m_per_s:g} m/s and {case.angle_deg:g} deg"
+    raise ValueError(f"frame: none of {len(true)} impacts at {where} can be measured")
 
 
 def accuracy(params: Params, ranges: pd.DataFrame) -> pd.DataFrame:
