@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from tests.shared import ROOT
 
+from microimpact.core.materials import Material
 from microimpact.model import reference, verification
 from microimpact.model.contact_laws import JKR
 from microimpact.model.reference import CASES
@@ -103,12 +106,30 @@ def test_mistakes_of_the_bodies_are_named():
     assert verdict("jkr-pair", contact=single).causes[0][0] == NOT_REDUCED
     stiff = 2.0 * wall.surface.youngs_modulus
     like_rigid = {
-        role: reference.Material(
-            name=role, youngs_modulus=stiff, poissons_ratio=0.25, density=2500.0
-        )
+        role: Material(name=role, youngs_modulus=stiff, poissons_ratio=0.25, density=2500.0)
         for role in ("particle", "surface")
     }
     assert verdict("jkr-wall", contact=wall.replace(**like_rigid)).causes[0][0] == RIGID_WALL
+
+
+def test_the_page_has_the_losses_of_the_mistakes():
+    page = (ROOT / "docs/jkr-for-implementers.md").read_text(encoding="utf-8")
+    printed = re.findall(r"(?m)^\|.*\| (\d[.\d]*) \| (\d[.\d]*) \|$", page.split("| mistake |")[1])
+    contact, speed = CASES["jkr-wall"].contact, np.array([0.5])
+    rigid = Material(name="rigid", youngs_modulus=1e300, poissons_ratio=0.25, density=2500.0)
+    double, half = (contact.replace(work_of_adhesion=factor * 0.1) for factor in (2.0, 0.5))
+    curves = [
+        verification.jkr_restitution(changed, speed, start, end)
+        for changed, start, end in (
+            *((contact, 4.0, 3.0), (double, 4.0, 1.0), (double, 4.0, 3.0), (half, 4.0, 1.0)),
+            *((contact, 6.0, 1.0), (contact, 4.0, 4.0), (contact.replace(surface=rigid), 4.0, 1.0)),
+        )
+    ]
+    whole = 1 - verification.jkr_restitution(contact, speed) ** 2
+    losses = [max(float(((1 - e**2) / whole)[0]), 0.0) for e in curves]
+    assert np.array(printed, dtype=float) == pytest.approx(
+        np.array([(loss, math.sqrt(loss)) for loss in losses]), abs=6e-4
+    )
 
 
 def test_long_time_steps_are_named():
