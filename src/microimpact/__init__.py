@@ -5,9 +5,17 @@ Dunn and Li, J. Adhesion 74, 2000), other laws of adhesive contact, and a virtua
 any particle and surface. Names are loaded on first use, so that importing the package is cheap.
 """
 
-from importlib.metadata import version
+from typing import Any
 
 import lazy_loader
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
-__version__ = version("microimpact")
+_named, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+
+def __getattr__(name: str) -> Any:
+    """Load a name of the package, or read its version, on first use."""
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("microimpact")
+    return _named(name)

@@ -252,15 +252,8 @@ class DeclaredTables:
 
     def everything(self, declared: Iterable[Declared]) -> dict[str, str]:
         """Return all rows of all tables, and those declared in the configuration, as CSV."""
-        fields = ("key", "value", "unit", "evidence", "source", "origin", "overrides")
-        columns = tuple("place" if name == "origin" else name for name in fields)
-        rows = tuple(
-            {
-                column: as_text(getattr(row, name))
-                for column, name in zip(columns, fields, strict=True)
-            }
-            for row in declared
-        )
+        columns = ("key", "value", "unit", "evidence", "source", "origin", "overrides")
+        rows = tuple({name: as_text(getattr(row, name)) for name in columns} for row in declared)
         return {
             "declared": DeclaredTable("", columns, rows).text(),
             **self.contact_rows(),

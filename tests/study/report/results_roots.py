@@ -11,7 +11,7 @@ from unittest.mock import patch
 from microimpact import cli
 from study.report.commands import commands
 
-INPUTS = """file,key,value,low,high,unit,evidence,source,place
+INPUTS = """file,key,value,low,high,unit,evidence,source,origin
 config,seed,20011,,,-,chosen,root of every draw,
 config,friction.points,36,,,-,chosen,smooth curves,
 materials,glass.density,2500,2400,2600,kg/m3,found,handbook,

@@ -193,9 +193,9 @@ def _inputs(baseline: Path, changed: Path, differences: Sequence[Difference]) ->
 def _places(root: Path) -> dict[str, str]:
     """Return where each used input is declared, by its key."""
     path = table_files(root).get(INPUTS)
-    if path is None or "place" not in (table := read_cells(path)):
+    if path is None or "origin" not in (table := read_cells(path)):
         return {}
-    return {key: place for key, place in zip(table["key"], table["place"], strict=True) if place}
+    return {key: name for key, name in zip(table["key"], table["origin"], strict=True) if name}
 
 
 def _rests_on_other_inputs(figure: str, baseline: Path, changed: Path) -> bool:

@@ -70,7 +70,7 @@ ERRATA_COLUMNS = ("where", "printed", "meant", "reason")
 _TOLD = re.compile(r"((?:tables|data)/\w+\.csv): ([^;]+?)(?:[;.] |\.?$)")
 INPUT_COLUMNS = (
     *("file", "key", "value", "low", "high", "unit", "evidence", "source"),
-    *("place", "overrides"),
+    *("origin", "overrides"),
 )
 
 

@@ -10,7 +10,7 @@ from study.tables import Tables
 
 COLUMNS = [
     *("file", "key", "value", "low", "high", "unit", "evidence", "source"),
-    *("place", "overrides"),
+    *("origin", "overrides"),
 ]
 
 
