@@ -228,7 +228,8 @@ def overlay(ax: Axes, points: pd.DataFrame, panel: PanelSpec, names: Sequence[st
         evidence, name = points_parts(str(series))
         colour = _points_colour(name, panel)
         marks = POINT_MARKS[evidence]
-        look = EVIDENCE[evidence] | {"marker": marks[names.index(str(series)) % len(marks)]}
+        order = names.index(str(series))  # the first lies on top
+        look = EVIDENCE[evidence] | {"marker": marks[order % len(marks)], "zorder": 5 - 0.1 * order}
         _draw_series(ax, rows, (x, y), evidence, SeriesSpec(label=name), colour, None, look)
         label = str(series).replace("$", r"\$")
         entries.append(Line2D([], [], color=colour, label=label, **look))
@@ -298,16 +299,18 @@ def half_tone(colour: str) -> tuple[float, float, float]:
 
 
 def draw_band(ax: Axes, rows: pd.DataFrame, spec: SeriesSpec, label: str | None = None) -> None:
-    """Draw the bounds of a series as a band, tinted if its line is solid and else hatched.
+    """Draw the bounds of a series as a band: tinted, hatched if its line is dashed, or outlined.
 
-    Two tints would mix to a third where bands overlap; a hatched one lets the other be seen.
+    Two tints would mix to a third where bands overlap; a hatched one lets the other be seen. A
+    dotted band is its outline alone, and hides nothing.
     """
     look: dict[str, Any] = {"color": f"C{spec.colour or 0}", "zorder": 1}
-    fill = TINT if spec.line == "solid" else HATCH
     x, low, high = rows.iloc[:, 3], rows["y_low"], rows["y_high"]
-    ax.fill_between(x, low, high, linewidth=0, label=label, **look, **fill)
-    for end in (low, high):
-        ax.plot(x, end, linewidth=0.6, linestyle=LINES[spec.line], **look)
+    if is_filled := spec.line != "dotted":
+        fill = TINT if spec.line == "solid" else HATCH
+        ax.fill_between(x, low, high, linewidth=0, label=label, **look, **fill)
+    for end, words in ((low, None if is_filled else label), (high, None)):
+        ax.plot(x, end, linewidth=0.6, linestyle=LINES[spec.line], label=words, **look)
 
 
 def without_bounds(table: pd.DataFrame, which: pd.Series) -> pd.DataFrame:

@@ -61,7 +61,7 @@ def _draw_panel(ax: Axes, rows: pd.DataFrame, panel: PanelSpec, *, half: bool) -
     if not half:
         ax.axhline(0.0, color="0.85", linewidth=0.6, zorder=0)
         ax.axvline(0.0, color="0.85", linewidth=0.6, zorder=0)
-    ax.set_xlim(style.widened(ax.get_xlim(), shown[x].to_numpy(float), log=half))
+    ax.set_xlim(style.widened(ax.get_xlim(), shown[x].to_numpy(float)))
     ax.set_ylim(style.widened(ax.get_ylim(), shown[y].to_numpy(float)))
     margins = shown[is_margin & (shown["response"] == responses[0])]
     for word, line in MARGINS.items():

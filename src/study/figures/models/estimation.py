@@ -21,9 +21,12 @@ _MEMBER = re.compile(r"(?P<family>n = [\d.]+), w = (?P<work>[\d.]+) J/m2")
 
 @style.context()
 def draw_ridge(tables: Tables, spec: FigureSpec) -> Figure:
-    """Draw how flat e is over the family against work of adhesion, and its two extreme members."""
+    """Draw how flat e is over the family against work of adhesion, and the members drawn."""
     panels = spec.panels | {"curves": _named_members(spec.panels, tables["ridge_curves"])}
-    return style.line_figure(tables, replace(spec, panels=panels))[0]
+    figure, axes = style.line_figure(tables, replace(spec, panels=panels))
+    members = tables["ridge"][tables["ridge"]["evidence"] == "calibrated"]
+    axes["ridge"].plot(members.iloc[:, 3], members.iloc[:, 4], "k.", markersize=3.0, zorder=4)
+    return figure
 
 
 def _named_members(panels: Mapping[str, PanelSpec], curves: pd.DataFrame) -> PanelSpec:
