@@ -1,0 +1,157 @@
+"""Importance sampling of several densities over the unit cube by one pool of points.
+
+A Sobol sequence comes first; then, round by round, Student's t kernels at points drawn by the
+weights of each density (population Monte Carlo). All points count with the density of the whole
+mixture that drew them (Owen and Zhou 2000), so that any density can be weighed afterwards.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+
+from microimpact.core.arrays import FloatArray
+from microimpact.core.ensemble import effective_number, resampled
+from microimpact.core.solve import root
+
+# Degrees of freedom of the kernels, and draws from each.
+FREEDOM, EACH = 5.0, 4
+# Power to which the weights are raised where hardly any of them count.
+FLATTEST = 1e-9
+
+Record = Mapping[str, FloatArray]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pool:
+    """Points, what was computed at them, and how densely they were drawn."""
+
+    points: FloatArray  # (n, axes)
+    record: Record  # Arrays (n, ...)
+    log_proposal: FloatArray  # Density of the mixture (n,)
+    tried: int  # Points drawn, those beyond the cube included
+
+    def log_weights(self, log_density: FloatArray) -> FloatArray:
+        """Logarithms of weights (n,) whose mean over all tried points is the integral."""
+        return np.asarray(log_density - self.log_proposal)
+
+
+@dataclass(frozen=True, slots=True)
+class Integral:
+    """Integral of a density: logarithm, its standard error, and points that it is worth."""
+
+    log: float
+    error: float
+    effective_size: float
+
+
+def integral(log_weights: FloatArray, tried: int) -> Integral:
+    """Return the integral that `Pool.log_weights` estimates."""
+    top = float(np.max(log_weights))
+    if not np.isfinite(top):
+        return Integral(-np.inf, np.nan, 0.0)
+    weights = np.exp(log_weights - top)
+    size = effective_number(weights)
+    error = np.sqrt(max(1.0 / size - 1.0 / tried, 0.0))
+    return Integral(top + float(np.log(np.sum(weights) / tried)), float(error), size)
+
+
+def pool(
+    compute: Callable[[FloatArray], Record],
+    log_densities: Callable[[Record], FloatArray],
+    axes: int,
+    *,
+    first: int,
+    rounds: int,
+    rng: np.random.Generator,
+) -> Pool:
+    """Draw points where any of several densities is high.
+
+    Parameters
+    ----------
+    compute
+        What is wanted at points (n, axes) of the unit cube, as arrays (n, ...).
+    log_densities
+        From that, logarithms of the densities (n, densities), -inf for none.
+    axes
+        Of the cube.
+    first
+        Binary logarithm of the number of points of the Sobol sequence; a round has half as many.
+    rounds
+        How often kernels are set.
+    rng
+        Where all random numbers come from.
+    """
+    from scipy.stats.qmc import Sobol
+
+    points = Sobol(axes, rng=rng).random_base2(first)
+    record = compute(points)
+    tried, drawn = len(points), np.full(len(points), float(len(points)))
+    proposals: list[Kernels] = []
+    for _ in range(rounds):
+        logs = log_densities(record) - np.log(drawn / tried)[:, None]
+        columns = [column for column in logs.T if np.any(column > -np.inf)]
+        number = -(-(2**first) // (2 * EACH * len(columns)))
+        places = [kernels(points, column, number, rng) for column in columns]
+        new = np.concatenate([each.draw(rng) for each in places])
+        tried += len(new)
+        new = new[np.all((new > 0.0) & (new < 1.0), axis=1)]
+        part = compute(new)
+        record = {name: np.concatenate([value, part[name]]) for name, value in record.items()}
+        earlier = sum((each.density(new) for each in proposals), np.full(len(new), 2.0**first))
+        drawn, points = np.concatenate([drawn, earlier]), np.concatenate([points, new])
+        drawn = drawn + sum(each.density(points) for each in places)
+        proposals += places
+    return Pool(points=points, record=record, log_proposal=np.log(drawn / tried), tried=tried)
+
+
+@dataclass(frozen=True, slots=True)
+class Kernels:
+    """Student's t kernels of one shape at several centres, `EACH` draws from each."""
+
+    centres: FloatArray  # (kernels, axes)
+    factor: FloatArray  # Lower triangle of their covariance (axes, axes)
+
+    def draw(self, rng: np.random.Generator) -> FloatArray:
+        """Return the draws."""
+        centres = np.repeat(self.centres, EACH, axis=0)
+        stretch = np.sqrt(FREEDOM / rng.chisquare(FREEDOM, len(centres)))
+        return np.asarray(
+            centres + stretch[:, None] * (rng.standard_normal(centres.shape) @ self.factor.T)
+        )
+
+    def density(self, points: FloatArray) -> FloatArray:
+        """Return how many draws there are per volume (n,)."""
+        axes = points.shape[1]
+        whitener = np.linalg.inv(self.factor).T
+        square = scipy.spatial.distance.cdist(
+            points @ whitener, self.centres @ whitener, "sqeuclidean"
+        )
+        gamma = scipy.special.gammaln
+        log_unit = gamma(0.5 * (FREEDOM + axes)) - gamma(0.5 * FREEDOM)
+        log_unit -= 0.5 * axes * np.log(np.pi * FREEDOM) + np.sum(np.log(np.diag(self.factor)))
+        tails = np.power(1.0 + square / FREEDOM, -0.5 * (FREEDOM + axes))
+        return np.asarray(EACH * np.exp(log_unit) * np.sum(tails, axis=1))
+
+
+def kernels(
+    points: FloatArray, log_weights: FloatArray, number: int, rng: np.random.Generator
+) -> Kernels:
+    """Return kernels for a weighted sample; weights of too few points are flattened by a power."""
+    logs = log_weights - np.max(log_weights)
+
+    def surplus(power: float) -> float:
+        return effective_number(np.exp(power * logs)) - 10.0 * points.shape[1]
+
+    power = 1.0
+    if surplus(power) < 0.0:
+        power = FLATTEST if surplus(FLATTEST) < 0.0 else root(surplus, FLATTEST, 1.0, relative=1e-2)
+    weights = np.exp(power * logs)
+    axes = points.shape[1]
+    spread = np.cov(points, rowvar=False, aweights=weights, ddof=0).reshape(axes, axes)
+    width = number ** (-1.0 / (axes + 4.0))
+    factor = np.linalg.cholesky(width**2 * spread + 1e-8 * np.eye(axes))
+    return Kernels(points[resampled(weights, number, rng)], factor)

@@ -1,0 +1,294 @@
+"""What the article's statements say of a contact, by several laws at once.
+
+Every law has broad ranges of its free parameters; one pool of draws per law, weighed by the
+statements that a scenario trusts, gives its evidence, the capture velocity, adhesion's share of the
+loss and the parameters. Leaving a statement out, or another choice, weighs the same pool again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+import pandas as pd
+from pydantic import Field
+
+from microimpact.core.arrays import FloatArray
+from microimpact.core.ensemble import resampled
+from microimpact.core.solve import IntArray
+from microimpact.model.contact import Contact
+from microimpact.model.dynamics.normal import losses, normal_impact
+from microimpact.statistics import importance
+from microimpact.statistics.distributions import generator
+from study.declared.parameters import Count, Name, Seed
+from study.studies.contacts import BAND
+from study.studies.models.inference.case import (
+    WORK,
+    Case,
+    Law,
+    Scenario,
+    counted,
+    likelihood,
+    prior_share,
+)
+from study.studies.models.inference.statements import FRICTIONAL, Values, values_of
+from study.tables import Row, Tables
+
+COLUMNS = ("low", "median", "high")
+ALL_LAWS = "all laws"
+# A law with fewer parameters is drawn half as often.
+MANY = 4
+# A contact is consistent with a statement that it misses by no more than so many tails.
+CONSISTENT = 2.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Params:
+    """Pairs, and the effort.
+
+    ``first`` is the binary logarithm of the number of contacts spread over the ranges.
+    """
+
+    seed: Seed
+    first: Annotated[int, Field(ge=6, le=18)]
+    rounds: Count
+    draws: Count
+    cases: dict[Name, Case]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Weighed:
+    """A pool of contacts of one law, weighed by a scenario."""
+
+    law: str
+    values: Values
+    log_weights: FloatArray  # (n,)
+    by_basis: FloatArray  # Log likelihood (n, bases)
+    result: importance.Integral  # Evidence
+
+    @property
+    def weights(self) -> FloatArray:
+        """Weights (n,) whose sum is one."""
+        weights = np.exp(self.log_weights - np.max(self.log_weights))
+        return np.asarray(weights / np.sum(weights))
+
+
+def run(params: Params, inputs: Tables) -> Tables:
+    """Infer the contact of every case by every law, in every scenario.
+
+    ``evidence_summary``: by case, scenario, law: quantities, evidence, probability of the law.
+    ``evidence_statements``: what each statement says, and what the contacts have.
+    ``drawn_contacts``: draws of the contacts by scenario and law. `inputs`: ``materials``,
+    ``contacts``: the declared rows of the pairs.
+    """
+    summaries, statements, contacts = [], [], []
+    for name, case in params.cases.items():
+        pools = {law: pool_of(case, law, inputs, params) for law in case.laws}
+        for kind, row, scenario in case.rows():
+            weighed = [weigh(case, law, scenario, pool) for law, pool in pools.items()]
+            head: Row = {"case": name, "kind": kind, "scenario": row}
+            summaries += summary(head, case, scenario, weighed)
+            if kind == "scenario":
+                statements += [r for each in weighed for r in told(head, case, scenario, each)]
+                contacts += [drawn(head, case, each, params) for each in weighed]
+    return {
+        "evidence_summary": pd.DataFrame(summaries),
+        "evidence_statements": pd.DataFrame(statements),
+        "drawn_contacts": pd.concat(contacts, ignore_index=True),
+    }
+
+
+def pool_of(case: Case, name: str, inputs: Tables, params: Params) -> importance.Pool:
+    """Draw contacts of a law where any scenario, omission or choice finds them likely."""
+    law, bare = case.laws[name], case.bare(inputs)
+    classes = np.array(case.classes_um)
+
+    def compute(points: FloatArray) -> Values:
+        parameters = law.parameters(points)
+
+        def contacts(diameters: FloatArray, of: IntArray | slice = slice(None)) -> Contact:
+            columns = {key: value[of, None] for key, value in parameters.items()}
+            return law.contact(bare.replace(diameter=diameters * 1e-6), columns)
+
+        values = values_of(case.statements, contacts, law.friction_bases, classes)
+        at_size = contacts(np.array([case.diameter_um]))
+        impact = normal_impact(at_size, case.speed_m_per_s)
+        limits = values["capture"]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            slope = np.log(limits[:, -1] / limits[:, 0]) / np.log(classes[-1] / classes[0])
+        return values | parameters | {
+            "v_c_m_per_s": limits[:, case.classes_um.index(case.diameter_um)],
+            "size_exponent": slope,
+            "restitution": impact.coefficient_of_restitution[:, 0],
+            "adhesion_share": losses(at_size, case.speed_m_per_s).adhesion_share[:, 0],
+        }
+
+    def log_densities(values: importance.Record) -> FloatArray:
+        columns: dict[str, list[FloatArray]] = {}
+        for kind, row, scenario in case.rows():
+            logs = likelihood(case, scenario, dict(values)).total
+            # What is left without one statement or another is one density, broader than the rest.
+            columns.setdefault("" if kind == "without" else row, []).append(logs - np.max(logs))
+        return np.stack([np.max(logs, axis=0) for logs in columns.values()], axis=1)
+
+    return importance.pool(
+        compute,
+        log_densities,
+        len(law.ranges),
+        first=params.first - (len(law.ranges) < MANY),
+        rounds=params.rounds,
+        rng=generator(params.seed, list(case.laws).index(name)),
+    )
+
+
+def weigh(case: Case, law: str, scenario: Scenario, pool: importance.Pool) -> Weighed:
+    """Weigh the pool of a law by a scenario."""
+    values = dict(pool.record)
+    of = likelihood(case, scenario, values)
+    logs = pool.log_weights(of.total) - np.log(prior_share(case.laws[law], scenario))
+    return Weighed(
+        law=law,
+        values=values,
+        log_weights=logs,
+        by_basis=of.by_basis,
+        result=importance.integral(logs, pool.tried),
+    )
+
+
+def summary(head: Row, case: Case, scenario: Scenario, weighed: list[Weighed]) -> list[Row]:
+    """Return the quantities of a scenario by each law, and by all of them."""
+    evidence = np.array([each.result.log for each in weighed])
+    probability = np.exp(evidence - np.max(evidence))
+    probability /= np.sum(probability)
+    rows: list[Row] = []
+    for each, share in zip(weighed, probability, strict=True):
+        of_law: Row = {
+            **head,
+            "law": each.law,
+            "probability": share,
+            "ln_evidence": each.result.log,
+            "ln_evidence_error": each.result.error,
+            "effective_size": each.result.effective_size,
+            "share_consistent": np.sum(each.weights * consistent(case, scenario, each)),
+        }
+        rows += quantiles(of_law, quantities(case, each), each.weights)
+    # Over the laws only what all of them have.
+    names = set.intersection(*(set(quantities(case, each)) for each in weighed))
+    pooled = {
+        name: np.concatenate([quantities(case, each)[name] for each in weighed])
+        for name in quantities(case, weighed[0])
+        if name in names
+    }
+    shares = zip(weighed, probability, strict=True)
+    weights = np.concatenate([each.weights * share for each, share in shares])
+    sizes = np.array([each.result.effective_size for each in weighed])
+    top = np.max(evidence)
+    over_all: Row = {
+        **head,
+        "law": ALL_LAWS,
+        "probability": 1.0,
+        "ln_evidence": top + np.log(np.mean(np.exp(evidence - top))),
+        "effective_size": 1.0 / np.sum(probability**2 / np.maximum(sizes, 1e-9)),
+    }
+    return rows + quantiles(over_all, pooled, weights)
+
+
+def quantities(case: Case, weighed: Weighed) -> Values:
+    """Quantities of a law's contacts that are summarised (n,)."""
+    names = ("v_c_m_per_s", "size_exponent", "restitution", "adhesion_share")
+    free = [name for name in case.laws[weighed.law].ranges if name in weighed.values]
+    return {name: weighed.values[name] for name in (*names, *map(str, free))}
+
+
+def quantiles(head: Row, values: Mapping[str, FloatArray], weights: FloatArray) -> list[Row]:
+    """Return a row per quantity: lower end, median and upper end of a weighted sample."""
+    return [
+        {**head, "quantity": name, **dict(zip(COLUMNS, weighted(value, weights), strict=True))}
+        for name, value in values.items()
+    ]
+
+
+def weighted(value: FloatArray, weights: FloatArray) -> FloatArray:
+    """Return the quantiles `BAND` of a weighted sample; what has no value does not count."""
+    known = np.isfinite(value) & (weights > 0.0)
+    if not np.any(known):
+        return np.full(len(BAND), np.nan)
+    return np.quantile(value[known], BAND, weights=weights[known], method="inverted_cdf")
+
+
+def consistent(case: Case, scenario: Scenario, weighed: Weighed) -> FloatArray:
+    """Whether each contact (n,) misses no statement that counts by more than `CONSISTENT` tails.
+
+    Of a basis of friction or a size that is open, one of them must do.
+    """
+    met = np.ones(len(weighed.log_weights), bool)
+    for name in counted(case, scenario):
+        statement, value = case.statements[name], weighed.values[name]
+        if statement.quantity != "share captured":
+            interval = scenario.intervals.get(name, statement.interval)
+            close = statement.misfit(value, interval) <= CONSISTENT * scenario.tails
+            met &= close if close.ndim == 1 else np.any(close, axis=1)
+    return met
+
+
+def told(head: Row, case: Case, scenario: Scenario, weighed: Weighed) -> list[Row]:
+    """Return each statement beside what the contacts of a scenario and law have.
+
+    A statement that the scenario leaves out is told, too: what the contacts predict for it.
+    """
+    share = np.exp(weighed.by_basis - np.max(weighed.by_basis, axis=1, keepdims=True))
+    share /= np.sum(share, axis=1, keepdims=True)
+    rows: list[Row] = []
+    for name, statement in case.statements.items():
+        value, weights = weighed.values[name], weighed.weights
+        if value.ndim == 2:
+            basis = statement.quantity in FRICTIONAL and share.shape == value.shape
+            each = share if basis else np.full(value.shape, 1.0 / value.shape[1])
+            value, weights = value.ravel(), (weights[:, None] * each).ravel()
+        low, high = statement.interval
+        known = np.isfinite(value)
+        is_met = known & (low <= value) & (value <= high)
+        rows.append(
+            {
+                **head,
+                "law": weighed.law,
+                "statement": name,
+                "words": statement.words,
+                "standing": statement.standing,
+                "counts": "yes" if name in counted(case, scenario) else "no",
+                "quantity_stated": statement.quantity,
+                "interval_low": low,
+                "interval_high": high,
+                "tail": statement.tail,
+                **dict(zip(COLUMNS, weighted(value, weights), strict=True)),
+                "share_inside": np.sum(weights * is_met),
+            }
+        )
+    return rows
+
+
+def drawn(head: Row, case: Case, weighed: Weighed, params: Params) -> pd.DataFrame:
+    """Return draws of a law's contacts in a scenario, with a basis of friction each."""
+    law, rng = case.laws[weighed.law], generator(params.seed, 1)
+    taken = resampled(weighed.weights, params.draws, rng)
+    chance = np.exp(weighed.by_basis[taken] - weighed.by_basis[taken].max(axis=1, keepdims=True))
+    if chance.shape[1] != len(law.friction_bases):  # no statement on friction counts
+        chance = np.ones((len(taken), len(law.friction_bases)))
+    below = np.cumsum(chance, axis=1)
+    basis = np.argmax(below > rng.random((len(taken), 1)) * below[:, -1:], axis=1)
+    return pd.DataFrame(
+        {
+            "case": head["case"],
+            "scenario": head["scenario"],
+            "law": weighed.law,
+            "draw": np.arange(params.draws),
+            "particle": case.particle,
+            "surface": case.surface,
+            "diameter_um": case.diameter_um,
+            "reference_velocity_m_per_s": case.speed_m_per_s,
+            "friction_basis": np.array(law.friction_bases)[basis],
+            **{name: value[taken] for name, value in quantities(case, weighed).items()},
+        }
+    )

@@ -1,0 +1,210 @@
+"""A pair whose contact is open: laws with their free parameters, statements, what is trusted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, fields, replace
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.model.choices import FrictionBasis
+from microimpact.model.contact import Contact
+from microimpact.model.contact_laws import JKR, ContactLaw, Hysteresis, ThorntonNing
+from study.declared.parameters import (
+    Ascending,
+    CounterpartName,
+    Finite,
+    MaterialName,
+    Name,
+    NonNegative,
+    Positive,
+    PositiveRange,
+)
+from study.studies.contacts import declared_contact
+from study.studies.models.inference.statements import FRICTIONAL, Statement, Values, log_mean
+from study.tables import Tables
+
+Parameter = Literal[
+    "work_of_adhesion_J_per_m2",
+    "hertz_damping_s_per_m",
+    "adhesion_damping_s_per_m",
+    "rate_exponent",
+    "viscous_time_ns",
+    "yield_pressure_GPa",
+    "unloading_over_loading_work",
+    "friction",
+]
+WORK: Parameter = "work_of_adhesion_J_per_m2"
+# Uniform before the statements; of the others the logarithm is, for not even their order is known.
+# What is lost in the material adds to the loss, so that no share of it is preferred.
+LINEAR = ("hertz_damping_s_per_m", "rate_exponent", "friction")
+# Those of the ring force, and the field of a contact that each is.
+FIELDS = {
+    WORK: "work_of_adhesion",
+    "hertz_damping_s_per_m": "hertz_damping",
+    "adhesion_damping_s_per_m": "adhesion_damping",
+    "rate_exponent": "adhesion_rate_exponent",
+    "friction": "friction",
+}
+Span = Annotated[tuple[NonNegative, Positive], Ascending]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Law:
+    """A law of contact, ranges of its free parameters, and normal forces that friction may take."""
+
+    law: Literal["ring force", "jkr", "thornton-ning", "hysteresis"]
+    ranges: dict[Parameter, Span]
+    friction_bases: Annotated[tuple[FrictionBasis | Literal["pull-off"], ...], Field(min_length=1)]
+
+    def parameters(self, points: FloatArray) -> dict[str, FloatArray]:
+        """Free parameters by name (n,) from points of the unit cube (n, axes)."""
+        named = {}
+        for (name, (low, high)), share in zip(self.ranges.items(), points.T, strict=True):
+            linear = name in LINEAR
+            named[str(name)] = (
+                low + (high - low) * share if linear else low * (high / low) ** share
+            )
+        return named
+
+    def share(self, name: Parameter, value: float) -> float:
+        """Share of a parameter's range that lies below a value."""
+        low, high = self.ranges[name]
+        value = min(max(value, low), high)
+        if name in LINEAR:
+            return (value - low) / (high - low)
+        return float(np.log(value / low) / np.log(high / low))
+
+    def contact(self, bare: Contact, parameters: Mapping[str, FloatArray]) -> Contact:
+        """Contact of this law; what is not free is as in the bare one."""
+        if self.law == "ring force":
+            return bare.replace(
+                **{FIELDS[name]: value for name, value in parameters.items()}  # type: ignore[index]
+            )
+        work = parameters[WORK]
+        records: dict[str, ContactLaw] = {}
+        if self.law == "jkr":
+            records["jkr"] = JKR(viscous_time=parameters["viscous_time_ns"] * 1e-9)
+        elif self.law == "thornton-ning":
+            pressure = parameters["yield_pressure_GPa"] * 1e9
+            records["thornton-ning"] = ThorntonNing(yield_pressure=pressure)
+        else:
+            unloading = work * parameters["unloading_over_loading_work"]
+            records["hysteresis"] = Hysteresis(unloading_work=unloading)
+        return bare.by_law(records[self.law], work).replace(friction=parameters["friction"])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scenario:
+    """What is trusted: statements that do not count, and ranges narrower than those of the laws.
+
+    Given as a choice, what it does not name is as in the first scenario.
+    """
+
+    without: tuple[Name, ...] | None = None
+    within: dict[Parameter, PositiveRange] = field(default_factory=dict)
+    intervals: dict[Name, Annotated[tuple[Finite, Finite], Ascending]] = field(default_factory=dict)
+    tails: Positive = 1.0  # Factor of all tails
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Case:
+    """A pair, laws of its contact, and what is printed of it."""
+
+    particle: MaterialName
+    surface: CounterpartName
+    # Where quantities are computed; the speed is the reference velocity of the rate exponent.
+    diameter_um: Positive
+    speed_m_per_s: Positive
+    classes_um: Annotated[tuple[Positive, ...], Field(min_length=2), Ascending]
+    laws: Annotated[dict[Name, Law], Field(min_length=1)]
+    statements: Annotated[dict[Name, Statement], Field(min_length=2)]
+    scenarios: Annotated[dict[Name, Scenario], Field(min_length=1)]
+    choices: dict[Name, Scenario] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Refuse names of statements that there are none of, and a size without capture velocity.
+
+        Raises ValueError.
+        """
+        if self.diameter_um not in self.classes_um:
+            raise ValueError(
+                f"diameter_um: {self.diameter_um} must be one of classes_um {self.classes_um}"
+            )
+        for name, scenario in {**self.scenarios, **self.choices}.items():
+            named = {*(scenario.without or ()), *scenario.intervals}
+            if unknown := sorted(named - set(self.statements)):
+                raise ValueError(
+                    f"{name}: {unknown[0]!r} must be one of the statements {list(self.statements)}"
+                )
+
+    def rows(self) -> Iterator[tuple[str, str, Scenario]]:
+        """Kind, name and scenario of all that is computed: with one statement less, and choices."""
+        yield from (("scenario", name, each) for name, each in self.scenarios.items())
+        first = next(iter(self.scenarios.values()))
+        for name in counted(self, first):
+            yield "without", name, replace(first, without=(*(first.without or ()), name))
+        for name, choice in self.choices.items():
+            changes = {f.name: getattr(choice, f.name) for f in fields(choice)}
+            yield "choice", name, replace(first, **{k: v for k, v in changes.items() if v})
+
+    def bare(self, inputs: Tables) -> Contact:
+        """Return the declared contact of the pair at the diameter, with its declared w_A."""
+        contact = declared_contact(inputs, self.particle, self.surface)
+        return contact.replace(
+            diameter=self.diameter_um * 1e-6,
+            work_of_adhesion=contact.work_of_adhesion,
+            reference_velocity=self.speed_m_per_s,
+        )
+
+
+def counted(case: Case, scenario: Scenario) -> list[str]:
+    """Names of the statements that count in a scenario."""
+    return [name for name in case.statements if name not in (scenario.without or ())]
+
+
+@dataclass(frozen=True, slots=True)
+class Likelihood:
+    """Log likelihood of contacts (n,), and that of each basis of friction (n, bases)."""
+
+    total: FloatArray
+    by_basis: FloatArray
+
+
+def likelihood(case: Case, scenario: Scenario, values: Values) -> Likelihood:
+    """Return the likelihood of a scenario; bases and size classes are alike before it.
+
+    Contacts that are outside of the ranges of the scenario have none.
+    """
+    plain: FloatArray = np.zeros(len(values["capture"]))
+    by_basis, by_class = np.zeros((len(plain), 1)), np.zeros((len(plain), 1))
+    for name in counted(case, scenario):
+        statement, value = case.statements[name], values[name]
+        interval = scenario.intervals.get(name, statement.interval)
+        log = statement.log_likelihood(value, interval, scenario.tails)
+        if statement.quantity in FRICTIONAL:
+            by_basis = by_basis + log
+        elif log.ndim == 2:
+            by_class = by_class + log
+        else:
+            plain = plain + log
+    total = plain + log_mean(by_basis) + log_mean(by_class)
+    return Likelihood(np.where(inside(scenario, values), total, -np.inf), by_basis)
+
+
+def inside(scenario: Scenario, values: Values) -> BoolArray:
+    """Whether contacts (n,) are within the ranges of a scenario; what a law lacks is."""
+    is_inside = np.ones(len(values["capture"]), bool)
+    for name, (low, high) in scenario.within.items():
+        if name in values:
+            is_inside &= (values[name] >= low) & (values[name] <= high)
+    return is_inside
+
+
+def prior_share(law: Law, scenario: Scenario) -> float:
+    """Share of a law's parameters that are within the ranges of a scenario."""
+    spans = [(n, ends) for n, ends in scenario.within.items() if n in law.ranges]
+    return float(np.prod([law.share(n, high) - law.share(n, low) for n, (low, high) in spans]))
