@@ -35,6 +35,16 @@ use rule study as admissible_contacts with:
         **parameters("admissible_contacts"),
 
 
+use rule study as inference with:
+    """tables/evidence_*.csv, posterior_contacts.csv: the contact, by several laws and scenarios."""
+    output:
+        **tables("evidence_summary", "evidence_statements", "posterior_contacts"),
+    pathvars:
+        study="inference",
+    params:
+        **parameters("inference"),
+
+
 use rule study as restitution_trends with:
     """data/fig14.csv: R, rho and e against the impact speed (Eqs. 32-34)."""
     output:

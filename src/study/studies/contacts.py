@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
 
 from microimpact.core.materials import Material, materials_from_rows
 from microimpact.core.nearest import nearest
+from microimpact.core.arrays import Real
 from microimpact.model.contact import Contact, resized
+from microimpact.model.contact_laws import JKR, ContactLaw, Hysteresis, ThorntonNing
 from microimpact.model.pairs import Pairs, pair_contact, pairs_from_rows
 from study.declared.parameters import Name
 from study.declared.selection import IMPACT
@@ -29,6 +31,8 @@ DRAWN = {
 }
 
 
+# Laws of contact.
+Kind = Literal["ring force", "jkr", "thornton-ning", "hysteresis"]
 # Printed numbers have two or three digits.
 DIGITS = 0.01
 CAPTURE_VELOCITIES = (
@@ -222,6 +226,31 @@ def admissible_contact(inputs: Tables, case: str, variant: str, **changes: Any) 
     fields: dict[str, Any] = {field: table[name].to_numpy(float) for name, field in DRAWN.items()}
     fields["diameter"] = fields["diameter"] * 1e-6
     return _of_rows(inputs, table, fields).replace(**changes)
+
+
+def of_kind(bare: Contact, kind: Kind, parameters: Mapping[str, Real]) -> Contact:
+    """Return the contact of a law; what its parameters do not name is as in the bare one.
+
+    Parameters
+    ----------
+    bare
+        The bodies.
+    kind
+        The law.
+    parameters
+        Numbers or arrays by their names in tables, with units.
+    """
+    if kind == "ring force":
+        return bare.replace(**{DRAWN[name]: value for name, value in parameters.items()})
+    work = parameters["work_of_adhesion_J_per_m2"]
+    law: ContactLaw
+    if kind == "jkr":
+        law = JKR(viscous_time=parameters["viscous_time_ns"] * 1e-9)
+    elif kind == "thornton-ning":
+        law = ThorntonNing(yield_pressure=parameters["yield_pressure_GPa"] * 1e9)
+    else:
+        law = Hysteresis(unloading_work=work * parameters["unloading_over_loading_work"])
+    return bare.by_law(law, work).replace(friction=parameters["friction"])
 
 
 def _of_rows(inputs: Tables, rows: pd.DataFrame, fields: Mapping[str, Any]) -> Contact:

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, get_args
 
 import numpy as np
 import pandas as pd
 from pydantic import Field
 
-from microimpact.core.arrays import FloatArray
+from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.core.ensemble import resampled
 from microimpact.core.solve import IntArray
 from microimpact.model.contact import Contact
@@ -23,25 +23,37 @@ from microimpact.model.dynamics.normal import losses, normal_impact
 from microimpact.statistics import importance
 from microimpact.statistics.distributions import generator
 from study.declared.parameters import Count, Name, Seed
-from study.studies.contacts import BAND
+from study.studies.contacts import BAND, DRAWN, of_kind
 from study.studies.models.inference.case import (
-    WORK,
     Case,
-    Law,
+    Parameter,
     Scenario,
     counted,
     likelihood,
     prior_share,
 )
-from study.studies.models.inference.statements import FRICTIONAL, Values, values_of
+from study.studies.models.inference.statements import FRICTIONAL, UNLIKELY, Values, values_of
 from study.tables import Row, Tables
 
 COLUMNS = ("low", "median", "high")
 ALL_LAWS = "all laws"
-# A law with fewer parameters is drawn half as often.
-MANY = 4
+# Free parameters for which ``first`` is; with each one less, half as many contacts are drawn, but
+# not less than a quarter.
+AXES, FEWEST = 5, 2
+# What is summarised besides the free parameters.
+OUTCOMES = ("v_c_m_per_s", "size_exponent", "restitution", "adhesion_share")
+# Parameters of the ring force; what is not free is as declared.
+RING = (
+    "work_of_adhesion_J_per_m2",
+    "hertz_damping_s_per_m",
+    "adhesion_damping_s_per_m",
+    "rate_exponent",
+    "friction",
+)
 # A contact is consistent with a statement that it misses by no more than so many tails.
 CONSISTENT = 2.0
+# Laws are preferred whose evidence is within this factor of the greatest (Kass and Raftery 1995).
+STRONG = np.log(20.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -65,7 +77,8 @@ class Weighed:
     law: str
     values: Values
     log_weights: FloatArray  # (n,)
-    by_basis: FloatArray  # Log likelihood (n, bases)
+    log_likelihood: FloatArray  # (n,)
+    by_basis: FloatArray  # The same by basis of friction (n, bases)
     result: importance.Integral  # Evidence
 
     @property
@@ -80,7 +93,7 @@ def run(params: Params, inputs: Tables) -> Tables:
 
     ``evidence_summary``: by case, scenario, law: quantities, evidence, probability of the law.
     ``evidence_statements``: what each statement says, and what the contacts have.
-    ``drawn_contacts``: draws of the contacts by scenario and law. `inputs`: ``materials``,
+    ``posterior_contacts``: draws of the contacts by scenario and law. `inputs`: ``materials``,
     ``contacts``: the declared rows of the pairs.
     """
     summaries, statements, contacts = [], [], []
@@ -96,7 +109,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     return {
         "evidence_summary": pd.DataFrame(summaries),
         "evidence_statements": pd.DataFrame(statements),
-        "drawn_contacts": pd.concat(contacts, ignore_index=True),
+        "posterior_contacts": pd.concat(contacts, ignore_index=True),
     }
 
 
@@ -107,10 +120,14 @@ def pool_of(case: Case, name: str, inputs: Tables, params: Params) -> importance
 
     def compute(points: FloatArray) -> Values:
         parameters = law.parameters(points)
+        if law.law == "ring force":
+            known = {name: np.asarray(getattr(bare, DRAWN[name])) for name in RING}
+            spread = {name: np.broadcast_to(value, len(points)) for name, value in known.items()}
+            parameters = spread | parameters
 
         def contacts(diameters: FloatArray, of: IntArray | slice = slice(None)) -> Contact:
             columns = {key: value[of, None] for key, value in parameters.items()}
-            return law.contact(bare.replace(diameter=diameters * 1e-6), columns)
+            return of_kind(bare.replace(diameter=diameters * 1e-6), law.law, columns)
 
         values = values_of(case.statements, contacts, law.friction_bases, classes)
         at_size = contacts(np.array([case.diameter_um]))
@@ -118,26 +135,36 @@ def pool_of(case: Case, name: str, inputs: Tables, params: Params) -> importance
         limits = values["capture"]
         with np.errstate(divide="ignore", invalid="ignore"):
             slope = np.log(limits[:, -1] / limits[:, 0]) / np.log(classes[-1] / classes[0])
-        return values | parameters | {
-            "v_c_m_per_s": limits[:, case.classes_um.index(case.diameter_um)],
-            "size_exponent": slope,
-            "restitution": impact.coefficient_of_restitution[:, 0],
-            "adhesion_share": losses(at_size, case.speed_m_per_s).adhesion_share[:, 0],
-        }
+        return (
+            values
+            | parameters
+            | {
+                "v_c_m_per_s": limits[:, case.classes_um.index(case.diameter_um)],
+                "size_exponent": slope,
+                "restitution": impact.coefficient_of_restitution[:, 0],
+                "adhesion_share": losses(at_size, case.speed_m_per_s).adhesion_share[:, 0],
+            }
+        )
 
     def log_densities(values: importance.Record) -> FloatArray:
-        columns: dict[str, list[FloatArray]] = {}
+        columns: dict[str, FloatArray] = {}
+        heights: dict[str, float] = {}
         for kind, row, scenario in case.rows():
             logs = likelihood(case, scenario, dict(values)).total
-            # What is left without one statement or another is one density, broader than the rest.
-            columns.setdefault("" if kind == "without" else row, []).append(logs - np.max(logs))
-        return np.stack([np.max(logs, axis=0) for logs in columns.values()], axis=1)
+            # What is left without one statement or another is one density, broader than the rest,
+            # and so is what other choices leave.
+            name, height = row if kind == "scenario" else kind, float(np.max(logs))
+            columns[name] = np.maximum(columns.get(name, -np.inf), logs - height)
+            heights[name] = max(heights.get(name, -np.inf), height)
+        # A scenario without hope gets no draws from the others.
+        least = max(heights.values()) - UNLIKELY
+        return np.stack([logs for name, logs in columns.items() if heights[name] > least], axis=1)
 
     return importance.pool(
         compute,
         log_densities,
         len(law.ranges),
-        first=params.first - (len(law.ranges) < MANY),
+        first=params.first - min(max(AXES - len(law.ranges), 0), FEWEST),
         rounds=params.rounds,
         rng=generator(params.seed, list(case.laws).index(name)),
     )
@@ -152,6 +179,7 @@ def weigh(case: Case, law: str, scenario: Scenario, pool: importance.Pool) -> We
         law=law,
         values=values,
         log_weights=logs,
+        log_likelihood=of.total,
         by_basis=of.by_basis,
         result=importance.integral(logs, pool.tried),
     )
@@ -164,14 +192,21 @@ def summary(head: Row, case: Case, scenario: Scenario, weighed: list[Weighed]) -
     probability /= np.sum(probability)
     rows: list[Row] = []
     for each, share in zip(weighed, probability, strict=True):
+        missed = misses(case, scenario, each)
+        is_preferred = each.result.log > np.max(evidence) - STRONG
+        meets_all = ~np.any(list(missed.values()), axis=0) & np.isfinite(each.log_likelihood)
+        can_be = is_preferred or np.any(meets_all)
+        best = int(np.argmax(each.log_likelihood))
         of_law: Row = {
             **head,
             "law": each.law,
+            "standing": "preferred" if is_preferred else "consistent" if can_be else "excluded",
+            "missed": "; ".join(name for name, is_missed in missed.items() if is_missed[best]),
             "probability": share,
             "ln_evidence": each.result.log,
             "ln_evidence_error": each.result.error,
             "effective_size": each.result.effective_size,
-            "share_consistent": np.sum(each.weights * consistent(case, scenario, each)),
+            "share_consistent": np.sum(each.weights * meets_all),
         }
         rows += quantiles(of_law, quantities(case, each), each.weights)
     # Over the laws only what all of them have.
@@ -184,12 +219,14 @@ def summary(head: Row, case: Case, scenario: Scenario, weighed: list[Weighed]) -
     shares = zip(weighed, probability, strict=True)
     weights = np.concatenate([each.weights * share for each, share in shares])
     sizes = np.array([each.result.effective_size for each in weighed])
+    errors = np.array([each.result.error for each in weighed])
     top = np.max(evidence)
     over_all: Row = {
         **head,
         "law": ALL_LAWS,
         "probability": 1.0,
         "ln_evidence": top + np.log(np.mean(np.exp(evidence - top))),
+        "ln_evidence_error": np.sqrt(np.sum(np.square(probability * errors))),
         "effective_size": 1.0 / np.sum(probability**2 / np.maximum(sizes, 1e-9)),
     }
     return rows + quantiles(over_all, pooled, weights)
@@ -197,9 +234,8 @@ def summary(head: Row, case: Case, scenario: Scenario, weighed: list[Weighed]) -
 
 def quantities(case: Case, weighed: Weighed) -> Values:
     """Quantities of a law's contacts that are summarised (n,)."""
-    names = ("v_c_m_per_s", "size_exponent", "restitution", "adhesion_share")
-    free = [name for name in case.laws[weighed.law].ranges if name in weighed.values]
-    return {name: weighed.values[name] for name in (*names, *map(str, free))}
+    names = (*OUTCOMES, *map(str, case.laws[weighed.law].ranges))
+    return {name: weighed.values[name] for name in names}
 
 
 def quantiles(head: Row, values: Mapping[str, FloatArray], weights: FloatArray) -> list[Row]:
@@ -218,19 +254,18 @@ def weighted(value: FloatArray, weights: FloatArray) -> FloatArray:
     return np.quantile(value[known], BAND, weights=weights[known], method="inverted_cdf")
 
 
-def consistent(case: Case, scenario: Scenario, weighed: Weighed) -> FloatArray:
-    """Whether each contact (n,) misses no statement that counts by more than `CONSISTENT` tails.
+def misses(case: Case, scenario: Scenario, weighed: Weighed) -> dict[str, BoolArray]:
+    """Whether contacts (n,) miss each statement that counts, by more than `CONSISTENT` tails.
 
-    Of a basis of friction or a size that is open, one of them must do.
+    Of the bases of friction, or sizes that are open, one must do.
     """
-    met = np.ones(len(weighed.log_weights), bool)
+    missed = {}
     for name in counted(case, scenario):
-        statement, value = case.statements[name], weighed.values[name]
-        if statement.quantity != "share captured":
-            interval = scenario.intervals.get(name, statement.interval)
-            close = statement.misfit(value, interval) <= CONSISTENT * scenario.tails
-            met &= close if close.ndim == 1 else np.any(close, axis=1)
-    return met
+        statement = case.statements[name]
+        interval = scenario.intervals.get(name, statement.interval)
+        far = ~(statement.misfit(weighed.values[name], interval) <= CONSISTENT * scenario.tails)
+        missed[name] = far if far.ndim == 1 else np.all(far, axis=1)
+    return missed
 
 
 def told(head: Row, case: Case, scenario: Scenario, weighed: Weighed) -> list[Row]:
@@ -283,12 +318,17 @@ def drawn(head: Row, case: Case, weighed: Weighed, params: Params) -> pd.DataFra
             "case": head["case"],
             "scenario": head["scenario"],
             "law": weighed.law,
+            "contact_law": law.law,
             "draw": np.arange(params.draws),
             "particle": case.particle,
             "surface": case.surface,
             "diameter_um": case.diameter_um,
             "reference_velocity_m_per_s": case.speed_m_per_s,
             "friction_basis": np.array(law.friction_bases)[basis],
-            **{name: value[taken] for name, value in quantities(case, weighed).items()},
+            **{
+                name: value[taken]
+                for name, value in weighed.values.items()
+                if name in (*get_args(Parameter), *OUTCOMES)
+            },
         }
     )

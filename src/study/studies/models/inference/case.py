@@ -12,7 +12,6 @@ from pydantic import Field
 from microimpact.core.arrays import BoolArray, FloatArray
 from microimpact.model.choices import FrictionBasis
 from microimpact.model.contact import Contact
-from microimpact.model.contact_laws import JKR, ContactLaw, Hysteresis, ThorntonNing
 from study.declared.parameters import (
     Ascending,
     CounterpartName,
@@ -21,9 +20,8 @@ from study.declared.parameters import (
     Name,
     NonNegative,
     Positive,
-    PositiveRange,
 )
-from study.studies.contacts import declared_contact
+from study.studies.contacts import Kind, declared_contact
 from study.studies.models.inference.statements import FRICTIONAL, Statement, Values, log_mean
 from study.tables import Tables
 
@@ -41,14 +39,6 @@ WORK: Parameter = "work_of_adhesion_J_per_m2"
 # Uniform before the statements; of the others the logarithm is, for not even their order is known.
 # What is lost in the material adds to the loss, so that no share of it is preferred.
 LINEAR = ("hertz_damping_s_per_m", "rate_exponent", "friction")
-# Those of the ring force, and the field of a contact that each is.
-FIELDS = {
-    WORK: "work_of_adhesion",
-    "hertz_damping_s_per_m": "hertz_damping",
-    "adhesion_damping_s_per_m": "adhesion_damping",
-    "rate_exponent": "adhesion_rate_exponent",
-    "friction": "friction",
-}
 Span = Annotated[tuple[NonNegative, Positive], Ascending]
 
 
@@ -56,18 +46,17 @@ Span = Annotated[tuple[NonNegative, Positive], Ascending]
 class Law:
     """A law of contact, ranges of its free parameters, and normal forces that friction may take."""
 
-    law: Literal["ring force", "jkr", "thornton-ning", "hysteresis"]
+    law: Kind
     ranges: dict[Parameter, Span]
+    fixed: dict[Parameter, NonNegative] = field(default_factory=dict)
     friction_bases: Annotated[tuple[FrictionBasis | Literal["pull-off"], ...], Field(min_length=1)]
 
     def parameters(self, points: FloatArray) -> dict[str, FloatArray]:
         """Free parameters by name (n,) from points of the unit cube (n, axes)."""
-        named = {}
+        named = {str(name): np.full(len(points), value) for name, value in self.fixed.items()}
         for (name, (low, high)), share in zip(self.ranges.items(), points.T, strict=True):
             linear = name in LINEAR
-            named[str(name)] = (
-                low + (high - low) * share if linear else low * (high / low) ** share
-            )
+            named[str(name)] = low + (high - low) * share if linear else low * (high / low) ** share
         return named
 
     def share(self, name: Parameter, value: float) -> float:
@@ -78,24 +67,6 @@ class Law:
             return (value - low) / (high - low)
         return float(np.log(value / low) / np.log(high / low))
 
-    def contact(self, bare: Contact, parameters: Mapping[str, FloatArray]) -> Contact:
-        """Contact of this law; what is not free is as in the bare one."""
-        if self.law == "ring force":
-            return bare.replace(
-                **{FIELDS[name]: value for name, value in parameters.items()}  # type: ignore[index]
-            )
-        work = parameters[WORK]
-        records: dict[str, ContactLaw] = {}
-        if self.law == "jkr":
-            records["jkr"] = JKR(viscous_time=parameters["viscous_time_ns"] * 1e-9)
-        elif self.law == "thornton-ning":
-            pressure = parameters["yield_pressure_GPa"] * 1e9
-            records["thornton-ning"] = ThorntonNing(yield_pressure=pressure)
-        else:
-            unloading = work * parameters["unloading_over_loading_work"]
-            records["hysteresis"] = Hysteresis(unloading_work=unloading)
-        return bare.by_law(records[self.law], work).replace(friction=parameters["friction"])
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scenario:
@@ -105,7 +76,7 @@ class Scenario:
     """
 
     without: tuple[Name, ...] | None = None
-    within: dict[Parameter, PositiveRange] = field(default_factory=dict)
+    within: dict[Parameter, Span] = field(default_factory=dict)
     intervals: dict[Name, Annotated[tuple[Finite, Finite], Ascending]] = field(default_factory=dict)
     tails: Positive = 1.0  # Factor of all tails
 
