@@ -144,7 +144,7 @@ def kernels(
     logs = log_weights - np.max(log_weights)
 
     def surplus(power: float) -> float:
-        return effective_number(np.exp(power * logs)) - 10.0 * points.shape[1]
+        return float(effective_number(np.exp(power * logs)) - 10.0 * points.shape[1])
 
     power = 1.0
     if surplus(power) < 0.0:

@@ -9,9 +9,9 @@ from typing import Any, Literal
 import numpy as np
 import pandas as pd
 
+from microimpact.core.arrays import Real
 from microimpact.core.materials import Material, materials_from_rows
 from microimpact.core.nearest import nearest
-from microimpact.core.arrays import Real
 from microimpact.model.contact import Contact, resized
 from microimpact.model.contact_laws import JKR, ContactLaw, Hysteresis, ThorntonNing
 from microimpact.model.pairs import Pairs, pair_contact, pairs_from_rows

@@ -84,7 +84,11 @@ class Statement:
         """Diameter (um), normal and tangential speed of its impacts (impacts, nodes, 3)."""
         assert self.diameter_um is not None
         v_n, v_t = velocity_components(np.array(self.speeds_m_per_s), np.array(self.angles_deg))
-        columns = self.diameter_um.quantile(NODES), -v_n[:, None], v_t[:, None]
+        columns = (
+            self.diameter_um.quantile(NODES),
+            -np.asarray(v_n)[:, None],
+            np.asarray(v_t)[:, None],
+        )
         return np.stack(np.broadcast_arrays(*columns), axis=-1)
 
     def value(self, of_impacts: FloatArray) -> FloatArray:
@@ -177,18 +181,18 @@ def values_of(
     for name, statement in statements.items():
         if statement.quantity == "share captured":
             parts[name] = statement.captured(limits, classes_um)
-        elif statement.quantity in OF_CAPTURE and statement.diameter_um is None:
-            parts[name] = limits
         elif statement.quantity in OF_CAPTURE:
-            diameter = statement.diameter_um.quantile(np.array([0.5]))[0]
-            parts[name] = limits[:, int(np.argmin(np.abs(classes_um - diameter)))]
+            parts[name] = limits
+            if statement.diameter_um is not None:
+                diameter = np.asarray(statement.diameter_um.quantile(np.array(0.5)))
+                parts[name] = limits[:, int(np.argmin(np.abs(classes_um - diameter)))]
     for name, part in {**parts, "capture": limits}.items():
         values[name] = np.full((len(score), *part.shape[1:]), np.nan)
         values[name][likely] = part
     return values
 
 
-def _shared(statements: Iterable[Statement]) -> tuple[FloatArray, FloatArray, list[FloatArray]]:
+def _shared(statements: Iterable[Statement]) -> tuple[FloatArray, FloatArray, list[IntArray]]:
     """Impacts of statements (k, 3), the normal ones among them once (m, 2), and which is whose."""
     impacts = [s.impacts() for s in statements]
     rows = np.concatenate([each.reshape(-1, 3) for each in impacts])

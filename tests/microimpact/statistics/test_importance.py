@@ -1,0 +1,53 @@
+"""Importance sampling against integrals that are known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+from microimpact.statistics.importance import integral, pool
+
+# Two far peaks of unlike weight, and a broad hill, in three dimensions.
+PEAKS = [
+    (0.8, multivariate_normal([0.2, 0.3, 0.7], 0.0004 * np.eye(3))),
+    (0.2, multivariate_normal([0.7, 0.8, 0.4], 0.0001 * np.eye(3))),
+]
+HILL = multivariate_normal([0.5, 0.5, 0.5], 0.01 * np.eye(3))
+
+
+def densities(points):
+    peaks = np.log(sum(share * np.maximum(of.pdf(points), 1e-300) for share, of in PEAKS))
+    return np.stack([peaks - 7.0, HILL.logpdf(points)], axis=1)
+
+
+@pytest.fixture(scope="module", params=[1, 2, 3])
+def drawn(request):
+    rng = np.random.default_rng(request.param)
+    return pool(
+        lambda points: {"log": densities(points)},
+        lambda record: record["log"],
+        3,
+        first=11,
+        rounds=6,
+        rng=rng,
+    )
+
+
+def test_integrals_of_all_densities_are_found_within_their_error(drawn):
+    for column, exact in enumerate((-7.0, 0.0)):
+        found = integral(drawn.log_weights(drawn.record["log"][:, column]), drawn.tried)
+        assert abs(found.log - exact) < 3.5 * found.error
+        assert found.error < 0.08
+        assert found.effective_size > 150
+
+
+def test_peaks_have_their_shares(drawn):
+    logs = drawn.log_weights(drawn.record["log"][:, 0])
+    weights = np.exp(logs - logs.max())
+    first = np.sum(weights[drawn.points[:, 1] < 0.55]) / np.sum(weights)
+    assert first == pytest.approx(PEAKS[0][0], abs=0.06)
+
+
+def test_what_is_nowhere_has_no_integral():
+    assert integral(np.full(5, -np.inf), 5).log == -np.inf

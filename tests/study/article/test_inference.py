@@ -1,0 +1,208 @@
+"""What the statements say of the contact: by plain weighting, other seeds, and direct impacts."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy
+
+from microimpact.core.materials import declared_file
+from microimpact.model.calibration import peak_ratios
+from microimpact.model.contact import resized
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import simulate
+from microimpact.statistics.distributions import Constant, Normal
+from study.studies.contacts import declared_contact
+from study.studies.models.inference.statements import NODES, WEIGHTS, Statement
+from study.tables import parse_table
+
+WITH, WITHOUT = "with the printed v_c", "without the printed v_c"
+FREE, CONSTANT, JKR = "ring force, n free", "ring force, n = 0", "JKR, viscous"
+STEEL, FLUORESCEIN = "steel-silicon", "fluorescein-molybdenum"
+V_C = "v_c_m_per_s"
+
+
+@pytest.fixture(scope="module")
+def tables(made):
+    return made("inference")
+
+
+@pytest.fixture(scope="module")
+def summary(tables):
+    return (
+        tables["evidence_summary"].set_index(["case", "scenario", "law", "quantity"]).sort_index()
+    )
+
+
+@pytest.fixture(scope="module")
+def declared():
+    names = ("materials", "contacts")
+    return {name: parse_table(declared_file(f"{name}.csv").read_text()) for name in names}
+
+
+@pytest.fixture(scope="module")
+def plain(declared):
+    """Contacts of fluorescein over the ranges, and their likelihoods, without and with v_c."""
+    rng = np.random.default_rng(5)
+    share = rng.random((1200, 3))
+    c_h, c_a = 0.1 * share[:, 0], 0.01 * 30.0 ** share[:, 1]
+    bare = declared_contact(declared, "ammonium-fluorescein", "molybdenum", diameter=4.9e-6)
+    contacts = bare.replace(
+        work_of_adhesion=bare.work_of_adhesion,
+        hertz_damping=c_h,
+        adhesion_damping=c_a,
+        adhesion_rate_exponent=2.0 * share[:, 2],
+        reference_velocity=5.2,
+    )
+    ratios = np.array([peak_ratios(contacts.at(i), 5.2) for i in range(len(share))])
+    limits = np.array(
+        [capture_velocity(resized(contacts, d)) for d in (2.58e-6, 3.44e-6, 4.9e-6, 6.89e-6)]
+    )
+
+    def log(value, low, high, tail):
+        return -0.5 * (np.maximum(np.maximum(low - value, value - high), 0.0) / tail) ** 2
+
+    logs = log(ratios[:, 0], 0.3, 0.367, 0.02) + log(ratios[:, 1], 0.18, 0.22, 0.01)
+    logs = np.where(limits[2] < 5.2, logs, -np.inf)
+    of_sizes = scipy.special.logsumexp(log(limits, 1.465, 1.475, 0.075), axis=0) - np.log(4)
+    return limits[2], {WITHOUT: logs, WITH: logs + of_sizes}
+
+
+@pytest.mark.parametrize("scenario", [WITHOUT, WITH])
+def test_plain_weighting_of_the_prior_gives_the_same(summary, plain, scenario):
+    limit, logs = plain
+    weights = np.exp(logs[scenario])
+    size = weights.sum() ** 2 / np.sum(weights**2)
+    row = summary.loc[(FLUORESCEIN, scenario, "ring force", V_C)]
+    error = np.hypot(row["ln_evidence_error"], np.sqrt(1 / size - 1 / len(weights)))
+    assert row["ln_evidence"] == pytest.approx(np.log(weights.mean()), abs=3 * error)
+    below = weights[limit < row["median"]].sum() / weights.sum()
+    assert below == pytest.approx(0.5, abs=3 * np.sqrt(0.25 / size + 0.25 / row["effective_size"]))
+
+
+def test_another_seed_agrees_within_the_stated_error(run_study, tables):
+    keys, known = ["case", "scenario", "law", "quantity"], tables["evidence_summary"]
+    other = run_study("inference", first=10, seed=77)["evidence_summary"]
+    both = known.merge(other, on=[*keys, "kind"], suffixes=("", "_other"))
+    both = both[(both["quantity"] == V_C) & (both["law"] != "all laws")]
+    both = both[both[["effective_size", "effective_size_other"]].min(axis=1) > 30]
+    assert len(both) > 25
+    error = np.hypot(both["ln_evidence_error"], both["ln_evidence_error_other"])
+    apart = np.abs(both["ln_evidence"] - both["ln_evidence_other"]) / error
+    assert apart.max() < 4
+    assert np.sqrt(np.mean(apart**2)) < 2
+
+
+def test_the_law_decides_which_capture_velocity(summary):
+    free, constant, jkr = (summary.loc[(STEEL, WITHOUT, law, V_C)] for law in (FREE, CONSTANT, JKR))
+    assert free["high"] < 0.18 < constant["low"]
+    assert jkr["low"] > free["high"]
+    assert free["standing"] == "preferred"
+    assert jkr["standing"] == "consistent"
+    work = "work_of_adhesion_J_per_m2"
+    assert summary.loc[(STEEL, WITHOUT, CONSTANT, work), "low"] > 3.0
+    assert (
+        summary.loc[(STEEL, "without v_c, van der Waals w_A", CONSTANT, V_C), "standing"]
+        == "excluded"
+    )
+
+
+def test_one_statement_decides_between_the_laws(summary):
+    rows = summary.loc[(STEEL, "restitution at 10 deg")].loc[[FREE, JKR]].xs(V_C, level="quantity")
+    assert (rows["standing"] == "preferred").all()
+    others = summary.xs((STEEL, JKR, V_C), level=("case", "law", "quantity"))
+    others = others[others["kind"] == "without"].drop("restitution at 10 deg")
+    assert (others["probability"] < 0.05).all()
+
+
+def test_no_capture_seen_lowers_it(summary):
+    low = summary.loc[(STEEL, "without v_c, no capture seen", FREE, V_C)]
+    assert low["high"] < 0.11
+    others = summary.loc[(STEEL, "without v_c, no capture seen")].xs(V_C, level="quantity")
+    assert (others["standing"].drop([FREE, "all laws"]) == "excluded").all()
+
+
+def test_contacts_drawn_are_those_of_the_summary(tables, summary, declared):
+    rows = tables["posterior_contacts"].set_index(["case", "scenario", "law"]).sort_index()
+    assert (rows.groupby(level=[0, 1, 2]).size() == 400).all()
+    for scenario in (WITH, WITHOUT):
+        drawn, row = rows.loc[(STEEL, scenario, FREE)], summary.loc[(STEEL, scenario, FREE, V_C)]
+        error = 3 * np.sqrt(0.25 / 400 + 0.25 / row["effective_size"])
+        assert np.mean(drawn[V_C] < row["median"]) == pytest.approx(0.5, abs=error)
+
+
+def test_a_statement_has_the_mean_over_the_sizes_that_rebound(contact):
+    statement = Statement(
+        words="e falls",
+        standing="derived",
+        quantity="fall of restitution",
+        diameter_um=Normal(mean=50.0, sd=10.0),
+        speeds_m_per_s=(1.6, 0.4),
+        angles_deg=(90.0, 30.0),
+        interval=(0.0, 0.1),
+        tail=0.01,
+    )
+    nodes = statement.impacts()
+    e = simulate(contact.replace(diameter=nodes[..., 0] * 1e-6), nodes[..., 1])
+    value = statement.value(e.coefficient_of_restitution)
+    sizes = Normal(mean=50e-6, sd=10e-6).quantile((np.arange(2000) + 0.5) / 2000)
+    each = [
+        simulate(contact.replace(diameter=sizes), v, angle).coefficient_of_restitution.mean()
+        for v, angle in ((1.6, 90.0), (0.4, 30.0))
+    ]
+    assert value == pytest.approx(each[0] - each[1], abs=2e-4)
+    assert WEIGHTS.sum() == pytest.approx(1.0)
+    captured = np.where(NODES > 0.5, 0.6, np.nan)
+    assert statement.value(np.array([captured, captured])) == 0.0
+
+
+def test_a_captured_share_becomes_a_likelihood_over_what_is_noticed():
+    statement = Statement(
+        words="none seen",
+        standing="inferred",
+        quantity="share captured",
+        diameter_um=Constant(at=50.0),
+        speeds_m_per_s=(0.4, 0.5),
+        angles_deg=(30.0,),
+        interval=(0.0, 0.025),
+        tail=0.025,
+        spheres=40,
+    )
+    q, share = (np.arange(20000) + 0.5) / 20000, np.array([0.0, 0.01, 0.3, 1.0])
+    by_hand = [np.log(np.mean((1.0 - q * p) ** 40)) for p in share]
+    logs = statement.log_likelihood(share, statement.interval, 1.0)
+    assert logs == pytest.approx(by_hand, abs=1e-3)
+    # Normal speeds from 0.2 to 0.25 m/s: half are below 0.225.
+    limits = np.array([[0.225, 0.225], [0.1, 0.1], [0.3, 0.3]])
+    assert statement.captured(limits, np.array([40.0, 60.0])) == pytest.approx([0.5, 0.0, 1.0])
+
+
+def test_an_interval_with_normal_tails():
+    statement = Statement(
+        words="e",
+        standing="printed",
+        quantity="restitution",
+        diameter_um=Constant(at=50.0),
+        interval=(0.6, 0.7),
+        tail=0.1,
+    )
+    logs = statement.log_likelihood(np.array([0.5, 0.6, 0.65, 0.9, np.nan]), (0.6, 0.7), 1.0)
+    assert logs[:4] == pytest.approx([-0.5, 0.0, 0.0, -2.0])
+    assert logs[4] < -1e5
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"laws": {FREE: {"ranges": {"friction": [0.2, 0.1]}}}}, r"friction.* must ascend"),
+        (
+            {"scenarios": {WITH: {"without": ["nothing"]}}},
+            "'nothing' must be one of the statements",
+        ),
+        ({"diameter_um": 50.0}, "one of classes_um"),
+        ({"statements": {"printed capture velocity": {"quantity": "v"}}}, "quantity"),
+    ],
+)
+def test_bad_declarations_are_refused(run_study, changes, message):
+    with pytest.raises(ValueError, match=message):
+        run_study("inference", cases={STEEL: changes})
