@@ -17,8 +17,11 @@ from microimpact.cli.output import number, precise, print_json, print_table, war
 if TYPE_CHECKING:
     from microimpact.measured.rebounds import Rebounds
     from microimpact.model.contact import Contact
+    from microimpact.model.empirical.comparison import Comparison
 
-_READ = ("unit", "columns", "delimiter", "decimal", "encoding", "sigma")
+# What a file may leave to options: the columns, and the options.
+_SPREADS = {"sigma": "--sigma", "sigma_v": "--sigma-v", "size_scatter": "--size-scatter"}
+_READ = ("unit", "columns", "delimiter", "decimal", "encoding", *_SPREADS)
 _SHORT = {"w_A": "work_of_adhesion", "c_H": "hertz_damping", "c_A": "adhesion_damping"}
 _SHORT |= {"n": "adhesion_rate_exponent"}
 
@@ -34,6 +37,8 @@ def data_options(command: Callable[..., None]) -> Callable[..., None]:
         click.option("--decimal", help="Of numbers: '.' or ','."),
         click.option("--encoding", help="Of the file; default UTF-8, or else Latin-1."),
         click.option("--sigma", type=float, help="Standard deviation of e where no column has it."),
+        click.option("--sigma-v", help="That of the speeds where no column has it: '1.5%' or m/s."),
+        click.option("--size-scatter", help="That of the diameters: '7%', or 'free': to be found."),
     )
 
     @wraps(command)
@@ -67,15 +72,16 @@ def fit_command(
     """Find the capture velocity from measured restitutions, by several models.
 
     DATA is a text file with the columns v, and e or V (normal speeds before and after impact), and
-    optionally sigma (of e), captured (yes or no) and angle (degrees from the surface; v is then the
-    total speed). A header may have a unit: v (cm/s). Comments begin with # or %. Other columns are
-    not used.
+    optionally sigma (of e), sigma_v, d (diameter), sigma_d, captured (yes or no) and angle (degrees
+    from the surface; v is then the total speed). A header may have a unit: v (cm/s), sigma_v (%).
+    Comments begin with # or %. Other columns are not used.
     """
     from microimpact.model.empirical.comparison import compare_models
 
     measured = _measured(data, **reading)
+    spreads = {name: getattr(measured, name) for name in ("sigma", "sigma_v", "d", "size_scatter")}
     comparison = compare_models(
-        measured.v, measured.e, measured.sigma, confidence=confidence, models=models or None
+        measured.v, measured.e, **spreads, confidence=confidence, models=models or None
     )
     if plot:
         from microimpact.measured.picture import draw
@@ -90,6 +96,9 @@ def fit_command(
                 "confidence": comparison.confidence,
                 "sigma": comparison.sigma,
                 "scatter_over_sigma": comparison.scatter,
+                "speeds_and_sizes_exact": comparison.exact,
+                "diameter": comparison.diameter,
+                "size_scatter": comparison.size_scatter,
                 "warnings": list(comparison.warnings),
                 "models": {
                     model.name: {name: getattr(model, name) for name in numbers}
@@ -117,9 +126,22 @@ def fit_command(
     v_c, low, high = _with_interval(comparison.v_c, comparison.v_c_interval)
     click.echo(
         f"v_c = {v_c} m/s, {100 * confidence:g} %: {low} to {high} m/s, averaged "
-        "over the models by weight.\nOn condition that one of them has the shape of the true curve."
+        "over the models by weight.\nOn condition that one of them has the shape of the true curve"
+        f"{_of_sizes(comparison)}."
     )
     warn(comparison.warnings)
+
+
+def _of_sizes(comparison: Comparison) -> str:
+    """Assumptions on speeds and sizes, as the end of a sentence."""
+    if comparison.exact:
+        return "; speeds and sizes are taken as exact"
+    words = ",\naveraged over the errors of speed and the sizes"
+    if comparison.size_scatter is not None:
+        words += f"; these scatter by {100.0 * comparison.size_scatter:.2g} %"
+    if comparison.diameter is not None:
+        words += f"; v_c is that of the median sphere of {1e6 * comparison.diameter:.4g} um"
+    return words
 
 
 @click.command("calibrate")
@@ -226,8 +248,8 @@ def _start(pair: dict[str, Any], free_fields: Sequence[str], missing: Sequence[s
     return contact_of(**pair, missing=missing).best
 
 
-def _measured(data: str, sigma: float | None, columns: str | None, **reading: Any) -> Rebounds:
-    """Read measurements; ``sigma`` is the standard deviation of e where the file has none."""
+def _measured(data: str, columns: str | None, **options: Any) -> Rebounds:
+    """Read measurements; options give the spreads that the file has not."""
     from microimpact.measured.rebounds import read_rebounds
 
     headers: dict[str, str] = {}
@@ -236,13 +258,30 @@ def _measured(data: str, sigma: float | None, columns: str | None, **reading: An
         if columns and not (name.strip() and header.strip()):
             raise ValueError(f"--columns must be 'v=HEADER,e=HEADER', got {columns!r}")
         headers[name.strip()] = header.strip()
-    measured = read_rebounds(data, columns=headers if columns else None, **reading)
+    stated = {name: value for name in _SPREADS if (value := options.pop(name)) is not None}
+    measured = read_rebounds(data, columns=headers if columns else None, **options)
     warn(measured.notes)
-    if sigma is None:
-        return measured
-    if measured.sigma is not None:
-        raise ValueError("sigma stands in the file; leave out --sigma")
-    return replace(measured, sigma=np.full(measured.e.shape, sigma))
+    for name, text in stated.items():
+        if getattr(measured, name) is not None:
+            column = name.replace("size_scatter", "sigma_d")
+            raise ValueError(f"{column} stands in the file; leave out {_SPREADS[name]}")
+        measured = replace(measured, **{name: _spread(name, text, measured)})
+    return measured
+
+
+def _spread(name: str, text: str | float, measured: Rebounds) -> Any:
+    """Spread (n,) by an option: a number, a share of the speeds, or of the diameters "free"."""
+    if name == "size_scatter" and text == "free":
+        return text
+    number, percent, rest = str(text).partition("%")
+    try:
+        value = float(number + rest) * (0.01 if percent else 1.0)
+    except ValueError:
+        value = np.nan
+    if not np.isfinite(value) or (name == "size_scatter" and not percent):
+        allowed = "'7%' or 'free'" if name == "size_scatter" else "'1.5%' or a number in m/s"
+        raise ValueError(f"{_SPREADS[name]} must be as {allowed}, got {text!r}")
+    return value * (measured.v if name == "sigma_v" and percent else np.ones(measured.v.shape))
 
 
 def _with_interval(value: float, interval: tuple[float, float]) -> list[str]:

@@ -64,9 +64,11 @@ def draw(data: Rebounds, comparison: Comparison, path: Path | str) -> None:
     points = {"linestyle": "none", "color": "tab:blue", "capsize": 2.0, "zorder": 3}
     for chosen, marker, label in ((~captured, "o", "rebounds"), (captured, "v", "captured")):
         if np.any(chosen):
-            error = None if data.sigma is None else data.sigma[chosen]
+            error, across = (
+                None if sd is None else sd[chosen] for sd in (data.sigma, data.sigma_v)
+            )
             mark = points | {"marker": marker, "label": label, "markerfacecolor": "white"}
-            above.errorbar(data.v[chosen], data.e[chosen], yerr=error, **mark)
+            above.errorbar(data.v[chosen], data.e[chosen], yerr=error, xerr=across, **mark)
     missed = data.e - heavy[0].law(data.v)
     below.errorbar(data.v, missed, yerr=data.sigma, marker="o", **points)
     below.axhline(0.0, color="black", linewidth=0.8)

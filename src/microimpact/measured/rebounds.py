@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from microimpact.core.arrays import FloatArray
-from microimpact.core.materials import SPEED
+from microimpact.core.materials import LENGTH, SPEED
 from microimpact.core.nearest import nearest
 
 SPEED_UNITS = {**SPEED, "cm/s": 1e-2, "um/s": 1e-6, "km/h": 1.0 / 3.6}
@@ -23,15 +23,23 @@ COLUMNS = {
     "e": "coefficient of restitution",
     "V": "normal speed after impact, in place of e",
     "sigma": "standard deviation of e",
+    "sigma_v": "standard deviation of v, or in % of v",
+    "d": "diameter of the sphere",
+    "sigma_d": "standard deviation of d, or in %",
     "captured": "yes or no",
     "angle": "of incidence, degrees from the surface: v is then the total speed",
 }
 UNITS = {
     **dict.fromkeys(("v", "V"), SPEED_UNITS),
     **dict.fromkeys(("e", "sigma"), SHARE_UNITS),
+    "sigma_v": SPEED_UNITS,
+    **dict.fromkeys(("d", "sigma_d"), LENGTH),
+    **dict.fromkeys(("sigma_v in %", "sigma_d in %"), SHARE_UNITS),
     "angle": ANGLE_UNITS,
     "captured": {"": 1.0},
 }
+# Columns that may be in % of another; they are then called so: "sigma_v in %".
+OF = {"sigma_v": "v", "sigma_d": "d"}
 _YES, _NO = {"yes", "true", "1", "captured"}, {"no", "false", "0", "", "rebound"}
 # Cells without a number, as people and programs write them.
 MISSING = {"", "-", "--", "n.d.", "nd", "n/a", "na", "<na>", "nan", "nat", "none", "null"}
@@ -52,6 +60,10 @@ class Rebounds:
     v: FloatArray  # Normal speeds before impact (n,), m/s
     e: FloatArray  # Coefficients of restitution (n,); 0 where captured
     sigma: FloatArray | None  # Standard deviations of e (n,), or None
+    sigma_v: FloatArray | None = None  # Those of v (n,), m/s
+    d: FloatArray | None = None  # Diameters (n,), m
+    # Relative standard deviations of the diameters (n,); "free": one for all, to be found.
+    size_scatter: FloatArray | Literal["free"] | None = None
     notes: tuple[str, ...] = ()  # What was left out of the file, a sentence each
 
 
@@ -106,6 +118,8 @@ def read_rebounds(
         table = _in_memory(source)
         decimal = "."
     places, factors = _columns(table, unit, columns or {})
+    if "sigma_d" in places and "d" not in places:
+        raise ValueError(f"{table.name}: sigma_d needs the column d, or is in %: 'sigma_d (%)'")
     used = set(places.values())
     ignored = [cell for at, cell in enumerate(table.header) if at not in used and cell]
     named = [
@@ -129,8 +143,9 @@ def read_rebounds(
             f"{', '.join(skipped[:10])}{' ...' if len(skipped) > 10 else ''}; a captured sphere "
             "is e = 0 or captured = yes"
         )
-    v, e, sigma = map(np.array, zip(*rows, strict=True))
-    return Rebounds(v=v, e=e, sigma=sigma if "sigma" in places else None, notes=tuple(notes))
+    arrays = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    sigma = arrays.pop("sigma", None)
+    return Rebounds(**arrays, sigma=sigma, notes=tuple(notes))
 
 
 def _file(path: Path, delimiter: str | None, encoding: str | None) -> _Table:
@@ -242,8 +257,8 @@ def _columns(
         for column in chosen or [plain]:
             if column in places:
                 raise ValueError(f"{table.name}: the column {column} stands there twice")
-            places[column] = at
-            factors[column] = _factor(table.name, column, written, unit)
+            key = f"{column} in %" if column in OF and written == "%" else column
+            places[key], factors[key] = at, _factor(table.name, key, written, unit)
     if "v" not in factors or ("e" in factors) == ("V" in factors):
         raise ValueError(
             f"{table.name}: the columns v and either e or V are needed, got "
@@ -308,8 +323,8 @@ def _lacks_numbers(cells: Mapping[str, str]) -> bool:
 
 def _row(
     where: str, cells: Mapping[str, str], factors: Mapping[str, float], mark: str
-) -> tuple[float, float, float]:
-    """Parse v in m/s, e and sigma of a row."""
+) -> dict[str, float]:
+    """Parse the numbers of a row that `Rebounds` has, in SI units."""
 
     def value(column: str) -> float:
         return factors[column] * _number(where, column, cells[column], mark)
@@ -317,7 +332,7 @@ def _row(
     said = cells.get("captured", "").lower()
     if said not in _YES | _NO | MISSING:
         raise ValueError(f"{where}: captured must be yes or no, got {cells['captured']!r}")
-    v = value("v")
+    v = total = value("v")
     if v <= 0.0:
         raise ValueError(f"{where}: v must be positive, got {cells['v']}")
     if "angle" in cells:
@@ -338,10 +353,37 @@ def _row(
         percent = "; are these percent? Then the header is 'e (%)'" if 2.0 < e <= 100.0 else ""
         got = cells[after] + percent if after == "e" else f"V/v = {e:.3g}"
         raise ValueError(f"{where}: e must be from 0 to 1, got {got}")
-    sigma = value("sigma") if "sigma" in cells else 0.5
-    if not 0.0 < sigma < 1.0:
-        raise ValueError(f"{where}: sigma must be above 0 and below 1, got {cells['sigma']}")
-    return v, e, sigma
+    return {"v": v, "e": e} | _spreads(where, cells, value, v, v / total)
+
+
+def _spreads(
+    where: str,
+    cells: Mapping[str, str],
+    value: Callable[[str], float],
+    v: float,
+    normal: float,
+) -> dict[str, float]:
+    """Parse sigma, sigma_v and the diameter of a row, of which v is the normal speed.
+
+    ``normal`` is the share of that in the speed as it stands.
+    """
+    numbers = {name: value(name) for name in ("sigma", "d") if name in cells}
+    for name, below in (("sigma", 1.0), ("d", np.inf)):
+        if not 0.0 < numbers.get(name, 0.5) < below:
+            least = "positive" if name == "d" else "above 0 and below 1"
+            raise ValueError(f"{where}: {name} must be {least}, got {cells[name]}")
+    wholes = {"sigma_v": v / normal, "sigma_d": numbers.get("d", 1.0)}
+    for column in cells:
+        name = column.removesuffix(" in %")
+        if name in wholes:
+            relative = value(column) / (wholes[name] if column == name else 1.0)
+            if not 0.0 <= relative < 0.5:
+                raise ValueError(
+                    f"{where}: {name} must be from 0 to half of {OF[name]}, got {cells[column]}"
+                )
+            key, unit = ("sigma_v", v) if name == "sigma_v" else ("size_scatter", 1.0)
+            numbers[key] = unit * relative
+    return numbers
 
 
 def _number(where: str, column: str, cell: str, mark: str) -> float:

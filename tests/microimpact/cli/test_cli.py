@@ -347,6 +347,8 @@ def test_fit_prints_draws_and_writes_json(microimpact, answered, own_data, tmp_p
     [
         (("--unit", "mph"), "unit must be one of"),
         (("--sigma", "0.02"), "sigma stands in the file"),
+        (("--sigma-v", "2 percent"), "--sigma-v must be as '1.5%' or a number in m/s, got '2 perc"),
+        (("--size-scatter", "7"), "--size-scatter must be as '7%' or 'free', got '7'"),
         (("--confidence", "95"), "confidence must be"),
         (("--plot", "x.bmp"), "plot must end in"),
     ],
@@ -369,6 +371,22 @@ def test_a_file_of_a_spreadsheet_needs_one_option(microimpact, answered, own_dat
     assert "Warning: german.csv: columns not used: 'Nr'." in done.stderr
     assert "1 of 21 rows lack a number and are skipped: line 23" in done.stderr
     require_refusal(microimpact("fit", str(german), "--columns", "Speed"), "--columns must be")
+
+
+def test_errors_of_speed_and_scatter_of_size_widen_the_interval(microimpact, answered, own_data):
+    alone = ("fit", str(own_data), "--model", "fixed loss")
+    exact = answered(*alone)
+    assert exact["speeds_and_sizes_exact"]
+    assert "speeds and sizes are taken as exact." in microimpact(*alone).stdout
+    options = {"--sigma-v": ("2%", "0.02"), "--size-scatter": ("5%", "free")}
+    for option, values in options.items():
+        for value in values:
+            wide = answered(*alone, option, value)
+            assert not wide["speeds_and_sizes_exact"]
+            assert np.diff(wide["v_c_interval"]) > 1.2 * np.diff(exact["v_c_interval"])
+    assert wide["size_scatter"] > 0.0
+    text = microimpact(*alone, "--size-scatter", "free").stdout
+    assert f"these scatter by {100 * wide['size_scatter']:.2g} %" in text
 
 
 def test_calibrate_asks_for_all_that_is_missing(microimpact, own_data, tmp_path):

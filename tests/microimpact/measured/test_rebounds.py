@@ -62,9 +62,31 @@ def test_sigma_is_read(written):
 
 
 @pytest.mark.parametrize(
+    "text",
+    [
+        "v (m/s),e,sigma_v (mm/s),d (um),sigma_d (nm)\n0.5,0.6,10,30,600\n",
+        "v (m/s),e,sigma_v [%],d [mm],sigma_d [%]\n0.5,0.6,2,0.03,2\n",
+        "v (m/s),e,sigma_v (m/s),d (m),sigma_d (um),angle\n1.0,0.6,0.02,3e-5,0.6,30\n",
+    ],
+)
+def test_errors_of_speed_and_diameters_are_read(written, text):
+    data = read_rebounds(written(text))
+    assert data.sigma_v == pytest.approx([0.01])
+    assert data.d == pytest.approx([30e-6])
+    assert data.size_scatter == pytest.approx([0.02])
+    alone = read_rebounds(written("v,e,sigma_d (%)\n1,0.5,7\n"))
+    assert alone.size_scatter == pytest.approx([0.07])
+    assert alone.d is None
+
+
+@pytest.mark.parametrize(
     ("text", "message"),
     [
         ("", "no header"),
+        ("v,e,d\n1,0.5,30\n", "the unit of d must be one of m, mm, um, nm, got ''"),
+        ("v,e,d (um)\n1,0.5,0\n", "line 2: d must be positive, got 0"),
+        ("v,e,sigma_d (um)\n1,0.5,2\n", "sigma_d needs the column d, or is in %: 'sigma_d (%)'"),
+        ("v,e,sigma_v (%)\n1,0.5,50\n", "sigma_v must be from 0 to half of v, got 50"),
         ("v,e\n", "no data"),
         ("v,f\n1,2\n", "either e or V are needed, got 'v', 'f'"),
         ("speed,e\n1,2\n", "needed, got 'speed', 'e'; other names go by --columns"),

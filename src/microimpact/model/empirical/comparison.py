@@ -16,24 +16,27 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations
-from typing import NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import scipy
 
 from microimpact.core.arrays import FloatArray, Numbers, Range, checked
 from microimpact.core.solve import roots
-from microimpact.model.empirical import shapes
+from microimpact.model.empirical import scatter, shapes
 from microimpact.model.empirical.data import (
     DataSets,
     Places,
+    Scatter,
     in_own_units,
     measurements,
     require_telling,
+    scatter_of,
     stacked_sets,
 )
 from microimpact.model.empirical.equations import restitution
-from microimpact.model.empirical.kernel import V_C
+from microimpact.model.empirical.kernel import LN_SIGMA, LN_SIZE, SCATTERED, V_C
+from microimpact.model.empirical.scatter import FIRST_SIZE
 from microimpact.model.empirical.search import STARTS, Minima, profile
 
 CONFIDENCE = Range(lower=0.0, upper=1.0)
@@ -57,6 +60,8 @@ FIRST_VALUES = np.append(
 )
 # Rise of chi-square, in units of what one parameter adds, at which nothing of v_c is left.
 NEGLIGIBLE = 30.0
+# Shares of v_c, found with speeds exact and one size, at which data are searched for a scatter.
+NEARBY = np.array([0.85, 1.0, 1.1, 1.25, 1.45])
 # Models lighter than this are left out of words.
 LIGHT = 0.05
 # Shares by which tests reject: misfit, residuals in runs, a stray row.
@@ -98,52 +103,35 @@ class Model:
     law: Callable[[FloatArray], FloatArray]
 
 
-# Data sets, the one of each search (m,), v_c (m,) in its unit, and variables (s, m, 5) to start
-# from, if any.
-Profile = Callable[[DataSets, Places, FloatArray, FloatArray], Minima]
-
-
-def _empirical(
-    q: float | None, data: DataSets, owner: Places, v_c: FloatArray, starts: FloatArray
-) -> Minima:
-    """Profile of Eq. (34)."""
-    fresh = 0 if len(starts) else len(STARTS)
-    return profile(replace(data, q=q), owner, 1.0 - v_c, *starts, fresh=fresh)
-
-
-def _of_law(
-    name: str, data: DataSets, owner: Places, v_c: FloatArray, starts: FloatArray
-) -> Minima:
-    """Profile of a law of contact."""
-    return shapes.profile(name, data, owner, v_c, *starts)
-
-
-def _eq_34(x: FloatArray, v_c: float, v: FloatArray) -> FloatArray:
-    """Eq. (34) at speeds (n,), by logarithms of k, p, kappa and q."""
-    k, p, kappa, q = np.exp(x[:V_C])
-    return restitution(v, k, p, kappa, q, v_c)
-
-
-def _by_law(name: str, x: FloatArray, v_c: float, v: FloatArray) -> FloatArray:
-    """Coefficients of restitution of a law of contact at speeds (n,)."""
-    return shapes.restitution(name, x, v / v_c)
-
-
 class Candidate(NamedTuple):
-    """A model to be tried: free parameters with v_c, profile, e of its variables, v_c and v."""
+    """A model to be tried."""
 
-    free: int
-    profile: Profile
-    restitution: Callable[[FloatArray, float, FloatArray], FloatArray]
+    free: int  # Free parameters with v_c
+    law: str | None  # One of `shapes.LAWS`; None: Eq. (34)
+    q: float | None = None  # Its exponent, or None where it is free
+
+    def profile(self, data: DataSets, owner: Places, v_c: FloatArray, starts: FloatArray) -> Minima:
+        """Search with v_c (m,) held in data sets (m,), from variables (s, m, ...), if any."""
+        if data.scatter is not None:
+            v_c = v_c * data.reach[owner]
+            return scatter.profile(self.law, self.q, data, owner, v_c, starts)
+        if self.law is not None:
+            return shapes.profile(self.law, data, owner, v_c, *starts)
+        fresh = 0 if len(starts) else len(STARTS)
+        return profile(replace(data, q=self.q), owner, 1.0 - v_c, *starts, fresh=fresh)
+
+    def restitution(self, x: FloatArray, v_c: float, v: FloatArray) -> FloatArray:
+        """Restitution at speeds (n,) by the variables of a search."""
+        if self.law is not None:
+            return shapes.restitution(self.law, x, v / v_c)
+        k, p, kappa, q = np.exp(x[:V_C])
+        return restitution(v, k, p, kappa, q, v_c)
 
 
 CANDIDATES = {
-    "Eq. 34, q free": Candidate(5, partial(_empirical, None), _eq_34),
-    "Eq. 34, q = 1/2": Candidate(4, partial(_empirical, 0.5), _eq_34),
-} | {
-    name: Candidate(law.free + 1, partial(_of_law, name), partial(_by_law, name))
-    for name, law in shapes.LAWS.items()
-}
+    "Eq. 34, q free": Candidate(5, None),
+    "Eq. 34, q = 1/2": Candidate(4, None, 0.5),
+} | {name: Candidate(law.free + 1, name) for name, law in shapes.LAWS.items()}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -162,6 +150,12 @@ class Comparison:
         Standard deviation of e that the best model leaves, where none is given; else None.
     scatter
         The same over the sigma given, or 1.
+    exact
+        Whether speeds were taken as exact and all spheres as of one size.
+    diameter
+        Median diameter, whose v_c this is, m; None where no diameters are given.
+    size_scatter
+        Relative standard deviation of the diameter by the best model, if that was to be found.
     warnings
         What speaks against trusting the interval, in sentences.
     """
@@ -172,6 +166,9 @@ class Comparison:
     confidence: float
     sigma: float | None
     scatter: float
+    exact: bool
+    diameter: float | None
+    size_scatter: float | None
     warnings: tuple[str, ...]
 
 
@@ -179,6 +176,9 @@ def compare_models(
     v: Numbers,
     e: Numbers,
     sigma: Numbers | None = None,
+    sigma_v: Numbers | None = None,
+    d: Numbers | None = None,
+    size_scatter: Numbers | Literal["free"] | None = None,
     *,
     confidence: float = 0.95,
     models: Sequence[str] | None = None,
@@ -186,6 +186,8 @@ def compare_models(
     """Find the capture velocity from restitutions by all models, and an interval of their average.
 
     Where the best model leaves more scatter than sigma admits, sigma is taken larger by that much.
+    Without `sigma_v`, `d` and `size_scatter` speeds are taken as exact, and spheres as of one size;
+    with one of them models are averaged as `microimpact.model.empirical.scatter` says.
 
     Parameters
     ----------
@@ -195,6 +197,13 @@ def compare_models(
         Coefficients of restitution (n,), in [0, 1]; 0 for a captured sphere.
     sigma
         Standard deviation of e, one number or (n,); None: one for all, estimated.
+    sigma_v
+        Standard deviation of v, m/s, one number or (n,); None: 0.
+    d
+        Diameters of the spheres, m, one number or (n,): v_c is that of the median one.
+    size_scatter
+        Relative standard deviation of the diameters, or of their errors where `d` is of each
+        sphere, one number or (n,); ``"free"``: to be found; None: 0.
     confidence
         Coverage of the intervals, in (0, 1).
     models
@@ -206,46 +215,69 @@ def compare_models(
         If a model is unknown, numbers are out of range or too few, no sphere rebounds, or e hardly
         depends on v in the way that a rebound does.
     """
-    return compare_sets([(v, e, sigma)], confidence=confidence, models=models)[0]
+    return compare_sets(
+        [(v, e, sigma, sigma_v, d, size_scatter)], confidence=confidence, models=models
+    )[0]
 
 
 def compare_sets(
-    sets: Sequence[tuple[Numbers, Numbers, Numbers | None]],
+    sets: Sequence[tuple[Any, ...]],
     *,
     confidence: float = 0.95,
     models: Sequence[str] | None = None,
 ) -> list[Comparison]:
-    """Compare models of many data sets, each speeds, restitutions and sigma, by `compare_models`.
+    """Compare models of many data sets, each the positional arguments of `compare_models`.
 
     Sets with as many points, and as many of them from the slowest rebound upwards, are searched
     side by side. Arguments and errors are the same.
     """
     level = float(checked("confidence", confidence, CONFIDENCE))
-    alike: dict[tuple[int, int, bool], list[tuple[int, DataSets, Places]]] = defaultdict(list)
-    for number, (v, e, sigma) in enumerate(sets):
-        known = sigma is not None
-        spread = 1.0 if sigma is None else sigma
-        speed, measured, spread = measurements(v, e, spread, FRACTION, SPREAD)
-        require_telling(speed, measured, FEWEST, FEWEST - 1)
-        order = np.argsort(speed, kind="stable")
-        row = order[None]
-        data = in_own_units(speed[row], measured[row], 1.0 / spread[row], None)
-        alike[speed.size, int(np.sum(data.v >= 1.0)), known].append((number, data, order + 1))
+    alike: dict[Any, list[tuple[int, DataSets, Places, float | None]]] = defaultdict(list)
+    for number, each in enumerate(sets):
+        data, order, known, diameter = _checked(*each)
+        said = data.scatter and data.scatter[1:]
+        kind = order.size, int(np.sum(data.v >= 1.0)), known, said
+        alike[kind].append((number, data, order + 1, diameter))
     for name in models or ():
         if name not in CANDIDATES:
             raise ValueError(f"models: {name!r} must be one of {'; '.join(CANDIDATES)}")
     candidates = {name: CANDIDATES[name] for name in models or CANDIDATES}
     comparisons: dict[int, Comparison] = {}
-    for (_, count, known), members in alike.items():
-        numbers, parts, rows = zip(*members, strict=True)
-        compared = _compared(stacked_sets(parts), rows, count, known, level, candidates)
+    for (_, count, known, _), members in alike.items():
+        numbers, parts, rows, diameters = zip(*members, strict=True)
+        data = stacked_sets(parts)
+        compared = _compared(data, rows, diameters, count, known, level, candidates)
         comparisons |= zip(numbers, compared, strict=True)
     return [comparisons[number] for number in range(len(sets))]
+
+
+def _checked(
+    v: Numbers,
+    e: Numbers,
+    sigma: Numbers | None = None,
+    sigma_v: Numbers | None = None,
+    d: Numbers | None = None,
+    size_scatter: Numbers | str | None = None,
+) -> tuple[DataSets, Places, bool, float | None]:
+    """Check a data set and sort it by speed: data, order, whether sigma is known, diameter."""
+    spread = 1.0 if sigma is None else sigma
+    speed, measured, spread = measurements(v, e, spread, FRACTION, SPREAD)
+    open_sizes = scatter_of(speed, sigma_v, d, size_scatter)
+    require_telling(speed, measured, FEWEST, FEWEST - 1)
+    order = np.argsort(speed, kind="stable")
+    row = order[None]
+    data = in_own_units(speed[row], measured[row], 1.0 / spread[row], None)
+    if open_sizes is None:
+        return data, order, sigma is not None, None
+    rows, free, diameter = open_sizes
+    said = Scatter(rows[None, :, order], free, sigma is None)
+    return replace(data, scatter=said), order, sigma is not None, diameter
 
 
 def _compared(
     sets: DataSets,
     rows: Sequence[Places],
+    diameters: Sequence[float | None],
     count: int,
     known: bool,
     level: float,
@@ -256,70 +288,126 @@ def _compared(
     ``rows`` are the numbers (n,), from 1, that the points of each set had before they were sorted.
     """
     spare = 0 if known else 2  # AICc divides by what is left
-    tried = {name: model for name, model in candidates.items() if count > model.free + spare}
+    more = int(sets.scatter is not None and sets.scatter.free_size)
+    tried = {
+        name: model._replace(free=model.free + more)
+        for name, model in candidates.items()
+        if count > model.free + more + spare
+    }
     if not tried:
-        fewest = 1 + spare + min(model.free for model in candidates.values())
+        fewest = 1 + spare + more + min(model.free for model in candidates.values())
         raise ValueError(
             f"v must hold at least {fewest} points from the smallest rebounding speed upwards for "
             f"these models, got {count}"
         )
     free = np.array([model.free for model in tried.values()])[:, None]
-    drawn = [_drawn(model.profile, sets, count - model.free, known) for model in tried.values()]
+    drawn = [_drawn(model, sets, count - model.free, known) for model in tried.values()]
     profiles, v_c = (np.stack([getattr(best, name) for best in drawn]) for name in ("rows", "v_c"))
     least = profiles[..., 1].min(axis=2)
-    leftover = least / (count - free)  # variance of e in units of sigma squared
-    criterion = _criterion(least, free, count, known)
+    chi_square = least
+    if sets.scatter is not None and known:
+        chi_square = np.array(
+            [
+                [
+                    np.sum(_residuals(data, order, model, x, at, known).in_sigma ** 2)
+                    for data, order, x, at in zip(sets.split(), rows, best.x, best.v_c, strict=True)
+                ]
+                for model, best in zip(tried.values(), drawn, strict=True)
+            ]
+        )
+    leftover = chi_square / (count - free)  # variance of e in units of sigma squared
+    criterion = _criterion(least, leftover, free, count, known)
     best, every = np.argmin(criterion, axis=0), np.arange(len(sets.unit))
     criterion = criterion - criterion[best, every]
     weights = np.exp(-0.5 * criterion)
     weights /= weights.sum(axis=0)
-    scatter = leftover[best, every]
-    widened = np.maximum(1.0, scatter)
+    left = leftover[best, every]
+    widened = np.maximum(1.0, left)
     # With sigma known the signed roots are normal; else, of Student's distribution.
     freedom = np.where(known & (widened == 1.0), np.inf, count - free)
     tails = _Tails(profiles, v_c, widened if known else leftover, freedom)
-    half = 0.5 * (1.0 - level)
-    alone = sets.unit * np.stack([tails.quantiles(half), tails.quantiles(1.0 - half)])
+    scattered = np.zeros(every.size)
+    for k in np.unique(best) if sets.scatter is None else ():
+        chosen, model = np.flatnonzero(best == k), list(tried.values())[k]
+        scattered[chosen] = _likelier_scatter(model, sets.select(chosen), drawn[k], chosen, known)
+    half, unit = 0.5 * (1.0 - level), sets.unit * sets.reach
+    alone = unit * np.stack([tails.quantiles(half), tails.quantiles(1.0 - half)])
     low, middle, high = (
-        sets.unit * _averaged(weights, tails, share) for share in (half, 0.5, 1.0 - half)
+        unit * _averaged(weights, tails, share) for share in (half, 0.5, 1.0 - half)
     )
     compared = []
-    for i, unit in enumerate(sets.unit):
+    for i, data in enumerate(sets.split()):
         fitted = [
             Model(
                 name=name,
                 free=candidate.free,
-                v_c=float(unit * v_c[k, i]),
+                v_c=float(unit[i] * v_c[k, i]),
                 interval=(float(alone[0, k, i]), float(alone[1, k, i])),
-                chi_square=float(least[k, i]) if known else None,
+                chi_square=float(chi_square[k, i]) if known else None,
                 criterion=float(criterion[k, i]),
                 weight=float(weights[k, i]),
-                law=partial(_in_metres, candidate, drawn[k].x[i], float(v_c[k, i]), float(unit)),
+                law=partial(_in_metres, candidate, data, drawn[k].x[i], float(v_c[k, i])),
             )
             for k, (name, candidate) in enumerate(tried.items())
         ]
         fitted.sort(key=lambda model: model.criterion)
-        data, interval = sets.select(slice(i, i + 1)), (float(low[i]), float(high[i]))
-        residuals = _residuals(data, rows[i], fitted[0])
+        k, interval = best[i], (float(low[i]), float(high[i]))
+        winner, x = list(tried.values())[k], drawn[k].x[i]
+        residuals = _residuals(data, rows[i], winner, x, float(v_c[k, i]), known)
         _require_a_curve(residuals)
+        sigma = np.exp(x[LN_SIGMA]) if data.scatter is not None else np.sqrt(left[i])
         compared.append(
             Comparison(
                 models=tuple(fitted),
                 v_c=float(middle[i]),
                 v_c_interval=interval,
                 confidence=level,
-                sigma=float(np.sqrt(scatter[i])) if not known else None,
-                scatter=float(np.sqrt(scatter[i])) if known else 1.0,
-                warnings=tuple(_warnings(data, fitted, residuals, float(middle[i]), interval)),
+                sigma=None if known else float(sigma),
+                scatter=float(np.sqrt(left[i])) if known else 1.0,
+                exact=data.scatter is None,
+                diameter=diameters[i],
+                size_scatter=float(np.exp(x[LN_SIZE])) if more else None,
+                warnings=tuple(
+                    _warnings(data, fitted, residuals, float(middle[i]), interval, scattered[i])
+                ),
             )
         )
     return compared
 
 
 def _in_metres(
-    candidate: Candidate, x: FloatArray, v_c: float, unit: float, v: FloatArray
+    candidate: Candidate, data: DataSets, x: FloatArray, v_c: float, v: FloatArray
 ) -> FloatArray:
-    return candidate.restitution(x, v_c, np.asarray(v) / unit)
+    """Restitution at speeds (n,) in m/s by the variables of a search in one data set."""
+    return candidate.restitution(x, v_c * data.reach[0], np.asarray(v) / data.unit[0])
+
+
+def _likelier_scatter(
+    model: Candidate, sets: DataSets, drawn: _Drawn, chosen: Places, known: bool
+) -> FloatArray:
+    """Scatter of size (r,) with which a model's criterion is lower than with one size, else 0.
+
+    ``drawn`` are its profiles in all data sets, of which ``sets`` are the chosen ones (r,).
+    """
+    many, count = chosen.size, int(np.sum(sets.v[0] >= 1.0))
+    rows = np.zeros((many, 3, sets.v.shape[1]))
+    rows[:, 2] = 1.0
+    scattered = replace(sets, scatter=Scatter(rows, free_size=True, free_sigma=not known))
+    least = drawn.rows[chosen, :, 1].min(axis=1)
+    start = np.zeros((many, SCATTERED))
+    start[:, :V_C] = drawn.x[chosen, :V_C]
+    start[:, LN_SIZE] = np.log(FIRST_SIZE)
+    if not known:
+        start[:, LN_SIGMA] = 0.5 * np.log(np.maximum(0.5 * least / count, TINY))
+    owner = np.repeat(np.arange(many), len(NEARBY))
+    v_c = (drawn.v_c[chosen, None] * NEARBY / scattered.reach[:, None]).ravel()
+    searched = model.profile(scattered, owner, v_c, start[None, owner])
+    each = searched.chi_square.reshape(many, len(NEARBY))
+    at = np.arange(many), each.argmin(axis=1)
+    free, even = np.array([[model.free], [model.free + 1]]), np.ones((2, 1))
+    criterion = _criterion(np.stack([least, each[at]]), even, free, count, known)
+    size = np.exp(searched.x[:, LN_SIZE]).reshape(each.shape)[at]
+    return np.where(criterion[1] < criterion[0], size, 0.0)
 
 
 class _Drawn(NamedTuple):
@@ -330,19 +418,19 @@ class _Drawn(NamedTuple):
     x: FloatArray  # The variables there (r, 5)
 
 
-def _drawn(search: Profile, sets: DataSets, freedom: int, known: bool) -> _Drawn:
+def _drawn(model: Candidate, sets: DataSets, freedom: int, known: bool) -> _Drawn:
     """Draw profiles, closer and closer about their low parts."""
     every = np.arange(len(sets.unit))
 
     def searched(owner: Places, v_c: FloatArray, starts: FloatArray) -> FloatArray:
         """v_c, chi-square and the variables of each search (m, 7)."""
-        return np.column_stack([v_c, *search(sets, owner, v_c, starts)[:2]])
+        return np.column_stack([v_c, *model.profile(sets, owner, v_c, starts)[:2]])
 
     first = np.append(FIRST_VALUES[:-1:APART], GREATEST)
     owner, v_c = np.repeat(every, first.size), np.tile(first, every.size)
     rows = searched(owner, v_c, np.zeros((0, 0, 0))).reshape(every.size, first.size, -1)
     between = np.tile(np.setdiff1d(FIRST_VALUES, first), (every.size, 1))
-    for _ in range(ROUNDS + 1):
+    for _ in range(ROUNDS + (sets.scatter is None)):
         # Neighbours on both sides are close starts; a value that is there already stays as it is.
         after = np.sum(rows[:, None, :, 0] < between[..., None], axis=2)
         before, more = (rows[every[:, None], at] for at in (after - 1, after))
@@ -419,13 +507,15 @@ def _averaged(weights: FloatArray, tails: _Tails, level: float) -> FloatArray:
     return v_c
 
 
-def _criterion(least: FloatArray, free: FloatArray, count: int, known: bool) -> FloatArray:
+def _criterion(
+    least: FloatArray, leftover: FloatArray, free: FloatArray, count: int, known: bool
+) -> FloatArray:
     """Akaike's criterion; that for few data where sigma is estimated, too.
 
     With sigma too small for every model, chi-square counts in units of what the best leaves.
     """
     if known:
-        unit = np.maximum(1.0, np.min(least / (count - free), axis=0))
+        unit = np.maximum(1.0, np.min(leftover, axis=0))
         return np.asarray(least / unit + 2.0 * free)
     numbers = free + 1
     loss = count * np.log(np.maximum(least, TINY) / count)
@@ -453,12 +543,21 @@ class _Residuals(NamedTuple):
         return f"; largest residuals: {words}" if words else ""
 
 
-def _residuals(data: DataSets, rows: Places, model: Model) -> _Residuals:
+def _residuals(
+    data: DataSets, rows: Places, model: Candidate, x: FloatArray, v_c: float, known: bool
+) -> _Residuals:
+    """Residuals of one data set from a model, by the variables of its search."""
     telling = data.v[0] >= 1.0
+    if data.scatter is not None:
+        telling &= data.e[0] > 0.0
+        moments = scatter.expected(model.law, data, v_c * data.reach[0], x)[telling]
+        v, e = data.unit * data.v[0, telling], data.e[0, telling]
+        missed = e - moments[:, 0]
+        return _Residuals(rows[telling], v, e, missed, missed / np.sqrt(moments[:, 1]))
     v, e = data.unit * data.v[0, telling], data.e[0, telling]
-    missed = e - model.law(v)
+    missed = e - model.restitution(x, v_c, data.v[0, telling])
     in_sigma = missed * data.weight[0, telling]
-    if model.chi_square is None:
+    if not known:
         squares = np.maximum(np.sum(missed**2) - missed**2, TINY)
         in_sigma = missed / np.sqrt(squares / (e.size - model.free - 1))
     return _Residuals(rows[telling], v, e, missed, in_sigma)
@@ -481,8 +580,15 @@ def _warnings(
     residuals: _Residuals,
     v_c: float,
     interval: tuple[float, float],
+    size_scatter: float,
 ) -> Iterator[str]:
     yield from _about_the_fit(models[0], residuals)
+    if size_scatter > 0.0:
+        yield (
+            "the data look as if v_c scattered among the spheres, as with "
+            f"{100.0 * size_scatter:.2g} % in diameter, or as if speeds had errors: then the "
+            "interval is too narrow"
+        )
     heavy = [model for model in models if model.weight >= LIGHT]
     for first, second in combinations(heavy, 2):
         if first.interval[0] > second.interval[1] or second.interval[0] > first.interval[1]:
@@ -492,22 +598,26 @@ def _warnings(
             f"one model alone, {models[0].name}, carries the interval, which supposes it true: of "
             "another curve such an interval is too narrow"
         )
-    slowest = float(data.unit[0])
+    slowest, exact = float(data.unit[0]), data.scatter is None
     captured = slowest * data.v[data.e == 0.0]
     if slowest > NEAR * v_c and not (captured > v_c / NEAR).any():
         yield (
             f"no speed is near capture: the slowest rebound has {slowest:.3g} m/s"
             f"{f', {slowest / v_c:.2g} times v_c' if v_c > 0.0 else ', v_c is 0'}"
         )
-    if (nearest := max(captured, default=0.0)) > slowest:
+    if exact and (nearest := max(captured, default=0.0)) > slowest:
         yield (
             f"captures up to {nearest:.3g} m/s and rebounds from {slowest:.3g} m/s on overlap: "
             "the spheres or the places do not share one v_c"
         )
     if interval[0] == 0.0:
         yield "the data do not bound v_c from below"
-    if interval[1] == slowest:
-        yield "the upper end is the slowest rebound itself"
+    if interval[1] == slowest * data.reach[0]:
+        yield (
+            "the upper end is the slowest rebound itself"
+            if exact
+            else "the data do not bound v_c from above"
+        )
 
 
 def _about_the_fit(best: Model, residuals: _Residuals) -> Iterator[str]:

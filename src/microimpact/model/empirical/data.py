@@ -4,16 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from numpy.typing import ArrayLike
 
-from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, FloatArray, Numbers, Range, checked
+from microimpact.core.arrays import (
+    NON_NEGATIVE,
+    POSITIVE,
+    FloatArray,
+    Numbers,
+    Range,
+    checked,
+)
 from microimpact.model.empirical.kernel import MEASURED, SPEED, WEIGHT
 
 Places = npt.NDArray[np.intp]
 Given = Numbers | ArrayLike
+
+# Bounds of relative standard deviations of speed and diameter, and of that which is to be found;
+# exponent of v_c in 1/d that few laws exceed.
+RELATIVE = Range(lower=0.0, upper=0.5, lower_closed=True)
+SMALLEST_SIZE_SCATTER, LARGEST_SIZE_SCATTER = 0.002, 0.4
+STEEP = 1.8
+FREE = "free"
 
 
 def measurements(
@@ -47,6 +62,42 @@ def measurements(
     return speed, measured, np.broadcast_to(spread, speed.shape)
 
 
+def scatter_of(
+    v: FloatArray, sigma_v: Given | None, d: Given | None, size_scatter: Given | str | None
+) -> tuple[FloatArray, bool, float | None] | None:
+    """Check errors of speeds and scatter of sizes, arguments of `compare_models`.
+
+    Returns
+    -------
+    rows, free, diameter
+        Rows of `Scatter` (3, n), whether the scatter of size is to be found, and the median
+        diameter in m, None if no diameters are given. None instead of all, if nothing is said.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If numbers are out of range, or shapes differ.
+    """
+    if sigma_v is None and d is None and size_scatter is None:
+        return None
+    free = isinstance(size_scatter, str)
+    if free and size_scatter != FREE:
+        raise ValueError(f"size_scatter must be numbers or {FREE!r}, got {size_scatter!r}")
+    spread = 0.0 if size_scatter is None else size_scatter
+    size = 1.0 if free else checked("size_scatter", spread, RELATIVE)
+    speed = checked("sigma_v", 0.0 if sigma_v is None else sigma_v, NON_NEGATIVE)
+    diameter = checked("d", 1.0 if d is None else d, POSITIVE)
+    for name, value in {"sigma_v": speed, "d": diameter, "size_scatter": size}.items():
+        if np.shape(value) not in {(), v.shape}:
+            raise ValueError(
+                f"{name} must be one number or of shape {v.shape}, got {np.shape(value)}"
+            )
+    checked("sigma_v / v", np.divide(speed, v), RELATIVE)
+    median = float(np.median(diameter))
+    arrays = np.broadcast_arrays(np.log(np.divide(diameter, median)), np.divide(speed, v), size)
+    return np.stack([np.asarray(a, float) for a in arrays]), free, None if d is None else median
+
+
 def require_telling(v: FloatArray, e: FloatArray, points: int, different: int) -> None:
     """Refuse data with fewer points, or different speeds, from the slowest rebound upwards.
 
@@ -70,6 +121,16 @@ def require_telling(v: FloatArray, e: FloatArray, points: int, different: int) -
 ARRAYS = ("points", "unit", "top")
 
 
+class Scatter(NamedTuple):
+    """Errors of speeds and scatter of sizes in r data sets."""
+
+    # ln of the diameter over the median one, and relative standard deviations of speed and of
+    # diameter; of a scatter of size to be found, its pattern (r, 3, n).
+    rows: FloatArray
+    free_size: bool  # Whether the scatter of size is to be found
+    free_sigma: bool  # Whether sigma of e is
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DataSets:
     """Data sets (r, n), checked, in units of the slowest rebounding speed of each."""
@@ -81,6 +142,7 @@ class DataSets:
     unit: FloatArray
     top: FloatArray
     q: float | None  # Exponent of Eq. (33), or None where it is free.
+    scatter: Scatter | None = None  # None: speeds are exact and all spheres of one size
 
     @property
     def v(self) -> FloatArray:
@@ -99,7 +161,23 @@ class DataSets:
 
     def select(self, rows: slice | Places) -> DataSets:
         """Index the data sets."""
-        return DataSets(**{name: getattr(self, name)[rows] for name in ARRAYS}, q=self.q)
+        scatter = self.scatter and self.scatter._replace(rows=self.scatter.rows[rows])
+        arrays = {name: getattr(self, name)[rows] for name in ARRAYS}
+        return DataSets(**arrays, q=self.q, scatter=scatter)
+
+    def split(self) -> list[DataSets]:
+        """The data sets one by one."""
+        return [self.select(slice(i, i + 1)) for i in range(len(self.unit))]
+
+    @property
+    def reach(self) -> FloatArray:
+        """Largest v_c (r,): the slowest rebound, or more where that may be of a large sphere."""
+        if self.scatter is None:
+            return np.ones(self.unit.shape)
+        sizes, speeds, spreads = np.abs(np.moveaxis(self.scatter.rows, 1, 0)).max(axis=2)
+        spreads = LARGEST_SIZE_SCATTER if self.scatter.free_size else spreads
+        wide = 4.0 * np.hypot(speeds, STEEP * spreads)
+        return np.asarray(np.exp(np.minimum(wide, 1.0) + STEEP * sizes))
 
     @property
     def free(self) -> int:
@@ -157,4 +235,8 @@ def in_own_units(v: FloatArray, e: FloatArray, weight: FloatArray, q: float | No
 def stacked_sets(parts: Sequence[DataSets]) -> DataSets:
     """Join data sets of one number of points and one q into a batch."""
     arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in ARRAYS}
-    return DataSets(**arrays, q=parts[0].q)
+    scatter = parts[0].scatter
+    if scatter is not None:
+        rows = [part.scatter.rows for part in parts if part.scatter is not None]
+        scatter = scatter._replace(rows=np.concatenate(rows))
+    return DataSets(**arrays, q=parts[0].q, scatter=scatter)

@@ -433,3 +433,206 @@ def descend_all(  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912
                     ends[lane] = _ratios(places, size, near[lane], ratios[lane], weights[0, 0])
                 running[lane] = begun
                 begun += 1
+
+
+# Variables of a search under scatter: four of the curve, and logarithms of factors of the standard
+# deviations of e and of the diameter. Rows of its data: ln v, ln of the diameter over the
+# reference, standard deviations of both, e and its standard deviation.
+LN_SIGMA, LN_SIZE, SCATTERED = 4, 5, 6
+LN_V, LN_D, SPEED_SD, SIZE_SD, REBOUND, E_SD = range(6)
+# Nodes reach so many standard deviations. Per standard deviation of e there are so many of
+# sqrt(ln v/v_c), with which e grows about as fast. A scatter below the least is none.
+REACH, DENSITY, FEWEST_NODES, MOST_NODES, LEAST_SCATTER = 4.0, 0.75, 8, 400, 1e-3
+# A search ends where the deviance falls by less.
+SMALL_FALL, SCATTERED_STEPS = 1e-2, 60
+_ROOT_TWO, _LN_ROOT_TWO_PI = math.sqrt(2.0), 0.5 * math.log(2.0 * math.pi)
+
+
+@_jit
+def _below(u):  # type: ignore[no-untyped-def]
+    """Logarithm of the normal distribution function, and its slope."""
+    if u < -25.0:
+        return -0.5 * u * u - math.log(-u) - _LN_ROOT_TWO_PI, -u
+    log = math.log(0.5 * math.erfc(-u / _ROOT_TWO))
+    return log, math.exp(-0.5 * u * u - _LN_ROOT_TWO_PI - log)
+
+
+@_jit
+def _curve(lines, size, scale, v_c, log_v_c, z, p, q, y, slopes, j):  # type: ignore[no-untyped-def]
+    """E at y = sqrt(ln v/v_c), and its slopes in the first four variables."""
+    if size:
+        position = min(y * scale, size - 1.0)
+        first = min(max(int(position) - 1, 0), size - 4)
+        t = position - first
+        a, b, c = t - 1.0, t - 2.0, t - 3.0
+        first_share, second_share = -a * b * c / 6.0, t * b * c / 2.0
+        third_share, fourth_share = -t * a * c / 2.0, t * a * b / 6.0
+        for k in range(PARAMETERS):
+            line = lines[k]
+            slope = first_share * line[first] + second_share * line[first + 1]
+            slopes[j, k] = slope + third_share * line[first + 2] + fourth_share * line[first + 3]
+        slopes[j, PARAMETERS] = 0.0
+        line = lines[PARAMETERS]
+        e = first_share * line[first] + second_share * line[first + 1]
+        return e + third_share * line[first + 2] + fourth_share * line[first + 3]
+    fall = log_v_c + y * y - z[0]
+    rise = math.log(v_c * math.expm1(y * y)) - z[2]
+    body, kept = 1.0 / (1.0 + math.exp(p * fall)), 1.0 / (1.0 + math.exp(-q * rise))
+    e = body * kept
+    loss, taken = e * (1.0 - body) * p, e * (1.0 - kept) * q
+    slopes[j, 0], slopes[j, 1], slopes[j, 2], slopes[j, Q] = (
+        loss,
+        -loss * fall,
+        -taken,
+        taken * rise,
+    )
+    return e
+
+
+@_jit
+def deviance(grid, scale, data, v_c, z, gradient, information, expected):  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912, PLR0915
+    """Minus twice the logarithm of the likelihood of one data set (6, n) under scatter.
+
+    e of a rebound is averaged over ln(v/v_c), normal about the measured one and above 0. Without
+    captured spheres all rebounds are taken given that they are; else captures count as well.
+    ``grid``: a table whose last column is the exponent of v_c in 1/d, or of size 1 for Eq. (34), of
+    which that is all. Writes slopes (6,), Fisher's information by the first two moments (6, 6),
+    and these, mean and variance of e (n, 2).
+    """
+    size, count = grid.shape[PARAMETERS] - 1, data.shape[1]
+    lines, weights = np.zeros((PARAMETERS + 1, size + 1)), np.zeros((PARAMETERS, 2, 4))
+    if size:
+        _lines(grid, z[:PARAMETERS], 0, size + 1, weights, lines)
+    else:
+        lines[PARAMETERS, 0] = grid[0, 0, 0, 0]
+    e, slopes = np.empty(MOST_NODES), np.empty((MOST_NODES, Q + 1))
+    away, prior = np.empty(MOST_NODES), np.empty(MOST_NODES)
+    mean, by_curve = np.empty(Q + 1), np.empty(Q + 1)
+    moved, spread = np.empty(SCATTERED), np.empty(SCATTERED)
+    exponent, log_v_c = lines[PARAMETERS, size], math.log(v_c)
+    p, q = math.exp(z[1]), math.exp(z[Q])
+    joint = False
+    for i in range(count):
+        joint |= data[REBOUND, i] == 0.0
+    total = 0.0
+    gradient[:], information[:], expected[:] = 0.0, 0.0, 0.0
+    for i in range(count):
+        relative = data[SIZE_SD, i] * math.exp(z[LN_SIZE])
+        by_size = exponent * relative
+        s = math.sqrt(data[SPEED_SD, i] ** 2 + by_size**2 + LEAST_SCATTER**2)
+        x = data[LN_V, i] - log_v_c + exponent * data[LN_D, i]
+        # How the middle and the width of ln(v/v_c) depend on the variables.
+        moved[:], spread[:] = 0.0, 0.0
+        for k in range(PARAMETERS):
+            moved[k] = lines[k, size] * data[LN_D, i]
+            spread[k] = lines[k, size] * relative * by_size / s
+        spread[LN_SIZE] = by_size**2 / s
+        if data[REBOUND, i] == 0.0:
+            log, slope = _below(-x / s)
+            total -= 2.0 * log
+            for k in range(SCATTERED):
+                gradient[k] += 2.0 * slope * (moved[k] / s - x * spread[k] / s**2)
+            continue
+        sigma = data[E_SD, i] * math.exp(z[LN_SIGMA])
+        low = math.sqrt(max(x - REACH * s, 0.0))
+        high = math.sqrt(x + math.sqrt(min(x, 0.0) ** 2 + (REACH * s) ** 2))
+        nodes = min(max(int(DENSITY * (high - low) / sigma), FEWEST_NODES), MOST_NODES)
+        step = (high - low) / nodes
+        top = least = -np.inf
+        for j in range(nodes):
+            y = low + (j + 0.5) * step
+            e[j] = _curve(lines, size, scale, v_c, log_v_c, z, p, q, y, slopes, j)
+            away[j] = (y * y - x) / s
+            prior[j] = math.log(2.0 * y) - 0.5 * away[j] ** 2
+            least = max(least, prior[j])
+            top = max(top, prior[j] - 0.5 * ((data[REBOUND, i] - e[j]) / sigma) ** 2)
+        likely = all_prior = first = second = misfit = middle = square = 0.0
+        mean[:], by_curve[:] = 0.0, 0.0
+        for j in range(nodes):
+            share = math.exp(prior[j] - least)
+            all_prior += share
+            first += share * e[j]
+            second += share * e[j] ** 2
+            for k in range(Q + 1):
+                mean[k] += share * slopes[j, k]
+            missed = (data[REBOUND, i] - e[j]) / sigma
+            share = math.exp(prior[j] - 0.5 * missed**2 - top)
+            likely += share
+            misfit += share * missed**2
+            middle += share * away[j]
+            square += share * away[j] ** 2
+            share *= missed / sigma
+            for k in range(Q + 1):
+                by_curve[k] += share * slopes[j, k]
+        total -= 2.0 * (math.log(likely * step / s) + top - _LN_ROOT_TWO_PI - z[LN_SIGMA])
+        along, across = middle / likely / s, (square / likely - 1.0) / s
+        if not joint:
+            log, slope = _below(x / s)
+            total += 2.0 * log
+            along -= slope / s
+            across += slope * x / s**2
+        for k in range(Q + 1):
+            gradient[k] -= 2.0 * by_curve[k] / likely
+        gradient[LN_SIGMA] -= 2.0 * (misfit / likely - 1.0)
+        for k in range(SCATTERED):
+            gradient[k] -= 2.0 * (along * moved[k] + across * spread[k])
+        first /= all_prior
+        wide = max(second / all_prior - first**2, 0.0)
+        variance = wide + sigma**2
+        expected[i, 0], expected[i, 1] = first, variance
+        by_sigma, by_size = 2.0 * sigma**2 / variance, 2.0 * wide * spread[LN_SIZE] / s / variance
+        for k in range(Q + 1):
+            for m in range(Q + 1):
+                information[k, m] += mean[k] * mean[m] / all_prior**2 / variance
+        information[LN_SIGMA, LN_SIGMA] += 0.5 * by_sigma**2
+        information[LN_SIZE, LN_SIZE] += 0.5 * by_size**2
+        information[LN_SIGMA, LN_SIZE] += 0.5 * by_sigma * by_size
+        information[LN_SIZE, LN_SIGMA] += 0.5 * by_sigma * by_size
+    return total
+
+
+@_jit
+def descend_scattered(grid, scale, data, owner, v_c, low, high, stride, tried, starts, least, x):  # type: ignore[no-untyped-def]  # noqa: C901, PLR0912
+    """Put the least deviance (m,) and its variables (m, 6), from the ``tried`` best of starts."""
+    values, many = np.empty(len(starts)), data.shape[2]
+    gradient, fresh = np.empty(SCATTERED), np.empty(SCATTERED)
+    information, new = np.empty((SCATTERED, SCATTERED)), np.empty((SCATTERED, SCATTERED))
+    expected = np.empty((many, 2))
+    for m in range(len(owner)):
+        rows, least[m] = data[owner[m]], np.inf
+        for i in range(len(starts)):
+            values[i] = deviance(
+                grid, scale, rows, v_c[m], starts[i, m], gradient, information, expected
+            )
+        for _ in range(tried):
+            begun = np.argmin(values)
+            values[begun] = np.inf
+            z = np.minimum(np.maximum(starts[begun, m], low), high)
+            value = deviance(grid, scale, rows, v_c[m], z, gradient, information, expected)
+            damping = FIRST_DAMPING
+            for _ in range(SCATTERED_STEPS):
+                matrix, right = information.copy(), -0.5 * gradient
+                for k in range(SCATTERED):
+                    out = (z[k] <= low[k] and gradient[k] >= 0.0) or (
+                        z[k] >= high[k] and gradient[k] <= 0.0
+                    )
+                    if out:
+                        matrix[k, :], matrix[:, k], right[k] = 0.0, 0.0, 0.0
+                        matrix[k, k] = 1.0
+                    matrix[k, k] = matrix[k, k] * (1.0 + damping) + 1e-9
+                step = np.linalg.solve(matrix, right)
+                trial = z + np.minimum(np.maximum(step, -stride), stride)
+                trial = np.minimum(np.maximum(trial, low), high)
+                lower = deviance(grid, scale, rows, v_c[m], trial, fresh, new, expected)
+                if lower <= value:
+                    fall, value = value - lower, lower
+                    z[:], gradient[:], information[:] = trial, fresh, new
+                    if fall < SMALL_FALL:
+                        break
+                    damping = max(damping * LIGHTEN, LEAST_DAMPING)
+                else:
+                    damping *= 4.0
+                    if damping > 1e4:
+                        break
+            if value < least[m]:
+                least[m], x[m] = value, z

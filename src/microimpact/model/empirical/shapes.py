@@ -29,6 +29,8 @@ from microimpact.model.empirical.search import Minima, Search, lowest
 RATIOS, LARGEST_RATIO, TWO, ONE, KINKED = 56, 1e4, 28, 48, 100
 # One place stands for a parameter that a law has not.
 NONE = (1.0, 1.0, 1)
+# Exponent of v_c in 1/d beyond which small spheres do not leave at all.
+STEEPEST = 3.0
 # Starts that a search is made from: the lowest. With v_c held nearly all lead to one minimum, and
 # where neighbours in v_c found another, a profile begins there next time.
 TRIED = 3
@@ -134,6 +136,30 @@ def table(name: str) -> FloatArray:
     kept = np.maximum.accumulate(np.where(leaves, np.arange(leaves.size), 0))
     # In order in memory, as all tables are: the search is compiled once.
     return np.ascontiguousarray(e[:, kept]).reshape(rates.size, firsts.size, seconds.size, -1)
+
+
+@cache
+def exponents(name: str) -> FloatArray:
+    """Exponents of v_c in 1/d of a law (rate exponents, first parameter, second)."""
+    law = LAWS[name]
+    rates, firsts, seconds = law.values
+    shape = (rates.size, firsts.size, seconds.size)
+    if law.contact is None:  # half of 3 - 4/3: the work of a JKR contact over the mass
+        return np.full(shape, 5.0 / 6.0)
+    first, second = (axis.reshape(-1, 1) for axis in np.meshgrid(firsts, seconds, indexing="ij"))
+    contact, step = law.contact(first, second), 1.01
+    changes = [{}, {"diameter": step * _ANY.diameter}]
+    if rates.size > 1:
+        changes.append({"adhesion_damping": step * contact.adhesion_damping})
+    limits = [np.ravel(capture_velocity(contact.replace(**change))) for change in changes]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        by_size, *by_damping = (np.log(limit / limits[0]) / np.log(step) for limit in limits[1:])
+        # Of a smaller sphere, whose v_c is higher, damping at v_c is less.
+        slowed = 1.0 + np.multiply.outer(rates, by_damping[0] if by_damping else 0.0 * by_size)
+        exponent = np.minimum(-by_size / slowed, STEEPEST)
+    leaves = np.isfinite(exponent).all(axis=0)
+    kept = np.maximum.accumulate(np.where(leaves, np.arange(leaves.size), 0))
+    return np.asarray(exponent[:, kept].reshape(shape))
 
 
 def places(ratio: FloatArray) -> FloatArray:

@@ -1,0 +1,164 @@
+"""Restitution averaged over spheres of several sizes and speeds with errors, and its search.
+
+v/v_c of a sphere is not that of the median one at the measured speed: v_c falls with the diameter,
+by each law's own exponent, and speeds have errors. Both together are normal in ln(v/v_c). The
+likelihood of a measured e is its average over that, on condition that the sphere rebounds where the
+data hold no captured ones: small spheres are missing there. Where they hold some, all are supposed
+to be recorded, and their probability counts.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from microimpact.core.arrays import FloatArray
+from microimpact.model.empirical import shapes
+from microimpact.model.empirical.data import (
+    LARGEST_SIZE_SCATTER,
+    SMALLEST_SIZE_SCATTER,
+    DataSets,
+    Places,
+    Scatter,
+)
+from microimpact.model.empirical.kernel import (
+    LN_SIGMA,
+    LN_SIZE,
+    PARAMETERS,
+    SCATTERED,
+    Q,
+    descend_scattered,
+    deviance,
+)
+from microimpact.model.empirical.search import (
+    EXPONENT_BOUNDS,
+    K_BOUNDS,
+    KAPPA_BOUNDS,
+    STARTS,
+    Minima,
+)
+
+# Dahneke (1971): a sphere is held by a force that grows with d, and its mass with d^3.
+EXPONENT_OF_EQ_34 = 1.0
+SIGMA_BOUNDS = (1e-4, 0.5)
+# Where searches begin: sigma of e, scatter of size.
+FIRST_SIGMA, FIRST_SIZE = 0.03, 0.05
+# Starts from which a search is made, with neighbours in v_c and without.
+NEAR, FRESH = 1, 2
+_SCALE = (shapes.RATIOS - 1) / np.sqrt(np.log(shapes.LARGEST_RATIO))
+
+
+@cache
+def _table(law: str | None) -> FloatArray:
+    """Table of a law with the exponent of v_c in 1/d as last column; that alone for Eq. (34)."""
+    if law is None:
+        return np.full((1, 1, 1, 1), EXPONENT_OF_EQ_34)
+    columns = [shapes.table(law), shapes.exponents(law)[..., None]]
+    return np.ascontiguousarray(np.concatenate(columns, axis=-1))
+
+
+def _data(sets: DataSets, scatter: Scatter) -> FloatArray:
+    """Data as the search takes them (r, 6, n)."""
+    rows = [np.log(sets.v), *np.moveaxis(scatter.rows, 1, 0), sets.e, 1.0 / sets.weight]
+    return np.ascontiguousarray(np.stack(rows, axis=1))
+
+
+def _box(law: str | None, q: float | None, scatter: Scatter) -> FloatArray:
+    """Bounds of the variables and the largest steps (3, 6)."""
+    box = np.zeros((3, SCATTERED))
+    if law is None:
+        exponents = (q, q) if q else EXPONENT_BOUNDS
+        bounds = K_BOUNDS, EXPONENT_BOUNDS, KAPPA_BOUNDS, exponents
+        box[:2, : Q + 1] = np.log(bounds).T
+        box[2, : Q + 1] = 2.0
+    else:
+        box[1, :PARAMETERS] = np.array(_table(law).shape[:PARAMETERS]) - 1.0
+        box[2, :PARAMETERS] = shapes.LONGEST * box[1, :PARAMETERS]
+    if scatter.free_sigma:
+        box[:, LN_SIGMA] = *np.log(SIGMA_BOUNDS), 1.0
+    if scatter.free_size:
+        box[:, LN_SIZE] = *np.log([SMALLEST_SIZE_SCATTER, LARGEST_SIZE_SCATTER]), 1.0
+    return box
+
+
+def _starts(
+    law: str | None, q: float | None, top: FloatArray, v_c: FloatArray, box: FloatArray
+) -> FloatArray:
+    """Starts (s, m, 6) that depend on no other search."""
+    if law is None:
+        rows = [
+            [k * top, np.full_like(top, p), 0.3 * v_c, np.full_like(top, q or exponent)]
+            for k, p, exponent, _ in STARTS
+        ]
+        first = np.log(np.moveaxis(np.array(rows), 1, -1))
+    else:
+        shares = np.array(shapes.LAWS[law].starts) * box[1, :PARAMETERS]
+        first = np.repeat(shares[:, None], top.size, axis=1)
+    starts = np.zeros((*first.shape[:2], SCATTERED))
+    starts[..., : first.shape[2]] = first
+    for variable, value in ((LN_SIGMA, FIRST_SIGMA), (LN_SIZE, FIRST_SIZE)):
+        if box[2, variable]:
+            starts[..., variable] = np.log(value)
+    return starts
+
+
+def profile(
+    law: str | None,
+    q: float | None,
+    sets: DataSets,
+    owner: Places,
+    v_c: FloatArray,
+    starts: FloatArray,
+) -> Minima:
+    """Search with v_c held; v_c may exceed the slowest rebound, of a sphere larger than most.
+
+    Parameters
+    ----------
+    law
+        One of `shapes.LAWS`; None: Eq. (34), with ``q`` held if that is given.
+    sets, owner
+        The data, with their scatter, and the data set of each search (m,).
+    v_c
+        Capture velocities of the median sphere (m,), in units of the slowest rebounds.
+    starts
+        Variables (s, m, 6) to start from; empty: from those of the law.
+
+    Returns
+    -------
+    Minima
+        Of the deviance; where sigma is not given, of the sum of squares that gives the same
+        likelihood without scatter.
+    """
+    scatter = sets.scatter
+    assert scatter is not None
+    low, high, stride = box = _box(law, q, scatter)
+    fresh = not len(starts)
+    begun = _starts(law, q, sets.top[owner], v_c, box) if fresh else starts
+    least, x = np.empty(v_c.size), np.empty((v_c.size, SCATTERED))
+    descend_scattered(
+        _table(law),
+        _SCALE,
+        _data(sets, scatter),
+        owner,
+        np.ascontiguousarray(v_c),
+        *(low, high, stride),
+        FRESH if fresh else NEAR,
+        np.ascontiguousarray(begun),
+        least,
+        x,
+    )
+    if scatter.free_sigma:
+        count = np.sum(sets.v[owner] >= 1.0, axis=1)
+        least = count * np.exp(least / count - 1.0)
+    return Minima(least, x, np.ones(v_c.size, bool), least[None])
+
+
+def expected(law: str | None, sets: DataSets, v_c: float, x: FloatArray) -> FloatArray:
+    """Mean and variance (n, 2) of e of the rebounds of one data set; zeros of captured spheres."""
+    assert sets.scatter is not None
+    moments = np.empty((sets.v.shape[1], 2))
+    gradient, information = np.empty(SCATTERED), np.empty((SCATTERED, SCATTERED))
+    data = _data(sets, sets.scatter)[0]
+    deviance(_table(law), _SCALE, data, v_c, x, gradient, information, moments)
+    return moments

@@ -1,0 +1,189 @@
+"""Sizes that scatter and speeds with errors: the likelihood by quadrature, the truth inside."""
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.stats import norm
+
+from microimpact.model.contact_laws import JKR
+from microimpact.model.dynamics.capture import capture_velocity
+from microimpact.model.dynamics.impact import simulate
+from microimpact.model.empirical import scatter, shapes
+from microimpact.model.empirical.comparison import _checked, compare_models, compare_sets
+from microimpact.model.empirical.equations import restitution
+from microimpact.model.empirical.kernel import LEAST_SCATTER, LN_SIGMA, LN_SIZE, SCATTERED, deviance
+
+V = np.array([0.9, 1.0, 1.03, 1.1, 1.3, 2.0, 5.0, 12.0])
+E = np.array([0.0, 0.1, 0.0, 0.25, 0.5, 0.7, 0.78, 0.7])
+PLACES = {None: [np.log(40.0), 0.0, np.log(0.3), np.log(0.6)], "ring force": [3.0, 18.0, 15.0, 0.0]}
+SIGMA_V, SIZE, SIGMA, V_C = 0.02, 0.07, 0.03, 1.02
+
+
+def deviance_of(law, captured, x, v_c=V_C):
+    """Minus twice the logarithm of the likelihood and its slopes, of the data above."""
+    kept = (E > 0.0) | captured
+    data = _checked(V[kept], E[kept], SIGMA, SIGMA_V * V[kept], None, "free")[0]
+    gradient, information = np.empty(SCATTERED), np.empty((SCATTERED, SCATTERED))
+    moments = np.empty((kept.sum(), 2))
+    rows, table = scatter._data(data, data.scatter)[0], scatter._table(law)
+    total = deviance(table, scatter._SCALE, rows, v_c, x, gradient, information, moments)
+    return total, gradient.copy()
+
+
+def variables(law):
+    x = np.zeros(SCATTERED)
+    x[:4] = PLACES[law]
+    x[LN_SIZE] = np.log(SIZE)
+    return x
+
+
+@pytest.mark.parametrize("captured", [True, False])
+@pytest.mark.parametrize("law", [None, "ring force"])
+def test_the_likelihood_is_the_average_over_spheres_and_speeds(law, captured):
+    x = variables(law)
+
+    def e(log_ratio):
+        ratio = np.exp(log_ratio)
+        if law is None:
+            k, p, kappa, q = np.exp(x[:4])
+            return restitution(V_C * ratio, k, p, kappa, q, V_C)
+        return shapes.restitution(law, x, np.atleast_1d(ratio))[0]
+
+    exponent = 1.0 if law is None else _exponent(law, x)
+    s = np.sqrt(SIGMA_V**2 + (exponent * SIZE) ** 2 + LEAST_SCATTER**2)
+    expected = 0.0
+    for v, measured in zip(V, E, strict=True):
+        middle = np.log(v / V_C)
+        if measured == 0.0:
+            expected -= 2.0 * norm.logcdf(-middle / s) if captured else 0.0
+            continue
+        points = np.append(0.0, middle + s * np.array([-1.0, 0.0, 1.0]))
+        likely = quad(
+            lambda u, v=middle, m=measured: norm.pdf(u, v, s) * norm.pdf(m, e(u), SIGMA),
+            *(0.0, max(middle, 0.0) + 8.0 * s),
+            points=points[points > 0.0],
+            limit=400,
+        )[0]
+        # Of the density of e the constant factor is left out.
+        expected -= 2.0 * np.log(likely * SIGMA * np.sqrt(2.0 * np.pi))
+        expected += 0.0 if captured else 2.0 * norm.logcdf(middle / s)
+    assert deviance_of(law, captured, x)[0] == pytest.approx(expected, abs=0.02)
+
+
+def _exponent(law, x):
+    cubes = scatter._table(law)[..., -1:]
+    e = np.empty((1, 1))
+    shapes.curves(np.repeat(cubes, 4, axis=-1), np.zeros((1, 1)), x[None], e)
+    return float(e[0, 0])
+
+
+@pytest.mark.parametrize("captured", [True, False])
+@pytest.mark.parametrize("law", [None, "ring force"])
+def test_its_slopes_are_those_of_differences(law, captured):
+    x, step = variables(law), 1e-4
+    free = [0, 1, 2, 3, LN_SIGMA, LN_SIZE] if law is None else [0, 1, 2, LN_SIGMA, LN_SIZE]
+    gradient = deviance_of(law, captured, x)[1]
+    for k in free:
+        change = step * np.eye(SCATTERED)[k]
+        up, down = (deviance_of(law, captured, x + sign * change)[0] for sign in (1.0, -1.0))
+        assert gradient[k] == pytest.approx((up - down) / (2.0 * step), rel=0.02, abs=0.05)
+
+
+def test_exponents_are_those_of_capture_velocities(contact):
+    """A smaller sphere of the same materials has a higher v_c, by the law's exponent."""
+    viscous = contact.replace(
+        hertz_damping=0.0, adhesion_damping=0.0, law=JKR(viscous_time=3e-10), work_of_adhesion=0.3
+    )
+    step = np.array([1.0, 1.02])
+    limit = capture_velocity(viscous.replace(diameter=step * contact.diameter))
+    e = simulate(viscous, limit[0] * 3.0).coefficient_of_restitution
+    places = np.linspace(0.0, shapes.ONE - 1.0, 400)
+    curve = np.array(
+        [
+            shapes.restitution("viscous JKR", np.array([0.0, x, 0.0]), np.array([3.0]))
+            for x in places
+        ]
+    )
+    nearest = places[np.argmin(np.abs(curve[:, 0] - e))]
+    expected = -np.log(limit[1] / limit[0]) / np.log(1.02)
+    assert _exponent("viscous JKR", np.array([0.0, nearest, 0.0])) == pytest.approx(
+        expected, abs=0.02
+    )
+    assert np.all(shapes.exponents("fixed loss") == 5.0 / 6.0)
+
+
+@pytest.fixture(scope="module")
+def spheres(contact):
+    """Twelve data sets of 25 rebounds of a class of 7 %, speeds +-1 %; no captured ones."""
+    limit, rng = float(capture_velocity(contact)), np.random.default_rng(11)
+    sets = []
+    for _ in range(12):
+        v = limit * np.exp(rng.uniform(np.log(1.05), np.log(15.0), 60))
+        d = contact.diameter * np.exp(0.07 * rng.standard_normal(60))
+        e = simulate(contact.replace(diameter=d), v).coefficient_of_restitution
+        kept = np.flatnonzero(e > 0.0)[:25]
+        e = np.clip(e + rng.normal(0.0, 0.015, 60), 1e-3, 1.0)
+        read = v * np.exp(0.01 * rng.standard_normal(60))
+        sets.append((read[kept], e[kept], d[kept]))
+    return limit, sets
+
+
+def test_a_class_of_sizes_covers_where_one_size_does_not(spheres, contact):
+    limit, sets = spheres
+
+    def held(arguments, limit=limit):
+        found = compare_sets([arguments(*each) for each in sets])
+        assert all(
+            each.exact or not any("look as if" in w for w in each.warnings) for each in found
+        )
+        low, high = np.array([each.v_c_interval for each in found]).T
+        return np.sum((low <= limit) & (limit <= high)), found
+
+    exact, compared = held(lambda v, e, _: (v, e, 0.015))
+    assert exact <= 10
+    missed = [c for c in compared if not c.v_c_interval[0] <= limit <= c.v_c_interval[1]]
+    assert sum(not c.warnings for c in missed) <= 1
+    assert held(lambda v, e, _: (v, e, 0.015, 0.01 * v, None, 0.07))[0] >= 11
+    # Each sphere's own diameter tells more.
+    medians = np.array([np.median(d) for *_, d in sets])
+    own_limits = capture_velocity(contact.replace(diameter=medians))
+    inside, found = held(lambda v, e, d: (v, e, 0.015, 0.01 * v, d), own_limits)
+    assert inside >= 11
+    assert [each.diameter for each in found] == medians.tolist()
+
+
+def test_a_scatter_is_found(spheres):
+    limit, sets = spheres
+    found = compare_sets([(v, e, 0.015, 0.01 * v, None, "free") for v, e, _ in sets[:4]])
+    sizes = [each.size_scatter for each in found]
+    assert np.exp(np.mean(np.log(sizes))) == pytest.approx(0.07, rel=0.6)
+    assert sum(c.v_c_interval[0] <= limit <= c.v_c_interval[1] for c in found) >= 3
+
+
+def test_without_scatter_all_is_as_if_exact(contact):
+    limit = float(capture_velocity(contact))
+    v = limit * np.geomspace(1.2, 12.0, 20)
+    e = simulate(contact, v).coefficient_of_restitution
+    e += np.random.default_rng(2).normal(0.0, 0.02, v.size)
+    for sigma in (0.02, None):
+        exact, none = compare_models(v, e, sigma), compare_models(v, e, sigma, size_scatter=0.0)
+        width = np.diff(exact.v_c_interval)[0]
+        assert none.v_c_interval == pytest.approx(exact.v_c_interval, abs=0.1 * width)
+        assert exact.exact
+        assert not none.exact
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"sigma_v": -0.1}, "sigma_v must be finite and >= 0"),
+        ({"sigma_v": 1.0}, r"sigma_v / v must be finite and in \[0, 0.5\)"),
+        ({"d": 0.0}, "d must be finite and > 0"),
+        ({"d": [1e-5, 2e-5]}, r"d must be one number or of shape \(8,\), got \(2,\)"),
+        ({"size_scatter": 7.0}, r"size_scatter must be finite and in \[0, 0.5\), got 7"),
+        ({"size_scatter": "unknown"}, "size_scatter must be numbers or 'free', got 'unknown'"),
+    ],
+)
+def test_bad_spreads_are_refused(changes, message):
+    with pytest.raises(ValueError, match=message):
+        compare_models(np.arange(1.0, 9.0), np.full(8, 0.5), 0.02, **changes)
