@@ -200,3 +200,17 @@ def test_the_written_test_of_its_granular_suite_finds_that() -> None:
     e = (velocity[order[1]] - velocity[order[0]]) / (2.0 * float(variables["vin"]))
     loss = (1.0 - e**2) / (1.0 - float(variables["en"]) ** 2)
     assert loss == pytest.approx(0.494, abs=0.003)
+
+
+def test_the_exported_coefficients_rebound_as_stated(tmp_path) -> None:  # type: ignore[no-untyped-def]
+    """By its input file, in 500 steps of the shortest contact."""
+    silicon = Material(name="silicon", youngs_modulus=169e9, poissons_ratio=0.25, density=2330.0)
+    damped = {"hertz_damping": 0.215, "adhesion_damping": 1.61}
+    contact = CONTACT.replace(surface=silicon, work_of_adhesion=0.7, **damped)
+    files = tabulate(contact, 1.0, 2.0).export(tmp_path, "lammps-jkr", speeds=[0.5, 1.0, 2.0])
+    table = np.loadtxt(files[1], delimiter=",", skiprows=1)
+    for speed, _, expected in table:
+        arguments = ["-screen", "none", "-log", "none", "-var", "speed", str(speed)]
+        engine = granular.lammps(cmdargs=arguments)
+        engine.commands_string(files[0].read_text())
+        assert engine.extract_variable("e") == pytest.approx(expected, abs=2e-3)

@@ -333,12 +333,16 @@ def capture_command(as_json: bool, **pair: Any) -> None:
 @click.option(
     "--tolerance", type=float, default=1e-6, show_default=True, help="Error of e and impulse."
 )
+@click.option(
+    "--speeds", type=Sweep(), help="Of the fit of lammps-jkr, m/s; default 1.5 to 15 times v_c."
+)
 @_basis_option
 def export_command(
     form: str,
     output: str,
     fastest: float,
     tolerance: float,
+    speeds: FloatArray | None,
     friction_basis: str,
     as_json: bool,
     **pair: Any,
@@ -351,7 +355,7 @@ def export_command(
     chosen = contact_of(**pair)
     checked("fastest", fastest, SPEED)
     law = tabulate(chosen.best, fastest / 2.0, fastest)
-    written = [str(path) for path in law.export(output, form, friction_basis, tolerance)]
+    written = [str(path) for path in law.export(output, form, friction_basis, tolerance, speeds)]
     warn(doubts(chosen.best))
     if as_json:
         options = {"format": form, "fastest": fastest, "tolerance": tolerance}

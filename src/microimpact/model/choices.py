@@ -18,6 +18,6 @@ CALIBRATED = (
 NUMBERS = ("diameter", *CALIBRATED, "friction")
 STIFFNESS_MODELS = ("hertz", "reduced")
 # Forms in which a rebound law is written.
-FORMATS = ("c", "csv", "npz", "fluent", "openfoam", "lammps")
+FORMATS = ("c", "csv", "npz", "fluent", "openfoam", "lammps", "lammps-jkr")
 # Those of a wall, which a second sphere is not.
-WALL_FORMATS = ("fluent", "openfoam", "lammps")
+WALL_FORMATS = ("fluent", "openfoam", "lammps", "lammps-jkr")

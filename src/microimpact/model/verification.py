@@ -18,7 +18,7 @@ from microimpact.core.arrays import FloatArray
 from microimpact.core.nearest import nearest
 from microimpact.model.contact import Contact
 from microimpact.model.contact_laws import JKR
-from microimpact.model.dynamics import laws, viscous
+from microimpact.model.dynamics import laws
 from microimpact.model.dynamics.normal import normal_impact
 from microimpact.model.reference import CASES
 
@@ -128,28 +128,7 @@ def mistakes(contact: Contact, speed: FloatArray) -> Iterator[tuple[str, FloatAr
             words = "; ".join(filter(None, (begun, broken, taken)))
             if words and (begun or broken):
                 work = contact.replace(work_of_adhesion=factor * (contact.work_of_adhesion or 0.0))
-                yield words, jkr_restitution(work, speed, start, end)
-
-
-def jkr_restitution(
-    contact: Contact, speed: FloatArray, start: float = 4.0, end: float = 1.0
-) -> FloatArray:
-    """Restitution of a JKR contact that closes and breaks where it should not.
-
-    Parameters
-    ----------
-    contact
-        The contact, with the law JKR.
-    speed
-        Normal speeds, m/s, (n,).
-    start, end
-        s^3/b at which it closes and breaks.
-    """
-    problem, _, _ = laws.scaled(contact, speed)
-    first, last = np.cbrt(start * problem.closing), np.cbrt(end * problem.opening)
-    results = laws.followed(problem.closing, problem.drag, first, problem.speed, last)
-    rebounds = results[:, viscous.STATUS] == viscous.REBOUND
-    return np.where(rebounds, results[:, viscous.SPEED] / problem.speed, 0.0)
+                yield words, laws.jkr_restitution(work, speed, start, end)
 
 
 def _other_contacts(contact: Contact) -> Iterator[tuple[str, Contact]]:

@@ -13,6 +13,7 @@ from tests.shared import ROOT
 from microimpact.core.materials import Material
 from microimpact.model import reference, verification
 from microimpact.model.contact_laws import JKR
+from microimpact.model.dynamics.laws import jkr_restitution
 from microimpact.model.reference import CASES
 from microimpact.model.verification import ENDS, NOT_REDUCED, RIGID_WALL, STARTS, TIME_STEP, WORKS
 
@@ -119,13 +120,13 @@ def test_the_page_has_the_losses_of_the_mistakes():
     rigid = Material(name="rigid", youngs_modulus=1e300, poissons_ratio=0.25, density=2500.0)
     double, half = (contact.replace(work_of_adhesion=factor * 0.1) for factor in (2.0, 0.5))
     curves = [
-        verification.jkr_restitution(changed, speed, start, end)
+        jkr_restitution(changed, speed, start, end)
         for changed, start, end in (
             *((contact, 4.0, 3.0), (double, 4.0, 1.0), (double, 4.0, 3.0), (half, 4.0, 1.0)),
             *((contact, 6.0, 1.0), (contact, 4.0, 4.0), (contact.replace(surface=rigid), 4.0, 1.0)),
         )
     ]
-    whole = 1 - verification.jkr_restitution(contact, speed) ** 2
+    whole = 1 - jkr_restitution(contact, speed) ** 2
     losses = [max(float(((1 - e**2) / whole)[0]), 0.0) for e in curves]
     assert np.array(printed, dtype=float) == pytest.approx(
         np.array([(loss, math.sqrt(loss)) for loss in losses]), abs=6e-4

@@ -27,6 +27,9 @@ from microimpact.model.contact import Contact
 from microimpact.model.contact_laws import JKR, Hysteresis, ThorntonNing
 from microimpact.model.dynamics import viscous
 
+# s^3/b of a JKR contact at touch, at the greatest pull and at the break of an impact.
+CLOSED, PULL_OFF, BROKEN = 4.0, 3.0, 1.0
+
 # Distance from the break, of its s, at which a path backwards begins; the energy that it neglects
 # is the cube of it.
 BACKWARD_START = 1e-6
@@ -383,3 +386,24 @@ def _stops_at_the_break(problem: Problem) -> FloatArray:
         high = np.where(short, high + 1.0, high)
     top = np.exp(roots(left, low, high, *shares))
     return np.sqrt(np.maximum(2.0 * loading.work(top), 0.0))
+
+
+def jkr_restitution(
+    contact: Contact, speed: FloatArray, start: float = CLOSED, end: float = BROKEN
+) -> FloatArray:
+    """Restitution of a JKR contact that may close and break elsewhere, as in some codes.
+
+    Parameters
+    ----------
+    contact
+        One contact, with the law JKR.
+    speed
+        Normal speeds, m/s, (n,).
+    start, end
+        s^3/b at which it closes and breaks.
+    """
+    problem, _, _ = scaled(contact, speed)
+    first, last = np.cbrt(start * problem.closing), np.cbrt(end * problem.opening)
+    results = followed(problem.closing, problem.drag, first, problem.speed, last)
+    rebounds = results[:, viscous.STATUS] == viscous.REBOUND
+    return np.where(rebounds, results[:, viscous.SPEED] / problem.speed, 0.0)

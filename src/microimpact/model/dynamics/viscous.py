@@ -134,6 +134,11 @@ def integrate(problems: FloatArray, results: FloatArray) -> None:
             new_s, new_v = _value(s, step), _value(v, step)
             turned = approaching and new_v <= 0.0
             ended = not approaching and new_s <= end_s
+            if not approaching and not ended and new_v >= 0.0:
+                # Short of the break it may pass the end and turn back within one step.
+                turning = _crossing(v, 0.0, step)
+                if _value(s, turning) <= end_s:
+                    ended, step = True, turning
             if turned:
                 step = _crossing(v, 0.0, step)
             elif ended:

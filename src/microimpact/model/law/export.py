@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 from importlib.resources import files
@@ -17,12 +18,13 @@ from string import Template
 
 import numpy as np
 
-from microimpact.core.arrays import FloatArray, checked, choice
+from microimpact.core.arrays import FloatArray, Numbers, checked, choice
 from microimpact.core.files import write_file
 from microimpact.model.choices import FORMATS, FRICTION_BASES, WALL_FORMATS
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.normal import integrate
 from microimpact.model.law.families import Family, quantities
+from microimpact.model.law.jkr import lammps_files
 from microimpact.model.law.pieces import SPLITS, TOLERANCES, Table, piecewise
 from microimpact.model.passes import RESTITUTION, SUPPORT, WIDTH
 from microimpact.model.rigid_body.algebra import INERTIA, SLIP_PER_IMPULSE
@@ -144,6 +146,7 @@ def export(
     form: str,
     friction_basis: str,
     tolerance: float,
+    speeds: Numbers | None = None,
 ) -> list[Path]:
     """Write the rebound law of a contact for another program; see `model.law.table.Law.export`."""
     choice("format", form, FORMATS)
@@ -151,6 +154,10 @@ def export(
         raise ValueError(f"format {form!r} is of a wall: two spheres have c, csv and npz")
     basis = choice("friction_basis", friction_basis, FRICTION_BASES)
     limit = float(checked("tolerance", tolerance, TOLERANCES))
+    if form == "lammps-jkr":
+        return _written(path, lammps_files(contact, speeds))
+    if speeds is not None:
+        raise ValueError(f"speeds are of the format 'lammps-jkr', got format {form!r}")
     law = rebounds(contact, family, fastest, basis, limit)
     contents: dict[str, str | bytes] = {}
     if form in {"c", "fluent", "openfoam"}:
@@ -162,10 +169,15 @@ def export(
     elif form == "lammps":
         contents["microimpact_wall.table"] = _wall_table(law)
     contents |= {name: _filled(name, law) for name in WORKED.get(form, ())}
-    written = [Path(path) / name for name in contents]
-    for file, content in zip(written, contents.values(), strict=True):
+    return _written(path, contents)
+
+
+def _written(path: Path | str, contents: Mapping[str, str | bytes]) -> list[Path]:
+    """Files of a folder, once they are written."""
+    files = [Path(path) / name for name in contents]
+    for file, content in zip(files, contents.values(), strict=True):
         write_file(file, content)
-    return written
+    return files
 
 
 # Worked boundary conditions that go with a format.

@@ -185,6 +185,7 @@ class Law:
         format: str = "c",  # noqa: A002
         friction_basis: str = "compressive",
         tolerance: float = 1e-6,
+        speeds: Numbers | None = None,
     ) -> list[Path]:
         """Write the law of its one contact for another program.
 
@@ -197,11 +198,15 @@ class Law:
         format
             ``"c"``: a header in C99 without dependencies, and an example; ``"fluent"``,
             ``"openfoam"``: the same with a boundary condition; ``"csv"``, ``"npz"``: e and the
-            impulses over the speed; ``"lammps"``: the force without damping as a table of a wall.
+            impulses over the speed; ``"lammps"``: the force without damping as a table of a wall;
+            ``"lammps-jkr"``: coefficients of its granular contact ``jkr``, fitted.
         friction_basis
             As of `simulate`.
         tolerance
             Largest error of e and of the supporting impulse.
+        speeds
+            Normal speeds at which ``"lammps-jkr"`` is fitted, m/s; from 1.5 to 15 times the capture
+            velocity if none are given.
 
         Returns
         -------
@@ -217,7 +222,7 @@ class Law:
             If a file cannot be written.
         """
         return export(
-            self.contact, self.family, self.fastest, path, format, friction_basis, tolerance
+            self.contact, self.family, self.fastest, path, format, friction_basis, tolerance, speeds
         )
 
     @property

@@ -204,7 +204,8 @@ def test_files(pair, tmp_path, form):
     assert sorted(path.name for path in (tmp_path / "new").iterdir()) == sorted(
         path.name for path in written
     )
-    assert all("$" not in path.read_text(encoding="latin-1") for path in written if form != "npz")
+    texts = [path.read_text(encoding="latin-1") for path in written if form != "npz"]
+    assert not [text for text in texts if "$" in re.sub(r"\$\{speed\}|\$\(v_e\)", "", text)]
 
 
 @pytest.mark.parametrize("form", ["c", "fluent", "openfoam"])
