@@ -109,6 +109,8 @@ class Contact:
         Which of ``work_of_adhesion`` and ``ring_force`` was given.
     shape
         Broadcast shape of the fields.
+    hertz_stiffness
+        K of Eq. (20), Pa.
 
     Raises
     ------
@@ -133,6 +135,7 @@ class Contact:
     law: ContactLaw | None = None
     adhesion_input: str = field(init=False, default="")
     shape: tuple[int, ...] = field(init=False, default=())
+    hertz_stiffness: Real = field(init=False, default=math.nan, repr=False, compare=False)
     # Mass, velocity scale, r^(1/2) K and equilibrium compression, which every impact needs.
     scales: tuple[Real, ...] = field(init=False, default=(), repr=False, compare=False)
 
@@ -180,7 +183,8 @@ class Contact:
             )
 
     def _resolve_adhesion(self) -> None:
-        radius, stiffness = self.hertz_radius, self.hertz_stiffness
+        radius, stiffness = self.hertz_radius, hertz_stiffness(self.particle, self.surface)
+        self._set("hertz_stiffness", stiffness)
         if self.ring_force is not None:
             self._set("work_of_adhesion", work_from_ring_force(self.ring_force, radius, stiffness))
         elif self.work_of_adhesion is not None:
@@ -188,7 +192,7 @@ class Contact:
         hertz = np.sqrt(radius) * self.stiffness
         scales = (self.mass, self.velocity_scale, hertz, self.equilibrium_compression)
         self._set("scales", scales if self.shape else tuple(map(float, scales)))
-        sums = np.array([np.sum(self.mass), np.sum(self.stiffness), np.sum(self.velocity_scale)])
+        sums = np.array([np.sum(scale) for scale in scales[:3]])
         if not (np.all(np.isfinite(sums)) and np.all(np.asarray(self.mass) > 0.0)):
             raise ValueError(
                 "diameter, density, stiffness and adhesion are beyond double precision together: "
@@ -280,7 +284,7 @@ class Contact:
         """Return a contact of the same bodies by another law, without damping of its own."""
         none = dict.fromkeys(("hertz_damping", "adhesion_damping", "adhesion_rate_exponent"), 0.0)
         law_fields = {"work_of_adhesion": work_of_adhesion, "reference_velocity": None, "law": law}
-        return self.replace(**none, **law_fields)
+        return self.replace(**none, damped_attachment=False, **law_fields)
 
     @classmethod
     def from_zeta(
@@ -313,11 +317,6 @@ class Contact:
             raise ValueError("reference_velocity is needed for the dissipation parameters zeta")
         group = np.power(self.hertz_radius, 3) * self.stiffness * np.sqrt(self.reference_velocity)
         return np.power(self.mass / group, 0.4)
-
-    @property
-    def hertz_stiffness(self) -> Real:
-        """K of Eq. (20), Pa."""
-        return hertz_stiffness(self.particle, self.surface)
 
     @property
     def stiffness(self) -> Real:

@@ -4,8 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq, minimize_scalar
 from scipy.special import beta
@@ -121,6 +119,8 @@ class TestJKR:
         assert impact.coefficient_of_restitution == pytest.approx(-path.y[1, -1] / speed, rel=1e-5)
         assert impact.contact_time == pytest.approx(path.t[-1], rel=1e-5)
         assert impact.maximum_compression == pytest.approx(path.y[0].max(), rel=1e-3)
+        snap = -book.energy(book.broken, book.closed)
+        assert impact.losses.adhesion == pytest.approx(snap, rel=1e-6)
 
     @pytest.mark.parametrize("viscous_time", [1e-12, 1e-11, 1e-10])
     def test_without_adhesion_it_follows_the_viscoelastic_series(self, build, viscous_time):
@@ -223,13 +223,18 @@ class TestThorntonNing:
         impact = normal_impact(contact, speed)
         assert impact.maximum_compression == pytest.approx(book.compression(a), rel=1e-8)
         # Unloads as JKR with the radius that has this contact radius at this force.
+        elastic = Textbook(contact)
         cube = 4 * modulus * a**3 / 3
         book.radius = cube / (force + math.sqrt(8 * math.pi * book.work * modulus * a**3))
         left = book.energy(book.broken, a)
         assert impact.coefficient_of_restitution == pytest.approx(math.sqrt(left / kinetic), 1e-8)
-        assert impact.losses.adhesion == pytest.approx(
-            kinetic - left - impact.losses.bulk, rel=1e-6
-        )
+        # In the bulk: the work there and back, of which the surfaces take no part.
+        closing = elastic.energy(0.0, elastic.closed)
+        lost = closing + kinetic - book.energy(0.0, a)
+        assert impact.losses.bulk == pytest.approx(lost, rel=1e-6)
+        # By the pull of the closing contact, and of the flattened one that breaks.
+        lost = book.energy(0.0, book.broken) - closing
+        assert impact.losses.adhesion == pytest.approx(lost, rel=1e-6)
 
     def test_a_hard_sphere_is_elastic(self, build):
         hard = normal_impact(build(ThorntonNing(yield_pressure=1e12)), self.SPEED)
@@ -274,47 +279,6 @@ class TestHysteresis:
 
 @every_law
 class TestEveryLaw:
-    def test_energy_is_kept(self, build, law):
-        contact, speed = build(law), np.geomspace(0.3, 30.0, 20)
-        impact = normal_impact(contact, speed)
-        before = 0.5 * contact.mass * speed**2
-        after = before * impact.coefficient_of_restitution**2
-        spent = impact.losses.bulk + impact.losses.adhesion
-        np.testing.assert_allclose((after + spent) / before, 1.0, atol=1e-10)
-        assert np.all(impact.losses.bulk >= 0.0)
-        if isinstance(law, JKR):
-            book = Textbook(contact)
-            snap = -book.energy(book.broken, book.closed)
-            np.testing.assert_allclose((impact.losses.adhesion - snap) / before, 0.0, atol=1e-10)
-
-    def test_it_captures_below_one_speed_alone(self, build, law):
-        contact = build(law)
-        limit = capture_velocity(contact)
-        speed = limit * np.array([1e-6, 0.5, 1 - 1e-9, 1 + 1e-9, 1.5, 30.0])
-        impact = normal_impact(contact, speed)
-        assert impact.captured.tolist() == [True] * 3 + [False] * 3
-        assert np.isinf(impact.contact_time).tolist() == [True] * 3 + [False] * 3
-        assert impact.coefficient_of_restitution[3] < 1e-3
-
-    @given(work=st.floats(0.01, 5.0), speed=st.floats(0.01, 30.0), size=st.floats(1e-6, 1e-4))
-    def test_the_speed_after_grows_with_that_before(self, build, law, work, speed, size):
-        if isinstance(law, Hysteresis):
-            law = Hysteresis(unloading_work=2.0 * work)
-        contact = build(law, work=work, diameter=size)
-        v = speed * np.array([1.0, 1.01, 1.5])
-        after = v * normal_impact(contact, v).coefficient_of_restitution
-        assert np.all(np.diff(after) >= -1e-12 * speed)
-        assert np.all(after <= v)
-
-    def test_the_momentum_of_the_compressive_part_exceeds_that_of_all(self, build, law):
-        speed = np.array([0.5, 1.66])
-        contact = build(law)
-        impact = normal_impact(contact, speed)
-        whole = contact.mass * speed * (1 + impact.coefficient_of_restitution)
-        # equal where viscous loss hides the pull at first touch
-        assert np.all(impact.compressive_impulse >= impact.peak_net_impulse * (1 - 1e-14))
-        assert np.all(impact.peak_net_impulse > whole)
-
     def test_oblique_impacts_take_it(self, build, law):
         contact = build(law)
         shallow, steep = simulate(contact, 1.66, [10.0, 80.0], friction_basis="pull-off").rolling
