@@ -152,6 +152,7 @@ def test_energy_and_momentum_are_accounted_for(contact, ratio):
     assert abs(ledger.momentum_residual) < 1e-11
     assert ledger.hertz_work >= 0.0
     assert ledger.adhesion_work >= 0.0
+    assert ledger.hertz_impulse > 0.0 > ledger.adhesion_impulse
 
 
 @given(contact=by_other_laws(), ratio=ratios)

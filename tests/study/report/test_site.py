@@ -14,7 +14,6 @@ import pandas as pd
 import pytest
 from click.testing import CliRunner
 from tests.shared import ROOT
-from tests.study.report.conftest import REFERENCE
 from tests.study.report.pages import Page
 
 from study.figures.registry import FORMATS
@@ -128,19 +127,6 @@ def test_no_asset_asks_the_network():
         assert not re.search(r"https?://|@import|url\((?!data:)|fetch\(|XMLHttp", text), path
 
 
-def test_a_figure_page_tells_inputs_claims_and_command(pages):
-    text = " ".join(" ".join(pages["figures/fig04.html"].text).split())
-    assert "snakemake --cores 1 fig04" in text
-    # Values of its study, with their source, of the study upstream, and declared rows.
-    assert "Tables of normal_experiments." in text
-    assert "Tables of calibration." in text
-    assert "silicon.youngs_modulus" in text
-    assert "virtual experiment" in text
-    links = pages["figures/fig04.html"].links
-    assert "../claims.html#C03" in links
-    assert "../equations.html#eq-2-1-incident" in links
-
-
 def test_the_front_page_counts_what_the_ledgers_say(pages, results):
     claims = pd.read_csv(results / "tables/claims.csv", dtype=str)
     counted = claims[~claims["kind"].isin(["arithmetic", "finding"])]["verdict"].value_counts()
@@ -158,13 +144,6 @@ def test_the_front_page_counts_what_the_ledgers_say(pages, results):
     failed = claims[(claims["verdict"] == "not reproduced") & (claims["kind"] != "arithmetic")]
     assert len(failed) > 10
     assert {f"claims.html#{i}" for i in failed["id"]} <= set(links)
-
-
-def test_the_run_page_tells_the_changed_key(pages):
-    text = pages["run.html"].text
-    assert "coulomb_friction.points" in text
-    assert text[text.index("coulomb_friction.points") + 1 :][:2] == ["360", "36"]
-    assert "not installed" in text
 
 
 def contents(folder):
@@ -225,15 +204,6 @@ def test_names_stay_text(few):
         assert not [t for t, given in page.tags if t == "script" and "src" not in given]
 
 
-def test_a_run_without_ledgers_and_rules_has_pages_too(few):
-    root, record = few
-    texts = site_pages(root, record)
-    assert "no ledger of claims" in texts["claims.html"]
-    assert "were not recorded" in texts["workflow.html"]
-    assert "As shipped" in texts["run.html"]
-    assert [name for name in texts if name.startswith("figures/")] == ["figures/fig14.html"]
-
-
 def test_a_results_folder_without_anything_is_refused(tmp_path, record):
     with pytest.raises(ValueError, match="no figures and no tables"):
         write_site(tmp_path, record)
@@ -245,18 +215,6 @@ def test_a_ledger_without_a_column_is_refused(few):
     (root / "tables/claims.csv").write_text("id,statement\nC01,x\n", encoding="utf-8")
     with pytest.raises(ValueError, match=r"claims\.csv: has no column where, kind"):
         site_pages(root, record)
-
-
-def test_slips_of_the_text_stand_below_the_equations(few):
-    root, record = few
-    (root / "tables").mkdir()
-    shutil.copy(REFERENCE / "tables/equations.csv", root / "tables")
-    assert "Other slips" not in site_pages(root, record)["equations.html"]
-    errata = pd.read_csv(shutil.copy(REFERENCE / "tables/errata.csv", root / "tables"))
-    shown = site_pages(root, record)["equations.html"].partition("Other slips")[2]
-    for row in errata.itertuples():
-        assert row.printed in shown
-        assert row.meant in shown
 
 
 def test_a_record_survives_its_file(few):

@@ -14,9 +14,9 @@ import pandas as pd
 import pytest
 from pydantic import ValidationError
 from scipy import integrate, stats
-from tests.shared import ROOT, STILL, facet_rebound
+from tests.shared import ROOT, facet_rebound
 
-from microimpact.lab.experiment import Drop, Target
+from microimpact.lab.experiment import Target
 from microimpact.lab.surface import LABORATORY, Rules, Surface, facets, rough
 from microimpact.model import passes
 from microimpact.model.contact import Contact
@@ -464,25 +464,6 @@ def test_ensembles_by_the_rules_of_the_laboratory_are_its_own_draw_by_draw(ensem
     assert 0 < e.size == sums[passes.ACCEPTED] < 512
     assert e.sum() == pytest.approx(sums[passes.E], rel=1e-12)
     assert -np.sum(change[:, 0] / change[:, 2]) == pytest.approx(sums[passes.MU], rel=1e-12)
-
-
-def test_ensembles_by_the_rules_of_the_laboratory_agree_with_its_samples(ensemble, contact):
-    slopes = constants(slope=Normal(sd=0.16), cross_slope=Normal(sd=0.16))
-    for angle in (45.0, 20.0):
-        drop = Drop(
-            target=Target(contact=contact.replace(friction=0.15), surface=rough(0.16)),
-            diameter_um=Constant(at=62.0),
-            angle=angle,
-            speed=1.66,
-            dispenser=STILL,
-        )
-        impacts = drop.impacts(8192, generator(SEED, 30))
-        e = impacts.in_plane.coefficient_of_restitution[~impacts.captured]
-        mean = estimate(ensemble(slopes, rules=LABORATORY, simulation=True, size=(16, 512)), angle)
-        error = np.hypot(mean.restitution_error, e.std() / np.sqrt(e.size))
-        assert abs(e.mean() - mean.restitution) < 4.0 * error < 0.05
-        captured = 1.0 - mean.accepted
-        assert np.mean(impacts.captured) == pytest.approx(captured, abs=4 * np.sqrt(0.25 / 8192))
 
 
 def test_inferred_slope_gives_back_the_restitution_it_was_inferred_from(ensemble):

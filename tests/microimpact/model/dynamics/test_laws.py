@@ -297,13 +297,6 @@ class TestEveryLaw:
         whole = contact.mass * 0.4 * (1 + impact.coefficient_of_restitution)
         assert slid.impulse_ratio == pytest.approx(0.15 * (1 + extra / whole), rel=1e-9)
 
-    def test_arrays_broadcast(self, build, law):
-        speed, size = np.array([[0.5], [1.66]]), np.array([20e-6, 40e-6, 62e-6])
-        impact = normal_impact(build(law, diameter=size), speed)
-        assert impact.coefficient_of_restitution.shape == (2, 3)
-        single = normal_impact(build(law, diameter=40e-6), 1.66)
-        assert impact.coefficient_of_restitution[1, 1] == single.coefficient_of_restitution
-
     def test_what_needs_the_ring_force_says_so(self, build, law):
         contact = build(law)
         said = f"contact must have the law 'ring force' here, got '{law.name}'"

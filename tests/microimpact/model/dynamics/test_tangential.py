@@ -274,16 +274,6 @@ class TestAnyImpact:
             assert np.array_equal(getattr(impact, name), getattr(rigid, name))
 
     @every_law
-    def test_fields_broadcast_and_order_does_not_matter(self, contact, law):
-        many = contact.replace(diameter=np.array([[20e-6], [60e-6]]))
-        speed = np.array([0.02, 0.5, 1.0, 2.0])
-        whole = simulate(many, speed, 40.0, tangential=law)
-        assert whole.spin.shape == (2, 4)
-        back = simulate(many, speed[::-1], 40.0, tangential=law)
-        assert np.array_equal(back.spin[:, ::-1], whole.spin)
-        assert simulate(contact, np.ones((0, 3)), tangential=law).spin.shape == (0, 3)
-
-    @every_law
     def test_no_field_is_nan_near_capture_nor_far_from_it(self, contact, law):
         threshold = float(capture_velocity(contact))
         speed = threshold * np.array([1 + 1e-12, 1 + 1e-6, 1.01, 1e4])
