@@ -5,8 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from study.figures import style
@@ -23,10 +25,14 @@ _MEMBER = re.compile(r"(?P<family>n = [\d.]+), w = (?P<work>[\d.]+) J/m2")
 def draw_ridge(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw how flat e is over the family against work of adhesion, and the members drawn."""
     panels = spec.panels | {"curves": _named_members(spec.panels, tables["ridge_curves"])}
-    figure, axes = style.line_figure(tables, replace(spec, panels=panels))
     members = tables["ridge"][tables["ridge"]["evidence"] == "calibrated"]
-    axes["ridge"].plot(members.iloc[:, 3], members.iloc[:, 4], "k.", markersize=3.0, zorder=4)
-    return figure
+    look: dict[str, Any] = {"markersize": 3.0, "zorder": 4, "label": "members computed"}
+
+    def prepare(ax: Axes, name: str) -> None:
+        if name == "ridge":
+            ax.plot(members.iloc[:, 3], members.iloc[:, 4], "k.", **look)
+
+    return style.line_figure(tables, replace(spec, panels=panels), prepare=prepare)[0]
 
 
 def _named_members(panels: Mapping[str, PanelSpec], curves: pd.DataFrame) -> PanelSpec:
