@@ -27,7 +27,7 @@ Record = Mapping[str, FloatArray]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pool:
-    """Points, what was computed at them, and how densely they were drawn."""
+    """Points, the values computed at them, and how densely they were drawn."""
 
     points: FloatArray  # (n, axes)
     record: Record  # Arrays (n, ...)

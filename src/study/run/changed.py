@@ -14,7 +14,7 @@ _IN_STUDIES = {"printed_values": "printed"}
 
 
 def changed_inputs(used: Settings, shipped: Settings) -> dict[str, dict[str, str]]:
-    """Return what differs from the shipped inputs of every study and of those that it needs.
+    """Return the inputs of every study, and of those it needs, that differ from the shipped.
 
     Parameters
     ----------
@@ -54,8 +54,8 @@ def _parameters(
     places = {}
     for key in dict.fromkeys((*before, *after)):
         if before.get(key) != after.get(key):
-            place = stand.get(key) or stand.get(f"{key}[0]", key).removesuffix("[0]")
-            places[key] = "seed" if key.endswith(".seed") else place
+            location = stand.get(key) or stand.get(f"{key}[0]", key).removesuffix("[0]")
+            places[key] = "seed" if key.endswith(".seed") else location
     return places
 
 

@@ -161,7 +161,7 @@ def _made(name: str) -> dict[str, pd.DataFrame]:
 
 @cache
 def settings_as_shipped() -> Settings:
-    """Return what the shipped configuration makes of all studies."""
+    """Return the parameters of all studies by the shipped configuration."""
     base = _shipped()
     return validate(base, base)
 

@@ -229,7 +229,7 @@ def admissible_contact(inputs: Tables, case: str, variant: str, **changes: Any) 
 
 
 def of_kind(bare: Contact, kind: Kind, parameters: Mapping[str, Real]) -> Contact:
-    """Return the contact of a law; what its parameters do not name is as in the bare one.
+    """Return the contact of a law; parameters that are not named are as in the bare one.
 
     Parameters
     ----------

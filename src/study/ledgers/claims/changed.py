@@ -21,7 +21,7 @@ Changed = Mapping[str, Mapping[str, str]]
 
 
 def with_inputs(row: Mapping[str, Any] | pd.Series[Any], changed: Changed) -> dict[str, Any]:
-    """Return the row of a claim with what it rests on that is not as shipped.
+    """Return the row of a claim with the changed inputs it rests on.
 
     A study is of another impact if a key of its own, or of a mapping right below it, says so; a
     claim, if any setting of it alone does. Such a claim has no verdict.
@@ -50,8 +50,10 @@ def with_inputs(row: Mapping[str, Any] | pd.Series[Any], changed: Changed) -> di
     }
     for study in read:
         keys = {key: key.split(".") for key in changed[study]}
-        own = {key for key, parts in keys.items() if parts[0] == study and IMPACT & {*parts[1:3]}}
-        another |= {changed[study][key] for key in own}
+        impact = {
+            key for key, parts in keys.items() if parts[0] == study and IMPACT & {*parts[1:3]}
+        }
+        another |= {changed[study][key] for key in impact}
     row = {**row, "changed_inputs": "; ".join(sorted({*places.values()}))}
     if another and row["verdict"] != "not testable":
         note = f"Of another impact than the article's: {', '.join(sorted(another))}."

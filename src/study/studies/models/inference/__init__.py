@@ -1,4 +1,4 @@
-"""What the article's statements say of a contact, by several laws at once.
+"""Inference of a contact from the article's statements, by several laws at once.
 
 Every law has broad ranges of its free parameters; one pool of draws per law, weighed by the
 statements that a scenario trusts, gives its evidence, the capture velocity, adhesion's share of the
@@ -125,8 +125,8 @@ def pool_of(case: Case, name: str, inputs: Tables, params: Params) -> importance
             spread = {name: np.broadcast_to(value, len(points)) for name, value in known.items()}
             parameters = spread | parameters
 
-        def contacts(diameters: FloatArray, of: IntArray | slice = slice(None)) -> Contact:
-            columns = {key: value[of, None] for key, value in parameters.items()}
+        def contacts(diameters: FloatArray, rows: IntArray | slice = slice(None)) -> Contact:
+            columns = {key: value[rows, None] for key, value in parameters.items()}
             return of_kind(bare.replace(diameter=diameters * 1e-6), law.law, columns)
 
         values = values_of(case.statements, contacts, law.friction_bases, classes)
@@ -173,14 +173,14 @@ def pool_of(case: Case, name: str, inputs: Tables, params: Params) -> importance
 def weigh(case: Case, law: str, scenario: Scenario, pool: importance.Pool) -> Weighed:
     """Weigh the pool of a law by a scenario."""
     values = dict(pool.record)
-    of = likelihood(case, scenario, values)
-    logs = pool.log_weights(of.total) - np.log(prior_share(case.laws[law], scenario))
+    likely = likelihood(case, scenario, values)
+    logs = pool.log_weights(likely.total) - np.log(prior_share(case.laws[law], scenario))
     return Weighed(
         law=law,
         values=values,
         log_weights=logs,
-        log_likelihood=of.total,
-        by_basis=of.by_basis,
+        log_likelihood=likely.total,
+        by_basis=likely.by_basis,
         result=importance.integral(logs, pool.tried),
     )
 
@@ -247,7 +247,7 @@ def quantiles(head: Row, values: Mapping[str, FloatArray], weights: FloatArray) 
 
 
 def weighted(value: FloatArray, weights: FloatArray) -> FloatArray:
-    """Return the quantiles `BAND` of a weighted sample; what has no value does not count."""
+    """Return the quantiles `BAND` of a weighted sample; rows without a value do not count."""
     known = np.isfinite(value) & (weights > 0.0)
     if not np.any(known):
         return np.full(len(BAND), np.nan)
@@ -269,7 +269,7 @@ def misses(case: Case, scenario: Scenario, weighed: Weighed) -> dict[str, BoolAr
 
 
 def told(head: Row, case: Case, scenario: Scenario, weighed: Weighed) -> list[Row]:
-    """Return each statement beside what the contacts of a scenario and law have.
+    """Return each statement beside the values of the contacts of a scenario and law.
 
     A statement that the scenario leaves out is told, too: what the contacts predict for it.
     """

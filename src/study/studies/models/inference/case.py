@@ -1,4 +1,4 @@
-"""A pair whose contact is open: laws with their free parameters, statements, what is trusted."""
+"""A pair whose contact is open: laws with their free parameters, statements, scenarios."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ class Law:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scenario:
-    """What is trusted: statements that do not count, and ranges narrower than those of the laws.
+    """Statements that do not count, and ranges narrower than those of the laws.
 
     Given as a choice, what it does not name is as in the first scenario.
     """
@@ -83,7 +83,7 @@ class Scenario:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
-    """A pair, laws of its contact, and what is printed of it."""
+    """A pair, laws of its contact, and the statements printed about it."""
 
     particle: MaterialName
     surface: CounterpartName
@@ -139,7 +139,7 @@ def counted(case: Case, scenario: Scenario) -> list[str]:
 
 @dataclass(frozen=True, slots=True)
 class Likelihood:
-    """Log likelihood of contacts (n,), and that of each basis of friction (n, bases)."""
+    """Log likelihood of contacts (n,), and of each basis of friction (n, bases)."""
 
     total: FloatArray
     by_basis: FloatArray
@@ -167,7 +167,7 @@ def likelihood(case: Case, scenario: Scenario, values: Values) -> Likelihood:
 
 
 def inside(scenario: Scenario, values: Values) -> BoolArray:
-    """Whether contacts (n,) are within the ranges of a scenario; what a law lacks is."""
+    """Whether contacts (n,) are within the ranges of a scenario; a parameter the law lacks is."""
     is_inside = np.ones(len(values["capture"]), bool)
     for name, (low, high) in scenario.within.items():
         if name in values:

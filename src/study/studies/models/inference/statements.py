@@ -1,4 +1,4 @@
-"""What the article says of a contact, as likelihoods: an interval, and normal tails beyond it.
+"""The article's statements on a contact, as likelihoods: an interval, and normal tails beyond it.
 
 Each statement has a value for every contact: of its own spheres, speeds and angles, the mean over
 the sizes of the spheres that rebound. Where a basis of friction or a size is open, it has one for
@@ -166,7 +166,7 @@ def values_of(
     -------
     dict
         By statement (n,), or (n, bases) with friction, (n, classes) where the size is open; nan for
-        contacts that are hopeless by the other statements. ``capture`` (n, classes): capture
+        contacts that the other statements exclude. ``capture`` (n, classes): capture
         velocities, m/s.
     """
     rest = {k: s for k, s in statements.items() if s.quantity not in OF_CAPTURE}
