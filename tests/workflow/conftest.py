@@ -21,11 +21,6 @@ SMALL = ("--configfile", "config/ci.yaml")
 TINY = {
     "admissible_contacts": {"draws": 60},
     "campaign": {"stop": {"events": 4, "fewest_events": 2, "most_dropped": 1000}},
-    "claim_numbers": {
-        "draws": {
-            "variants": {"with the printed v_c": 4, "without the printed v_c": 2},
-        }
-    },
     "fit_coverage": {
         "noise_of_e": [0.01],
         "lowest_speeds_in_v_c": [1.5],

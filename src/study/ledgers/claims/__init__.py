@@ -16,6 +16,7 @@ from study.ledgers.claims.digitised import digitised_rows, read_digitised
 from study.ledgers.claims.independent import agreements, independent
 from study.ledgers.claims.judging import (
     RESULT_COLUMNS,
+    judged,
     margins,
     nearest_margin,
     results,
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 
 COLUMNS = (
     *("id", "where", "statement", "kind", "criterion", "article_value", "computed_value"),
-    *("unit", "verdict", "margin", "share", "decided_by", "independent", "evidence"),
+    *("unit", "verdict", "margin", "shares", "decided_by", "independent", "evidence"),
     *("figures", "code", "inputs", "changed_inputs", "reason", "note"),
 )
 AMENDMENT_COLUMNS = ("id", "part", "was", "now", "reason")
@@ -77,7 +78,7 @@ def judge(
     ledger, numbers = verdicts(claims, tables["claim_numbers"], drawn)
     evidence = independent(claims, tables.get("external_evidence"))
     ledger["independent"] = ledger["id"].map(agreements(evidence)).fillna("")
-    judged = [with_inputs(row, changed) for _, row in ledger.iterrows()]
+    marked = [with_inputs(row, changed) for _, row in ledger.iterrows()]
     rows, residuals = digitised_rows(read_digitised(criteria), tables["digitised_residuals"])
     amendments = [
         {"id": name, **asdict(amendment)}
@@ -85,7 +86,7 @@ def judge(
         for amendment in claim.amendments
     ]
     return {
-        "claims": pd.DataFrame([*judged, *rows], columns=list(COLUMNS)),
+        "claims": pd.DataFrame([*marked, *rows], columns=list(COLUMNS)),
         "claim_results": pd.DataFrame([*numbers, *residuals], columns=list(RESULT_COLUMNS)),
         "claim_evidence": evidence,
         "claim_amendments": pd.DataFrame(amendments, columns=list(AMENDMENT_COLUMNS)),
@@ -100,7 +101,7 @@ def verdicts(
     Parameters
     ----------
     drawn
-        Shares of the admissible contacts that meet the criteria. Where there is one, it decides,
+        Shares of the admissible contacts that meet the criteria. Where there are some, they decide,
         and the calibrated cases are examples.
 
     Returns
@@ -124,12 +125,12 @@ def verdicts(
     problems = [line for claim in claims.values() for line in _problems(claim, numbers)]
     if problems:
         raise LedgerError("\n".join(problems))
-    judged = [
+    entries = [
         _judged(claim, numbers[numbers["claim"] == name], drawn.get(name))
         for name, claim in claims.items()
     ]
-    ledger = pd.DataFrame([row for row, _ in judged], columns=list(COLUMNS))
-    return ledger, [row for _, rows in judged for row in rows]
+    ledger = pd.DataFrame([row for row, _ in entries], columns=list(COLUMNS))
+    return ledger, [row for _, rows in entries for row in rows]
 
 
 def _problems(claim: Claim, numbers: pd.DataFrame) -> list[str]:
@@ -172,7 +173,9 @@ def _judged(claim: Claim, numbers: pd.DataFrame, share: Share | None) -> tuple[R
     else:
         decision, margin = _decision(claim, computed)
         if share:
-            decision, failed = verdict(claim.if_met, share.margin), [share.in_words(), *failed]
+            decision = judged(claim.if_met, share.intervals)
+            by = f", decided by {share.decided_by}" if share.decided_by else ""
+            failed = [f"Met by {share.in_words()}, of the admissible contacts{by}", *failed]
     row = {
         "id": claim.id,
         "where": claim.where,
@@ -183,7 +186,7 @@ def _judged(claim: Claim, numbers: pd.DataFrame, share: Share | None) -> tuple[R
         "computed_value": computed_values(rows),
         "unit": claim.unit,
         "verdict": decision,
-        "share": share.share if share else math.nan,
+        "shares": share.in_words() if share else "",
         "decided_by": share.decided_by if share else "",
         "independent": "",
         "margin": margin,

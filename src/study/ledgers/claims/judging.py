@@ -1,8 +1,8 @@
 """How a verdict follows from criteria and numbers, for claims and for digitised points alike.
 
-A claim is evaluated for alternatives that the published facts leave open: calibrated cases, or
-draws of the contacts that the printed statements admit. The share of them that meets all criteria
-decides.
+A claim is evaluated for alternatives that the published facts leave open: calibrated cases, or, in
+each scenario, draws of the contacts that the printed statements admit. The share of them that meets
+all criteria decides.
 """
 
 from __future__ import annotations
@@ -66,18 +66,26 @@ def margins(
 
 
 def verdict(positive: Verdict, margin: FloatArray) -> Finding:
-    """Return the verdict that the margins of all alternatives give.
+    """Return the verdict by the share of cases whose margins meet the criteria.
 
-    `positive` if at least `MOST` of them meet the criteria, ``not reproduced`` if at most `FEWEST`
-    do, else ``not identified``; ``undecided`` where the 95 % intervals of numbers cover the bounds
-    that would decide.
+    The 95 % intervals of numbers may cover their bounds: such cases meet them possibly.
     """
-    certain, possible = np.mean(margin >= COVERED), np.mean(margin > -COVERED)
-    if certain >= MOST:
+    return judged(positive, [(np.mean(margin >= COVERED), np.mean(margin > -COVERED))])
+
+
+def judged(positive: Verdict, shares: Iterable[tuple[float | np.floating[Any], ...]]) -> Finding:
+    """Return the verdict by shares that meet the criteria, one for each scenario.
+
+    `positive` if all are at least `MOST`, ``not reproduced`` if all are at most `FEWEST`, ``not
+    identified`` if some are less than the one and some more than the other; ``undecided`` where
+    the intervals of the shares, their lower and upper ends, cover what would decide.
+    """
+    lows, highs = zip(*shares, strict=True)
+    if min(lows) >= MOST:
         return positive
-    if possible <= FEWEST:
+    if max(highs) <= FEWEST:
         return "not reproduced"
-    return "not identified" if certain > FEWEST and possible < MOST else UNDECIDED
+    return "not identified" if min(highs) < MOST and max(lows) > FEWEST else UNDECIDED
 
 
 def nearest_margin(margin: FloatArray) -> float:

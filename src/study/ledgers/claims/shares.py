@@ -1,4 +1,4 @@
-"""Share of the admissible contacts that meet a claim's criteria, and the deciding parameter."""
+"""Shares of the admissible contacts that meet a claim's criteria, and what decides the claim."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from microimpact.core.arrays import BoolArray, FloatArray
+from microimpact.statistics.intervals import wilson_interval
 from study.ledgers.claims.criteria import Claim
-from study.ledgers.claims.judging import FEWEST, MOST, margins
+from study.ledgers.claims.judging import FEWEST, MOST, judged, margins
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,32 +24,34 @@ NUMBERS = (
     "rate_exponent",
     "friction",
 )
-WORDS = ("friction_basis", "alternative")
+WORDS = ("friction_basis",)
+# What a claim is judged for one by one, and what decides it if its class changes between them.
+GROUPS = {"variant": "capture velocity", "alternative": "alternative"}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Share:
     """A claim over the admissible contacts."""
 
-    # Share of the draws that meet its criteria, by variant; the first decides. A claim with
-    # alternatives of its own counts each of them for each draw.
-    variants: Mapping[str, float]
-    # Margins of the draws of the first variant: infinite, since a draw has no error.
-    margin: FloatArray
-    # Parameter whose distribution differs most between draws of the first variant that meet the
-    # criteria and those that do not, and by how much, from 0 to 1; empty if the share is not split.
+    # Draws that meet its criteria, and all, by scenario and alternative of the claim.
+    counts: Mapping[tuple[str, ...], tuple[int, int]]
+    # Between which of `GROUPS` its class changes; else the parameter whose distribution differs
+    # most between draws that meet the criteria and those that do not, and by how much, from 0 to 1.
     decided_by: str
 
     @property
-    def share(self) -> float:
-        """Share that decides."""
-        return next(iter(self.variants.values()))
+    def intervals(self) -> list[tuple[float, float]]:
+        """Intervals of 95 % of the shares, by their binomial error."""
+        return [wilson_interval(*count) for count in self.counts.values()]
 
     def in_words(self) -> str:
-        """Return all shares, and the deciding parameter, in a sentence."""
-        shares = ", ".join(f"{100 * share:.0f} % {name}" for name, share in self.variants.items())
-        by = f", decided by {self.decided_by}" if self.decided_by else ""
-        return f"Met by {shares}, of the admissible contacts{by}"
+        """Return the shares with their intervals."""
+        parts = []
+        for group, (met, drawn) in self.counts.items():
+            low, high = (round(100 * end) for end in wilson_interval(met, drawn))
+            name = ", ".join(filter(None, group))
+            parts.append(f"{100 * met / drawn:.0f} % ({low} to {high}) {name}")
+        return "; ".join(parts)
 
 
 def shares(
@@ -74,20 +77,36 @@ def shares(
 
 
 def _share(claim: Claim, draws: pd.DataFrame, contacts: pd.DataFrame) -> Share:
-    keys = ["contact", "variant", "draw", "alternative"]
-    values = draws.pivot_table(index=keys, columns="quantity", values="value", sort=False)
-    margin = margins(claim.criteria, values)
-    table = values.index.to_frame(index=False).assign(met=margin > 0.0)
-    by_variant = table.groupby("variant", sort=False)["met"].mean()
-    first = table["variant"] == by_variant.index[0]
-    known = table[first].merge(
-        contacts.rename(columns={"case": "contact"}), on=keys[:3], how="left"
+    keys = ["contact", "variant", "draw"]
+    values = draws.pivot_table(
+        index=[*keys, "alternative"], columns="quantity", values="value", sort=False
     )
-    return Share(
-        variants={str(name): float(share) for name, share in by_variant.items()},
-        margin=margin[first],
-        decided_by=_decided_by(known) if FEWEST < by_variant.iloc[0] < MOST else "",
-    )
+    table = values.index.to_frame(index=False).assign(met=margins(claim.criteria, values) > 0.0)
+    groups = table.groupby(list(GROUPS), sort=False)["met"]
+    counts = {name: (int(met.sum()), len(met)) for name, met in groups}
+    share = Share(counts=counts, decided_by="")
+    if judged("reproduced", share.intervals) != "not identified":
+        return share
+    known = table.merge(contacts.rename(columns={"case": "contact"}), on=keys, how="left")
+    return Share(counts=counts, decided_by=_changes(counts) or _decided_by(known))
+
+
+def _changes(counts: Mapping[tuple[str, ...], tuple[int, int]]) -> str:
+    """Return between what the class changes, empty if one group alone is split."""
+    classes = {}
+    for group, (met, drawn) in counts.items():
+        classes[group] = (met >= MOST * drawn) - (met <= FEWEST * drawn)
+    changing = [
+        words
+        for i, words in enumerate(GROUPS.values())
+        if any(
+            classes[one] != classes[other]
+            for one in classes
+            for other in classes
+            if one[:i] + one[i + 1 :] == other[:i] + other[i + 1 :]
+        )
+    ]
+    return " and ".join(changing)
 
 
 def _decided_by(table: pd.DataFrame) -> str:

@@ -53,7 +53,7 @@ CLAIM_COLUMNS = (
 )
 # Of a ledger of claims; those of earlier versions have none of these.
 LATER_COLUMNS = (
-    *("margin", "share", "decided_by", "independent", "code", "inputs"),
+    *("margin", "shares", "decided_by", "independent", "code", "inputs"),
     *("changed_inputs", "reason"),
 )
 # Tables with rows of single claims.

@@ -20,16 +20,14 @@ DRAW = ("contact", "variant", "draw")
 COLUMNS = ("claim", *DRAW, "alternative", "quantity", "value")
 
 
-def chosen(params: Common, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
-    """Return the draws that are taken of every variant, evenly over all of its draws."""
+def drawn_contacts(params: Common, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+    """Return the admissible contacts for which claims are computed."""
     table, wanted = inputs["admissible_contacts"], params.draws
-    parts = []
-    for variant, count in wanted.variants.items():
-        draws = table[(table["case"] == wanted.case) & (table["variant"] == variant)]
-        if draws.empty:
+    for variant in wanted.variants:
+        if not np.any((table["case"] == wanted.case) & (table["variant"] == variant)):
             raise ValueError(f"admissible_contacts: no draw of {wanted.case}, {variant}")
-        parts.append(draws.iloc[np.unique(np.linspace(0, len(draws) - 1, count).astype(int))])
-    return pd.concat(parts, ignore_index=True)
+    is_wanted = (table["case"] == wanted.case) & table["variant"].isin(wanted.variants)
+    return table[is_wanted].reset_index(drop=True)
 
 
 def numbers_of_draws(
@@ -40,7 +38,7 @@ def numbers_of_draws(
     Friction and its basis are those of the draw, all else as for the calibrated cases. A claim
     that cannot be computed with a draw has no row.
     """
-    drawn = chosen(params, inputs)
+    drawn = drawn_contacts(params, inputs)
     parts = [
         part
         for basis, rows in drawn.groupby("friction_basis")

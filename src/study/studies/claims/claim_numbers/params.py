@@ -56,15 +56,10 @@ class Steel:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Draws:
-    """Admissible contacts for which claims are computed as well."""
+    """Admissible contacts for which claims are computed as well: all of a case in its variants."""
 
     case: Name
-    variants: dict[Name, Count]  # How many draws are taken of each; the first decides
-
-    def __post_init__(self) -> None:
-        """Refuse a case without variants."""
-        if not self.variants:
-            raise ValueError("variants: at least one is needed")
+    variants: Annotated[tuple[Name, ...], Field(min_length=1)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
