@@ -83,7 +83,7 @@ def _share(claim: Claim, draws: pd.DataFrame, contacts: pd.DataFrame) -> Share:
     )
     table = values.index.to_frame(index=False).assign(met=margins(claim.criteria, values) > 0.0)
     groups = table.groupby(list(GROUPS), sort=False)["met"]
-    counts = {name: (int(met.sum()), len(met)) for name, met in groups}
+    counts = {tuple(map(str, name)): (int(met.sum()), len(met)) for name, met in groups}
     share = Share(counts=counts, decided_by="")
     if judged("reproduced", share.intervals) != "not identified":
         return share
