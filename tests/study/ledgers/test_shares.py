@@ -120,4 +120,4 @@ def test_the_share_decides_in_the_ledger_and_the_cases_are_examples():
     assert row["verdict"] == "not identified"
     assert row["shares"] == "40 % (31 to 50) with"
     assert row["decided_by"] == "friction (0.90)"
-    assert row["note"].startswith("Met by 40 % (31 to 50) with, of the admissible contacts")
+    assert row["note"].startswith("Holds for 40 % (31 to 50) with, of the admissible contacts")

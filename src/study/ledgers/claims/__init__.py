@@ -175,7 +175,7 @@ def _judged(claim: Claim, numbers: pd.DataFrame, share: Share | None) -> tuple[R
         if share:
             decision = judged(claim.if_met, share.intervals)
             by = f", decided by {share.decided_by}" if share.decided_by else ""
-            failed = [f"Met by {share.in_words()}, of the admissible contacts{by}", *failed]
+            failed = [f"Holds for {share.in_words()}, of the admissible contacts{by}", *failed]
     row = {
         "id": claim.id,
         "where": claim.where,

@@ -1,4 +1,4 @@
-"""Shares of the admissible contacts that meet a claim's criteria, and what decides the claim."""
+"""Shares of the admissible contacts that meet a claim's criteria, and the deciding parameter."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def _share(claim: Claim, draws: pd.DataFrame, contacts: pd.DataFrame) -> Share:
 
 
 def _changes(counts: Mapping[tuple[str, ...], tuple[int, int]]) -> str:
-    """Return between what the class changes, empty if one group alone is split."""
+    """Return the kinds of groups between which the class changes, empty if there are none."""
     classes = {}
     for group, (met, drawn) in counts.items():
         classes[group] = (met >= MOST * drawn) - (met <= FEWEST * drawn)
