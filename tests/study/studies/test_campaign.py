@@ -39,7 +39,8 @@ WANTED = Counts(experiments=24, diameter_ranges=2, surfaces=2, angles=3, speed_r
 
 
 def plan(*blocks):
-    return expand(blocks, PARTICLES, SURFACES, CLASSES, ANGLES)
+    named = {str(number): block for number, block in enumerate(blocks)}
+    return expand(named, PARTICLES, SURFACES, CLASSES, ANGLES)
 
 
 def test_a_block_is_all_its_combinations():
@@ -68,10 +69,10 @@ def test_another_number_of_experiments_is_refused():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"particles": ("smal",)}, r"blocks\[1\]\.particles: 'smal' must be .* 'small'"),
-        ({"surfaces": ("side",)}, r"blocks\[1\]\.surfaces: 'side' must be one of those declared"),
-        ({"speeds": ("fats",)}, r"blocks\[1\]\.speeds: 'fats' must be .* 'fast'"),
-        ({}, r"blocks\[1\]: small on front, 1 m/s, 90 deg: declared twice"),
+        ({"particles": ("smal",)}, r"blocks\.1\.particles: 'smal' must be .* 'small'"),
+        ({"surfaces": ("side",)}, r"blocks\.1\.surfaces: 'side' must be one of those declared"),
+        ({"speeds": ("fats",)}, r"blocks\.1\.speeds: 'fats' must be .* 'fast'"),
+        ({}, r"blocks\.1: small on front, 1 m/s, 90 deg: declared twice"),
     ],
 )
 def test_bad_blocks_are_refused(change, message):
