@@ -59,10 +59,17 @@ def reason(study: str, error: Exception) -> str:
 
 
 def not_computed(why: str) -> pd.DataFrame:
-    """Return the table in place of one that cannot be computed; `read_table` raises its reason."""
+    """Return the table in place of one that cannot be computed; `computed` raises its reason."""
     import pandas as pd
 
     return pd.DataFrame({NOT_COMPUTED: [why]})
+
+
+def computed(table: pd.DataFrame) -> pd.DataFrame:
+    """Return a table as it is; raises NotComputedError for one of `not_computed`."""
+    if list(table.columns) == [NOT_COMPUTED]:
+        raise NotComputedError(table[NOT_COMPUTED].iloc[0])
+    return table
 
 
 def points_series(evidence: str, name: str) -> str:
@@ -153,9 +160,7 @@ def read_table(path: Path | str, columns: Sequence[str] | None = None) -> pd.Dat
         _require_whole_rows(text, str(path))
     except (UnicodeDecodeError, csv.Error) as error:
         raise TableError(f"{path}: no CSV table in UTF-8: {error}") from None
-    table = parse_table(text)
-    if list(table.columns) == [NOT_COMPUTED]:
-        raise NotComputedError(table[NOT_COMPUTED].iloc[0])
+    table = computed(parse_table(text))
     if columns is not None:
         check_columns(list(table.columns), columns, str(path))
     return table

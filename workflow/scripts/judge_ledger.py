@@ -21,7 +21,7 @@ def main(job: Any) -> str:
     declared = {name: parse_table(text) for name, text in job.params.rows.items()}
     files = dict(job.input.items())
     criteria = files.pop("criteria", None)
-    tables = NamedTables(declared, files)
+    tables = NamedTables(declared | files)
     settings = (criteria, job.params.branch, job.params.changed) if criteria else ()
     judged = ledger.judge(tables, *settings)
     for name, path in job.output.items():

@@ -35,7 +35,7 @@ def main(job: Any) -> str:
     study = studies.study(job.params.study)
     declared = {name: parse_table(text) for name, text in job.params.rows.items()}
     made = {name: path for name, path in job.input.items() if name not in OTHERS}
-    inputs = NamedTables(declared, made)
+    inputs = NamedTables(declared | made)
     params = build(study.Params, job.params.branch)
     outputs = dict(job.output.items())
     try:

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from study.declared.provenance import EVIDENCE, Declared, as_text, finite_number
-from study.tables import NotComputedError, read_table
+from study.tables import NotComputedError, computed, read_table
 
 Row = dict[str, str]
 
@@ -67,15 +67,15 @@ class DeclaredTable:
 class NamedTables(dict[str, Any]):
     """Tables of a study by name; asking for one that is missing says why.
 
-    `files`: tables to be read. One that could not be computed is missing.
+    `tables`: as they are, or the files of some. One that could not be computed is missing.
     """
 
-    def __init__(self, tables: Mapping[str, Any], files: Mapping[str, Path | str]) -> None:
-        super().__init__(tables)
+    def __init__(self, tables: Mapping[str, Any]) -> None:
+        super().__init__()
         self.lacking = dict[str, NotComputedError]()
-        for name, path in files.items():
+        for name, table in tables.items():
             try:
-                self[name] = read_table(path)
+                self[name] = read_table(table) if isinstance(table, str | Path) else computed(table)
             except NotComputedError as why:
                 self.lacking[name] = why
 

@@ -100,8 +100,7 @@ def run_with(
         Tables of earlier studies by name.
     """
     study = studies.study(name)
-    inputs = NamedTables({key: parse_table(text) for key, text in rows.items()}, {})
-    inputs.update(tables)
+    inputs = NamedTables({key: parse_table(text) for key, text in rows.items()} | {**tables})
     made: dict[str, pd.DataFrame] = dict(study.run(build(study.Params, branch), inputs))
     return made
 

@@ -17,7 +17,7 @@ from microimpact.model.contact_laws import JKR, ContactLaw, Hysteresis, Thornton
 from microimpact.model.pairs import Pairs, pair_contact, pairs_from_rows
 from study.declared.parameters import Name
 from study.declared.selection import IMPACT
-from study.tables import Tables
+from study.tables import NOT_COMPUTED, NotComputedError, Tables
 
 # Columns of the admissible contacts, and the fields of a contact that they are.
 DRAWN = {
@@ -188,9 +188,14 @@ def calibrated_contact(inputs: Tables, case: str, **changes: Any) -> Contact:
     ------
     ValueError
         If there is no such case; the message names the nearest.
+    NotComputedError
+        If its calibration has no solution.
     """
     table = inputs["calibration"]
-    rows = table[(table["case"] == case) & (table["role"] == "parameter")]
+    rows = table[table["case"] == case]
+    if NOT_COMPUTED in set(rows["role"]):
+        raise NotComputedError(rows["problem"].iloc[0])
+    rows = rows[rows["role"] == "parameter"]
     if rows.empty and "contacts" in inputs and " on " in case:
         return declared_contact(inputs, *case.split(" on "), **changes)
     if rows.empty:

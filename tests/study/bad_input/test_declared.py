@@ -86,7 +86,7 @@ CASES = [
     (MODELS, "friction: {values: [0.05, 0.10, 0.15, 0.20]", "friction: {value: 0.3", ["coulomb_friction.friction: 0.3 must be a list, as [0.3]"]),
     (MODELS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: 1.0e+8", ["oblique_impact.speed_m_per_s: 1e+08 m/s must be from 0 to 1000 m/s"]),
     (MODELS, "diameter_um: {from: particles.SST76.mean_diameter_um}", "diameter_um: 62.0e-6", ["oblique_impact.diameter_um: 6.2e-05 um must be from 0.001 to 5000 um"]),
-    (LABORATORY, "kind: truncated_normal", "kind: gaussian", [".diameter_um.kind: 'gaussian' must be one of constant, uniform, normal", "particles.SST6"]),
+    (LABORATORY, "kind: truncated_normal\n      mean: {value: 54.0", "kind: gaussian\n      mean: {value: 54.0", ["particles.glass spheres.diameter_um.kind: 'gaussian' must be one of constant, uniform, normal", "campaign."]),
     (POINTS, "1.0,0.5,0.4,0.6", "1.0,50,40,60", ["fig14.csv, line 5, y: 50 is far off the axis of 'trends', 0 to 1.05"]),
     # references
     (MODELS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speeds.nominl}", ["oblique_impact.speed_m_per_s.from: 'speeds.nominl' is not declared (did you mean 'nominal'?)"]),
@@ -216,12 +216,12 @@ OVERLAYS = [
     ({"particles": None}, ["particles: missing"]),
     ({"particles": {"SST77": None}}, ["particles.SST77: None must be a mapping"]),
     ({"particles": {"SST77": {"particle": "glass", "particle_slope": 0.1}}}, [f"particles.SST77.{key}: changes nothing: no analysis names it" for key in ("particle", "particle_slope")]),
-    ({"speeds": {"nominal": {"speed_m_per_s": 0}}}, ["speeds.nominal.speed_m_per_s: 0 must be greater than 0", "admissible_contacts."]),
+    ({"speeds": {"nominal": {"speed_m_per_s": 0}}}, ["speeds.nominal.speed_m_per_s: 0 must be greater than 0", "admissible_contacts.", "inference."]),
     ({"monte_carlo": {"process": {"diameter_um": {"kind": "constant", "at": 6.2e-5}}}}, ["monte_carlo.process.diameter_um.at: 6.2e-05 um must be from 0.001 to 5000 um"]),
     ({"monte_carlo": {"process": {"diameter_um": {"kind": "histogram", "edges": [5e-5, 6e-5], "counts": [1]}}}}, ["monte_carlo.process.diameter_um.edges[0]: 5e-05 um must be", "monte_carlo.process.diameter_um.edges[1]: 6e-05 um must be"]),
     ({"monte_carlo": {"process": {"slope": 0.3}}}, ["monte_carlo.process.slope: 0.3 must be a mapping with the key kind: constant, uniform,"]),
     # what is allowed alone, but contradicts something else
-    ({"particles": {"SST76": {"mean_diameter_um": 30}}}, ["particles.SST76: mean_diameter_um 30 must be the mean of diameter_um, 62: change both"]),
+    ({"particles": {"SST76": {"mean_diameter_um": 60}}}, ["particles.SST76: mean_diameter_um 60 must be the mean of diameter_um, 62: change both"]),
     ({"monte_carlo": {"process": {"diameter_um": {"kind": "truncated_normal", "mean": 50, "sd": 9, "low": 100, "high": 110}}}}, ["monte_carlo.process.diameter_um: from 100 to 110, only 1e-08 of mean 50, sd 9 is left"]),
     ({"oblique_experiments": {"series": {"silicon front": {"speed_m_per_s": 3.0}}}}, ["oblique_experiments.series.silicon front.speed_m_per_s: 3 must be within speed_range_m_per_s, [1.6, 1.72]"]),
     ({"drops": {"steel on silicon": {"case": "steel-formica"}}}, ["drops.steel on silicon.case: 'steel-formica' is of stainless-steel-316 on formica, must be of stainless-steel-316 on silicon"]),
@@ -289,4 +289,4 @@ def test_a_study_whose_branch_names_no_rows(declared):
     rows = declared.read()[0].rows["rolling_dissipation"]
     assert set(rows) == {"materials"}
     with pytest.raises(ValueError, match="no rows of 'printed': the study's branch must name some"):
-        NamedTables(rows, {})["printed"]
+        NamedTables({})["printed"]

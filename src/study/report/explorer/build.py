@@ -53,8 +53,9 @@ def numbers(inputs: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
     `page_files`.
     """
     materials, pairs = declared(inputs)
-    cases = dict.fromkeys(inputs["calibration"]["case"])
-    bodies = inputs["calibration"][["particle", "surface"]]
+    solved = inputs["calibration"].query("role == 'parameter'")
+    cases = dict.fromkeys(solved["case"])
+    bodies = solved[["particle", "surface"]]
     calibrated = set(bodies.itertuples(index=False, name=None))
     return {
         "constants": {

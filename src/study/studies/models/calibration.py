@@ -7,7 +7,7 @@ as an interval; other pairs by their work of adhesion or by their damping alone.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
 from itertools import product
@@ -43,7 +43,16 @@ from study.studies.contacts import (
     declared_contact,
     printed_capture_velocity,
 )
-from study.tables import Row, Tables, series_frame
+from study.tables import (
+    NOT_COMPUTED,
+    UNCOMPUTABLE,
+    NotComputedError,
+    Row,
+    Tables,
+    not_computed,
+    reason,
+    series_frame,
+)
 
 PRINTED_VALUES = CAPTURE_VELOCITIES
 
@@ -182,6 +191,8 @@ def facts(member: Contact, targets: TwoStageTargets) -> Row:
 
 def ridge(members: pd.DataFrame, flat_within: float) -> pd.DataFrame:
     """Return how far e leaves its plateau, against the work of adhesion, per exponent."""
+    if not members["solved"].any():
+        return not_computed("calibration.two_stage: no member of the family has a solution")
     frame = partial(series_frame, "ridge", x_unit="J_per_m2", y_unit="1")
     x, y = "work_of_adhesion_J_per_m2", "deviation_from_plateau"
     frames = [
@@ -205,7 +216,7 @@ def curves(targets: TwoStageTargets, members: Sequence[Contact], inputs: Tables)
         frames.append(frame(name, speed, e, "calibrated"))
     # Of normal impact only the capture velocity is printed.
     limit = targets.capture_velocity_m_per_s
-    is_printed = limit == printed_capture_velocity(inputs, members[0])
+    is_printed = limit == printed_capture_velocity(inputs, bare_contact(targets, inputs))
     frames.append(frame("targets", limit, 0.0, "printed" if is_printed else "assumed"))
     frames.append(frame("targets", targets.speed_m_per_s, targets.restitution, "assumed"))
     return pd.concat(frames, ignore_index=True)
@@ -222,6 +233,9 @@ PARAMETERS = {
 
 
 CORNERS = tuple(f"fluorescein-molybdenum, {name}" for name in ("least", "nominal", "greatest"))
+
+# Of the table of cases; where one has no solution, there is a ``problem`` as well.
+COLUMNS = ["case", "particle", "surface", "role", "quantity", "value", "target", "unit", "evidence"]
 
 # Contacts with the least, the nominal and the greatest capture velocity of an admissible set.
 Corners = tuple[Contact, Contact, Contact]
@@ -275,6 +289,15 @@ class Params:
     by_work_of_adhesion: dict[CaseName, WorkTarget]
     by_restitution: dict[CaseName, RestitutionTarget]
 
+    def __post_init__(self) -> None:
+        """Refuse the damping of a case that is itself damped as another."""
+        allowed = (*self.two_stage.members, *CORNERS)
+        for key in ("by_work_of_adhesion", "by_restitution"):
+            for case, target in getattr(self, key).items():
+                if (name := target.damped_as) not in allowed:
+                    names = "; ".join(allowed)
+                    raise ValueError(f"{key}: {case}.damped_as: {name!r} must be one of {names}")
+
     @property
     def calibrated(self) -> set[str]:
         """Names of all cases whose contact the study finds."""
@@ -282,28 +305,54 @@ class Params:
         return {*CORNERS, *members, *self.by_work_of_adhesion, *self.by_restitution}
 
 
+# The contact of every case so far, or why there is none.
+Known = dict[str, Contact | NotComputedError]
+Solution = tuple[Contact, Met]
+# Key of a case, its name, whose pair it is, and what solves it.
+Attempt = tuple[
+    str,
+    str,
+    TwoStageTargets | ForceRatios | WorkTarget | RestitutionTarget,
+    Callable[[], Solution],
+]
+
+
 def run(params: Params, inputs: Tables) -> Tables:
     """Calibrate every case.
 
-    ``calibration``: per case its targets, as met, and the parameters found. ``calibration_family``:
-    steel on silicon over works of adhesion and exponents, each member judged by printed facts.
-    ``molybdenum_capture``: capture velocities in m/s as intervals. ``ridge`` and ``ridge_curves``:
-    the family drawn.
+    ``calibration``: per case its targets, as met, and the parameters found, or why there are none.
+    ``calibration_family``: steel on silicon over works of adhesion and exponents, each member
+    judged by printed facts. ``molybdenum_capture``: capture velocities in m/s as intervals.
+    ``ridge`` and ``ridge_curves``: the family drawn.
     """
-    targets, ratios = params.two_stage, params.force_ratios
-    bare, corners = bare_contact(targets, inputs), _corners(ratios, inputs)
-    members = {
-        case: solved(bare, targets.aims, member.rate_exponent, member.work_of_adhesion_J_per_m2)
-        for case, member in targets.members.items()
-    }
-    known = members | dict(zip(CORNERS, corners, strict=True))
+    targets = params.two_stage
+    known: Known = {}
+    rows: list[Row] = []
+    for key, case, pair, solve in _cases(params, known, inputs):
+        try:
+            contact, met = solve()
+        except UNCOMPUTABLE as error:
+            known[case] = NotComputedError(reason(f"calibration.{key}", error))
+            bodies = {"particle": pair.particle, "surface": pair.surface}
+            why = {"role": NOT_COMPUTED, "problem": str(known[case]), "evidence": "calibrated"}
+            rows.append({"case": case, **bodies, **why})
+        else:
+            known[case] = contact
+            rows += _case_rows(case, contact, met)
     family_table = family(targets, inputs)
+    try:
+        least, nominal, greatest = (_contact(known, case) for case in CORNERS)
+        intervals = capture_intervals(params.force_ratios, (least, nominal, greatest))
+    except UNCOMPUTABLE as error:
+        intervals = not_computed(reason("calibration.force_ratios", error))
+    members = [known[case] for case in targets.members]
+    columns = COLUMNS + ["problem"] * any("problem" in row for row in rows)
     return {
-        "calibration": pd.DataFrame(_rows(params, known, inputs)),
+        "calibration": pd.DataFrame(rows, columns=columns),
         "calibration_family": family_table,
-        "molybdenum_capture": capture_intervals(ratios, corners),
+        "molybdenum_capture": intervals,
         "ridge": ridge(family_table, targets.facts.flat_within),
-        "ridge_curves": curves(targets, list(members.values()), inputs),
+        "ridge_curves": curves(targets, [m for m in members if isinstance(m, Contact)], inputs),
     }
 
 
@@ -330,47 +379,60 @@ def capture_intervals(ratios: ForceRatios, corners: Corners) -> pd.DataFrame:
     )
 
 
-def _corners(ratios: ForceRatios, inputs: Tables) -> Corners:
-    """Contacts with the least, the nominal and the greatest capture velocity."""
+def _cases(params: Params, known: Known, inputs: Tables) -> Iterator[Attempt]:
+    """Yield the cases; those damped as another one ask for it when they are solved."""
+    targets, ratios = params.two_stage, params.force_ratios
+    bare = bare_contact(targets, inputs)
+
+    def member(each: Member) -> Solution:
+        contact = solved(bare, targets.aims, each.rate_exponent, each.work_of_adhesion_J_per_m2)
+        e = _restitution(contact, targets.speed_m_per_s, targets.restitution)
+        return contact, e | _capture(contact, targets.capture_velocity_m_per_s)
+
+    for case, each in targets.members.items():
+        yield f"two_stage.members.{case}", case, targets, partial(member, each)
+    for case, corner in zip(CORNERS, _corners(ratios, inputs), strict=True):
+        yield "force_ratios", case, ratios, partial(_at_corner, ratios, corner)
+
+    def by_work(target: WorkTarget) -> Solution:
+        contact = _damped_as(target, known, inputs).replace(diameter=target.diameter_um * 1e-6)
+        contact = work_of_adhesion_for(contact, target.capture_velocity_m_per_s)
+        return contact, _capture(contact, target.capture_velocity_m_per_s)
+
+    def by_restitution(target: RestitutionTarget) -> Solution:
+        aim = target.speed_m_per_s, target.restitution
+        contact = damping_factor_for(_damped_as(target, known, inputs), *aim)
+        return contact, _restitution(contact, *aim)
+
+    for case, work in params.by_work_of_adhesion.items():
+        yield f"by_work_of_adhesion.{case}", case, work, partial(by_work, work)
+    for case, target in params.by_restitution.items():
+        yield f"by_restitution.{case}", case, target, partial(by_restitution, target)
+
+
+def _corners(ratios: ForceRatios, inputs: Tables) -> tuple[Callable[[], Contact], ...]:
+    """Contacts with the least, the nominal and the greatest capture velocity, to be solved."""
     contact = declared_contact(
         inputs, ratios.particle, ratios.surface, diameter=ratios.diameter_um * 1e-6
     )
     elastic = contact.replace(hertz_damping=0.0)
     speed, wanted, band = ratios.speed_m_per_s, ratios.dissipation_over_adhesion, ratios.band
+    most = ratios.adhesion_over_hertz * (1 + band), wanted * (1 + band)
     return (
-        dissipation_ratio_for(elastic, speed, wanted * (1 - band)),
-        dissipation_ratio_for(elastic, speed, wanted),
-        hertz_damping_for_adhesion_ratio(
-            elastic, speed, ratios.adhesion_over_hertz * (1 + band), wanted * (1 + band)
-        ),
+        partial(dissipation_ratio_for, elastic, speed, wanted * (1 - band)),
+        partial(dissipation_ratio_for, elastic, speed, wanted),
+        partial(hertz_damping_for_adhesion_ratio, elastic, speed, *most),
     )
 
 
-def _rows(params: Params, known: Mapping[str, Contact], inputs: Tables) -> Iterator[Row]:
-    """Yield the rows of all cases; `known`: contacts of the members and of the corners."""
-    targets, ratios = params.two_stage, params.force_ratios
-    for case in targets.members:
-        e = _restitution(known[case], targets.speed_m_per_s, targets.restitution)
-        limit = _capture(known[case], targets.capture_velocity_m_per_s)
-        yield from _case_rows(case, known[case], e | limit)
+def _at_corner(ratios: ForceRatios, corner: Callable[[], Contact]) -> Solution:
+    contact = corner()
     wanted = {
         "adhesion_over_hertz": ratios.adhesion_over_hertz,
         "dissipation_over_adhesion": ratios.dissipation_over_adhesion,
     }
-    for case in CORNERS:
-        peaks = peak_ratios(known[case], ratios.speed_m_per_s)
-        met = {n: (of, wanted[n], "-") for n, of in zip(wanted, peaks, strict=True)}
-        yield from _case_rows(case, known[case], met)
-    for case, work in params.by_work_of_adhesion.items():
-        contact = _damped_as(case, work, known, inputs).replace(diameter=work.diameter_um * 1e-6)
-        solution = work_of_adhesion_for(contact, work.capture_velocity_m_per_s)
-        limit = _capture(solution, work.capture_velocity_m_per_s)
-        yield from _case_rows(case, solution, limit)
-    for case, target in params.by_restitution.items():
-        contact = _damped_as(case, target, known, inputs)
-        solution = damping_factor_for(contact, target.speed_m_per_s, target.restitution)
-        e = _restitution(solution, target.speed_m_per_s, target.restitution)
-        yield from _case_rows(case, solution, e)
+    peaks = peak_ratios(contact, ratios.speed_m_per_s)
+    return contact, {n: (of, wanted[n], "-") for n, of in zip(wanted, peaks, strict=True)}
 
 
 def _case_rows(case: str, contact: Contact, targets: Met) -> Iterator[Row]:
@@ -396,15 +458,17 @@ def _capture(contact: Contact, target: float) -> Met:
     return {"capture_velocity": (float(capture_velocity(contact)), target, "m/s")}
 
 
-def _damped_as(
-    case: str, target: WorkTarget | RestitutionTarget, known: Mapping[str, Contact], inputs: Tables
-) -> Contact:
+def _damped_as(target: WorkTarget | RestitutionTarget, known: Known, inputs: Tables) -> Contact:
     """Return the declared contact of a pair with the damping of another case."""
-    if target.damped_as not in known:
-        raise ValueError(
-            f"{case}.damped_as: {target.damped_as!r} must be one of {', '.join(known)}"
-        )
-    damped = known[target.damped_as]
+    damped = _contact(known, target.damped_as)
     names = "hertz_damping", "adhesion_damping", "adhesion_rate_exponent", "reference_velocity"
     damping = {name: getattr(damped, name) for name in names}
     return declared_contact(inputs, target.particle, target.surface).replace(**damping)
+
+
+def _contact(known: Known, case: str) -> Contact:
+    """Return the contact of a case, or raise why there is none."""
+    contact = known[case]
+    if isinstance(contact, NotComputedError):
+        raise contact
+    return contact
