@@ -66,7 +66,7 @@ try:
     SETTINGS = validate(config, SHIPPED)
     stamp.require_own_root(config, base)
     CHANGED = changed_inputs(SETTINGS, validate(SHIPPED, SHIPPED)) if config != SHIPPED else {}
-    INPUTS = read_inputs(SETTINGS)
+    INPUTS = read_inputs(SETTINGS, CHANGED)
     if workflow.is_main_process:  # not in every job
         if Path(workflow.basedir).is_relative_to(PROJECT):  # a module writes beside other results
             stamp.require_results_folder(RESULTS)

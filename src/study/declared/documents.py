@@ -73,24 +73,40 @@ def load(path: Path | str) -> dict[str, Any]:
     return content
 
 
+Pairs = Mapping[str, tuple[str, str]]
+NO_PAIRS: Pairs = {}
 _PLACE = re.compile(r"\[\[([^\[\]:]+)(?::([^\]]*))?\]\]")
 
 
-def filled(node: Any, values: Mapping[str, Any], key: str) -> Any:
+def filled(node: Any, values: Mapping[str, Any], key: str, pairs: Pairs = NO_PAIRS) -> Any:
     """Put parameters of a study into the words of a figure or a claim.
 
     ``[[friction]]`` or ``[[friction:.2f]]`` in any text is replaced by the parameter of that name,
     ``[[targets.speed]]`` for one within another, ``[[speeds.0]]`` for the first of a list and
-    ``[[speeds]]`` for all of it, so that no word contradicts a changed configuration. A name may
-    hold dots.
+    ``[[speeds]]`` for all of it, or all names of a mapping, so that no word contradicts a changed
+    configuration. ``[[case.pair]]``, ``[[case.particle]]`` and ``[[case.surface]]`` are the
+    materials of a case, or of several. A name may hold dots.
 
-    `node`: what stands in the file under the dotted `key`. Raises ConfigError if there is no
-    parameter of a name.
+    Parameters
+    ----------
+    node
+        What stands in the file under the dotted `key`.
+    values
+        Parameters of the study.
+    key
+        For messages.
+    pairs
+        Materials of particle and surface of every case.
+
+    Raises
+    ------
+    ConfigError
+        If there is no parameter of a name.
     """
     if isinstance(node, Mapping):
-        return {name: filled(child, values, f"{key}.{name}") for name, child in node.items()}
+        return {name: filled(child, values, f"{key}.{name}", pairs) for name, child in node.items()}
     if isinstance(node, list):
-        return [filled(child, values, f"{key}[{i}]") for i, child in enumerate(node)]
+        return [filled(child, values, f"{key}[{i}]", pairs) for i, child in enumerate(node)]
     if not isinstance(node, str):
         return node
 
@@ -98,7 +114,7 @@ def filled(node: Any, values: Mapping[str, Any], key: str) -> Any:
         node: Any = values
         rest = match[1]
         while rest:
-            known = _named(node)
+            known = {**_materials(node, pairs), **_named(node)}
             part = next((name for name in known if f"{rest}.".startswith(f"{name}.")), None)
             if part is None:
                 near = nearest(rest.split(".")[0], known)
@@ -106,7 +122,7 @@ def filled(node: Any, values: Mapping[str, Any], key: str) -> Any:
             node, rest = known[part], rest[len(part) + 1 :]
         *most, last = (
             format(each, match[2] or "").replace("%", " %")
-            for each in (node if isinstance(node, list) else [node])
+            for each in (list(node) if isinstance(node, list | Mapping) else [node])
         )
         return f"{', '.join(most)} and {last}" if most else last
 
@@ -118,3 +134,18 @@ def _named(node: Any) -> Mapping[str, Any]:
     if isinstance(node, list | tuple):
         return {str(number): item for number, item in enumerate(node)}
     return node if isinstance(node, Mapping) else {}
+
+
+def _materials(node: Any, pairs: Pairs) -> dict[str, list[str]]:
+    """Return the materials of a case, or of the cases of a list or mapping, in words."""
+    names = [node] if isinstance(node, str) else node if isinstance(node, list | Mapping) else ()
+    cases = [pairs[name] for name in names if isinstance(name, str) and name in pairs]
+    if not cases:
+        return {}
+    words = [tuple(re.sub(r"-\d+$", "", each).replace("-", " ") for each in pair) for pair in cases]
+    several = {
+        "particle": [particle for particle, _ in words],
+        "surface": [surface for _, surface in words],
+        "pair": [f"{particle} on {surface}" for particle, surface in words],
+    }
+    return {key: list(dict.fromkeys(each)) for key, each in several.items()}

@@ -55,6 +55,9 @@ QUANTITIES = {
 }
 
 
+AS_SHIPPED: Mapping[str, object] = {}
+
+
 class RegistryError(ValueError):
     """A registry with problems: one line each, beginning with the dotted key."""
 
@@ -136,8 +139,9 @@ class FigureSpec:
     `article` says what the article shows there; it is empty for a figure of our own. `equations`
     are those of the article that the figure shows or rests on, by their numbers in the ledger.
     `tables` are those of the study that belong beside the figure, each with a sentence on what it
-    holds. Panels stand in rows of `columns`, all side by side if not given; with `legend_columns`,
-    one legend in so many columns is above them. `evidence_labels` replace words of the key of
+    holds. `as_shipped` are sentences of the caption that hold for the shipped inputs alone; `filled`
+    puts them there. Panels stand in rows of `columns`, all side by side if not given; with
+    `legend_columns`, one legend in so many columns is above them. `evidence_labels` replace words of the key of
     evidence, as of what another paper printed.
     """
 
@@ -150,6 +154,7 @@ class FigureSpec:
     equations: tuple[Name, ...] = ()
     data: dict[str, DataSpec]
     article: str = ""
+    as_shipped: str = ""
     tables: dict[str, Name] = field(default_factory=dict)
     evidence_labels: dict[str, Name] = field(default_factory=dict)
     width: Literal["single", "double"] = "single"
@@ -205,18 +210,50 @@ def registry(entries: Mapping[str, Mapping[str, Any]]) -> dict[str, FigureSpec]:
     return specs
 
 
-def filled(entries: Mapping[str, Any], branches: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-    """Put values of each figure's study into its words, see `documents.filled`.
+def filled(
+    entries: Mapping[str, Any],
+    branches: Mapping[str, Mapping[str, Any]],
+    pairs: documents.Pairs = documents.NO_PAIRS,
+    changed: Mapping[str, object] = AS_SHIPPED,
+) -> dict[str, Any]:
+    """Put values of each figure's study into its words; what only holds as shipped goes with it.
 
-    Raises RegistryError if a study is not known, ConfigError if it has no such parameter.
+    Parameters
+    ----------
+    entries
+        Of the registry, by figure.
+    branches
+        Parameters of the studies.
+    pairs
+        As in `documents.filled`.
+    changed
+        By study, inputs on which it rests and that are not as shipped. If there are any, the
+        sentences ``as_shipped`` do not follow the caption.
+
+    Raises
+    ------
+    RegistryError
+        If a study is not known.
+    ConfigError
+        If it has no such parameter.
     """
     result = {}
     for name, entry in entries.items():
         study = entry.get("study") if isinstance(entry, Mapping) else None
         if study is not None and (not isinstance(study, str) or study not in branches):
             raise RegistryError(f"{name}.study: {study!r} is no study{nearest(study, branches)}")
-        result[name] = documents.filled(entry, branches[study] if study else {}, name)
+        values = branches[study] if study else {}
+        held = _as_it_holds(entry, changed.get(str(study)))
+        result[name] = documents.filled(held, values, name, pairs)
     return result
+
+
+def _as_it_holds(entry: Any, changed: object) -> Any:
+    """Return an entry whose caption ends in what only holds as shipped, or lacks it."""
+    if not (isinstance(entry, Mapping) and entry.get("as_shipped")):
+        return entry
+    held = "" if changed else f" {entry['as_shipped']}"
+    return {**entry, "caption": f"{entry.get('caption', '')}{held}", "as_shipped": ""}
 
 
 def _order(name: object) -> tuple[int, str]:

@@ -28,7 +28,7 @@ from study.declared.parameters import Known, Name, adapter, build, explain
 from study.declared.provenance import Declared, unit_of
 from study.declared.references import Resolver, merged
 from study.declared.selection import TABLES, DeclaredTable, DeclaredTables, read_all
-from study.figures.registry import FigureSpec, filled, registry
+from study.figures.registry import AS_SHIPPED, FigureSpec, filled, registry
 from study.run.digitised import Digitised, as_rows, read_folder
 from study.run.stamp import changes
 from study.studies.laboratory import Laboratory
@@ -171,7 +171,13 @@ def validate(
             branches(**params), mode="json"
         ),
         rows={name: tables.named(each, bodies) for name, each in named.items()},
-        pairs=bodies,
+        pairs={
+            **{
+                f"{row['particle']} on {row['surface']}": (row["particle"], row["surface"])
+                for row in tables.contacts.rows
+            },
+            **bodies,
+        },
         # Where the results go is no input: the same study has the same table anywhere.
         declared=tuple(row for row in resolver.rows if not row.key.startswith("pathvars.")),
         unused=unused,
@@ -330,11 +336,11 @@ class Inputs:
     digitised: Mapping[str, Digitised]  # Digitised points by figure
 
 
-def read_inputs(settings: Settings) -> Inputs:
+def read_inputs(settings: Settings, changed: Mapping[str, object] = AS_SHIPPED) -> Inputs:
     """Read and check every file that a checked configuration names.
 
-    Raises ValueError: with one line per problem that names the key, or the file and its line or
-    column. Raises OSError if a file cannot be read.
+    `changed`: by study, inputs that are not as shipped. Raises ValueError: with one line per problem
+    that names the key, or the file and its line or column. Raises OSError if a file cannot be read.
     """
     general = settings.general
     tables = settings.tables
@@ -357,7 +363,7 @@ def read_inputs(settings: Settings) -> Inputs:
     if wrong:
         raise ValueError("\n".join(wrong))
     with located(general.figures):
-        entries = filled(load(general.figures), settings.branches)
+        entries = filled(load(general.figures), settings.branches, settings.pairs, changed)
         figures = registry(entries)
     digitised = read_folder(general.digitised, figures)
     return Inputs(

@@ -65,7 +65,7 @@ def admitted(calibration, settings):
 
 @pytest.fixture(scope="session")
 def figures(settings):
-    return registry(filled(load(ROOT / "config/figures.yaml"), settings.branches))
+    return registry(filled(load(ROOT / "config/figures.yaml"), settings.branches, settings.pairs))
 
 
 @pytest.fixture(scope="session")

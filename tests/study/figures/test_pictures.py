@@ -16,13 +16,13 @@ from matplotlib.path import Path as Outline
 from matplotlib.transforms import Bbox
 from tests.shared import ROOT, settings_as_shipped
 
-from study.declared.documents import load
 from study.figures import style
-from study.figures.registry import QUANTITIES, filled, registry
+from study.figures.registry import QUANTITIES
 from study.report.check.results import read_text, table_files
+from study.run.config import read_inputs
 from study.tables import parse_table
 
-SPECS = registry(filled(load(ROOT / "config/figures.yaml"), settings_as_shipped().branches))
+SPECS = read_inputs(settings_as_shipped()).figures
 FILES = table_files(ROOT / "tests/reference")
 # Texts may touch by so much, in points: their boxes hold room for letters that they lack.
 SLACK = 1.5

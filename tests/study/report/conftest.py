@@ -60,7 +60,7 @@ def chromium(tmp_path_factory):
 @pytest.fixture(scope="session")
 def registry(settings):
     """The words of all figures."""
-    return filled(load(ROOT / "config/figures.yaml"), settings.branches)
+    return filled(load(ROOT / "config/figures.yaml"), settings.branches, settings.pairs)
 
 
 @pytest.fixture(scope="session")

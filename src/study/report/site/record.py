@@ -115,6 +115,7 @@ def read_record(results: Path) -> Record:
     if (results / RECORD).is_file():
         return from_plain(read_json(results / RECORD), str(results / RECORD))
     # Only here is a configuration checked, for which the laboratory is loaded.
+    from study.run.changed import changed_inputs
     from study.run.config import read_configuration, validate
 
     if not (results / STAMP).is_file():
@@ -125,9 +126,11 @@ def read_record(results: Path) -> Record:
         raise ResultsError(f"{results / STAMP}: has no {', '.join(missing)}")
     config = stamp.pop("config")
     shipped = read_configuration(declared_file("config.yaml").parent)
+    used, as_shipped = validate(config, shipped), validate(shipped, shipped)
+    differing = changed_inputs(used, as_shipped)
     return Record(
         **{name: stamp[name] for name in names[:-1]},
         changes=changes(config, shipped),
-        figures=filled(load(declared_file("figures.yaml")), validate(config, shipped).branches),
+        figures=filled(load(declared_file("figures.yaml")), used.branches, used.pairs, differing),
         rules=(),
     )
