@@ -85,7 +85,7 @@ def filled(node: Any, values: Mapping[str, Any], key: str, pairs: Pairs = NO_PAI
     ``[[targets.speed]]`` for one within another, ``[[speeds.0]]`` for the first of a list and
     ``[[speeds]]`` for all of it, or all names of a mapping, so that no word contradicts a changed
     configuration. ``[[case.pair]]``, ``[[case.particle]]`` and ``[[case.surface]]`` are the
-    materials of a case, or of several. A name may hold dots.
+    materials of a case, or of several; the name of a case stands for it. A name may hold dots.
 
     Parameters
     ----------
@@ -114,7 +114,9 @@ def filled(node: Any, values: Mapping[str, Any], key: str, pairs: Pairs = NO_PAI
         node: Any = values
         rest = match[1]
         while rest:
-            known = {**_materials(node, pairs), **_named(node)}
+            known = {**_named(node), **_materials(node, pairs)}
+            if node is values:
+                known = dict(zip(pairs, pairs, strict=True)) | known
             part = next((name for name in known if f"{rest}.".startswith(f"{name}.")), None)
             if part is None:
                 near = nearest(rest.split(".")[0], known)
@@ -140,6 +142,8 @@ def _materials(node: Any, pairs: Pairs) -> dict[str, list[str]]:
     """Return the materials of a case, or of the cases of a list or mapping, in words."""
     names = [node] if isinstance(node, str) else node if isinstance(node, list | Mapping) else ()
     cases = [pairs[name] for name in names if isinstance(name, str) and name in pairs]
+    if isinstance(node, Mapping) and {"particle", "surface"} <= set(node):
+        cases = [(node["particle"], node["surface"])]
     if not cases:
         return {}
     words = [tuple(re.sub(r"-\d+$", "", each).replace("-", " ") for each in pair) for pair in cases]

@@ -139,10 +139,10 @@ class FigureSpec:
     `article` says what the article shows there; it is empty for a figure of our own. `equations`
     are those of the article that the figure shows or rests on, by their numbers in the ledger.
     `tables` are those of the study that belong beside the figure, each with a sentence on what it
-    holds. `as_shipped` are sentences of the caption that hold for the shipped inputs alone; `filled`
-    puts them there. Panels stand in rows of `columns`, all side by side if not given; with
-    `legend_columns`, one legend in so many columns is above them. `evidence_labels` replace words of the key of
-    evidence, as of what another paper printed.
+    holds. `as_shipped` are sentences of the caption that hold for the shipped inputs alone, see
+    `filled`. Panels stand in rows of `columns`, all side by side if not given; with
+    `legend_columns`, one legend in so many columns is above them. `evidence_labels` replace words
+    of the key of evidence, as of what another paper printed.
     """
 
     name: Annotated[str, Field(pattern=FIGURE_NAME)]
