@@ -61,8 +61,6 @@ def _parameters(
 
 def _leaves(node: Any, key: str, pairs: Mapping[str, tuple[str, str]]) -> Iterator[tuple[str, Any]]:
     """Yield every value below a node with its key; a case with its particle and surface."""
-    if isinstance(node, list) and node and isinstance(node[0], Mapping):
-        node = {str(item.get("name", i)): item for i, item in enumerate(node)}
     if isinstance(node, Mapping):
         for name, child in node.items():
             yield from _leaves(child, f"{key}.{name}", pairs)

@@ -103,7 +103,7 @@ def test_parameters_fill_the_words():
         "number": 3,
     }
     named = {"fig14": {"study": "s", "title": "[[by name.1.60 m/s, fast.v.1:.2f]] m/s"}}
-    values = {"by name": [{"name": "1.60 m/s"}, {"name": "1.60 m/s, fast", "v": [1.0, 1.64]}]}
+    values = {"by name": {"1.60 m/s": {}, "1.60 m/s, fast": {"v": [1.0, 1.64]}}}
     assert filled(named, {"s": values})["fig14"]["title"] == "1.64 m/s"
     listed = {"fig14": {"study": "s", "title": "[[v:g]] m/s"}}
     assert filled(listed, {"s": {"v": [0.5, 1.0, 1.5]}})["fig14"]["title"] == "0.5, 1 and 1.5 m/s"
