@@ -216,7 +216,7 @@ def filled(
     pairs: documents.Pairs = documents.NO_PAIRS,
     changed: Mapping[str, object] = AS_SHIPPED,
 ) -> dict[str, Any]:
-    """Put values of each figure's study into its words; what only holds as shipped goes with it.
+    """Put values of each figure's study into its words.
 
     Parameters
     ----------
@@ -249,7 +249,7 @@ def filled(
 
 
 def _as_it_holds(entry: Any, changed: object) -> Any:
-    """Return an entry whose caption ends in what only holds as shipped, or lacks it."""
+    """Return an entry with its sentences of the shipped inputs after the caption, or without them."""
     if not (isinstance(entry, Mapping) and entry.get("as_shipped")):
         return entry
     held = "" if changed else f" {entry['as_shipped']}"
