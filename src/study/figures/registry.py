@@ -249,7 +249,7 @@ def filled(
 
 
 def _as_it_holds(entry: Any, changed: object) -> Any:
-    """Return an entry with its sentences of the shipped inputs after the caption, or without them."""
+    """Return an entry with the sentences of shipped inputs after its caption, or without."""
     if not (isinstance(entry, Mapping) and entry.get("as_shipped")):
         return entry
     held = "" if changed else f" {entry['as_shipped']}"
