@@ -294,6 +294,7 @@ def _csv(before: Mapping[str, FloatArray], after: Mapping[str, Summary]) -> str:
 @contact_options
 def capture_command(as_json: bool, **pair: Any) -> None:
     """Find the capture velocity of a sphere, and the scales of its contact."""
+    from microimpact.model.closed_forms import contact_regime, tabor_number
     from microimpact.model.dynamics.capture import capture_velocity
     from microimpact.model.plausibility import doubts
 
@@ -306,6 +307,7 @@ def capture_command(as_json: bool, **pair: Any) -> None:
         return
     contact = chosen.best
     hertz_group, adhesion_group = contact.groups
+    tabor = float(tabor_number(contact))
     rows = [
         ("capture velocity", number(float(capture_velocity(contact))), "m/s"),
         ("velocity scale V", number(contact.velocity_scale), "m/s"),
@@ -315,6 +317,7 @@ def capture_command(as_json: bool, **pair: Any) -> None:
         ("ring force f_0", number(contact.ring_force), "N/m"),
         ("work of adhesion w_A", number(contact.work_of_adhesion), "J/m2"),
         ("equilibrium contact radius", number(contact.equilibrium_contact_radius, 1e9), "nm"),
+        ("Tabor's number, JKR or DMT", f"{number(tabor)}: {contact_regime(tabor)}", ""),
     ]
     if chosen.draws:
         low, middle, high = np.quantile(limits, [0.05, 0.5, 0.95], method="nearest")

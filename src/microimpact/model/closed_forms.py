@@ -13,6 +13,9 @@ from microimpact.core.arrays import FloatArray, Real
 from microimpact.model.contact import Contact
 from microimpact.model.dynamics.normal import WELL_DEPTH
 
+# Spacing of atoms in contact, m, and Tabor's numbers from which JKR and up to which DMT hold.
+ATOMIC_SPACING, JKR_ABOVE, DMT_BELOW = 0.4e-9, 5.0, 0.1
+
 # Mean pressure over yield strength at which a sphere begins to yield below its surface.
 YIELD_PRESSURE_RATIO = 1.6
 
@@ -47,6 +50,26 @@ def jkr_loss(contact: Contact) -> Real:
     scale = np.power(group / np.square(contact.hertz_stiffness), 1.0 / 3.0)
     loss: Real = 2.4 * (1.0 + 6.0 * 4.0 ** (1.0 / 3.0)) * (np.pi / 6.0) ** (5.0 / 3.0) * scale
     return loss
+
+
+def tabor_number(contact: Contact) -> Real:
+    """Tabor's number ``(r w^2 / (E*^2 z^3))^(1/3)``, with the spacing z = 0.4 nm of atoms.
+
+    It compares the stretch of a JKR contact with the range of the forces: JKR holds far above 1,
+    the contact of Derjaguin, Muller and Toporov (DMT) far below (Tabor 1977; Johnson and
+    Greenwood 1997).
+    """
+    work = contact.work_of_adhesion
+    assert work is not None
+    group = contact.hertz_radius * np.square(work) / np.square(contact_modulus(contact))
+    return np.power(group, 1.0 / 3.0) / ATOMIC_SPACING
+
+
+def contact_regime(number: float) -> str:
+    """Elastic adhesive contact that holds at a Tabor number (Johnson and Greenwood 1997)."""
+    if number >= JKR_ABOVE:
+        return "JKR"
+    return "DMT" if number <= DMT_BELOW else "between JKR and DMT"
 
 
 def hertz_contact_time(contact: Contact, speed: Real) -> Real:

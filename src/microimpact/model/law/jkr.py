@@ -20,7 +20,7 @@ from scipy.optimize import minimize_scalar
 
 from microimpact.core.arrays import POSITIVE, FloatArray, Numbers, checked
 from microimpact.core.solve import threshold
-from microimpact.model.closed_forms import contact_modulus
+from microimpact.model.closed_forms import contact_modulus, contact_regime, tabor_number
 from microimpact.model.contact import Contact
 from microimpact.model.contact_laws import JKR
 from microimpact.model.dynamics.capture import capture_velocity
@@ -82,7 +82,7 @@ def jkr_coefficients(contact: Contact, speeds: FloatArray, end: float = PULL_OFF
             f"speeds must be above the capture velocity {limit:.6g} m/s, got {speeds.min():g}"
         )
     restitution = np.asarray(normal_impact(contact, speeds).coefficient_of_restitution)
-    plain = contact.replace(stiffness_model="hertz", damped_attachment=False)
+    plain = contact.replace(stiffness_model="hertz")
 
     def viscous(time: float, work: float) -> Contact:
         return plain.by_law(JKR(viscous_time=time), work)
@@ -150,6 +150,7 @@ def lammps_files(contact: Contact, speeds: Numbers | None) -> dict[str, str]:
     v = np.atleast_1d(np.asarray(checked("speeds", speeds, POSITIVE)))
     fit, whole = (jkr_coefficients(contact, v, end) for end in (PULL_OFF, BROKEN))
     modulus, mass = float(contact_modulus(contact)), float(contact.mass)
+    tabor = float(tabor_number(contact))
     poissons_ratio = float(contact.particle.poissons_ratio)
     fastest = float(v.max())
     times = normal_impact(contact, v).contact_time
@@ -162,6 +163,7 @@ def lammps_files(contact: Contact, speeds: Numbers | None) -> dict[str, str]:
         version=version("microimpact"),
         pair=f"{contact.particle.name} on {contact.surface.name}, {contact.diameter * 1e6:g} um",
         limit=f"{limit:.6g}",
+        tabor=f"{tabor:.3g}: {contact_regime(tabor)}",
         slowest=f"{v.min():.4g}",
         fastest=f"{fastest:.4g}",
         misfit=f"{fit.misfit:.3f}",

@@ -10,9 +10,11 @@ from scipy.special import beta
 
 from microimpact.model.closed_forms import (
     contact_modulus,
+    contact_regime,
     jkr_loss,
     jkr_sticking_velocity,
     plastic_restitution,
+    tabor_number,
     yield_velocity,
 )
 from microimpact.model.contact import Contact
@@ -97,6 +99,18 @@ class TestJKR:
         assert jkr_loss(contact) == pytest.approx(lost, rel=1e-12)
         # Thornton and Ning print 14.18 for the constant of its square.
         assert sticking == pytest.approx(jkr_sticking_velocity(contact), rel=4e-4)
+
+    def test_tabors_number_goes_with_the_stretch_over_the_spacing(self, build):
+        contact = build(JKR())
+        book = Textbook(contact)
+        # Least compression 3 a^2/R at a^3 = pi w R^2 / 8 E*: Tabor's length is 0.62 of that.
+        length = -book.compression(book.broken) / (3 * (math.pi / 8) ** (2 / 3))
+        assert tabor_number(contact) == pytest.approx(length / 0.4e-9, rel=1e-12)
+        assert [contact_regime(n) for n in (9.0, 1.0, 0.05)] == [
+            "JKR",
+            "between JKR and DMT",
+            "DMT",
+        ]
 
     def test_force_and_path_are_those_of_a_march_in_time(self, build):
         contact = build(JKR(viscous_time=3e-9))
