@@ -118,7 +118,19 @@ def _in_turn(contact: Contact, speed: float, *stages: Callable[[Contact], Contac
 def hertz_damping_for(contact: Contact, speed: float, restitution: float) -> Contact:
     """Choose c_H to meet a restitution at a normal speed.
 
-    Raises NoSolutionError if restitution is below the target even without material damping.
+    Parameters
+    ----------
+    contact
+        Contact whose c_H is looked for; its other fields stay.
+    speed
+        Normal speed, m/s.
+    restitution
+        Coefficient of restitution to be met there.
+
+    Raises
+    ------
+    NoSolutionError
+        If restitution is below the target even without material damping.
     """
 
     def excess(damping: float) -> float:
@@ -138,7 +150,19 @@ def hertz_damping_for(contact: Contact, speed: float, restitution: float) -> Con
 def damping_factor_for(contact: Contact, speed: float, restitution: float) -> Contact:
     """Scale c_H and c_A by one factor to meet a restitution at a normal speed; of any shape.
 
-    Raises NoSolutionError if no factor up to 1000 does.
+    Parameters
+    ----------
+    contact
+        Damped contact, of any shape.
+    speed
+        Normal speed, m/s.
+    restitution
+        Coefficient of restitution to be met there.
+
+    Raises
+    ------
+    NoSolutionError
+        If no factor up to 1000 does.
     """
 
     def scaled(factor: Real) -> Contact:
@@ -208,7 +232,19 @@ def work_of_adhesion_for(contact: Contact, capture_speed: float) -> Contact:
 def dissipation_ratio_for(contact: Contact, speed: float, ratio: float) -> Contact:
     """Choose c_A to meet the ratio of the peaks of adhesion dissipation and adhesion (Fig. 20).
 
-    Raises NoSolutionError if no damping in the range looked through does.
+    Parameters
+    ----------
+    contact
+        Contact whose c_A is looked for.
+    speed
+        Normal speed, m/s.
+    ratio
+        Peak of the force of adhesion damping over the peak of the force of adhesion.
+
+    Raises
+    ------
+    NoSolutionError
+        If no damping in the range looked through does.
     """
 
     def shortfall(damping: float) -> float:
@@ -229,7 +265,21 @@ def hertz_damping_for_adhesion_ratio(
 ) -> Contact:
     """Choose c_H and c_A to meet the ratios of adhesion to Hertz and of dissipation to adhesion.
 
-    Raises NoSolutionError if adhesion is stronger against Hertz even without material damping.
+    Parameters
+    ----------
+    contact
+        Contact whose c_H and c_A are looked for.
+    speed
+        Normal speed, m/s.
+    adhesion_ratio
+        Peak of the force of adhesion over that of the Hertz force (Fig. 20).
+    dissipation_ratio
+        Peak of the force of adhesion damping over that of adhesion (Fig. 20).
+
+    Raises
+    ------
+    NoSolutionError
+        If adhesion is stronger against Hertz even without material damping.
     """
 
     def damped(current: Contact) -> Contact:
@@ -255,7 +305,17 @@ def hertz_damping_for_adhesion_ratio(
 
 
 def peak_ratios(contact: Contact, speed: float, points: int = 2000) -> tuple[float, float]:
-    """Ratios of peaks in a normal impact: adhesion to Hertz force, adhesion damping to adhesion."""
+    """Ratios of peaks in a normal impact: adhesion to Hertz force, adhesion damping to adhesion.
+
+    Parameters
+    ----------
+    contact
+        Single contact.
+    speed
+        Normal speed, m/s.
+    points
+        Instants at which the forces are evaluated.
+    """
     path = trajectory(contact, speed, points=points)
     adhesion = float((-path.adhesion_force).max())
     dissipation = float(abs(path.adhesion_damping_force).max())

@@ -101,8 +101,14 @@ def brach_dunn_velocity(contact: Contact) -> Real:
 def dahneke_velocity(adhesion_energy: Real, mass: Real, restitution: Real) -> Real:
     """Capture velocity of Dahneke 1971, m/s: ``e^2 = (1 - e^2) E / (m v^2 / 2)`` at capture.
 
-    `adhesion_energy`: energy E of the adhering sphere, J; `mass`: kg; `restitution`: coefficient of
-    restitution far above capture.
+    Parameters
+    ----------
+    adhesion_energy
+        Energy E of the adhering sphere, J.
+    mass
+        Mass of the sphere, kg.
+    restitution
+        Coefficient of restitution far above capture.
     """
     lost = (1.0 - np.square(restitution)) / np.square(restitution)
     return np.sqrt(2.0 * adhesion_energy / mass * lost)
@@ -116,8 +122,14 @@ def sticking_restitution(
     ``e = R sqrt(1 - (V_s/V)^2)``, zero up to V_s: with R = 1 that of JKR's quasi-static loss
     (Thornton and Ning 1998), with R that of the bare impact Dahneke's of 1971.
 
-    `speed`: normal impact speed V, m/s; `sticking_velocity`: v_s, m/s; `restitution`: R far above
-    V_s.
+    Parameters
+    ----------
+    speed
+        Normal impact speed V, m/s.
+    sticking_velocity
+        Capture velocity V_s, m/s.
+    restitution
+        R, the coefficient of restitution far above V_s.
     """
     share = np.square(np.asarray(sticking_velocity) / np.asarray(speed))
     return np.asarray(restitution * np.sqrt(np.maximum(1.0 - share, 0.0)))

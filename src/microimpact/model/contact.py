@@ -33,12 +33,32 @@ def hertz_stiffness(particle: Material, surface: Material) -> Real:
 
 
 def ring_force_from_work(work_of_adhesion: Real, radius: Real, stiffness: Real) -> Real:
-    """Ring force f_0 in N/m, Eq. (30): equal contact radius to JKR's at zero load."""
+    """Ring force f_0 in N/m, Eq. (30): equal contact radius to JKR's at zero load.
+
+    Parameters
+    ----------
+    work_of_adhesion
+        Dupre energy w_A, J/m2.
+    radius
+        Effective radius r of Eq. (22), m.
+    stiffness
+        Hertz stiffness K of Eq. (20), Pa.
+    """
     return (9.0 * stiffness * radius * np.square(work_of_adhesion) / (2.0 * np.pi)) ** (1.0 / 3.0)
 
 
 def work_from_ring_force(ring_force: Real, radius: Real, stiffness: Real) -> Real:
-    """Work of adhesion w_A in J/m2 that Eq. (30) turns into ``ring_force``."""
+    """Work of adhesion w_A in J/m2 that Eq. (30) turns into ``ring_force``.
+
+    Parameters
+    ----------
+    ring_force
+        Force f_0 per length of the contact's edge, N/m.
+    radius
+        Effective radius r of Eq. (22), m.
+    stiffness
+        Hertz stiffness K of Eq. (20), Pa.
+    """
     return np.sqrt(2.0 * np.pi * np.power(ring_force, 3) / (9.0 * stiffness * radius))
 
 
@@ -50,10 +70,21 @@ def resized(contact: Contact, diameter: Real | None = None, **sizes: Real) -> Co
 
 
 def require_contact(value: object, *, any_law: bool = False, pair: bool = False) -> None:
-    """Raise a TypeError unless ``value`` is a contact.
+    """Refuse a value that is no contact, or one of a kind that will not do.
 
-    Raises ValueError if it has another law than the ring force, and not any law will do, or if it
-    is one of two spheres where these will not do.
+    Parameters
+    ----------
+    value
+        What was given as a contact.
+    any_law
+        Whether another law than the ring force will do.
+    pair
+        Whether one of two spheres will do.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is no contact, or one of a kind that will not do.
     """
     if not isinstance(value, Contact):
         raise TypeError(f"contact must be a Contact, got {value!r}")

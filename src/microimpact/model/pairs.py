@@ -113,7 +113,19 @@ def pair_contact(
 def pair_fields(particle: str, surface: str, pairs: Pairs, **changes: Any) -> dict[str, Any]:
     """Return the fields of a pair's contact beside its materials; see `pair_contact`.
 
-    Raises IncompletePairError if the pair is not declared and the changes do not suffice.
+    Parameters
+    ----------
+    particle, surface
+        Names of the materials.
+    pairs
+        Properties of the declared pairs.
+    **changes
+        Fields of `Contact` in place of the declared ones.
+
+    Raises
+    ------
+    IncompletePairError
+        If the pair is not declared and the changes do not suffice.
     """
     declared = dict(pairs.get((particle, surface), {}))
     replaced = {name: value for name, value in changes.items() if value is not None}

@@ -61,8 +61,14 @@ def doubts(
 ) -> Iterator[str]:
     """Doubts about a contact, each in a sentence that names the number.
 
-    `contact`: the contact, its fields of any shape; `compression`: greatest compression of impacts,
-    m.
+    Parameters
+    ----------
+    contact
+        Contact whose fields may have any shape.
+    compression
+        Greatest compression of impacts, m.
+    yield_strength
+        Of the softer body, Pa, against which the pressure is held.
     """
     # The integrator is slow to import, and inputs are checked without it.
     from microimpact.model.dynamics.capture import capture_velocity

@@ -31,7 +31,17 @@ def jkr_pull_off(work_of_adhesion: Real, radius: Real) -> Real:
 
 
 def jkr_contact_radius(work_of_adhesion: Real, radius: Real, stiffness: Real) -> Real:
-    """Contact radius at zero load, m: ``a_0^3 = 6 pi w R^2 / K``, K as in Eqs. (20), (21)."""
+    """Contact radius at zero load, m: ``a_0^3 = 6 pi w R^2 / K``, K as in Eqs. (20), (21).
+
+    Parameters
+    ----------
+    work_of_adhesion
+        Work of adhesion w, J/m2.
+    radius
+        Effective radius R, m.
+    stiffness
+        K, Pa.
+    """
     return np.cbrt(6.0 * np.pi * work_of_adhesion * np.square(radius) / stiffness)
 
 
@@ -200,6 +210,15 @@ def adhesion_force(particle: CoatedParticle, weight_fraction: Real, placement: s
 
     Shares are those of `carried_share`. Without silica the force is that of JKR for the bare
     particle; carried in full it is that of JKR for the spherules that touch.
+
+    Parameters
+    ----------
+    particle
+        Particle with its silica.
+    weight_fraction
+        Mass of silica over that of the particle.
+    placement
+        How the spherules lie on it, one of ``PLACEMENTS``.
     """
     share = carried_share(particle, weight_fraction, placement)
     bare = jkr_pull_off(particle.work_of_adhesion, particle.radius)

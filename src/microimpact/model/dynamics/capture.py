@@ -37,6 +37,13 @@ def threshold(
     """Capture velocity in velocity scales from the damping groups (flat arrays).
 
     Infinite where no speed rebounds.
+
+    Parameters
+    ----------
+    hertz_group, adhesion_group
+        Damping groups C_H and C_A at the reference velocity, flat arrays of one shape.
+    damped_attachment
+        Whether adhesion is damped during approach, too.
     """
     # Beyond these all is captured, and far beyond them the equation is too stiff to integrate.
     hertz_group = np.minimum(hertz_group, ALWAYS_CAPTURED_HERTZ_GROUP)

@@ -146,7 +146,21 @@ class Spins:
     def of(cls, contact: Contact, spin: Real, partner_spin: Real, vectors: bool = False) -> Spins:
         """Return the spins before an impact.
 
-        Raises ValueError if a second sphere spins that is not there.
+        Parameters
+        ----------
+        contact
+            Contact of the impact.
+        spin
+            Spin of the sphere, rad/s; (..., 3) if `vectors`.
+        partner_spin
+            Spin of the second sphere, in the same form; 0 on a surface.
+        vectors
+            Whether spins are vectors.
+
+        Raises
+        ------
+        ValueError
+            If a second sphere spins that is not there.
         """
         if not contact.is_pair:
             spinning = partner_spin if isinstance(partner_spin, float) else np.any(partner_spin)
@@ -406,7 +420,18 @@ def incident(
     tangential: str = "rigid",
     partner_spin: Numbers = 0.0,
 ) -> tuple[dict[str, Real], Spins, tuple[int, ...]]:
-    """Return speed and angle checked, spins, and their shape with the contact; as `simulate`."""
+    """Return speed and angle checked, spins, and their shape with the contact; as `simulate`.
+
+    Parameters
+    ----------
+    contact, speed, angle, spin, friction_basis, tangential, partner_spin
+        As of `simulate`; their shapes broadcast.
+
+    Returns
+    -------
+    inputs, spins, shape
+        Speed (m/s) and angle (degrees) by name, the spins, and the broadcast shape.
+    """
     require_contact(contact, any_law=tangential == "rigid", pair=True)
     _basis(contact, friction_basis, tangential)
     arguments = {"speed": checked("speed", speed, SPEED), "angle": checked("angle", angle, ANGLE)}

@@ -133,7 +133,17 @@ def force(s: FloatArray, b: FloatArray) -> FloatArray:
 
 
 def energy(s: FloatArray, b: FloatArray, flattening: Real = 1.0) -> FloatArray:
-    """Elastic and surface energy of a JKR contact, its radius of curvature ``flattening`` R."""
+    """Elastic and surface energy of a JKR contact, its radius of curvature ``flattening`` R.
+
+    Parameters
+    ----------
+    s
+        Square root of the scaled contact radius.
+    b
+        Strength of adhesion.
+    flattening
+        Radius of curvature over R.
+    """
     cube = s * s * s
     flat = cube / flattening
     return np.asarray(cube * s * (flat * (0.4 * flat - 4.0 * b) + 6.0 * b * b))

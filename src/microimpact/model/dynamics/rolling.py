@@ -63,9 +63,17 @@ class RollingImpulses:
 def opening_level(contact_radius: Real, separation_speed: Real, spin: Real) -> Real:
     """Return ``h = u / (spin a)``, between -1 and 1.
 
-    A point at x behind the centre opens at u + spin x, u the speed of the centre away from the
-    surface. With h = 0 the leading half closes and the trailing half opens, as in steady rolling;
-    at -1 the whole contact closes, at 1 it all opens.
+    A point at x behind the centre opens at u + spin x. With h = 0 the leading half closes and the
+    trailing half opens, as in steady rolling; at -1 the whole contact closes, at 1 it all opens.
+
+    Parameters
+    ----------
+    contact_radius
+        Contact radius a, m.
+    separation_speed
+        Speed u of the centre away from the surface, m/s.
+    spin
+        Spin, rad/s.
     """
     edge = np.abs(np.asarray(spin * contact_radius, dtype=np.float64))
     at_rest = np.asarray(np.sign(separation_speed) * np.ones_like(edge))
@@ -84,6 +92,17 @@ def deformation_moment(contact_radius: Real, force: Real, loss: Real, level: Rea
     Where the contact opens, Hertz's pressure is less by the share `loss`. On the part x > x_0 its
     moment about the centre is (3/16) a F (1 - (x_0/a)^2)^2; the boundary lies where `opening_level`
     says. With h = 0 this is rolling friction by Greenwood, Minshall and Tabor (1961).
+
+    Parameters
+    ----------
+    contact_radius
+        Contact radius a, m.
+    force
+        Hertz force F, N.
+    loss
+        Share by which the pressure is less where the contact opens.
+    level
+        h of `opening_level`.
     """
     return 3.0 / 16.0 * loss * contact_radius * force * np.square(1.0 - np.square(level))
 
@@ -94,6 +113,15 @@ def adhesion_moment_bound(contact_radius: Real, ring_force: Real, level: Real = 
     ``2 f a^2 sqrt(1 - h^2)``: f a^2 times the integral of cos(theta) over the part of the edge that
     opens (`opening_level`). With h = 0, all on the trailing half, it is the greatest moment of any
     ring force between zero and `ring_force`.
+
+    Parameters
+    ----------
+    contact_radius
+        Contact radius a, m.
+    ring_force
+        Ring force f, N/m.
+    level
+        h of `opening_level`.
     """
     return 2.0 * ring_force * np.square(contact_radius) * np.sqrt(1.0 - np.square(level))
 
@@ -104,6 +132,17 @@ def hertz_damping_moment(contact_radius: Real, force: Real, damping: Real, spin:
     At a distance x ahead of the centre the compression grows faster by spin x, and the pressure p
     by ``c_H spin x p``; its moment is ``c_H spin F a^2/5``, as x^2 averages a^2/5 over Hertz's
     pressure.
+
+    Parameters
+    ----------
+    contact_radius
+        Contact radius a, m.
+    force
+        Hertz force F, N.
+    damping
+        c_H, s/m.
+    spin
+        Spin, rad/s.
     """
     return 0.2 * damping * spin * force * np.square(contact_radius)
 
@@ -116,6 +155,19 @@ def adhesion_damping_moment(
     A point of the edge at theta from the trailing end opens at ``spin a (h + cos(theta))``
     (`opening_level`); its ring force is greater by c_A f_0 times that while positive. The moment is
     ``c_A f_0 spin a^3 (arccos(-h) + h sqrt(1 - h^2))``.
+
+    Parameters
+    ----------
+    contact_radius
+        Contact radius a, m.
+    ring_force
+        f_0, N/m.
+    damping
+        c_A, s/m.
+    spin
+        Spin, rad/s.
+    level
+        h of `opening_level`.
     """
     share = np.arccos(-level) + level * np.sqrt(1.0 - np.square(level))
     return damping * ring_force * spin * np.power(contact_radius, 3) * share
@@ -126,8 +178,16 @@ def peeling_moment(contact: Contact, shift: Real, contact_radius: Real | None = 
 
     ``4 F_c (a/a_0)^(3/2) shift`` with JKR's pull-off force F_c = 3/2 pi w_A r and radius at no
     load, ``a_0^3 = 6 pi w_A r^2/K``: that is ``(6 pi w_A K)^(1/2) a^(3/2) shift``, and 6 pi w_A r
-    shift at a_0, which is taken if no contact radius is given. The shift is how far the contact
-    area lags before its edge moves on (Dominik and Tielens 1995).
+    shift at a_0.
+
+    Parameters
+    ----------
+    contact
+        Contact with a work of adhesion.
+    shift
+        How far the contact area lags before its edge moves on, m (Dominik and Tielens 1995).
+    contact_radius
+        Contact radius a, m; a_0 if None.
     """
     six_pi_work = 6.0 * math.pi * np.asarray(contact.work_of_adhesion)
     if contact_radius is None:
@@ -249,7 +309,17 @@ def rolling_distance(
 
 
 def gravity_ratio(contact: Contact, shift: object, tilt: object) -> Real:
-    """Ratio of the moments of weight and adhesion, ``m g r sin(tilt) / M``: above 1 it rolls."""
+    """Ratio of the moments of weight and adhesion, ``m g r sin(tilt) / M``: above 1 it rolls.
+
+    Parameters
+    ----------
+    contact
+        Contact with a work of adhesion.
+    shift
+        How far the contact area lags, m, as of `peeling_moment`.
+    tilt
+        Slope of the surface, degrees.
+    """
     require_contact(contact)
     shift, tilt = checked("shift", shift, POSITIVE), checked("tilt", tilt, TILT)
     weight = contact.mass * gravity * np.sin(np.radians(tilt))

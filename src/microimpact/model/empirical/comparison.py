@@ -111,7 +111,19 @@ class Candidate(NamedTuple):
     q: float | None = None  # Its exponent, or None where it is free
 
     def profile(self, data: DataSets, owner: Places, v_c: FloatArray, starts: FloatArray) -> Minima:
-        """Search with v_c (m,) held in data sets (m,), from variables (s, m, ...), if any."""
+        """Search with v_c (m,) held in data sets (m,), from variables (s, m, ...), if any.
+
+        Parameters
+        ----------
+        data
+            Data sets.
+        owner
+            Number of the data set of each search, (m,).
+        v_c
+            Capture velocities held, over the upper end of their range, (m,).
+        starts
+            Variables to begin from, (s, m, ...); none for the search's own.
+        """
         if data.scatter is not None:
             v_c = v_c * data.reach[owner]
             return scatter.profile(self.law, self.q, data, owner, v_c, starts)
@@ -121,7 +133,17 @@ class Candidate(NamedTuple):
         return profile(replace(data, q=self.q), owner, 1.0 - v_c, *starts, fresh=fresh)
 
     def restitution(self, x: FloatArray, v_c: float, v: FloatArray) -> FloatArray:
-        """Restitution at speeds (n,) by the variables of a search."""
+        """Restitution at speeds (n,) by the variables of a search.
+
+        Parameters
+        ----------
+        x
+            Variables of a search.
+        v_c
+            Capture velocity, m/s.
+        v
+            Normal speeds, m/s, (n,).
+        """
         if self.law is not None:
             return shapes.restitution(self.law, x, v / v_c)
         k, p, kappa, q = np.exp(x[:V_C])
@@ -226,10 +248,17 @@ def compare_sets(
     confidence: float = 0.95,
     models: Sequence[str] | None = None,
 ) -> list[Comparison]:
-    """Compare models of many data sets, each the positional arguments of `compare_models`.
+    """Compare models of many data sets.
 
     Sets with as many points, and as many of them from the slowest rebound upwards, are searched
-    side by side. Arguments and errors are the same.
+    side by side. Errors are those of `compare_models`.
+
+    Parameters
+    ----------
+    sets
+        Positional arguments of `compare_models`, a tuple for each data set.
+    confidence, models
+        As of `compare_models`.
     """
     level = float(checked("confidence", confidence, CONFIDENCE))
     alike: dict[Any, list[tuple[int, DataSets, Places, float | None]]] = defaultdict(list)

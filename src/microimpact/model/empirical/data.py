@@ -65,7 +65,18 @@ def measurements(
 def scatter_of(
     v: FloatArray, sigma_v: Given | None, d: Given | None, size_scatter: Given | str | None
 ) -> tuple[FloatArray, bool, float | None] | None:
-    """Check errors of speeds and scatter of sizes, arguments of `compare_models`.
+    """Check errors of speeds and scatter of sizes.
+
+    Parameters
+    ----------
+    v
+        Normal speeds, m/s, (n,).
+    sigma_v
+        Standard errors of the speeds, m/s; None if not known.
+    d
+        Diameters, m; None if not known.
+    size_scatter
+        Relative standard deviation of the diameters, ``"free"``, or None, as of `compare_models`.
 
     Returns
     -------
@@ -101,7 +112,19 @@ def scatter_of(
 def require_telling(v: FloatArray, e: FloatArray, points: int, different: int) -> None:
     """Refuse data with fewer points, or different speeds, from the slowest rebound upwards.
 
-    Raises ValueError, also if no sphere rebounds.
+    Parameters
+    ----------
+    v, e
+        Normal speeds, m/s, and restitutions, (n,).
+    points
+        Least number of points from the slowest rebound upwards.
+    different
+        Least number of different speeds among these.
+
+    Raises
+    ------
+    ValueError
+        If there are fewer, or no sphere rebounds.
     """
     if not np.any(e > 0.0):
         raise ValueError("e must be positive somewhere: no sphere rebounds")
@@ -224,7 +247,17 @@ def data_sets(v: ArrayLike, e: ArrayLike, weight: ArrayLike, q: float | None = N
 
 
 def in_own_units(v: FloatArray, e: FloatArray, weight: FloatArray, q: float | None) -> DataSets:
-    """Scale checked data sets, all arrays (r, n), to their slowest rebounds."""
+    """Scale r checked data sets to their slowest rebounds.
+
+    Parameters
+    ----------
+    v, e
+        Normal speeds, m/s, and restitutions, (r, n).
+    weight
+        1/sigma of e, 0 where a point is missing, (r, n).
+    q
+        Exponent of Eq. (33), or None where it is free.
+    """
     unit = np.where((weight > 0.0) & (e > 0.0), v, np.inf).min(axis=1)
     ratio = v / unit[:, None]
     top = np.where(weight > 0.0, ratio, 0.0).max(axis=1)

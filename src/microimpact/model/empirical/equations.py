@@ -18,8 +18,16 @@ from microimpact.core.arrays import NON_NEGATIVE, POSITIVE, FloatArray, checked,
 def body_restitution(v: ArrayLike, k: ArrayLike, p: ArrayLike) -> FloatArray:
     """Return R, the coefficient of restitution without adhesion (Eq. 32).
 
-    ``R = k^p / (k^p + v^p)``, with k_1 = k_2 = k, in [0, 1]. `k`: speed at which R = 1/2, m/s; all
-    else as of `restitution`.
+    ``R = k^p / (k^p + v^p)``, with k_1 = k_2 = k, in [0, 1].
+
+    Parameters
+    ----------
+    v
+        Normal impact speeds, m/s.
+    k
+        Speed at which R = 1/2, m/s.
+    p
+        Exponent.
     """
     speed, scale, exponent = _checked(v=v, k=k, p=p)
     return _share(scale, speed, exponent)
@@ -31,7 +39,18 @@ def adhesion_coefficient(
     """Return rho, the part of the rebound impulse that adhesion takes back (Eq. 33).
 
     ``rho = kappa^q / (kappa^q + (v - v_c)^q)``, with kappa_1 = kappa_2 = kappa, in [0, 1], and 1 up
-    to v_c. `kappa`: excess of speed over v_c at which rho = 1/2, m/s; all else as of `restitution`.
+    to v_c.
+
+    Parameters
+    ----------
+    v
+        Normal impact speeds, m/s.
+    kappa
+        Excess of speed over v_c at which rho = 1/2, m/s.
+    q
+        Exponent.
+    v_c
+        Capture velocity, m/s.
     """
     speed, scale, exponent, capture = _checked(v=v, kappa=kappa, q=q, v_c=v_c)
     return _share(scale, np.maximum(speed - capture, 0.0), exponent)

@@ -270,7 +270,17 @@ def fit_restitution(
 
 
 def scalar(name: str, value: object, allowed: Range = POSITIVE) -> float:
-    """Return one real number in range, or raise as `checked` does."""
+    """Return one real number in range, or raise as `checked` does.
+
+    Parameters
+    ----------
+    name
+        Argument that is checked.
+    value
+        What was given.
+    allowed
+        Range of the number.
+    """
     number = checked(name, value, allowed)
     if not isinstance(number, float):
         raise TypeError(f"{name} must be one real number, got {value!r}")

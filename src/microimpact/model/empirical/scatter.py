@@ -155,7 +155,19 @@ def profile(
 
 
 def expected(law: str | None, sets: DataSets, v_c: float, x: FloatArray) -> FloatArray:
-    """Mean and variance (n, 2) of e of the rebounds of one data set; zeros of captured spheres."""
+    """Mean and variance (n, 2) of e of the rebounds of one data set; zeros of captured spheres.
+
+    Parameters
+    ----------
+    law
+        One of `shapes.LAWS`, or None for Eq. (34).
+    sets
+        A single data set with its scatter.
+    v_c
+        Capture velocity of the median sphere, in the unit of the speeds.
+    x
+        Variables of the search, (6,).
+    """
     assert sets.scatter is not None
     moments = np.empty((sets.v.shape[1], 2))
     gradient, information = np.empty(SCATTERED), np.empty((SCATTERED, SCATTERED))

@@ -51,8 +51,20 @@ STARTS = (
 def model(v: FloatArray, logs: FloatArray, end: float, gap: float) -> tuple[FloatArray, FloatArray]:
     """Eq. (34) at v_c = end - gap, and its slopes in ln(k, p, kappa, q) and ln(gap).
 
-    e (n,) and slopes (n, 5). `v`: speeds (n,), positive; `logs`: ln k, ln p, ln kappa, ln q; `end`,
-    `gap`: no speed above v_c may lie below ``end``, or the slope in ln(gap) is unbounded.
+    Parameters
+    ----------
+    v
+        Speeds, (n,), positive.
+    logs
+        ln k, ln p, ln kappa, ln q.
+    end, gap
+        v_c is their difference; no speed above v_c may lie below ``end``, or the slope in ln(gap)
+        is unbounded.
+
+    Returns
+    -------
+    e, slopes
+        Shapes (n,) and (n, 5).
     """
     p, q = np.exp(logs[1]), np.exp(logs[Q])
     excess = (v - end) + gap
@@ -137,7 +149,23 @@ def searches(
     tolerance: float = TOLERANCE,
     enough: Real = 0.0,
 ) -> Search:
-    """One search per owner, with v_c below an end by a gap whose logarithm has these bounds."""
+    """One search per owner, with v_c below an end by a gap.
+
+    Parameters
+    ----------
+    sets
+        Data sets.
+    owner
+        Number of the data set of each search, (m,).
+    end
+        End of the range of v_c, in units of the slowest rebound, (m,).
+    least_gap, largest_gap
+        Bounds of the logarithm of the gap, (m,).
+    tolerance
+        Share of chi-square by which a last step lowers it.
+    enough
+        Chi-square at which a search ends.
+    """
     top, (low, high) = sets.top[owner], np.empty((2, owner.size, VARIABLES))
     for side, bounds, scale, gap in ((0, low, 1.0, least_gap), (1, high, top, largest_gap)):
         q = EXPONENT_BOUNDS[side] if sets.q is None else sets.q
@@ -149,7 +177,19 @@ def searches(
 
 
 def start_points(sets: DataSets, owner: Places, number: int, width: FloatArray) -> FloatArray:
-    """Start (m, 5) ln(k, p, kappa, q, gap) of that number in a range of v_c of that width."""
+    """Start of each search: ln(k, p, kappa, q, gap), (m, 5).
+
+    Parameters
+    ----------
+    sets
+        Data sets.
+    owner
+        Number of the data set of each search, (m,).
+    number
+        Which of ``STARTS``.
+    width
+        Width of the range of v_c, (m,).
+    """
     k, p, q, share = STARTS[number]
     natural = (k * sets.top[owner], p, 0.3, sets.q or q, share * width)
     points: FloatArray = np.log(np.stack(np.broadcast_arrays(*natural), axis=1))

@@ -170,7 +170,17 @@ def places(ratio: FloatArray) -> FloatArray:
 
 
 def restitution(name: str, at: FloatArray, ratio: FloatArray) -> FloatArray:
-    """Coefficients of restitution (n,) of a law by its table, at parameters (3 or more,)."""
+    """Coefficients of restitution (n,) of a law by its table.
+
+    Parameters
+    ----------
+    name
+        One of ``LAWS``.
+    at
+        Positions along the axes of its parameters, (3 or more,).
+    ratio
+        v/v_c, (n,).
+    """
     e = np.empty(ratio.size)
     curves(table(name), places(ratio)[None], at[None], e[None])
     return e

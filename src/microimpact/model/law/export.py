@@ -148,7 +148,21 @@ def export(
     tolerance: float,
     speeds: Numbers | None = None,
 ) -> list[Path]:
-    """Write the rebound law of a contact for another program; see `model.law.table.Law.export`."""
+    """Write the rebound law of a contact for another program.
+
+    Parameters
+    ----------
+    contact
+        Single contact.
+    family
+        Normal impacts as functions of scaled speed, tabulated.
+    fastest
+        Greatest normal speed, m/s.
+    path
+        Folder of the files.
+    form, friction_basis, tolerance, speeds
+        As of `model.law.table.Law.export`.
+    """
     choice("format", form, FORMATS)
     if contact.is_pair and form in WALL_FORMATS:
         raise ValueError(f"format {form!r} is of a wall: two spheres have c, csv and npz")

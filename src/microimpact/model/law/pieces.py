@@ -87,7 +87,17 @@ def compiled(
 
 
 def in_blocks(run: Callable[[slice], object], count: int, threads: int) -> None:
-    """Call a function for all blocks of so many impacts, on so many threads."""
+    """Call a function for all blocks of impacts.
+
+    Parameters
+    ----------
+    run
+        Takes the slice of a block.
+    count
+        Number of impacts.
+    threads
+        Threads that share the blocks.
+    """
     blocks = [slice(start, min(start + BLOCK, count)) for start in range(0, count, BLOCK)]
     if min(threads, len(blocks)) <= 1:
         for block in blocks:

@@ -68,7 +68,17 @@ def admitted(**arguments: object) -> list[Real]:
 
 
 def rolling_impulse_ratio(v_n: Real, slip: Real, e: Real) -> Real:
-    """Signed impulse ratio mu_0 that just stops the slip ``v_t - r omega``, Eqs. (12), (13)."""
+    """Signed impulse ratio mu_0 that just stops the slip ``v_t - r omega``, Eqs. (12), (13).
+
+    Parameters
+    ----------
+    v_n
+        Normal velocity, m/s, negative.
+    slip
+        Slip v_t - r omega, m/s.
+    e
+        Coefficient of restitution.
+    """
     return 2.0 * slip / (7.0 * (1.0 + e) * v_n)
 
 
@@ -121,7 +131,20 @@ def energy_loss(
 
     The total loss is Eq. (14) with 7/2 in front of ``mu^2 (1+e)^2``. Eq. (14) as printed is the
     translational loss of a sphere without initial spin; here it holds for any spin, with v_t/v_n in
-    place of eta. Arguments and errors as of `rigid_body_rebound`; `mu`: signed impulse ratio.
+    place of eta. Errors as of `rigid_body_rebound`.
+
+    Parameters
+    ----------
+    v_n, v_t
+        Velocity before, m/s, v_n negative.
+    omega
+        Spin before, rad/s.
+    radius
+        Radius of the sphere, m.
+    e
+        Coefficient of restitution.
+    mu
+        Signed impulse ratio.
     """
     v_n, v_t, omega, radius, e, mu = admitted(
         v_n=v_n, v_t=v_t, omega=omega, radius=radius, e=e, mu=mu
@@ -161,7 +184,17 @@ def deformation_impulse(v_n: object, R: object) -> Real:
 
 
 def adhesion_impulse(v_n: object, R: object, rho: object) -> Real:
-    """Rebound impulse of adhesion per unit mass, Eq. (10): ``rho R v_n``, m/s (negative)."""
+    """Rebound impulse of adhesion per unit mass, Eq. (10): ``rho R v_n``, m/s (negative).
+
+    Parameters
+    ----------
+    v_n
+        Normal velocity before, m/s, negative.
+    R
+        Coefficient of restitution without adhesion.
+    rho
+        Part of the rebound impulse that adhesion takes back.
+    """
     v_n, R, rho = admitted(v_n=v_n, R=R, rho=rho)
     return rho * R * v_n
 

@@ -83,6 +83,19 @@ def measured_restitution(
     The denominator is ``sin(alpha)/sin(alpha + phi)``; with the printed minus it would be
     ``sin(alpha + 2 phi)/sin(alpha + phi)``, which vanishes at phi = -alpha/2: there e_m is
     infinite.
+
+    Parameters
+    ----------
+    angle
+        Angle of incidence alpha from the nominal surface, rad.
+    slope
+        Slope phi of the facet, rad; positive if it faces the sphere.
+    e
+        Coefficient of restitution about the local normal.
+    mu
+        Signed impulse ratio about the local normal.
+    printed
+        Whether Eq. (35) is taken as printed.
     """
     angle, slope, e, mu = _facing(angle=angle, slope=slope, e=e, mu=mu)
     local = angle + slope
@@ -108,6 +121,13 @@ def shallow_restitution(
     ``e_m = (1 + phi/alpha) (e + phi/(phi + alpha)) + mu (1 + e) phi (1 + phi/alpha)``, mu = -f: the
     last term, which is not printed, is the next order in the angles. Where phi > 0 it is less than
     ``f (1 + e) (alpha + phi)`` of the others: that must be small, not the printed f/alpha.
+
+    Parameters
+    ----------
+    angle, slope, e, mu
+        As of `measured_restitution`; the angles are small.
+    printed
+        Whether the last term is left out, as in print.
     """
     angle, slope, e, mu = _facing(angle=angle, slope=slope, e=e, mu=mu)
     steeper = 1.0 + slope / angle
@@ -120,6 +140,13 @@ def sloped_impulse_ratio(slope: object, mu: object, *, printed: bool = False) ->
 
     Printed without mu^2. For v_t > 0 mu is -f, so ``|mu_m|`` is f + phi at first order: a slope
     that faces the sphere lowers the signed ratio and raises its size.
+
+    Parameters
+    ----------
+    slope, mu
+        As of `measured_restitution`; the slope is small.
+    printed
+        Whether mu^2 is left out, as in print.
     """
     slope, mu = admitted(slope=slope, mu=mu)
     return mu - slope * (1.0 if printed else 1.0 + np.square(mu))
@@ -131,6 +158,13 @@ def normal_restitution(slope: object, e: object, mu: object, *, printed: bool = 
     ``e_m = e - (1 + e) phi^2 + (1 + e) mu phi``, from the exact ``e cos^2 phi - sin^2 phi + (1 + e)
     mu sin phi cos phi``; mu is mu_0 of Eq. (40) where the sphere rolls. Printed without the e phi^2
     that the denominator of Eq. (35) brings.
+
+    Parameters
+    ----------
+    slope, e, mu
+        As of `measured_restitution`; the slope is small.
+    printed
+        Whether the term e phi^2 is left out, as in print.
     """
     slope, e, mu = admitted(slope=slope, e=e, mu=mu)
     bend = 1.0 if printed else 1.0 + e
@@ -145,6 +179,15 @@ def rolling_restitution(
     ``e_m = e - (e + 5/7) phi^2 + (2/7) (r omega/v) phi``, from the exact ``e cos^2 phi - (5/7)
     sin^2 phi + (2/7) (r omega/v) sin phi``. Without spin ``v'_t/v'_n = tan phi``, so that (1 + e)
     mu_0 is +2 phi/7; the article has -2 phi/7, hence e - 9 phi^2/7, and no number for the spin.
+
+    Parameters
+    ----------
+    slope, e
+        As of `measured_restitution`; the slope is small.
+    spin_ratio
+        r omega/v.
+    printed
+        Whether e - 9 phi^2/7 is taken, as in print.
     """
     slope, e, spin_ratio = admitted(slope=slope, e=e, spin_ratio=spin_ratio)
     if printed:
@@ -160,6 +203,15 @@ def rolling_impulse_ratio_measured(
 
     ``mu_m = -phi (1 - c + s^2) + s`` with ``c = (2/7)/(1 + e)`` and ``s = c r omega/v``, the
     impulse ratio of the spin alone. Printed are -s (v'_n < 0 makes the term positive) and no s^2.
+
+    Parameters
+    ----------
+    slope, e
+        As of `measured_restitution`; the slope is small.
+    spin_ratio
+        r omega/v.
+    printed
+        Whether Eq. (41) is taken as printed.
     """
     slope, e, spin_ratio = admitted(slope=slope, e=e, spin_ratio=spin_ratio)
     share = ROLLING_SHARE / (1.0 + e)
