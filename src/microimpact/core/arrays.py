@@ -192,7 +192,19 @@ def common_shape(named: Mapping[str, object]) -> tuple[int, ...]:
 def choice(name: str, value: object, allowed: tuple[str, ...]) -> str:
     """Return ``value`` if it is one of ``allowed``.
 
-    Raises TypeError if it is not text, ValueError if it is another one.
+    Parameters
+    ----------
+    name
+        Argument that is checked.
+    value
+        What was given.
+    allowed
+        Words among which it must be.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is not text, or another word.
     """
     if not isinstance(value, str):
         raise TypeError(f"{name} must be one of {', '.join(map(repr, allowed))}, got {value!r}")

@@ -136,7 +136,17 @@ def effective_number(weights: FloatArray) -> float:
 
 
 def resampled(weights: FloatArray, number: int, rng: np.random.Generator) -> Any:
-    """Return indices drawn in proportion to weights, as evenly as possible (systematic)."""
+    """Return indices drawn in proportion to weights, as evenly as possible (systematic).
+
+    Parameters
+    ----------
+    weights
+        Weights of the points, (n,), not negative.
+    number
+        How many indices are drawn.
+    rng
+        Generator of the draw.
+    """
     share = np.cumsum(weights) / np.sum(weights)
     return np.searchsorted(share, (np.arange(number) + rng.random()) / number)
 

@@ -55,9 +55,14 @@ def _replace(target: Path, data: bytes) -> None:
 def write_checksums(root: Path, files: Iterable[Path | str], rests_on: str = "") -> None:
     """Record the SHA-256 of results; ``sha256sum --check`` in the results root reads them.
 
-    `root`: results root. The record of ``data/fig17.csv`` is ``checksums/data/fig17.csv.sha256``;
-    `files`: files below it, as they were just written; `rests_on`: a word for the inputs that they
-    were made from, kept in a comment of the record.
+    Parameters
+    ----------
+    root
+        Results root. The record of ``data/fig17.csv`` is ``checksums/data/fig17.csv.sha256``.
+    files
+        Files below it, as they were just written.
+    rests_on
+        A word for the inputs that they were made from, kept in a comment of the record.
     """
     comment = f"{_RESTS_ON}{rests_on}\n" if rests_on else ""
     for file in files:

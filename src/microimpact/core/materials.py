@@ -131,7 +131,19 @@ def read_materials(path: Path | str) -> dict[str, Material]:
 def quantity(row: Row, units: Mapping[str, dict[str, float]], where: str) -> float:
     """Return the SI value of one declared row (keys property, value, unit).
 
-    Raises ValueError if the property is unknown, its unit another or its value no number.
+    Parameters
+    ----------
+    row
+        Declared row with the keys property, value and unit.
+    units
+        SI value of each permitted unit, by property.
+    where
+        What the row belongs to, for messages.
+
+    Raises
+    ------
+    ValueError
+        If the property is unknown, its unit another or its value no number.
     """
     name = row["property"]
     if name not in units:

@@ -37,10 +37,19 @@ def root(
 ) -> float:
     """Return where a function of one number is zero, by Brent's method (SciPy's).
 
-    `function`: continuous; takes and returns one number; `low`, `high`: ends, between which it
-    changes its sign; `absolute`, `relative`: the root is known to ``absolute + relative *
-    abs(root)``. Raises NoRootError if the sign is the same at both ends, or the search does not
-    end.
+    Parameters
+    ----------
+    function
+        Continuous; takes and returns one number.
+    low, high
+        Ends, between which it changes its sign.
+    absolute, relative
+        The root is known to ``absolute + relative * abs(root)``.
+
+    Raises
+    ------
+    NoRootError
+        If the sign is the same at both ends, or the search does not end.
     """
     from scipy.optimize import brentq
 
@@ -157,12 +166,24 @@ def threshold(
 ) -> Place:
     """Return where a condition begins to hold, by halving.
 
-    `holds`: false at ``low``, true at ``high``, with one change between them; takes numbers of the
-    shape of the ends; `low`, `high`: ends, numbers or arrays of one shape, in either order;
-    `absolute`, `relative`: a place is known to ``absolute + relative * abs(place)``; it is one at
-    which the condition holds; `ahead`: between numbers as ends, so many halvings are asked for at
-    once, and ``holds`` takes arrays, too. Raises NoRootError if the condition holds at ``low`` or
-    does not at ``high``.
+    Parameters
+    ----------
+    holds
+        False at ``low``, true at ``high``, with one change between them; takes numbers of the shape
+        of the ends.
+    low, high
+        Ends, numbers or arrays of one shape, in either order.
+    absolute, relative
+        A place is known to ``absolute + relative * abs(place)``; it is one at which the condition
+        holds.
+    ahead
+        Between numbers as ends, so many halvings are asked for at once, and ``holds`` takes arrays,
+        too.
+
+    Raises
+    ------
+    NoRootError
+        If the condition holds at ``low`` or does not at ``high``.
     """
     for end, wanted in ((low, False), (high, True)):
         wrong = np.asarray(holds(end)) != wanted

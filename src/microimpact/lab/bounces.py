@@ -18,8 +18,16 @@ def generations(
 ) -> Iterator[tuple[IntArray, Impacts]]:
     """Yield first, second, ... impacts of spheres on a horizontal target, and whose they are.
 
-    A sphere is followed for at most ``limit`` impacts after its first, and no further from the
-    middle than ``farthest`` (m).
+    Parameters
+    ----------
+    impacts
+        First impacts.
+    later
+        Gives the impacts of spheres that fall again.
+    limit
+        Impacts after the first for which a sphere is followed at most.
+    farthest
+        Distance from the middle beyond which it is not followed, m.
     """
     sphere = np.arange(len(impacts))
     yield sphere, impacts
@@ -44,7 +52,13 @@ def generations(
 
 
 def with_later_impacts(impacts: Impacts, later: Later, limit: int) -> Impacts:
-    """Return first impacts, and after them the later ones; arguments as in `generations`."""
+    """Return first impacts, and after them the later ones.
+
+    Parameters
+    ----------
+    impacts, later, limit
+        As of `generations`.
+    """
     return Impacts.joined([those for _, those in generations(impacts, later, limit)])
 
 
@@ -65,7 +79,17 @@ class Resting:
 
 
 def resting(impacts: Impacts, later: Later, most_impacts: int, farthest: float) -> Resting:
-    """Follow spheres from their first impact until they rest, or are given up as not captured."""
+    """Follow spheres from their first impact until they rest, or are given up as not captured.
+
+    Parameters
+    ----------
+    impacts, later
+        As of `generations`.
+    most_impacts
+        Impacts after which a sphere is given up.
+    farthest
+        As of `generations`.
+    """
     n = len(impacts)
     captured, made, reach = np.zeros(n, dtype=bool), np.zeros(n, dtype=np.int64), np.zeros(n)
     for sphere, those in generations(impacts, later, most_impacts - 1, farthest):

@@ -109,7 +109,17 @@ def paths(
 
 
 def arrivals(n: int, dispenser: Dispenser, rng: np.random.Generator) -> FloatArray:
-    """Return times of n arrivals, s: taps at a steady rate, each freeing a few particles."""
+    """Return times of n arrivals, s: taps at a steady rate, each freeing a few particles.
+
+    Parameters
+    ----------
+    n
+        Number of particles.
+    dispenser
+        Rate of the taps, particles per tap and delay of the release.
+    rng
+        Generator of the draws.
+    """
     freed = np.zeros(0, dtype=np.int64)
     while freed.sum() < n:
         taps = math.ceil(n / dispenser.particles_per_tap)

@@ -91,9 +91,16 @@ class Target:
     def hit(
         self, diameter: FloatArray, velocity: FloatArray, spin: FloatArray, rng: np.random.Generator
     ) -> Rebound:
-        """Let spheres of given diameters (m) hit the target.
+        """Let spheres hit the target.
 
-        Arguments as in `lab.surface.collide`; facets are drawn from ``rng``.
+        Parameters
+        ----------
+        diameter
+            m, (n,).
+        velocity, spin
+            Before impact, m/s and rad/s, (n, 3).
+        rng
+            Generator from which facets are drawn.
         """
         n = len(velocity)
         shares = drawn_shares(rng, n, self.surface.rules)
@@ -195,7 +202,17 @@ class Drop:
         return partial(paths, angle=self.angle, height=self.height, dispenser=self.dispenser)
 
     def release(self, n: int, rng: np.random.Generator, path: Paths | None = None) -> Falling:
-        """Let n particles fall, by `paths` or in another way."""
+        """Let particles fall.
+
+        Parameters
+        ----------
+        n
+            Number of particles.
+        rng
+            Generator of the draws.
+        path
+            How they fall; by `paths` if not given.
+        """
         diameter = sample(self.diameter_um, rng, n) * 1e-6
         position, velocity, fall = (path or self.paths)(n, rng)
         share = self.spin.sd * rng.standard_normal((n, 3))
@@ -214,10 +231,17 @@ class Drop:
         return impacts_of(falling, rebound)
 
     def impacts(self, n: int, rng: np.random.Generator, within: float = np.inf) -> Impacts:
-        """Drop n particles and let them hit the target.
+        """Drop particles and let them hit the target.
 
-        Those that arrive further than ``within`` (m) from the middle are out of sight of any
-        instrument and left out.
+        Parameters
+        ----------
+        n
+            Number of particles.
+        rng
+            Generator of the draws.
+        within
+            Distance from the middle beyond which they are out of sight of any instrument and left
+            out, m.
         """
         return self.hit(self.release(n, rng).within(within), rng)
 

@@ -116,7 +116,14 @@ def reduced(
 ) -> dict[str, Mean]:
     """Return mean and interval of the quantities that an instrument measures.
 
-    Arguments as in `shared_error`; of fewer events than ``fewest`` there is no mean.
+    Parameters
+    ----------
+    measured, shifted, error
+        As of `shared_error`, of one experiment.
+    fewest
+        Number of events below which there is no mean.
+    names
+        Names of the quantities.
     """
     if len(measured) < fewest:
         return dict.fromkeys(names, NO_MEAN)
@@ -127,7 +134,17 @@ def reduced(
 def interval_columns(
     means: Mapping[str, Mean], *names: str, ends: tuple[str, ...] = ("low", "high")
 ) -> dict[str, float]:
-    """Return means with their intervals as columns of a table, nan where there is none."""
+    """Return means with their intervals as columns of a table, nan where there is none.
+
+    Parameters
+    ----------
+    means
+        Means by name.
+    *names
+        Those that become columns.
+    ends
+        Suffixes of the columns of the ends.
+    """
     columns: dict[str, float] = {}
     for name in names:
         mean = means.get(name, NO_MEAN)

@@ -140,7 +140,17 @@ class Rebound:
 def drawn_shares(
     rng: np.random.Generator, n: int, rules: Rules = LABORATORY
 ) -> Iterator[FloatArray]:
-    """Yield plain shares for `collide`, drawn for each contact as it comes."""
+    """Yield plain shares for `collide`, drawn for each contact as it comes.
+
+    Parameters
+    ----------
+    rng
+        Generator of the draws.
+    n
+        Number of spheres.
+    rules
+        By which the facets are struck.
+    """
     # All n are drawn for, so that the facets of one sphere do not depend on another's fate.
     return (uniforms(rng, (2, n)) for _ in range(rules.most_contacts))
 

@@ -254,7 +254,17 @@ def uniforms(rng: np.random.Generator, shape: int | tuple[int, ...]) -> FloatArr
 def sample(
     distribution: Distribution, rng: np.random.Generator, shape: int | tuple[int, ...]
 ) -> FloatArray:
-    """Return independent draws, shape ``shape``, in the unit of the distribution."""
+    """Return independent draws in the unit of the distribution.
+
+    Parameters
+    ----------
+    distribution
+        Distribution of the quantity.
+    rng
+        Generator of the draws.
+    shape
+        Shape of the draws.
+    """
     return distribution.quantile(uniforms(rng, shape))
 
 

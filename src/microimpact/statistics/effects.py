@@ -150,8 +150,21 @@ def effects(
 ) -> FloatArray:
     """Effects: the mean response where the word's product is +1 less that where it is -1.
 
-    Shape (..., effects). `design`: coded levels -1 and +1, shape (runs, factors); `letters`:
-    letters of the factors; `chosen`: words of the effects; `response`: shape (..., runs).
+    Parameters
+    ----------
+    design
+        Coded levels -1 and +1, (runs, factors).
+    letters
+        Letters of the factors.
+    chosen
+        Words of the effects.
+    response
+        Response of the runs, (..., runs).
+
+    Returns
+    -------
+    effects
+        Shape (..., effects).
     """
     columns = [design[:, [letters.index(c) for c in word]].prod(axis=1) for word in chosen]
     contrasts = np.stack(columns, axis=1)

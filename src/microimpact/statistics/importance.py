@@ -140,7 +140,19 @@ class Kernels:
 def kernels(
     points: FloatArray, log_weights: FloatArray, number: int, rng: np.random.Generator
 ) -> Kernels:
-    """Return kernels for a weighted sample; weights of too few points are flattened by a power."""
+    """Return kernels for a weighted sample; weights of too few points are flattened by a power.
+
+    Parameters
+    ----------
+    points
+        Sample, (n, dimensions).
+    log_weights
+        Logarithms of the weights, (n,).
+    number
+        Number of kernels.
+    rng
+        Generator of the draws.
+    """
     logs = log_weights - np.max(log_weights)
 
     def surplus(power: float) -> float:

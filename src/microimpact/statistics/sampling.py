@@ -129,7 +129,19 @@ def joint_shares(
 def unit_points(
     n: int, dimensions: int, rng: np.random.Generator, method: Method = "plain"
 ) -> FloatArray:
-    """Return points of the open unit cube, shape (n, dimensions), n a power of two."""
+    """Return points of the open unit cube, (n, dimensions).
+
+    Parameters
+    ----------
+    n
+        Number of points, a power of two.
+    dimensions
+        Number of dimensions.
+    rng
+        Generator of the draws.
+    method
+        How the points are spread.
+    """
     if dimensions == 0:
         return np.empty((n, 0))
     if method == "quasi_random":

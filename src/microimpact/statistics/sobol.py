@@ -38,8 +38,25 @@ def require_power_of_two(name: str, samples: int) -> None:
 def saltelli_sample(inputs: int, samples: int, draw: np.random.Generator) -> FloatArray:
     """Points of the unit cube in which to evaluate a function for its indices.
 
-    Shape (samples, inputs + 2, inputs): per base sample the points A, A with one input each from B,
-    and B. Raises ValueError if the number of samples is not a power of two.
+    Parameters
+    ----------
+    inputs
+        Number of inputs.
+    samples
+        Number of base samples, a power of two.
+    draw
+        Generator of the draws.
+
+    Returns
+    -------
+    points
+        Per base sample the points A, A with one input each from B, and B, (samples, inputs + 2,
+        inputs).
+
+    Raises
+    ------
+    ValueError
+        If the number of samples is not a power of two.
     """
     # Imported where it is used: whoever only checks a configuration need not wait for it.
     from SALib.sample import sobol as sampling

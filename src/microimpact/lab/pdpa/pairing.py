@@ -53,8 +53,15 @@ class Pairing:
 def correct(velocity: Real, height: Real, form: Form = "exact") -> Real:
     """Return vertical velocities at the surface from those in the probe volume, m/s.
 
-    ``exact``: by v^2 + 2 g h, the energy of free fall. ``printed``: the article's constant
-    sqrt(2 g h) is added to the speed (Section 2.1). Incident velocities are negative.
+    Parameters
+    ----------
+    velocity
+        Vertical velocities in the probe volume, m/s; incident ones are negative.
+    height
+        Of the probe volume above the surface, m.
+    form
+        ``exact``: by v^2 + 2 g h, the energy of free fall. ``printed``: the article's constant
+        sqrt(2 g h) is added to the speed (Section 2.1).
     """
     if form == "printed":
         return np.asarray(velocity + np.sign(velocity) * _surface_speed(0.0, height))
@@ -66,7 +73,15 @@ def _surface_speed(velocity: Real, height: Real) -> FloatArray:
 
 
 def delay(incident: Real, rebound: Real, height: Real) -> Real:
-    """Return the time from the incident to the rebound passage, s, from speeds in the probe."""
+    """Return the time from the incident to the rebound passage, s.
+
+    Parameters
+    ----------
+    incident, rebound
+        Vertical speeds in the probe volume, m/s.
+    height
+        Of the probe volume above the surface, m.
+    """
     return _leg_time(incident, height) + _leg_time(rebound, height)
 
 
@@ -75,7 +90,15 @@ def _leg_time(velocity: Real, height: Real) -> Real:
 
 
 def height_from_delay(incident: Real, rebound: Real, time: Real) -> Real:
-    """Return the height at which the `delay` of two passages is the given time: its inverse."""
+    """Return the height at which the `delay` of two passages is the given time: its inverse.
+
+    Parameters
+    ----------
+    incident, rebound
+        Vertical speeds in the probe volume, m/s.
+    time
+        From the incident to the rebound passage, s.
+    """
     # With x = 2 g h the surface speeds have sum s and the difference of their squares is known.
     s = gravity * np.asarray(time) + np.abs(incident) + np.abs(rebound)
     at_surface = 0.5 * (s + (np.square(incident) - np.square(rebound)) / s)
@@ -85,7 +108,17 @@ def height_from_delay(incident: Real, rebound: Real, time: Real) -> Real:
 def delay_noise(
     incident: FloatArray, rebound: FloatArray, height: Real, instrument: Analyser
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the standard deviation of predicted less recorded delays, s, and d delay / d h."""
+    """Return the standard deviation of predicted less recorded delays, s, and d delay / d h.
+
+    Parameters
+    ----------
+    incident, rebound
+        Vertical velocities recorded, m/s.
+    height
+        Of the probe volume above the surface, m.
+    instrument
+        Analyser, with its noise.
+    """
     stamps = 1e-6 * instrument.time_resolution_us / np.sqrt(6.0)
     variance, slope = np.full(incident.shape, stamps**2), np.zeros(incident.shape)
     for velocity in (incident, rebound):
@@ -100,7 +133,14 @@ def delay_noise(
 def search(stream: RecordStream, height: float, instrument: Analyser) -> Pairing:
     """Find the pairs of a stream, in any order, and the height of the probe volume.
 
-    The height, m, is an initial estimate, wrong by about ``initial_estimate_error``.
+    Parameters
+    ----------
+    stream
+        Records of an experiment.
+    height
+        Initial estimate of the height, m, wrong by about ``initial_estimate_error``.
+    instrument
+        Analyser, with its noise and windows.
     """
     initial = height, abs(instrument.initial_estimate_error) * height
     estimate, pairs, converged, rounds = initial, None, False, 0
@@ -129,9 +169,19 @@ def estimate_height(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the height that fits the delays of some pairs, and its standard error, m.
 
-    Least absolute deviations in units of the noise at the present height: a weighted median,
-    which a few wrong pairs hardly move. Where the deviations exceed the noise, the error grows.
-    Of one set of pairs, (2, pairs), or of many, (2, ..., pairs); present heights are (...).
+    Least absolute deviations in units of the noise at the present height: a weighted median, which
+    a few wrong pairs hardly move. Where the deviations exceed the noise, the error grows.
+
+    Parameters
+    ----------
+    stream
+        Records of an experiment.
+    pairs
+        Indices of incident and rebound, (2, pairs), or of many sets of pairs, (2, ..., pairs).
+    height
+        Present heights, m, (...).
+    instrument
+        Analyser, with its noise.
     """
     incident, rebound = stream.velocity[pairs]
     recorded = stream.time[pairs[1]] - stream.time[pairs[0]]
@@ -154,6 +204,17 @@ def assign(
     A pair costs its squared deviations of size and delay, in units of the noise; as many of the
     pairs inside the windows as fit together are worth more than none (see `matched`). Pairs are
     indices of incident and rebound in the stream, in order of the incident's time.
+
+    Parameters
+    ----------
+    stream
+        Records of an experiment.
+    height
+        Of the probe volume above the surface, m.
+    height_error
+        Its standard error, m.
+    instrument
+        Analyser, with its noise and windows.
     """
     incident, rebound = _candidates(stream, height, height_error, instrument)
     falling, rising = stream.velocity[incident], stream.velocity[rebound]
@@ -192,7 +253,15 @@ def _candidates(
 
 
 def matched(incident: IntArray, rebound: IntArray, worth: FloatArray) -> IntArray:
-    """Return which of m possible pairs to accept: one-to-one, of the greatest total worth."""
+    """Return which possible pairs to accept: one-to-one, of the greatest total worth.
+
+    Parameters
+    ----------
+    incident, rebound
+        Indices of the records of each possible pair, (m,).
+    worth
+        Of each possible pair, (m,).
+    """
     ends = incident, rebound
     alone = np.all([np.bincount(of)[of] == 1 for of in ends], axis=0)
     contested = np.flatnonzero(~alone)

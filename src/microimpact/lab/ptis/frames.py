@@ -37,7 +37,20 @@ def render(
 ) -> NDArray[np.uint8]:
     """Return the field of video that holds one impact: grey levels, shape (rows, columns).
 
-    Half the rows where the camera interlaces. The generator is that of the event.
+    Half the rows where the camera interlaces.
+
+    Parameters
+    ----------
+    impacts
+        Impacts of several spheres.
+    i
+        Number of the impact.
+    setup
+        Imaging system as it is set.
+    errors
+        Systematic errors of the experiment.
+    rng
+        Generator of the event.
     """
     exposure = exposures(impacts.select(slice(i, i + 1)), setup, errors, [rng])
     return next(photographs(exposure, setup, errors, [rng]))
@@ -46,7 +59,19 @@ def render(
 def photographs(
     exposure: Exposure, setup: Setup, errors: Systematics, rngs: Iterable[Generator]
 ) -> Iterator[NDArray[np.uint8]]:
-    """Yield the frame of every event of an exposure, drawn with these generators, as `render`."""
+    """Yield the frame of every event of an exposure, as `render`.
+
+    Parameters
+    ----------
+    exposure
+        Lit pieces of n events.
+    setup
+        Imaging system as it is set.
+    errors
+        Systematic errors of the experiment.
+    rngs
+        A generator for each event.
+    """
     for i, rng in zip(range(len(exposure)), rngs, strict=True):
         light = light_of(exposure.select(np.array([i])), setup, errors)
         yield photograph(light, setup.instrument, rng)
@@ -57,6 +82,15 @@ def light_of(exposure: Exposure, setup: Setup, errors: Systematics) -> NDArray[n
 
     The camera's gain is taken to suit the track: its brightest dash, that of the slower leg,
     reaches the peak of the exposure. Dashes that overlap add up, and may saturate.
+
+    Parameters
+    ----------
+    exposure
+        Lit pieces of a single event.
+    setup
+        Imaging system as it is set.
+    errors
+        Systematic errors of the experiment.
     """
     size, blur = np.array(setup.instrument.frame_px), setup.instrument.blur_px
     frame = np.zeros(size[::-1], dtype=np.float32)
@@ -109,9 +143,18 @@ def through_disk(light: FloatArray, diameter: float) -> FloatArray:
 def photograph(
     light: NDArray[np.float32], instrument: ImagingSystem, rng: Generator
 ) -> NDArray[np.uint8]:
-    """Return grey levels of light, in counts above the background, with shot and reading noise.
+    """Return grey levels of light, with shot and reading noise.
 
     Most of a frame is dark, and what noise makes of no light is known beforehand.
+
+    Parameters
+    ----------
+    light
+        Counts above the background, (rows, columns).
+    instrument
+        Camera, with its noise.
+    rng
+        Generator of the noise.
     """
     if instrument.interlace:
         light = 0.5 * (light[::2] + light[1::2])

@@ -63,9 +63,21 @@ def modelled(
 ) -> ImagedEvents:
     """Return the fates and velocities of all impacts, by the error model.
 
-    The same generator gives an event the same field and the same pulses as in `observe`, apart
-    from their jitter: nothing is drawn from it but from its children, one per event. They draw in
-    turn from ``draws`` if these are given, one per event or the same for all.
+    The same generator gives an event the same field and the same pulses as in `observe`, apart from
+    their jitter: nothing is drawn from it but from its children, one per event.
+
+    Parameters
+    ----------
+    impacts
+        Impacts of n spheres.
+    setup
+        Imaging system as it is set.
+    errors
+        Systematic errors of the experiment.
+    rng
+        Generator of the experiment.
+    draws
+        Generators in place of its children, one per event or the same for all.
     """
     moving = np.flatnonzero(~impacts.captured)
     event_draws = [draws[i] if draws else event_generator(rng, i) for i in moving.tolist()]
@@ -79,7 +91,13 @@ def modelled(
 
 
 def observe(impacts: Impacts, setup: Setup, errors: Systematics, rng: Generator) -> ImagedEvents:
-    """Render and measure the frame of every impact that can be seen; arguments as in `modelled`."""
+    """Render and measure the frame of every impact that can be seen.
+
+    Parameters
+    ----------
+    impacts, setup, errors, rng
+        As of `modelled`.
+    """
     return photographed(impacts, setup, errors, rng).reduced(setup)
 
 
@@ -89,7 +107,12 @@ def photographed(
     """Render the frame of every impact that can be seen, and sort its spots into legs.
 
     Of the events that are `unseen` a frame would give 1 in 400 a velocity, from dashes of which a
-    little is missing; they count as lost. Arguments as in `modelled`.
+    little is missing; they count as lost.
+
+    Parameters
+    ----------
+    impacts, setup, errors, rng
+        As of `modelled`.
     """
     moving = np.flatnonzero(~impacts.captured)
     draws = [event_generator(rng, i) for i in moving.tolist()]

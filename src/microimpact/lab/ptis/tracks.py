@@ -150,6 +150,15 @@ def patches(
 
     Light must exceed the least, smoothed, and a share of the brightest. Of each pixel: row, column,
     number of the patch (where wings meet that of the later one), and whether it is bright itself.
+
+    Parameters
+    ----------
+    frame
+        Grey levels, (rows, columns).
+    background
+        Counts without light.
+    least
+        Light that bright pixels exceed, smoothed, in counts.
     """
     smooth = scipy.ndimage.gaussian_filter(
         frame, SMOOTHING_PX, output=np.float32, truncate=SMOOTHING_REACH / SMOOTHING_PX
@@ -253,8 +262,16 @@ def told_apart(rebound: FloatArray, used: BoolArray | None = None) -> BoolArray:
 def longest_runs(good: BoolArray, group: IntArray, groups: int) -> tuple[IntArray, IntArray]:
     """Return where the longest stretch of true values within each group begins, and its length.
 
-    The group of each value ascends. Of several longest stretches the first; zeros where there is
-    none.
+    Of several longest stretches the first; zeros where there is none.
+
+    Parameters
+    ----------
+    good
+        Values, (n,).
+    group
+        Group of each value, ascending, (n,).
+    groups
+        Number of groups.
     """
     follows = np.zeros_like(good)
     follows[1:] = good[:-1] & (group[1:] == group[:-1])
@@ -346,9 +363,16 @@ class Track:
 def reduce_legs(
     incident: FloatArray, rebound: FloatArray, setup: Setup, *, with_gravity: bool = True
 ) -> Track | Rejection:
-    """Return the velocities at the surface from columns and rows (m, 2) of both legs' dashes.
+    """Return the velocities at the surface from the dashes of both legs.
 
-    By paths under gravity, or by straight lines at constant speed.
+    Parameters
+    ----------
+    incident, rebound
+        Columns and rows of the dashes of each leg, px, (m, 2).
+    setup
+        Imaging system as it is set.
+    with_gravity
+        Whether paths are those under gravity, not straight lines at constant speed.
     """
     track = fit_track(incident, rebound, setup, with_gravity=with_gravity)
     if with_gravity and not smooth(track.incident, setup):
@@ -366,9 +390,18 @@ def fit_track(
     used: tuple[BoolArray | None, BoolArray | None] = (None, None),
     with_gravity: bool = True,
 ) -> Track:
-    """Fit both legs, (..., m, 2), and follow them to the surface, whether they make a track or not.
+    """Fit both legs and follow them to the surface, whether they make a track or not.
 
-    Of each leg the first places count, as ``used`` (..., m) says; all if not given.
+    Parameters
+    ----------
+    incident, rebound
+        Columns and rows of the dashes of each leg, px, (..., m, 2).
+    setup
+        Imaging system as it is set.
+    used
+        Which dashes of each leg count, its first ones, (..., m); all if None.
+    with_gravity
+        Whether paths are those under gravity, not straight lines at constant speed.
     """
     pull = gravity if with_gravity else 0.0
     legs = []
@@ -381,7 +414,19 @@ def fit_track(
 
 
 def fit_path(points: FloatArray, rate: float, pull: float, used: BoolArray | None = None) -> Leg:
-    """Fit a leg, by least squares, with constant horizontal velocity and vertical acceleration."""
+    """Fit a leg, by least squares, with constant horizontal velocity and vertical acceleration.
+
+    Parameters
+    ----------
+    points
+        Points of the leg, (..., m, 2).
+    rate
+        Pulses per second.
+    pull
+        Vertical acceleration, in the unit of the points per s2.
+    used
+        Which points count, (..., m); all if None.
+    """
     used = np.ones(points.shape[:-1], dtype=bool) if used is None else used
     # Sums run over the last axis but one, point by point: points that do not count change nothing.
     number = np.sum(used, axis=-1, keepdims=True)
@@ -415,8 +460,17 @@ def to_target(vectors: FloatArray, setup: Setup) -> FloatArray:
 def to_surface(leg: Leg, setup: Setup, *, outward: bool) -> Leg:
     """Return a leg with the time of contact; not a number where its path misses the surface.
 
-    Of the two roots of the height above the surface, the one at which the sphere comes (or leaves,
-    if `outward`), in the form that does not cancel.
+    Of the two roots of the height above the surface, the one at which the sphere comes or leaves,
+    in the form that does not cancel.
+
+    Parameters
+    ----------
+    leg
+        Fitted leg.
+    setup
+        Imaging system as it is set.
+    outward
+        Whether the sphere leaves the surface.
     """
     height = to_target(leg.origin, setup)[..., 1] - 0.5 * setup.diameter
     normal = to_target(leg.velocity, setup)[..., 1] * (1.0 if outward else -1.0)
