@@ -29,7 +29,7 @@ EXTENT = ("x_low", "x_high", "y_low", "y_high")
 
 @style.context()  # colours by number and ticks are of the style in which they are asked for
 def content(figure: Figure, spec: FigureSpec) -> pd.DataFrame:
-    """Return the content of a figure: title and caption, then all that is drawn.
+    """Return the content of a figure: its words, then all that is drawn.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def content(figure: Figure, spec: FigureSpec) -> pd.DataFrame:
     """
     rows: list[dict[str, Any]] = [
         {"panel": FIGURE, "artist": name, "text": getattr(spec, name)}
-        for name in ("title", "caption")
+        for name in ("title", "finding", "caption", "method")
     ]
     panels: dict[Artist, str] = dict(zip(figure.axes, spec.panels, strict=False))
     labels = {

@@ -139,8 +139,9 @@ class FigureSpec:
     `article` says what the article shows there; it is empty for a figure of our own. `equations`
     are those of the article that the figure shows or rests on, by their numbers in the ledger.
     `tables` are those of the study that belong beside the figure, each with a sentence on what it
-    holds. `as_shipped` are sentences of the caption that hold for the shipped inputs alone, see
-    `filled`. Panels stand in rows of `columns`, all side by side if not given; with
+    holds. `finding` is the message, in one sentence, `caption` says what is drawn, `method` how it
+    was computed. The finding and `as_shipped`, the end of the method, hold for the shipped inputs
+    alone, see `filled`. Panels stand in rows of `columns`, all side by side if not given; with
     `legend_columns`, one legend in so many columns is above them. `evidence_labels` replace words
     of the key of evidence, as of what another paper printed.
     """
@@ -154,6 +155,8 @@ class FigureSpec:
     equations: tuple[Name, ...] = ()
     data: dict[str, DataSpec]
     article: str = ""
+    finding: str = ""
+    method: str = ""
     as_shipped: str = ""
     tables: dict[str, Name] = field(default_factory=dict)
     evidence_labels: dict[str, Name] = field(default_factory=dict)
@@ -228,7 +231,7 @@ def filled(
         As in `documents.filled`.
     changed
         By study, inputs on which it rests and that are not as shipped. If there are any, the
-        sentences ``as_shipped`` do not follow the caption.
+        sentences ``finding`` and ``as_shipped`` are left out.
 
     Raises
     ------
@@ -249,11 +252,13 @@ def filled(
 
 
 def _as_it_holds(entry: Any, changed: object) -> Any:
-    """Return an entry with the sentences of shipped inputs after its caption, or without."""
-    if not (isinstance(entry, Mapping) and entry.get("as_shipped")):
+    """Return an entry with the sentences of shipped inputs after its method, or without."""
+    if not isinstance(entry, Mapping):
         return entry
-    held = "" if changed else f" {entry['as_shipped']}"
-    return {**entry, "caption": f"{entry.get('caption', '')}{held}", "as_shipped": ""}
+    if changed:
+        return {**entry, "finding": "", "as_shipped": ""}
+    method = f"{entry.get('method', '')} {entry.get('as_shipped', '')}".strip()
+    return {**entry, "method": method, "as_shipped": ""}
 
 
 def _order(name: object) -> tuple[int, str]:

@@ -69,7 +69,7 @@ def test_exchanged_looks_of_two_series_are_seen(name, panel, first, second, look
 
 def test_title_and_caption_are_content(tmp_path):
     cells = changes("fig14", tmp_path / "a.svg", title="Another", caption="Other words")
-    assert cells == {"text": [0, 1]}
+    assert cells == {"text": [0, 2]}
 
 
 def test_a_panel_a_tenth_wider_moves_what_is_in_it(tmp_path):
@@ -82,11 +82,11 @@ def test_a_panel_a_tenth_wider_moves_what_is_in_it(tmp_path):
 def test_all_that_is_drawn_lies_on_the_sheet_and_is_named(tmp_path):
     spec = SPECS["fig04"]
     table = shown(spec, tmp_path / "a.svg")
-    assert list(table["text"][:2]) == [spec.title, spec.caption]
+    assert list(table["text"][:4]) == [spec.title, spec.finding, spec.caption, spec.method]
     labels = {series.label for series in spec.panels["all"].series.values()}
     assert labels <= set(table.loc[table["artist"] == "Line2D", "text"])
     (blue, *_) = style_colours()
     assert table["look"].str.contains(blue.lower()).any()
-    inside = table[table["artist"] != "Text"][2:]
+    inside = table[table["artist"] != "Text"][4:]
     assert (inside["x_low"] >= 0).all()
     assert (inside["y_high"] <= spec.height_mm / style.MM_PER_INCH * 72).all()

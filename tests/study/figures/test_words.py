@@ -13,6 +13,7 @@ from study.figures.registry import filled, registry
 
 ENTRIES = load(ROOT / "config/figures.yaml")
 SETTINGS = settings_as_shipped()
+SHIPPED = registry(filled(ENTRIES, SETTINGS.branches, SETTINGS.pairs))
 MATERIALS = "steel|silicon|mirror|Formica|Lycopodium|spore|fluorescein|molybdenum|mica|latex|silica"
 # Studies that are of one pair by their nature.
 OF_ONE_PAIR = {"particle_separation", "oblique_data", "admissible_contacts", "contact_laws"}
@@ -38,7 +39,7 @@ BRANCHES = {study: renamed(branch) for study, branch in SETTINGS.branches.items(
 def test_words_of_another_pair_leave_none_of_the_old(name):
     entry = ENTRIES[name]
     spec = registry(filled({name: entry}, BRANCHES, PAIRS, {entry["study"]: "case"}))[name]
-    words = [spec.title, spec.caption, *spec.tables.values()]
+    words = [spec.title, spec.caption, spec.method, *spec.tables.values()]
     for panel in spec.panels.values():
         words += [panel.title, panel.legend, panel.x_label, panel.y_label]
         words += [series.label for series in panel.series.values()]
@@ -47,7 +48,16 @@ def test_words_of_another_pair_leave_none_of_the_old(name):
 
 
 def test_what_only_holds_as_shipped_goes_with_the_inputs():
-    entry = {"f": {"study": "s", "caption": "Curves.", "as_shipped": "They meet at [[a]]."}}
-    shipped, changed = filled(entry, {"s": {"a": 1}}), filled(entry, {"s": {}}, {}, {"s": "a"})
-    assert shipped["f"]["caption"] == "Curves. They meet at 1."
-    assert changed["f"]["caption"] == "Curves."
+    words = {"finding": "They meet at [[a]].", "method": "By fits.", "as_shipped": "Twice [[a]]."}
+    entry = {"f": {"study": "s", "caption": "Curves.", **words}}
+    shipped = filled(entry, {"s": {"a": 1}})["f"]
+    assert (shipped["finding"], shipped["method"]) == ("They meet at 1.", "By fits. Twice 1.")
+    changed = filled(entry, {"s": {}}, {}, {"s": "a"})["f"]
+    assert (changed["finding"], changed["method"]) == ("", "By fits.")
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_caption_begins_with_its_finding_and_is_short(name):
+    spec = SHIPPED[name]
+    assert spec.finding or spec.is_schematic
+    assert len(f"{spec.caption}".split()) <= 60

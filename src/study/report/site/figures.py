@@ -56,7 +56,9 @@ class Figure:
     name: str
     label: str
     title: str
+    finding: str
     caption: str
+    method: str
     article: str
     study: str
     data: tuple[str, ...]
@@ -73,7 +75,13 @@ class Figure:
     def alternative(self) -> str:
         """Alternative text of the picture."""
         shown = ", ".join(mark.evidence for mark in self.marks)
-        return f"{self.label}. {self.title}. {self.caption} Marks: {shown or 'none'}."
+        words = f"{self.title}. {self.finding} {self.caption}"
+        return f"{self.label}. {words} Marks: {shown or 'none'}."
+
+
+def _line(words: str) -> str:
+    """Return words in one line, with the sign of micrometres."""
+    return _MICROMETRE.sub("µm", " ".join(words.split()))
 
 
 def label(name: str) -> str:
@@ -112,7 +120,7 @@ def figures(
             name=name,
             label=label(name),
             title=entry["title"],
-            caption=_MICROMETRE.sub("µm", " ".join(entry["caption"].split())),
+            **{key: _line(entry.get(key, "")) for key in ("finding", "caption", "method")},
             article=" ".join(entry.get("article", "").split()),
             study=study,
             data=data,
@@ -120,7 +128,9 @@ def figures(
             marks=_marks([results / file for file in data], entry.get("panels", {})),
             inputs=tuple(behind[s] for s in (study, *upstream(study, needed))),
             departures=departures(declared, [study], needed),
-            contacts=_named(contacts(study, declared, calibration), entry),
+            contacts=()
+            if ".schematics." in entry["module"]
+            else _named(contacts(study, declared, calibration), entry),
             equations=tuple(
                 row for row in ledgers["equations"] if row["equation"] in entry.get("equations", ())
             ),
