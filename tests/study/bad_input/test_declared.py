@@ -86,7 +86,7 @@ CASES = [
     (MODELS, "friction: {values: [0.05, 0.10, 0.15, 0.20]", "friction: {value: 0.3", ["coulomb_friction.friction: 0.3 must be a list, as [0.3]"]),
     (MODELS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: 1.0e+8", ["oblique_impact.speed_m_per_s: 1e+08 m/s must be from 0 to 1000 m/s"]),
     (MODELS, "diameter_um: {from: particles.SST76.mean_diameter_um}", "diameter_um: 62.0e-6", ["oblique_impact.diameter_um: 6.2e-05 um must be from 0.001 to 5000 um"]),
-    (LABORATORY, "kind: truncated_normal\n      mean: {value: 54.0", "kind: gaussian\n      mean: {value: 54.0", ["particles.glass spheres.diameter_um.kind: 'gaussian' must be one of constant, uniform, normal", "campaign."]),
+    (LABORATORY, "kind: truncated_normal\n      mean: {value: 54.0", "kind: gaussian\n      mean: {value: 54.0", ["particles.glass spheres.diameter_um.kind: 'gaussian' must be one of constant, uniform, normal"]),
     (POINTS, "1.0,0.5,0.4,0.6", "1.0,50,40,60", ["fig14.csv, line 5, y: 50 is far off the axis of 'trends', 0 to 1.05"]),
     # references
     (MODELS, "speed_m_per_s: {from: speeds.nominal}", "speed_m_per_s: {from: speeds.nominl}", ["oblique_impact.speed_m_per_s.from: 'speeds.nominl' is not declared (did you mean 'nominal'?)"]),

@@ -163,7 +163,7 @@ def test_numbers_that_do_not_fit_are_refused(rows, words):
 
 def test_a_claim_that_could_not_be_computed_says_why_and_leaves_the_others_alone():
     whole = numbers(*cases(0.7, 0.7)[:2])
-    lacking = ("C01", "b", "not computed", *[math.nan] * 2, "c", "", "No plateau")
+    lacking = ("C01", "b", "not computed", *[math.nan] * 2, None, "", "No plateau")
     second = numbers(*(("C02", *row[1:]) for row in GOOD))
     table = pd.concat([whole, pd.DataFrame([lacking], columns=NUMBER_COLUMNS), second])
     ledger, _ = verdicts({"C01": claim(**TWO), "C02": claim(id="C02")}, table)

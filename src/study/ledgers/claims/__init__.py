@@ -119,7 +119,7 @@ def verdicts(
     import pandas as pd
 
     # A column without any text has been read as one of missing numbers.
-    names = ("case", "inputs", "problem")
+    names = ("case", "inputs", "problem", "code")
     text = {name: numbers[name].astype(object).fillna("") for name in names}
     numbers = numbers.assign(**text)
     problems = [line for claim in claims.values() for line in _problems(claim, numbers)]
@@ -192,7 +192,7 @@ def _judged(claim: Claim, numbers: pd.DataFrame, share: Share | None) -> tuple[R
         "margin": margin,
         "evidence": claim.evidence,
         "figures": " ".join(claim.figures),
-        "code": " ".join(dict.fromkeys(numbers["code"])),
+        "code": " ".join(filter(None, dict.fromkeys(numbers["code"]))),
         "inputs": " ".join(sorted({name for text in numbers["inputs"] for name in text.split()})),
         "changed_inputs": "",
         "reason": claim.reason,
