@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import fields
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -63,8 +64,9 @@ def run_study(
     for table, frame in (tables or {}).items():
         if not hasattr(frame, "columns"):
             raise ValueError(f"{table}: must be a table of a study; parameters are keywords")
+    parameters = {field.name for field in fields(studies.study(name).Params)}
     for key in changes:
-        if key in SECTIONS:
+        if key in SECTIONS and key not in parameters:
             raise ValueError(f"{key}: is shared by all studies: an overlay changes it, not {name}")
     text = json.dumps(changes, default=_plain)
     settings = _settings(name, text) if changes else settings_as_shipped()

@@ -9,6 +9,7 @@ import pytest
 from study.declared.documents import ConfigError
 from study.studies.experiments import campaign as study
 from study.studies.experiments.campaign import FATES
+from study.tables import NotComputedError, computed
 
 QUANTITIES = ("restitution", "impulse_ratio", "energy_loss")
 
@@ -104,7 +105,7 @@ def test_an_experiment_is_the_same_alone_and_among_the_others(
 
 def test_blocks_that_do_not_agree_with_the_article_are_refused(settings, run_study, calibration):
     first = next(iter(settings.branches["campaign"]["blocks"]))
-    message = r"blocks: give 174 experiments, not 187; 10 surfaces, not 11, as counted$"
+    message = r"blocks: give 174 experiments, not 187; 10 surfaces, not 11, as counted: change "
     blocks = {first: {"surfaces": ["silicon front"]}}
     with pytest.raises(ValueError, match=message):
         run_study("campaign", calibration, blocks=blocks)
@@ -190,13 +191,20 @@ def test_settings_without_meaning_are_refused(run_study, calibration, change, ke
         run_study("interval_coverage", calibration, **change)
 
 
-def test_a_class_that_nothing_meets_is_refused(settings, run_study, calibration):
+def test_a_class_that_nothing_meets_costs_no_other(settings, run_study, calibration):
     normal, oblique, *others = settings.branches["interval_coverage"]["cases"]
     cases = {oblique: {"angles_deg": [2.0]}, normal: {"speeds_m_per_s": [1.25]}}
     cases |= dict.fromkeys(others)
-    message = r"^cases.smooth, oblique, 1.66 m/s, 2 deg: no event .* 40 are wanted"
-    with pytest.raises(ValueError, match=message):
-        run_study("interval_coverage", calibration, cases=cases)
+    tables = run_study("interval_coverage", calibration, cases=cases)
+    table = tables["interval_coverage"].set_index(["angle_deg", "quantity"])
+    assert table["coverage_observable"].notna().groupby("angle_deg").all().to_dict() == {
+        2.0: False,
+        90.0: True,
+    }
+    why = r"interval_coverage.cases.smooth, oblique, 1.66 m/s, 2 deg: no event .* 40 are wanted"
+    with pytest.raises(NotComputedError, match=why):
+        computed(tables["coverage_by_angle"])
+    assert len(tables["coverage_by_speed"])
 
 
 def test_cases_of_one_instrument_alone_are_refused(settings, run_study, calibration):

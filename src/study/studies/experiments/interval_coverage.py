@@ -39,7 +39,7 @@ from study.declared.parameters import (
     Positive,
 )
 from study.studies.contacts import calibrated_contact
-from study.tables import Tables, series_frame
+from study.tables import NotComputedError, Tables, not_computed, reason, series_frame
 
 # Spheres that may be measured in some experiment: they arrive no further from the middle of the
 # probe volume than this, m, cross one that is wider by this factor and at most so many standard
@@ -274,7 +274,8 @@ class Params:
 def run(params: Params, inputs: Tables) -> Tables:
     """Repeat every experiment and count the intervals that hold each mean.
 
-    ``interval_coverage``: one row per experiment and quantity. ``coverage_by_speed``,
+    ``interval_coverage``: one row per experiment and quantity; in the column ``problem``, why one
+    without events has no numbers. ``coverage_by_speed``,
     ``coverage_by_angle``: coverage of restitution, and its nominal level.
     """
     contact = calibrated_contact(inputs, params.case).replace(friction=params.friction)
@@ -293,19 +294,23 @@ def run(params: Params, inputs: Tables) -> Tables:
             ).tabulated()
             repeat = by_doppler if angle == NORMAL else by_imaging
             rng = generator(params.seed, number, i, k)
+            instrument = "PDPA" if angle == NORMAL else "PTIS"
+            columns: dict[str, Any] = {"case": name, "instrument": instrument}
+            columns |= {"angle_deg": angle, "speed_m_per_s": speed}
             try:
                 repeated = repeat(params, case.simulated, drop, rng)
+                rows += [columns | row for row in coverage_rows(params, drop, repeated)]
             except ValueError as error:
-                where = f"cases.{name}, {speed:g} m/s, {angle:g} deg"
-                raise ValueError(f"{where}: {error}") from None
-            rows += coverage_rows(params, name, drop, repeated)
+                why = reason(f"interval_coverage.cases.{name}, {speed:g} m/s, {angle:g} deg", error)
+                lacking = {"evidence": "virtual experiment", "problem": why}
+                rows += [columns | {"quantity": n} | lacking for n in MEASURED_BY[instrument]]
+    if all("problem" in row for row in rows):
+        raise NotComputedError(rows[0]["problem"])
     table = pd.DataFrame(rows)
     return {"interval_coverage": table, **drawn(table, params.level)}
 
 
-def coverage_rows(
-    params: Params, case: str, drop: Drop, repeated: Repeated
-) -> Iterator[dict[str, Any]]:
+def coverage_rows(params: Params, drop: Drop, repeated: Repeated) -> Iterator[dict[str, Any]]:
     """Yield how often the intervals of each quantity hold each mean, and how wide they are."""
     instrument = "PDPA" if drop.angle == NORMAL else "PTIS"
     means = quantities(repeated.measured)
@@ -317,10 +322,6 @@ def coverage_rows(
         sd = values.std(axis=1, ddof=1)
         half = student_half_width(sd, params.events, systematic[name], params.level)
         row: dict[str, Any] = {
-            "case": case,
-            "instrument": instrument,
-            "angle_deg": drop.angle,
-            "speed_m_per_s": drop.speed,
             "quantity": name,
             "experiments": params.experiments,
             "events": params.events,
@@ -375,6 +376,8 @@ def drawn(table: pd.DataFrame, level: float) -> dict[str, pd.DataFrame]:
     The series ``nominal`` is the level of the intervals.
     """
     rows = table[table["quantity"] == "restitution"]
+    lacking = rows[rows["coverage_observable"].isna()]
+    rows = rows.drop(lacking.index)
     axes = {"speed": ("PDPA", "speed_m_per_s"), "angle": ("PTIS", "angle_deg")}
     frames_by_axis = {}
     for axis, (instrument, column) in axes.items():
@@ -391,8 +394,11 @@ def drawn(table: pd.DataFrame, level: float) -> dict[str, pd.DataFrame]:
             for name, own in rows[rows["instrument"] == instrument].groupby("case", sort=False)
             for which, words in DRAWN.items()
         ]
-        if frames:
-            x = rows.loc[rows["instrument"] == instrument, column]
-            frames.append(frame("nominal", [x.min(), x.max()], 100.0 * level))
+        if not frames:
+            why = lacking.loc[lacking["instrument"] == instrument, "problem"].iloc[0]
+            frames_by_axis[f"coverage_by_{axis}"] = not_computed(why)
+            continue
+        x = rows.loc[rows["instrument"] == instrument, column]
+        frames.append(frame("nominal", [x.min(), x.max()], 100.0 * level))
         frames_by_axis[f"coverage_by_{axis}"] = pd.concat(frames, ignore_index=True)
     return frames_by_axis

@@ -18,6 +18,7 @@ from microimpact.model.dynamics.impact import Impact, simulate
 from study.studies.claims.claim_numbers.params import Common
 from study.studies.contacts import all_printed, calibrated_contact
 from study.studies.samples import Dropped, Sample, Sampling, Seen, contact_of, half_width
+from study.tables import NotComputedError
 
 # Values, or `Estimate`, by quantity; by alternative and quantity, where the claim has alternatives
 # of its own.
@@ -213,7 +214,7 @@ class Context:
     def table(self, name: str, **where: object) -> pd.DataFrame:
         """Return the rows of a table with these values, of the case if it has a column of cases.
 
-        Raises ValueError if there is none.
+        Raises ValueError if there is none, or if one of them could not be computed.
         """
         rows = self.inputs[name]
         if self.case and "case" in rows:
@@ -223,6 +224,8 @@ class Context:
         if rows.empty:
             wanted = ", ".join(f"{key} {value}" for key, value in where.items())
             raise ValueError(f"{name}: no row with {wanted}" if wanted else f"{name}: no row")
+        if "problem" in rows and not (problems := rows["problem"].dropna()).empty:
+            raise NotComputedError(problems.iloc[0])
         return rows
 
     def number(self, name: str, column: str, **where: object) -> float:
