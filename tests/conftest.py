@@ -113,12 +113,7 @@ def time_form() -> Callable[..., March]:
 
 # Smaller than as shipped, for speed; large enough for what is asserted.
 SMALLER = {
-    "inference": {"first": 10},
-    "admissible_contacts": {
-        "sampler": {"spread": 13, "walkers": 96, "steps": 120, "pool": 1000},
-        "draws": 200,
-    },
-    "contact_laws": {"points": 5, "starts": 1},
+    "inference": {"first": 10, "points": 31},
     "rolling_dissipation": {"points": 9},
 }
 

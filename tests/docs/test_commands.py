@@ -28,7 +28,7 @@ FEWER = {
     "calibration": {
         "two_stage": {"rate_exponents": [0.0, 1.0], "works_of_adhesion_J_per_m2": [0.7, 3.5]}
     },
-    "admissible_contacts": {"sampler": {"walkers": 40, "steps": 40, "pool": 200}},
+    "inference": {"first": 8, "rounds": 2},
 }
 
 BLOCKS = blocks("written", "appended", "command", "output")

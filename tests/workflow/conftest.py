@@ -19,7 +19,7 @@ from study.declared.references import merged
 SMALL = ("--configfile", "config/ci.yaml")
 # Smaller still than the small reproduction: some parts are left with nothing, or nearly so.
 TINY = {
-    "admissible_contacts": {"draws": 60},
+    "inference": {"draws": 60},
     "campaign": {"stop": {"events": 4, "fewest_events": 2, "most_dropped": 1000}},
     "fit_coverage": {
         "noise_of_e": [0.01],

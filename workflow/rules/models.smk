@@ -12,33 +12,13 @@ use rule study as calibration with:
         **parameters("calibration"),
 
 
-use rule study as admissible_contacts with:
-    """tables/admissible_*.csv: contacts that the printed statements admit, and how they were drawn."""
+use rule study as inference with:
+    """tables/evidence_*.csv, posterior_contacts.csv: the contact, by several laws and scenarios."""
     input:
         **tables("calibration"),
     output:
-        **tables(
-            "admissible_contacts",
-            "admissible_diagnostics",
-            "admissible_summary",
-            "admissible_statements",
-        ),
-        **data(
-            "admissible_limits",
-            "admissible_shares",
-            "admissible_works",
-            "admissible_bands",
-        ),
-    pathvars:
-        study="admissible_contacts",
-    params:
-        **parameters("admissible_contacts"),
-
-
-use rule study as inference with:
-    """tables/evidence_*.csv, posterior_contacts.csv: the contact, by several laws and scenarios."""
-    output:
         **tables("evidence_summary", "evidence_statements", "posterior_contacts"),
+        **data("evidence_limits", "evidence_works", "posterior_bands"),
     pathvars:
         study="inference",
     params:
@@ -68,7 +48,7 @@ use rule study as coulomb_friction with:
 use rule study as oblique_impact with:
     """data/fig18.csv: impulse ratio, data/fig21.csv: energy loss."""
     input:
-        **tables("calibration", "admissible_contacts", "oblique_experiments"),
+        **tables("calibration", "posterior_contacts", "oblique_experiments"),
     output:
         **data("fig18", "fig21"),
     pathvars:
@@ -80,7 +60,7 @@ use rule study as oblique_impact with:
 use rule study as force_history with:
     """data/fig20.csv: normal force and its terms (Eq. 25), tables/force_ratios.csv: peaks of the normal force and of its terms."""
     input:
-        **tables("calibration", "admissible_contacts"),
+        **tables("calibration", "posterior_contacts"),
     output:
         **tables("force_ratios"),
         **data("fig20"),
@@ -116,7 +96,7 @@ use rule study as restitution_fits with:
 use rule study as fit_coverage with:
     """tables/fit_coverage.csv, averaged_intervals.csv: how well the capture velocity is found."""
     input:
-        **tables("calibration", "restitution_fits", "contact_law_fits"),
+        **tables("calibration", "restitution_fits", "evidence_summary"),
     output:
         **tables("fit_coverage", "averaged_intervals"),
         **data("capture_recovery", "averaged_coverage"),
@@ -137,19 +117,6 @@ use rule study as capture_velocities with:
         study="capture_velocities",
     params:
         **parameters("capture_velocities"),
-
-
-use rule study as contact_laws with:
-    """tables/contact_law_*.csv: fits, facts, claims by law; data/contact_law_curves.csv: e(v)."""
-    input:
-        **tables("calibration"),
-    output:
-        **tables("contact_law_fits", "contact_law_facts", "contact_law_claims"),
-        **data("contact_law_curves"),
-    pathvars:
-        study="contact_laws",
-    params:
-        **parameters("contact_laws"),
 
 
 use rule study as rolling_dissipation with:

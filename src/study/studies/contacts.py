@@ -19,7 +19,7 @@ from study.declared.parameters import Name
 from study.declared.selection import IMPACT
 from study.tables import NOT_COMPUTED, NotComputedError, Tables
 
-# Columns of the admissible contacts, and the fields of a contact that they are.
+# Columns of drawn contacts with a ring force, and the fields of a contact that they are.
 DRAWN = {
     "diameter_um": "diameter",
     "work_of_adhesion_J_per_m2": "work_of_adhesion",
@@ -104,46 +104,82 @@ def fitted_to(inputs: Tables, case: str, quantity: str) -> bool:
     return quantity in set(rows["quantity"])
 
 
-# Lower end, middle and upper end of what is told or drawn of admissible contacts.
+# Lower end, middle and upper end of what is summarised or drawn of a posterior.
 BAND = (0.05, 0.5, 0.95)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Admissible:
-    """Which of the contacts that printed statements admit are shown beside a case."""
+class Posterior:
+    """Contacts drawn from a posterior: those of a case, scenario and law of the inference."""
 
     case: Name
-    variant: Name
+    scenario: Name
+    law: Name
 
 
-def admissible_beside(
-    inputs: Tables, shown: Admissible, case: str, diameter: float
-) -> dict[str, Contact]:
-    """Return the admissible contacts at a diameter (m), none if they are of another pair.
+def posterior_rows(inputs: Tables, posterior: Posterior) -> pd.DataFrame:
+    """Return the rows of ``posterior_contacts`` that are of a posterior.
+
+    Raises ValueError if there are none; the message names the nearest.
+    """
+    table = inputs["posterior_contacts"]
+    for column in ("case", "scenario", "law"):
+        name = getattr(posterior, column)
+        if name not in set(table[column]):
+            raise ValueError(f"no contacts of {column} {name!r}{nearest(name, set(table[column]))}")
+        table = table[table[column] == name]
+    return table
+
+
+def posterior_contact(inputs: Tables, rows: pd.DataFrame, **changes: Any) -> Contact:
+    """Return contacts of one law as one contact of arrays (draws,).
 
     Parameters
     ----------
     inputs
-        Tables of `calibrated_contact` and `admissible_contact`.
-    shown, case
-        The admissible contacts, and the case beside which they are shown.
+        ``materials``, declared rows.
+    rows
+        Of the table ``posterior_contacts``.
+    **changes
+        Fields of `Contact` in place of those of the table.
+    """
+    of_ring: dict[str, Any] = {field: rows[name].to_numpy(float) for name, field in DRAWN.items()}
+    of_ring["diameter"] = of_ring["diameter"] * 1e-6
+    kind = rows["contact_law"].iloc[0]
+    if kind != "ring force":
+        of_ring |= dict.fromkeys(("hertz_damping", "adhesion_damping"), 0.0)
+        of_ring["adhesion_rate_exponent"] = 0.0
+    contact = _of_rows(inputs, rows, of_ring)
+    if kind != "ring force":
+        numbers = rows.dropna(axis=1).select_dtypes("number")
+        contact = of_kind(contact, kind, {name: numbers[name].to_numpy() for name in numbers})
+    return contact.replace(**changes)
+
+
+def posterior_beside(
+    inputs: Tables, posterior: Posterior, case: str, diameter: float
+) -> dict[str, Contact]:
+    """Return the contacts of a posterior at a diameter (m), none if they are of another pair.
+
+    Parameters
+    ----------
+    inputs
+        Tables of `calibrated_contact` and `posterior_rows`.
+    posterior, case
+        The contacts, and the case beside which they are shown.
 
     Returns
     -------
     dict
         One contact of arrays for each normal force in Coulomb's law that some were drawn with.
     """
-    table = inputs["admissible_contacts"]
-    rows = table[(table["case"] == shown.case) & (table["variant"] == shown.variant)]
-    if pair_of({"calibration": rows}, shown.case) != pair_of(inputs, case):
+    rows = posterior_rows(inputs, posterior)
+    if pair_of({"calibration": rows}, posterior.case) != pair_of(inputs, case):
         return {}
-    contacts = {}
-    for basis, draws in rows.groupby("friction_basis"):
-        contact = admissible_contact(
-            {**inputs, "admissible_contacts": draws}, shown.case, shown.variant
-        )
-        contacts[str(basis)] = resized(contact, diameter)
-    return contacts
+    return {
+        str(basis): resized(posterior_contact(inputs, draws), diameter)
+        for basis, draws in rows.groupby("friction_basis")
+    }
 
 
 def pair_of(inputs: Tables, case: str) -> tuple[str, str]:
@@ -202,35 +238,6 @@ def calibrated_contact(inputs: Tables, case: str, **changes: Any) -> Contact:
         raise ValueError(f"no calibrated case {case!r}{nearest(case, set(table['case']))}")
     fields = dict(zip(rows["quantity"], rows["value"].astype(float), strict=True))
     return _of_rows(inputs, rows, fields).replace(**changes)
-
-
-def admissible_contact(inputs: Tables, case: str, variant: str, **changes: Any) -> Contact:
-    """Return the admissible contacts of a case as one contact of arrays (draws,).
-
-    Their diameter is the size class that the article leaves open; `resized` gives another one.
-
-    Parameters
-    ----------
-    inputs
-        ``admissible_contacts``, the table of that study, and ``materials``, declared rows.
-    case, variant
-        As in that table.
-    **changes
-        Fields of `Contact` in place of those of the table.
-
-    Raises
-    ------
-    ValueError
-        If there are no such draws; the message names the nearest.
-    """
-    table = inputs["admissible_contacts"]
-    for column, name in {"case": case, "variant": variant}.items():
-        if name not in set(table[column]):
-            raise ValueError(f"no admissible {column} {name!r}{nearest(name, set(table[column]))}")
-        table = table[table[column] == name]
-    fields: dict[str, Any] = {field: table[name].to_numpy(float) for name, field in DRAWN.items()}
-    fields["diameter"] = fields["diameter"] * 1e-6
-    return _of_rows(inputs, table, fields).replace(**changes)
 
 
 def of_kind(bare: Contact, kind: Kind, parameters: Mapping[str, Real]) -> Contact:

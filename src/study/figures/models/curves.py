@@ -18,15 +18,15 @@ PILE_UP = "printed pile-up"
 
 
 def _banded(tables: Tables, spec: FigureSpec) -> tuple[Figure, dict[str, Axes]]:
-    """Draw every panel; the series ``admissible`` is a band behind the others."""
+    """Draw every panel; the series ``posterior`` is a band behind the others."""
     table = pd.concat(tables.values(), ignore_index=True)
-    is_band = table["series"] == "admissible"
+    is_band = table["series"] == "posterior"
 
     def prepare(ax: Axes, name: str) -> None:
         panel = spec.panels[name]
         rows = table[is_band & (table["panel"] == (panel.shows or name))]
         if not rows.empty:
-            series = panel.series["admissible"]
+            series = panel.series["posterior"]
             style.draw_band(ax, rows, series, series.label)
 
     return style.line_figure({spec.name: table[~is_band]}, spec, prepare=prepare)
@@ -84,7 +84,7 @@ def draw_oblique(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw curves against the angle of incidence, with the range of capture shaded.
 
     The series ``capture`` marks, in each panel, the angle at and below which the sphere is
-    captured; ``admissible`` is a band.
+    captured; ``posterior`` is a band.
     """
     table = pd.concat(tables.values(), ignore_index=True)
     limits = table[table["series"] == "capture"]

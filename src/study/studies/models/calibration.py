@@ -237,7 +237,7 @@ CORNERS = tuple(f"fluorescein-molybdenum, {name}" for name in ("least", "nominal
 # Of the table of cases; where one has no solution, there is a ``problem`` as well.
 COLUMNS = ["case", "particle", "surface", "role", "quantity", "value", "target", "unit", "evidence"]
 
-# Contacts with the least, the nominal and the greatest capture velocity of an admissible set.
+# Contacts with the least, the nominal and the greatest capture velocity that two ratios allow.
 Corners = tuple[Contact, Contact, Contact]
 # Of each quantity of a contact: the value met, its target, and the unit.
 Met = dict[str, tuple[float, float, str]]
@@ -357,7 +357,7 @@ def run(params: Params, inputs: Tables) -> Tables:
 
 
 def capture_intervals(ratios: ForceRatios, corners: Corners) -> pd.DataFrame:
-    """Return capture velocities over the admissible set, at every size.
+    """Return capture velocities over the contacts that the ratios allow, at every size.
 
     Both ratios are bands. The adhesion ratio grows with c_H >= 0, so c_H runs from zero to where
     the band's end is met; the capture velocity grows with c_H and with the dissipation ratio, so

@@ -20,7 +20,7 @@ import scipy
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray
-from microimpact.core.bounds import AboveOne, Count, Name, Positive
+from microimpact.core.bounds import AboveOne, Count, Positive
 from microimpact.model.contact import Contact
 from microimpact.model.contact_laws import JKR
 from microimpact.model.dynamics.capture import capture_velocity
@@ -33,14 +33,13 @@ from microimpact.model.empirical.search import BatchFit, fit_batch
 from microimpact.statistics.distributions import generator
 from microimpact.statistics.intervals import wilson_interval
 from study.declared.parameters import CaseName
-from study.studies.contacts import calibrated_contact
-from study.studies.models.contact_laws import WORK, law_fit
+from study.studies.contacts import Posterior, calibrated_contact
 from study.tables import POINTS, Row, Tables, series_frame
 
 NEEDS = {
     "calibration": ("calibration",),
     "restitution_fits": ("restitution_fits",),
-    "contact_laws": ("contact_law_fits",),
+    "inference": ("evidence_summary",),
 }
 
 ANALYSIS = 34
@@ -55,8 +54,8 @@ class Averaged:
     """Designs in which every data set is fitted by all models."""
 
     cases: Annotated[tuple[CaseName, ...], Field(min_length=1)]  # Contacts with a ring force
-    # The JKR contact with a viscous bulk, of the laws that contact_laws fits with the printed v_c.
-    viscous_law: Name
+    # The JKR contact with a viscous bulk: medians of this posterior.
+    viscous: Posterior
     lowest_speeds_in_v_c: Speeds
     noise_of_e: Positive
 
@@ -132,9 +131,13 @@ def true_contact(params: Params, inputs: Tables, truth: str) -> Contact:
     """Contact whose simulated restitution is a true curve."""
     if truth != VISCOUS:
         return calibrated_contact(inputs, params.case if truth == SIMULATION else truth)
-    fit = law_fit(inputs["contact_law_fits"], params.averaged.viscous_law)
-    law = JKR(viscous_time=1e-9 * fit["viscous_time_ns"])
-    return calibrated_contact(inputs, params.averaged.cases[0]).by_law(law, fit[WORK])
+    table, viscous = inputs["evidence_summary"], params.averaged.viscous
+    for column in ("case", "scenario", "law"):
+        table = table[table[column] == getattr(viscous, column)]
+    fit = table.set_index("quantity")["median"]
+    law = JKR(viscous_time=1e-9 * float(fit["viscous_time_ns"]))
+    work = float(fit["work_of_adhesion_J_per_m2"])
+    return calibrated_contact(inputs, params.averaged.cases[0]).by_law(law, work)
 
 
 def true_curve(params: Params, inputs: Tables, truth: str, ratio: FloatArray) -> FloatArray:

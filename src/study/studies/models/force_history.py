@@ -16,11 +16,11 @@ from microimpact.model.dynamics.trajectory import Trajectory, trajectory
 from study.declared.parameters import AngleDegrees, CaseName, Positive
 from study.studies.contacts import (
     BAND,
-    Admissible,
-    admissible_beside,
+    Posterior,
     calibrated_contact,
     fitted_to,
     pair_of,
+    posterior_beside,
     printed_beside,
 )
 from study.tables import Tables, result_evidence, series_frame
@@ -33,7 +33,7 @@ TERMS = {
     "hertz damping": "hertz_damping_force",
 }
 
-NEEDS = {"calibration": ("calibration",), "admissible_contacts": ("admissible_contacts",)}
+NEEDS = {"calibration": ("calibration",), "inference": ("posterior_contacts",)}
 # Ratios of peaks. The damping is fitted to the second.
 PRINTED_VALUES = ("peak_adhesion_over_peak_hertz", "peak_adhesion_dissipation_over_adhesion")
 # Points in time of the band.
@@ -49,8 +49,8 @@ class Params:
     speed_m_per_s: Positive
     angle_deg: AngleDegrees
     points: Annotated[int, Field(ge=20)]
-    admissible: Admissible
-    band_contacts: Annotated[int, Field(ge=10)]  # At most so many of the admissible contacts
+    posterior: Posterior
+    band_contacts: Annotated[int, Field(ge=10)]  # At most so many of those drawn
 
 
 def run(params: Params, inputs: Tables) -> Tables:
@@ -68,7 +68,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     frames = [
         frame(series, path.time * 1e9, getattr(path, name) * 1e6) for series, name in TERMS.items()
     ]
-    frames.append(admissible_band(params, inputs))
+    frames.append(posterior_band(params, inputs))
     outcome = simulate(contact, params.speed_m_per_s, params.angle_deg)
     numbers = peak_ratios(path) | {
         ("contact_time", "ns"): float(outcome.contact_time) * 1e9,
@@ -98,13 +98,13 @@ def run(params: Params, inputs: Tables) -> Tables:
     return {"fig20": pd.concat(frames, ignore_index=True), "force_ratios": table}
 
 
-def admissible_band(params: Params, inputs: Tables) -> pd.DataFrame:
-    """Return the band of the normal force over the admissible contacts, if they are of the pair.
+def posterior_band(params: Params, inputs: Tables) -> pd.DataFrame:
+    """Return the band of the normal force over the contacts drawn, if they are of the pair.
 
     The force is zero after the end of a contact.
     """
     diameter = params.diameter_um * 1e-6
-    band_contacts = admissible_beside(inputs, params.admissible, params.case, diameter)
+    band_contacts = posterior_beside(inputs, params.posterior, params.case, diameter)
     contacts = [one.at(place) for one in band_contacts.values() for place in np.ndindex(one.shape)]
     if not contacts:
         return pd.DataFrame()
@@ -116,7 +116,7 @@ def admissible_band(params: Params, inputs: Tables) -> pd.DataFrame:
     forces = [np.interp(time, path.time, path.normal_force, right=0.0) for path in paths]
     low, middle, high = np.quantile(forces, BAND, axis=0) * 1e6
     look = {"evidence": "calibrated", "x_unit": "ns", "y_unit": "uN", "y_low": low, "y_high": high}
-    return series_frame("force", "admissible", time * 1e9, middle, **look)
+    return series_frame("force", "posterior", time * 1e9, middle, **look)
 
 
 def peak_ratios(path: Trajectory) -> dict[tuple[str, str], float]:

@@ -21,17 +21,17 @@ from study.declared.parameters import CaseName, Finite, Fraction, Positive
 from study.studies.contacts import (
     BAND,
     DIGITS,
-    Admissible,
-    admissible_beside,
+    Posterior,
     calibrated_contact,
     pair_of,
+    posterior_beside,
     printed_beside,
 )
 from study.tables import Tables, series_frame
 
 NEEDS = {
     "calibration": ("calibration",),
-    "admissible_contacts": ("admissible_contacts",),
+    "inference": ("posterior_contacts",),
     "oblique_experiments": ("oblique_experiments",),
 }
 # Ends and height of the friction plateau.
@@ -55,7 +55,7 @@ class Params:
     speed_m_per_s: Positive
     spin_rad_per_s: Finite
     points: Annotated[int, Field(ge=20)]
-    admissible: Admissible
+    posterior: Posterior
 
 
 def run(params: Params, inputs: Tables) -> Tables:
@@ -64,7 +64,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     ``fig18``: impulse ratio against the angle in degrees; panel ``adhesion`` compares the rigid
     body with the simulation, panel ``basis`` the normal forces that Coulomb's law may take.
     ``fig21``: energy loss, total and translational. Captured impacts are left out. The series
-    ``admissible`` is the band of the contacts that printed statements admit, if they are of the
+    ``posterior`` is the band of the contacts drawn by the statements, if they are of the
     pair; ``virtual experiment`` has the means of experiments on this very impact, if any.
     """
     changes = {"diameter": params.diameter_um * 1e-6, "friction": params.friction}
@@ -82,7 +82,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     beside = pd.concat(
         [
             experiments(params, inputs["oblique_experiments"]),
-            admissible_bands(params, inputs, angle[STEP - 1 :: STEP]),
+            posterior_bands(params, inputs, angle[STEP - 1 :: STEP]),
         ]
     )
     return {
@@ -150,14 +150,14 @@ def experiments(params: Params, table: pd.DataFrame) -> pd.DataFrame:
     return pd.concat(frames, ignore_index=True)
 
 
-def admissible_bands(params: Params, inputs: Tables, angle: FloatArray) -> pd.DataFrame:
-    """Return the bands of impulse ratio and translational loss over the admissible contacts.
+def posterior_bands(params: Params, inputs: Tables, angle: FloatArray) -> pd.DataFrame:
+    """Return the bands of impulse ratio and translational loss over the contacts drawn.
 
     Each contact has the force in Coulomb's law that it was drawn with. Only those that rebound
     count, at angles where at least half do. Empty if the contacts are of another pair.
     """
     diameter = params.diameter_um * 1e-6
-    contacts = admissible_beside(inputs, params.admissible, params.case, diameter)
+    contacts = posterior_beside(inputs, params.posterior, params.case, diameter)
     if not contacts:
         return pd.DataFrame({"panel": []})
     at = params.speed_m_per_s, angle[:, None], params.spin_rad_per_s
@@ -169,7 +169,7 @@ def admissible_bands(params: Params, inputs: Tables, angle: FloatArray) -> pd.Da
         values = np.hstack([getattr(outcome, quantity) for outcome in outcomes])
         values = np.where(captured, np.nan, values)[rebound]
         low, middle, high = np.nanquantile(values, BAND, axis=1)
-        frames.append(_frame(panel, "admissible", angle[rebound], middle, "calibrated", low, high))
+        frames.append(_frame(panel, "posterior", angle[rebound], middle, "calibrated", low, high))
     return pd.concat(frames, ignore_index=True)
 
 

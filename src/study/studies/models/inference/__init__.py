@@ -32,9 +32,14 @@ from study.studies.models.inference.case import (
     likelihood,
     prior_share,
 )
+from study.studies.models.inference.drawn import bands, intervals
 from study.studies.models.inference.statements import FRICTIONAL, UNLIKELY, Values, values_of
 from study.tables import Row, Tables
 
+NEEDS = {"calibration": ("calibration",)}
+
+# Scenarios whose contacts are shown against the speed.
+SHOWN = ("without the printed v_c", "with the printed v_c")
 COLUMNS = ("low", "median", "high")
 ALL_LAWS = "all laws"
 # Free parameters for which ``first`` is; with each one less, half as many contacts are drawn, but
@@ -67,6 +72,7 @@ class Params:
     first: Annotated[int, Field(ge=6, le=18)]
     rounds: Count
     draws: Count
+    points: Annotated[int, Field(ge=10)]  # Of a curve
     cases: dict[Name, Case]
 
 
@@ -93,8 +99,10 @@ def run(params: Params, inputs: Tables) -> Tables:
 
     ``evidence_summary``: by case, scenario, law: quantities, evidence, probability of the law.
     ``evidence_statements``: what each statement says, and what the contacts have.
-    ``posterior_contacts``: draws of the contacts by scenario and law. `inputs`: ``materials``,
-    ``contacts``: the declared rows of the pairs.
+    ``posterior_contacts``: draws of the contacts by scenario and law. ``evidence_limits``,
+    ``evidence_works``: intervals of the first case. ``posterior_bands``: e against the speed.
+    `inputs`: ``materials``, ``contacts``: the declared rows of the pairs; ``calibration``: contacts
+    shown beside the bands.
     """
     summaries, statements, contacts = [], [], []
     for name, case in params.cases.items():
@@ -106,10 +114,22 @@ def run(params: Params, inputs: Tables) -> Tables:
             if kind == "scenario":
                 statements += [r for each in weighed for r in told(head, case, scenario, each)]
                 contacts += [drawn(head, case, each, params) for each in weighed]
+    table, contacts_drawn = pd.DataFrame(summaries), pd.concat(contacts, ignore_index=True)
+    known = table[
+        (table["kind"] == "scenario") & table["standing"].isin(["preferred", "consistent"])
+    ]
+    curves = []
+    for name, case in params.cases.items():
+        rows = known[(known["case"] == name) & known["scenario"].isin(SHOWN)]
+        laws = set(rows["scenario"] + "; " + rows["law"])
+        curves.append(bands(name, case, contacts_drawn, inputs, laws, params.points))
+    first, case = next(iter(params.cases.items()))
     return {
-        "evidence_summary": pd.DataFrame(summaries),
+        "evidence_summary": table,
         "evidence_statements": pd.DataFrame(statements),
-        "posterior_contacts": pd.concat(contacts, ignore_index=True),
+        "posterior_contacts": contacts_drawn,
+        "posterior_bands": pd.concat(curves, ignore_index=True),
+        **intervals(case, table[table["case"] == first]),
     }
 
 

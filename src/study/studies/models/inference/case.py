@@ -14,12 +14,14 @@ from microimpact.model.choices import FrictionBasis
 from microimpact.model.contact import Contact
 from study.declared.parameters import (
     Ascending,
+    CaseName,
     CounterpartName,
     Finite,
     MaterialName,
     Name,
     NonNegative,
     Positive,
+    PositiveRange,
 )
 from study.studies.contacts import Kind, declared_contact
 from study.studies.models.inference.statements import FRICTIONAL, Statement, Values, log_mean
@@ -93,6 +95,8 @@ class Case:
     classes_um: Annotated[tuple[Positive, ...], Field(min_length=2), Ascending]
     laws: Annotated[dict[Name, Law], Field(min_length=1)]
     statements: Annotated[dict[Name, Statement], Field(min_length=2)]
+    shown_m_per_s: PositiveRange  # Normal speeds of the figures
+    compared: tuple[CaseName, ...]  # Cases of the two-stage calibration to be compared with
     scenarios: Annotated[dict[Name, Scenario], Field(min_length=1)]
     choices: dict[Name, Scenario] = field(default_factory=dict)
 
