@@ -61,7 +61,7 @@ def test_only_claims_that_rest_on_it_have_no_number(lacking, monkeypatch):
     few = {name: claim_numbers.CLAIMS[name] for name in ("C01", "C10")}
     monkeypatch.setattr(claim_numbers.claim, "CLAIMS", few)
     params = build(claim_numbers.Params, settings_as_shipped().branches["claim_numbers"])
-    files = {"calibration": lacking, "admissible_contacts": lacking}
+    files = {"calibration": lacking, "posterior_contacts": lacking}
     table = claim_numbers.run(params, NamedTables(files))["claim_numbers"]
     problems = table.groupby("claim")["problem"].agg(set)
     assert problems["C01"] == {""}

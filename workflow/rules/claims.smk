@@ -26,7 +26,7 @@ rule claims:
     Digitised points, if there are any, have rows after the claims.
     """
     input:
-        **tables("claim_numbers", "claim_draws", "admissible_contacts"),
+        **tables("claim_numbers", "claim_draws", "posterior_contacts"),
         **tables("external_evidence", "digitised_residuals"),
         criteria=SETTINGS.general.claims,
     output:

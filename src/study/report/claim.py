@@ -37,7 +37,7 @@ STUDY = "claim_numbers"
 
 # Columns of tables that hold properties of contacts, by property.
 COLUMNS = {name: column for column, name in DRAWN.items()} | {"friction_basis": "friction_basis"}
-CONTACTS = ("calibration", "calibration_family", "admissible_contacts")
+CONTACTS = ("calibration", "calibration_family", "posterior_contacts")
 UNCHANGED: Mapping[Any, Any] = {}
 
 
@@ -90,7 +90,7 @@ def judged(
         if contacts:
             made.update({table: with_contacts(made[table], contacts) for table in CONTACTS})
         numbers, draws = _computed(claim, build(Params, branch), made)
-    drawn = shares({name: claim}, draws, made["admissible_contacts"]) if len(draws) else {}
+    drawn = shares({name: claim}, draws, made["posterior_contacts"]) if len(draws) else {}
     ledger, results = verdicts({name: claim}, numbers, drawn)
     inputs = changed_inputs(made.settings, settings_as_shipped()) if changes else {}
     return Judged(
@@ -214,7 +214,7 @@ def _shipped(results: Path) -> bool:
 
 
 def _computed(claim: Claim, params: Common, made: Made) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Return the numbers of a claim, and those for admissible contacts if it has some."""
+    """Return the numbers of a claim, and those for drawn contacts if it has some."""
     rows = study_rows(STUDY, made.settings, {})
     made.update({key: parse_table(text) for key, text in rows.items()})
     numbers = numbers_of(claim.id, params, made)

@@ -152,7 +152,7 @@ def posterior_contact(inputs: Tables, rows: pd.DataFrame, **changes: Any) -> Con
     contact = _of_rows(inputs, rows, of_ring)
     if kind != "ring force":
         numbers = rows.dropna(axis=1).select_dtypes("number")
-        contact = of_kind(contact, kind, {name: numbers[name].to_numpy() for name in numbers})
+        contact = of_kind(contact, kind, {str(name): numbers[name].to_numpy() for name in numbers})
     return contact.replace(**changes)
 
 
@@ -176,10 +176,10 @@ def posterior_beside(
     rows = posterior_rows(inputs, posterior)
     if pair_of({"calibration": rows}, posterior.case) != pair_of(inputs, case):
         return {}
-    return {
-        str(basis): resized(posterior_contact(inputs, draws), diameter)
-        for basis, draws in rows.groupby("friction_basis")
-    }
+    contacts = {}
+    for basis, draws in rows.groupby("friction_basis"):
+        contacts[str(basis)] = resized(posterior_contact(inputs, draws), diameter)
+    return contacts
 
 
 def pair_of(inputs: Tables, case: str) -> tuple[str, str]:

@@ -39,14 +39,15 @@ def calibration(shipped_calibration):
 
 @pytest.fixture(scope="session")
 def admitted(calibration, settings):
-    """The function that makes up admissible contacts: those of a study, with columns changed."""
+    """The function that makes up drawn contacts: those of a study, with columns changed."""
 
     def made_up(study, changes):
         branch, table = settings.branches[study], calibration["calibration"]
         rows = table[(table["case"] == branch["case"]) & (table["role"] == "parameter")]
         numbers = dict(zip(rows["quantity"], rows["value"].astype(float), strict=True))
         row = {
-            **branch["admissible"],
+            **branch["posterior"],
+            "contact_law": "ring force",
             "particle": rows["particle"].iloc[0],
             "surface": rows["surface"].iloc[0],
             "friction_basis": "compressive",

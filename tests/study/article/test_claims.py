@@ -71,7 +71,7 @@ def numbers(tables):
 
 @pytest.fixture(scope="module")
 def ledger(claims, numbers, tables, inputs):
-    drawn = shares(claims, tables["claim_draws"], inputs["admissible_contacts"])
+    drawn = shares(claims, tables["claim_draws"], inputs["posterior_contacts"])
     return verdicts(claims, numbers, drawn)[0].set_index("id")
 
 
@@ -141,7 +141,9 @@ def test_a_draw_that_is_a_calibrated_contact_has_its_numbers(branch, inputs, num
     contact = calibrated_contact(inputs, STEEL[1])
     row = {
         "case": "steel",
-        "variant": "v",
+        "scenario": "v",
+        "law": "l",
+        "contact_law": "ring force",
         "draw": 3,
         "particle": contact.particle.name,
         "surface": contact.surface.name,
@@ -150,9 +152,9 @@ def test_a_draw_that_is_a_calibrated_contact_has_its_numbers(branch, inputs, num
     }
     row |= {"diameter_um": 1e6 * row["diameter_um"], "friction": branch["steel"]["friction"]}
     names = ["C05", "C37", "C68"]
-    draws = {"case": "steel", "variants": ["v"]}
+    draws = {"case": "steel", "scenarios": ["v"], "laws": ["l"]}
     params = build(claim_numbers.Params, branch | {"draws": draws})
-    drawn = {**inputs, "admissible_contacts": pd.DataFrame([row])}
+    drawn = {**inputs, "posterior_contacts": pd.DataFrame([row])}
     table = claim_numbers.draws_of(params, drawn, *names)
     assert set(table["claim"]) == set(names)
     own = numbers[numbers["case"].str.startswith(STEEL[1]) & numbers["claim"].isin(names)]

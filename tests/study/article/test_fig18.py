@@ -22,7 +22,7 @@ def study(run_study, calibration, admitted):
     drawn = [{"friction": f, "friction_basis": basis} for f, basis in bases.items()]
     inputs = {
         **calibration,
-        "admissible_contacts": admitted("oblique_impact", drawn),
+        "posterior_contacts": admitted("oblique_impact", drawn),
         **run_study("oblique_experiments", calibration, angles_deg=[85, 45], points=10),
     }
     return partial(run_study, "oblique_impact", inputs)
@@ -137,9 +137,9 @@ def test_always_captured_leaves_empty_curves(study):
         study(speed_m_per_s=0.1)
 
 
-def test_band_of_admissible_contacts(tables, curve):
+def test_band_of_drawn_contacts(tables, curve):
     """Where spheres slide the band has their friction, where they roll none; sizes are as drawn."""
-    band = tables["fig18"].query("series == 'admissible'").set_index("x_deg")
+    band = tables["fig18"].query("series == 'posterior'").set_index("x_deg")
     assert set(band["evidence"]) == {"calibrated"}
     simulation = curve("fig18", "adhesion", "simulation")
     for angle in (10.0, 30.0):
@@ -150,19 +150,19 @@ def test_band_of_admissible_contacts(tables, curve):
         assert (row["y_low"], row["y_high"]) == pytest.approx(outer, rel=1e-9)
     rolling = band.loc[60.0]
     assert rolling["y_low"] == pytest.approx(rolling["y_high"], rel=1e-3)
-    loss = tables["fig21"].query("series == 'admissible'").set_index("x_deg")
+    loss = tables["fig21"].query("series == 'posterior'").set_index("x_deg")
     assert loss.loc[30.0, "y_1"] == pytest.approx(at(curve("fig21", "loss", "translational"), 30.0))
 
 
 def drawn_beside_the_curves(tables):
     series = set(tables["fig18"]["series"]) | set(tables["fig21"]["series"])
-    return {"printed plateau", "admissible"} & series
+    return {"printed plateau", "posterior"} & series
 
 
 def test_of_another_impact_nothing_is_printed(study, tables):
-    assert drawn_beside_the_curves(tables) == {"printed plateau", "admissible"}
+    assert drawn_beside_the_curves(tables) == {"printed plateau", "posterior"}
     for other in ({"speed_m_per_s": 1.7}, {"diameter_um": 63.0}):
-        assert drawn_beside_the_curves(study(points=40, **other)) == {"admissible"}
+        assert drawn_beside_the_curves(study(points=40, **other)) == {"posterior"}
 
 
 def test_of_another_pair_there_is_no_band_either(study):

@@ -1,4 +1,4 @@
-"""Fig. 20: other impacts, and the admissible contacts beside the nominal one."""
+"""Fig. 20: other impacts, and the contacts drawn beside the nominal one."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 @pytest.fixture(scope="module")
 def study(run_study, calibration, admitted):
     """The function that runs the study with some parameters of its own."""
-    inputs = {**calibration, "admissible_contacts": admitted("force_history", [{}] * 3)}
+    inputs = {**calibration, "posterior_contacts": admitted("force_history", [{}] * 3)}
     return partial(run_study, "force_history", inputs)
 
 
@@ -22,7 +22,7 @@ def tables(study):
 
 @pytest.fixture(scope="module")
 def terms(tables):
-    table = tables["fig20"].query("series != 'admissible'")
+    table = tables["fig20"].query("series != 'posterior'")
     wide = table.pivot_table(index="x_ns", columns="series", values="y_uN", sort=True)
     return {name: wide[name].to_numpy() for name in wide} | {"time": wide.index.to_numpy()}
 
@@ -58,11 +58,11 @@ def test_another_impact_has_no_printed_ratios(study, numbers):
     assert slower["printed"].isna().all()
 
 
-def test_band_of_admissible_contacts(tables, terms, study):
+def test_band_of_drawn_contacts(tables, terms, study):
     """Three times the contact that is drawn, at another size: its own force, to a thin line."""
-    band = tables["fig20"].query("series == 'admissible'")
+    band = tables["fig20"].query("series == 'posterior'")
     own = np.interp(band["x_ns"], terms["time"], terms["total"])
     for name in ("y_low", "y_uN", "y_high"):
         np.testing.assert_allclose(band[name], own, atol=0.01 * terms["total"].max())
     other = study(case="steel-silicon, n = 1", diameter_um=62.0, speed_m_per_s=1.66)["fig20"]
-    assert "admissible" not in set(other["series"])
+    assert "posterior" not in set(other["series"])

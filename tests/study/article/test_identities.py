@@ -15,7 +15,7 @@ SPEED = 5.2  # Of its impact, m/s
 
 @pytest.fixture(scope="module")
 def tables(run_study, calibration, admitted):
-    force = {**calibration, "admissible_contacts": admitted("force_history", [{}] * 3)}
+    force = {**calibration, "posterior_contacts": admitted("force_history", [{}] * 3)}
     return {
         **run_study("restitution_trends"),
         **run_study("coulomb_friction"),

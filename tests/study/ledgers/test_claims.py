@@ -209,7 +209,7 @@ def test_claims_facts_amendments_and_digitised_points_make_the_ledger(tmp_path):
     path.write_text(CLAIMS)
     none = pd.DataFrame(columns=["claim", "alternative"])
     tables = {"claim_numbers": numbers(GOOD[0]), "digitised_residuals": residuals()}
-    tables |= {"claim_draws": none, "admissible_contacts": pd.DataFrame()}
+    tables |= {"claim_draws": none, "posterior_contacts": pd.DataFrame()}
     row = ("falls", "silver", "agrees with independent data")
     tables["external_evidence"] = pd.DataFrame([row], columns=["fact", "contact", "agreement"])
     ledger = judge(tables, path)

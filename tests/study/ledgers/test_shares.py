@@ -1,4 +1,4 @@
-"""Shares of the admissible contacts: counted, turned into verdicts, and what decides them."""
+"""Shares of the drawn contacts: counted, turned into verdicts, and what decides them."""
 
 import numpy as np
 import pandas as pd
@@ -9,13 +9,13 @@ from study.ledgers.claims import verdicts
 from study.ledgers.claims.judging import judged
 from study.ledgers.claims.shares import NUMBERS, Share, separation, shares
 
-COLUMNS = ["claim", "contact", "variant", "draw", "alternative", "quantity", "value"]
+COLUMNS = ["claim", "contact", "scenario", "law", "draw", "alternative", "quantity", "value"]
 CASES = {"cases": ["a", "b"]}
 
 
-def drawn(values, variant="with", alternative="", quantity="e"):
+def drawn(values, scenario="with", law="", alternative="", quantity="e"):
     rows = [
-        ("C01", "steel", variant, draw, alternative, quantity, value)
+        ("C01", "steel", scenario, law, draw, alternative, quantity, value)
         for draw, value in enumerate(values)
     ]
     return pd.DataFrame(rows, columns=COLUMNS)
@@ -27,8 +27,12 @@ def contacts(count=20, **columns):
     table = table.assign(
         **({"friction_basis": "net", "case": "steel", "draw": np.arange(count)} | columns)
     )
-    both = [table.assign(variant=variant) for variant in ("with", "without")]
-    other = table.assign(case="other", variant="with")
+    both = [
+        table.assign(scenario=scenario, law=law)
+        for scenario in ("with", "without")
+        for law in ("", "n = 0")
+    ]
+    other = table.assign(case="other", scenario="with", law="")
     return pd.concat([other, *both], ignore_index=True)
 
 
@@ -69,10 +73,11 @@ def test_few_draws_decide_nothing():
 @pytest.mark.parametrize(
     ("met", "rest", "expected", "by"),
     [
-        ((400, 0), {"variant": "without"}, "not identified", "capture velocity"),
-        ((0, 200), {"variant": "without"}, "not identified", "capture velocity"),
-        ((400, 400), {"variant": "without"}, "reproduced", ""),
-        ((400, 380), {"variant": "without"}, "undecided", ""),
+        ((400, 0), {"scenario": "without"}, "not identified", "capture velocity"),
+        ((0, 200), {"scenario": "without"}, "not identified", "capture velocity"),
+        ((400, 400), {"scenario": "without"}, "reproduced", ""),
+        ((400, 380), {"scenario": "without"}, "undecided", ""),
+        ((400, 0), {"law": "n = 0"}, "not identified", "law of contact"),
         ((400, 0), {"alternative": "y"}, "not identified", "alternative"),
     ],
 )
@@ -83,7 +88,7 @@ def test_a_class_that_changes_is_not_identified_and_says_by_what(met, rest, expe
 
 
 def test_shares_are_told_with_their_intervals():
-    both = share_of(with_share(400, 400), with_share(200, 400, variant="without"))
+    both = share_of(with_share(400, 400), with_share(200, 400, scenario="without"))
     assert both.in_words() == "100 % (99 to 100) with; 50 % (45 to 55) without"
 
 
@@ -113,11 +118,11 @@ def test_separation_of_two_samples(values, expected):
 
 def test_the_share_decides_in_the_ledger_and_the_cases_are_examples():
     rows = [("C01", case, name, value) for case in "ab" for name, value in (("e", 0.7), ("v", 1.0))]
-    share = Share(counts={("with", ""): (40, 100)}, decided_by="friction (0.90)")
+    share = Share(counts={("with", "", ""): (40, 100)}, decided_by="friction (0.90)")
     claims = {"C01": claim(**CASES)}
     assert verdicts(claims, numbers(*rows))[0]["verdict"].iloc[0] == "reproduced"
     row = verdicts(claims, numbers(*rows), {"C01": share})[0].iloc[0]
     assert row["verdict"] == "not identified"
     assert row["shares"] == "40 % (31 to 50) with"
     assert row["decided_by"] == "friction (0.90)"
-    assert row["note"].startswith("Holds for 40 % (31 to 50) with, of the admissible contacts")
+    assert row["note"].startswith("Holds for 40 % (31 to 50) with, of the drawn contacts")

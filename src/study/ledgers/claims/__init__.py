@@ -56,7 +56,7 @@ def judge(
     Parameters
     ----------
     tables
-        ``claim_numbers``; ``claim_draws`` and ``admissible_contacts``, for the shares;
+        ``claim_numbers``; ``claim_draws`` and ``posterior_contacts``, for the shares;
         ``external_evidence``; and ``digitised_residuals``, whose series of digitised points have
         rows after the claims.
     criteria, values
@@ -74,7 +74,7 @@ def judge(
 
     claims = read_claims(criteria, values)
     draws = tables["claim_draws"]
-    drawn = shares(claims, draws, tables["admissible_contacts"]) if len(draws) else NO_SHARES
+    drawn = shares(claims, draws, tables["posterior_contacts"]) if len(draws) else NO_SHARES
     ledger, numbers = verdicts(claims, tables["claim_numbers"], drawn)
     evidence = independent(claims, tables.get("external_evidence"))
     ledger["independent"] = ledger["id"].map(agreements(evidence)).fillna("")
@@ -101,7 +101,7 @@ def verdicts(
     Parameters
     ----------
     drawn
-        Shares of the admissible contacts that meet the criteria. Where there are some, they decide,
+        Shares of the drawn contacts that meet the criteria. Where there are some, they decide,
         and the calibrated cases are examples.
 
     Returns
@@ -175,7 +175,7 @@ def _judged(claim: Claim, numbers: pd.DataFrame, share: Share | None) -> tuple[R
         if share:
             decision = judged(claim.if_met, share.intervals)
             by = f", decided by {share.decided_by}" if share.decided_by else ""
-            failed = [f"Holds for {share.in_words()}, of the admissible contacts{by}", *failed]
+            failed = [f"Holds for {share.in_words()}, of the drawn contacts{by}", *failed]
     row = {
         "id": claim.id,
         "where": claim.where,

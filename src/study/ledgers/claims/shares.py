@@ -1,4 +1,4 @@
-"""Shares of the admissible contacts that meet a claim's criteria, and the deciding parameter."""
+"""Shares of the drawn contacts that meet a claim's criteria, and the deciding parameter."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from study.ledgers.claims.judging import FEWEST, MOST, judged, margins
 if TYPE_CHECKING:
     import pandas as pd
 
-# Parameters of an admissible contact that can decide: numbers, and words.
+# Parameters of a drawn contact that can decide: numbers, and words.
 NUMBERS = (
     "work_of_adhesion_J_per_m2",
     "hertz_damping_s_per_m",
@@ -26,14 +26,18 @@ NUMBERS = (
 )
 WORDS = ("friction_basis",)
 # What a claim is judged for one by one, and what decides it if its class changes between them.
-GROUPS = {"variant": "capture velocity", "alternative": "alternative"}
+GROUPS = {
+    "scenario": "capture velocity",
+    "law": "law of contact",
+    "alternative": "alternative",
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Share:
-    """A claim over the admissible contacts."""
+    """A claim over the drawn contacts."""
 
-    # Draws that meet its criteria, and all, by scenario and alternative of the claim.
+    # Draws that meet its criteria, and all, by scenario, law and alternative of the claim.
     counts: Mapping[tuple[str, ...], tuple[int, int]]
     # Between which of `GROUPS` its class changes; else the parameter whose distribution differs
     # most between draws that meet the criteria and those that do not, and by how much, from 0 to 1.
@@ -57,7 +61,7 @@ class Share:
 def shares(
     claims: Mapping[str, Claim], draws: pd.DataFrame, contacts: pd.DataFrame
 ) -> dict[str, Share]:
-    """Return the shares of all claims that have numbers for admissible contacts.
+    """Return the shares of all claims that have numbers for drawn contacts.
 
     Parameters
     ----------
@@ -66,7 +70,7 @@ def shares(
     draws
         Table ``claim_draws``.
     contacts
-        Table ``admissible_contacts``, with `NUMBERS`.
+        Table ``posterior_contacts``, with `NUMBERS`.
     """
     draws = draws.assign(alternative=draws["alternative"].astype(object).fillna(""))
     return {
@@ -77,7 +81,7 @@ def shares(
 
 
 def _share(claim: Claim, draws: pd.DataFrame, contacts: pd.DataFrame) -> Share:
-    keys = ["contact", "variant", "draw"]
+    keys = ["contact", "scenario", "law", "draw"]
     values = draws.pivot_table(
         index=[*keys, "alternative"], columns="quantity", values="value", sort=False
     )
@@ -111,7 +115,8 @@ def _changes(counts: Mapping[tuple[str, ...], tuple[int, int]]) -> str:
 
 def _decided_by(table: pd.DataFrame) -> str:
     met = table["met"].to_numpy(bool)
-    apart = {name: separation(table[name].to_numpy(float), met) for name in NUMBERS}
+    known = [name for name in NUMBERS if table[name].notna().all()]
+    apart = {name: separation(table[name].to_numpy(float), met) for name in known}
     for name in WORDS:
         words = table[name].astype(str).to_numpy()
         apart[name] = max(

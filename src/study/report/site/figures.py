@@ -254,7 +254,7 @@ def studies_behind(claim: Row, record: Record) -> set[str]:
     drawn = {record.figures[n]["study"] for n in claim["figures"].split() if n in record.figures}
     makers = studies.needs(CLAIM_STUDY)
     read = {makers[name] for name in claim.get("inputs", "").split() if name in makers}
-    drawn_from = {"admissible_contacts"} if claim.get("shares") else set()
+    drawn_from = {"inference"} if claim.get("shares") else set()
     return drawn | read | drawn_from | {CLAIM_STUDY}
 
 

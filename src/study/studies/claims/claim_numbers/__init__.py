@@ -32,7 +32,7 @@ from study.tables import NOT_COMPUTED, UNCOMPUTABLE, Tables, reason
 __all__ = ["CLAIMS", "SECTIONS", "Params", "numbers_of", "run"]
 
 NEEDS = {
-    "admissible_contacts": ("admissible_contacts",),
+    "inference": ("posterior_contacts",),
     "calibration": ("calibration", "calibration_family", "molybdenum_capture"),
     "force_history": ("force_ratios",),
     "rolling_dissipation": ("rolling_dissipation",),
@@ -98,7 +98,7 @@ def run(params: Common, inputs: Tables) -> Tables:
     -------
     dict of pandas.DataFrame
         ``claim_numbers``: per claim, case and quantity its value, error and code; in the column
-        ``problem``, why there is none. ``claim_draws``: numbers of some claims for admissible
+        ``problem``, why there is none. ``claim_draws``: numbers of some claims for drawn
         contacts.
     """
     context = Context(params=params, inputs=inputs)
@@ -116,10 +116,10 @@ def run(params: Common, inputs: Tables) -> Tables:
 
 
 def draws_of(params: Common, inputs: Tables, *claims: str) -> pd.DataFrame:
-    """Return the numbers of the claims that admissible contacts decide, for every draw.
+    """Return the numbers of the claims that drawn contacts decide, for every draw.
 
     Of `claims` alone, if some are named. Of the tables, only ``calibration`` and
-    ``admissible_contacts`` are read.
+    ``posterior_contacts`` are read.
     """
     wanted = claims or [name for name in ascending() if CLAIMS[name].by_contact]
     return draws.numbers_of_draws(params, inputs, wanted)

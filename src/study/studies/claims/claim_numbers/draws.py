@@ -1,4 +1,4 @@
-"""Numbers of claims over the contacts of steel on silicon that the printed statements admit."""
+"""Numbers of claims over contacts drawn by the printed statements, in scenarios and by laws."""
 
 from __future__ import annotations
 
@@ -13,21 +13,22 @@ from microimpact.model.choices import FrictionBasis
 from study.studies.claims.claim_numbers.claim import CLAIMS, flat
 from study.studies.claims.claim_numbers.context import Context
 from study.studies.claims.claim_numbers.params import Common
-from study.studies.contacts import admissible_contact
+from study.studies.contacts import Posterior, posterior_contact, posterior_rows
 from study.tables import UNCOMPUTABLE
 
-DRAW = ("contact", "variant", "draw")
+DRAW = ("contact", "scenario", "law", "draw")
 COLUMNS = ("claim", *DRAW, "alternative", "quantity", "value")
 
 
 def drawn_contacts(params: Common, inputs: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
-    """Return the admissible contacts for which claims are computed."""
-    table, wanted = inputs["admissible_contacts"], params.draws
-    for variant in wanted.variants:
-        if not np.any((table["case"] == wanted.case) & (table["variant"] == variant)):
-            raise ValueError(f"admissible_contacts: no draw of {wanted.case}, {variant}")
-    is_wanted = (table["case"] == wanted.case) & table["variant"].isin(wanted.variants)
-    return table[is_wanted].reset_index(drop=True)
+    """Return the drawn contacts for which claims are computed."""
+    case = params.draws.case
+    parts = [
+        posterior_rows(inputs, Posterior(case=case, scenario=scenario, law=law))
+        for scenario in params.draws.scenarios
+        for law in params.draws.laws
+    ]
+    return pd.concat(parts, ignore_index=True)
 
 
 def numbers_of_draws(
@@ -41,7 +42,7 @@ def numbers_of_draws(
     drawn = drawn_contacts(params, inputs)
     parts = [
         part
-        for basis, rows in drawn.groupby("friction_basis")
+        for (_, basis), rows in drawn.groupby(["contact_law", "friction_basis"])
         for part in _of_basis(params, inputs, cast("FrictionBasis", basis), rows, tuple(claims))
     ]
     if not parts:
@@ -61,14 +62,11 @@ def _of_basis(
     claims: tuple[str, ...],
 ) -> Iterator[pd.DataFrame]:
     """Yield the numbers of each quantity for the draws of one basis of friction."""
-    case, variant = str(rows["case"].iloc[0]), str(rows["variant"].iloc[0])
-    # As if of one variant.
-    table = {**inputs, "admissible_contacts": rows.assign(variant=variant)}
     context = Context(
         params=replace(params, steel=replace(params.steel, friction_basis=basis)),
         inputs=inputs,
         case=params.steel.cases[0],
-        contacts=admissible_contact(table, case, variant),
+        contacts=posterior_contact(inputs, rows),
     )
     draws = rows.rename(columns={"case": "contact"})[list(DRAW)]
     for name in claims:

@@ -56,10 +56,11 @@ class Steel:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Draws:
-    """Admissible contacts for which claims are computed as well: all of a case in its variants."""
+    """Contacts for which claims are computed as well: all drawn of a case, by scenario and law."""
 
     case: Name
-    variants: Annotated[tuple[Name, ...], Field(min_length=1)]
+    scenarios: Annotated[tuple[Name, ...], Field(min_length=1)]
+    laws: Annotated[tuple[Name, ...], Field(min_length=1)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

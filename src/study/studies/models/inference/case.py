@@ -92,7 +92,7 @@ class Case:
     # Where quantities are computed; the speed is the reference velocity of the rate exponent.
     diameter_um: Positive
     speed_m_per_s: Positive
-    classes_um: Annotated[tuple[Positive, ...], Field(min_length=2), Ascending]
+    classes_um: Annotated[tuple[Positive, ...], Field(min_length=2)]
     laws: Annotated[dict[Name, Law], Field(min_length=1)]
     statements: Annotated[dict[Name, Statement], Field(min_length=2)]
     shown_m_per_s: PositiveRange  # Normal speeds of the figures

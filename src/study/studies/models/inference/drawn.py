@@ -27,8 +27,8 @@ INTERVALS = {
 def intervals(case: Case, summary: pd.DataFrame) -> Tables:
     """Return intervals of the capture velocity and of the work of adhesion.
 
-    The abscissa counts scenarios, omissions and choices; a series is ``kind; name; law``. Laws that
-    are excluded are left out.
+    The abscissa counts scenarios, omissions and choices; a series is ``kind; name; law``, and ends
+    with `GREY` where few contacts count. Laws that are excluded are left out.
     """
     rows = summary[summary["standing"] != "excluded"]
     number = {row: i + 1 for i, row in enumerate(dict.fromkeys(zip(*_named(rows), strict=True)))}
@@ -37,7 +37,7 @@ def intervals(case: Case, summary: pd.DataFrame) -> Tables:
         frame = partial(series_frame, panel, x_unit="1", y_unit=unit)
         frames = [
             frame(
-                "; ".join((row["kind"], row["scenario"], law if is_known else GREY)),
+                "; ".join((row["kind"], row["scenario"], row["law"], *few)),
                 number[row["kind"], row["scenario"]],
                 row["median"],
                 "calibrated",
@@ -45,7 +45,7 @@ def intervals(case: Case, summary: pd.DataFrame) -> Tables:
                 row["high"],
             )
             for _, row in rows[rows["quantity"] == quantity].iterrows()
-            for law, is_known in [(row["law"], row["effective_size"] > FEW)]
+            for few in [() if row["effective_size"] > FEW else (GREY,)]
         ]
         tables[table] = pd.concat(frames, ignore_index=True)
     printed = [
