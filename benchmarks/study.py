@@ -35,7 +35,7 @@ KINDS = {
     "virtual experiments": "experiments campaign track_imaging pair_search pile_up mechanisms",
     "fits and coverage": "coverage fit",
     "Monte Carlo, designs, indices": "monte_carlo doe sensitivity roughness",
-    "admissible contacts": "admissible",
+    "inference of the contact": "inference",
 }
 
 

@@ -228,7 +228,10 @@ def summary(head: Row, case: Case, scenario: Scenario, weighed: list[Weighed]) -
             "effective_size": each.result.effective_size,
             "share_consistent": np.sum(each.weights * meets_all),
         }
-        rows += quantiles(of_law, quantities(case, each), each.weights)
+        of_each = quantities(case, each)
+        # An excluded law has a row that says so.
+        told_of = OUTCOMES[:1] if of_law["standing"] == "excluded" else tuple(of_each)
+        rows += quantiles(of_law, {name: of_each[name] for name in told_of}, each.weights)
     # Over the laws only what all of them have.
     names = set.intersection(*(set(quantities(case, each)) for each in weighed))
     pooled = {
