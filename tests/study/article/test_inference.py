@@ -205,4 +205,4 @@ def test_an_interval_with_normal_tails():
 )
 def test_bad_declarations_are_refused(run_study, changes, message):
     with pytest.raises(ValueError, match=message):
-        run_study("inference", cases={STEEL: changes})
+        run_study("inference", pairs={STEEL: changes})

@@ -73,7 +73,7 @@ class Params:
     rounds: Count
     draws: Count
     points: Annotated[int, Field(ge=10)]  # Of a curve
-    cases: dict[Name, Case]
+    pairs: dict[Name, Case]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -105,7 +105,7 @@ def run(params: Params, inputs: Tables) -> Tables:
     shown beside the bands.
     """
     summaries, statements, contacts = [], [], []
-    for name, case in params.cases.items():
+    for name, case in params.pairs.items():
         pools = {law: pool_of(case, law, inputs, params) for law in case.laws}
         for kind, row, scenario in case.rows():
             weighed = [weigh(case, law, scenario, pool) for law, pool in pools.items()]
@@ -119,11 +119,11 @@ def run(params: Params, inputs: Tables) -> Tables:
         (table["kind"] == "scenario") & table["standing"].isin(["preferred", "consistent"])
     ]
     curves = []
-    for name, case in params.cases.items():
+    for name, case in params.pairs.items():
         rows = known[(known["case"] == name) & known["scenario"].isin(SHOWN)]
         laws = set(rows["scenario"] + "; " + rows["law"])
         curves.append(bands(name, case, contacts_drawn, inputs, laws, params.points))
-    first, case = next(iter(params.cases.items()))
+    first, case = next(iter(params.pairs.items()))
     return {
         "evidence_summary": table,
         "evidence_statements": pd.DataFrame(statements),
