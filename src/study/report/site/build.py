@@ -44,8 +44,10 @@ COPIED = {
     "data": ("*.csv",),
 }
 ARCHIVE = "files/figures.zip"
-# Shown at the head of the front page: the impact, capture, friction and rough surfaces.
-FIRST = ("fig20", "fig15", "fig18", "fig23")
+# Shown at the head of the front page: the main picture, and three more.
+FIRST = ("evidence", "ptis_frame", "capture_laws", "rival_restitution")
+# Claims that decide most of the article's argument.
+FIRST_CLAIMS = frozenset(f"C{number}" for number in "03 09 16 19 27 34 36 43 45 66 104 111".split())
 
 CLAIM_COLUMNS = (
     *("id", "where", "statement", "kind", "criterion", "article_value", "computed_value"),
@@ -145,6 +147,7 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
     equations = read_rows(results / "tables/equations.csv", EQUATION_COLUMNS)
     declared = read_rows(results / "tables/inputs.csv", INPUT_COLUMNS)
     shown = figures(results, record, {"claims": claims, "equations": equations}, declared)
+    by_name = {figure.name: figure for figure in shown}
     tables = _tables(results, record, shown)
     if not shown and not tables:
         raise ValueError(f"{results}: no figures and no tables to report on")
@@ -169,7 +172,8 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
         "words": words,
         "equation_counts": ledgers.counts(equations, ledgers.EQUATION_VERDICTS),
         "shown": shown,
-        "first": [figure for figure in shown if figure.name in FIRST] or shown[: len(FIRST)],
+        "first_claims": FIRST_CLAIMS,
+        "first": [by_name[name] for name in FIRST if name in by_name] or shown[: len(FIRST)],
         "place": code.place,
         "prose": prose,
         "in_words": in_words,

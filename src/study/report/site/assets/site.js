@@ -52,12 +52,17 @@
     const text = rows.map((row) => row.textContent.toLowerCase());
     const status = form.querySelector("[role=status]");
     const what = status.textContent.replace(/^\d+ of \d+ /, "");
+    const first = form.elements.first;
+    const search = form.querySelector("input[type=search]");
+    // A search, and a choice of verdicts, are over all rows.
+    form.addEventListener("input", (event) => { if (first && event.target !== first) first.checked = false; });
     const update = () => {
-      const wanted = form.querySelector("input[type=search]").value.toLowerCase().split(/\s+/);
+      const wanted = search.value.toLowerCase().split(/\s+/);
       const verdicts = new Set();
-      each("input:checked", (box) => verdicts.add(box.value), form);
+      each("fieldset input:checked", (box) => verdicts.add(box.value), form);
       rows.forEach((row, i) => {
-        row.hidden = !(verdicts.has(row.dataset.verdict) && wanted.every((w) => text[i].includes(w)));
+        const counts = verdicts.has(row.dataset.verdict) && (!first?.checked || "first" in row.dataset);
+        row.hidden = !(counts && wanted.every((w) => text[i].includes(w)));
       });
       const shown = rows.filter((row) => !row.hidden).length;
       status.textContent = `${shown} of ${rows.length} ${what}`;
@@ -69,7 +74,7 @@
     // A link to a row shows it, whatever is filtered.
     const reveal = () => {
       const row = document.getElementById(decodeURIComponent(location.hash.slice(1)));
-      if (row && row.hidden) { form.reset(); update(); row.scrollIntoView(); }
+      if (row && row.hidden) { form.reset(); if (first) first.checked = false; update(); row.scrollIntoView(); }
     };
     addEventListener("hashchange", reveal);
     reveal();
