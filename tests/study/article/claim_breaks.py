@@ -36,9 +36,8 @@ from study.studies.contacts import calibrated_contact
 from study.studies.experiments import mechanisms
 from study.studies.experiments.mechanisms import spore as spore_mechanism
 from study.studies.experiments.mechanisms.shallow import adhesion_or_roughness, shallow_curves
-from study.studies.experiments.mechanisms.speed_and_angle import class_row
 from study.studies.models import calibration as calibration_study
-from study.studies.samples import Sample, Sampling
+from study.studies.samples import Sampling
 
 STEEL = ("steel-silicon, n = 0", "steel-silicon, n = 1")
 MOLYBDENUM = "fluorescein-molybdenum, nominal"
@@ -113,20 +112,6 @@ def reversed_spin(claim, world):
         return plain(contact, speed, -spin)
 
     return patched(claim, world, oblique, rolling_limit=reversed_limit)
-
-
-def restitution_of_0_90(claim, world):
-    """Scale both damping coefficients of each case until e = 0.90 at 1.60 m/s."""
-    for case in STEEL:
-        tables = world.damped(case, 1.60, 0.90)
-        world.inputs = {**world.inputs, **tables}
-    params, sampling = world.mechanisms()
-    rows = []
-    for case in STEEL:
-        dropped = replace(params.speed.dropped, case=case)
-        sample = Sample.of(dropped, sampling, world.inputs)
-        rows += [class_row(params.speed, sample, each) for each in params.speed.classes.values()]
-    return world.numbers(claim, {"speed_and_angle": pd.DataFrame(rows)})
 
 
 def strong_spore(claim, world):
@@ -280,7 +265,6 @@ BREAKS = {
     "C53": partial(levels, factor="adhesion_dissipation", half=0.05),
     "C54": small_levels_of_damping,
     "C56": partial(levels, factor="radius", half=0.0005),
-    "C79": restitution_of_0_90,
     "C81": strong_spore,
     "C88": elastic_spore,
     "C89": spore_without_adhesion,

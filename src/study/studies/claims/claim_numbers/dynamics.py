@@ -16,10 +16,18 @@ from microimpact.model.dynamics.impact import Impact, simulate
 from microimpact.model.dynamics.normal import losses, normal_impact
 from microimpact.model.rigid_body.algebra import INERTIA
 from microimpact.statistics.intervals import student_half_width
-from study.declared.parameters import AngleDegrees, CaseName, Name, Positive, PositiveRange
+from study.declared.parameters import (
+    AngleDegrees,
+    CaseName,
+    Fraction,
+    Name,
+    Positive,
+    PositiveRange,
+)
 from study.studies.claims.claim_numbers.claim import claim
 from study.studies.claims.claim_numbers.context import (
     Context,
+    Estimate,
     Numbers,
     between,
     without_adhesion,
@@ -323,20 +331,22 @@ def rotational_share(contact: Contact, impact: Impact) -> float:
 
 
 @claim("C42", by_case=True)
-def c42(context: Context) -> Numbers:
+def c42(context: Context, *, stiffness_error: Fraction) -> Numbers:
     """Greatest impulse of the moments possible in an impact over the impulse of friction.
 
     Over all rebounds of the table; beside it what steady rolling would give and what no moment
-    exceeds, the greatest contact radius over the radius, and the distance rolled over it.
+    exceeds, the greatest contact radius over the radius, which goes as the fifth root of the
+    stiffness, and the distance rolled over it.
     """
     table = context.table("rolling_dissipation")
     rows = table[table["captured"].astype(str) == "False"]
     if rows.empty:
         raise ValueError("rolling_dissipation: no rebound")
     largest = rows.max(numeric_only=True)
+    arm = largest["contact_radius_over_r"]
     return {
         "largest_rolling_moment_over_friction_moment": largest[list(MOMENTS)].max(),
-        "largest_contact_radius_over_radius": largest["contact_radius_over_r"],
+        "largest_contact_radius_over_radius": Estimate(arm, stiffness_error / 5.0 * arm),
         "largest_moment_of_steady_rolling_over_friction_moment": largest["steady_over_friction"],
         "largest_bound_of_moment_over_friction_moment": largest["bound_over_friction"],
         "largest_distance_rolled_over_contact_radius": largest["rolled_over_contact_radius"],

@@ -229,6 +229,7 @@ def c61(context: Context, *, most_pulses_per_s: Positive) -> Numbers:
     ]
     count, width, disk = max(views, default=(0, 0.0, 0.0))
     return {
+        "drop_to_slowest_speed": table["fall_height_mm"].min(),
         "speeds_served_by_some_field_of_view": served["speed_m_per_s"].nunique(),
         "speeds_served_by_best_field_of_view": count,
         "disk_speed_needed": disk,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 import pandas as pd
@@ -22,6 +22,7 @@ from study.declared.parameters import (
     AngleDegrees,
     Count,
     Finite,
+    Fraction,
     Name,
     NonNegative,
     ObliqueDegrees,
@@ -35,7 +36,7 @@ from study.studies.claims.claim_numbers.context import (
     of_share,
     over_draws,
 )
-from study.studies.claims.claim_numbers.params import AngleRange, SteepToShallow
+from study.studies.claims.claim_numbers.params import AngleRange, Angles, SteepToShallow
 from study.studies.experiments.mechanisms.impulse_regions import regions
 from study.studies.experiments.mechanisms.spin import rolling_limit
 from study.studies.samples import Dropped, Sample, half_width, in_class
@@ -302,15 +303,14 @@ def quotient(context: Context, angles: tuple[float, float], basis: str = "") -> 
 
 @claim("C71")
 def c71(context: Context, *, angles_deg: tuple[AngleDegrees, ...]) -> Numbers:
-    """Least difference of restitution above 20 deg, by slopes alone and with weaker adhesion."""
-    alternatives = {"slopes alone": SLOPES_ALONE, "half the adhesion": HALF_ADHESION}
+    """Least difference of restitution above 20 deg, with half the adhesion and without."""
+    half, alone = (
+        least_difference(context, name, "restitution", angles_deg)
+        for name in (HALF_ADHESION, SLOPES_ALONE)
+    )
     return {
-        words: {
-            "least_difference_rough_less_smooth": least_difference(
-                context, name, "restitution", angles_deg
-            )
-        }
-        for words, name in alternatives.items()
+        "least_difference_rough_less_smooth_with_half_adhesion": half,
+        "least_difference_rough_less_smooth_with_slopes_alone": alone,
     }
 
 
@@ -504,28 +504,55 @@ def c78(
 
 
 @claim("C79", by_case=True)
-def c79(context: Context) -> Numbers:
-    """First angle at which the loss differs from that at the steepest.
+def c79(
+    context: Context,
+    *,
+    dropped: Dropped,
+    classes: dict[Name, SpeedClass],
+    departures_deg: dict[Name, AngleDegrees],
+    angles_deg: Angles,
+    mean_spins: tuple[Finite, ...],
+) -> Numbers:
+    """First angle at which the loss differs from that at the steepest, in two speed classes.
 
-    Without such an angle there is no number.
+    Without spin, and with the mean spin, r omega over v, that leads nearest to the printed angle.
     """
-    table = context.table("speed_and_angle").sort_values("speed_m_per_s")
-    slow, middle, fast = table["first_departure_of_loss_deg"].to_numpy(float)
+
+    def departure(speed_class: SpeedClass, spin: float) -> float:
+        at = replace(dropped, spin=replace(dropped.spin, mean=spin), **asdict(speed_class))
+        steep, *losses = (context.seen(at, angle).means["energy_loss"] for angle in angles_deg)
+        sampling = context.params.sampling
+        departed = (
+            angle
+            for angle, loss in zip(angles_deg[1:], losses, strict=True)
+            if abs(loss.value - steep.value) > half_width(loss, steep, sampling)
+        )
+        return next(departed, angles_deg[-1])
+
+    alternatives = {"without spin": (0.0,), "with some spin": (0.0, *mean_spins)}
     return {
-        "angle_of_departure_of_middle_class": middle,
-        "angle_of_departure_of_slowest_class": slow,
-        "angle_of_departure_of_fastest_class": fast,
+        words: {
+            f"angle_of_departure_of_{name}_class": min(
+                (abs(angle - printed), angle)
+                for angle in (departure(classes[name], spin) for spin in spins)
+            )[1]
+            for name, printed in departures_deg.items()
+        }
+        for words, spins in alternatives.items()
     }
 
 
 @claim("C80")
-def c80(context: Context) -> Numbers:
-    """Share of angles, restitutions and frictions at which the loss falls towards shallow ones.
-
-    Its error is that of a mean over as many pairs of restitution and friction drawn at random.
-    """
-    shares = context.table("loss_slopes")["share_falling"].to_list()
-    return {"share_of_falling_slopes": over_draws(shares)}
+def c80(context: Context, *, friction_up_to: Fraction) -> Numbers:
+    """Share of angles, restitutions and frictions at which the loss falls towards shallow ones."""
+    table = context.table("loss_slopes")
+    is_small = table["friction"] <= friction_up_to
+    halves = {f"friction up to {friction_up_to:g}": is_small}
+    halves[f"friction above {friction_up_to:g}"] = ~is_small
+    return {
+        name: {"share_of_falling_slopes": table.loc[rows, "share_falling"].mean()}
+        for name, rows in halves.items()
+    }
 
 
 @claim("C106", by_contact=True)

@@ -179,14 +179,26 @@ def c91(context: Context, *, angle_error_deg: Positive) -> Numbers:
 
 
 @claim("C92", by_case=True)
-def c92(context: Context) -> Numbers:
-    """Rise by adhesion, and spread at equal normal speed of two speeds, by adhesion or slopes."""
+def c92(context: Context, *, plateau_deg: AngleDegrees) -> Numbers:
+    """Rise by adhesion, and spread at equal normal speed of two speeds, by adhesion or slopes.
+
+    The rise with friction by the compressive force, and by the net force.
+    """
     table = context.table("adhesion_or_roughness").set_index("cause")
-    spread, rise = table["spread_at_equal_normal_speed"], table["rise_at_shallowest_rebound"]
+    spread = table["spread_at_equal_normal_speed"]
+    angles = np.array([context.shallowest_rebounds()[0], plateau_deg])
+    shallow, level = np.ravel(context.impacts(context.speed, angles, basis="net").impulse_ratio)
+    rises = {
+        "compressive force": table["rise_at_shallowest_rebound"]["adhesion"],
+        "net force": shallow / level,
+    }
     return {
-        "spread_over_speeds_at_equal_normal_speed_by_adhesion": spread["adhesion"],
-        "spread_over_speeds_at_equal_normal_speed_by_slopes": spread["slopes"],
-        "rise_at_shallowest_rebound_by_adhesion": rise["adhesion"],
+        name: {
+            "spread_over_speeds_at_equal_normal_speed_by_adhesion": spread["adhesion"],
+            "spread_over_speeds_at_equal_normal_speed_by_slopes": spread["slopes"],
+            "rise_at_shallowest_rebound_by_adhesion": rise,
+        }
+        for name, rise in rises.items()
     }
 
 

@@ -9,7 +9,7 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from microimpact.core.arrays import FloatArray
-from study.declared.parameters import AngleDegrees, Fraction, Name
+from study.declared.parameters import AngleDegrees, Name
 from study.studies.claims.claim_numbers.claim import claim
 from study.studies.claims.claim_numbers.context import Context, Estimate, Numbers
 from study.studies.claims.claim_numbers.params import AngleRange, SteepToShallow
@@ -111,15 +111,16 @@ def c84(
 
 @claim("C85")
 def c85(context: Context) -> Numbers:
-    """Differences of the losses and of the printed restitutions at 40 deg, and their ratio."""
+    """Difference of the losses at 40 deg over that of the printed restitutions, in error bars."""
     row = context.table("loss_resolution").iloc[0]
-    losses, restitutions = (
-        abs(row[f"difference_of_{name}_over_half_width"]) for name in ("losses", "restitutions")
-    )
+    endings = {"error bars of the virtual laboratory": "_over_half_width", "equal error bars": ""}
     return {
-        "resolution_by_losses_over_that_by_restitutions": losses / restitutions,
-        "difference_of_losses_over_half_width": losses,
-        "difference_of_restitutions_over_half_width": restitutions,
+        name: {
+            "resolution_by_losses_over_that_by_restitutions": abs(
+                row[f"difference_of_losses{ending}"] / row[f"difference_of_restitutions{ending}"]
+            )
+        }
+        for name, ending in endings.items()
     }
 
 
@@ -201,24 +202,14 @@ def c87(
     spore: Dropped,
     trend_deg: AngleRange,
     from_deg: AngleDegrees,
-    least_spore_friction: Fraction,
 ) -> Numbers:
-    """Largest difference of the impulse ratios over its half-width, and the lesser rise.
-
-    With the friction of steel for the spores, and with less.
-    """
-    less = replace(spore, friction=least_spore_friction)
-    alternatives = {"friction of spores as of steel": spore, "less friction": less}
+    """Largest difference of the impulse ratios over its half-width, and the lesser rise."""
+    both = steel, spore
     return {
-        name: {
-            "largest_difference_of_impulse_ratios_over_half_width": max(
-                map(abs, compared(context, "impulse_ratio", steel, each, from_deg))
-            ),
-            "lesser_rise_over_half_width": lesser_rise(
-                context, "impulse_ratio", (steel, each), trend_deg
-            ),
-        }
-        for name, each in alternatives.items()
+        "largest_difference_of_impulse_ratios_over_half_width": max(
+            map(abs, compared(context, "impulse_ratio", *both, from_deg))
+        ),
+        "lesser_rise_over_half_width": lesser_rise(context, "impulse_ratio", both, trend_deg),
     }
 
 
