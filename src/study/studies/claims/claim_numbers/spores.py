@@ -111,7 +111,7 @@ def c84(
 
 @claim("C85")
 def c85(context: Context) -> Numbers:
-    """Difference of the losses at 40 deg over that of the printed restitutions, in error bars."""
+    """Ratio of the difference of the losses at 40 deg to the difference of printed restitutions."""
     row = context.table("loss_resolution").iloc[0]
     endings = {"error bars of the virtual laboratory": "_over_half_width", "equal error bars": ""}
     return {
