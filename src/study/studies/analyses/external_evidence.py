@@ -39,6 +39,8 @@ NEEDS = {
 
 # Effects of factors that act as one, as radius and surface energy may, differ by rounding.
 TIED = 1e-9
+# Diameters or speeds over a range, even in the logarithm.
+POINTS = 9
 
 AGREES, DISAGREES = "agrees with independent data", "disagrees with independent data"
 
@@ -75,7 +77,7 @@ class Params:
     `external`: sources of the facts; `fluorescein`, `mica`, `silver`: contacts of fluorescein on
     molybdenum, the one on mica, and those that stand for silver; `molybdenum`: the contact whose
     rebound is compared with that on mica; `rate_exponents`: n of the adhesion damping; each contact
-    keeps its capture velocity at its own diameter; `points`: diameters or speeds over a range;
+    keeps its capture velocity at its own diameter;
     `same_restitution_within`: difference of e that would not be seen; `exponent_within`: half a
     unit of the last digit of an exponent; by more than this one power exceeds another; `spin`: an
     impact with and without spin.
@@ -87,7 +89,6 @@ class Params:
     mica: CaseName
     silver: tuple[CaseName, ...]
     rate_exponents: tuple[NonNegative, ...]
-    points: Annotated[int, Field(ge=2)]
     same_restitution_within: Positive
     exponent_within: Positive
     spin: Spin
@@ -168,7 +169,7 @@ def _fast_rebounds(params: Params, inputs: Tables, facts: pd.DataFrame) -> Itera
         )
     free = fact(facts, "wall1990", "speed_without_influence_of_target")
     fastest = fact(facts, "wall1990", "greatest_speed")["value"]
-    speed = np.geomspace(free["value"], fastest, params.points)
+    speed = np.geomspace(free["value"], fastest, POINTS)
     on_molybdenum, on_mica = (
         simulate(calibrated_contact(inputs, case), speed).coefficient_of_restitution
         for case in (params.molybdenum, params.mica)
@@ -211,8 +212,8 @@ def _sizes(params: Params, inputs: Tables, facts: pd.DataFrame) -> Iterator[Comp
         *(power["value"] + params.exponent_within * np.array([-1.0, 1.0])),
         change[0] / change[1],
     ]
-    microns = 1e-6 * np.geomspace(span["low"], span["high"], params.points)
-    wide = np.geomspace(1.0, silver["high"] / silver["low"], params.points)
+    microns = 1e-6 * np.geomspace(span["low"], span["high"], POINTS)
+    wide = np.geomspace(1.0, silver["high"] / silver["low"], POINTS)
     wide = wide / np.sqrt(wide[-1])
     for name in dict.fromkeys((*params.fluorescein, *params.silver)):
         contact = calibrated_contact(inputs, name)

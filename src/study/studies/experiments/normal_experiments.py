@@ -41,6 +41,8 @@ Drawn = tuple[FloatArray, FloatArray]
 
 # Where more are captured, the mean of the few that rebound is not drawn.
 HIDDEN_SHARE = 0.9
+# Quantiles of each sieve class.
+SIZES = 200
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,7 +65,6 @@ class Params:
     stop: StopRule
     dispenser: Dispenser
     instrument: Analyser
-    sizes: Annotated[int, Field(ge=10)]
     points: Annotated[int, Field(ge=10)]
     plateau_share: Fraction
 
@@ -151,7 +152,7 @@ def experiment_row(population: str, speed: float, outcome: Session) -> dict[str,
 
 def sieve_curve(params: Params, population: Population, contact: Contact) -> Curve:
     """Return the mean of a sieve class over its sizes, at speeds up to the largest."""
-    share = (np.arange(params.sizes) + 0.5) / params.sizes
+    share = (np.arange(SIZES) + 0.5) / SIZES
     sized = resized(contact, population.diameter_um.quantile(share) * 1e-6)
     speed = np.geomspace(0.05, max(params.speeds_m_per_s), params.points)
     impact = normal_impact(sized, speed[:, None])

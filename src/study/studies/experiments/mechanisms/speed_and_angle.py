@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from itertools import product
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
-from pydantic import Field
 
 from microimpact.lab.experiment import SpeedClass
 from microimpact.lab.reduction import EXACT
@@ -22,6 +21,12 @@ from study.tables import Tables
 
 # Half-width of a 95 % interval over its standard error.
 ERROR_BAR = 1.96
+# Restitutions and number of angles of the rigid body's energy loss, wider than Figs. 6 to 12.
+LOSS_RESTITUTIONS, LOSS_ANGLES = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9), 23
+# Angles at which regions of the impulse ratio are looked for, denser than the article's 14.
+REGION_ANGLES = np.array(
+    [*range(87, 54, -3), *range(55, 44, -2), *range(42, 17, -3), 16, 14, *range(12, 7, -1)], float
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,22 +40,16 @@ class SpeedAndAngle:
     # In descending order from the one with which the loss is compared.
     angles_deg: tuple[AngleDegrees, ...]
     trend_deg: tuple[AngleDegrees, AngleDegrees]  # Angles between which restitution falls
-    # Grid on which the slope of the energy loss is looked at.
-    loss_restitutions: tuple[Fraction, ...]
+    # Grid on which the slope of the energy loss is looked at, and ends of its angles.
     loss_frictions: tuple[NonNegative, ...]
-    # Ends of its angles, and their number.
     loss_angles_deg: tuple[AngleDegrees, AngleDegrees]
-    loss_angles: Annotated[int, Field(ge=3)]
     # Angle and restitutions of steel and spores there.
     resolved_deg: AngleDegrees
     resolved_restitutions: tuple[Fraction, Fraction]
     # Samples that give the scatter.
     resolved_steel: Dropped
     resolved_spore: Dropped
-    # Angles at which the regions of the impulse ratio are looked for, descending, and the relative
-    # change up to which it is constant.
-    region_angles_deg: tuple[AngleDegrees, ...]
-    constant_within: Fraction
+    constant_within: Fraction  # Relative change up to which the impulse ratio is constant
 
 
 def speed_tables(
@@ -101,7 +100,7 @@ def class_row(params: SpeedAndAngle, sample: Sample, speed_class: SpeedClass) ->
 def region_rows(params: SpeedAndAngle, sample: Sample) -> list[dict[str, Any]]:
     """Regions of the mean impulse ratio of the fastest class."""
     class_sample = sample.but(**asdict(next(iter(params.classes.values()))))
-    samples = [class_sample.seen(angle) for angle in params.region_angles_deg]
+    samples = [class_sample.seen(angle) for angle in REGION_ANGLES]
     means = np.array([s.means["impulse_ratio"].value for s in samples])
     known = np.isfinite(means)
     ratio = [s.means["impulse_ratio"] for s, k in zip(samples, known, strict=True) if k]
@@ -109,7 +108,7 @@ def region_rows(params: SpeedAndAngle, sample: Sample) -> list[dict[str, Any]]:
     # The interval of one mean: that of its difference from an exactly known number.
     width = np.array([half_width(of, EXACT, class_sample.sampling) for of in ratio])
     scatter = np.array([of.sd for of in ratio]) / np.sqrt(counts)
-    angles, means = np.array(params.region_angles_deg)[known], means[known]
+    angles, means = REGION_ANGLES[known], means[known]
     return [
         {
             "case": class_sample.dropped.case,
@@ -125,8 +124,8 @@ def region_rows(params: SpeedAndAngle, sample: Sample) -> list[dict[str, Any]]:
 
 def loss_slopes(params: SpeedAndAngle) -> Iterator[dict[str, Any]]:
     """Share of angles at which the rigid body's energy loss falls as the angle becomes shallow."""
-    angle = np.linspace(*params.loss_angles_deg, params.loss_angles)
-    for e, friction in product(params.loss_restitutions, params.loss_frictions):
+    angle = np.linspace(*params.loss_angles_deg, LOSS_ANGLES)
+    for e, friction in product(LOSS_RESTITUTIONS, params.loss_frictions):
         falling = np.diff(rigid_loss(e, friction, angle)) / np.diff(angle) > 0.0
         rising = (0.5 * (angle[1:] + angle[:-1]))[~falling]
         yield {

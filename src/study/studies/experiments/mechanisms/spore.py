@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from microimpact.core.arrays import FloatArray
 from microimpact.lab.events import Measured
 from microimpact.lab.experiment import StopRule
 from microimpact.lab.ptis.experiment import collect
@@ -97,6 +96,8 @@ def as_imaged(
 TREND_DEG = (85.0, 45.0, 38.0, 20.0, 15.0, 10.0, 5.0)
 # Factors on the damping between which a calibration is sought.
 FACTORS = (0.3, 3.0)
+# Angles at which the smooth spore is computed, over the range of Fig. 11.
+SMOOTH_ANGLES = np.array([85.0, 61.0, 48.0, 38.0, 30.0, 20.0, 15.0, 10.0])
 # Name of the sample of slopes that the imaging system sees.
 CAMERA = "slopes, seen by the camera"
 
@@ -122,7 +123,6 @@ class Spore:
     seen_events: Count
     seen_dropped: Count
     quoted_capture_velocity_m_per_s: Positive  # Of Paw U
-    smooth_deg: tuple[AngleDegrees, ...]  # Angles at which the smooth spore is computed
 
     def __post_init__(self) -> None:
         """Refuse angles without those between which the article states trends."""
@@ -256,7 +256,7 @@ def met_at(restitution: float, sample: Sample, angle: float) -> Sample:
 
 def smooth_spore(params: Spore, contact: Contact) -> pd.DataFrame:
     """Return rebounds of the mean spore without slopes at each angle."""
-    angle: FloatArray = np.array(params.smooth_deg)
+    angle = SMOOTH_ANGLES
     speed = params.spore.speed_m_per_s
     impact = simulate(contact, speed, angle)
     quoted = params.quoted_capture_velocity_m_per_s

@@ -32,6 +32,8 @@ Parts = Mapping[str, FloatArray]
 
 # Reach of the axes of Fig. 22 and of the path of incidence, in wavelengths.
 AXIS, PATH = 0.42, 0.62
+# Instants that find the greatest compression to a millionth; points of smooth outlines.
+INSTANTS, POINTS = 2001, 121
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,8 +44,6 @@ class ContactState:
     diameter_um: Positive
     speed_m_per_s: Positive
     angle_deg: AngleDegrees
-    instants: Annotated[int, Field(ge=20)]
-    points: Annotated[int, Field(ge=21)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,7 +55,6 @@ class WavySurface:
     place_um: Finite
     diameter_um: Positive
     angle_deg: AngleDegrees
-    points: Annotated[int, Field(ge=20)]
 
 
 def parts_frame(panel: str, parts: Parts, evidence: str, unit: str = "mm") -> pd.DataFrame:
@@ -76,13 +75,13 @@ def contact_state(params: ContactState, inputs: Tables) -> tuple[Numbers, dict[s
     ``p_0 = 3 F / (2 pi a^2)`` of the Hertz force F; the ring force f_0 pulls along the edge.
     """
     contact = calibrated_contact(inputs, params.case, diameter=params.diameter_um * 1e-6)
-    path = trajectory(contact, params.speed_m_per_s, params.angle_deg, points=params.instants)
+    path = trajectory(contact, params.speed_m_per_s, params.angle_deg, points=INSTANTS)
     turn = int(np.argmax(path.compression))
     force, compression = float(path.hertz_force[turn]), float(path.compression[turn])
     a = float(np.sqrt(contact.hertz_radius * compression))
     peak = 1.5 * force / (np.pi * a**2)
     ring = float(np.asarray(contact.ring_force))
-    share = np.sin(np.linspace(-0.5 * np.pi, 0.5 * np.pi, params.points))
+    share = np.sin(np.linspace(-0.5 * np.pi, 0.5 * np.pi, POINTS))
     numbers = {
         ("time", "ns"): float(path.time[turn]) * 1e9,
         ("contact_radius", "um"): a * 1e6,
@@ -92,7 +91,7 @@ def contact_state(params: ContactState, inputs: Tables) -> tuple[Numbers, dict[s
         ("adhesion_force", "uN"): float(path.adhesion_force[turn]) * 1e6,
         ("ring_force", "N/m"): ring,
     }
-    section = _section(float(contact.radius) * 1e6, a * 1e6, params.points)
+    section = _section(float(contact.radius) * 1e6, a * 1e6)
     frame = partial(series_frame, "stresses", x_unit="um")
     pressure = peak * np.sqrt(np.maximum(1.0 - share**2, 0.0)) * 1e-9
     edge = np.array([-a, a]) * 1e6
@@ -103,21 +102,21 @@ def contact_state(params: ContactState, inputs: Tables) -> tuple[Numbers, dict[s
     }
 
 
-def _section(radius: float, a: float, points: int) -> dict[str, FloatArray]:
+def _section(radius: float, a: float) -> dict[str, FloatArray]:
     """Return a sphere pressed on a plane that is hard beside it, and its free shape.
 
     Outside the contact its surface moves by Hertz's
     ``u = ((2 a^2 - rho^2) asin(a / rho) + a sqrt(rho^2 - a^2)) / (pi r)``.
     """
     centre = np.array([0.0, radius - a**2 / radius])
-    down = np.linspace(np.arcsin(a / radius), 0.5 * np.pi, points)
+    down = np.linspace(np.arcsin(a / radius), 0.5 * np.pi, POINTS)
     rho = radius * np.sin(down)
     moved = (2.0 * a**2 - rho**2) * np.arcsin(np.minimum(a / rho, 1.0))
     moved += a * np.sqrt(np.maximum(rho**2 - a**2, 0.0))
     lower = np.stack([rho, centre[1] - radius * np.cos(down) + moved / (np.pi * radius)], axis=-1)
-    turn = np.linspace(0.0, np.pi, 2 * points)
+    turn = np.linspace(0.0, np.pi, 2 * POINTS)
     upper = centre + radius * np.stack([np.cos(turn), np.sin(turn)], axis=-1)
-    whole = np.linspace(0.0, 2.0 * np.pi, 4 * points)
+    whole = np.linspace(0.0, 2.0 * np.pi, 4 * POINTS)
     return {
         "sphere": np.vstack([lower, upper, lower[::-1] * [-1.0, 1.0]]),
         "contact": np.array([[-a, 0.0], [a, 0.0]]),
@@ -157,7 +156,7 @@ def wavy_surface(params: WavySurface) -> tuple[Numbers, pd.DataFrame]:
             f"wavy_surface.diameter_um: a sphere of {params.diameter_um} um would touch the "
             "surface elsewhere too; it must fit into the trough"
         )
-    x = np.linspace(-1.0, 1.0, params.points) * params.wavelength_um
+    x = np.linspace(-1.0, 1.0, 401) * params.wavelength_um
     turn = np.linspace(0.0, 2.0 * np.pi, 181)
     axis, incoming = AXIS * params.wavelength_um, _axes(-alpha)[0]
     assumed = {

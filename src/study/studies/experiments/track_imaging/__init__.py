@@ -42,6 +42,7 @@ from study.tables import Tables, not_computed, reason, series_frame
 SHOWN = 5
 MARGIN_PX = 12
 POINTS = 200
+FRAME_PITCH = 25.0  # Between the dashes of the frame, px: several near the impact
 
 
 def pixels(frame: NDArray[np.uint8], track: Track, setup: Setup) -> pd.DataFrame:
@@ -140,7 +141,6 @@ class Params:
     events: Annotated[int, Field(ge=2)]
     tolerances: Tolerances
     frame: Incidence
-    frame_dash_pitch_px: Positive
 
 
 def run(params: Params, inputs: Tables) -> Tables:
@@ -324,7 +324,7 @@ def one_frame(params: Params) -> tuple[pd.DataFrame, pd.DataFrame]:
     Raises ValueError if none of an experiment is.
     """
     case, pixel = params.frame, params.instrument.pixel_um
-    pitch = params.frame_dash_pitch_px
+    pitch = FRAME_PITCH
     setup = _setup(params, case.speed_m_per_s, case.angle_deg, pixel, pitch)
     true = impacts(
         params.particles, params.events, setup.speed, setup.angle, generator(params.seed, FRAME, 0)
