@@ -151,9 +151,18 @@ def write_table(table: pd.DataFrame, path: Path | str) -> None:
 def read_table(path: Path | str, columns: Sequence[str] | None = None) -> pd.DataFrame:
     """Read a CSV table; empty fields are missing values, all else is taken unchanged.
 
-    `columns`: the header it must have, in this order. Raises TableError, naming the file and the
-    missing, misnamed or unexpected columns, or the line that is cut or has too many fields; also
-    for a file that is no text. Raises NotComputedError for a table of `not_computed`.
+    Parameters
+    ----------
+    columns
+        The header it must have, in this order.
+
+    Raises
+    ------
+    TableError
+        Naming the file and the missing, misnamed or unexpected columns, or the line that is cut or
+        has too many fields; also for a file that is no text.
+    NotComputedError
+        For a table of `not_computed`.
     """
     try:
         text = Path(path).read_text(encoding="utf-8")

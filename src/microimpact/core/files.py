@@ -22,9 +22,17 @@ def write_file(path: Path | str, content: str | bytes) -> None:
 
     A killed writer leaves the file as it was, and at most a hidden temporary one.
 
-    `path`: the file; missing folders are made; `content`: bytes, or text, which is written in UTF-8
-    with its line ends as they are. Raises OSError, naming the file, as for a full disk or a folder
-    that is read-only.
+    Parameters
+    ----------
+    path
+        The file; missing folders are made.
+    content
+        Bytes, or text, which is written in UTF-8 with its line ends as they are.
+
+    Raises
+    ------
+    OSError
+        Naming the file, as for a full disk or a folder that is read-only.
     """
     target = Path(path)
     data = content.encode() if isinstance(content, str) else content
@@ -74,9 +82,13 @@ def write_checksums(root: Path, files: Iterable[Path | str], rests_on: str = "")
 def of_other_inputs(root: Path, rests_on: Mapping[str, str]) -> list[str]:
     """Return the results below a root that were made from other inputs than those stated.
 
-    `root`: results root; `rests_on`: the word for the present inputs of each result, by its name
-    below the root. A result that is not there, or that was recorded without its inputs, is passed
-    over.
+    Parameters
+    ----------
+    root
+        Results root.
+    rests_on
+        The word for the present inputs of each result, by its name below the root. A result that is
+        not there, or that was recorded without its inputs, is passed over.
     """
     return [
         name
@@ -101,8 +113,17 @@ def remove_checksums(root: Path, files: Iterable[Path | str]) -> None:
 def require_unaltered(root: Path, files: Iterable[Path | str]) -> None:
     """Refuse files that have changed since they were recorded; files without record pass.
 
-    `root`: results root; `files`: any files, also such as are no results. Raises AlteredError,
-    naming each file that was cut, damaged or edited.
+    Parameters
+    ----------
+    root
+        Results root.
+    files
+        Any files, also such as are no results.
+
+    Raises
+    ------
+    AlteredError
+        Naming each file that was cut, damaged or edited.
     """
     results = [path for path in map(Path, files) if path.is_relative_to(root)]
     if altered := [path for path in results if _is_altered(root, path)]:

@@ -141,7 +141,12 @@ def yield_velocity(contact: Contact, yield_strength: Real) -> Real:
     ``V_y = (pi / 2E*)^2 (8 pi r^3 p_y^5 / (15 m))^(1/2)``, which is ``1.56 (p_y^5 / (E*^4
     rho))^(1/2)`` on a plane, with ``p_y = 1.6`` times the yield strength.
 
-    `contact`: the contact; `yield_strength`: of the softer body, Pa.
+    Parameters
+    ----------
+    contact
+        The contact.
+    yield_strength
+        Of the softer body, Pa.
     """
     pressure = YIELD_PRESSURE_RATIO * np.asarray(yield_strength)
     size = 8.0 * np.pi * np.power(contact.hertz_radius, 3) / (15.0 * contact.mass)
@@ -153,11 +158,15 @@ def yield_velocity(contact: Contact, yield_strength: Real) -> Real:
 def plastic_restitution(speed: Real, yield_velocity: Real) -> FloatArray:
     """Coefficient of restitution of an elastic-plastic impact without adhesion.
 
-    Thornton and Ning 1998: with ``x = V_y/V``,
-    ``e = (6 sqrt(3)/5)^(1/2) (1 - x^2/6)^(1/2) (x / (x + 2 (6/5 - x^2/5)^(1/2)))^(1/4)``; one up
-    to V_y.
+    Thornton and Ning 1998: with ``x = V_y/V``, ``e = (6 sqrt(3)/5)^(1/2) (1 - x^2/6)^(1/2) (x / (x
+    + 2 (6/5 - x^2/5)^(1/2)))^(1/4)``; one up to V_y.
 
-    `speed`: normal impact speed V, m/s; `yield_velocity`: v_y, m/s.
+    Parameters
+    ----------
+    speed
+        Normal impact speed V, m/s.
+    yield_velocity
+        V_y, m/s.
     """
     x = np.minimum(np.asarray(yield_velocity) / np.asarray(speed), 1.0)
     unloading = x / (x + 2.0 * np.sqrt(1.2 - np.square(x) / 5.0))

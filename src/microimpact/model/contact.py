@@ -292,7 +292,10 @@ class Contact:
     def at(self, index: Any, shape: tuple[int, ...] | None = None) -> Contact:
         """Index the array of contacts.
 
-        `shape`: one to which theirs is broadcast first.
+        Parameters
+        ----------
+        shape
+            One to which theirs is broadcast first.
         """
         whole = self.shape if shape is None else shape
 

@@ -26,8 +26,12 @@ def fractional_factorial(generator: str) -> FloatArray:
 
     Levels -1 and +1, shape (runs, factors), in standard (Yates) order: the first factor changes
     with every run. The libraries order the runs differently, so the rows are sorted here.
-    `generator`: one word per factor, as ``"a b c d abcd"``: single letters are varied freely, words
-    are products of letters, with a minus sign for the negative fraction; see `defining_relation`.
+
+    Parameters
+    ----------
+    generator
+        One word per factor, as ``"a b c d abcd"``: single letters are varied freely, words are
+        products of letters, with a minus sign for the negative fraction; see `defining_relation`.
     """
     # Imported here: the library brings much along that only a design needs.
     if sys.version_info >= (3, 12):

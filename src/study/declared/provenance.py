@@ -114,8 +114,13 @@ def problems(node: Mapping[str, object], reference: str | None) -> Iterator[str]
 def as_declared(node: Any, base: object, origin: str) -> Declared:
     """Return a well-formed declaration, or a bare value, with its provenance.
 
-    `base`: the same node as shipped. A value that differs from it while evidence and source were
-    left as they stood belongs to the user, and so does a bare number. `origin`: dotted key of both.
+    Parameters
+    ----------
+    base
+        The same node as shipped. A value that differs from it while evidence and source were left
+        as they stood belongs to the user, and so does a bare number.
+    origin
+        Dotted key of both.
     """
     value, before = plain(node), plain(base)
     if is_declaration(node) and "evidence" in node:

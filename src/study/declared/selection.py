@@ -221,8 +221,12 @@ class DeclaredTables:
     ) -> dict[str, str]:
         """Return the rows a branch names, by the name that its study uses, as CSV.
 
-        `named`: sort and name of each; `bodies`: materials of particle and surface of each
-        calibrated case.
+        Parameters
+        ----------
+        named
+            Sort and name of each.
+        bodies
+            Materials of particle and surface of each calibrated case.
         """
         wanted: dict[str, dict[str, None]] = {}
         for sort, name in named:

@@ -152,10 +152,18 @@ def _set_axes(ax: Axes, panel: PanelSpec, prefix: str) -> None:
 def draw_panel(ax: Axes, table: pd.DataFrame, panel: PanelSpec, name: str) -> list[Line2D]:
     """Draw all series of one panel, each in the manner of its evidence, with a legend.
 
-    Entries of the series of points, for the key below the figure. `ax`: axes of the panel; `table`:
-    tidy figure data, of any number of panels; `panel`: words and styles; a series it does not name
-    is drawn under its own name; `name`: which panel of the data to draw; points of the user's are
-    laid over all else.
+    Entries of the series of points, for the key below the figure.
+
+    Parameters
+    ----------
+    ax
+        Axes of the panel.
+    table
+        Tidy figure data, of any number of panels.
+    panel
+        Words and styles; a series it does not name is drawn under its own name.
+    name
+        Which panel of the data to draw; points of the user's are laid over all else.
     """
     x, y = table.columns[3], table.columns[4]
     rows = table[table["panel"] == (panel.shows or name)]
@@ -209,10 +217,18 @@ def _name_beside(ax: Axes, rows: pd.DataFrame, spec: SeriesSpec, words: str, col
 def overlay(ax: Axes, points: pd.DataFrame, panel: PanelSpec, names: Sequence[str]) -> list[Line2D]:
     """Draw the user's points of one panel, above all else; the axes grow to show them.
 
-    Entries for the key, one per series: its name as it was written, never as mathematics. `ax`:
-    axes of the panel, their scales as they will be; `points`: figure data of digitised or measured
-    series alone; may be empty; `panel`: series of the same name, or beginning with it and a comma,
-    give a series its colour; `names`: all series of points of the figure, for their marks.
+    Entries for the key, one per series: its name as it was written, never as mathematics.
+
+    Parameters
+    ----------
+    ax
+        Axes of the panel, their scales as they will be.
+    points
+        Figure data of digitised or measured series alone; may be empty.
+    panel
+        Series of the same name, or beginning with it and a comma, give a series its colour.
+    names
+        All series of points of the figure, for their marks.
     """
     if points.empty:
         return []
@@ -376,9 +392,14 @@ def line_figure(
 ) -> tuple[Figure, dict[str, Axes]]:
     """Draw every panel of a figure from the tables that have it, and the key of evidence.
 
-    The figure and its axes by panel, for what a figure adds of its own. `tables`, `spec`: figure
-    data and registry entry; `prepare`: called with the axes and the name of each panel before its
-    series are drawn.
+    The figure and its axes by panel, for what a figure adds of its own.
+
+    Parameters
+    ----------
+    tables, spec
+        Figure data and registry entry.
+    prepare
+        Called with the axes and the name of each panel before its series are drawn.
     """
     figure, axes = new_figure(spec)
     entries: list[Line2D] = []

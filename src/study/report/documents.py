@@ -104,8 +104,19 @@ class Numbers:
 def pages(results: Path, docs: Path, criteria: Path) -> tuple[dict[str, str], tuple[str, ...]]:
     """Return the text of each page by its name, and the names of the tables read.
 
-    `results`: folder with ``tables`` of a full run; `docs`: folder of the templates; `criteria`:
-    the file of claims. Raises PageError if a table, column or row is missing.
+    Parameters
+    ----------
+    results
+        Folder with ``tables`` of a full run.
+    docs
+        Folder of the templates.
+    criteria
+        The file of claims.
+
+    Raises
+    ------
+    PageError
+        If a table, column or row is missing.
     """
     read: dict[str, Numbers] = {}
 

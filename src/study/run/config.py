@@ -339,9 +339,17 @@ class Inputs:
 def read_inputs(settings: Settings, changed: Mapping[str, object] = AS_SHIPPED) -> Inputs:
     """Read and check every file that a checked configuration names.
 
-    `changed`: by study, inputs that are not as shipped. Raises ValueError: with one line per
-    problem that names the key, or the file and its line or column. Raises OSError if a file cannot
-    be read.
+    Parameters
+    ----------
+    changed
+        By study, inputs that are not as shipped.
+
+    Raises
+    ------
+    ValueError
+        With one line per problem that names the key, or the file and its line or column.
+    OSError
+        If a file cannot be read.
     """
     general = settings.general
     tables = settings.tables

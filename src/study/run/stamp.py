@@ -76,8 +76,15 @@ def _leaves(node: Any, key: str = "") -> Iterator[tuple[str, Any]]:
 def require_own_root(config: Mapping[str, Any], base: Mapping[str, Any]) -> None:
     """Refuse an overlay that changes inputs, but not the place of the results.
 
-    `config`, `base`: the configuration with the overlay merged into it, and that without. Raises
-    ValueError, naming what is changed, and what to add.
+    Parameters
+    ----------
+    config, base
+        The configuration with the overlay merged into it, and that without.
+
+    Raises
+    ------
+    ValueError
+        Naming what is changed, and what to add.
     """
     changed = [change.key for change in changes(config, base)]
     if changed and results_root(config) == results_root(base):

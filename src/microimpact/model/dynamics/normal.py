@@ -389,7 +389,10 @@ def normal_impact(contact: Contact, speed: Real, *, ledger: bool = False) -> Nor
 def losses(contact: Contact, speed: Real) -> Losses:
     """Return where the energy of normal impacts went, by the ring force or by another law.
 
-    `contact`, `speed`: as in `normal_impact`.
+    Parameters
+    ----------
+    contact, speed
+        As in `normal_impact`.
     """
     impact = normal_impact(contact, speed, ledger=contact.law is None)
     if impact.ledger is not None:

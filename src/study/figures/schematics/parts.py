@@ -62,10 +62,17 @@ def sheets(
 ) -> tuple[Figure, dict[str, Sheet]]:
     """Return an empty figure and its panels, whose units are equally long along x and y.
 
-    `tables`: the first of them holds the parts of all panels; `spec`: registry entry; the ranges of
-    its panels are what is drawn, without axes; `places`: left, lower end, width and height of each
-    panel, mm; `scale`: what counts as one in the ranges, in the unit of the table: a drawing in
-    multiples of, say, the radius keeps its looks at another radius.
+    Parameters
+    ----------
+    tables
+        The first of them holds the parts of all panels.
+    spec
+        Registry entry; the ranges of its panels are what is drawn, without axes.
+    places
+        Left, lower end, width and height of each panel, mm.
+    scale
+        What counts as one in the ranges, in the unit of the table: a drawing in multiples of, say,
+        the radius keeps its looks at another radius.
     """
     width, height = WIDTH_MM[spec.width], spec.height_mm
     # An engine of its own: without any, Matplotlib falls back to that of the style when it saves.
@@ -245,8 +252,12 @@ def dimension(ax: Axes, ends: ArrayLike, text: str, spot: ArrayLike, **look: Any
 def scale_bar(ax: Axes, right: ArrayLike, longest: float, scale: float, unit: str) -> None:
     """Draw a round length that ends at a spot, its value to the left.
 
-    `longest`: what the length must not exceed, in units of the drawing; `scale`: one unit of the
-    drawing, in the unit that is written.
+    Parameters
+    ----------
+    longest
+        What the length must not exceed, in units of the drawing.
+    scale
+        One unit of the drawing, in the unit that is written.
     """
     power = 10.0 ** np.floor(np.log10(longest * scale))
     value = max(step * power for step in (1.0, 2.0, 5.0) if step * power <= longest * scale)

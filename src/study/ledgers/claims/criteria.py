@@ -287,11 +287,19 @@ class Claim:
 def read_claims(path: Path | str, values: Mapping[str, Any] | None = None) -> dict[str, Claim]:
     """Read and check a file of claims.
 
-    `values`: parameters of ``claim_numbers``, to be put into the words, a claim's own by their
-    names alone; without them the words keep the names, and numbers are not asked for. Raises
-    ClaimsError, naming the dotted key of every problem in any claim, one line each, or a claim
-    without numbers, or numbers without a claim; and ConfigError if the words name a parameter that
-    there is not.
+    Parameters
+    ----------
+    values
+        Parameters of ``claim_numbers``, to be put into the words, a claim's own by their names
+        alone; without them the words keep the names, and numbers are not asked for.
+
+    Raises
+    ------
+    ClaimsError
+        Naming the dotted key of every problem in any claim, one line each, or a claim without
+        numbers, or numbers without a claim.
+    ConfigError
+        If the words name a parameter that there is not.
     """
     claims, problems = {}, []
     for key, entry in load(path).items():

@@ -76,7 +76,12 @@ class Checks(NamedTuple):
 def check(equation: Equation, proof: Proof, text: str, case: ReferenceCase) -> Checks:
     """Check the dimensions of a form, and prove it.
 
-    `equation`: whose symbols count; `case`: the impact for numeric proofs.
+    Parameters
+    ----------
+    equation
+        Whose symbols count.
+    case
+        The impact for numeric proofs.
     """
     derivation = proof.derivation.check(parse(text), case) if proof.derivation else "none"
     try:
@@ -113,8 +118,16 @@ def verdict(equation: Equation, printed: Checks, used: Checks, apart: float | No
 def judge(tables: Mapping[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
     """Judge all relations.
 
-    `tables`: ``materials`` and ``contacts``, declared rows of one pair, steel on silicon. Gives
-    ``equations``, and as ``errata`` the slips of the article outside its equations, one row each.
+    Parameters
+    ----------
+    tables
+        ``materials`` and ``contacts``, declared rows of one pair, steel on silicon.
+
+    Returns
+    -------
+    tables
+        ``equations``, and as ``errata`` the slips of the article outside its equations, one row
+        each.
     """
     case = reference_case(tables)
     rows = [row(equation, proof_of(equation), case) for equation in EQUATIONS.values()]

@@ -47,7 +47,10 @@ CHOSEN: Numbers = {
 def reference_case(tables: Mapping[str, pd.DataFrame]) -> ReferenceCase:
     """Return the impact, of the declared contact.
 
-    `tables`: ``materials`` and ``contacts``, declared rows of one pair, steel on silicon.
+    Parameters
+    ----------
+    tables
+        ``materials`` and ``contacts``, declared rows of one pair, steel on silicon.
     """
     rows: dict[str, Any] = {
         name: tables[name].to_dict("records") for name in ("materials", "contacts")

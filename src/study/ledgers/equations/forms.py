@@ -111,8 +111,17 @@ def _expression(text: str) -> Any:
 def check_dimensions(text: str, units: Mapping[str, str]) -> None:
     """Check that all parts of a formula agree in dimension.
 
-    `text`: the formula; `units`: unit of every symbol. Raises DimensionError, saying what does not
-    agree.
+    Parameters
+    ----------
+    text
+        The formula.
+    units
+        Unit of every symbol.
+
+    Raises
+    ------
+    DimensionError
+        Saying what does not agree.
     """
     exponents = {
         symbol(name): sympy.Rational(*value)

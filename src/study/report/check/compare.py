@@ -271,7 +271,10 @@ def sections(changes: Changes, few: int) -> list[tuple[str, tuple[Difference, ..
 def page(changes: Changes, few: int = 20) -> str:
     """Return the changes as one HTML page that needs nothing else, figures side by side.
 
-    `few`: how many differences of each kind are shown per table of numbers.
+    Parameters
+    ----------
+    few
+        How many differences of each kind are shown per table of numbers.
     """
     return render(
         "compare.html",

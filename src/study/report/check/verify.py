@@ -68,8 +68,17 @@ class Tolerances:
     def require_use(self, columns: Mapping[str, Iterable[str]], name: str) -> None:
         """Refuse a tolerance that fits no column of any table: it has outlived its reason.
 
-        `columns`: columns of all tables, references and results; `name`: of the file of tolerances.
-        Raises ResultsError, naming the tolerance.
+        Parameters
+        ----------
+        columns
+            Columns of all tables, references and results.
+        name
+            Of the file of tolerances.
+
+        Raises
+        ------
+        ResultsError
+            Naming the tolerance.
         """
         for i, rule in enumerate(self.columns):
             tables = [c for file, c in columns.items() if fnmatchcase(file, rule.file)]
@@ -153,7 +162,10 @@ def concerned(
 ) -> tuple[list[str], list[str]]:
     """Return the names of all figures and of all tables that differences concern.
 
-    `drawn_from`: for each figure the tables of figure data it is drawn from.
+    Parameters
+    ----------
+    drawn_from
+        For each figure the tables of figure data it is drawn from.
     """
     files = {d.file for d in differences}
     names = {

@@ -64,7 +64,12 @@ def markdown(
 ) -> str:
     """Return the differences as Markdown: a heading per file, and a table of the worst.
 
-    `few`: how many of each kind are shown per file; `names`: of the two sides.
+    Parameters
+    ----------
+    few
+        How many of each kind are shown per file.
+    names
+        Of the two sides.
     """
     sections = []
     for file, members in by_file(differences).items():

@@ -28,8 +28,10 @@ MATERIAL = ("youngs_modulus", "poissons_ratio", "density")
 def page_files(inputs: Mapping[str, pd.DataFrame]) -> dict[str, str]:
     """Return the page and its scripts by their place in the report.
 
-    `inputs`: ``materials``, ``contacts``: all declared rows; ``calibration``: the table of that
-    study.
+    Parameters
+    ----------
+    inputs
+        ``materials``, ``contacts``: all declared rows; ``calibration``: the table of that study.
     """
     page = render(
         "explorer.html",
@@ -49,8 +51,12 @@ def numbers(inputs: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
     """Return the constants, materials and contacts of the page, ready for JSON, in SI units.
 
     ``constants`` of the model, ``materials`` as declared, ``contacts``: the calibrated cases, then
-    the declared pairs of other materials; a field that nobody declared is None. `inputs`: as of
-    `page_files`.
+    the declared pairs of other materials; a field that nobody declared is None.
+
+    Parameters
+    ----------
+    inputs
+        As of `page_files`.
     """
     materials, pairs = declared(inputs)
     solved = inputs["calibration"].query("role == 'parameter'")

@@ -104,8 +104,17 @@ def write_site(results: Path, record: Record) -> list[Path]:
 
     The same results and record give the same bytes. Files of others in ``report/`` stay.
 
-    The pages. `results`: results folder; `record`: what is known of the run. Raises ValueError if
-    there is nothing to show, or a ledger lacks a column.
+    Parameters
+    ----------
+    results
+        Results folder.
+    record
+        What is known of the run.
+
+    Raises
+    ------
+    ValueError
+        If there is nothing to show, or a ledger lacks a column.
     """
     pages = site_pages(results, record)
     report = results / REPORT

@@ -98,9 +98,16 @@ def figures(
 ) -> list[Figure]:
     """Return all figures of a run, those of the article first.
 
-    `results`: results folder; a figure that is not there is left out; `record`: registry and rules
-    of the run; `ledgers`: rows of ``claims`` and ``equations``; `declared`: rows of the table of
-    inputs.
+    Parameters
+    ----------
+    results
+        Results folder; a figure that is not there is left out.
+    record
+        Registry and rules of the run.
+    ledgers
+        Rows of ``claims`` and ``equations``.
+    declared
+        Rows of the table of inputs.
     """
     needed = needs(record.rules)
     calibration = read_rows(results / "tables/calibration.csv")

@@ -38,7 +38,15 @@ _SUM, _PRODUCT, _SIGN, _POWER, _ATOM = range(5)
 def mathml(text: str) -> Markup:
     """Return a formula as a ``<math>`` element.
 
-    `text`: the formula, as ``e = -V_n/v_n``. Raises ValueError if the text is no formula.
+    Parameters
+    ----------
+    text
+        The formula, as ``e = -V_n/v_n``.
+
+    Raises
+    ------
+    ValueError
+        If the text is no formula.
     """
     for relation, sign in RELATIONS.items():
         if relation in text:

@@ -52,9 +52,19 @@ EXPLORER = "explorer"
 def render(template_name: str, *, templates: Path | None = None, **context: Any) -> str:
     """Return a page.
 
-    `template_name`: file name of the template; `templates`: a folder that is searched before that
-    of the site; `context`: what the template shows; see the module's text for ``here``, ``root``
-    and ``wide``. Raises jinja2.UndefinedError if the template shows something that is not given.
+    Parameters
+    ----------
+    template_name
+        File name of the template.
+    templates
+        A folder that is searched before that of the site.
+    context
+        What the template shows; see the module's text for ``here``, ``root`` and ``wide``.
+
+    Raises
+    ------
+    jinja2.UndefinedError
+        If the template shows something that is not given.
     """
     return _environment(templates).get_template(template_name).render(**context)
 

@@ -71,9 +71,16 @@ def record_of(
 ) -> Record:
     """Return the record of a run that is being made.
 
-    `config`, `shipped`: the merged configuration, and the one that the project comes with;
-    `figures`: the registry, words filled in; `rules`: all rules that make results; `project`: root
-    of the project, whose commit is recorded.
+    Parameters
+    ----------
+    config, shipped
+        The merged configuration, and the one that the project comes with.
+    figures
+        The registry, words filled in.
+    rules
+        All rules that make results.
+    project
+        Root of the project, whose commit is recorded.
     """
     changed = changes(config, shipped)
     return Record(**origin(config, project), changes=changed, figures=figures, rules=tuple(rules))

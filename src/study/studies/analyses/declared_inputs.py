@@ -22,9 +22,15 @@ class Params:
 def run(params: Params, inputs: Tables) -> Tables:
     """Return the table of declared inputs.
 
-    ``inputs``: columns file, key, value, low, high, unit, evidence, source. `params`: not used;
-    `inputs`: ``declared``: rows of the merged configuration (key, value, unit, evidence, source);
-    ``materials``, ``contacts``, ``printed_values``, ``external``: the declared tables in full.
+    ``inputs``: columns file, key, value, low, high, unit, evidence, source.
+
+    Parameters
+    ----------
+    params
+        Not used.
+    inputs
+        ``declared``: rows of the merged configuration (key, value, unit, evidence, source);
+        ``materials``, ``contacts``, ``printed_values``, ``external``: the declared tables in full.
     """
     printed, materials, contacts, external = (
         inputs[name].copy() for name in ("printed_values", "materials", "contacts", "external")

@@ -36,9 +36,15 @@ def run(params: Params, inputs: Tables) -> Tables:
     the fraction of those ``bars`` points that have a bar whose bar contains the curve, empty if
     none has, and ``normalised_rms`` the rms of their differences over the standard uncertainties,
     infinite where a bar without length misses the curve. A bar is taken for an interval of 95 %. No
-    rows if there are no points. `params`: not used; `inputs`: ``digitised``: points with their
-    figure; absent if there are none. The figure data of these figures, whose names begin with that
-    of the figure, as ``fig23`` and ``fig23_points``.
+    rows if there are no points.
+
+    Parameters
+    ----------
+    params
+        Not used.
+    inputs
+        ``digitised``: points with their figure; absent if there are none. The figure data of these
+        figures, whose names begin with that of the figure, as ``fig23`` and ``fig23_points``.
     """
     points = inputs.get("digitised", pd.DataFrame())
     rows: list[dict[str, Any]] = []

@@ -106,9 +106,13 @@ def run(params: Params, inputs: Tables) -> Tables:
     """Put every fact beside the number that the model gives.
 
     ``external_evidence``: fact, source, quantity, contact, what was measured or its bounds, what
-    the model gives and whether it lies within them. `inputs`: ``external``: the facts;
-    ``materials`` and ``calibration``: the contacts; ``doe_levels``, ``doe_effects``,
-    ``monte_carlo``, ``oblique_residuals``: tables of those studies.
+    the model gives and whether it lies within them.
+
+    Parameters
+    ----------
+    inputs
+        ``external``: the facts; ``materials`` and ``calibration``: the contacts; ``doe_levels``,
+        ``doe_effects``, ``monte_carlo``, ``oblique_residuals``: tables of those studies.
     """
     facts = inputs["external"]
     rows = [

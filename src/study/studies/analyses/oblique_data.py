@@ -88,8 +88,12 @@ def run(params: Params, inputs: Tables) -> Tables:
     ``oblique_comparison``: every measured point beside the laws. ``oblique_residuals``: rms by
     quantity, branch, reading and law. A point is of the branch in which a rigid sphere would be.
     ``tangential_bounds``: restitution of the contact point along the surface where sliding
-    throughout begins, by the article's angle, the data and the laws. `inputs`: ``external``: the
-    measured points; ``materials``, and ``calibration`` for the microspheres.
+    throughout begins, by the article's angle, the data and the laws.
+
+    Parameters
+    ----------
+    inputs
+        ``external``: the measured points; ``materials``, and ``calibration`` for the microspheres.
     """
     rows: Any = inputs["materials"].to_dict("records")
     bodies = materials_from_rows(rows)

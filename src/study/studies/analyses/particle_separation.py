@@ -75,9 +75,16 @@ def band_row(
     """Return a row of a table: middle, band, and how often given bounds hold.
 
     ``holds`` is for the middle, ``share`` for all combinations, alike in weight. Without bounds the
-    share is that of the combinations in which the quantity exists. `quantity`, `unit`: what it is;
-    `values`: at every combination, shape (3, ..., 3); NaN where it does not exist; `low`, `high`:
-    bounds of a statement; one that is not given excludes nothing.
+    share is that of the combinations in which the quantity exists.
+
+    Parameters
+    ----------
+    quantity, unit
+        What it is.
+    values
+        At every combination, shape (3, ..., 3); NaN where it does not exist.
+    low, high
+        Bounds of a statement; one that is not given excludes nothing.
     """
     bounded = np.isfinite(low) or np.isfinite(high)
     exists = np.isfinite(values)

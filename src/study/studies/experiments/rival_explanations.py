@@ -111,9 +111,13 @@ def run(params: Params, inputs: Tables) -> Tables:
 
     ``rival_restitution``: data of the figure. ``rival_explanations``: per printed observation what
     each explanation gives, and whether it tells them apart. ``capture_evidence``: what piles, slow
-    rebounds and energies give for two capture velocities. `inputs`: ``calibration``, ``pile_up``,
-    ``pile_up_onsets``: tables of these studies; ``materials``: declared rows; ``printed``:
-    printed values.
+    rebounds and energies give for two capture velocities.
+
+    Parameters
+    ----------
+    inputs
+        ``calibration``, ``pile_up``, ``pile_up_onsets``: tables of these studies; ``materials``:
+        declared rows; ``printed``: printed values.
     """
     contacts = {case: calibrated_contact(inputs, case) for case in params.cases}
     printed = printed_beside(inputs)
@@ -135,8 +139,16 @@ def ends_of(printed: pd.DataFrame, key: str) -> tuple[float, float]:
 def uncorrected(speed: Real, restitution: Real, height: float) -> tuple[FloatArray, FloatArray]:
     """Return the incident speed and the restitution of uncorrected speeds at a height.
 
-    Incident speed, m/s, and restitution; nan where the sphere does not reach the probe. `speed`: at
-    the surface, m/s; `restitution`: true; `height`: of the probe, m.
+    Incident speed, m/s, and restitution; nan where the sphere does not reach the probe.
+
+    Parameters
+    ----------
+    speed
+        At the surface, m/s.
+    restitution
+        True coefficients of restitution at these speeds.
+    height
+        Of the probe, m.
     """
     fall = 2.0 * gravity * height
     squares = np.square(speed) - fall, np.square(restitution * np.asarray(speed)) - fall

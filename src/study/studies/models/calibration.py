@@ -121,7 +121,10 @@ def solved(
 ) -> Contact:
     """Return the member of the family at one rate exponent and work of adhesion (J/m2).
 
-    `aims`: speed (m/s), restitution there, and capture velocity (m/s).
+    Parameters
+    ----------
+    aims
+        Speed (m/s), restitution there, and capture velocity (m/s).
     """
     changed = contact.replace(adhesion_rate_exponent=exponent, work_of_adhesion=work)
     return two_stage(changed, *aims).contact

@@ -61,9 +61,18 @@ def impulse_ratio(
 ) -> NDArray[np.float64]:
     """Return the impulse ratio -mu of the rigid body model, which depends on no scale.
 
-    Shape of `angle`; positive when friction opposes the tangential velocity. `angle`: angle of
-    incidence from the surface in degrees, in (0, 90]; `restitution`: coefficient of restitution e;
-    `friction`: friction coefficient f; `spin_ratio`: initial r omega / v.
+    Shape of `angle`; positive when friction opposes the tangential velocity.
+
+    Parameters
+    ----------
+    angle
+        Angle of incidence from the surface in degrees, in (0, 90].
+    restitution
+        Coefficient of restitution e.
+    friction
+        Friction coefficient f.
+    spin_ratio
+        Initial r omega / v.
     """
     alpha = np.radians(angle)
     # cos(90 deg) is not exactly 0 in floating point, but the tangential velocity there is.

@@ -50,8 +50,14 @@ def calibrated_sample(start: Contact, targets: Targets) -> tuple[Contact, BoolAr
 
     Each search ends one turn after it meets its targets; few of them take the last turns.
 
-    Contacts of shape (n,), and which of them meet their targets. `start`: a calibrated contact,
-    where every search begins; `targets`: what to meet.
+    Contacts of shape (n,), and which of them meet their targets.
+
+    Parameters
+    ----------
+    start
+        A calibrated contact, where every search begins.
+    targets
+        What to meet.
     """
     damping = targets.damping_share * material_damping(targets.high_speed, targets.restitution)
     moved = _moved(start, targets.stiffness, damping)

@@ -128,8 +128,17 @@ def draws_of(params: Common, inputs: Tables, *claims: str) -> pd.DataFrame:
 def numbers_of(claim: str, params: Common, inputs: Tables) -> pd.DataFrame:
     """Return the numbers of one claim, as rows of the table of all.
 
-    `claim`: such as ``C58``; `params`, `inputs`: as in `run`; of the tables those that the claim
-    reads. Raises ValueError if no function computes such a claim.
+    Parameters
+    ----------
+    claim
+        Such as ``C58``.
+    params, inputs
+        As in `run`; of the tables those that the claim reads.
+
+    Raises
+    ------
+    ValueError
+        If no function computes such a claim.
     """
     if claim not in CLAIMS:
         raise ValueError(f"no function computes a claim {claim!r}{nearest(claim, CLAIMS)}")

@@ -99,7 +99,10 @@ class Context:
     def capture_angle(self, above: float = 0.0) -> FloatArray:
         """Return the angle at and below which the impact meant is captured, degrees; at most 90.
 
-        `above`: how far above the capture velocity the normal speed is, relatively.
+        Parameters
+        ----------
+        above
+            How far above the capture velocity the normal speed is, relatively.
         """
         limit = np.asarray(capture_velocity(self.steel))
         angle: FloatArray = np.degrees(

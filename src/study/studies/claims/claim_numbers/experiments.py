@@ -326,8 +326,19 @@ def c64(
 def fallen_speed(speed: FloatArray, restitution: FloatArray, share: float) -> FloatArray:
     """Return the highest speed at which restitution is a share of its value at the last speed.
 
-    `speed`: ascending, m/s, shape (n,); `restitution`: of m experiments, shape (n, m); `share`: of
-    the plateau. Raises ValueError if it is above that share at all speeds.
+    Parameters
+    ----------
+    speed
+        Ascending, m/s, shape (n,).
+    restitution
+        Of m experiments, shape (n, m).
+    share
+        Of the plateau.
+
+    Raises
+    ------
+    ValueError
+        If it is above that share at all speeds.
     """
     aim = share * restitution[-1]
     below = restitution < aim

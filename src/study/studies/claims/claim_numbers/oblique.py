@@ -565,8 +565,10 @@ def c106(
 ) -> Numbers:
     """Impulse ratio at the shallow angle less that at the steep one, at the slow speed.
 
-    `friction_speed_exponent`: of the normal speed, over the speed, in the coefficient of friction,
-    which is constant: 0.
+    Parameters
+    ----------
+    friction_speed_exponent
+        Of the normal speed, over the speed, in the coefficient of friction, which is constant: 0.
     """
     angle, steel = np.array(angles_deg)[:, None], context.steel
     share = np.power(np.sin(np.radians(angle)), friction_speed_exponent)

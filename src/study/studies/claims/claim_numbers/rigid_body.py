@@ -206,7 +206,10 @@ def c92(context: Context, *, plateau_deg: AngleDegrees) -> Numbers:
 def c93(context: Context, *, share_without_adhesion: Fraction, angle_deg: AngleDegrees) -> Numbers:
     """Impulse and impulse ratio at a vanishing angle without adhesion, by all measures.
 
-    `share_without_adhesion`: of the work of adhesion that is left.
+    Parameters
+    ----------
+    share_without_adhesion
+        Of the work of adhesion that is left.
     """
     contact = context.steel
     work = np.asarray(contact.work_of_adhesion) * share_without_adhesion

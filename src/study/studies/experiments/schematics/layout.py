@@ -127,9 +127,14 @@ def imaging_top(camera_angle: float) -> Parts:
 def analyser_top(receiver_angle: float, detectors: int) -> tuple[Parts, Parts]:
     """Return the parts of the phase Doppler analyser (Fig. 2) seen from above.
 
-    Parts that the article names or implies, and usual parts that it leaves out. `receiver_angle`:
-    angle between the beams' axis and that of the receiver, degrees; `detectors`: number of
-    detectors.
+    Parts that the article names or implies, and usual parts that it leaves out.
+
+    Parameters
+    ----------
+    receiver_angle
+        Angle between the beams' axis and that of the receiver, degrees.
+    detectors
+        Number of detectors.
     """
     x, y = PROBE
     turn = receiver_angle - 90.0
