@@ -353,11 +353,16 @@ def _write_above(ax: Axes, rows: pd.DataFrame) -> None:
         )
 
 
+# Part of an axis in which no word fits.
+NARROW = 0.04
+
+
 def shade_capture(ax: Axes, limit: float) -> None:
     """Shade the part of an axis from zero to a limit in which the sphere does not rebound."""
     ax.axvspan(0.0, limit, color="0.93", linewidth=0, zorder=0)
     low, high = ax.get_ylim()
-    ax.text(limit / 2, (low + high) / 2, "captured", rotation=90, ha="center", va="center")
+    if limit > NARROW * ax.get_xlim()[1]:
+        ax.text(limit / 2, (low + high) / 2, "captured", rotation=90, ha="center", va="center")
 
 
 def evidence_key(

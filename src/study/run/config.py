@@ -160,7 +160,8 @@ def validate(
     _refuse(_contradictions(laboratory, params, resolver.rows))
     bodies = {name: (case.particle, case.surface) for name, case in laboratory.cases.items()}
     used = {stands[f"cases.{case}.{body}"] for case in wanted & set(bodies) for body in _BODIES}
-    used |= {stands[f"drops.{drop}.{body}"] for drop in laboratory.drops for body in _BODIES}
+    dropped = ("impact", *(f"drops.{name}" for name in laboratory.drops))
+    used |= {stands[f"{drop}.{body}"] for drop in dropped for body in _BODIES}
     unused = tuple(key for key in resolver.unused() if key not in used)
     changed = () if only else {change.key for change in changes(config, base)}
     _refuse(f"{key}: changes nothing: no analysis names it" for key in unused if key in changed)

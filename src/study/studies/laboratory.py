@@ -7,6 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Annotated
+
+from pydantic import Field
 
 from microimpact.lab.dispenser import Dispenser, InitialSpin
 from microimpact.lab.experiment import StopRule
@@ -15,6 +18,7 @@ from microimpact.lab.ptis.system import ImagingSystem
 from microimpact.statistics.distributions import Distribution, mean
 from study.declared.parameters import (
     AngleDegrees,
+    CaseName,
     Fraction,
     MaterialName,
     Name,
@@ -107,6 +111,15 @@ class DeclaredDrop(Dropped):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class DeclaredImpact(DeclaredDrop):
+    """The impact that analyses of one contact are of, and further contacts of its pair."""
+
+    mean_diameter_um: Positive
+    other_case: CaseName
+    cases: Annotated[tuple[CaseName, ...], Field(min_length=1)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Laboratory:
     """All that can be named, by section."""
 
@@ -121,12 +134,20 @@ class Laboratory:
     experiment: Protocol
     pile: Pile
     cases: Mapping[str, Case]
+    impact: DeclaredImpact
     drops: Mapping[str, DeclaredDrop]
 
     def disagreements(self) -> Iterator[str]:
         """Yield a line for each drop whose contact is of other materials."""
-        for name, drop in self.drops.items():
-            case = self.cases.get(drop.case)
-            bodies = f"{case.particle} on {case.surface}" if case else drop.case
+        impact = self.impact
+        named = [
+            ("impact.case", impact.case, impact),
+            ("impact.other_case", impact.other_case, impact),
+        ]
+        named += [(f"impact.cases[{i}]", case, impact) for i, case in enumerate(impact.cases)]
+        named += [(f"drops.{name}.case", drop.case, drop) for name, drop in self.drops.items()]
+        for key, name, drop in named:
+            case = self.cases.get(name)
+            bodies = f"{case.particle} on {case.surface}" if case else name
             if bodies != (wanted := f"{drop.particle} on {drop.surface}"):
-                yield f"drops.{name}.case: {drop.case!r} is of {bodies}, must be of {wanted}"
+                yield f"{key}: {name!r} is of {bodies}, must be of {wanted}"

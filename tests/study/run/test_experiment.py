@@ -1,0 +1,46 @@
+"""Another experiment is declared in one place: words and claims of what rests on it follow."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from tests.shared import ROOT, settings_as_shipped, shipped
+
+from study.declared.documents import load
+from study.declared.references import merged
+from study.ledgers.claims.changed import OF_ANOTHER, with_inputs
+from study.run.changed import changed_inputs
+from study.run.config import read_inputs, validate
+
+OVERLAY = ROOT / "config/examples/latex-on-silica.yaml"
+FIGURES = re.search(r"snakemake (.*) --configfile", OVERLAY.read_text())[1].split()
+
+
+@pytest.fixture(scope="module")
+def latex():
+    settings = validate(merged(shipped(), load(OVERLAY)), shipped())
+    return settings, changed_inputs(settings, settings_as_shipped())
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_no_word_is_of_the_old_pair(latex, name):
+    spec = read_inputs(*latex).figures[name]
+    assert not re.search("steel|silicon|molybdenum|SST", f"{spec.title} {spec.caption}")
+
+
+@pytest.mark.parametrize("table", ["pairing_quality", "rolling_dissipation", "force_ratios"])
+def test_claims_of_these_analyses_are_not_of_this_experiment(latex, table):
+    row = {"id": "C01", "inputs": table, "verdict": "reproduced", "note": ""}
+    assert with_inputs(row, latex[1])["verdict"] == OF_ANOTHER
+
+
+def test_claims_of_the_articles_pairs_stay(latex):
+    row = {"id": "C01", "inputs": "surface_pairs", "verdict": "reproduced", "note": ""}
+    assert with_inputs(row, latex[1])["verdict"] == "reproduced"
+
+
+def test_another_contact_must_be_of_its_pair():
+    overlay = {"impact": {"cases": ["steel-silicon, n = 1", "steel-mirror front"]}}
+    with pytest.raises(ValueError, match=r"impact\.cases\[1\]: 'steel-mirror front' is of"):
+        validate(merged(shipped(), overlay), shipped())
