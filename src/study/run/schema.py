@@ -58,10 +58,10 @@ class DeclaredSchema(GenerateJsonSchema):
         return _declarable(super().dataclass_field_schema(schema))
 
     def dict_schema(self, schema: core_schema.DictSchema) -> Schema:
-        """Return a mapping whose values may be declared."""
+        """Return a mapping whose values may be declared; null takes one away."""
         node = super().dict_schema(schema)
         if isinstance(values := node.get("additionalProperties"), dict):
-            node["additionalProperties"] = _declarable(values)
+            node["additionalProperties"] = {"anyOf": [_declarable(values), {"type": "null"}]}
         return node
 
     def tagged_union_schema(self, schema: core_schema.TaggedUnionSchema) -> Schema:
