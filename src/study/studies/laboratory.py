@@ -140,12 +140,10 @@ class Laboratory:
     def disagreements(self) -> Iterator[str]:
         """Yield a line for each drop whose contact is of other materials."""
         impact = self.impact
-        named = [
-            ("impact.case", impact.case, impact),
-            ("impact.other_case", impact.other_case, impact),
-        ]
-        named += [(f"impact.cases[{i}]", case, impact) for i, case in enumerate(impact.cases)]
-        named += [(f"drops.{name}.case", drop.case, drop) for name, drop in self.drops.items()]
+        cases = {"case": impact.case, "other_case": impact.other_case}
+        cases |= {f"cases[{i}]": case for i, case in enumerate(impact.cases)}
+        named = [(f"drops.{name}.case", drop.case, drop) for name, drop in self.drops.items()]
+        named += [(f"impact.{key}", name, impact) for key, name in cases.items()]
         for key, name, drop in named:
             case = self.cases.get(name)
             bodies = f"{case.particle} on {case.surface}" if case else name
