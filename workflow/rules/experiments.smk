@@ -155,7 +155,7 @@ use rule study as rival_explanations with:
     input:
         **tables("calibration", "pile_up", "pile_up_onsets"),
     output:
-        **tables("rival_explanations", "capture_evidence"),
+        **tables("rival_explanations", "capture_evidence", "rival_forces"),
         **data("rival_restitution"),
     pathvars:
         study="rival_explanations",

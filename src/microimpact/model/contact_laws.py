@@ -37,7 +37,7 @@ class ContactLaw:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class JKR(ContactLaw):
-    """JKR contact with viscous loss in the bulk (Brilliantov et al. 2007; Krijt et al. 2013).
+    """JKR contact with viscous loss in the bulk (Krijt et al. 2013).
 
     It closes at touch and breaks at a negative overlap; that alone costs energy. The bulk opposes
     ``2 E* a A`` times the speed of compression, the stiffness of a contact of radius a.

@@ -63,7 +63,7 @@ LATER_COLUMNS = (
 # Tables with rows of single claims.
 PARTS_OF_CLAIMS = {"results": "results", "facts": "evidence", "amendments": "amendments"}
 # Tables that the page of claims shows below them.
-BESIDE = ("rival_explanations", "capture_evidence", "external_evidence")
+BESIDE = ("rival_explanations", "capture_evidence", "rival_forces", "external_evidence")
 EQUATION_COLUMNS = (
     *("equation", "section", "printed", "used", "verdict", "kind_of_slip", "reason", "function"),
     *("consequence", "consequence_value", "consequence_unit", "derivation_printed"),

@@ -12,7 +12,7 @@ import pandas as pd
 from pydantic import Field
 
 from microimpact.core.arrays import FloatArray, Real
-from microimpact.core.constants import gravity
+from microimpact.core.constants import epsilon_0, gravity
 from microimpact.model.closed_forms import jkr_sticking_velocity
 from microimpact.model.contact import Contact, resized
 from microimpact.model.dynamics.capture import capture_velocity
@@ -46,6 +46,10 @@ _frame = partial(series_frame, panel="restitution", x_unit="m_per_s", y_unit="1"
 
 # Smooth curves.
 POINTS = 200
+# Molar gas constant (J/mol/K), room temperature (K); air, and water there, in SI units.
+GAS, ROOM = 8.314462618, 293.15
+AIR = {"molar_mass": 0.028965, "viscosity": 1.81e-5}
+WATER = {"tension": 0.0727, "volume": 1.805e-5, "saturation_Pa": 2339.0}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,6 +86,7 @@ class Params:
     captured: tuple[CaseName, ...]  # Contacts of other particles
     # Of steel on silicon: as printed, and much lower.
     capture_velocities_m_per_s: tuple[Positive, Positive]
+    pressure_Pa: Positive  # noqa: N815 (the unit)
 
 
 # What is asked of piles, and where the study of piles has all that it computes.
@@ -111,7 +116,8 @@ def run(params: Params, inputs: Tables) -> Tables:
 
     ``rival_restitution``: data of the figure. ``rival_explanations``: per printed observation what
     each explanation gives, and whether it tells them apart. ``capture_evidence``: what piles, slow
-    rebounds and energies give for two capture velocities.
+    rebounds and energies give for two capture velocities. ``rival_forces``: what other forces would
+    need, and what excludes them.
 
     Parameters
     ----------
@@ -128,6 +134,7 @@ def run(params: Params, inputs: Tables) -> Tables:
         "rival_restitution": figure_data(params, contacts, marks),
         "rival_explanations": pd.DataFrame(observations(params, contacts, printed)),
         "capture_evidence": pd.DataFrame(evidence(params, contacts, inputs, printed)),
+        "rival_forces": pd.DataFrame(forces(params, next(iter(contacts.values())))),
     }
 
 
@@ -186,6 +193,7 @@ def observations(
     """Yield the prediction of each explanation for each printed observation.
 
     An observation tells them apart if what is printed, or its sign, is compatible with one alone.
+    The speed below which no rebound is seen, alike by both, is none: a pile is no missing rebound.
     """
     height, speed = params.probe_height_mm * 1e-3, params.seen_from_m_per_s
     both = np.array([printed["value"]["plateau_speed_sst_silicon"], speed])
@@ -203,10 +211,6 @@ def observations(
     ratios = [of / other for of, other in zip(*fallen, strict=True)]
     name = "speed at which restitution has fallen, larger over smaller class"
     yield row(name, "1", 1.0, ratios, (0.0, 0.999))
-    limits = [float(capture_velocity(one)) for one in small]
-    slowest = np.sqrt(2.0 * gravity * height) / params.restitution
-    name = "speed below which no rebound is seen"
-    yield row(name, "m/s", slowest, limits, ends_of(printed, PILES_BEGIN))
     for key, impact in params.oblique.items():
         aim, angle, total = printed["value"][key], impact.angle_deg, impact.speed_m_per_s
         impacts = [simulate(one, total, angle) for one in contacts.values()]
@@ -256,10 +260,11 @@ def evidence(
     ends = ends_of(printed, PILES_BEGIN)
     target = {"target_radius_mm": params.pile_radius_mm, "slope_deg": params.pile_slope_deg}
     onsets = chosen(inputs["pile_up_onsets"], **target)
-    for share in sorted(set(onsets["share"].astype(float))):
-        onset = chosen(onsets, share=share).iloc[0]
-        at = [float(onset[onset_column(v)]) for v in (strong, weak)]
-        yield weighed(f"speed below which {100 * share:.0f} % of the spheres stay", "m/s", at, ends)
+    # One simulation is one line, whatever share of the spheres is called a pile.
+    share = float(onsets["share"].astype(float).max())
+    onset = chosen(onsets, share=share).iloc[0]
+    at = [float(onset[onset_column(v)]) for v in (strong, weak)]
+    yield weighed(f"speed below which {100 * share:.0f} % of the spheres stay", "m/s", at, ends)
     rows = chosen(inputs["pile_up"], **target, speed_m_per_s=params.slow_speed_m_per_s)
     at = [
         float(chosen(rows, capture_velocity_m_per_s=v)["share_captured_at_first_impact"].iloc[0])
@@ -275,6 +280,47 @@ def evidence(
     at = [energy_ratio(params, steel, velocity) for velocity in (strong, weak)]
     name = "kinetic energy at capture over the loss of JKR, beside that of other particles"
     yield weighed(name, "1", at, (min(others), max(others)))
+
+
+def forces(params: Params, contact: Contact) -> Iterator[dict[str, Any]]:
+    """Yield other forces that could hold or slow a sphere, a number each, and what excludes it."""
+    v_c, e = params.capture_velocities_m_per_s[0], params.restitution
+    radius, density = 0.5e-6 * params.diameters_um[0], contact.particle.density
+    vacuum = "vacuum (Section 2.1)"
+
+    def of(
+        force: str, quantity: str, value: float, unit: str, excluded_by: str, source: str
+    ) -> dict[str, Any]:
+        named = {"force": force, "quantity": quantity, "value": value, "unit": unit}
+        return named | {"excluded_by": excluded_by, "source": source, "evidence": "computed"}
+
+    # Kelvin's radius of water: twice the surface tension times the molar volume, over R T ln(p/p_0).
+    saturation = np.log(params.pressure_Pa / WATER["saturation_Pa"])
+    meniscus = -2.0 * WATER["tension"] * WATER["volume"] / (GAS * ROOM * saturation)
+    kelvin = "radius of a meniscus of water, at most"
+    yield of("capillary bridges", kelvin, meniscus * 1e9, "nm", vacuum, "Kelvin: below a molecule")
+    # Epstein's drag on a diffusely reflecting sphere, over the way from the probe and back.
+    speed = np.sqrt(8.0 * GAS * ROOM / (np.pi * AIR["molar_mass"]))
+    gas = params.pressure_Pa * AIR["molar_mass"] / (GAS * ROOM)
+    rate = (1.0 + np.pi / 8.0) * gas * speed / (density * radius)
+    slowed = rate * 2e-3 * params.probe_height_mm / v_c
+    name = "share of the speed lost between probe and surface"
+    yield of("drag of the air", name, slowed, "1", vacuum, "Epstein 1924")
+    stokes = 2.0 * density * radius * v_c / (9.0 * AIR["viscosity"])
+    name = "Stokes number, if the cell were full of air"
+    yield of("squeeze film", name, stokes, "1", vacuum, "Davis et al. 1986: far above 10")
+    # Capture where e^2 of the energy at contact is the work against the image charge.
+    charge = v_c * e * np.sqrt(density * epsilon_0 / (1.5 * (1.0 - e**2)))
+    name = f"charge per surface for a capture velocity of {v_c:g} m/s, at any size"
+    excluded = (
+        "charge-free surfaces (Section 6); larger spheres are captured at lower speeds (2.3.1)"
+    )
+    yield of("image charge", name, charge * 1e6, "uC/m2", excluded, "image in a conductor")
+    rough = contact.replace(work_of_adhesion=0.1 * contact.work_of_adhesion)
+    ratio = float(capture_velocity(rough) / capture_velocity(contact))
+    name = "capture velocity with a tenth of the work of adhesion, over that with all"
+    excluded = "not excluded: the spheres are rough, but it only lowers the capture velocity"
+    yield of("roughness of the sphere", name, ratio, "1", excluded, "ring force, calibrated")
 
 
 def energy_ratio(params: Params, contact: Contact, velocity: float) -> float:
