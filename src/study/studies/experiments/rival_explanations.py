@@ -294,7 +294,7 @@ def forces(params: Params, contact: Contact) -> Iterator[dict[str, Any]]:
         named = {"force": force, "quantity": quantity, "value": value, "unit": unit}
         return named | {"excluded_by": excluded_by, "source": source, "evidence": "computed"}
 
-    # Kelvin's radius of water: twice the surface tension times the molar volume, over R T ln(p/p_0).
+    # Radius of Kelvin: twice the surface tension times the molar volume, over R T ln(p/p_0).
     saturation = np.log(params.pressure_Pa / WATER["saturation_Pa"])
     meniscus = -2.0 * WATER["tension"] * WATER["volume"] / (GAS * ROOM * saturation)
     kelvin = "radius of a meniscus of water, at most"
