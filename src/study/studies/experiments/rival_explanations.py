@@ -285,7 +285,7 @@ def evidence(
 def forces(params: Params, contact: Contact) -> Iterator[dict[str, Any]]:
     """Yield other forces that could hold or slow a sphere, a number each, and what excludes it."""
     v_c, e = params.capture_velocities_m_per_s[0], params.restitution
-    radius, density = 0.5e-6 * params.diameters_um[0], contact.particle.density
+    radius, density = 0.5e-6 * params.diameters_um[0], float(contact.particle.density)
     vacuum = "vacuum (Section 2.1)"
 
     def of(
@@ -315,8 +315,8 @@ def forces(params: Params, contact: Contact) -> Iterator[dict[str, Any]]:
     excluded = (
         "charge-free surfaces (Section 6); larger spheres are captured at lower speeds (2.3.1)"
     )
-    yield of("image charge", name, charge * 1e6, "uC/m2", excluded, "image in a conductor")
-    rough = contact.replace(work_of_adhesion=0.1 * contact.work_of_adhesion)
+    yield of("image charge", name, float(charge) * 1e6, "uC/m2", excluded, "image in a conductor")
+    rough = contact.replace(work_of_adhesion=0.1 * np.asarray(contact.work_of_adhesion))
     ratio = float(capture_velocity(rough) / capture_velocity(contact))
     name = "capture velocity with a tenth of the work of adhesion, over that with all"
     excluded = "not excluded: the spheres are rough, but it only lowers the capture velocity"
