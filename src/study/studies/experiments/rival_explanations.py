@@ -283,7 +283,7 @@ def evidence(
 
 
 def forces(params: Params, contact: Contact) -> Iterator[dict[str, Any]]:
-    """Yield other forces that could hold or slow a sphere, a number each, and what excludes it."""
+    """Yield a number for each other force that could hold or slow a sphere, and its exclusion."""
     v_c, e = params.capture_velocities_m_per_s[0], params.restitution
     radius, density = 0.5e-6 * params.diameters_um[0], float(contact.particle.density)
     vacuum = "vacuum (Section 2.1)"
