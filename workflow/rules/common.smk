@@ -220,6 +220,7 @@ def write_stamp(ended=None):
         ended=ended,
         outdated=others,
         declared=SETTINGS.declared,
+        files=stamp.checksums({key: getattr(SETTINGS.general, key) for key in FILES}),
     )
     return others
 

@@ -76,7 +76,7 @@ def write_checksums(root: Path, files: Iterable[Path | str], rests_on: str = "")
     for file in files:
         path = Path(file)
         name = path.relative_to(root).as_posix()
-        write_file(_record(root, path), f"{_sha256(path)}  {name}\n{comment}")
+        write_file(_record(root, path), f"{sha256(path)}  {name}\n{comment}")
 
 
 def of_other_inputs(root: Path, rests_on: Mapping[str, str]) -> list[str]:
@@ -156,9 +156,10 @@ def _is_altered(root: Path, path: Path) -> bool:
         recorded = _record(root, path).read_text(encoding="utf-8")
     except FileNotFoundError:
         return False
-    return recorded.partition(" ")[0] != _sha256(path)
+    return recorded.partition(" ")[0] != sha256(path)
 
 
-def _sha256(path: Path) -> str:
+def sha256(path: Path) -> str:
+    """SHA-256 of a file, as ``sha256sum`` prints it."""
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()

@@ -17,11 +17,12 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from microimpact.core.files import write_file
+from microimpact.core.files import sha256, write_file
 from study.declared.provenance import Declared, plain
 from study.declared.references import FROM, is_reference
 
 STAMP = "run.json"
+NO_FILES: Mapping[str, str] = {}
 PACKAGES = (
     "microimpact",
     "numpy",
@@ -127,6 +128,7 @@ def write_stamp(
     ended: datetime | None = None,
     outdated: Sequence[str] = (),
     declared: Sequence[Declared] = (),
+    files: Mapping[str, str] = NO_FILES,
 ) -> None:
     """Write the stamp of a run as JSON.
 
@@ -146,6 +148,8 @@ def write_stamp(
         Results of earlier runs with other inputs.
     declared
         All values as used; recorded are those that override a value of the laboratory.
+    files
+        Checksums of the declared files, see `checksums`.
     """
     stamp = {
         "started": started.isoformat(),
@@ -153,9 +157,20 @@ def write_stamp(
         "outdated": list(outdated),
         **origin(config, project),
         "overrides": {row.key: row.overrides for row in declared if row.overrides},
+        "files": dict(files),
         "config": config,
     }
     write_file(path, json.dumps(stamp, indent=2, ensure_ascii=False, default=str) + "\n")
+
+
+def checksums(places: Mapping[str, Path | str]) -> dict[str, str]:
+    """Return the SHA-256 of declared files by their names; of a folder, of every file in it."""
+    return {
+        path.relative_to(Path(place).parent).as_posix(): sha256(path)
+        for place in places.values()
+        for path in (sorted(Path(place).iterdir()) if Path(place).is_dir() else [Path(place)])
+        if path.is_file() and not path.name.startswith(".")
+    }
 
 
 def run_date() -> datetime:

@@ -46,7 +46,9 @@ def test_a_run_is_the_same_as_itself_at_another_commit(baseline, tmp_path):
 def test_every_kind_of_change_is_named(baseline, changed):
     changes = compare(baseline, changed)
     assert told(changes.inputs) == [("materials.glass.density", "value", "2500", "2600")]
-    assert told(changes.verdicts) == [("C01", "verdict", "reproduced", "not reproduced")]
+    assert told(changes.verdicts) == [
+        ("C01", "verdict", "reproduced (0.44)", "not reproduced (0.4)")
+    ]
     assert {d.file for d in changes.numbers} == {"data/fig14.csv", "tables/claims.csv"}
     assert [figure.name for figure in changes.figures] == ["fig14"]
     text = as_text(changes)
@@ -87,6 +89,17 @@ def test_a_changed_input_is_one_row_whatever_its_form_and_however_often_it_is_us
         ("friction.surface", "value", "silicon", "glass"),
         ("friction.angles", "value", "[5, 15]", "[10, 15]"),
         ("printed.v", "value (uses: 2)", "1", "2"),
+    ]
+
+
+def test_changed_and_added_files_are_named(baseline, tmp_path):
+    other = results(tmp_path / "b")
+    files = {"figures.yaml": "a" * 64, "digitised/fig04.csv": "c" * 64}
+    for root, sums in ((baseline, {"figures.yaml": "b" * 64}), (other, files)):
+        (root / "run.json").write_text(json.dumps({"files": sums}))
+    assert told(compare(baseline, other).inputs) == [
+        ("figures.yaml", "SHA-256", "b" * 12, "a" * 12),
+        ("digitised/fig04.csv", "SHA-256", "", "c" * 12),
     ]
 
 

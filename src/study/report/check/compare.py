@@ -6,7 +6,7 @@ import base64
 import json
 import re
 from collections import Counter, defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -32,10 +32,16 @@ SAME = "Inputs, numbers, verdicts and figures are the same."
 UNSEEN = "same parts, slightly moved"
 # Columns of the ledger of claims that are declared, not computed.
 DECLARED = ("statement", "criterion", "article_value")
+# Column that repeats the changed inputs, claim by claim.
+MARKED = "changed_inputs"
+# Columns behind a verdict: the share of the contacts that meet it, else its numbers.
+BEHIND = ("share", "computed_value")
 # Kinds of rows that one run alone has.
 LONE: tuple[Kind, Kind] = ("missing row", "extra row")
 # How references name what a file declares; by the name of the file where it is not here.
 PREFIX = {"config": "", "printed_values": "printed."}
+# Digits of a checksum that are shown.
+SHORT = 12
 # Characters of a cell in the page, and parts of a figure that are named.
 WIDTH, FEW = 120, 5
 _ITEM = re.compile(r"\[\d+\].*")
@@ -102,7 +108,8 @@ def compare(baseline: Path, changed: Path) -> Changes:
         if name in after:
             differences = compare_tables(name, read_cells(before[name]), read_cells(after[name]))
             for difference in _by_series(differences) if name.startswith("data/") else differences:
-                topics[_topic(difference)].append(difference)
+                if difference.column != MARKED:
+                    topics[_topic(difference)].append(difference)
     names = [name for name in figure_files(baseline) if f"figures/{name}.svg" in after]
     resting = [name for name in names if _rests_on_other_inputs(name, baseline, changed)]
     parts = by_file(topics["figures"])
@@ -121,7 +128,7 @@ def compare(baseline: Path, changed: Path) -> Changes:
         runs=tuple(_stamps(baseline, changed)),
         inputs=tuple(_inputs(baseline, changed, topics["inputs"])),
         resting=tuple(resting),
-        verdicts=tuple(topics["verdicts"]),
+        verdicts=tuple(_with_numbers(topics["verdicts"], baseline, changed)),
         numbers=tuple(topics["numbers"]),
         figures=tuple(figure for figure in figures if not figure.same),
         unchanged_figures=tuple(figure.name for figure in figures if figure.same),
@@ -146,6 +153,33 @@ def _topic(difference: Difference) -> str:
     # A claim that only one run has judged is a change of verdict, too.
     is_lone_claim = is_claim and difference.kind in LONE
     return "verdicts" if is_lone_claim or difference.column == "verdict" else "numbers"
+
+
+def _with_numbers(
+    verdicts: Sequence[Difference], baseline: Path, changed: Path
+) -> Iterator[Difference]:
+    """Yield the changed verdicts, each with the share or the numbers that moved in brackets."""
+    sides = (
+        [read_cells(table_files(root)[CLAIMS]) for root in (baseline, changed)] if verdicts else []
+    )
+    rows = [{row["id"]: row for row in side.to_dict("records")} for side in sides]
+    for verdict in verdicts:
+        claims = [side.get(verdict.row, {}) for side in rows]
+        moved = next((c for c in BEHIND if claims[0].get(c) != claims[1].get(c)), None)
+        if verdict.column != "verdict" or moved is None:
+            yield verdict
+            continue
+        numbers = [str(claim.get(moved, "")).split("; ") for claim in claims]
+        words = [
+            "; ".join(number for number in side if number not in other)
+            for side, other in (numbers, numbers[::-1])
+        ]
+        before, after = (f"{moved} {each}" if moved == "share" else each for each in words)
+        yield replace(
+            verdict,
+            reference=f"{verdict.reference} ({before})",
+            result=f"{verdict.result} ({after})",
+        )
 
 
 def _by_series(differences: Sequence[Difference]) -> list[Difference]:
@@ -185,9 +219,21 @@ def _inputs(baseline: Path, changed: Path, differences: Sequence[Difference]) ->
         uses[name] += key in places and difference.column == "value"
         inputs.setdefault(name, replace(difference, row=name))
     return [
-        replace(d, column=f"{d.column} (uses: {uses[name]})") if uses[name] else d
-        for name, d in inputs.items()
+        *(
+            replace(d, column=f"{d.column} (uses: {uses[name]})") if uses[name] else d
+            for name, d in inputs.items()
+        ),
+        *_changed_files(baseline, changed),
     ]
+
+
+def _changed_files(baseline: Path, changed: Path) -> Iterator[Difference]:
+    """Yield the declared files with other contents, and those that one run alone has."""
+    before, after = (_stamp(root).get("files") for root in (baseline, changed))
+    for name in dict.fromkeys((*before, *after)) if before and after else ():
+        if before.get(name) != after.get(name):
+            sums = (files.get(name, "")[:SHORT] for files in (before, after))
+            yield replace(_text(STAMP, name, *sums), column="SHA-256")
 
 
 def _places(root: Path) -> dict[str, str]:
@@ -229,7 +275,7 @@ def _stamp(root: Path) -> dict[str, Any]:
 def _versions(stamp: Mapping[str, Any]) -> dict[str, Any]:
     """Return commit, versions and platform of a run stamp; the inputs tell the configuration."""
     flat: dict[str, Any] = {}
-    for key in sorted(stamp.keys() - {"config", "started", "ended"}):
+    for key in sorted(stamp.keys() - {"config", "files", "started", "ended"}):
         value = stamp[key] if isinstance(stamp[key], dict) else {"": stamp[key]}
         flat |= {f"{key} {name}".strip(): part for name, part in value.items()}
     return flat
