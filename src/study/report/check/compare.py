@@ -229,7 +229,7 @@ def _inputs(baseline: Path, changed: Path, differences: Sequence[Difference]) ->
 
 def _changed_files(baseline: Path, changed: Path) -> Iterator[Difference]:
     """Yield the declared files with other contents, and those that one run alone has."""
-    before, after = (_stamp(root).get("files") for root in (baseline, changed))
+    before, after = (_stamp(root).get("files", {}) for root in (baseline, changed))
     for name in dict.fromkeys((*before, *after)) if before and after else ():
         if before.get(name) != after.get(name):
             sums = (files.get(name, "")[:SHORT] for files in (before, after))
