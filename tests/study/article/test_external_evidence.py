@@ -49,6 +49,13 @@ class TestObliqueData:
         assert sliding.loc[["rigid", "mindlin", "spring"], "rms"].nunique() == 1
         assert sliding.loc["rigid", "relative_rms"] < 0.01
 
+    def test_errors_of_friction_and_restitution_carry_over_where_it_slides(self, rms):
+        error = rms["input_error"].xs("rigid", level="law")["tangential_restitution"]
+        # of at most 2/7 lost, in the share of f (1 + e), where 5/7 are left
+        most = 2 / 5 * np.hypot(0.002 / 0.092, 0.01 / 1.98)
+        assert 0.1 * most < error["sliding"] < most
+        assert error["sticking"] == 0.0
+
     def test_where_it_sticks_partial_slip_alone_fits(self, rms):
         sticking = rms.loc[("tangential_restitution", "sticking"), "rms"]
         assert sticking["mindlin"] < 0.02

@@ -136,7 +136,7 @@ def _agreement(table: pd.DataFrame) -> Any:
 
 
 def _oblique(residuals: pd.DataFrame) -> Iterator[Compared]:
-    """Yield the relative rms of each law, within the error of reading.
+    """Yield the relative rms of each law, within the errors of reading, of friction and of e.
 
     The spin and the velocity that were measured contradict each other by more than that; the spin
     is taken to be known no better.
@@ -153,7 +153,7 @@ def _oblique(residuals: pd.DataFrame) -> Iterator[Compared]:
                 "Kharaz, Gorham and Salman 2001, Powder Technology 120:281",
                 "relative rms of all points",
                 f"aluminium oxide on glass, {row['law']}",
-                high=max(row["reading_error"], known),
+                high=float(np.hypot(max(row["reading_error"], known), row["input_error"])),
                 computed=row["relative_rms"],
             )
 

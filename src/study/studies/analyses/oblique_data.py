@@ -77,7 +77,9 @@ class Params:
     diameter_um: Positive
     speed_m_per_s: Positive
     friction: Positive
+    friction_error: NonNegative
     restitution: Fraction
+    restitution_error: NonNegative
     microspheres: Microspheres
 
 
@@ -104,10 +106,20 @@ def run(params: Params, inputs: Tables) -> Tables:
         work_of_adhesion=0.0,
         friction=params.friction,
     )
-    contact = hertz_damping_for(bare, params.speed_m_per_s, params.restitution)
+
+    def with_numbers(friction: float, restitution: float) -> Contact:
+        rough = bare.replace(friction=friction)
+        return hertz_damping_for(rough, params.speed_m_per_s, restitution)
+
+    f, e = params.friction, params.restitution
+    contact = with_numbers(f, e)
+    varied = (
+        with_numbers(f + params.friction_error, e),
+        with_numbers(f, e - params.restitution_error),
+    )
     spheres = params.microspheres
     small = calibrated_contact(inputs, spheres.case, friction=spheres.friction)
-    compared = comparison(inputs["external"], contact, params.speed_m_per_s)
+    compared = comparison(inputs["external"], contact, params.speed_m_per_s, varied)
     figures = [*curves(params, contact, small), *marks(compared, params, contact)]
     limits = bounds(params, compared, contact, small)
     pair = pair_of(inputs, spheres.case)
@@ -142,11 +154,13 @@ def values(impact: Impact, speed: float, angle: FloatArray) -> dict[str, FloatAr
     }
 
 
-def comparison(points: pd.DataFrame, contact: Contact, speed: float) -> pd.DataFrame:
-    """Return every measured point beside the prediction of each law.
+def comparison(
+    points: pd.DataFrame, contact: Contact, speed: float, varied: tuple[Contact, ...]
+) -> pd.DataFrame:
+    """Return every measured point beside the prediction of each law, and its error.
 
-    Raises ValueError if a quantity is none that was measured, or an angle is not counted from the
-    normal.
+    `varied`: the contact with one of its numbers an error away. Raises ValueError if a quantity is
+    none that was measured, or an angle is not counted from the normal.
     """
     for column, known in (("quantity", tuple(QUANTITIES)), ("at_unit", ("deg from normal",))):
         for text in points[column].unique():
@@ -154,14 +168,13 @@ def comparison(points: pd.DataFrame, contact: Contact, speed: float) -> pd.DataF
     table = points[["quantity", "reading", "unit", "value", "reading_error"]].copy()
     angle = 90.0 - points["at"].to_numpy(float)
     table.insert(2, "angle_deg", angle)
-    impacts = {law: simulate(contact, speed, angle, tangential=law) for law in TANGENTIAL_LAWS}
-    table["branch"] = np.where(impacts["rigid"].rolling, STICKING, SLIDING)
-    for law, impact in impacts.items():
-        predicted = values(impact, speed, angle)
-        table[law] = np.choose(
-            [list(QUANTITIES).index(q) for q in table["quantity"]],
-            [predicted[q] for q in QUANTITIES],
-        )
+    quantity = [list(QUANTITIES).index(q) for q in table["quantity"]]
+    table["branch"] = np.where(simulate(contact, speed, angle).rolling, STICKING, SLIDING)
+    for law in TANGENTIAL_LAWS:
+        impacts = [simulate(each, speed, angle, tangential=law) for each in (contact, *varied)]
+        predicted = [np.choose(quantity, [*values(i, speed, angle).values()]) for i in impacts]
+        table[law] = predicted[0]
+        table[f"{law}_error"] = np.linalg.norm(np.array(predicted[1:]) - predicted[0], axis=0)
     along = table[table["quantity"] == "tangential_restitution"].sort_values("angle_deg")
     # Without a moment but that of friction, the spin follows from the loss of velocity.
     lost = 1.0 - np.interp(angle, along["angle_deg"], along["value"], np.nan, np.nan)
@@ -179,6 +192,7 @@ def residuals(compared: pd.DataFrame) -> pd.DataFrame:
         for (quantity, branch), part in known.groupby(["quantity", "branch"], sort=False):
             off = part[law] - part["measured"]
             relative = off / part["measured"]
+            error = part.get(f"{law}_error", 0.0) / part["measured"]
             rows.append(
                 {
                     "quantity": quantity,
@@ -191,6 +205,7 @@ def residuals(compared: pd.DataFrame) -> pd.DataFrame:
                     "relative_rms": np.sqrt(np.mean(relative**2)),
                     "mean_relative": np.mean(relative),
                     "reading_error": part["reading_error"].max(),
+                    "input_error": np.sqrt(np.mean(error**2)),
                     "evidence": "computed",
                 }
             )
