@@ -47,7 +47,7 @@ rule claims:
         branch=SETTINGS.branches["claim_numbers"],
         changed={
             study: CHANGED[study]
-            for study in {"claim_numbers", *studies.needs("claim_numbers").values()}
+            for study in sorted({"claim_numbers", *studies.needs("claim_numbers").values()})
             if CHANGED
         },
         rests_on=digest_of_inputs("claim_numbers", "digitised_comparison"),

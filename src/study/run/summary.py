@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from study.tables import NOT_COMPUTED
@@ -34,7 +34,7 @@ def summary(results: Path, made: Sequence[str], outdated: Sequence[str] = ()) ->
     files = f": {_listed(made)}" if made else " nothing was made anew"
     lines = [f"In {results}{files}."]
     tables = [results / name for name in made if name.startswith(("tables/", "data/"))]
-    lines += dict.fromkeys(f"Not computed: {why}." for path in tables if (why := _problem(path)))
+    lines += dict.fromkeys(f"Not computed: {why}." for path in tables for why in _problems(path))
     if "report/index.html" in made:
         lines += [
             f"{words}: {counts}."
@@ -52,13 +52,15 @@ def summary(results: Path, made: Sequence[str], outdated: Sequence[str] = ()) ->
     return "\n".join(lines)
 
 
-def _problem(table: Path) -> str:
-    """Return why a table could not be computed, empty if it was."""
+def _problems(table: Path) -> Iterator[str]:
+    """Yield why a table, or rows of it, could not be computed."""
     if not table.is_file():
-        return ""
+        return
     with table.open(encoding="utf-8", newline="") as file:
-        rows = csv.reader(file)
-        return next(rows)[0] if next(rows, None) == [NOT_COMPUTED] else ""
+        rows = csv.DictReader(file)
+        names = {NOT_COMPUTED, "problem"} & {*(rows.fieldnames or ())}
+        if names:
+            yield from (row[name] for row in rows for name in names if row[name])
 
 
 def _listed(made: Sequence[str]) -> str:

@@ -45,8 +45,9 @@ def test_what_could_not_be_computed_is_told_once(tmp_path):
     made = ["tables/a.csv", "data/b.csv"]
     for name in made:
         write_table(not_computed("calibration.latex: no solution"), tmp_path / name)
-    lines = summary(tmp_path, made).splitlines()
-    assert lines[1:] == ["Not computed: calibration.latex: no solution."]
+    (tmp_path / "tables/c.csv").write_text("case,problem\nfast,\nslow,no event\n")
+    lines = summary(tmp_path, [*made, "tables/c.csv"]).splitlines()
+    assert lines[1:] == ["Not computed: calibration.latex: no solution.", "Not computed: no event."]
 
 
 def test_stamp(tmp_path, monkeypatch):
