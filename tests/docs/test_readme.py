@@ -10,6 +10,7 @@ import pytest
 from PIL import Image
 from tests.docs.blocks import PAGES, ROOT
 
+from study.ledgers.claims.criteria import read_claims
 from study.report.documents import verdict_counts
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -30,6 +31,16 @@ def table(head):
 def test_verdicts_are_counted_right():
     assert table("statements") == verdict_counts(CLAIMS)
     assert table("equations and relations") == EQUATIONS["verdict"].value_counts().to_dict()
+
+
+def test_revised_claims_are_counted_right():
+    claims = read_claims(ROOT / "config/claims.yaml").values()
+    revised = [{each.part for each in claim.amendments} for claim in claims if claim.amendments]
+    in_criteria = sum("criteria" in parts for parts in revised)
+    words = (
+        f"{len(revised)} of {len(claims)} were revised after first judging, {in_criteria} of them"
+    )
+    assert words in README
 
 
 def test_the_three_answers_have_the_numbers_of_their_pages():
