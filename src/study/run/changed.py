@@ -54,8 +54,12 @@ def _parameters(
     places = {}
     for key in dict.fromkeys((*before, *after)):
         if before.get(key) != after.get(key):
-            location = stand.get(key) or stand.get(f"{key}[0]", key).removesuffix("[0]")
-            places[key] = "seed" if key.endswith(".seed") else location
+            # A list is declared item by item; materials are those of the case above them.
+            keys = (
+                f"{name}{item}" for name in (key, key.rpartition(".")[0]) for item in ("", "[0]")
+            )
+            location = next((stand[each] for each in keys if each in stand), key)
+            places[key] = "seed" if key.endswith(".seed") else location.removesuffix("[0]")
     return places
 
 

@@ -34,8 +34,8 @@ UNSEEN = "same parts, slightly moved"
 DECLARED = ("statement", "criterion", "article_value")
 # Column that repeats the changed inputs, claim by claim.
 MARKED = "changed_inputs"
-# Columns behind a verdict: the share of the contacts that meet it, else its numbers.
-BEHIND = ("share", "computed_value")
+# Columns behind a verdict: the shares of the contacts that meet it, else its numbers.
+BEHIND = ("shares", "computed_value")
 # Kinds of rows that one run alone has.
 LONE: tuple[Kind, Kind] = ("missing row", "extra row")
 # How references name what a file declares; by the name of the file where it is not here.
@@ -174,7 +174,7 @@ def _with_numbers(
             "; ".join(number for number in side if number not in other)
             for side, other in (numbers, numbers[::-1])
         ]
-        before, after = (f"{moved} {each}" if moved == "share" else each for each in words)
+        before, after = (f"shares {each}" if moved == "shares" else each for each in words)
         yield replace(
             verdict,
             reference=f"{verdict.reference} ({before})",
