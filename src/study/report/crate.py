@@ -30,6 +30,7 @@ from rocrate.rocrate import ROCrate
 
 from microimpact.core.files import require_unaltered, write_file
 from study.report.check.results import (
+    CLAIMS,
     TABLE_FOLDERS,
     ResultsError,
     built,
@@ -37,6 +38,7 @@ from study.report.check.results import (
     require_current,
     require_results,
 )
+from study.report.site.ledgers import read_rows
 from study.run.stamp import STAMP, git_state
 
 METADATA = "ro-crate-metadata.json"
@@ -134,11 +136,12 @@ def write_crate(results: Path, project: Path) -> Path:
     consumed = [_add_copy(crate, project, path) for path in inputs]
     produced = _add_files(crate, results, RESULTS)
     action = _add_run(crate, run, workflow, consumed, produced)
+    reviews = _add_reviews(crate, results)
     for trace in (_add_file(crate, results, STAMP), *_add_files(crate, results, TRACES)):
         trace["about"] = action
     if (results / README).is_file():
         _add_file(crate, results, README)["about"] = crate.root_dataset
-    _describe_root(crate, run, project, action)
+    _describe_root(crate, run, project, [action, *reviews])
     for entity in crate.data_entities:
         entity.write(results)
     text = json.dumps(crate.metadata.generate(), indent=4, sort_keys=True, ensure_ascii=False)
@@ -252,7 +255,26 @@ def _add_run(
     )
 
 
-def _describe_root(crate: Any, run: Run, project: Path, action: Any) -> None:
+def _add_reviews(crate: Any, results: Path) -> list[Any]:
+    """Add a review of each claim, with its verdict as the rating."""
+    reviews, ratings = [], {}
+    for row in read_rows(results / CLAIMS):
+        verdict = row["verdict"]
+        if verdict not in ratings:
+            properties = {"@type": "Rating", "alternateName": verdict}
+            ratings[verdict] = _add_context(crate, f"#{verdict.replace(' ', '-')}", properties)
+        review = {
+            "@type": "ClaimReview",
+            "name": row["id"],
+            "claimReviewed": row["statement"],
+            "reviewRating": ratings[verdict],
+            "isBasedOn": {"@id": CLAIMS},
+        }
+        reviews.append(_add_context(crate, f"#{row['id']}", review))
+    return reviews
+
+
+def _describe_root(crate: Any, run: Run, project: Path, mentioned: list[Any]) -> None:
     about = metadata("microimpact")
     licence = about["License-Expression"]
     crate.name = "Results of the microimpact study"
@@ -269,7 +291,7 @@ def _describe_root(crate: Any, run: Run, project: Path, action: Any) -> None:
         },
     )
     _add_copy(crate, project, Path("LICENSE"))["encodingFormat"] = "text/plain"
-    crate.root_dataset["mentions"] = action
+    crate.root_dataset["mentions"] = mentioned
     crate.root_dataset["conformsTo"] = [
         _add_context(crate, uri, {"@type": "CreativeWork", "name": name, "version": version})
         for uri, (name, version) in PROFILES.items()

@@ -153,6 +153,14 @@ def test_run_crate_the_run_leads_from_declared_inputs_to_all_results(root, entit
     assert "agent" not in action
 
 
+def test_every_claim_has_a_review_with_its_verdict(entities):
+    review = entities["#C02"]
+    assert (review["@type"], review["claimReviewed"]) == ("ClaimReview", "sticks")
+    assert entities[review["reviewRating"]["@id"]]["alternateName"] == "not reproduced"
+    assert review["isBasedOn"]["@id"] in entities
+    assert {"#C01", "#C02"} <= set(ids(entities["./"]["mentions"]))
+
+
 def test_the_library_reads_the_crate_back(root):
     crate = ROCrate(root)
     assert crate.mainEntity.lang.name == "Snakemake"

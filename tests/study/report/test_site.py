@@ -10,6 +10,7 @@ from types import SimpleNamespace
 from urllib.parse import unquote, urlsplit
 from zipfile import ZipFile
 
+import jsonschema
 import pandas as pd
 import pytest
 from click.testing import CliRunner
@@ -82,6 +83,17 @@ def test_the_data_package_describes_every_table(site, results):
     assert units["x_m_per_s"] == "m/s"
     assert units["work_of_adhesion_J_per_m2"] == "J/m2"
     assert units["restitution"] == "1"
+
+
+def test_the_ledger_of_claims_in_one_file_keeps_its_schema(site, results):
+    text, schema = ((site / f"files/claims.{end}").read_text() for end in ("json", "schema.json"))
+    content = json.loads(text)
+    jsonschema.validate(content, json.loads(schema))
+    rows = pd.read_csv(results / "tables/claims.csv", keep_default_na=False)
+    assert [claim["verdict"] for claim in content["claims"]] == rows["verdict"].to_list()
+    numbers = [number for claim in content["claims"] for number in claim["numbers"]]
+    assert len(numbers) == len(pd.read_csv(results / "tables/claim_results.csv"))
+    assert {number["passed"] for number in numbers} == {True, False, None}
 
 
 def test_a_claim_and_an_equation_lead_to_their_code(pages, results):

@@ -18,6 +18,8 @@ from study.figures.registry import FORMATS
 from study.ledgers.claims import words
 from study.ledgers.claims.words import in_words
 from study.report.site import PAGES, code, ledgers
+from study.report.site.claims import FILE as CLAIMS_FILE
+from study.report.site.claims import SCHEMA, claims_json, schema_json
 from study.report.site.datapackage import FILE as DATAPACKAGE
 from study.report.site.datapackage import datapackage
 from study.report.site.figures import (
@@ -204,9 +206,12 @@ def site_pages(results: Path, record: Record) -> dict[str, str]:
     }
     named = [name for row in claims for name in row["code"].split()]
     named += [row["function"] for row in equations]
+    parts = common["results"], common["amendments"]
+    commit = str(record.git.get("commit") or "") or None
     return (
         pages
         | {DATAPACKAGE: datapackage(results, tables)}
+        | {CLAIMS_FILE: claims_json(claims, *parts, commit), SCHEMA: schema_json()}
         | _figure_pages(shown, common)
         | {
             f"{code.FOLDER}/{module.name}.html": render(
