@@ -16,7 +16,6 @@ from importlib.resources import files
 from string import Template
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from microimpact.core.arrays import POSITIVE, FloatArray, Numbers, checked
 from microimpact.core.solve import threshold
@@ -76,6 +75,8 @@ def jkr_coefficients(contact: Contact, speeds: FloatArray, end: float = PULL_OFF
     ValueError
         If a speed is not above the capture velocity, or no sphere ever leaves.
     """
+    from scipy.optimize import minimize_scalar  # slow to import
+
     limit = float(capture_velocity(contact))
     if not np.all(speeds > limit):
         raise ValueError(
