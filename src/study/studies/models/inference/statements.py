@@ -7,6 +7,7 @@ each.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Literal
@@ -31,7 +32,8 @@ IMPOSSIBLE = -1e6
 UNLIKELY = 60.0
 # Nodes over the sizes of a class (Gauss and Hermite), and over those of a share that is captured.
 _ROOTS, _WEIGHTS = np.polynomial.hermite_e.hermegauss(3)
-NODES, WEIGHTS = scipy.special.ndtr(_ROOTS), _WEIGHTS / _WEIGHTS.sum()
+NODES = np.array([0.5 * math.erfc(-root / math.sqrt(2.0)) for root in _ROOTS])
+WEIGHTS = _WEIGHTS / _WEIGHTS.sum()
 SHARES = (np.arange(40) + 0.5) / 40
 # Below this share captured none is, for the formula that divides by it.
 SMALLEST_SHARE = 1e-9
