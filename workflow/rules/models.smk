@@ -25,6 +25,19 @@ use rule study as inference with:
         **parameters("inference"),
 
 
+use rule study as size_law with:
+    """tables/size_law_*.csv: v_c over the diameter by law, and rebounds that tell the laws apart."""
+    input:
+        **tables("calibration", "posterior_contacts"),
+    output:
+        **tables("size_law_exponents", "size_law_design"),
+        **data("size_law_curves", "size_law_impacts"),
+    pathvars:
+        study="size_law",
+    params:
+        **parameters("size_law"),
+
+
 use rule study as restitution_trends with:
     """data/fig14.csv: R, rho and e against the impact speed (Eqs. 32-34)."""
     output:

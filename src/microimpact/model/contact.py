@@ -306,9 +306,11 @@ class Contact:
             }
             return {name: np.broadcast_to(value, whole)[index] for name, value in arrays.items()}
 
-        bodies = {name: getattr(self, name) for name in ("particle", "surface")}
+        records = {name: getattr(self, name) for name in ("particle", "surface", "law")}
         changes = part(self) | {
-            name: replace(value, **part(value)) for name, value in bodies.items()
+            name: replace(value, **part(value))
+            for name, value in records.items()
+            if value is not None
         }
         for name in {"work_of_adhesion", "ring_force"} - {self.adhesion_input}:
             changes.pop(name, None)

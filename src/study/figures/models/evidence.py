@@ -43,7 +43,7 @@ def _draw_lines(ax: Axes, table: pd.DataFrame, panel: PanelSpec, *, is_first: bo
     is_printed = table["evidence"] == "printed"
     names = table.loc[~is_printed, "series"].str.split("; ", expand=True)
     rows = table[~is_printed].assign(kind=names[0], line=names[1], law=names[2])
-    is_grey = table["series"].str.endswith(FEW)
+    is_grey = rows["series"].str.endswith(FEW)
     lines = rows.drop_duplicates("x_1")
     # A head of its own opens each kind.
     kinds = list(dict.fromkeys(lines["kind"]))
@@ -82,16 +82,17 @@ def _draw_lines(ax: Axes, table: pd.DataFrame, panel: PanelSpec, *, is_first: bo
 def draw_bands(tables: Tables, spec: FigureSpec) -> Figure:
     """Draw e against the speed: bands of contacts by law, single contacts, printed values.
 
-    `tables`: one table; series with bounds at many speeds are bands; `spec`: registry entry.
+    `tables`: those of the panels; series with bounds at many speeds are bands; `spec`: registry
+    entry.
     """
-    (table,) = tables.values()
     figure, axes = style.new_figure(spec)
-    is_band = (table["evidence"] != "printed") & table["y_low"].notna()
     for name, panel in spec.panels.items():
+        table = next(each for each in tables.values() if name in set(each["panel"]))
+        is_band = (table["evidence"] != "printed") & table["y_low"].notna()
         rows = table[(table["panel"] == name) & is_band]
         for series, part in rows.groupby("series", sort=False):
             style.draw_band(axes[name], part, panel.series[str(series)])
         style.draw_panel(axes[name], style.without_bounds(table, is_band), panel, name)
     style.legend_above(figure, axes.values())
-    style.evidence_key(figure, table["evidence"])
+    style.evidence_key(figure, pd.concat([table["evidence"] for table in tables.values()]))
     return figure
