@@ -15,7 +15,7 @@ from study.figures.style import save, without_data
 from study.run.config import read_inputs
 from study.run.study import run_study
 from study.studies.claims import claim_numbers
-from study.studies.contacts import calibrated_contact
+from study.studies.contacts import calibrated_contact, solved_contacts
 from study.tables import NotComputedError, not_computed, read_table, write_table
 
 WHY = "calibration.two_stage.members.n = 1: no solution"
@@ -50,6 +50,7 @@ def test_a_case_without_solution_costs_those_that_name_it():
     assert lacking["problem"].item().startswith("calibration.force_ratios: the peak of adhesion")
     with pytest.raises(NotComputedError, match=r"calibration\.force_ratios"):
         calibrated_contact(tables, "fluorescein-molybdenum, greatest")
+    assert not solved_contacts(tables, ["fluorescein-molybdenum, greatest"])
     with pytest.raises(NotComputedError, match=r"calibration\.force_ratios"):
         NamedTables(tables)["molybdenum_capture"]
     materials = pd.read_csv(ROOT / "config/materials.csv")

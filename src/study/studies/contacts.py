@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -129,6 +130,15 @@ def posterior_rows(inputs: Tables, posterior: Posterior) -> pd.DataFrame:
             raise ValueError(f"no contacts of {column} {name!r}{nearest(name, set(table[column]))}")
         table = table[table[column] == name]
     return table
+
+
+def solved_contacts(inputs: Tables, cases: Iterable[str]) -> dict[str, Contact]:
+    """Return the contacts of those cases whose calibration has a solution."""
+    contacts = {}
+    for case in cases:
+        with suppress(NotComputedError):
+            contacts[case] = calibrated_contact(inputs, case)
+    return contacts
 
 
 def posterior_contact(inputs: Tables, rows: pd.DataFrame, **changes: Any) -> Contact:

@@ -9,7 +9,7 @@ import pandas as pd
 
 from microimpact.model.contact import resized
 from microimpact.model.dynamics.normal import normal_impact
-from study.studies.contacts import BAND, calibrated_contact, posterior_contact
+from study.studies.contacts import BAND, posterior_contact, solved_contacts
 from study.studies.models.inference.case import WORK, Case
 from study.tables import Tables, series_frame
 
@@ -102,9 +102,9 @@ def bands(
         frames.append(panel(str(law), speeds, middle, "calibrated", low, high))
     for scenario in dict.fromkeys(key.partition("; ")[0] for key in sorted(laws)):
         panel = partial(series_frame, f"{name}, {scenario}", x_unit="m_per_s", y_unit="1")
-        for compared in case.compared:
-            contact = resized(calibrated_contact(inputs, compared), case.diameter_um * 1e-6)
-            e = normal_impact(contact, speeds).coefficient_of_restitution
+        for compared, contact in solved_contacts(inputs, case.compared).items():
+            resized_contact = resized(contact, case.diameter_um * 1e-6)
+            e = normal_impact(resized_contact, speeds).coefficient_of_restitution
             frames.append(panel(compared, speeds, e, "calibrated"))
         for statement in case.statements.values():
             if statement.quantity == "restitution" and statement.standing == PRINTED:
